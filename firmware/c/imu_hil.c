@@ -53,7 +53,7 @@ static void model(void)
     GpioDataRegs.B.CLEAR = MODEL_PIN;
 }
 
-/* I2C_SLAVE_CONFIG (Fig. A.2). */
+/* I2C_SLAVE_CONFIG of the dissertation (Fig. A.2): sets the own address. */
 static void slave_config(uint16_t address)
 {
     I2caRegs.I2CMDR.bit.IRS = 0;
@@ -73,7 +73,7 @@ static int wants_byte(void)
     }
 }
 
-/* i2cBatchRead (Fig. A.4): serves one read of the sensor head. */
+/* i2cBatchRead of the dissertation (Fig. A.4): serves one read of the sensor head. */
 static void batch_read(const uint16_t *bytes)
 {
     while (I2caRegs.I2CSTR.bit.AAS == 0)

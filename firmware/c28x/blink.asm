@@ -3,7 +3,7 @@
           .include "f28335.inc"
 
 PERIOD    .set  75000             ; cycles: 500 us
-LED       .set  1 << 31 - 16      ; of the upper word of port A
+LED       .set  1 << 31 - 16      ; GPIO31 in the upper word of port A
 
           .reserve ".stack", 0x400, 0x300
           .sect ".text", 0x9000

@@ -3,7 +3,7 @@
 ;   SCI FIFO interrupt --> frame --> models (GPIO34 high to low) --> bytes of three chips
 ;   request of the sensor head --> own address, pointer byte, SDIR, I2CDXR/XRDY, SCD
 ;
-; The chips show the values of the frame, as imu_hil.py with arithmetic = "bytes". A frame has six signed 16-bit values,
+; The chips show values of the frame, like imu_hil.py with arithmetic = "bytes". A frame has six signed 16-bit values,
 ; low byte first. The gyroscope shows the angles, high byte first; the accelerometer the accelerations, low byte first; the
 ; magnetometer the angles, high byte first, z before y. 150 MHz from a crystal of 30 MHz; code and data are in RAM.
 
@@ -15,7 +15,7 @@ MAGNETOMETER  .set 0x1E
 COUNT         .set 6              ; number of bytes in a read
 FRAME_BYTES   .set 12
 BRR           .set 40             ; 37.5 MHz / 8 / 115200 - 1, rounded
-MODEL_PIN     .set 1 << 34 - 32   ; of port B
+MODEL_PIN     .set 1 << 34 - 32   ; GPIO34 in the registers of port B
 
           .global _frame, _taken, _gyroscope, _accelerometer, _magnetometer, _order
           .reserve ".stack", 0x400, 0x300
@@ -28,8 +28,8 @@ _magnetometer:  .space 8
 
           .sect ".econst", 0x8040
 _order:   .word 1, 0, 3, 2, 5, 4  ; index in the frame of each byte of the gyroscope,
-          .word 6, 7, 8, 9, 10, 11  ; of the accelerometer's
-          .word 1, 0, 5, 4, 3, 2    ; and of the magnetometer's
+          .word 6, 7, 8, 9, 10, 11  ; of each byte of the accelerometer,
+          .word 1, 0, 5, 4, 3, 2    ; and of each byte of the magnetometer
 
           .sect ".text", 0x9000
           .global _main, _serve, _model, _six_bytes, _sci_received, _start_sci, _start_pin, _start_pie
@@ -53,8 +53,8 @@ _main:    LCR   #_model
           LCR   #_serve
           SB    _main,UNC
 
-; Serves one read of the sensor head. AL: the chip's address. XAR4: its bytes. As I2C_SLAVE_CONFIG and i2cBatchRead
-; (Figs. A.2 and A.4), field by field: each assignment to a field is a read and a write of the whole register.
+; Serves one read of the sensor head. AL: the chip's address. XAR4: its bytes. The steps are I2C_SLAVE_CONFIG and
+; i2cBatchRead of the dissertation (Figs. A.2, A.4): each assignment to a field reads and writes the whole register.
 _serve:   MOVW  DP,#I2CMDR >> 6
           AND   @I2CMDR,#~(1 << IRS)
           AND   @I2CMDR,#~(1 << MST)
@@ -124,7 +124,7 @@ take:     MOV   AL,@SCIRXBUF
           NASP
           IRET
 
-_start_pin:                       ; makes GPIO34 an output at level 0
+_start_pin:                       ; makes GPIO34 (MODEL_PIN) an output at level 0
           MOVW  DP,#GPBCLEAR >> 6
           MOV   @GPBCLEAR,#MODEL_PIN
           EALLOW
@@ -133,7 +133,7 @@ _start_pin:                       ; makes GPIO34 an output at level 0
           EDIS
           LRETR
 
-_start_sci:                       ; GPIO28 and 29; receive FIFO with an interrupt at a complete frame
+_start_sci:                       ; sets up GPIO28, GPIO29, and a receive FIFO that interrupts at a complete frame
           EALLOW
           MOVW  DP,#GPAMUX2 >> 6
           OR    @GPAQSEL2+1,#0x300

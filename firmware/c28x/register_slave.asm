@@ -10,7 +10,7 @@
           .include "f28335.inc"
 
 ADDRESS   .set  0x50
-NACK_CODE .set  2                 ; I2CISRC
+NACK_CODE .set  2                 ; codes in I2CISRC
 RRDY_CODE .set  4
 XRDY_CODE .set  5
 SCD_CODE  .set  6
@@ -33,7 +33,7 @@ _c_int00: MOV   @SP,#0x400
           LCR   #_start_i2c
           MOV   @I2COAR,#ADDRESS
           OR    @I2CMDR,#1 << IRS
-          MOV   @I2CIER,#0x6A     ; AAS, SCD, RRDY, NACK; XRDY while a read is served
+          MOV   @I2CIER,#0x6A     ; AAS, SCD, RRDY, NACK; XRDY is enabled only during a read
           LCR   #_start_pie
 sleep:    IDLE
           SB    sleep,UNC

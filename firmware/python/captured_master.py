@@ -4,8 +4,8 @@
 
 Each transfer is a text as in the I2C specification: a 7-bit address in hexadecimal, then W with the bytes to write or
 R with the number of bytes to read. Sr separates parts; START and STOP are implied. `R 6 ACK` also acknowledges the last
-byte. Transfer n begins `pauses[n]` after the STOP before it. After a NACK, the next part follows; in the last part,
-firmware sets STP, as in the application notes.
+byte. Transfer n begins `pauses[n]` after the previous STOP. After a NACK, the next part follows. If it was the last
+part, firmware sets STP to end the transfer.
 
 Non-repeat mode (RM = 0) counts the bytes with I2CCNT; an address without data needs RM = 1, since I2CCNT = 0
 means 65536.
@@ -30,7 +30,7 @@ REPLAY = ("script", "pauses", "low", "high")  # settings that a replay sets from
 
 @dataclass(frozen=True)
 class Part:
-    """A part of a transfer, from one START to the next or to the STOP. count: bytes to read; None for a write."""
+    """A part of a transfer, from a START to the next START or STOP. count: bytes to read; None for a write."""
 
     address: int
     data: bytes = b""

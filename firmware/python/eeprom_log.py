@@ -5,7 +5,7 @@
                    START, address, word address, repeated START, read, STOP  --> the record
 
 With page = 0, the record is sent in one write, across page boundaries. Each byte is written to I2CDXR when XRDY is set.
-After a NACK, firmware sets STP, as in the application notes.
+After a NACK, the module holds the bus, so firmware sets STP to end the transfer.
 
 Source: SPRUG03B Table 6 (RM, STT, STP), section 2.5.4; Microchip DS20001189 sections 6 and 7 (page write, polling).
 """
@@ -57,7 +57,7 @@ class Log:
             at, left = at + room, left[room:]
 
     def begin(self, command: int, count: int = 0) -> None:
-        """Wait for the bus to be free, then start a transfer with START and address."""
+        """Wait until the bus is free, then send START and address. command: further bits of I2CMDR. count: I2CCNT."""
         i2c = self.i2c
         self.dsp.spin(lambda: i2c.I2CMDR.STP == 0)
         self.dsp.spin(lambda: i2c.I2CSTR.BB == 0)
@@ -86,7 +86,7 @@ class Log:
         self.end()
 
     def is_ready(self) -> bool:
-        """Return True if the EEPROM acknowledges its address, as it does when its write is complete."""
+        """Return True if the EEPROM acknowledges its address, which means that it has stored the page."""
         i2c = self.i2c
         self.begin(TRX | RM)
         self.dsp.spin(lambda: i2c.I2CMDR.STT == 0)

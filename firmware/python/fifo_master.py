@@ -1,9 +1,9 @@
-"""A master that writes a record to an EEPROM through the transmit FIFO, as in questions about long writes.
+"""A master that writes a record to an EEPROM through the transmit FIFO, to show what users ask about long writes.
 
     two address bytes and the record --refilled | at once--> 16 words of TX FIFO --I2CCNT bytes--> the bus, then STOP
 
-`count_at_start = false` writes I2CCNT only after START, with a longer count left from before.
-After a NACK, firmware writes `after_nack` to I2CMDR. Then the next write follows, as soon as the bus is free.
+With `count_at_start` = False, I2CCNT is 0 at START, which means 65536 bytes. The right count is written after START.
+After a NACK, firmware writes the values `after_nack` to I2CMDR. The next write follows as soon as the bus is free.
 
 Source: SPRUG03B sections 2.5.4, 5.10 (I2CCNT); Table 6 (RM, STT, STP), Table 10 (BB), Table 21 (I2CFFTX).
 """
@@ -26,8 +26,8 @@ PATIENCE = Fraction(10, 1000)  # the longest wait for the bus, in seconds
 class Settings:
     """The settings that a case can give to this program.
 
-    length: bytes of the record, without the two address bytes.
-    after_nack: values written to I2CMDR after a NACK; by default STP is set.
+    length: number of bytes in the record, without the two address bytes.
+    after_nack: values that are written to I2CMDR after a NACK, one after the other; by default one value with STP.
     """
 
     length: int = 32

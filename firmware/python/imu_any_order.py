@@ -64,7 +64,7 @@ class Settings(ModelSettings):
 
 
 class Chip(Registers):
-    """A sensor. latched: its registers when the current read began. was_read: True if read since the models ran."""
+    """A sensor. latched: the registers at the last address. was_read: True if read since the models last ran."""
 
     def __init__(self, address: int) -> None:
         super().__init__(b"", REGISTERS)

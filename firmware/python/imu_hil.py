@@ -3,13 +3,13 @@
     SCI FIFO interrupt --> frame --> models (GPIO high to low) --> data of three chips
     request of the sensor head --> own address, pointer byte, SDIR, I2CDXR/XRDY, SCD
 
-The steps are those of the dissertation (Figs. A.2 and A.4, sections 3.4 and 4.3.5). Registers are written
-field by field, as there: each assignment to a field reads and writes the whole register.
+The steps are those of the dissertation (Figs. A.2 and A.4, sections 3.4 and 4.3.5). As in the dissertation, registers
+are written field by field: each assignment to a field reads and writes the whole register.
 
 A frame is six signed 16-bit values, low byte first: roll, pitch, yaw, then acceleration x, y, z. With arithmetic =
-"bytes" the chips show these values, so a byte on the bus identifies its frame: the gyroscope the angles, the
-accelerometer the accelerations, the magnetometer the angles again, each in its chip's byte order. With any other
-arithmetic ("float64", "float32", "q16", ...) they show the output of the sensor models.
+"bytes" the chips show these values, so a byte on the bus identifies its frame. The gyroscope shows the angles, the
+accelerometer the accelerations, and the magnetometer the angles again, each in its chip's byte order. With any other
+arithmetic ("float64", "float32", "q16", ...) the chips show the output of the sensor models.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
 
 @dataclass
 class Settings(ModelSettings):
-    """Settings besides those of the models. sdir_wait: wait for SDIR before the first byte of a read is written."""
+    """Settings besides those of the models. sdir_wait: True to wait for SDIR before sending the first byte."""
 
     frame_cost: Duration = Fraction(0)  # time that the SCI's service routine takes for a frame
     sdir_wait: bool = True
@@ -40,7 +40,7 @@ class Settings(ModelSettings):
     brr: int = 40
     fifo_level: int = FRAME_BYTES  # level of the receive FIFO that causes an interrupt
     pin: int = 34  # number of the GPIO that is high while the models run
-    table: dict[str, HexBytes] = field(default_factory=dict)  # address of a chip -> the data that it always shows
+    table: dict[str, HexBytes] = field(default_factory=dict)  # maps the address of a chip to data that it always shows
 
 
 class Emulator:
@@ -135,7 +135,7 @@ class Emulator:
                 self.batch_read(self.data[address])
 
     def serve_frame_by_frame(self) -> None:
-        """Serve rounds. Run the models on a frame before a round, or, if no frame came, after the round."""
+        """Serve rounds. Run the models on each frame that comes before a round. If none came, run them after it."""
         dsp, i2c = self.dsp, self.i2c
         first, *others = self.settings.order
         self.model()

@@ -1,7 +1,7 @@
 """A robust version of the IMU emulator imu_hil, which recovers from faults on the bus and on the serial line.
 
     SCI FIFO interrupt --> frame, unless a character is broken      if RX is idle with characters left: reset receiver
-    frame complete ------> models, unless a round is near           if no frame came before a round: models after it
+    frame complete ------> models, unless a round is near           if no frame came before a round: models after round
     request -------------> own address, pointer, SDIR, I2CDXR/XRDY  if a wait times out: back to the first chip
 
 Differences from imu_hil, with their reasons:
@@ -9,11 +9,11 @@ Differences from imu_hil, with their reasons:
 * Every wait is limited by TIMER1 (`patience`): an aborted request costs only its round.
 * It clears SCD by writing a 1 to this bit only, and never writes back a value that it has read from I2CSTR. So no flag
   is lost. IRS = 0 clears the flags of an aborted request.
-* I2CDRR is read, so a second byte after the pointer (a driver's set-up) does not stretch SCL.
+* I2CDRR is read, so a second byte after the pointer, with which a driver sets a chip up, does not stretch SCL.
 * A frame ends when RX is idle: characters left in the FIFO without new ones belong to a broken frame, and are
   discarded. So a lost character costs one frame, not all later ones.
-* The models run when a frame arrives, so a read has the values of the last frame, not of the one before it. They do not
-  run from `guard` before the next round to the end of that round. TIMER0 predicts the round from the one before it.
+* The models run when a frame arrives, so a read has the values of the last frame, not of the frame before. They do not
+  run from `guard` before the next round to the end of that round. TIMER0 predicts the round from the previous round.
 
 Source: dissertation section 3.4 (work to be done); SPRUG03B (W1C flags, IRS), SPRUFZ5A (FIFO), SPRUFB0D 5.5 (timers).
 """
@@ -43,11 +43,11 @@ SYSCLKOUT = 150_000_000
 
 @dataclass
 class Settings(ModelSettings):
-    """Settings of a case besides those of the models: order of service, and times.
+    """Settings besides those of the models. period: of the rounds.
 
-    period: period of the rounds. guard: time before a round in which the models do not start; it must exceed their run
-    time plus the jitter of rounds and the clock error in a period. patience: the longest wait; it must exceed the time
-    from the last I2CDXR write to the STOP, two bytes. Between rounds, RX is idle after this time without a character.
+    guard: time before a round in which the models do not start: more than their run time plus all jitter of rounds.
+    patience: the longest wait: more than the two bytes from the last write of I2CDXR to the STOP. Between rounds, RX
+        counts as idle after this time without a character.
     """
 
     models_run: Literal["round", "frame"] = "frame"
@@ -98,7 +98,7 @@ class Emulator:
         self.pie.PIEACK.all = GROUP_9
 
     def look_at_line(self) -> None:
-        """Reset the receiver if data or an error is left and the FIFO level has not changed since the last check."""
+        """Reset the receiver if the FIFO level is unchanged since the last check, and data or an error is left."""
         sci = self.sci
         left = sci.SCIFFRX.RXFFST
         if left == self.left and (left or sci.SCIRXST.RXERROR):

@@ -23,7 +23,7 @@ from periph_sim.processor.dsp import Dsp
 
 FRAME = Struct("<6h")
 LITTLE, BIG = Struct("<3h"), Struct(">3h")
-MEASURED = Spread(Fraction(250, 1_000_000), Fraction(250, 1_000_000))  # run time: dissertation, section 5.4
+MEASURED = Spread(Fraction(250, 1_000_000), Fraction(250, 1_000_000))  # run time in dissertation, section 5.4
 NOTHING = Spread(Fraction(0), Fraction(0))
 NO_FRAME = bytes(FRAME.size)  # input of the models before the first frame
 BYTES = "bytes"  # name of the arithmetic without models: the chips show the values of the frame
@@ -59,10 +59,10 @@ ParameterFile = Annotated[ImuParameters, Before(_parameters)]
 class ModelSettings:
     """Settings of the models of an emulator: when they run, how long, and what they compute.
 
-    models_run: "round": the models run after each round of the sensor head, with the last frame; "frame": they run
-    when a frame is complete before a round, or, if no frame came, after the round, so that noise continues.
-    model_cost: duration of a run, or a range from which each run draws a duration; or "estimate": the estimated
-    duration of the equations, to which `beyond_estimate` adds the time of all other code of the models.
+    models_run: "round" to run the models after each round of the sensor head, with the last frame. "frame" to run them
+        on each frame that is complete before a round, or after the round if none was, so that noise continues.
+    model_cost: the duration of a run, a range from which each run draws a duration, or "estimate": the estimated
+        duration of the equations, to which `beyond_estimate` adds the time of all other code of the models.
     """
 
     models_run: Literal["round", "frame"] = "round"
@@ -96,7 +96,7 @@ class Models:
 
     The rates of the first frame are zero, since there is no attitude before it. A step from zero to the attitude of
     the host within one period would be a rate that no gyroscope shows and that Q16 cannot represent.
-    arithmetic: its name, such as "float64" or "q16".
+    arithmetic: the name of the arithmetic, such as "float64" or "q16".
     noise_seed: seed of the sensors' noise; the n-th call uses sample n. None: no noise.
     on_overflow: called once for each result that does not fit its Q format.
     """
@@ -153,7 +153,7 @@ def _swapped(x: Any, y: Any, z: Any) -> bytes:
 
 @lru_cache(maxsize=16)
 def estimated(arithmetic: str, parameters: ImuParameters) -> Fraction:
-    """Return the estimated time that the equations take at 150 MHz, in seconds. "bytes" is not allowed: it has none."""
+    """Return the estimated seconds that the equations take at 150 MHz. `arithmetic` must not be "bytes"."""
     from periph_sim.imu.models.counts import counts_of
     from periph_sim.imu.numeric import arithmetic_names as named
     from periph_sim.imu.numeric.estimate import estimate

@@ -55,7 +55,7 @@ class Responder(SlaveInterrupt):
         self._busy = iter(settings.busy)
         self._last = settings.replies[-1] if settings.replies else b""
         self._bytes: Iterator[int] = iter(())
-        self._writing = self._stored = False  # interrupt style: True while a write is in progress; True after one
+        self._writing = self._stored = False  # in interrupt style: a write is in progress; a write was completed
         self.waits = self.conditions()
 
     def configure(self) -> None:
@@ -151,14 +151,14 @@ class Responder(SlaveInterrupt):
                 i2c.I2CFFTX.TXFFRST = 1
                 for _ in range(16):
                     i2c.I2CDXR.all = next(self._bytes)
-                i2c.I2CFFTX.all = 0x6060 | 4  # interrupt when only four bytes are left
+                i2c.I2CFFTX.all = 0x6060 | 4  # requests an interrupt when only four bytes are left
             else:
                 i2c.I2CDXR.all = next(self._bytes)
                 i2c.I2CIER.XRDY = 1
         else:
             self.received.append(bytearray())
             if self.settings.fifo:
-                i2c.I2CFFRX.all = 0x2061  # interrupt as soon as there is one byte
+                i2c.I2CFFRX.all = 0x2061  # requests an interrupt as soon as there is one byte
 
     def fifo_interrupt(self) -> None:
         """Serve I2CINT2A: the transmit FIFO level is low, or a byte was received."""
@@ -196,7 +196,7 @@ class Responder(SlaveInterrupt):
 
 
 class Waits(NamedTuple):
-    """Wait conditions of the polled style, without FIFO."""
+    """Wait conditions of the polled style without FIFO: functions that return True when the wait is over."""
 
     addressed: Callable[[], object]
     over: Callable[[], object]

@@ -13,7 +13,7 @@ from periph_sim.firmware import Dsp, Duration, HexBytes, start_pin, start_sci
 
 @dataclass
 class Settings:
-    """The settings that a case can give to this program. low: time for which the pin is low; 0: it never is."""
+    """The settings that a case can give to this program. low: how long the pin is low before the SCI takes it over."""
 
     brr: int = 1
     low: Duration = Fraction(0)

@@ -1,6 +1,6 @@
-"""A receiver on SCI-A with an interrupt for each character, as in questions about FE and BRKDT.
+"""A receiver on SCI-A with an interrupt for each character, to show what users ask about FE and BRKDT.
 
-    RX --qualifier of GPIO28--> SCI-A --SCIRXINTA--> read SCIRXBUF; after a break SW RESET, if `recover` is set
+    RX --qualifier of GPIO28--> SCI-A --SCIRXINTA--> read SCIRXBUF; after a break SW RESET, if `recover` is True
 
 Without FIFO, BRKDT requests the interrupt too (RXBKINTENA). With FIFO, only a character does.
 
@@ -21,7 +21,7 @@ class Settings:
     """The settings that a case can give to this program.
 
     brr: LSPCLK / (8 * rate) - 1.
-    qualify: sampling period of GPIO28 in units of two SYSCLKOUT cycles (QUALPRD), three samples; 0: not qualified.
+    qualify: period of three qualifier samples of GPIO28, in units of two SYSCLKOUT cycles; 0: no qualifier.
     recover: True to toggle SW RESET after BRKDT.
     """
 

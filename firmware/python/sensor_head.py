@@ -4,7 +4,7 @@
 
 For a read, firmware sends the pointer byte with STT and without STP (RM = 0), and waits for ARDY. Then it sets STT and
 STP as master-receiver, reads I2CCNT bytes when RRDY is set, and waits until SCD shows the STOP. After a NACK of the
-address or pointer, it sets STP, as in the application notes.
+address or pointer, the module holds the bus, so firmware sets STP to end the transfer.
 
 Source: SPRUG03B Table 6 (RM, STT, STP) and section 2.5.4; TI's i2c_eeprom example for the settings.
 """
@@ -18,7 +18,7 @@ from periph_sim.core.table import Duration
 from periph_sim.firmware import start_i2c, start_pie
 from periph_sim.processor.dsp import Dsp
 
-CHIPS = {0x68: 0x1D, 0x53: 0x32, 0x1E: 0x03}  # address of each chip -> its first data register
+CHIPS = {0x68: 0x1D, 0x53: 0x32, 0x1E: 0x03}  # maps the address of each chip to its first data register
 
 
 @dataclass

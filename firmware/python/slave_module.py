@@ -31,7 +31,7 @@ class Target(Protocol):
         """Return the byte that a read sends next."""
 
     def step(self) -> None:
-        """Advance to the next byte of a read. Called when the shift register has taken the byte before it."""
+        """Advance to the next byte of a read. Called when the shift register has taken the previous byte."""
 
     def over(self) -> None:
         """End the transfer at a STOP."""

@@ -30,10 +30,10 @@ IDLE, ADDRESS, RECEIVE, SEND, OTHERS = range(5)  # OTHERS: the transfer is for a
 
 @dataclass
 class PinCosts:
-    """Numbers of cycles that the code between accesses takes, in addition to those of the unit's `code`.
+    """Numbers of cycles that parts of the code take, in addition to the cycles in the unit's `code`.
 
-    edge: to choose how an edge is handled. byte: for the target to take or give a byte, while SCL is held low.
-    set_up: from the change of SDA to the release of SCL; 38 cycles are the 250 ns of UM10204 Table 10, tSU;DAT.
+    edge: choosing how an edge is handled. byte: taking a byte or giving one by the target, while SCL is held low.
+    set_up: time from the change of SDA to the release of SCL; 38 cycles are 250 ns (tSU;DAT in UM10204 Table 10).
     """
 
     edge: int = 15
@@ -42,7 +42,7 @@ class PinCosts:
 
 
 class SlavePins:
-    """The slave. targets: by address. phase: state of the transfer. count: completed bits of the byte and its ACK."""
+    """The slave. targets: its targets by address. count: bits of the present byte so far; the ninth is its ACK."""
 
     def __init__(self, dsp: Dsp, targets: Mapping[int, Target], costs: PinCosts) -> None:
         self.dsp = dsp

@@ -1,6 +1,10 @@
-"""The names that firmware imports: start-up functions in the style of TI's code, and types of settings.
+"""The names that Python firmware imports: the class `Dsp`, start-up functions, and types of settings.
 
-from periph_sim.firmware import Duration, start_i2c, start_pie
+    from periph_sim.firmware import Dsp, Duration, start_i2c, start_pie
+
+Terms of this package:
+case: a TOML file that describes a scene. It gives a program the modules and settings of its unit.
+to start a module: to switch on its clock, set up its pins and write its registers, as TI's example code does.
 """
 
 from __future__ import annotations

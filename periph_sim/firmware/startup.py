@@ -11,7 +11,7 @@ from ..processor.dsp import Dsp
 
 
 def start_pin(dsp: Dsp, pin: int) -> None:
-    """Make GPIO `pin` an output at level 0. Do nothing if the case does not give `dsp` the module GPIO."""
+    """Make the pin with this GPIO number an output at level 0. Do nothing if the unit has no module GPIO."""
     if not dsp.has("GPIO"):
         return
     gpio = dsp.module("GPIO")
@@ -46,7 +46,11 @@ def start_i2c(dsp: Dsp, own_address: int = 0) -> None:
 
 
 def sci_fifo_receiver(dsp: Dsp, brr: int, level: int, sciccr: int = 0x07) -> None:
-    """Set up SCI-A with a receive FIFO that requests an interrupt at `level` words. For brr, sciccr see `start_sci`."""
+    """Set up SCI-A with a receive FIFO that requests an interrupt when it has `level` words.
+
+    brr: LSPCLK / (8 * rate) - 1.
+    sciccr: the value of SCICCR; 0x07 is 8 data bits, no parity, one stop bit.
+    """
     clocks = dsp.module("SYS")
     dsp.eallow()
     clocks.PCLKCR0.SCIAENCLK = 1
@@ -69,7 +73,10 @@ def sci_fifo_receiver(dsp: Dsp, brr: int, level: int, sciccr: int = 0x07) -> Non
 
 
 def start_pie(dsp: Dsp, handlers: dict[str, Callable[[], None]]) -> None:
-    """Enable the PIE and some interrupts. handlers: a dictionary from their names to their service routines."""
+    """Enable the PIE, the interrupts named in `handlers`, and then interrupts as a whole (EINT).
+
+    handlers: a dictionary from the names of interrupts, such as "TINT0", to their service routines.
+    """
     pie = dsp.module("PIE")
     pie.PIECTRL.ENPIE = 1
     # PIEACK is cleared before any line is enabled in PIEIER. Otherwise the request of an enabled line could pulse INTx

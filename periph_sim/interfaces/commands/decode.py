@@ -342,7 +342,8 @@ def packets(rows: Rows, first: Numbers, clock: event_text.Clock) -> Iterator[tup
     )
     bounds = [*begins.tolist(), len(rows.at)]
     columns = [column.tolist() for column in (rows.bus, rows.event, rows.value, rows.bits, rows.detail)]
-    for number in np.argsort(rows.at[begins], kind="stable").tolist():  # transfers of several buses may overlap
+    # The packets are sorted, because transfers of several buses may overlap in time.
+    for number in np.argsort(rows.at[begins], kind="stable").tolist():
         begin, end, time = bounds[number], bounds[number + 1], times[number]
         own = [tuple(column[row] for column in columns) for row in range(begin, end)]
         wire, flags = bytearray(), 0

@@ -177,7 +177,10 @@ def transfers(
     """Yield a line for each transfer or burst in style table or csv.
 
     first: the rows with which transfers and bursts begin.
-    buses, clock, style, full, named: as for `events`.
+    buses: the name of each bus.
+    clock: None if the capture has no sample rate.
+    full: True to show the end of each transfer, and positions beside times, in a table. CSV always shows these.
+    named: the names of bytes; None without --chip and --case.
     """
     ends = np.maximum.reduceat(rows.end, first) if len(first) else rows.end
     titles, head = _head(select(rows, first)._replace(end=ends), buses, clock, style, full)

@@ -201,7 +201,8 @@ def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> W
     """Return the case of a program.
 
     program: the keys of the case that name the program.
-    comments, notes: lines that precede the other comments and notes.
+    comments: comments that precede those about the run at the top of the case.
+    notes: notes for the user that precede those about the run.
     """
     name = re.sub(r"[^\w.-]", "_", Path(abspath(path)).stem)  # abspath replaces "." and ".." by the folder's name
     target = Path(f"{name}.toml")
@@ -275,7 +276,10 @@ def _measures(scene: Scene, dsp: Dsp, seen: Seen, calls: LoopCalls) -> dict[str,
 
 
 def _inputs(dsp: Dsp, modules: list[str]) -> dict[str, int]:
-    """Return the pins of modules that GPxMUX connects in place of the usual ones, and those of external interrupts."""
+    """Return the pins of modules that GPxMUX connects in place of the usual pins, and pins of external interrupts.
+
+    The result is a dictionary from the names of wires to pins.
+    """
     gpio = cast(Gpio, dsp.sockets["GPIO"].chip)
     found: dict[str, int] = {}
     for module in modules:

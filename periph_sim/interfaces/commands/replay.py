@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from ...scene.case.model import Case
     from ...traces.capture.capture import Capture
 
-DIVERGENCE = "divergence"  # name of the picture that --svg FOLDER gets
+DIVERGENCE = "divergence"  # name of the diagram's file, without suffix, if --svg names a folder
 BEFORE, AFTER = 14, 4  # maximum numbers of changes of registers that are shown before and after a divergence
 
 

@@ -64,7 +64,7 @@ def diagram_file(place: Path, name: str) -> Path:
 
 
 def _checked_place(place: Path | None) -> Path | None:
-    """Return the place of diagrams. Raise ClickException for a name that is neither a folder nor of an .svg file."""
+    """Return the place of diagrams. Raise ClickException if it is neither a folder nor the name of an .svg file."""
     if place is None or place.is_dir() or place.suffix.lower() == ".svg":
         return place
     raise click.ClickException(f"--svg: {place} is no folder; create it, or give another, or an .svg file")

@@ -51,7 +51,7 @@ Judged = tuple[str, str, dict[str, Any]]  # "case/budget"; the test; a dictionar
 def judged(longest: Mapping[str, Sequence[Property]]) -> list[Judged]:
     """Return the budgets that tests have judged, in the order of the tests.
 
-    longest: a dictionary from each test to the properties in that of its reports that has the most.
+    longest: a dictionary from each test to its properties, taken from the report with the most properties.
 
     A budget that a test judged several times with the same figures is returned once.
     """

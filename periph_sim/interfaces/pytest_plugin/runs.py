@@ -175,7 +175,7 @@ class Run:
         self.assert_not_stuck()
 
     def assert_not_stuck(self) -> None:
-        """Raise AssertionError if a line is held forever, or firmware waits for an event that cannot come."""
+        """Raise AssertionError if a wire is held forever, or firmware waits for an event that cannot occur."""
         __tracebackhide__ = True
         if self.hangs:
             raise AssertionError("\n".join([f"{self.result.case} hangs:", *self.hangs]))

@@ -265,7 +265,8 @@ def _explain(
     of the baseline, nothing can have moved, and the run is skipped.
 
     before: a dictionary from each case to its baseline, or to None if the case has no baseline.
-    tolerance: as for `check`; None if new baselines are written, which need the chains of all budgets.
+    tolerance: the largest allowed difference of times (see `check`); None if new baselines are written, which need the
+        chains of all budgets.
     """
     runs = [_chains(one.outcome, before[one.outcome.path], start, tolerance is None) for one in checks]
     for one, run in zip(checks, runs, strict=True):

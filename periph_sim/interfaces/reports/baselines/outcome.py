@@ -35,7 +35,7 @@ class Outcome:
     breaks_line, name_line: the lines of the keys `breaks` and `name` in the file; 0 if unknown.
     changes: the "key=value" texts applied to the case.
     typical: the least critical occurrence of each budget, as verdicts.
-    trouble: sentences about lines and firmware that are stuck.
+    trouble: sentences about wires that stay low and firmware that waits forever.
     values: the values of each budget; None for a budget whose values were not kept.
     """
 

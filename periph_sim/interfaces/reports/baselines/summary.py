@@ -49,7 +49,7 @@ def baselines_at(commit: str, paths: Iterable[Path]) -> Baselines:
         data = _git(root, "show", f"{commit}:{name}")
         try:
             found[path] = NEW if data is None else parse(f"{commit}:{path}", data)
-        except BadCheck:  # the commit cannot be corrected, so this must not prevent the check
+        except BadCheck:  # a baseline in a commit cannot be repaired, so it does not stop the check
             found[path] = "no readable baseline"
     return found
 

@@ -106,7 +106,8 @@ class Chain:
     typical: the length of the least critical occurrence; None if unknown.
     typical_holds: True if the least critical occurrence keeps the limit. In this case, the difference from it explains
         why the occurrence exceeds the limit.
-    more: for each part, the length minus the length in the least critical occurrence; the largest difference first.
+    more: the parts whose lengths differ from those in the least critical occurrence, with the difference as `length`;
+        the largest difference first.
     assumed: the options that decided undocumented behaviours in the occurrence or shortly before it, if a limit is
         broken; otherwise empty.
     """

@@ -298,7 +298,8 @@ def explain(
     Several verdicts may be of the same budget. All records come from one more run of the case.
 
     typical: the least critical occurrences, with which the worst occurrences of the same budgets are compared.
-    length, programs: as for `windows`.
+    length: the duration of the run in seconds; None for the duration that the case states.
+    programs: a dictionary from units to firmware that is given as functions.
     """
     worst = [verdict for verdict in verdicts if verdict.at_s is not None]
     names = {verdict.name for verdict in worst}

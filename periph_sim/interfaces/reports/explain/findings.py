@@ -276,7 +276,10 @@ def _bytes(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _round_before(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the transfers in the period before a round is due, and a wait in them that an old flag ended at once."""
+    """Find the transfers in the period before a round is due.
+
+    If a wait in one of these transfers ended at once, because a flag was still set from earlier, find this, too.
+    """
     due = evidence.window.begin
     before = max(evidence.due_before(due), evidence.window.kept[0].begin)
     if Kind.ROUND not in ends.measure.kinds or ends.thing == "refused":

@@ -37,7 +37,7 @@ FLAGS: dict[str, tuple[str, ...]] = {
     "words": RECEIVED,
     "lost": RECEIVED,
 }
-COLUMNS_SVG = 160  # number of bytes that can be distinguished side by side in an SVG
+COLUMNS_SVG = 160  # number of columns into which an SVG is divided to decide which bytes and bits are drawn
 LEAST_BOX = 400  # the box of a service routine, span or wait is at least 1/LEAST_BOX as wide as the picture
 
 

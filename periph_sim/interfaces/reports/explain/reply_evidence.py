@@ -99,7 +99,7 @@ def _unsolicited(evidence: Evidence, name: str) -> list[tuple[Record, Record]]:
 
 
 def _asked(evidence: Evidence) -> list[Record]:
-    """Return the beginnings of the frames up to the end of the request, on the line of the request.
+    """Return the records at which frames begin, up to the end of the request, on the serial line of the request.
 
     The request ends with the frame whose end is the start of the occurrence. Return an empty list if there is no such
     frame.
@@ -179,7 +179,10 @@ def _began(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: l
 
 
 def _written(evidence: Evidence, source: str, since: int) -> list[tuple[Record, Record]]:
-    """Return the frames between a tick and the end of the occurrence with their writes of SCITXBUF, in order."""
+    """Return the frames from an SCI between a tick and the end of the occurrence, each with its write of SCITXBUF.
+
+    source: the SCI, as UNIT.MODULE, or as MODULE for any unit.
+    """
     unit, _, module = source.rpartition(".")
     found = []
     for frame in evidence.window.between(since, evidence.window.end - 1, Kind.FRAME):

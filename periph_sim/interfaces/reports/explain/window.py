@@ -101,7 +101,7 @@ class Window:
 
     @cached_property
     def by_number(self) -> dict[int, Record]:
-        """A dictionary from numbers to records, in order of number. Places in these records have paths of files."""
+        """A dictionary from numbers to records, in order of number. Unlike in `run`, firmware places have paths."""
         return {record.number: record for record in sorted(self.all_records, key=lambda r: r.number)}
 
     @cached_property

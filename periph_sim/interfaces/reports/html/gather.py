@@ -201,7 +201,7 @@ def _others(
     for verdict, over in zip(verdicts, overs, strict=True):
         if over is None or not verdict.broken or verdict.name in case.breaks or verdict.at_s is None:
             continue
-        size = {"us": 1_000_000 / per_second, "LSB": 1e-6}.get(verdict.unit, 1)  # a stored value 1, in verdict.unit
+        size = {"us": 1_000_000 / per_second, "LSB": 1e-6}.get(verdict.unit, 1)  # converts values to verdict.unit
         shown = shown_violations(over, _ticks(verdict.at_s, per_second))
         found += [replace(verdict, worst=value * size, at_s=at / per_second) for at, value in shown]
     return found

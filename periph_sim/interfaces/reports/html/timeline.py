@@ -202,7 +202,7 @@ class Lanes:
 
         begin, end: the ticks of the event in the run; `end` is None for an instant.
         says, label: the text and the label of the event.
-        strong: 1 or 0 (see `Lane`).
+        strong: 1 to draw the event as more important than the others, else 0; None in a lane without such events.
         """
         lane.at.append(begin - self.zero)
         lane.says.append(self.says.place(says))

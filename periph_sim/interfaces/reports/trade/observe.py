@@ -27,7 +27,7 @@ from ....timing.verdict import NOT_JUDGED
 
 SAMPLE = 6  # number of bytes of a sample; a read of this length contains one sample
 UNITS = ("s", 1), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)
-DIGITS = 13  # number of significant digits of a time in seconds; further digits are rounding errors of ticks
+DIGITS = 13  # number of decimals of a difference, in seconds or LSB; further decimals are rounding errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +56,7 @@ class Observed:
 class Error:
     """The largest of several differences.
 
-    amount: the difference; infinite if the numbers of occurrences differ.
+    amount: the difference; infinite if the two runs have different numbers of values to compare.
     place: the budget, chip or address with this difference.
     """
 
@@ -66,7 +66,7 @@ class Error:
 
     @property
     def text(self) -> str:
-        """The error as text: `none`, `12.3 us`, `2 LSB`, or `other count` if the numbers of occurrences differ."""
+        """The error as text: `none`, `12.3 us`, `2 LSB`, or `other count` if the numbers of values differ."""
         if not self.amount:
             return "none"
         if isinf(self.amount):

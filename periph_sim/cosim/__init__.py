@@ -2,6 +2,9 @@
 
 dut.scl, dut.sda, dut.rx --> F28335 --> dut.dsp_scl, dut.dsp_sda, dut.tx
 simulate(sources, ...)   --> a run of the simulator, called from a test of pytest
+
+A step is the simulator's smallest unit of time, and a tick is that of the case. A line is a wire that the case and the
+HDL design share. `dut` is the top level of the design, as in cocotb.
 """
 
 from __future__ import annotations

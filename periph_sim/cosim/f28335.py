@@ -55,6 +55,7 @@ class F28335:
     """A case that runs from the current simulation time on, and whose wires are signals of `dut`.
 
     Each signal is given as an object or by its name in `dut`.
+
     case: a case from `load` or `make_case`, or the path of a file.
     scl, sda: the resolved lines, which are read.
     scl_o, sda_o: the signals that we drive: 0 pulls the line low, 1 releases it.
@@ -63,7 +64,7 @@ class F28335:
     wires: pairs (read, driven) for other wires of the case, by name; either of a pair may be None.
     log: a file for the line changes, which `periph_sim.outside.replay` can replay.
     record: a file for the records, on the simulator's time axis.
-    programs: firmware given as functions, by unit.
+    programs: a dictionary from the name of a unit to its firmware.
     before_reset: the level, 0 or 1, that a line has for the case while its signal is x or z, until the signal is 0 or 1
         for the first time. Without it, x and z are errors from the start.
 

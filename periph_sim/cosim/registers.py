@@ -34,7 +34,8 @@ def peek(scene: Scene, place: str) -> int:
     value = socket.peek(cycle, register.offset)
     if register.width == 32:
         value |= socket.peek(cycle, register.offset + 1) << 16
-    socket.chip.touched.intersection_update(touched)  # names of options that this read has added are removed
+    # `touched` has the undocumented behaviours on which the run depends. This read must not add any.
+    socket.chip.touched.intersection_update(touched)
     if len(parts) == 3:
         return value
     fields = {field.name: field for field in register.fields}

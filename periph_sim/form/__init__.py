@@ -1,5 +1,7 @@
 """Choice of the modules that a run imports: the compiled core or its Python sources. Both give the same records.
 
+The core is the part of the package that is compiled from Python to C by Cython, because it runs for every event.
+
     the build matches the sources --> the compiled modules are imported
     it does not                   --> the Python sources are imported, and `note` contains the reason
 

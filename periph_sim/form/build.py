@@ -63,13 +63,13 @@ FOR_ALL_CLASSES = {"trashcan": True}
 NEVER_NONE = "self"  # this argument is never None, because its caller has already checked the object
 CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
 NOTHING_TO_DO = "all modules are built already"
-# Functions begin at cache lines, and nothing inside them is aligned: the code of an event is in few cache lines.
+# Functions begin at cache lines, and nothing inside them is aligned, so that the code of an event fills few of them.
 DENSE = ("-falign-functions=64", "-fno-align-jumps", "-fno-align-loops", "-fno-align-labels")
 FLAGS = ("-c", "-O2", *DENSE, "-DNDEBUG", "-fPIC", "-fwrapv", "-fno-strict-aliasing", "-ffunction-sections", "-w")
 SANITIZERS = "-fsanitize=address,undefined"  # `c_checks` checks the array indices that sanitizers miss
 
 
-class Kind(NamedTuple):
+class BuildSettings(NamedTuple):
     """Settings of a build.
 
     directives: Cython directives that are added to DIRECTIVES or replace them.
@@ -82,12 +82,12 @@ class Kind(NamedTuple):
     link: tuple[str, ...] = ()
 
 
-NORMAL = Kind({}, FLAGS)
+NORMAL = BuildSettings({}, FLAGS)
 # In a build with the settings HARD, every fault raises an exception or ends the process.
 # Cython's code checks for None and for overflows. The sanitizers check for bad addresses and undefined behaviour of C.
 # The flags `-fwrapv`, `-DNDEBUG` and `-w` are left out, because they would hide faults.
 # `asan-stack=0` limits the address sanitizer to the heap, because greenlets copy their stacks.
-HARD = Kind(
+HARD = BuildSettings(
     {"nonecheck": True, "overflowcheck": True},
     (
         *("-c", "-O0", "-g1", "-fPIC", "-fno-strict-aliasing", "-ffunction-sections", "-fno-omit-frame-pointer"),
@@ -145,7 +145,7 @@ def shadow(package: Path, sources: Sources, modules: Sequence[str], folder: Path
 
 
 def compile_one(
-    module: str, package: str, cc: str, kind: Kind = NORMAL, always_set: Sequence[tuple[str, str]] = ()
+    module: str, package: str, cc: str, kind: BuildSettings = NORMAL, always_set: Sequence[tuple[str, str]] = ()
 ) -> None:
     """Compile one module to an object file in the current directory.
 
@@ -179,7 +179,7 @@ def require_directives(pxd: str, c_file: Path) -> None:
         raise NoBuild(f"{c_file.stem}.pxd: {'; '.join(found)}; write it where Cython {version('cython')} obeys it")
 
 
-def generate(module: str, package: str, kind: Kind = NORMAL) -> Path:
+def generate(module: str, package: str, kind: BuildSettings = NORMAL) -> Path:
     """Write the C file of a module into the current directory, and return its path.
 
     Cython runs in this process, because starting another process takes as long as compiling a typical module.
@@ -203,7 +203,7 @@ def generate(module: str, package: str, kind: Kind = NORMAL) -> Path:
     return c_file
 
 
-def directives(text: str, kind: Kind = NORMAL) -> dict[str, bool]:
+def directives(text: str, kind: BuildSettings = NORMAL) -> dict[str, bool]:
     """Return Cython's directives for a module. text: the source of the module."""
     return {**DIRECTIVES, "nonecheck": header_of(text) != UNCHECKED, **kind.directives}
 
@@ -216,7 +216,7 @@ def leave_out_checks_of_self() -> None:
     nodes.NameNode.may_be_none = lambda node: not (node.name == NEVER_NONE and node.entry.is_arg) and usual(node)
 
 
-def link(modules: list[str], folder: Path, cc: str, kind: Kind = NORMAL) -> None:
+def link(modules: list[str], folder: Path, cc: str, kind: BuildSettings = NORMAL) -> None:
     """Link the object files in `folder` to one library. Raise NoBuild with the linker's output if linking fails."""
     names = ("-undefined", "dynamic_lookup") if sys.platform == "darwin" else ()  # the names of Python itself
     command = [*cc.split(), "-shared", *names, *kind.link, *(f"{module}.o" for module in modules), "-o", LIBRARY]
@@ -244,7 +244,7 @@ def types_of(module: str, folder: Path) -> dict[str, str]:
 
 
 def fingerprint(
-    module: str, folder: Path, cc: str, kind: Kind = NORMAL, always_set: Sequence[tuple[str, str]] = ()
+    module: str, folder: Path, cc: str, kind: BuildSettings = NORMAL, always_set: Sequence[tuple[str, str]] = ()
 ) -> str:
     """Return a digest of everything that determines a module's object file: source, declarations, options and tools.
 
@@ -279,7 +279,10 @@ def last_build(built: Path) -> dict[str, str]:
 
 
 def needed(prefixes: Sequence[str], sources: Sources) -> list[str]:
-    """Return the compiled modules with these prefixes, all if there are none, and the modules whose types they use."""
+    """Return the compiled modules whose names begin with one of the prefixes, and the modules whose types they use.
+
+    Without prefixes, return all compiled modules. Raise NoBuild if no name begins with a prefix.
+    """
     found = sources.compiled()
     chosen = [one for one in found if any(f"{one}.".startswith(f"{prefix}.") for prefix in prefixes)]
     if prefixes and not chosen:
@@ -288,7 +291,7 @@ def needed(prefixes: Sequence[str], sources: Sources) -> list[str]:
 
 
 def note_stamps(built: Path, written: list[list[int]]) -> None:
-    """Update the modification times in the manifest, because a source may have been saved again with equal content."""
+    """Update sizes and times of the sources in the manifest, because a source may be saved again with equal content."""
     manifest = json.loads((built / MANIFEST).read_text("utf-8"))
     if manifest["stamps"] != written:
         anew = built / f"{MANIFEST}.new"
@@ -297,7 +300,13 @@ def note_stamps(built: Path, written: list[list[int]]) -> None:
 
 
 def build(
-    package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: Sequence[str] = (), *, keep: bool = True
+    package: Path,
+    built: Path,
+    jobs: int,
+    kind: BuildSettings = NORMAL,
+    prefixes: Sequence[str] = (),
+    *,
+    keep: bool = True,
 ) -> None:
     """Compile the marked modules. If all succeed, replace the build in the folder `built`.
 

@@ -27,7 +27,7 @@ OBJECT, VOID, INTEGER = "object", "void", NUMBERS["int"]
 
 
 class BadDeclaration(Exception):
-    """A source has an annotation or mark that cannot be declared in C. The message contains file and line."""
+    """An annotation or mark (`# core: ...`) of a source cannot be declared in C. The message has file and line."""
 
 
 class Type(NamedTuple):
@@ -112,7 +112,8 @@ class Class:
         """The types of attributes, by name, if an annotation or the first value determines the type."""
         inherited = {name for base in self.bases for name in (*base.known, *base.defined)}
         found: dict[str, Type] = {}
-        self.__dict__["known"] = found  # already set here, because the value of an attribute may use other attributes
+        # The property is set before it is complete, because the value of an attribute may use other attributes.
+        self.__dict__["known"] = found
         nodes = [one for one in self.node.body if isinstance(one, ast.AnnAssign) and one.value is None]
         annotated = [(one.target.id, one.annotation) for one in nodes if isinstance(one.target, ast.Name)]
         for one in (one for method in self.defined.values() for one in walked(method)):

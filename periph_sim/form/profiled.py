@@ -18,20 +18,20 @@ from pathlib import Path
 from subprocess import run
 
 from . import BUILT, PACKAGE, VARIABLE
-from .build import NORMAL, Kind, NoBuild, build, compiler, jobs, status_of
+from .build import NORMAL, BuildSettings, NoBuild, build, compiler, jobs, status_of
 
-RELATIVE = "-fprofile-prefix-path={folder}"  # files of counts are named after modules, without the folder
+RELATIVE = "-fprofile-prefix-path={folder}"  # gcc names the files of counts without the folder of the compilation
 # Code that no run has executed is optimized as in an ordinary build, because other cases may execute it.
 PARTIAL = "-fprofile-partial-training"
 
 
-def counting(counts: Path) -> Kind:
+def counting(counts: Path) -> BuildSettings:
     """Return the settings of a build whose runs write counts into the folder `counts`."""
     generate = f"-fprofile-generate={counts}"
     return NORMAL._replace(flags=(*NORMAL.flags, generate, RELATIVE), link=(generate,))
 
 
-def using(counts: Path) -> Kind:
+def using(counts: Path) -> BuildSettings:
     """Return the settings of a build that is optimized with the counts in the folder `counts`."""
     return NORMAL._replace(flags=(*NORMAL.flags, f"-fprofile-use={counts}", PARTIAL, RELATIVE))
 

@@ -76,7 +76,7 @@ def _replace_bare_annotations(body: list[ast.stmt], lines: list[str]) -> None:
 
 
 def _bare_returns(source: Source) -> Iterator[tuple[int, int]]:
-    """Yield (row, end column), counted from 0, of each `return` without a value in C functions that return nothing."""
+    """Yield the place of each `return` without a value in C functions without a result: (row, end column), from 0."""
     kinds = source.classes.values()
     owners = [({one.name: one for one in source.tree.body if isinstance(one, ast.FunctionDef)}, source.functions)]
     owners += [(kind.defined, kind.methods) for kind in kinds]

@@ -88,7 +88,8 @@ class Source:
     def classes(self) -> dict[str, Class]:
         """The compiled classes of the module, by name."""
         found: dict[str, Class] = {}
-        self.__dict__["classes"] = found  # already set here, because the base of a class may be in the same module
+        # The property is set before it is complete, because the base of a class may be in the same module.
+        self.__dict__["classes"] = found
         for node in self.tree.body if self.is_compiled else ():
             if not isinstance(node, ast.ClassDef) or "python" in self.marks(node, CLASS_MARKS):
                 continue

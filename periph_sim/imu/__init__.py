@@ -2,6 +2,11 @@
 
 Terms of this package:
 
+the dissertation: the work in CITATION.cff, whose IMU emulator the models reproduce. Sections, equations, figures and
+    tables without another source are its own.
+host frame: the message of 12 bytes, with attitude and acceleration, that a host sends to the emulator.
+Ts: the time between two samples of the models.
+matrix S: the matrix with scale and cross-axis sensitivity that converts a quantity to LSB.
 arithmetic: the kind of numbers in which the models calculate: float64, float32 or a Q format.
 code: the whole number that a chip returns for a quantity, in LSB.
 count: a 16-bit value in a host frame; a count of 1 is, for example, 1e-4 rad.

@@ -61,7 +61,10 @@ class ImuFirmware:
         return model_codes(self.parameters, self._arithmetic, self._noise_seed)
 
     def truth(self, motion: Motion, first: Fraction) -> MotionTruth:
-        """Return the true readings of a motion. first: the time of the motion, in seconds, at which frame 0 is due."""
+        """Return the true readings of a motion.
+
+        first: the instant of the motion, in seconds, that frame 0 describes.
+        """
         return MotionTruth(self.parameters, motion, first)
 
     def attitude(self, readings: Mapping[str, Sequence[float]]) -> list[float] | None:
@@ -94,7 +97,7 @@ class MotionTruth:
     determines which sample of the noise a read contains, while the truth must not depend on this timing.
 
     imu: the parameters of the sensors.
-    first: the time of the motion, in seconds, at which frame 0 is due.
+    first: the instant of the motion, in seconds, that frame 0 describes.
     """
 
     KEPT = 64  # number of instants whose readings are cached, because several chips and budgets use the same instant

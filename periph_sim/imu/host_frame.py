@@ -19,7 +19,8 @@ from ..devices.host_frames import ByteOrder
 from .motion import VALUES, BadMotion, Motion, sampled
 from .motion.quantities import Acceleration, Angle
 
-# All quotients of FAR or more, infinity included, have the same count: 0 if counts wrap, or the limit if they saturate.
+# The quotient of a value and the value of one count is limited to FAR, so that an infinite quotient has a count, too.
+# All quotients of FAR or more have the same count anyway: 0 if counts wrap, or the limit if they saturate.
 FAR = float(1 << 69)
 LEAST, MOST = -0x8000, 0x7FFF
 

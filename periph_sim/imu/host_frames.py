@@ -26,6 +26,7 @@ T = TypeVar("T")
 VALUES = 6
 FRAME_BYTES = 2 * VALUES
 PACKED = {"little": Struct(f"<{VALUES}h"), "big": Struct(f">{VALUES}h")}
+# For each value of a frame in `ramp`: the step from frame to frame, and the value in frame 0.
 RAMP = ((1, 1), (3, 1000), (5, -2000), (7, 12), (11, -34), (13, 1000))
 PARTS = {"angles": slice(0, 3), "accelerations": slice(3, 6)}
 # Maps the name of a chip to the part of a frame that firmware without sensor models copies to the chip's registers.
@@ -90,7 +91,7 @@ def encoding_of(given: dict[str, object]) -> Encoding:
 def frames_of(given: dict[str, object], encoding: Encoding, first: Fraction, period: Fraction) -> MotionFrames:
     """Return the frames of the motion with the settings `given`.
 
-    first: the time of the motion, in seconds, at which frame 0 is due.
+    first: the instant of the motion, in seconds, that frame 0 describes.
     period: the time between two frames in seconds.
 
     Raise BadSetting, with the setting's name, if a setting is invalid.

@@ -136,7 +136,8 @@ class AxisNoise:
     def _flicker(self, first: int, count: int) -> Floats:
         """Return 1/f noise, which is the sum of all octaves.
 
-        Octave k is a noise that has a new value every 2**k samples. Its key selects the samples of these changes.
+        Octave k is a noise that has a new value every 2**k samples. The key of its stream determines at which samples
+        the value changes.
         """
         import numpy as np
 

@@ -61,7 +61,7 @@ class SerialLine:
         self._free = 0  # the earliest time for the next frame, in units of 1 / `_parts` tick
         self.set(baud, form)
         reader = UartReader(session.scene.wire(tx), lambda: (self._bit, self._format))
-        reader.on_end.append(self._heard)
+        reader.on_end.append(self._on_character)
 
     def set(self, baud: int, form: str = "8n1") -> None:
         """Set the rate and format of all later frames; waiting bytes keep their ninth bit if the new format has one.
@@ -196,10 +196,10 @@ class SerialLine:
         """Return the first whole tick at which the next frame may begin."""
         return -(-self._free // self._parts)
 
-    def _heard(self, heard: Heard) -> None:
-        self._got.append(heard.value)
+    def _on_character(self, character: Heard) -> None:
+        self._got.append(character.value)
         self.received += 1
-        self.wrong += not heard.good or heard.address != self._ninth
+        self.wrong += not character.good or character.address != self._ninth
 
 
 def parts_of_format(form: str) -> tuple[int, str, int]:

@@ -32,8 +32,8 @@ def text(races: Races) -> str:
     lines += [*text_table(COUNTS, [_counts(races, place) for place in races.places], range(2, len(COUNTS))), ""]
     if races.modifies:
         lines.append("read-modify-writes of flags that writing 1 clears:")
-        told = [line for modify in races.modifies for line in _modify(races, modify)]
-        lines += [part for line in told for part in paragraph(line.lstrip(), _indent(line), f"{_indent(line)}  ")]
+        modifies = [line for modify in races.modifies for line in _modify(races, modify)]
+        lines += [part for line in modifies for part in paragraph(line.lstrip(), _indent(line), f"{_indent(line)}  ")]
         lines.append("")
     unplaced = sum(place.unplaced for place in races.places)
     lines += [line for note in NOTES for line in paragraph(f"note: {note}")]

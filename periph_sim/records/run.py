@@ -293,10 +293,10 @@ class Run:
         if self._sysclk is not None:
             return Cycles(self.per_second / self._sysclk, f"SYSCLKOUT {_mhz(self._sysclk)}, as given")
         if self._clocks:
-            told = {unit: clock.in_words(self.per_second) for unit, clock in self._clocks.items()}
+            texts = {unit: clock.in_words(self.per_second) for unit, clock in self._clocks.items()}
             if self.counts_alike:
-                told = {"SYSCLKOUT": next(iter(told.values()))}
-            how = "; ".join(f"{whose} {words}" for whose, words in told.items())
+                texts = {"SYSCLKOUT": next(iter(texts.values()))}
+            how = "; ".join(f"{whose} {words}" for whose, words in texts.items())
             return Cycles(self.clock().periods[-1], how if self.counts_alike else f"SYSCLKOUT of {how}")
         full = self.per_second / SYSCLK_HZ
         grids = []

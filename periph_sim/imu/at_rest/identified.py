@@ -1,4 +1,4 @@
-"""Parameters of an IMU from identified columns, whose names consist of sensor and axis.
+"""Parameters of an IMU from the identified columns of a recording. A column is named after its sensor and axis.
 
     gyroscope_x, _y, _z [deg/s] --> means, S removed --> bias;  densities, rounding removed --> noise_density
 
@@ -28,7 +28,8 @@ def parameters_of_axes(axes: Mapping[str, Axis], hard_iron: bool, start: ImuPara
     """Return a parameter set that is updated with the identified columns of a recording.
 
     axes: a dictionary from the name of a column, such as "gyroscope_x", to its identified parameters.
-    hard_iron: True if the bias of the magnetometer is relative to an undisturbed mean.
+    hard_iron: True if the magnetometer's bias is the difference from a recording without the disturbance, so that it is
+        the hard iron.
     start: the set to update; None for Table 4.1.
 
     Raise BadParameter if a column belongs to no sensor, an axis is missing, or a unit differs from that of the model.

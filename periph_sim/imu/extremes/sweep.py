@@ -20,7 +20,8 @@ from .working_range import Worst
 
 # "agrees": the deviation is no larger than in the working range. "exact": there is no deviation.
 # "off": the deviation is larger. "full scale": the converter returns its last code, as intended.
-# "saturates", "wraps": a result does not fit the Q format. "refused": the input is rejected with an error.
+# "saturates", "wraps": a result does not fit the Q format. "NaN": a value before rounding is NaN.
+# "refused": the input is rejected with an error.
 Happens = Literal["agrees", "exact", "off", "full scale", "saturates", "wraps", "NaN", "refused"]
 
 

@@ -144,7 +144,7 @@ class Term:
 
     @property
     def found(self) -> bool:
-        """Return True if the coefficient differs significantly from 0."""
+        """True if the coefficient differs significantly from 0."""
         return self.squared > 2 * self.squared_error
 
     def bounds(self, errors: float) -> tuple[float, float]:

@@ -41,7 +41,8 @@ class SensedMotion:
         turned, body = self._turning(seconds)
         *_, x, y, z = self._motion.at(seconds)
         _, later = self._turning(seconds + STEP)
-        # The models calculate derivatives of the rates from two samples, so the previous rates are extrapolated.
+        # The models calculate the derivatives of the rates from the rates of this sample and of the previous one. So
+        # the previous rates are extrapolated from the derivatives at this instant.
         part = self._imu.period / STEP
         p, q, r = (now - (then - now) * part for now, then in zip(body, later, strict=True))
         inputs = Inputs(turned, (x, y, z), body, (p, q, r), noise or self._model.silence)

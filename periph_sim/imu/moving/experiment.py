@@ -1,7 +1,10 @@
 """The whole experiment: attitudes of truth, real sensors and emulator, and their differences.
 
-real sensors --EKF-->  A   truth    B, C emulator, gyroscope as built and corrected --EKF-->
-                       A - truth, B - truth, B - A, ...  in degrees, one row per round
+real sensors                   --EKF--> attitudes A
+emulator, gyroscope as built   --EKF--> attitudes B     A - truth, B - truth, B - A, C - truth, C - A:
+emulator, gyroscope corrected  --EKF--> attitudes C     in degrees, one row per round
+
+EKF is the extended Kalman filter of `attitude`.
 
 The emulator's answers are older than a chip's samples, because a frame waits for the models, and the results of the
 models wait for the next round. While the body turns, this delay causes an angle error that is not due to the models. So
@@ -29,7 +32,7 @@ from ..sensors import SENSORS
 from . import on_wires
 from .subject import EmulatorUnderTest
 
-STEP, MOST = 0.001, 0.1  # resolution and range of the search for the lag, in seconds
+STEP, MOST = 0.001, 0.1  # resolution of the search for a lag, and the longest lag that is tried, in seconds
 
 
 @dataclass(frozen=True)

@@ -61,10 +61,10 @@ class ModelRuns:
     def __init__(self) -> None:
         self.runs: list[int] = []
         self._sent = [-1]  # numbers of the frames that were sent; -1 before the first frame
-        self._taken = 0
+        self._taken = 0  # number of frames that firmware has read
         self._waiting = 0  # number of words in the FIFO
         self._begun_with: list[int] = []  # for each model run, the number of frames read when the run began
-        self._ended = 0
+        self._ended = 0  # number of runs of the models that have ended
 
     @property
     def frames(self) -> list[int]:
@@ -102,12 +102,12 @@ class ModelRuns:
 
 def emulator(subject: EmulatorUnderTest, progress: Progress | None = None) -> Emulated:
     """Simulate the host's frames through SCI, firmware and I2C. Return what the sensor head reads."""
-    heard = ModelRuns()
-    scene = Scene(subject.case, heard.subscribe)
-    heard.listen(scene)
+    observer = ModelRuns()
+    scene = Scene(subject.case, observer.subscribe)
+    observer.listen(scene)
     scales = {name: getattr(subject.sensors, name).scale for name in SENSORS}
     readings = _read(scene, subject, scales, progress)
-    return Emulated(readings, np.array(heard.frames, np.int64), np.array(heard.runs, np.int64))
+    return Emulated(readings, np.array(observer.frames, np.int64), np.array(observer.runs, np.int64))
 
 
 def chips(subject: EmulatorUnderTest, progress: Progress | None = None) -> Readings:

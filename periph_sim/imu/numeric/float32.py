@@ -123,7 +123,7 @@ def _comparable(x: Singles) -> Singles:
 
 
 def _step(angle: Singles) -> tuple[Any, Singles]:
-    """Return the step of the sine table for an angle, 0 to 511, and the rest of the angle beyond it in radians."""
+    """Return the step of the sine table for an angle, 0 to 511, and the rest of the angle after the step in radians."""
     exact = _flushed(angle * STEPS_PER_RADIAN)
     whole = np.trunc(exact)
     return _whole(np.remainder(whole, np.float32(TURN)), TURN - 1), _flushed(_flushed(exact - whole) * RADIANS_PER_STEP)

@@ -31,7 +31,7 @@ class NoAttitude(InputError):
 
 
 @dataclass(frozen=True)
-class Errors:
+class AttitudeErrors:
     """Errors of n attitudes in degrees. Each attribute is float64[n].
 
     total: the angle of the rotation from truth to estimate, which is always unambiguous.
@@ -86,13 +86,13 @@ def estimate(
     return found
 
 
-def errors(estimated: ArrayLike, truth: ArrayLike) -> Errors:
+def errors(estimated: ArrayLike, truth: ArrayLike) -> AttitudeErrors:
     """Return the errors of estimated attitudes. Both arguments are quaternions, float64[n, 4]."""
     one, other = np.atleast_2d(estimated), np.atleast_2d(truth)
     if one.shape != other.shape or one.shape[1] != 4:
         raise NoAttitude(f"estimate {one.shape} and truth {other.shape} must both be n quaternions")
     roll, pitch, yaw = np.degrees(wrapped(angles(one) - angles(other))).T
-    return Errors(np.degrees(angle_between(one, other)), roll, pitch, yaw)
+    return AttitudeErrors(np.degrees(angle_between(one, other)), roll, pitch, yaw)
 
 
 def _at_rest(accel: Floats, mag: Floats, field: Floats) -> Floats:

@@ -129,7 +129,7 @@ class UdpFrames:
 
 
 @dataclass
-class Sent:
+class SentCounts:
     """The numbers of frames and bytes that the host unit has sent and received.
 
     frames: the number of frames sent.
@@ -149,7 +149,7 @@ def send_frames(
     pacer: Pacer,
     frames: int | None = None,
     stopped: Callable[[], bool] = lambda: False,
-) -> Sent:
+) -> SentCounts:
     """Send frames until `frames` frames were sent, the source has ended, or `stopped` returns True.
 
     Between frames, the function reads from the port. If the port is simulated, reading also advances its time.
@@ -158,7 +158,7 @@ def send_frames(
     pacer: the object that waits until a frame is due, and measures how late frames are. Its ticks are nanoseconds.
     frames: the maximum number of frames; None for no limit.
     """
-    sent = Sent()
+    sent = SentCounts()
     number = 0
     while (frames is None or sent.frames < frames) and not source.over(number) and not stopped():
         due = int(number * period * NANOSECONDS)

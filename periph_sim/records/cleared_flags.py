@@ -166,7 +166,7 @@ class FieldReads:
 
 
 @final
-class Place:
+class ModifiesOfPlace:
     """The read-modify-writes of one place in the firmware.
 
     flags: one entry for each flag of the register, in the same order.
@@ -214,7 +214,7 @@ class ClearedRegister:
         self.flags = [Flag(field, self) for field in register.flags]
         self.status: bool = register.status
         self.last_reads = FieldReads()
-        self.places: dict[str, Place] = {}
+        self.places: dict[str, ModifiesOfPlace] = {}
         self.last: Modify | None = None
 
     def flag(self, name: str) -> Flag | None:
@@ -226,7 +226,7 @@ class ClearedRegister:
         The value that was read does not matter. Reads that belong to read-modify-writes at `place` do not count.
         """
         last: int = self.last_reads.last(flag.name)
-        other: Place
+        other: ModifiesOfPlace
         for at, other in self.places.items():
             if at != place:
                 last = max(last, other.last_reads.last(flag.name))
@@ -253,7 +253,7 @@ class ClearedRegister:
         """Process a read of the register. Calls must be in the order of the reads.
 
         If a write belongs to the read, the flags that this write cleared are counted at the place of the write.
-        `Place.meant` decides later which of these flags the firmware intended to clear.
+        `ModifiesOfPlace.meant` decides later which of these flags the firmware intended to clear.
 
         number: the number of the record of the read.
         value: the value that was read.
@@ -263,9 +263,9 @@ class ClearedRegister:
         if made is None:
             self.last_reads.add(field, number)
             return
-        place: Place | None = self.places.get(made.place)
+        place: ModifiesOfPlace | None = self.places.get(made.place)
         if place is None:
-            place = self.places[made.place] = Place([FlagOfPlace(self.keeps_ticks) for _ in self.flags])
+            place = self.places[made.place] = ModifiesOfPlace([FlagOfPlace(self.keeps_ticks) for _ in self.flags])
         place.count += 1
         place.proven |= made.written & ~value
         place.always &= made.written

@@ -20,7 +20,7 @@ from .register_maps import MODIFY, OVERTAKEN
 from .run import Group, Rows, Run, among
 
 
-class Pairs(NamedTuple):
+class ReadWritePairs(NamedTuple):
     """Rows of reads and of the writes that belong to them, in the order of the writes."""
 
     reads: Rows
@@ -32,9 +32,9 @@ class Pairs(NamedTuple):
         return int(self.reads[place]) if place < len(self.writes) and self.writes[place] == write else None
 
 
-def read_modify_writes(run: Run, unit: str) -> Pairs:
+def read_modify_writes(run: Run, unit: str) -> ReadWritePairs:
     """Return all read-modify-writes of a unit's firmware."""
-    return Pairs(*run.remembered(f"read-modify-writes of {unit}", lambda: _found(run, unit)))
+    return ReadWritePairs(*run.remembered(f"read-modify-writes of {unit}", lambda: _found(run, unit)))
 
 
 def _found(run: Run, unit: str) -> Rows:

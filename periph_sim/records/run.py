@@ -55,7 +55,7 @@ class Group(NamedTuple):
     rows: Rows
 
 
-class Cycles(NamedTuple):
+class CycleLength(NamedTuple):
     """The length of a SYSCLKOUT cycle.
 
     ticks: number of ticks in a cycle.
@@ -284,20 +284,20 @@ class Run:
         return self._sysclk is not None or len(set(self._clocks.values())) <= 1
 
     @cached_property
-    def cycles(self) -> Cycles:
+    def cycles(self) -> CycleLength:
         """The length of a SYSCLKOUT cycle.
 
         It comes from the first known of these: `sysclk`, the last clock in the recording, the ticks of the accesses. If
         none of them is known, it is the length of a cycle at 150 MHz.
         """
         if self._sysclk is not None:
-            return Cycles(self.per_second / self._sysclk, f"SYSCLKOUT {_mhz(self._sysclk)}, as given")
+            return CycleLength(self.per_second / self._sysclk, f"SYSCLKOUT {_mhz(self._sysclk)}, as given")
         if self._clocks:
             texts = {unit: clock.in_words(self.per_second) for unit, clock in self._clocks.items()}
             if self.counts_alike:
                 texts = {"SYSCLKOUT": next(iter(texts.values()))}
             how = "; ".join(f"{whose} {words}" for whose, words in texts.items())
-            return Cycles(self.clock().periods[-1], how if self.counts_alike else f"SYSCLKOUT of {how}")
+            return CycleLength(self.clock().periods[-1], how if self.counts_alike else f"SYSCLKOUT of {how}")
         full = self.per_second / SYSCLK_HZ
         grids = []
         for unit in self.table.modules:
@@ -306,11 +306,11 @@ class Run:
                 grids.append(int(np.gcd.reduce(np.diff(ticks))))
         grid = gcd(*grids) if grids else 0
         if grid and Fraction(grid) % full == 0:
-            return Cycles(full, "SYSCLKOUT 150 MHz, which all accesses fall on")
+            return CycleLength(full, "SYSCLKOUT 150 MHz, which all accesses fall on")
         if grid and grid > full:
             clock = self.per_second / grid
-            return Cycles(Fraction(grid), f"SYSCLKOUT {_mhz(clock)}, the grid that all accesses fall on")
-        return Cycles(
+            return CycleLength(Fraction(grid), f"SYSCLKOUT {_mhz(clock)}, the grid that all accesses fall on")
+        return CycleLength(
             full, "SYSCLKOUT taken as 150 MHz; the accesses fall on no one grid (an error of the crystal, or several)"
         )
 

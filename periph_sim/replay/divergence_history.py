@@ -25,7 +25,7 @@ from ..core.time import Timebase
 from ..processor.dsp import Dsp
 from ..processor.source_location import InstructionLocation, SourceLocation
 from ..scene.scene import Scene
-from .report import TIMING, Change, Divergence
+from .report import TIMING, Divergence, HistoryEntry
 
 KEEP = 24  # number of entries kept in the ring buffer of each field, and of each kind of access to each register
 
@@ -150,7 +150,7 @@ def with_history(
     for divergence, moment, instant in zip(divergences, moments, instants, strict=True):
         records = history.records_near(moment)
         changes = tuple(
-            Change(float(timebase.seconds(record.tick - origin)), _what(record.where, record.what), record.value)
+            HistoryEntry(float(timebase.seconds(record.tick - origin)), _what(record.where, record.what), record.value)
             for record in records
         )
         before = [record for record in records if record.tick <= moment[0]]

@@ -63,7 +63,7 @@ AGENTS = "the replay's own controller and targets"
 
 
 @dataclass(frozen=True)
-class Plan:
+class PlaybackPlan:
     """The settings with which the agents play a capture.
 
     part: the part of the capture that is played.
@@ -101,7 +101,7 @@ class CapturedController:
 
     def __init__(
         self,
-        plan: Plan,
+        plan: PlaybackPlan,
         kernel: Kernel,
         scl: Wire,
         sda: Wire,
@@ -200,7 +200,7 @@ class CapturedController:
         return int((captured - (self._edges[-1].at - self._edges[move - 1].at)) * self._plan.per_position)
 
 
-def without_firmware(plan: Plan, start: int, end: int, tolerance: Fraction) -> Comparison:
+def without_firmware(plan: PlaybackPlan, start: int, end: int, tolerance: Fraction) -> Comparison:
     """Run the agents without the firmware, with the captured answers in its place, and compare with the capture.
 
     start, end: the ticks at which the run begins and ends.
@@ -296,7 +296,7 @@ class I2cReplay(SlaveReplay):
         super().__init__(case, capture, scl, sda, addresses, first, subscribe, tolerance, lead)
         part, found, scene = self._part, self._answering, self.scene
         low = None if longest_low is None else longest_low * part.rate
-        self._agents = Plan(part, found.own, scene.timebase, self.origin, low, self._least_gap())
+        self._agents = PlaybackPlan(part, found.own, scene.timebase, self.origin, low, self._least_gap())
         wait = None if self._agents.least_gap is not None else scene.timebase.ticks(patience, "nearest")
         self._controller = CapturedController(self._agents, scene.kernel, *self._wires, self._plan_end, wait)
         self._player = self._controller.player
@@ -306,7 +306,7 @@ class I2cReplay(SlaveReplay):
             part.notes.append(f"an agent answers for {others}, as captured")
 
     def _least_gap(self) -> int | None:
-        """Return `Plan.least_gap`, the minimum time between two transfers in ticks."""
+        """Return `PlaybackPlan.least_gap`, the minimum time between two transfers in ticks."""
         return None
 
     # Running the replay ------------------------------------------------------------------------

@@ -19,7 +19,7 @@ from ..traces.decode import i2c
 from ..traces.decode.i2c_table import I2cRowKind
 from ..traces.drawing.capture_lanes import LETTERS
 from ..traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick, timing_diagram
-from .report import Change, Divergence, Happened
+from .report import Divergence, Happened, HistoryEntry
 
 BEFORE, AFTER = 22, 13  # numbers of bits that are shown before and after the divergence
 # Fields whose lanes are shown first, in this order, even if they do not change within the picture.
@@ -124,9 +124,9 @@ def _boxes(side: Side, window: tuple[float, float], wrong: float | None, bit: fl
     return tuple(found)
 
 
-def _flags(history: Sequence[Change], side: Side, window: tuple[float, float]) -> list[Lane]:
+def _flags(history: Sequence[HistoryEntry], side: Side, window: tuple[float, float]) -> list[Lane]:
     """Return the lanes of fields: first those in ALWAYS, then others that change within the window."""
-    fields: dict[str, list[Change]] = {}
+    fields: dict[str, list[HistoryEntry]] = {}
     for change in history:
         if not _access(change):
             fields.setdefault(change.what, []).append(change)
@@ -153,7 +153,7 @@ def _flags(history: Sequence[Change], side: Side, window: tuple[float, float]) -
     return lanes
 
 
-def _accesses(history: Sequence[Change], side: Side, window: tuple[float, float]) -> list[Lane]:
+def _accesses(history: Sequence[HistoryEntry], side: Side, window: tuple[float, float]) -> list[Lane]:
     """Return a lane for each register that the firmware wrote, or from which it read data. Status polls are omitted."""
     ticks: dict[str, list[Tick]] = {}
     for change in history:
@@ -164,12 +164,12 @@ def _accesses(history: Sequence[Change], side: Side, window: tuple[float, float]
     return [Lane(name, "firmware", GREY, ticks=tuple(of)) for name, of in list(ticks.items())[:MOST_FLAGS]]
 
 
-def _takes_word(change: Change) -> bool:
+def _takes_word(change: HistoryEntry) -> bool:
     way, _, register = change.what.partition(" ")
     return way == "R" and yields_data(register) and reads_take(register)
 
 
-def _access(change: Change) -> bool:
+def _access(change: HistoryEntry) -> bool:
     return change.what[:2] in ("R ", "W ")
 
 

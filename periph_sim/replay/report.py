@@ -60,7 +60,7 @@ class Happened:
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class HistoryEntry:
     """An entry of the chip's history: a register field that changed, or a CPU access.
 
     at_s: seconds since the capture began.
@@ -91,7 +91,7 @@ class Divergence:
     capture_s: float | None
     replay_s: float | None
     kind: str = EVENT
-    history: tuple[Change, ...] = ()
+    history: tuple[HistoryEntry, ...] = ()
     cause: str = ""
 
 

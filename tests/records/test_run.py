@@ -17,7 +17,7 @@ from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.records.recording import recording
 from periph_sim.records.register_maps import register_of
-from periph_sim.records.run import WAY_OUT, Cycles, NotInRun, Run
+from periph_sim.records.run import WAY_OUT, CycleLength, NotInRun, Run
 from periph_sim.traces import formats
 from periph_sim.traces.formats.record_table import Columns
 from tests.records.scenes import PER_SECOND, by_hand
@@ -181,9 +181,9 @@ def test_clocks_of_several_units():
     apart = Run(replace(table, clocks={"dsp": [(0, slow), (6000, fast)], "two": [(0, slow)]}))
     given = Run(replace(table, clocks={"dsp": [(0, fast)], "two": [(0, slow)]}), sysclk=slow)
     assert (alike.counts_alike, apart.counts_alike, given.counts_alike) == (True, False, True)
-    assert alike.cycles == Cycles(Fraction(20), "SYSCLKOUT 150 MHz")
-    assert apart.cycles == Cycles(Fraction(20), "SYSCLKOUT of dsp 75 MHz, from 0.002 ms on 150 MHz; two 75 MHz")
-    assert given.cycles == Cycles(Fraction(40), "SYSCLKOUT 75 MHz, as given")
+    assert alike.cycles == CycleLength(Fraction(20), "SYSCLKOUT 150 MHz")
+    assert apart.cycles == CycleLength(Fraction(20), "SYSCLKOUT of dsp 75 MHz, from 0.002 ms on 150 MHz; two 75 MHz")
+    assert given.cycles == CycleLength(Fraction(40), "SYSCLKOUT 75 MHz, as given")
     assert [apart.length(600, begin, unit) for begin, unit in ((0, "dsp"), (None, "dsp"), (0, "two"), (0, "SCL"))] == [
         "200 ns (15 cycles)", "200 ns (30 cycles)", "200 ns (15 cycles)", "200 ns"
     ]  # fmt: skip

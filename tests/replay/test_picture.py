@@ -14,7 +14,7 @@ from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.replay.i2c_master import I2cMasterReplay
 from periph_sim.replay.i2c_open_loop import I2cOpenReplay
 from periph_sim.replay.picture import Side, divergence_picture, last_agreed
-from periph_sim.replay.report import Change, Divergence
+from periph_sim.replay.report import Divergence, HistoryEntry
 from periph_sim.replay.uart import UartReplay
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
@@ -148,18 +148,18 @@ def test_the_lanes_show_bytes_edges_flags_and_accesses_of_the_window(monkeypatch
     captured = Side("capture", lines, Fraction(4), 0, i2c.transfers(capture), 11.0)
     replayed = Side("replay", lines[:1], Fraction(2), 2, i2c.transfers(capture), 9.0, (Fraction(8), 16))
     history = (
-        Change(4.5, "I2C-A.I2CMDR.NACKMOD", 0),
-        Change(13.75, "I2C-A.I2CMDR.FREE", 1),
-        Change(4.25, "I2C-A.I2CMDR.IRS", 1),  # outside of the window: shown for those of ALWAYS only
-        Change(14.0, "I2C-A.I2CMDR.MST", 1),
-        Change(9.5, "I2C-A.I2CFFRX.RXFFST", 1),
-        Change(10.5, "I2C-A.I2CFFRX.RXFFST", 2),
-        Change(-50.0, "I2C-A.I2CSTR.AAS", 1),
-        Change(9.0, "W I2C-A.I2CDXR", 0x12),
-        Change(9.5, "R I2C-A.I2CDRR", 0xAB),
-        Change(9.6, "R I2C-A.I2CSTR", 0x1),
-        Change(90.0, "W I2C-A.I2CDXR", 0x13),
-        Change(11.0, "W I2C-A.I2CDXR", 0x14),
+        HistoryEntry(4.5, "I2C-A.I2CMDR.NACKMOD", 0),
+        HistoryEntry(13.75, "I2C-A.I2CMDR.FREE", 1),
+        HistoryEntry(4.25, "I2C-A.I2CMDR.IRS", 1),  # outside of the window: shown for those of ALWAYS only
+        HistoryEntry(14.0, "I2C-A.I2CMDR.MST", 1),
+        HistoryEntry(9.5, "I2C-A.I2CFFRX.RXFFST", 1),
+        HistoryEntry(10.5, "I2C-A.I2CFFRX.RXFFST", 2),
+        HistoryEntry(-50.0, "I2C-A.I2CSTR.AAS", 1),
+        HistoryEntry(9.0, "W I2C-A.I2CDXR", 0x12),
+        HistoryEntry(9.5, "R I2C-A.I2CDRR", 0xAB),
+        HistoryEntry(9.6, "R I2C-A.I2CSTR", 0x1),
+        HistoryEntry(90.0, "W I2C-A.I2CDXR", 0x13),
+        HistoryEntry(11.0, "W I2C-A.I2CDXR", 0x14),
     )
     wrong = Divergence(3, "data read 12", "data read 13", 12.0, 10.5, "byte", history)
     call = drawn(monkeypatch, wrong, "title", captured, replayed, 0.25)
@@ -199,8 +199,8 @@ def test_the_lanes_show_bytes_edges_flags_and_accesses_of_the_window(monkeypatch
 
 
 def test_nine_flags_and_nine_registers_are_drawn_at_most(monkeypatch):
-    history = [Change(1.0, f"I2C-A.R.F{number}", 1) for number in range(10)]
-    history += [Change(1.0, f"W I2C-A.R{number}", 1) for number in range(10)]
+    history = [HistoryEntry(1.0, f"I2C-A.R.F{number}", 1) for number in range(10)]
+    history += [HistoryEntry(1.0, f"W I2C-A.R{number}", 1) for number in range(10)]
     side = Side("replay", (), Fraction(1), 0, (), 0.0)
     call = drawn(monkeypatch, Divergence(0, "A", "B", 1.0, 1.0, "byte", tuple(history)), "", side, side, 1.0)
     assert [lane.name for lane in call.lanes] == [*(f"F{n}" for n in range(9)), *(f"W R{n}" for n in range(9))]

@@ -15,7 +15,7 @@ import numpy as np
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from ..identification.text_report import Axis
+from ..identification.text_report import IdentifiedAxis
 from ..models.parameters import ImuParameters
 from ..models.quantity import BadParameter, Vector
 from ..noise import AXES
@@ -24,7 +24,9 @@ from .rest import SENSORS, UNITS, Sensor
 GRAVITY = np.array([0.0, 0.0, -1.0])  # output of an ideal level accelerometer at rest in g (section 4.3.4)
 
 
-def parameters_of_axes(axes: Mapping[str, Axis], hard_iron: bool, start: ImuParameters | None = None) -> ImuParameters:
+def parameters_of_axes(
+    axes: Mapping[str, IdentifiedAxis], hard_iron: bool, start: ImuParameters | None = None
+) -> ImuParameters:
     """Return a parameter set that is updated with the identified columns of a recording.
 
     axes: a dictionary from the name of a column, such as "gyroscope_x", to its identified parameters.
@@ -53,7 +55,7 @@ def parameters_of_axes(axes: Mapping[str, Axis], hard_iron: bool, start: ImuPara
     return imu
 
 
-def _identified(name: str, sensor: Any, three: list[Axis], hard_iron: bool) -> Sensor:
+def _identified(name: str, sensor: Any, three: list[IdentifiedAxis], hard_iron: bool) -> Sensor:
     matrix = np.array(sensor.matrix) / sensor.scale
     felt = np.linalg.solve(matrix, [axis.found.series.samples.mean() for axis in three])
     changes: dict[str, Vector] = {"noise_density": _vector([axis.found.sensor_density for axis in three])}

@@ -44,7 +44,7 @@ FAR = 12.0  # codes at more than this multiple of sigma from the mean are ignore
 
 
 @dataclass(frozen=True)
-class Expected:
+class ExpectedMoments:
     """Expected mean, variance and fourth central moment of the samples of one axis, in its unit, unit^2 and unit^4."""
 
     mean: float
@@ -81,7 +81,7 @@ def lsb_at_rest(imu: ImuParameters) -> dict[str, Triple[float]]:
     return {name: model.lsb_of(name, inputs) for name in SENSORS}
 
 
-def expected_at_rest(imu: ImuParameters) -> dict[str, list[Expected]]:
+def expected_at_rest(imu: ImuParameters) -> dict[str, list[ExpectedMoments]]:
     """Return a dictionary from the name of a sensor to the expectations of its three axes.
 
     Only white noise is included, because bias instability and random walk have no fixed mean.
@@ -100,13 +100,13 @@ def variances_before_rounding(sensor: Sensor, period: float) -> Floats:
     return matrix**2 @ (np.array(sensor.noise_density) / period)
 
 
-def _of_codes(sensor: Sensor, mean: float, sigma: float) -> Expected:
+def _of_codes(sensor: Sensor, mean: float, sigma: float) -> ExpectedMoments:
     """Return the moments, in the sensor's unit, of a Gaussian value after rounding and saturation.
 
     mean, sigma: the mean and the standard deviation of the Gaussian value in LSB.
     """
     if isnan(mean):
-        return Expected(0.0, 0.0, 0.0)  # For a NaN, a converter in float64 always returns code 0.
+        return ExpectedMoments(0.0, 0.0, 0.0)  # For a NaN, a converter in float64 always returns code 0.
     least, most = sensor.limits
     reach = FAR * sigma + 2
     first, last = (int(np.clip(end, least, most)) for end in (mean - reach, mean + reach))
@@ -115,7 +115,7 @@ def _of_codes(sensor: Sensor, mean: float, sigma: float) -> Expected:
     codes = np.arange(first, last + 1)
     values = codes / sensor.scale
     centre = float(share @ values)
-    return Expected(centre, float(share @ (values - centre) ** 2), float(share @ (values - centre) ** 4))
+    return ExpectedMoments(centre, float(share @ (values - centre) ** 2), float(share @ (values - centre) ** 4))
 
 
 def _upper_end(sensor: Sensor, code: int, least: int, most: int) -> float:

@@ -3,9 +3,9 @@
 Published and expected values are shown beside the reproduced values. The deviation of a value from the expected value
 is shown in standard errors of 10 000 samples, so that a reader can see which deviations are explained by chance.
 
-The dissertation's parameters can be interpreted in several ways, and each interpretation (`Reading`) predicts other
-means, which are compared with those of the published emulator. Each interpretation in the list of `readings` adds one
-effect to the previous one. The last but one is the parameter set `table_5_1`, which comes with periph_sim.
+The dissertation's parameters can be interpreted in several ways. Each `Interpretation` predicts other means, which are
+compared with those of the published emulator. Each interpretation in the list of `readings` adds one effect to the
+previous one. The last but one is the parameter set `table_5_1`, which comes with periph_sim.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ...core.text_table import text_table
 from ..models.parameters import NONE, ImuParameters
 from ..noise import AXES
 from ..parameter_sets import named
-from .rest import SENSORS, UNITS, Expected, Floats, expected_at_rest, variances_before_rounding
+from .rest import SENSORS, UNITS, ExpectedMoments, Floats, expected_at_rest, variances_before_rounding
 
 Three = tuple[float, float, float]  # values on x, y, z
 
@@ -29,7 +29,7 @@ SAMPLES = 10_000  # number of samples of the published table
 RATE = 50  # sample rate of the published table in Hz
 
 
-class Row(NamedTuple):
+class PublishedRow(NamedTuple):
     """Published figures of one sensor in g, deg/s or gauss. The variances of the magnetometer are printed as 0.0000."""
 
     mean: Three
@@ -38,14 +38,14 @@ class Row(NamedTuple):
 
 
 REAL = {
-    "accelerometer": Row((-0.0188, 0.0196, -1.0007), (0.0831, 0.0801, 0.0887), (0.0008, 0.0007, 0.0009)),
-    "gyroscope": Row((-3.1041, 3.5997, 0.0438), (0.1312, 0.1475, 0.1338), (0.0019, 0.0024, 0.0020)),
-    "magnetometer": Row((0.3239, -0.0447, 0.0060), (0.0149, 0.0190, 0.0082), (0.0000, 0.0000, 0.0000)),
+    "accelerometer": PublishedRow((-0.0188, 0.0196, -1.0007), (0.0831, 0.0801, 0.0887), (0.0008, 0.0007, 0.0009)),
+    "gyroscope": PublishedRow((-3.1041, 3.5997, 0.0438), (0.1312, 0.1475, 0.1338), (0.0019, 0.0024, 0.0020)),
+    "magnetometer": PublishedRow((0.3239, -0.0447, 0.0060), (0.0149, 0.0190, 0.0082), (0.0000, 0.0000, 0.0000)),
 }
 EMULATOR = {
-    "accelerometer": Row((-0.0301, 0.0076, -1.0035), (0.0857, 0.0845, 0.0839), (0.0008, 0.0008, 0.0008)),
-    "gyroscope": Row((-3.0313, 3.5380, 0.0535), (0.1452, 0.2370, 0.1356), (0.0023, 0.0062, 0.0020)),
-    "magnetometer": Row((0.3231, -0.0447, 0.0056), (0.0164, 0.0187, 0.0097), (0.0000, 0.0000, 0.0000)),
+    "accelerometer": PublishedRow((-0.0301, 0.0076, -1.0035), (0.0857, 0.0845, 0.0839), (0.0008, 0.0008, 0.0008)),
+    "gyroscope": PublishedRow((-3.0313, 3.5380, 0.0535), (0.1452, 0.2370, 0.1356), (0.0023, 0.0062, 0.0020)),
+    "magnetometer": PublishedRow((0.3231, -0.0447, 0.0056), (0.0164, 0.0187, 0.0097), (0.0000, 0.0000, 0.0000)),
 }
 
 
@@ -101,7 +101,7 @@ def static_table(imu: ImuParameters, samples: Mapping[str, Floats]) -> list[Axis
     ]
 
 
-def _row(sensor: str, axis: int, values: Floats, expected: Expected) -> AxisRow:
+def _row(sensor: str, axis: int, values: Floats, expected: ExpectedMoments) -> AxisRow:
     variance, sigma = float(values.var(ddof=1)), sqrt(expected.variance)
     real, emulator = REAL[sensor], EMULATOR[sensor]
     means, variances = (
@@ -118,7 +118,7 @@ def _row(sensor: str, axis: int, values: Floats, expected: Expected) -> AxisRow:
 
 
 @dataclass(frozen=True)
-class Reading:
+class Interpretation:
     """An interpretation of the dissertation's parameters, and its agreement with the published means.
 
     says: the effect that the interpretation adds, as a phrase.
@@ -134,7 +134,7 @@ class Reading:
         return sqrt(sum(off**2 for off in self.off[sensor]) / len(AXES))
 
 
-def readings() -> list[Reading]:
+def readings() -> list[Interpretation]:
     """Return all interpretations, each with its differences from the published means.
 
     Table 4.1 prints biases with two decimals. The set `table_5_1` has biases with four decimals, which follow from the
@@ -148,10 +148,10 @@ def readings() -> list[Reading]:
         "and floor for two: table_5_1": table_5_1,
         "and floor for the gyroscope": _each(table_5_1, rounding="floor"),
     }
-    return [Reading(says, _off(expected_at_rest(imu))) for says, imu in sets.items()]
+    return [Interpretation(says, _off(expected_at_rest(imu))) for says, imu in sets.items()]
 
 
-def _off(expected: Mapping[str, Sequence[Expected]]) -> dict[str, tuple[float, ...]]:
+def _off(expected: Mapping[str, Sequence[ExpectedMoments]]) -> dict[str, tuple[float, ...]]:
     return {
         sensor: tuple(
             # The standard error has three parts: of the mean, of the printed mean and of the printed bias.
@@ -170,7 +170,7 @@ def _each(imu: ImuParameters, sensors: Sequence[str] = SENSORS, **changes: Any) 
 COLUMNS = ("", "real IMU", "emulator", "ours", "expected", "ours off", "emulator off")
 
 
-def text(imu: ImuParameters, rows: Sequence[AxisRow], found: Sequence[Reading], samples: int, seed: int) -> str:
+def text(imu: ImuParameters, rows: Sequence[AxisRow], found: Sequence[Interpretation], samples: int, seed: int) -> str:
     """Format the table of a parameter set, with deviations in standard errors, and the interpretations `found`."""
     lines = [
         f"At rest, {samples} samples, seed {seed}; published (Table 5.1) {SAMPLES} at {RATE} Hz.",
@@ -203,7 +203,7 @@ def _block(name: str, form: str, rows: Sequence[AxisRow]) -> list[str]:
     return text_table((name.replace("three_", "3 "), *COLUMNS[1:]), cells, range(1, len(COLUMNS)))
 
 
-def _explained(found: Sequence[Reading]) -> Iterator[str]:
+def _explained(found: Sequence[Interpretation]) -> Iterator[str]:
     yield "Published emulator's means less those of the model, x, y, z in standard errors,"
     yield "and their root mean square (rms):"
     yield ""

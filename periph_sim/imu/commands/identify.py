@@ -14,7 +14,7 @@ from ...interfaces.commands.command_frame import command, print_json, rate_given
 
 if TYPE_CHECKING:
     from ...traces.formats.unit_csv import Column
-    from ..identification.text_report import Axis
+    from ..identification.text_report import IdentifiedAxis
 
 PICTURES = (".svg", ".png")
 UNEVEN = 0.01  # maximum relative difference of the periods of two recordings
@@ -101,10 +101,10 @@ def identify(
 
 def _axes(
     file: Path, rate: str | None, expect: tuple[str, ...], undisturbed: Path | None, slow: bool
-) -> tuple[list[Axis], float]:
+) -> tuple[list[IdentifiedAxis], float]:
     """Identify every column except time. Return what was identified, and the sampling period in seconds."""
     from ..identification.identify import identify as identified
-    from ..identification.text_report import Axis
+    from ..identification.text_report import IdentifiedAxis
 
     columns, period = _recording(file, rate)
     others: Mapping[str, Column] = {}
@@ -125,7 +125,7 @@ def _axes(
                 )
             plain = others[name].values
         found = identified(name, column.values, period, expected=wanted.get(name, 0.0), undisturbed=plain, slow=slow)
-        axes.append(Axis(column.unit, found))
+        axes.append(IdentifiedAxis(column.unit, found))
     return axes, period
 
 

@@ -22,11 +22,11 @@ from ..numeric import arithmetic_names as named
 from ..numeric.estimate import RTS, Estimate, Tables, estimate
 from . import events, outside_models
 from .frames import REFERENCE
-from .sweep import Finding, Sweep
+from .sweep import ExtremeFinding, InputSweep
 from .sweeps import FIELDS, MOTIONS
 from .working_range import Worst, worst
 
-SWEEPS: tuple[Sweep, ...] = (*MOTIONS, *FIELDS)
+SWEEPS: tuple[InputSweep, ...] = (*MOTIONS, *FIELDS)
 EVENTS = {
     "lost or doubled frame": events.lost_frames,
     "division by Ts = 0": events.zero_period,
@@ -34,7 +34,7 @@ EVENTS = {
     "smallest LSB": events.smallest_steps,
     "parameters": events.refused,
 }
-OUTSIDE: dict[str, Callable[[], Iterator[Finding]]] = {
+OUTSIDE: dict[str, Callable[[], Iterator[ExtremeFinding]]] = {
     "length of a run": outside_models.longest_run,
     "clocks": outside_models.clocks,
     "last tick": outside_models.lines_at_the_last_tick,
@@ -48,7 +48,7 @@ USUAL = ("float64", "float32", "q16", "q16 saturating", "q12")
 
 
 @dataclass(frozen=True)
-class Report:
+class ExtremesReport:
     """The results of all examinations.
 
     imu, seed: the parameters and the seed of the search in the working range.
@@ -66,9 +66,9 @@ class Report:
     errors: dict[str, Worst]
     costs: dict[str, Estimate]
     without_fastrts: Estimate
-    findings: tuple[Finding, ...]
+    findings: tuple[ExtremeFinding, ...]
 
-    def findings_for(self, extreme: str) -> list[Finding]:
+    def findings_for(self, extreme: str) -> list[ExtremeFinding]:
         return [one for one in self.findings if one.extreme == extreme]
 
 
@@ -82,7 +82,7 @@ def report(
     only: tuple[str, ...] = (),
     imu: ImuParameters | None = None,
     tables: Tables = "RAM",
-) -> Report:
+) -> ExtremesReport:
     """Examine several kinds of arithmetic at extreme inputs.
 
     names: the names of the kinds of arithmetic, such as "float32".
@@ -109,4 +109,4 @@ def report(
     for name, rows in OUTSIDE.items():
         if name in wanted:
             found += rows()
-    return Report(imu, names, seed, errors, costs, estimate(counts, RTS, tables), tuple(found))
+    return ExtremesReport(imu, names, seed, errors, costs, estimate(counts, RTS, tables), tuple(found))

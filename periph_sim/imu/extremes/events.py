@@ -19,7 +19,7 @@ from ..numeric import arithmetic_names as named
 from ..numeric.arithmetic import Arithmetic
 from ..numeric.q import Q
 from .frames import REFERENCE, Ints, codes_of
-from .sweep import EVERY, Finding, Happens, overflow_of
+from .sweep import EVERY, ExtremeFinding, Happens, overflow_of
 from .working_range import Worst
 
 DAY = 86_400.0
@@ -40,7 +40,7 @@ def first_where(holds: Callable[[float], bool], low: float, high: float) -> floa
     return high
 
 
-def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
+def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[ExtremeFinding]:
     """Examine a lost or doubled frame during a steady rotation.
 
     One sample then contains no change of the angle, and another sample contains twice the usual change. The sum of both
@@ -61,7 +61,7 @@ def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Fin
         if len(lost):
             happens = overflow_of(name) if double.overflown[lost[0]] else "full scale"
         begins = float(rates[lost[0]]) if len(lost) else None
-        yield Finding("lost or doubled frame", name, happens, begins, "deg/s", float(off.max()))
+        yield ExtremeFinding("lost or doubled frame", name, happens, begins, "deg/s", float(off.max()))
 
 
 def _rolled(steps: Ints, times: int) -> Ints:
@@ -75,7 +75,7 @@ def _rolled(steps: Ints, times: int) -> Ints:
     return counts
 
 
-def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
+def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[ExtremeFinding]:
     """Find the first time, within 30 days, at which adding Ts to the time has an error of more than half of Ts.
 
     The sensor models are not affected: they store no time and no sum, only one attitude and one rate.
@@ -92,7 +92,7 @@ def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
         note = f"{(float(a.value(a.constant(period))) / period - 1) * DAY:+.3g} s a day"
         if halts is not None:
             note += f", halts at {halts / 3600:.4g} h"
-        yield Finding(
+        yield ExtremeFinding(
             "time in seconds, 30 days", name, happens, None if begins is None else begins / 3600, "h", note=note
         )
 
@@ -109,7 +109,7 @@ def _first_time(a: Arithmetic[Any], end: float, holds: Callable[[float], bool]) 
     return first_where(at, 1.0, end)
 
 
-def zero_period(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
+def zero_period(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[ExtremeFinding]:
     """Examine the rate of an angle if a measured Ts is 0, for a change by one count and for a constant angle."""
     for name in names:
         a = named.scalar(name)
@@ -117,10 +117,10 @@ def zero_period(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Fin
             step, zero = a.constant(ANGLE), a.constant(0.0)
             moved, still = (float(a.value(a.div(x, zero))) for x in (step, zero))
         happens: Happens = "NaN" if moved != moved or still != still else "saturates"
-        yield Finding("division by Ts = 0", name, happens, 0.0, "s", note=f"a step: {moved:g}, none: {still:g}")
+        yield ExtremeFinding("division by Ts = 0", name, happens, 0.0, "s", note=f"a step: {moved:g}, none: {still:g}")
 
 
-def refused(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
+def refused(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[ExtremeFinding]:
     """Check that the parameter sets reject non-finite values and a Ts of 0."""
     tried: tuple[tuple[str, Callable[[], object]], ...] = (
         ("Ts = 0", lambda: ImuParameters(period=0.0)),
@@ -133,12 +133,12 @@ def refused(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding
         try:
             make()
         except BadParameter as error:
-            yield Finding(f"parameter: {what}", EVERY, "refused", None, "", note=str(error))
+            yield ExtremeFinding(f"parameter: {what}", EVERY, "refused", None, "", note=str(error))
         else:
-            yield Finding(f"parameter: {what}", EVERY, "agrees", None, "")
+            yield ExtremeFinding(f"parameter: {what}", EVERY, "agrees", None, "")
 
 
-def smallest_steps(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
+def smallest_steps(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[ExtremeFinding]:
     """Count the accelerometer's codes that a fine ramp skips, and measure the gyroscope's step for one count."""
     g = int(AccelerometerParameters().full_scale / ACCELERATION)
     ramp = np.zeros((12, 2 * g + 1), dtype=np.int64)
@@ -152,4 +152,4 @@ def smallest_steps(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[
         step = float((turned - still)[0])
         note = f"{missing} of {seen} accelerometer codes never shown; one count of roll is {step:.2f} LSB of rate"
         happens: Happens = "agrees" if missing <= 0 and step > 0 else "off"
-        yield Finding("smallest LSB", name, happens, None, "", note=note)
+        yield ExtremeFinding("smallest LSB", name, happens, None, "", note=note)

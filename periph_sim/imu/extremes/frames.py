@@ -28,7 +28,7 @@ REFERENCE = "float64"
 
 
 @dataclass(frozen=True)
-class Codes:
+class CodesOfSamples:
     """The codes of n samples.
 
     codes: the codes that the chips return, in LSB, float64[9, n].
@@ -41,7 +41,7 @@ class Codes:
     overflown: NDArray[np.bool_]
 
 
-def codes_of(name: str, imu: parameters.ImuParameters, counts: Ints) -> Codes:
+def codes_of(name: str, imu: parameters.ImuParameters, counts: Ints) -> CodesOfSamples:
     """Return nine codes for each of n samples.
 
     name: the name of the arithmetic.
@@ -52,13 +52,13 @@ def codes_of(name: str, imu: parameters.ImuParameters, counts: Ints) -> Codes:
     with np.errstate(all="ignore"):
         if name == "float32":  # float32 calculates an array as fast as a single number
             codes, exact = np.array(_sample(model, counts), np.float64)
-            return Codes(codes, exact, np.zeros(counts.shape[1], np.bool_))
+            return CodesOfSamples(codes, exact, np.zeros(counts.shape[1], np.bool_))
         rows, overflows = [], []
         for column in counts.T.tolist():
             rows.append(_sample(model, column))
             overflows.append(model.overflows)
     codes, exact = np.array(rows, np.float64).transpose(1, 2, 0)
-    return Codes(codes, exact, np.diff(overflows, prepend=0) > 0)
+    return CodesOfSamples(codes, exact, np.diff(overflows, prepend=0) > 0)
 
 
 def _sample(model: Imu[Any], counts: Any) -> tuple[list[Any], list[Any]]:

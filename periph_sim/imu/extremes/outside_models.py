@@ -47,7 +47,7 @@ from ..models.quantity import BadParameter
 from ..noise import AxisNoise, Gaussian, NoiseTerms
 from ..numeric.float64 import Float64
 from .events import first_where
-from .sweep import EVERY, Finding, Happens
+from .sweep import EVERY, ExtremeFinding, Happens
 
 SYSCLK = 150_000_000
 ODD_CRYSTAL = 143_181_815  # SYSCLKOUT in Hz with a crystal of 28.636363 MHz and PLL 10
@@ -62,12 +62,12 @@ UNIT_ROUNDOFF = 2.0**-53
 Edges = list[tuple[str, int, int]]  # name of the wire, ticks after the start of the run, level
 
 
-def longest_run() -> Iterator[Finding]:
+def longest_run() -> Iterator[ExtremeFinding]:
     """Find the longest run. Ticks end at 2^62, before a counter of a chip or the int64 of a recording overflows."""
     for name, hertz in (("150 MHz", SYSCLK), ("28.636363 MHz x 5", ODD_CRYSTAL)):
         begins = first_where(partial(_too_long, Timebase(hertz)), 1, 1e11)
         message = _why(partial(Timebase(hertz).end_of_run, 0, MORE_THAN_A_CENTURY), TimeError)
-        yield Finding(
+        yield ExtremeFinding(
             f"length of a run, {name}",
             EVERY,
             "refused" if message else "agrees",
@@ -81,7 +81,7 @@ def _too_long(base: Timebase, length: float) -> bool:
     return bool(_why(partial(base.end_of_run, 0, Fraction(length)), TimeError))
 
 
-def clocks() -> Iterator[Finding]:
+def clocks() -> Iterator[ExtremeFinding]:
     """Check that a clock with an error in ppm has no drift: each edge of a day is within a tick of its exact time."""
     base = Timebase(SYSCLK)
     for ppm in PPM:
@@ -93,7 +93,7 @@ def clocks() -> Iterator[Finding]:
         late = max(abs(clock.tick(n) - n * base.per_second / hertz) for n in tried)
         exact = late < 1 and all(clock.cycle_at(clock.tick(n)) == n for n in tried)
         rounded = abs(round(base.per_second / hertz) * cycles - clock.tick(cycles)) / base.per_second
-        yield Finding(
+        yield ExtremeFinding(
             f"clock {ppm:+d} ppm, a day",
             EVERY,
             "exact" if exact else "off",
@@ -103,14 +103,14 @@ def clocks() -> Iterator[Finding]:
         )
 
 
-def lines_at_the_last_tick() -> Iterator[Finding]:
+def lines_at_the_last_tick() -> Iterator[ExtremeFinding]:
     """Compare an I2C transfer and a UART burst just before the last tick with the same traffic from tick 0 on."""
     begins = LAST_TICK - Timebase(SYSCLK).ticks(LINES_RUN)
     for name, traffic in (("I2C transfer", i2c_edges), ("UART burst", uart_edges)):
         first, last = traffic(0), traffic(begins)
         same = first == last
         note = f"{len(last)} edges, {'the same as' if same else 'different from those'} at tick 0"
-        yield Finding(f"{name} at the last tick", EVERY, "exact" if same else "off", None, "", note=note)
+        yield ExtremeFinding(f"{name} at the last tick", EVERY, "exact" if same else "off", None, "", note=note)
 
 
 def i2c_edges(start: int) -> Edges:
@@ -150,13 +150,13 @@ def _keep(edges: Edges, wire: str, start: int, tick: int, level: int) -> None:
     edges.append((wire, tick - start, level))
 
 
-def noise_sums() -> Iterator[Finding]:
+def noise_sums() -> Iterator[ExtremeFinding]:
     """Check noise at sample 10^9. White noise and bias instability need no sum; only the random walk is a sum."""
     for name, terms in (("white", NoiseTerms(1.0)), ("bias instability", NoiseTerms(0.0, 1.0))):
         noise = AxisNoise(terms, 0.02, 1, name)
         same = noise.values(FAR - 5, 10)[5] == noise.at(FAR)
         note = "computed from its number: no sum, no drift" if same else "another value than in a block"
-        yield Finding(f"{name} noise, sample 10^9", EVERY, "exact" if same else "off", None, "", note=note)
+        yield ExtremeFinding(f"{name} noise, sample 10^9", EVERY, "exact" if same else "off", None, "", note=note)
     walk = AxisNoise(NoiseTerms(0.0, 0.0, 1.0), 1.0, 1, "walk")
     sums = walk.values(0, TRIED)
     off = abs(float(sums[-1]) - fsum(Gaussian(1, "walk/random walk").values(0, TRIED - 1)))
@@ -164,10 +164,10 @@ def noise_sums() -> Iterator[Finding]:
     bound = UNIT_ROUNDOFF * FAR
     happens: Happens = "agrees" if off <= UNIT_ROUNDOFF * TRIED * most else "off"
     note = f"rounding: at most {bound:.1e} of the walk's largest value; found {off / most:.0e} after 2^20"
-    yield Finding("random walk, 10^9 samples", EVERY, happens, None, "", note=note)
+    yield ExtremeFinding("random walk, 10^9 samples", EVERY, happens, None, "", note=note)
 
 
-def inputs() -> Iterator[Finding]:
+def inputs() -> Iterator[ExtremeFinding]:
     """Check that the models reject a NaN, and a period that differs from the period at which they run."""
     model = Imu(Float64(), ImuParameters())
     zero = model.at_rest.body
@@ -177,8 +177,8 @@ def inputs() -> Iterator[Finding]:
     yield _refusal("models' period of 10 s, rounds of 20 ms", found)
 
 
-def _refusal(what: str, message: str) -> Finding:
-    return Finding(what, EVERY, "refused" if message else "agrees", None, "", note=message or "it passed")
+def _refusal(what: str, message: str) -> ExtremeFinding:
+    return ExtremeFinding(what, EVERY, "refused" if message else "agrees", None, "", note=message or "it passed")
 
 
 def _why(tried: Callable[[], object], error: type[Exception]) -> str:
@@ -201,7 +201,7 @@ HALVINGS = 8  # number of bisections of an interval of half a sample per bit
 START = 10_000  # cycle of the first start bit
 
 
-def baud_rates() -> Iterator[Finding]:
+def baud_rates() -> Iterator[ExtremeFinding]:
     """Compare the largest rate error at which an SCI receives all bytes, at every phase, with the exact limit.
 
     The largest rate error is found by bisection.
@@ -215,7 +215,7 @@ def baud_rates() -> Iterator[Finding]:
         exact = min(good, bad) - Fraction(1, 8 * PHASES) <= limit <= max(good, bad) + Fraction(1, 8 * PHASES)
         found, meant = (float(100 * (NOMINAL / bit - 1)) for bit in (good, limit))
         note = f"12 bytes in a row are received up to {found:+.2f} %; the limit is {meant:+.3f} %"
-        yield Finding(f"baud rate of a {name} sender", EVERY, "exact" if exact else "off", meant, "%", note=note)
+        yield ExtremeFinding(f"baud rate of a {name} sender", EVERY, "exact" if exact else "off", meant, "%", note=note)
 
 
 def received(bit: Fraction, phase: int) -> bool:
@@ -249,7 +249,7 @@ RAMPS = (10**3, 10**9)  # slopes of the ramps in LSB per sample
 ALLOWED = 1e-9  # maximum relative error of the variance
 
 
-def allan_variances() -> Iterator[Finding]:
+def allan_variances() -> Iterator[ExtremeFinding]:
     """Check the Allan variances of noise plus an offset, and of noise plus a ramp, against their exact values."""
     random = Random(1)
     noise = [random.randint(-NOISE, NOISE) for _ in range(LENGTH)]
@@ -259,13 +259,13 @@ def allan_variances() -> Iterator[Finding]:
         yield _finding(f"Allan variance, ramp of {slope:.0e}", [slope * n + one for n, one in enumerate(noise)])
 
 
-def _finding(extreme: str, samples: list[int]) -> Finding:
+def _finding(extreme: str, samples: list[int]) -> ExtremeFinding:
     found = allan(np.array(samples, np.float64), 1.0)
     meant = [exact_variance(samples, m) for m in found.counts.tolist()]
     off = max(abs(Fraction(one) / of - 1) for one, of in zip(found.variance.tolist(), meant, strict=True))
     agrees = off <= ALLOWED
     note = f"{'' if agrees else 'not '}within {ALLOWED:.0e} of the exact variance at {len(meant)} averaging times"
-    return Finding(extreme, EVERY, "agrees" if agrees else "off", None, "", note=note)
+    return ExtremeFinding(extreme, EVERY, "agrees" if agrees else "off", None, "", note=note)
 
 
 def exact_variance(samples: list[int], m: int) -> Fraction:
@@ -280,7 +280,7 @@ SCENE_LENGTH = Fraction(1, 10)  # duration of the run in seconds
 LEAST_ROUNDS = 4
 
 
-def imu_hil_clocks() -> Iterator[Finding]:
+def imu_hil_clocks() -> Iterator[ExtremeFinding]:
     """Run the scene imu_hil twice, with the crystals of unit and controller at opposite extremes.
 
     The host's bit rate follows the unit's crystal, because an SCI cannot receive with a rate error of ten percent. The
@@ -303,4 +303,4 @@ def imu_hil_clocks() -> Iterator[Finding]:
             "of its exact instant"
         )
         extreme = f"imu_hil, unit {unit:+d} ppm, controller {controller:+d} ppm"
-        yield Finding(extreme, EVERY, "exact" if answered and late < 1 else "off", None, "", note=note)
+        yield ExtremeFinding(extreme, EVERY, "exact" if answered and late < 1 else "off", None, "", note=note)

@@ -10,7 +10,7 @@ from math import ceil, floor, log10
 
 import drawsvg as svg
 
-from . import Report
+from . import ExtremesReport
 
 WIDTH, HEIGHT = 900, 560
 LEFT, RIGHT, TOP, BOTTOM = 90, 40, 60, 80
@@ -20,7 +20,7 @@ EXACT = 1e-5  # an error of 0 is drawn at this number of LSB, because a logarith
 MEASURED = 37_500  # measured time in cycles: 250 us at 150 MHz
 
 
-def picture(report: Report) -> str:
+def picture(report: ExtremesReport) -> str:
     """Return the picture as SVG text."""
     points = []
     for name in report.names:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models import parameters
-from .frames import REFERENCE, SENSORS, Codes, Ints, codes_of
+from .frames import REFERENCE, SENSORS, CodesOfSamples, Ints, codes_of
 from .working_range import Worst
 
 # "agrees": the deviation is no larger than in the working range. "exact": there is no deviation.
@@ -34,7 +34,7 @@ EVERY = "every"  # replaces the name of an arithmetic in findings that do not de
 
 
 @dataclass(frozen=True)
-class Finding:
+class ExtremeFinding:
     """The behaviour of an arithmetic at an extreme.
 
     arithmetic: the name of the arithmetic, or EVERY.
@@ -78,7 +78,7 @@ class Sample:
 
 
 @dataclass(frozen=True)
-class Sweep:
+class InputSweep:
     """A sweep of an input from an ordinary to an extreme value.
 
     what: a description for the report.
@@ -97,7 +97,7 @@ class Sweep:
     at: Callable[[float], Sample]
     slack: float = 0
 
-    def find(self, arithmetic: str, worst: Worst | None) -> Finding:
+    def find(self, arithmetic: str, worst: Worst | None) -> ExtremeFinding:
         """Find the first value of the sweep at which an arithmetic deviates from the reference.
 
         worst: the largest errors of the arithmetic in the working range; None for the reference itself. Deviations up
@@ -115,7 +115,7 @@ class Sweep:
         elif worst is None:
             begins = self._first(arithmetic, lambda grid: grid.full)
             happens = "agrees" if begins is None else "full scale"
-        return Finding(self.name, arithmetic, happens, begins, self.unit, largest, overflows=overflows)
+        return ExtremeFinding(self.name, arithmetic, happens, begins, self.unit, largest, overflows=overflows)
 
     def _first(self, arithmetic: str, holds: Callable[[Grid], Bools]) -> float | None:
         """Return the first value of the sweep at which `holds` is true, or None. The search uses ever finer grids."""
@@ -142,7 +142,7 @@ class Grid:
     """
 
     values: Floats
-    codes: Codes
+    codes: CodesOfSamples
     off: Floats
     full: Bools
 
@@ -158,7 +158,7 @@ class Grid:
 
 
 @lru_cache(maxsize=256)
-def _grid(sweep: Sweep, arithmetic: str, low: float, high: float, points: int) -> Grid:
+def _grid(sweep: InputSweep, arithmetic: str, low: float, high: float, points: int) -> Grid:
     """Evaluate a sweep at a number of points from low to high."""
     values = np.linspace(low, high, points)
     samples = [sweep.at(float(value)) for value in values]
@@ -170,7 +170,7 @@ def _grid(sweep: Sweep, arithmetic: str, low: float, high: float, points: int) -
 
 
 @lru_cache(maxsize=256)
-def _true(sweep: Sweep, low: float, high: float, points: int) -> Floats:
+def _true(sweep: InputSweep, low: float, high: float, points: int) -> Floats:
     """Return the codes of the reference at a number of points from low to high."""
     samples = [sweep.at(float(value)) for value in np.linspace(low, high, points)]
     true = [
@@ -179,12 +179,12 @@ def _true(sweep: Sweep, low: float, high: float, points: int) -> Floats:
     return _together(REFERENCE, true).codes
 
 
-def _together(arithmetic: str, samples: list[Sample]) -> Codes:
+def _together(arithmetic: str, samples: list[Sample]) -> CodesOfSamples:
     """Return the codes of all samples. They are calculated at once if all samples have the same parameters."""
     if all(one.imu is samples[0].imu for one in samples):
         return codes_of(arithmetic, samples[0].imu, np.stack([one.counts for one in samples], axis=1))
     each = [codes_of(arithmetic, one.imu, one.counts[:, np.newaxis]) for one in samples]
-    return Codes(
+    return CodesOfSamples(
         np.hstack([one.codes for one in each]),
         np.hstack([one.exact for one in each]),
         np.hstack([one.overflown for one in each]),

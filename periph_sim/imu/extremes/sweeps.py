@@ -23,7 +23,7 @@ from ..models.parameters import (
     Spherical,
 )
 from .frames import Ints
-from .sweep import Floats, Sample, Sweep
+from .sweep import Floats, InputSweep, Sample
 
 Attitude = tuple[float, float, float]  # roll, pitch, yaw in rad
 
@@ -118,7 +118,7 @@ def accelerated(value: float) -> Sample:
 
 
 MOTIONS = (
-    Sweep(
+    InputSweep(
         "pitch through 90, as built",
         "50 deg/s past 90, where roll and yaw jump by 180",
         "deg",
@@ -127,7 +127,7 @@ MOTIONS = (
         lambda value: pitching(value, AS_BUILT),
         ONE_COUNT,
     ),
-    Sweep(
+    InputSweep(
         "pitch through 90, corrected",
         "the same with the rates of appendix B",
         "deg",
@@ -136,7 +136,7 @@ MOTIONS = (
         lambda value: pitching(value, CORRECTED),
         ONE_COUNT,
     ),
-    Sweep(
+    InputSweep(
         "yaw through 180, as built",
         "50 deg/s; the plain difference is a step of -359",
         "deg",
@@ -145,7 +145,7 @@ MOTIONS = (
         lambda value: yawing(value, AS_BUILT, wrapped_by_host=True),
         ONE_COUNT,
     ),
-    Sweep(
+    InputSweep(
         "yaw through 180, unwrapped",
         "the same with the short way round",
         "deg",
@@ -154,7 +154,7 @@ MOTIONS = (
         lambda value: yawing(value, UNWRAPPED, wrapped_by_host=True),
         ONE_COUNT,
     ),
-    Sweep(
+    InputSweep(
         "yaw beyond int16",
         "50 deg/s, unwrapped; a host that does not wrap, so its int16 does",
         "deg",
@@ -163,9 +163,9 @@ MOTIONS = (
         lambda value: yawing(value, UNWRAPPED, wrapped_by_host=False),
         ONE_COUNT,
     ),
-    Sweep("yaw step in one sample", "from rest, as built", "deg", 0, 359, yaw_step),
-    Sweep("roll rate", "full scale is 2000, the converter's last code 2279", "deg/s", 0, 8000, rolling),
-    Sweep(
+    InputSweep("yaw step in one sample", "from rest, as built", "deg", 0, 359, yaw_step),
+    InputSweep("roll rate", "full scale is 2000, the converter's last code 2279", "deg/s", 0, 8000, rolling),
+    InputSweep(
         "roll rate beyond frames",
         "angles of any size; cross-axis sensitivity takes y and z to full scale at 114 000",
         "deg/s",
@@ -173,8 +173,8 @@ MOTIONS = (
         1e6,
         spinning,
     ),
-    Sweep("acceleration", "on all axes, up to a frame's limit", "g", 0, 32.767, accelerated),
-    Sweep(
+    InputSweep("acceleration", "on all axes, up to a frame's limit", "g", 0, 32.767, accelerated),
+    InputSweep(
         "Ts jitter",
         "500 deg/s, frames late by a part of Ts, unknown to the model",
         "% of Ts",
@@ -241,7 +241,7 @@ def lever(value: float, reversing: bool) -> Sample:
 
 
 FIELDS = (
-    Sweep(
+    InputSweep(
         "field along z, four-quadrant",
         "its horizontal part goes to 0",
         "gauss",
@@ -249,7 +249,7 @@ FIELDS = (
         0.0,
         lambda value: along_z(value, "four-quadrant"),
     ),
-    Sweep(
+    InputSweep(
         "field along z, plain",
         "the same with plain arctangents: 0/0",
         "gauss",
@@ -257,7 +257,7 @@ FIELDS = (
         0.0,
         lambda value: along_z(value, "plain"),
     ),
-    Sweep(
+    InputSweep(
         "field along z, rotation",
         "the same without angles",
         "gauss",
@@ -265,7 +265,7 @@ FIELDS = (
         0.0,
         lambda value: along_z(value, "rotation"),
     ),
-    Sweep(
+    InputSweep(
         "no field, plain",
         "a horizontal field that goes to 0 without a vertical one",
         "gauss",
@@ -273,7 +273,7 @@ FIELDS = (
         0.0,
         lambda value: along_z(value, "plain", vertical=0.0),
     ),
-    Sweep(
+    InputSweep(
         "yaw of the field, plain",
         "plain arctangents, against four quadrants",
         "deg",
@@ -281,8 +281,10 @@ FIELDS = (
         180,
         lambda value: turned(value, "plain"),
     ),
-    Sweep("field strength", "rho from squares, as written", "gauss", 0.5, 1000, lambda value: strong(value, "squares")),
-    Sweep(
+    InputSweep(
+        "field strength", "rho from squares, as written", "gauss", 0.5, 1000, lambda value: strong(value, "squares")
+    ),
+    InputSweep(
         "field strength, IQmag",
         "rho from magnitudes of two",
         "gauss",
@@ -290,7 +292,7 @@ FIELDS = (
         1000,
         lambda value: strong(value, "mag"),
     ),
-    Sweep(
+    InputSweep(
         "lever arm, steady",
         "500, 250, 500 deg/s: w x (w x d), at 1 LSB a g",
         "m",
@@ -298,7 +300,7 @@ FIELDS = (
         100,
         lambda value: lever(value, reversing=False),
     ),
-    Sweep(
+    InputSweep(
         "lever arm, reversing",
         "the same reversed in one sample: w' x d",
         "m",

@@ -5,14 +5,14 @@ from __future__ import annotations
 from ...core.text_table import paragraph, text_table
 from ..models.quantity import described
 from ..numeric.estimate import MEASURED, SYSCLK
-from . import SWEEPS, Report
+from . import SWEEPS, ExtremesReport
 from .frames import REFERENCE, SENSORS
-from .sweep import EVERY, Finding
+from .sweep import EVERY, ExtremeFinding
 
 Rows = list[list[str]]
 
 
-def text(report: Report) -> str:
+def text(report: ExtremesReport) -> str:
     """Format tables of the errors in the working range, the costs, the cycles by part, and the findings."""
     return "\n".join(
         [
@@ -42,7 +42,7 @@ def _table(rows: Rows) -> list[str]:
     return text_table(rows[0], rows[1:])
 
 
-def _error_rows(report: Report) -> Rows:
+def _error_rows(report: ExtremesReport) -> Rows:
     errors = [(name, report.errors.get(name)) for name in report.names]
     return [
         ["arithmetic", *SENSORS],
@@ -50,7 +50,7 @@ def _error_rows(report: Report) -> Rows:
     ]
 
 
-def _total_rows(report: Report) -> Rows:
+def _total_rows(report: ExtremesReport) -> Rows:
     rows = [["arithmetic", "cycles", "us", "library"]]
     for name in report.names:
         cost = report.costs[name]
@@ -59,7 +59,7 @@ def _total_rows(report: Report) -> Rows:
     return rows
 
 
-def _cost_rows(report: Report) -> Rows:
+def _cost_rows(report: ExtremesReport) -> Rows:
     costs = [report.costs[name] for name in report.names]
     return [
         ["part", *report.names],
@@ -68,16 +68,16 @@ def _cost_rows(report: Report) -> Rows:
     ]
 
 
-def _without_fastrts(report: Report) -> list[str]:
+def _without_fastrts(report: ExtremesReport) -> list[str]:
     if "float32" not in report.names:
         return []
     cost = report.without_fastrts
     return [f"float32 with {cost.library.name} instead: {_span(cost.low, cost.high)} cycles, by a guess"]
 
 
-def _extreme_rows(report: Report) -> Rows:
+def _extreme_rows(report: ExtremesReport) -> Rows:
     rows = [["extreme", "unit", *report.names]]
-    by_extreme: dict[str, dict[str, Finding]] = {}
+    by_extreme: dict[str, dict[str, ExtremeFinding]] = {}
     for finding in report.findings:
         by_extreme.setdefault(finding.extreme, {})[finding.arithmetic] = finding
     for extreme, found in by_extreme.items():
@@ -87,7 +87,7 @@ def _extreme_rows(report: Report) -> Rows:
     return rows
 
 
-def _common_rows(report: Report) -> Rows:
+def _common_rows(report: ExtremesReport) -> Rows:
     rows = [["extreme", "what happens", "from"]]
     for one in report.findings:
         if one.arithmetic == EVERY:
@@ -101,11 +101,11 @@ def _titled(title: str, rows: Rows) -> list[str]:
     return [title, "", *_table(rows), ""] if len(rows) > 1 else []
 
 
-def _cell(finding: Finding) -> str:
+def _cell(finding: ExtremeFinding) -> str:
     return finding.happens if finding.begins is None else f"{finding.happens} {finding.begins:.4g}"
 
 
-def _remarks(report: Report) -> list[str]:
+def _remarks(report: ExtremesReport) -> list[str]:
     remarks = [f"{sweep.name}: {sweep.what}" for sweep in SWEEPS if report.findings_for(sweep.name)]
     for finding in report.findings:
         if finding.note:
@@ -126,7 +126,7 @@ def _rest(least: int, most: int) -> str:
     return "nothing left" if most < 0 else _span(max(least, 0), most)
 
 
-def as_json(report: Report) -> dict[str, object]:
+def as_json(report: ExtremesReport) -> dict[str, object]:
     """Convert a report to a dictionary for JSON. `begins` is null if no single input causes the effect."""
     return {
         "reference": REFERENCE,
@@ -154,7 +154,7 @@ def as_json(report: Report) -> dict[str, object]:
     }
 
 
-def _arithmetic(report: Report, name: str) -> dict[str, object]:
+def _arithmetic(report: ExtremesReport, name: str) -> dict[str, object]:
     cost, error = report.costs[name], report.errors.get(name)
     return {
         "name": name,

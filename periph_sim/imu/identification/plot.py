@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from .confidence import LEVELS, edf, interval
 from .noise_terms import FLOOR, READ_AT
-from .text_report import Axis
+from .text_report import IdentifiedAxis
 
 # People with colour blindness can distinguish these colours.
 COLOURS = ("#0060a8", "#c04a00", "#3a7d34", "#7a3b9a", "#777777")
@@ -26,7 +26,7 @@ MARKS = "osd^v"
 STYLE: dict[Any, Any] = {"svg.hashsalt": "periph-sim", "svg.fonttype": "none", "font.size": 9.0, "axes.axisbelow": True}
 
 
-def plot(title: str, axes: Sequence[Axis], path: Path) -> None:
+def plot(title: str, axes: Sequence[IdentifiedAxis], path: Path) -> None:
     """Write the plot as SVG or PNG, according to the suffix. Equal input gives an equal SVG file."""
     units = list(dict.fromkeys(axis.unit for axis in axes))
     with rc_context(STYLE):
@@ -46,7 +46,7 @@ def plot(title: str, axes: Sequence[Axis], path: Path) -> None:
         figure.savefig(path, metadata=metadata, dpi=110)
 
 
-def _draw(panel: Axes, axis: Axis, colour: str, mark: str) -> None:
+def _draw(panel: Axes, axis: IdentifiedAxis, colour: str, mark: str) -> None:
     found, noise = axis.found.allan, axis.found.density
     low, high = interval(edf(found), LEVELS["68 %"])
     bars = np.abs(found.deviation * (np.sqrt(np.stack([low, high])) - 1))

@@ -16,14 +16,14 @@ KNOWN = ("column", "95 % of the density", "rounding", "fitted from, to")
 
 
 @dataclass(frozen=True, eq=False)
-class Axis:
+class IdentifiedAxis:
     """One column of a recording: its unit and its identified parameters."""
 
     unit: str
     found: Identified
 
 
-def table(title: str, axes: Sequence[Axis]) -> str:
+def table(title: str, axes: Sequence[IdentifiedAxis]) -> str:
     """Format a title, the parameters and errors of each column, the slow terms if they were requested, and notes."""
     lines = [title, "", *text_table(FOUND, [_found(axis) for axis in axes])]
     lines += ["", *text_table(KNOWN, [_known(axis) for axis in axes])]
@@ -35,7 +35,7 @@ def table(title: str, axes: Sequence[Axis]) -> str:
     return "\n".join([*lines, *([""] if notes else []), *notes])
 
 
-def as_json(axes: Sequence[Axis]) -> list[dict[str, object]]:
+def as_json(axes: Sequence[IdentifiedAxis]) -> list[dict[str, object]]:
     """Return one object for each column, with numbers in the unit of the column and in seconds."""
     return [_object(axis) for axis in axes]
 
@@ -54,14 +54,14 @@ def scaled(value: float, error: float) -> str:
     return f"({with_error(value / 10**power, error / 10**power)})e{power:+03d}"
 
 
-def _found(axis: Axis) -> tuple[str, ...]:
+def _found(axis: IdentifiedAxis) -> tuple[str, ...]:
     found = axis.found
     bias = f"{with_error(found.bias.value, found.bias.error)} {axis.unit}"
     density = scaled(found.density.value, found.density.error)
     return found.series.name, bias, density, f"{found.sensor_density:.3e}"
 
 
-def _known(axis: Axis) -> tuple[str, ...]:
+def _known(axis: IdentifiedAxis) -> tuple[str, ...]:
     """Format the interval of the density, and the averaging times to which the density was fitted."""
     found = axis.found
     low, high = found.density.bounds(LEVELS["95 %"])
@@ -70,7 +70,7 @@ def _known(axis: Axis) -> tuple[str, ...]:
     return found.series.name, f"{low:.3e} to {high:.3e}", rounding, f"{taus[0]:g} s, {taus[-1]:g} s"
 
 
-def _slow(axis: Axis) -> list[tuple[str, ...]]:
+def _slow(axis: IdentifiedAxis) -> list[tuple[str, ...]]:
     slow = axis.found.slow
     if slow is None:
         return []
@@ -88,7 +88,7 @@ def _term(term: Term, unit: str) -> tuple[str, str, str]:
     return said, f"{low:.2g} to {high:.2g} {unit}", "" if term.found else "not significant"
 
 
-def _object(axis: Axis) -> dict[str, object]:
+def _object(axis: IdentifiedAxis) -> dict[str, object]:
     found, noise, bias = axis.found, axis.found.density, axis.found.bias
     row: dict[str, object] = {
         "column": found.series.name,

@@ -20,7 +20,7 @@ from math import ceil
 
 import numpy as np
 
-from ..attitude import Errors, NoAttitude, errors, estimate
+from ..attitude import AttitudeErrors, NoAttitude, errors, estimate
 from ..host_frames import FRAME_BYTES, decode, encode
 from ..model_codes import model_codes
 from ..models.parameters import Rates
@@ -44,7 +44,7 @@ class Lag:
     """
 
     seconds: float
-    apart: Errors
+    apart: AttitudeErrors
 
 
 def lag_between(times: Floats, late: Floats, other: Floats) -> Lag:
@@ -154,7 +154,7 @@ RATES: tuple[Rates, ...] = ("as built", "corrected")
 
 
 @dataclass(frozen=True)
-class Estimate:
+class FilteredReadings:
     """Readings and attitudes of the real sensors or of the emulator.
 
     readings: the readings of the three chips in all rounds.
@@ -178,7 +178,7 @@ class Bytes:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class MovingOutcome:
     """The results of the experiment.
 
     seconds: the times at which rounds are due, float64[n].
@@ -191,11 +191,11 @@ class Outcome:
     subject: EmulatorUnderTest
     seconds: Floats
     truth: Floats
-    real: Estimate
-    emulated: dict[Rates, Estimate]
+    real: FilteredReadings
+    emulated: dict[Rates, FilteredReadings]
     bytes: Bytes | None
 
-    def apart(self) -> dict[str, Errors]:
+    def apart(self) -> dict[str, AttitudeErrors]:
         """Return a dictionary from the name of a comparison to its errors, in the order in which reports show them."""
         found = {"real sensors less truth": errors(self.real.attitudes, self.truth)}
         for rates, one in self.emulated.items():
@@ -223,7 +223,7 @@ def truth(subject: EmulatorUnderTest, seconds: Floats) -> Floats:
     return quaternions(subject.motion.attitude(seconds))
 
 
-def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], None] | None = None) -> Outcome:
+def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], None] | None = None) -> MovingOutcome:
     """Run the experiment.
 
     wires: True to simulate SCI and I2C; False to calculate the codes directly.
@@ -251,7 +251,7 @@ def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], Non
         raise NoAttitude("no round of the three chips was complete before the end; run longer")
     estimates = {rates: _estimate(subject, readings, seconds) for rates, readings in read.items()}
     compared = sum(2 * codes.size for readings in read.values() for codes in readings.codes.values())
-    return Outcome(
+    return MovingOutcome(
         subject,
         seconds,
         truth(subject, seconds),
@@ -270,6 +270,6 @@ def _different(came: on_wires.Emulated, computed: Readings) -> int:
     return found
 
 
-def _estimate(subject: EmulatorUnderTest, readings: Readings, seconds: Floats) -> Estimate:
+def _estimate(subject: EmulatorUnderTest, readings: Readings, seconds: Floats) -> FilteredReadings:
     """Filter the readings of all rounds. Return all readings, and the attitudes in the rounds due at `seconds`."""
-    return Estimate(readings, attitudes(subject, readings)[np.isin(readings.seconds, seconds)])
+    return FilteredReadings(readings, attitudes(subject, readings)[np.isin(readings.seconds, seconds)])

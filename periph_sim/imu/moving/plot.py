@@ -16,14 +16,14 @@ from matplotlib.figure import Figure
 
 from ..identification.plot import COLOURS, STYLE
 from ..rotations import Floats, angles
-from .experiment import Outcome
+from .experiment import MovingOutcome
 
 DASHES = ("-", "--", "-.")
 ANGLES = ("roll", "pitch", "yaw")
 POINTS = 1200  # maximum number of points of a line; more points would not be visible and would make the file larger
 
 
-def attitudes(outcome: Outcome, path: Path) -> None:
+def attitudes(outcome: MovingOutcome, path: Path) -> None:
     """Write the attitudes as SVG. Equal input gives an equal file."""
     panels = [("truth", outcome.truth), ("real sensors", outcome.real.attitudes)]
     panels.append(("emulator", outcome.emulated["corrected"].attitudes))
@@ -41,7 +41,7 @@ def attitudes(outcome: Outcome, path: Path) -> None:
         _save(figure, path)
 
 
-def rates(outcome: Outcome, path: Path) -> None:
+def rates(outcome: MovingOutcome, path: Path) -> None:
     """Write the rates about the axes of the body as SVG, in deg/s without biases. Equal input gives an equal file."""
     imu = outcome.subject.sensors
     read = {"real": outcome.real.readings}

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from ...core.text_table import paragraph, text_table
-from ..attitude import Errors
+from ..attitude import AttitudeErrors
 from ..models.parameters import Rates
 from ..rotations import Floats
-from .experiment import Lag, Outcome
+from .experiment import Lag, MovingOutcome
 
 AXES = ("roll", "pitch", "yaw", "total")
 
@@ -20,7 +20,7 @@ def rms(values: Floats) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def lines(outcome: Outcome) -> Iterator[str]:
+def lines(outcome: MovingOutcome) -> Iterator[str]:
     """Yield the lines of the report: tables of all comparisons, and the main results as sentences."""
     subject, count = outcome.subject, len(outcome.seconds)
     noise = "no noise" if subject.seed is None else f"noise of seed {subject.seed}"
@@ -41,7 +41,7 @@ def lines(outcome: Outcome) -> Iterator[str]:
         yield f"{equal} of {outcome.bytes.compared} bytes read from the emulator equal those computed without wires"
 
 
-def _point(outcome: Outcome, rates: Rates) -> str:
+def _point(outcome: MovingOutcome, rates: Rates) -> str:
     """Return a sentence on the difference between emulator and real sensors, with and without the emulator's delay."""
     apart, late = outcome.apart(), outcome.behind(rates)
     between = rms(apart[f"emulator {rates} less real sensors"].total)
@@ -51,7 +51,7 @@ def _point(outcome: Outcome, rates: Rates) -> str:
     return f"{said}; {rms(late.apart.total):.3f} with the real ones {late.seconds * 1000:.0f} ms earlier"
 
 
-def as_json(outcome: Outcome) -> dict[str, Any]:
+def as_json(outcome: MovingOutcome) -> dict[str, Any]:
     """Return the results as a dictionary with angles in degrees."""
     read = outcome.bytes
     return {
@@ -71,7 +71,7 @@ def _behind(late: Lag) -> dict[str, float]:
     return {"seconds": late.seconds, "rms_left": rms(left) if len(left) else 0.0}
 
 
-def _numbers(apart: Errors) -> dict[str, dict[str, float]]:
+def _numbers(apart: AttitudeErrors) -> dict[str, dict[str, float]]:
     found = {}
     for axis in AXES:
         values: Floats = getattr(apart, axis)

@@ -14,7 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from ...outside.live.pacing import in_ms
-from ...outside.live.view.status import Board, BudgetSoFar, Lateness, Snapshot
+from ...outside.live.view.status import Board, BudgetSoFar, Lateness, StatusSnapshot
 
 PATIENCE = 1.0  # in seconds; without a new snapshot in this time, the thread checks whether the board is closed
 BAR = 30  # number of columns of the longest bar
@@ -44,7 +44,7 @@ class LiveView:
                     live.update(screen(snapshot, self._console.height), refresh=True)
 
 
-def screen(status: Snapshot, height: int = 100) -> RenderableType:
+def screen(status: StatusSnapshot, height: int = 100) -> RenderableType:
     """Return the content of the screen. height: the lines of the screen; budgets that do not fit are left out."""
     rates = status["rates"]
     pace = f", {rates['pace']:.2f} s a second" if "pace" in rates else ""
@@ -62,7 +62,7 @@ def screen(status: Snapshot, height: int = 100) -> RenderableType:
     return Group(*parts)
 
 
-def _rates(status: Snapshot) -> Text:
+def _rates(status: StatusSnapshot) -> Text:
     parts = [
         f"{rate:.0f} {name}" for name, rate in status["rates"].items() if name != "pace" and status["totals"][name]
     ]
@@ -72,7 +72,7 @@ def _rates(status: Snapshot) -> Text:
     )
 
 
-def _readings(status: Snapshot) -> list[Text]:
+def _readings(status: StatusSnapshot) -> list[Text]:
     lines = [
         Text(f"{one['chip']:<14}" + "".join(f"{value:>10.3f}" for value in one["values"]) + f"  {one['unit']}")
         for one in status["readings"]

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from ...replay.i2c_closed_loop import I2cReplay
     from ...replay.i2c_master import I2cMasterReplay
     from ...replay.i2c_open_loop import I2cOpenReplay
-    from ...replay.report import Change, Divergence, Report
+    from ...replay.report import Divergence, HistoryEntry, Report
     from ...replay.uart import UartReplay
     from ...scene.case.model import Case
     from ...traces.capture.capture import Capture
@@ -339,7 +339,7 @@ def show_history(divergence: Divergence) -> None:
     print_table(("at", "", "register", "value"), rows, right=(0, 1, 3), whole=range(4))
 
 
-def _polls_as_one(changes: list[Change]) -> list[Change]:
+def _polls_as_one(changes: list[HistoryEntry]) -> list[HistoryEntry]:
     """Return the changes, but only the first of consecutive changes with the same register and value, such as polls."""
     return [
         change

@@ -50,7 +50,7 @@ class Rfc2217Door:
             raise OutsideError("RFC 2217 needs pyserial: pip install 'periph-sim[live]'") from None
         self._manager_of = serial.rfc2217.PortManager
         self._line = line
-        self._port = Port(line, baud, form, self)
+        self._port = ManagedPort(line, baud, form, self)
         self._notify = notify
         self.back = Backlog()
         self.unread = 0  # number of bytes from a client that were not read when the door was closed
@@ -125,7 +125,9 @@ class ClientDisconnected(Exception):
 class Client:
     """The connection to a client, which separates data from Telnet commands."""
 
-    def __init__(self, connection: socket.socket, name: str, line: SerialLine, port: Port, manager_of: Any) -> None:
+    def __init__(
+        self, connection: socket.socket, name: str, line: SerialLine, port: ManagedPort, manager_of: Any
+    ) -> None:
         self.name = name
         self.file = connection.fileno()
         self._connection = connection
@@ -225,7 +227,7 @@ class Client:
             raise ClientDisconnected(f"vanished: {error.strerror}") from None
 
 
-class Port:
+class ManagedPort:
     """The port that a PortManager controls. An unsupported rate or format raises ValueError.
 
     The settings of modem lines and flow control are constant. An SCI has no modem lines, and TCP's flow control delays

@@ -9,16 +9,18 @@ import scipy
 from periph_sim.imu.at_rest.identified import parameters_of_axes
 from periph_sim.imu.at_rest.rest import SENSORS, UNITS, at_rest, expected_at_rest
 from periph_sim.imu.identification.identify import identify
-from periph_sim.imu.identification.text_report import Axis
+from periph_sim.imu.identification.text_report import IdentifiedAxis
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.models.quantity import BadParameter
 from periph_sim.imu.noise import AXES
 
 
-def identified(imu: ImuParameters, seed: int, samples: int = 10_000) -> dict[str, Axis]:
+def identified(imu: ImuParameters, seed: int, samples: int = 10_000) -> dict[str, IdentifiedAxis]:
     got = at_rest(imu, samples, seed)
     return {
-        f"{sensor}_{axis}": Axis(UNITS[sensor], identify(f"{sensor}_{axis}", got[sensor][:, column], imu.period))
+        f"{sensor}_{axis}": IdentifiedAxis(
+            UNITS[sensor], identify(f"{sensor}_{axis}", got[sensor][:, column], imu.period)
+        )
         for sensor in SENSORS
         for column, axis in enumerate(AXES)
     }
@@ -62,7 +64,7 @@ def test_hard_iron_against_a_recording_without_it():
     imu, samples = ImuParameters(), 5000
     with_iron, without = (at_rest(one, samples, seed)["magnetometer"] for one, seed in ((imu, 1), (plain(imu), 2)))
     axes = {
-        f"magnetometer_{axis}": Axis(
+        f"magnetometer_{axis}": IdentifiedAxis(
             "gauss", identify(f"magnetometer_{axis}", with_iron[:, k], imu.period, undisturbed=without[:, k])
         )
         for k, axis in enumerate(AXES)
@@ -83,7 +85,7 @@ def test_slow_terms_go_into_the_set_where_they_were_found():
     noise = np.random.default_rng(1).normal(size=(4000, 3))
     walk = 0.05 * np.cumsum(np.random.default_rng(2).normal(size=4000))
     values = {"x": noise[:, 0], "y": noise[:, 1] + walk, "z": noise[:, 2]}
-    axes = {f"gyroscope_{a}": Axis("deg/s", identify(a, v, 0.02, slow=True)) for a, v in values.items()}
+    axes = {f"gyroscope_{a}": IdentifiedAxis("deg/s", identify(a, v, 0.02, slow=True)) for a, v in values.items()}
     told = parameters_of_axes(axes, hard_iron=False).gyroscope
     assert told.random_walk[0] == told.random_walk[2] == 0
     assert told.random_walk[1] == pytest.approx(0.05 / 0.02**0.5, rel=0.5)
@@ -100,6 +102,6 @@ def test_columns_that_are_no_sensor_lack_an_axis_or_have_another_unit_are_refuse
         BadParameter, match=r"^gyroscope_y: it is missing; a set needs all three axes of the gyroscope$"
     ):
         parameters_of_axes(without, False)
-    other = Axis("rad/s", axes["gyroscope_z"].found)
+    other = IdentifiedAxis("rad/s", axes["gyroscope_z"].found)
     with pytest.raises(BadParameter, match=r"^gyroscope_z: its unit is 'rad/s'; expected 'deg/s'$"):
         parameters_of_axes(axes | {"gyroscope_z": other}, False)

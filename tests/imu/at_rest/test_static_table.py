@@ -13,7 +13,7 @@ from periph_sim.imu.at_rest.rest import SENSORS, at_rest, expected_at_rest
 from periph_sim.imu.at_rest.static_table import (
     EMULATOR,
     REAL,
-    Reading,
+    Interpretation,
     readings,
     static_table,
     text,
@@ -30,7 +30,7 @@ from periph_sim.imu.parameter_sets import named
 PUBLISHED = named("table_5_1")
 
 
-def by_name() -> dict[str, Reading]:
+def by_name() -> dict[str, Interpretation]:
     return dict(zip(("bias", "cross", "decimals", "two floors", "floors"), readings(), strict=True))
 
 

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import pytest
 
 from periph_sim.core.input_error import InputError
-from periph_sim.imu.extremes import NAMES, OUTSIDE, SWEEPS, USUAL, Report, report
+from periph_sim.imu.extremes import NAMES, OUTSIDE, SWEEPS, USUAL, ExtremesReport, report
 from periph_sim.imu.extremes.events import first_where
 from periph_sim.imu.extremes.frames import codes_of
 from periph_sim.imu.extremes.plot import picture
@@ -83,18 +83,18 @@ EXPECTED: dict[str, tuple[tuple[str, float | None], ...]] = {
 
 
 @pytest.fixture(scope="module")
-def whole() -> Report:
+def whole() -> ExtremesReport:
     return report(samples=1000)
 
 
-def test_the_list_is_complete(whole: Report) -> None:
+def test_the_list_is_complete(whole: ExtremesReport) -> None:
     assert set(EXPECTED) | {"parameters", *OUTSIDE} == set(NAMES)
     assert {one.extreme for one in whole.findings if one.arithmetic != "every"} == set(EXPECTED)
     assert whole.names == USUAL
 
 
 @pytest.mark.parametrize("extreme", EXPECTED)
-def test_what_happens_and_from_where_on(whole: Report, extreme: str) -> None:
+def test_what_happens_and_from_where_on(whole: ExtremesReport, extreme: str) -> None:
     found = whole.findings_for(extreme)
     assert [one.arithmetic for one in found] == list(USUAL)
     for one, (happens, begins) in zip(found, EXPECTED[extreme], strict=True):
@@ -104,13 +104,13 @@ def test_what_happens_and_from_where_on(whole: Report, extreme: str) -> None:
         ), one
 
 
-def test_parameters_that_are_no_numbers_are_refused_by_name(whole: Report) -> None:
+def test_parameters_that_are_no_numbers_are_refused_by_name(whole: ExtremesReport) -> None:
     refused = [one for one in whole.findings if one.extreme.startswith("parameter:")]
     assert len(refused) == 5 and all(one.happens == "refused" for one in refused)
     assert {one.note.split(":")[0] for one in refused} >= {"imu.period", "gyroscope.bias.y", "accelerometer.scale"}
 
 
-def test_rho_squared_overflows_before_it_shows_nowhere_but_in_coarse_formats(whole: Report) -> None:
+def test_rho_squared_overflows_before_it_shows_nowhere_but_in_coarse_formats(whole: ExtremesReport) -> None:
     """Q16: S leaves the format at 85.65 gauss, the squares at 181; Q12: the squares at 724, and IQmag never."""
     squares, magnitudes = whole.findings_for("field strength"), whole.findings_for("field strength, IQmag")
     assert squares[2].overflows == squares[2].begins
@@ -118,7 +118,7 @@ def test_rho_squared_overflows_before_it_shows_nowhere_but_in_coarse_formats(who
     assert magnitudes[4].overflows is None
 
 
-def test_a_wrapped_code_is_a_wrong_sign_a_saturated_one_is_not(whole: Report) -> None:
+def test_a_wrapped_code_is_a_wrong_sign_a_saturated_one_is_not(whole: ExtremesReport) -> None:
     wraps, saturates = whole.findings_for("roll rate")[2:4]
     assert wraps.worst is not None and wraps.worst > 60_000
     assert (
@@ -138,7 +138,7 @@ def test_saturating_q16_stops_cross_axis_at_what_its_largest_rate_makes(rate: fl
     assert reference[1] == min(32767, round(14.375 * (3.6 + 0.02 * (rate - 3.10 + 0.04))))
 
 
-def test_time_drifts_by_what_the_format_makes_of_ts(whole: Report) -> None:
+def test_time_drifts_by_what_the_format_makes_of_ts(whole: ExtremesReport) -> None:
     notes = {one.arithmetic: one.note for one in whole.findings_for("time in seconds, 30 days")}
     assert notes["q16"] == "+18.5 s a day" and notes["float64"] == "+0 s a day"  # 1311 / 65536
     assert notes["float32"].endswith("halts at 145.6 h")  # 2**19 s: the next is 1/16 s on, Ts rounds to 0
@@ -149,7 +149,7 @@ def test_first_where_halves_its_way() -> None:
     assert first_where(lambda x: False, 0, 10) is None
 
 
-def test_the_report_as_text_json_and_picture(whole: Report) -> None:
+def test_the_report_as_text_json_and_picture(whole: ExtremesReport) -> None:
     shown = text(whole)
     assert all(sweep.name in shown for sweep in SWEEPS) and "wraps" in shown and "85.65" in shown
     told = json.loads(json.dumps(as_json(whole), allow_nan=False))
@@ -187,7 +187,7 @@ def test_another_set_changes_costs_and_range() -> None:
     assert turned.errors["q16"].error["magnetometer"] < plain.errors["q16"].error["magnetometer"]
 
 
-def test_one_count_of_roll_is_four_lsb_of_rate(whole: Report) -> None:
+def test_one_count_of_roll_is_four_lsb_of_rate(whole: ExtremesReport) -> None:
     """1e-4 rad in 20 ms are 0.2865 deg/s, times 14.375."""
     notes = {one.arithmetic: one.note for one in whole.findings_for("smallest LSB")}
     assert notes["float64"].endswith("one count of roll is 4.12 LSB of rate")

@@ -22,7 +22,7 @@ from periph_sim.imu.extremes.outside_models import (
     imu_hil_clocks,
     received,
 )
-from periph_sim.imu.extremes.sweep import EVERY, Finding
+from periph_sim.imu.extremes.sweep import EVERY, ExtremeFinding
 from periph_sim.imu.extremes.text_report import text
 from periph_sim.imu.identification.allan import allan
 from periph_sim.imu.noise import AxisNoise, Gaussian, NoiseTerms
@@ -37,7 +37,7 @@ ROWS = (
 )
 
 
-def rows() -> dict[str, Finding]:
+def rows() -> dict[str, ExtremeFinding]:
     return {one.extreme: one for row in ROWS for one in row()}
 
 

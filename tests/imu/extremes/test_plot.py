@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from periph_sim.imu.extremes import SWEEPS, Report
+from periph_sim.imu.extremes import SWEEPS, ExtremesReport
 from periph_sim.imu.extremes.plot import FOUNDED, GUESSED, picture
 
 COSTS = {  # cycles from, to; guessed; error in LSB
@@ -24,7 +24,7 @@ def drawn() -> list[tuple[str, dict[str, str], str]]:
     costs = {name: SimpleNamespace(low=low, high=high, guessed=guess) for name, (low, high, guess, _) in COSTS.items()}
     errors = {name: SimpleNamespace(largest=error) for name, (*_, error) in COSTS.items() if error is not None}
     made: Any = SimpleNamespace(names=tuple(COSTS), costs=costs, errors=errors)
-    report: Report = made
+    report: ExtremesReport = made
     root = ElementTree.fromstring(picture(report))
     return [(node.tag.rpartition("}")[2], dict(node.attrib), node.text or "") for node in root.iter()]
 

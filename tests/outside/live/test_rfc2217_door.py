@@ -25,7 +25,7 @@ from tests.outside.live.echo import written
 serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
 
 from periph_sim.outside.live import rfc2217_door  # noqa: E402
-from periph_sim.outside.live.rfc2217_door import Port, Rfc2217Door  # noqa: E402
+from periph_sim.outside.live.rfc2217_door import ManagedPort, Rfc2217Door  # noqa: E402
 
 
 class Served:
@@ -252,7 +252,7 @@ class Line:
 
 def test_a_port_manager_sets_rate_format_and_break_behind_what_came_before(served: Served) -> None:
     line = Line()
-    port = Port(line, 9600, "7e2", served.door)  # type: ignore[arg-type]
+    port = ManagedPort(line, 9600, "7e2", served.door)  # type: ignore[arg-type]
     port.before = lambda: line.calls.append("before")
     assert (port.baudrate, port.bytesize, port.parity, port.stopbits) == (9600, 7, "E", 2)
     port.baudrate = 19_200

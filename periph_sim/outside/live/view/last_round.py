@@ -25,7 +25,7 @@ SERIAL = 2000  # length of a waveform of serial lines, in microseconds
 Span = tuple[int, int, str]  # start and end of the waveform in ticks, and its title
 
 
-class Line(TypedDict):
+class WaveLine(TypedDict):
     """One line of a waveform.
 
     first: the level at the start of the waveform.
@@ -43,7 +43,7 @@ class Wave(TypedDict):
     title: str
     at_s: float
     length: float
-    lines: list[Line]
+    lines: list[WaveLine]
 
 
 class LastRound(Listener):
@@ -88,7 +88,7 @@ class LastRound(Listener):
         if span is None:
             return None
         begin, end = span[0] - MARGIN * self._per_us, span[1] + MARGIN * self._per_us
-        lines: list[Line] = [{"name": name, "first": 1, "edges": []} for name in self._wires]
+        lines: list[WaveLine] = [{"name": name, "first": 1, "edges": []} for name in self._wires]
         known: set[int] = set()
         for tick, wire, level in self._edges:
             if tick > end:

@@ -35,7 +35,7 @@ FLAGS = {
 }
 
 
-class Reading(TypedDict):
+class SensorReading(TypedDict):
     """The last reading of a sensor. values: x, y, z in `unit`."""
 
     chip: str
@@ -71,7 +71,7 @@ class Lateness(TypedDict):
     when_late: str
 
 
-class Snapshot(TypedDict):
+class StatusSnapshot(TypedDict):
     """The state of a session for display.
 
     rates: counts per simulated second. The entry "pace" is the number of simulated seconds per second of real time.
@@ -83,7 +83,7 @@ class Snapshot(TypedDict):
     simulated_s: float
     rates: dict[str, float]
     totals: dict[str, int]
-    readings: list[Reading]
+    readings: list[SensorReading]
     attitude: list[float] | None
     flags: list[str]
     budgets: list[BudgetSoFar]
@@ -114,7 +114,7 @@ class Status:
         self._session, self._line, self._pacer, self._wave = session, line, pacer, wave
         self._clock = clock
         self._said: deque[str] = deque(maxlen=SAID)
-        self._readings: dict[str, Reading] = {}
+        self._readings: dict[str, SensorReading] = {}
         self._rounds = 0
         self._known = sensors_of(session.case)
         self._before: deque[tuple[float, int, dict[str, int]]] = deque()
@@ -137,7 +137,7 @@ class Status:
         """Add a message about a client that connects or disconnects."""
         self._said.append(sentence)
 
-    def snapshot(self, over: bool = False) -> Snapshot:
+    def snapshot(self, over: bool = False) -> StatusSnapshot:
         session, scene, line = self._session, self._session.scene, self._line
         totals = {
             "SCI bytes in": 0 if line is None else line.sent,
@@ -231,10 +231,10 @@ class Board:
     def __init__(self) -> None:
         self._changed = threading.Condition()
         self._number = 0
-        self._latest: Snapshot | None = None
+        self._latest: StatusSnapshot | None = None
         self.closed = False
 
-    def put(self, snapshot: Snapshot) -> None:
+    def put(self, snapshot: StatusSnapshot) -> None:
         with self._changed:
             self._number += 1
             self._latest = snapshot
@@ -246,7 +246,7 @@ class Board:
             self.closed = True
             self._changed.notify_all()
 
-    def after(self, number: int, timeout: float) -> tuple[int, Snapshot | None]:
+    def after(self, number: int, timeout: float) -> tuple[int, StatusSnapshot | None]:
         """Wait for a snapshot with a higher number than `number`. Return its number and the snapshot.
 
         Return (`number`, None) if there is none after `timeout` seconds, or if the board is closed.

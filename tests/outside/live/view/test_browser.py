@@ -12,12 +12,12 @@ import pytest
 
 from periph_sim.outside import OutsideError
 from periph_sim.outside.live.view.browser import Browser
-from periph_sim.outside.live.view.status import EVERY, Board, Snapshot, ViewDoor
+from periph_sim.outside.live.view.status import EVERY, Board, StatusSnapshot, ViewDoor
 from tests.outside.live.view.imu import FRAME, Imu
 
 
 @pytest.fixture(scope="module")
-def told() -> Snapshot:
+def told() -> StatusSnapshot:
     imu = Imu(budget=[{"name": "too much", "measure": "round", "max": "1 us"}])
     imu.line.write(FRAME)
     for _ in range(3):
@@ -56,7 +56,7 @@ def test_the_page_and_nothing_else_for_this_computer_only(served: Browser) -> No
         assert asked(served, "/events", host)[0] == 403
 
 
-def test_what_the_answers_say_of_themselves(board: Board, served: Browser, told: Snapshot) -> None:
+def test_what_the_answers_say_of_themselves(board: Board, served: Browser, told: StatusSnapshot) -> None:
     connection = HTTPConnection(*served.url.removeprefix("http://").rstrip("/").split(":"), timeout=30)  # type: ignore[arg-type]
     connection.request("GET", "/")
     page = connection.getresponse()
@@ -84,7 +84,7 @@ def test_at_another_address_it_answers_to_any_name(board: Board) -> None:
     one.close()
 
 
-def test_events_are_the_snapshots_and_end_with_the_session(board: Board, served: Browser, told: Snapshot) -> None:
+def test_events_are_the_snapshots_and_end_with_the_session(board: Board, served: Browser, told: StatusSnapshot) -> None:
     board.put(told)
     board.put({**told, "over": True})
     board.close()
@@ -95,7 +95,9 @@ def test_events_are_the_snapshots_and_end_with_the_session(board: Board, served:
     assert status == 200 and events == [{**told, "over": True}]
 
 
-def test_clients_that_leave_or_send_garbage_are_nobody_s_trouble(board: Board, served: Browser, told: Snapshot) -> None:
+def test_clients_that_leave_or_send_garbage_are_nobody_s_trouble(
+    board: Board, served: Browser, told: StatusSnapshot
+) -> None:
     address = ("127.0.0.1", int(served.url.rstrip("/").rpartition(":")[2]))
     for data in (b"", b"\x00\xff\r\n\r\n", b"GET /events HTTP/1.0\r\nHost: localhost\r\n\r\n"):
         with socket.create_connection(address) as client:
@@ -137,7 +139,7 @@ def test_the_door_puts_a_snapshot_some_times_a_second_and_one_at_the_end() -> No
 
 
 @pytest.mark.long  # a browser
-def test_it_shows_all_of_a_snapshot(board: Board, served: Browser, told: Snapshot, browser) -> None:
+def test_it_shows_all_of_a_snapshot(board: Board, served: Browser, told: StatusSnapshot, browser) -> None:
     wrong: list[str] = []
     for width, scheme in ((1400, "dark"), (400, "light")):
         page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)

@@ -9,4 +9,8 @@ to settle: to take the level that results from all pulls; wires do this at the e
 record: one noted event of a run (`records`). The present record is the one whose effects are simulated now.
 shortcut: a sequence of events that is skipped, because its final state was set in one step (`agent.Shortcut`).
 touched: a set with the names of the options on which the run has depended so far (`options`).
+mask: an integer in which each bit represents one thing, such as a party or a line; bit i is thing i.
+`# core:` begins a comment for the build of the compiled core. "compiled": the module is compiled to C, "without checks
+    for None" if the last words say so. "python": this class is not compiled. "freelist 16": up to 16 deleted objects
+    are kept for reuse.
 """

@@ -134,7 +134,7 @@ def describe(agent: Agent) -> str:
     return f"{who} ({name})" if who else name
 
 
-NUMBERS = 1 << 56  # number of different ranks in each phase
+NUMBERS = 1 << 56  # number of different event ranks in each phase; a rank is phase * NUMBERS + a serial number
 
 _order = attrgetter("time", "rank")
 

@@ -80,7 +80,7 @@ class Chip:
 
     def __init__(self) -> None:
         self.next_wake = NEVER  # no output or readable value changes by itself before this cycle
-        self.out = 0  # bit i: level at OUTPUTS[i], of up to 62; for an open-drain pin 1 means released
+        self.out = 0  # bit i: level at OUTPUTS[i]; for an open-drain pin 1 means released. A chip has up to 62 outputs
         self.requests = 0  # bit i: 1 if interrupt i was requested after the owner had last cleared this bit
         self.held = 0  # bit i: 1 while the line of interrupt i stays asserted, so that serving it causes a new request
         self.filter_width = 0  # cycles from an input's change to its first effect

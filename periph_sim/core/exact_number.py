@@ -14,7 +14,7 @@ _NUMBER = re.compile(r"[-+]?[\d._,/]+([eE][-+]?\d+)?")
 _EXPONENT = re.compile(r"[eE]([-+]?[0-9_]+)$")
 _SPLIT_UNIT = re.compile(r"([-+]?\d*\.?\d+)([A-Za-z])")  # a number and the first letter of its unit, as in "20m s"
 _LETTERS = str.maketrans("OoIl", "0011")  # letters that are typed in place of digits
-SHOWN = 60  # maximum number of characters that a message quotes
+SHOWN = 60  # maximum number of characters of a number or unit that a message quotes
 
 
 def exact_number(text: str) -> Fraction:

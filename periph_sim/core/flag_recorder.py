@@ -69,7 +69,7 @@ class WaitingInputs:
             self._spare = given.following
         given.cycle, given.cause = cycle, cause
         before = self._last
-        if before is not None and given.comes_before(before):  # rare: most inputs come in order
+        if before is not None and given.comes_before(before):  # rare, because most inputs are added in order
             before, after = None, self._first
             while after is not None and not given.comes_before(after):
                 before, after = after, after.following

@@ -41,9 +41,9 @@ from .chip import NEVER
 from .state import State
 
 TIMER, PADS, CHIP, CPU, PROBE = range(5)
-_AFTER_ALL = PROBE + 1  # a phase after all phases of an instant
+_AFTER_ALL = PROBE + 1  # a number above those of all phases of a tick
 
-STORM = 100_000  # maximum number of events in one tick; more are an endless loop
+STORM = 100_000  # maximum number of events in one tick; if there are more, they are considered an endless loop
 
 
 class SimulationStuck(Exception):

@@ -45,7 +45,7 @@ class Kind(Enum):
     RECEIVER = "receiver"  # an SCI's number of waiting words changes, or a character is received or lost
     DATA = "data"  # bytes that were read, with their correctness, age or error
 
-    __hash__ = object.__hash__  # by identity, because each member is a single object and Enum's own hash is slow
+    __hash__ = object.__hash__  # the hash of the identity: each member is a single object, and Enum's own hash is slow
 
 
 TIMED_OUT = "timeout"  # the text of the WAIT record at the end of a wait that timed out; "" if the wait ended otherwise

@@ -122,7 +122,7 @@ class Socket(Agent):
         self.after: Callable[[int], None] | None = None  # called with the cycle when readable values may have changed
         self.on_held: Callable[[int, int], None] | None = None  # called with (cycle, mask) when `Chip.held` changes
         self._held = 0
-        self.release: PinReleaseGate | None = None  # decides when the pins of output 0 are released; None: at once
+        self.release: PinReleaseGate | None = None  # decides when pins of output 0 are released; without it, at once
         self.watchers: list[ChipObserver] = []
         self.on_watch: Callable[[], None] | None = None  # called when `watchers` has changed
         self.notes: list[tuple[int, Note]] = []

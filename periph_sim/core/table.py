@@ -30,7 +30,7 @@ from .phrases import shorten
 from .time import UNITS as TIMES
 from .time import TimeError, seconds
 
-PLAIN = frozenset((str, int, bool, bytes, float, Fraction, NoneType))  # the types of most fields
+PLAIN = frozenset((str, int, bool, bytes, float, Fraction, NoneType))  # types of values that need not be copied
 
 
 class Table(Struct, frozen=True, kw_only=True):
@@ -85,7 +85,7 @@ def separate(value: Any) -> Any:
     return value.model_copy(update=changed) if changed else value
 
 
-LOWEST, HIGHEST = Fraction(1, 1000), 10**12  # limits in hertz: a cycle in ticks and a run in cycles must fit 64 bits
+LOWEST, HIGHEST = Fraction(1, 1000), 10**12  # frequencies in hertz; ticks in a cycle and cycles in a run fit 64 bits
 HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000, "GHz": 1_000_000_000}
 
 

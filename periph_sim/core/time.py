@@ -25,7 +25,7 @@ LAST_TICK = NEVER - 1  # the last valid tick, also in recordings, whose ticks ar
 DAY = 86_400
 LONGEST = 365_250 * DAY  # maximum length of time, in seconds, that a user can write: 1000 years
 MOST_TICKS = LAST_TICK  # maximum length of time in ticks
-MOST = NEVER  # maximum product that compiled code, whose integers have 64 bits, computes
+MOST = NEVER  # maximum product that compiled code may compute, because its integers have 64 bits
 USUAL_PER_NS = 1000  # above this number of ticks per nanosecond, messages suggest a crystal of a round frequency
 
 UNITS: dict[str, Fraction] = {
@@ -173,7 +173,7 @@ class Clock:
         period = self.timebase.per_second / hz
         self._exact = period.numerator, period.denominator
         self._wide = period < 1 or period.numerator * period.denominator > MOST
-        self._near = MOST // max(self._exact)  # any number below this, times `_num` or `_den`, fits 64 bits
+        self._near = MOST // max(self._exact)  # the product of a number below this and `_num` or `_den` fits 64 bits
         return (0, 0) if self._wide else self._exact
 
     def tick(self, cycle: int) -> int:

@@ -55,7 +55,7 @@ NOT_RESTORED = LOOP | IDLESTAT | M0M1MAP  # bits of ST1 that IRET does not resto
 
 # Interrupt numbers are vector numbers (SPRUFB0D Table 112); 1 to 14 are INT1 to INT14.
 DLOGINT, RTOSINT, EMUINT, NMI = range(15, 19)
-MASKABLE = 16  # numbers 1 to 16 have a bit, number - 1, in IFR and IER
+MASKABLE = 16  # interrupts 1 to 16 can be masked: interrupt n has bit n - 1 in IFR and IER
 
 # The context: ST0, T, AL, AH, PL, PH, AR0, AR1, ST1, DP, IER, DBGSTAT, PC low, PC high (SPRU430F Table 3-4).
 CONTEXT_WORDS = 14
@@ -103,12 +103,13 @@ class CpuInterrupts:
         self.vector_waits: int = options.vector_fetch_waits.unrecorded()
         # Cycles from the instruction boundary to the first instruction of the service routine.
         self.entry_cycles: int = latency + self.vector_waits
-        # cycles from the instruction boundary to the fetch of the vector
+        # Cycles from the instruction boundary to the fetch of the vector.
         self.vector_delay: int = latency - VECTOR_AND_SAVE
         self.notes: list[Note] = []
         self.touched: set[str] = set()
         self._options = options
-        self._coming: deque[tuple[int, int]] = deque()  # (cycle, IFR bit) of requests in transit
+        # Requests that have not reached the IFR yet: (cycle at which it sets the IFR bit, mask of this bit).
+        self._coming: deque[tuple[int, int]] = deque()
         self._latched_at = -1
         self._returned_at = -1  # cycle at which the latest IRET ends
         self.reset(0)

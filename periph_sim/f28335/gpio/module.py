@@ -131,7 +131,7 @@ class Gpio(GpioInputs):
         if half is None:
             return 0
         register, shift = half
-        return self._stored[register.offset] >> shift & 0xFFFF  # the CPU reads all stored bits
+        return self._stored[register.offset] >> shift & 0xFFFF  # as stored: these registers have no write-only field
 
     def write(self, now: int, offset: int, value: int) -> None:
         self.writes += 1

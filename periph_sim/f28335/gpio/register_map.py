@@ -22,8 +22,8 @@ CTRL, QSEL1, QSEL2, MUX1, MUX2, DIR, PUD = 0x0, 0x2, 0x4, 0x6, 0x8, 0xA, 0xC
 DAT, SET, CLEAR, TOGGLE = 0x0, 0x2, 0x4, 0x6
 CONTROL_WORDS, DATA_WORDS = 0x10, 0x08
 DATA = 0x40  # offset of port A's data block
-SELECT = 0x60  # GPIOXINT1SEL
-XINT_SELECTS = (0x60, 0x61, 0x63, 0x64, 0x65, 0x66, 0x67)  # GPIOXINT1SEL ... GPIOXINT7SEL
+SELECT = 0x60  # offset of GPIOXINT1SEL, the first register after the data blocks
+XINT_SELECTS = (0x60, 0x61, 0x63, 0x64, 0x65, 0x66, 0x67)  # offsets of GPIOXINT1SEL to GPIOXINT7SEL
 XINT_FIRST_PIN = (0, 0, 32, 32, 32, 32, 32)  # for each of these registers, the GPIO number that its value 0 selects
 
 

@@ -89,7 +89,7 @@ def _pairs(name: str, pins: int) -> tuple[tuple[int, int], ...]:
 MUX = _pairs("MUX", PINS)
 SELECT = _pairs("QSEL", SYNCHRONISED_ONLY)
 CONFIGURED = tuple(dict.fromkeys(offset for offset, _ in MUX + SELECT))  # offsets of all MUX and QSEL registers
-SAMPLES = {1: 3, 2: 6}  # from values of QSEL to the required number of equal samples
+SAMPLES = {1: 3, 2: 6}  # for each value of QSEL that selects sampling, the required number of equal samples
 ASYNCHRONOUS = 3  # value of QSEL that selects no synchronisation
 AT_RESET = {register.offset: register.reset for register in at.GPIO}
 

@@ -68,7 +68,8 @@ class I2cMasterLines:
         self._driven = 1
 
     def _d(self) -> int:
-        return max(5, 8 - self.state.tm)  # Table 15: d is 7, 6 or 5 for IPSC = 0, 1 or more
+        """Return d, the number of module clocks for which SCL is low or high beyond I2CCLKL or I2CCLKH (Table 15)."""
+        return max(5, 8 - self.state.tm)  # 7, 6 or 5 for IPSC = 0, 1 or more
 
     def low(self) -> int:
         """Return the SCL low time in cycles."""

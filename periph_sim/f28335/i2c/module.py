@@ -150,7 +150,7 @@ class I2c(I2cLines):
             state.duty("BC was changed after I2CDXR was written; expected BC first", "SPRUG03B §5.12")
         state.mdr = value
         if value & MDR_IRS and not old & MDR_IRS:
-            state.tm = state.psc + 1  # IRS latches I2CPSC
+            state.tm = state.psc + 1  # a rise of IRS latches I2CPSC
             self.filter_width = state.filter_width = self.options.noise_filter_cycles.assume(state.touched) * state.tm
             self.limits.module_clock()
             self.limits.address("I2COAR", state.oar)

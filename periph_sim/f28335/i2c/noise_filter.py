@@ -40,7 +40,7 @@ class I2cNoiseFilter:
         self._touched = touched
         self._scl_due = self._sda_due = NEVER
         self._cycle = -1  # cycle of the last sample
-        self._scl_was = self._sda_was = NEVER  # values of `_scl_due` and `_sda_due` before that sample
+        self._scl_was = self._sda_was = NEVER  # values of `_scl_due` and `_sda_due` before the last sample
 
     def sample(self, now: int, pins: int, width: int, module_clock: int) -> None:
         """Set the levels at the pins in cycle `now`. If there are several calls in one cycle, the last one counts.

@@ -17,8 +17,8 @@ from ..system_options import SystemOptions
 PROTECTED_BLOCK = range(0x4000, 0x8000)
 WRITE_TO_READ = 3  # minimum cycles from a write to a read that has to wait for it
 
-LOW, HIGH, BOTH = 0b01, 0b10, 0b11  # 16-bit words of a register that an access transfers
-WORDS_MASK = (0, 0xFFFF, 0xFFFF_0000, 0xFFFF_FFFF)  # for each mask of transferred words, their bits in the register
+LOW, HIGH, BOTH = 0b01, 0b10, 0b11  # masks of the 16-bit words of a register that an access transfers
+WORDS_MASK = (0, 0xFFFF, 0xFFFF_0000, 0xFFFF_FFFF)  # for 0, LOW, HIGH and BOTH, the mask of the transferred bits
 
 
 class ModuleRange(Struct, frozen=True):

@@ -20,7 +20,7 @@ from ..pie.register_map import VECTOR_TABLE
 MEMORY = "memory"  # the place of a record about memory, where other records have a module's name
 PAGE = 8  # number of address bits within a page
 IN_PAGE = (1 << PAGE) - 1
-END = 0x1_0000  # end of the addresses mapped here
+END = 0x1_0000  # all addresses of this memory are below this address
 LOW_WORDS = 0x1000  # M0, M1 and the vectors are below this address
 HIGH, HIGH_WORDS = 0x8000, 0x8000  # first address and number of words of L0 to L7
 

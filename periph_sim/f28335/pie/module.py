@@ -59,7 +59,8 @@ class Pie(Chip):
     def reset(self, now: int) -> None:
         self._piectrl: int = PIECTRL.reset
         self._pieack: int = self._options.pieack_reset.unrecorded()
-        self._as_reset: int = PIEACK["PIEACK"].mask  # mask: groups whose PIEACK bit was not set or cleared since reset
+        # `_as_reset` is the mask of the groups whose PIEACK bit was neither set nor cleared after the reset.
+        self._as_reset: int = PIEACK["PIEACK"].mask
         self._noted_blocked = 0  # mask: groups in `_as_reset` for which a note about a blocked request was added
         self._pieier: list[int] = [register.reset for register in PIEIER]
         self._pieifr: list[int] = [register.reset for register in PIEIFR]

@@ -43,7 +43,7 @@ PIEIFR: tuple[Register, ...] = tuple(_pieifr(group) for group in range(1, GROUPS
 
 MAP = RegisterMap("PIE", "SPRUFB0D section 8", (PIECTRL, PIEACK, *PIEIER, *PIEIFR))
 
-VECTOR_TABLE = range(0x0D00, 0x0E00)  # EALLOW-protected
+VECTOR_TABLE = range(0x0D00, 0x0E00)  # addresses of the vectors; they are EALLOW-protected
 BOOT_ROM_VECTORS = 0x3FFFC0
 
 # Group and line of every request that the PIE multiplexes (Table 111).

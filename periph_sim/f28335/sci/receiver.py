@@ -144,7 +144,10 @@ class SciRx:
         return ST_OE
 
     def _set_errors(self, errors: int, keep: bool = False) -> None:
-        """Set the error flags of one event. keep: do not clear flags of earlier characters."""
+        """Set the error flags of one event.
+
+        keep: True to keep the flags of earlier characters, even if the option `error_flags_sticky` is False.
+        """
         was_error = self.status & (CHARACTER_ERRORS | ST_BRKDT)
         if was_error & CHARACTER_ERRORS and not keep and not self.options.error_flags_sticky.assume(self.touched):
             self.status &= ~CHARACTER_ERRORS

@@ -80,7 +80,7 @@ class SciRxBits:
         self.short_break = False
         self._start = 0  # first low sample of the accepted start bit
         self._frame = layout  # the format of the present frame
-        self._missing_stop = 0  # last sample of the stop bit that armed the break
+        self._missing_stop = 0  # last voting sample of the missing stop bit after which the bits of a break are counted
         self._break_at = FAR
         self._sure = True  # True if no later edge can change `next_tick`
 
@@ -118,7 +118,7 @@ class SciRxBits:
     def set_watch(self, tick: int, watch: bool) -> None:
         """Report the tenth idle bit as IDLE, or stop reporting it. tick: the last tick that is over."""
         self.settle(tick)
-        self._idle_unreported = False  # for an idle line that was detected before, IDLE is not returned any more
+        self._idle_unreported = False  # an idle line that was detected before this call is not reported any more
         self.watch_idle = watch
         self._plan()
 

@@ -79,7 +79,7 @@ class SciTx:
         # Enables and modes, copied here from the registers of the whole module.
         self.enabled = False  # TXENA
         self.in_swreset = True
-        self.stopping = False  # True if the transmitter stops after the frame being sent
+        self.stopping = False  # True if the transmitter stops after the present frame, because the debugger halted it
         self.int_enabled = False
         self.delay = 0  # FFTXDLY
         self.fifo_mode = False  # SCIFFENA
@@ -95,7 +95,7 @@ class SciTx:
         self.wut = False
         self._waiting = False  # True if SCITXBUF holds a character
         self._drain = 0  # number of words that are still sent although TXENA = 0
-        self._loaded = False  # TXSHF holds a word whose start bit has not begun
+        self._loaded = False  # True if TXSHF holds a word whose start bit has not begun
         self._data_frame = False  # True if a frame is being sent, not an idle time
         self._end = FAR  # tick at which the frame or idle time ends
         self._start_at = FAR  # tick of the next start bit

@@ -57,14 +57,14 @@ WDINTS_DELAY = 2  # SYSCLKOUT cycles from WDINT to SCSR.WDINTS, Table 27
 WDRST_CYCLES = WDINT_OSCCLKS // 4  # duration of a watchdog reset, in cycles of OSCCLK/4, the clock after reset
 WDFLAG_DELAY = WDRST_CYCLES + 8192  # SYSCLKOUT cycles from a watchdog reset to WDFLAG, notes below Table 30
 
-DIVIDE = (4, 4, 2, 1)  # divider from the PLL's output to SYSCLKOUT, by DIVSEL
+DIVIDE = (4, 4, 2, 1)  # for each value of DIVSEL, the divider from the PLL's output to SYSCLKOUT
 DIVSEL = PLLSTS["DIVSEL"]
 PLLLOCKS, PLLOFF, OSCOFF, MCLKOFF = (PLLSTS[name].mask for name in ("PLLLOCKS", "PLLOFF", "OSCOFF", "MCLKOFF"))
 WDINTS = SCSR["WDINTS"].mask
 LPM = LPMCR0["LPM"]
 
 GATES = {one.name: one.mask for one in PCLKCR0.fields} | {one.name: one.mask << 16 for one in PCLKCR3.fields}
-STORED = (HISPCP, LOSPCP, PCLKCR0, PCLKCR1, PCLKCR3, LPMCR0)  # registers that only software changes
+STORED = (HISPCP, LOSPCP, PCLKCR0, PCLKCR1, PCLKCR3, LPMCR0)  # registers whose values only software changes
 
 
 def prescale(code: int) -> int:

@@ -128,7 +128,7 @@ class Watchdog:
         if not self.scsr & WDENINT:
             self.reset_requested = True
             return
-        self.interrupt = self.interrupt or self.wdint == 1  # only a falling edge requests
+        self.interrupt = self.interrupt or self.wdint == 1  # only a falling edge of WDINT requests the interrupt
         self.wdint = 0
         self._low_until = position + WDINT_OSCCLKS * PARTS
 

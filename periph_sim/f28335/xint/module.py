@@ -30,7 +30,7 @@ LINES = 7
 XNMICR = XINT["XNMICR"].offset
 ENABLE = XINT["XINT1CR"]["ENABLE"]
 POLARITY = XINT["XINT1CR"]["POLARITY"]
-COUNTERS = {XINT["XINT1CTR"].offset: 0, XINT["XINT2CTR"].offset: 1}  # line by offset of its counter
+COUNTERS = {XINT["XINT1CTR"].offset: 0, XINT["XINT2CTR"].offset: 1}  # for the offset of a counter, its line
 RISING, BOTH = 1, 3  # values of POLARITY; 0 and 2 mean falling
 
 
@@ -49,7 +49,7 @@ class Xint(Chip):
         """Reset by XRS: all lines disabled, counters at 0. The lines keep their levels."""
         self.requests = 0
         self.enabled = 0  # mask: lines that are enabled, so that their edges request an interrupt
-        self._control = [0] * (LINES + 1)  # XINT1CR ... XINT7CR, XNMICR
+        self._control = [0] * (LINES + 1)  # values of XINT1CR to XINT7CR and XNMICR
         self._count = [0, 0]  # value of each stopped counter, XINT1CTR and XINT2CTR
 
     def settle(self, now: int, levels: int) -> None:

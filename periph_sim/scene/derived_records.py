@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 KINDS = (Kind.TRANSFER, Kind.ROUND, Kind.RECEIVER, Kind.DATA, Kind.BUS)
-# The following sets contain the names of derived records that different objects make.
+# A subscriber that needs records of these names needs a `HeldRecords`, a `ByteRecords` or an `AgeRecords`.
 OF_UNITS = {"held alone", "unfinished"}
 OF_BYTES = {"wrong bytes", "bytes compared", "expected byte"}
 OF_MODELS = {"model age", "model run"}

@@ -24,7 +24,7 @@ class Pairs:
 
     sci_line: a function that takes a unit and a module, and returns the line function of this SCI. A line function
         returns the bit length and the format with which a party sends now.
-    outside: a dictionary from an outside party that drives a pair to its line function.
+    outside: a dictionary from a party that drives a pair, but is not an SCI, to its line function.
     """
 
     def __init__(self, context: SceneContext, sci_line: Callable[[str, str], Line]) -> None:

@@ -94,7 +94,7 @@ def known(folder: Path, attribute: str, shipped: Mapping[str, T], names: Iterabl
 
 
 def sensors_of(case: Case, names: Iterable[str] = ()) -> Mapping[str, ChipData]:
-    """Return the sensors that a case may name in `order`. names: the sensors that it does name."""
+    """Return the sensors that a case may name in `order`. names: the sensors that it names there."""
     return known(case.folder, "SENSORS", known_sensors(), names)
 
 

@@ -51,7 +51,7 @@ class ReleaseDelay:
             self._touched = frozenset(touched)
         prescaler, emdr = chip.peek(now, I2CPSC), chip.peek(now, I2CEMDR)
         if len(touched) != len(self._touched):
-            touched.intersection_update(self._touched)  # options that only these reads have used do not count
+            touched.intersection_update(self._touched)  # reads by a measure are no use of an option
         module = ((prescaler & IPSC) >> IPSC_PLACE) + 1
         copy = 0 if emdr & BCM else module
         self._cycles = copy + max(1, self._setup * module) + self._pin

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 
-# The name of a count that describes the work of the simulator, not the case.
+# The key of the number of skipped polls in `Result.counts`. It describes the work of the simulator, not the case.
 SKIPPED = "polls_skipped"
 
 

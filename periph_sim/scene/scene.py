@@ -126,8 +126,8 @@ class Scene:
         self._counter: BusRecorder | None = None  # counts bytes on the wires; None if the sensor head counts them
         self.bus = BusSide(case, self.wires, self.timebase.ticks(SPIKE, "nearest"))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
-        self.log_ends_early = ""  # a sentence, if the log in [outside] is cut off before its end
-        self.stalled = ""  # a sentence, if the run ended because firmware let no simulated time pass
+        self.log_ends_early = ""  # a sentence if the log in [outside] is cut off before its end; else ""
+        self.stalled = ""  # a sentence if the run was aborted because firmware let no simulated time pass; else ""
         self.checkpoint: Snapshot | None = None  # the last snapshot with logs of C sources (see `state`), for `restore`
         self._wall = 0.0  # seconds of real time that the run has taken
         wire = self.wires.wire
@@ -304,7 +304,10 @@ class Scene:
         return self.finish(length)
 
     def advance(self, until: int) -> None:
-        """Run all events up to and including tick `until`. Do nothing if firmware has let no simulated time pass."""
+        """Run all events up to and including tick `until`.
+
+        Do nothing if the run was aborted because firmware let no simulated time pass.
+        """
         if self.stalled:
             return
         wall = perf_counter()
@@ -317,7 +320,7 @@ class Scene:
         self._wall += perf_counter() - wall
 
     def state(self) -> Snapshot:
-        """Return a snapshot of the scene between two runs: names with plain values. Times are relative to now.
+        """Return a snapshot of the scene between two runs. It has plain values, with times relative to now.
 
         A snapshot does not contain measures, nor the stacks of Python firmware and C sources. If all units run images,
         two scenes with equal snapshots continue equally.

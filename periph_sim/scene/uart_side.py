@@ -1,4 +1,4 @@
-"""Serial lines of a scene: outside parties, pairs, and records of receivers and lines.
+"""Serial lines of a scene: the parties of [serial], RS-485 pairs, and records of receivers and lines.
 
 [host], [serial] --> RX, or a pair --transceiver--> RX --> SCI --> SciMonitor: records of its receiver
 TX of an SCI, pairs --> UartMonitor, UartCounter: frames, characters
@@ -55,7 +55,7 @@ class UartSide:
         self._lines: dict[str, Line] = {}  # maps a wire to the function that returns its rate and format
         self._own: Mapping[tuple[str, str], Line] = {}  # maps (unit, module) of each SCI to such a function
         self._counters: dict[str, UartCounter] = {}
-        self._counted: dict[str, int] = {}  # maps a wire to the number of characters that came from outside
+        self._counted: dict[str, int] = {}  # maps a wire to the number of characters from the outside party
         self._sent: dict[str, int] = {}
         if self._scis:
             from .uart_lines import sci_line

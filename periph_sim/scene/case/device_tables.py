@@ -20,11 +20,12 @@ Access = Literal["read", "write", "any"]
 class FaultTrigger(Table, frozen=True, kw_only=True):
     """The bytes that a stretch or a fault affects, and the time during which bytes are affected.
 
-    bytes: byte numbers, `[3]`, in which 0 is the address; otherwise all
-    access: `"read"`, `"write"` or `"any"`
-    phases: numbers, from 1, of addresses that match `access`: `[1, 4]`; otherwise all
-    share: random part of these bytes
-    after, until: bytes from `after` to `until` are affected; otherwise all
+    bytes: numbers of affected bytes: `[3]`; 0 is the address; all if omitted
+    access: affected accesses: `"read"`, `"write"` or `"any"`
+    phases: numbers of affected phases, counted from 1 among addresses that match `access`: `[1, 4]`; all if omitted
+    share: part of these bytes that is affected, chosen at random
+    after: time from which bytes are affected
+    until: time up to which bytes are affected; otherwise the end of the run
     """
 
     bytes: tuple[ByteNumber, ...] = ()
@@ -63,9 +64,9 @@ class DeviceFault(FaultTrigger, frozen=True, kw_only=True):
         sent byte is wrong. `"hold"`: SDA is held low from before the byte's ACK or first bit. `"off"`: no power from
         `after` to `until`, and volatile contents are lost.
     value: byte of `"wrong"`
-    bit: 7 to 0, of `"flip"`; otherwise random
+    bit: wrong bit of `"flip"`, 7 to 0; random if omitted
     length: duration of `"hold"`
-    clocks: SCL falls that end `"hold"`
+    clocks: number of SCL falls after which `"hold"` ends
     """
 
     kind: Literal["nack", "wrong", "flip", "hold", "off"]
@@ -119,7 +120,7 @@ class DeviceTable(BusParty, frozen=True, kw_only=True):
 
 
 class WatchTable(Table, frozen=True, kw_only=True):
-    """Expected edges of a wire, such as a LED's. Its kind adds keys.
+    """Expected edges of a wire, such as that of an LED. Its kind adds keys.
 
     Each watch is a budget of its name with the measure `watch:NAME`; a missing or wrong edge breaks it.
 

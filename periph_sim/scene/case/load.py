@@ -25,7 +25,15 @@ from .toml_file import copied, text_of, tree_of
 WIDEST = 2**63 - 1  # largest integer: the limit of TOML and of compiled code
 
 
-NAMES = {"name", "measure", "chip", "model", "pair", "breaks", "order"}  # keys whose values are names
+NAMES = {
+    "name",
+    "measure",
+    "chip",
+    "model",
+    "pair",
+    "breaks",
+    "order",
+}  # keys whose values must be printable names
 
 
 class UnknownKey(BadCase):
@@ -91,7 +99,7 @@ def refusal(source: Source, error: BadTable, tree: object) -> BadCase:
 
 
 def located(case: Case, folder: Path) -> Case:
-    """Return the case with `folder` put before the paths of its firmware files, images, C sources and headers."""
+    """Return the case with `folder` put before the paths of firmware files, images, C sources and header folders."""
     moved = {}
     for name, unit in case.unit.items():
         if unit.firmware.endswith(".py"):
@@ -171,7 +179,10 @@ def apply(tree: dict[str, object], change: str) -> Place:
 
 
 def _child(table: object, name: str, change: str) -> tuple[str | int, object]:
-    """Return the key or index of the entry `name` in a table or list, and the entry. Add a missing entry as a table."""
+    """Return the key or index of the entry `name` in a table or list, and the entry.
+
+    A key that is missing in a table is added, with an empty table as its value.
+    """
     if isinstance(table, list):
         number = _index(table, name, change)
         return number, _not_a_value(table[number], name, change)

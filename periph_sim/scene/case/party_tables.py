@@ -72,7 +72,7 @@ class Controller(Table, frozen=True, kw_only=True):
     jitter: largest random delay of a round; at most `period`
     gap: time between transfers of a round; at least the bus-free time
     rounds: number of rounds; otherwise until the end
-    pointer_by: between pointer and read: `"repeated START"` or `"STOP"`
+    pointer_by: condition between pointer and read: `"repeated START"` or `"STOP"`
     order: known chips to read: gyroscope, accelerometer, magnetometer, or a plugin's
     request: further requests, `[[controller.request]]`
     initialise: time before `first` at which the known chips are identified and set up

@@ -161,7 +161,7 @@ class ExpectTable(SerialEntry, frozen=True, kw_only=True):
 
 
 class SerialTable(Table, frozen=True, kw_only=True):
-    """Sends characters to SCIs and checks replies. Line settings do not follow the firmware.
+    """Sends characters to SCIs and checks replies. Rate and format do not follow the registers of the SCI.
 
     baud: bits per second
     bits: data bits, 1 to 8
@@ -185,7 +185,7 @@ class SerialTable(Table, frozen=True, kw_only=True):
     expect: tuple[ExpectTable, ...] = ()
 
     def value(self, key: str, entry: SerialEntry | None = None) -> Any:
-        """Return the value of a key in `entry`; that in this table if no entry is given or the entry lacks the key."""
+        """Return the value of a key in `entry`, or in this table if no entry is given or the entry lacks the key."""
         own = getattr(entry, key, None)
         return getattr(self, key) if own is None else own
 

@@ -135,7 +135,7 @@ def sci_named(case: Case, text: str, *place: str | int) -> SciLines:
 
 
 def module_pins(case: Case, unit: str) -> Mapping[int, tuple[str, str]]:
-    """Return a dictionary from the GPIO number of a usual pin of a unit's modules to its (module, signal)."""
+    """Return (module, signal) by GPIO number, for the usual pins of the modules of a unit."""
     return _pins_of(tuple(case.unit[unit].modules))
 
 
@@ -217,7 +217,10 @@ class _Joints:
 
 
 def _check(case: Case, entry: int, group: list[Node]) -> None:
-    """Raise BadCase for a wire with two names, and for a wire that two transmitters drive."""
+    """Raise BadCase if a cable makes a wire with two names, or a wire that two transmitters drive.
+
+    entry: the index of the cable. group: the pins and names that are now joined.
+    """
     names = [node for node in group if isinstance(node, str)]
     if len(names) > 1:
         what = f"it joins {' and '.join(names)}, two names of one wire; give it one"

@@ -58,7 +58,7 @@ BEHIND = "its time is after the end of the run"
 
 
 class Send:
-    """The bursts of one entry.
+    """The bursts of one entry of [[serial.send]]. A burst sends the characters of the entry once, or one break.
 
     ppm: error of the clock by which the times of the entry are counted.
     on_begin: callbacks that receive the tick at which a burst begins.

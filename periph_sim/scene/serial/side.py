@@ -1,4 +1,4 @@
-"""Outside parties on the lines of SCIs: they send the bursts of [[serial.send]] and read replies ([[serial.expect]]).
+"""The parties of [serial] at the lines of SCIs: they send bursts ([[serial.send]]) and read replies.
 
 events, times, replies --> Send --> BurstSender --> RX of an SCI
 TX of an SCI --> UartReader --> Reply (a measure), TextTrigger
@@ -35,16 +35,17 @@ from ..context import SceneContext
 from ..pairs import Pairs
 from .send_schedule import EventTrigger, Send, TextTrigger
 
-WHO = "serial"  # name of the outside party that drives a line
+WHO = "serial"  # name of a party of [serial] in records and messages
 IDLE_BITS = 11  # number of idle bits before a block in idle-line mode: ten, plus one because clocks differ
 JUDGES = "a budget on 'unsolicited replies' judges them"
 OFF = Fraction(5, 100)  # share by which an SCI may send faster than the nominal rate
 
 
 class SerialSide:
-    """The outside parties on the lines of SCIs, which send bursts and read replies.
+    """The parties of the table [serial], which send bursts to SCIs and read their replies.
 
-    The object is created before the wires, so that the events for which the parties wait are recorded.
+    A burst sends the characters of an entry of [[serial.send]] once. This object is created before the wires, so that
+    the events for which the entries wait are recorded.
     """
 
     def __init__(self, case: Case, table: SerialTable, scope: Scope, recorder: Recorder) -> None:
@@ -104,7 +105,10 @@ class SerialSide:
         return self._expected(number), partial(self._why_never, number)
 
     def on_unsolicited(self, measure: Unsolicited) -> tuple[Callable[[tuple[int, ...]], str], Callable[[], str]]:
-        """Add a measure of unsolicited characters: of one send, or of all SCIs from which replies are expected.
+        """Add a measure of unsolicited characters.
+
+        measure: counts the characters after one send, or, without a name, those of all SCIs in [serial]. The measure
+        for notes counts only characters of SCIs from which replies are expected.
 
         Return a function that returns characters as text, and one that returns why the send never began.
         """
@@ -117,7 +121,7 @@ class SerialSide:
         for sci in dict.fromkeys(scis):
             numbers = [number for number, one in enumerate(table.expect) if named(one.from_) == sci]
             if measure is self._unasked and len({self._line(table.expect[number]) for number in numbers}) > 1:
-                continue  # the characters of one reply would be misread with the format of the other
+                continue  # replies with different formats: one reply would be misread with the format of another
             self._listen(sci, expected.get(sci), partial(self._unexpected, measure, sci, numbers))
         if measure.name:
             self._silences.append((scis[0], measure))

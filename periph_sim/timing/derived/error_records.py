@@ -28,7 +28,7 @@ from ...devices.truth import Axes, distance
 from ..measures.measure import MILLIONTHS
 from .transfer_records import begin_of
 
-RECENT = 8  # each read is compared with this number of the last frames, and with all frames since the fitted one
+RECENT = 8  # minimum number of frames that a read is compared with, if the host has sent so many
 MOST = 64  # maximum number of frames that a read is compared with
 BYTES = 6  # length of a read that carries a whole sample
 
@@ -36,7 +36,7 @@ BYTES = 6  # length of a read that carries a whole sample
 class _Chip:
     """The state of one chip, and the topics of its records.
 
-    fitted: the due tick of the frame that fitted best to the last read of the chip; NO_TIME before the first read.
+    fitted: the due tick of the frame whose true values were nearest to the chip's last read; NO_TIME before it.
     """
 
     def __init__(self, recorder: Recorder, name: str, data: ChipData) -> None:
@@ -88,7 +88,10 @@ class ErrorRecords:
             self._record_best(chip, values, phase.start_at)
 
     def _record_best(self, chip: _Chip, values: Sequence[int], at: int) -> None:
-        """Record the error for the frame that fits best, unless a frame that was not compared may fit better."""
+        """Record the error against the frame whose true values are nearest to the values that were read.
+
+        If a frame that is not stored any more may be nearer, record "unknown error" instead.
+        """
         recent = len(self._due) - RECENT
         instants = [due for n, due in enumerate(self._due) if n >= recent or due >= chip.fitted]
         off, fitted = min((_off(values, self._truth_at(due)[chip.name]), -due) for due in instants)

@@ -234,7 +234,10 @@ class ModelOrigins(Origins):
         self.reset()
 
     def reset(self) -> None:
-        """Discard all chains and model runs after a reset of the firmware. The MODEL pin is then a pulled-up input."""
+        """Discard all chains and model runs after a reset of the unit.
+
+        The MODEL pin is then a pulled-up input, so it is high although no model runs.
+        """
         self._pulled_up = True
         self._chains = [Chain(NOTHING_SENT, BEFORE_ANY, self._codes.at_rest)]
         self._left_out = False  # True if chains were left out after the last read that agreed with a chain

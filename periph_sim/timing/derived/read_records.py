@@ -44,7 +44,7 @@ from .transfer_records import I2C, begin_of
 
 if TYPE_CHECKING:
     from ...core.records import Topic
-    from . import origins as read_origins  # a class that is named through its module is not imported by compiled code
+    from . import origins as read_origins  # compiled code does not import a class that is named through its module
 
 
 MODEL = "model"  # the span in which firmware computes sensor models
@@ -145,8 +145,8 @@ class ByteRecords:
         self._expected: Topic = recorder.topic(Kind.DATA, I2C, "expected byte")
         self._never_shown: Topic = recorder.topic(Kind.DATA, I2C, "zeros")
         self._not_known: Topic = recorder.topic(Kind.DATA, I2C, "unknown bytes")
-        # `_zeros` maps a chip's address to the number of bytes that were read as 0 before any values of a frame.
-        # These zeros are right if a later read of the same chip returns the values of a frame.
+        # `_zeros` maps a chip's address to the number of bytes that were read as 0 before the chip returned values of a
+        # frame. These zeros are right if a later read of the chip returns the values of a frame.
         self._zeros: dict[int, int] = {}
         self._unknown = 0
 

@@ -109,7 +109,7 @@ class Matcher(Struct, frozen=True, dict=True):
     what: str
     mask: int = 0
     want: int = 0
-    free: bool = False  # True if the name is free text, so it is not known whether the event can happen
+    free: bool = False  # True if the name was not checked, so it is not known whether the event can happen
     others: tuple[Matcher, ...] = ()
     nth: int = 0
     group: Group | None = None
@@ -134,7 +134,10 @@ class Matcher(Struct, frozen=True, dict=True):
 
     @cached_property
     def subjects(self) -> frozenset[str]:
-        """The wires or registers whose records this matcher needs; empty if it needs those of all. Ignores `others`."""
+        """The wires or registers whose records this matcher needs; empty if it needs the records of all of them.
+
+        The matchers in `others` are ignored.
+        """
         places = self.where or frozenset()
         if self.kind in (Kind.EDGE, Kind.FRAME):
             return places

@@ -196,7 +196,7 @@ class Scope(Struct):
         return unit or self._one(list(self.images), "one")
 
     def variable(self, unit: str, name: str) -> str:
-        """Return the unit that `image` returns. Raise BadEvent if its image lacks this variable."""
+        """Return `unit`, or for "" the only unit that runs an image. Raise BadEvent if its image lacks the variable."""
         owner = self.image(unit)
         names = self.images[owner]
         try:
@@ -207,7 +207,10 @@ class Scope(Struct):
         return owner
 
     def span(self, unit: str, name: str) -> tuple[str, bool]:
-        """Return the unit of a span, and True if the span is a function in an image, so that it is known to exist."""
+        """Return the unit of a span, and True if the span is known to exist, because it is a function in an image.
+
+        Raise BadEvent if the unit's image lacks the function. The spans of other firmware are not checked.
+        """
         owner = self.unit(unit)
         names = self.images.get(owner)
         if names is None:

@@ -90,7 +90,7 @@ def _check_spelling(words: Words) -> None:
             raise BadEvent(f"{words.text!r}: {words.next!r} where {state} is expected; a span's name is quoted")
 
 
-# ENDS maps the first word of a state to words of which one follows in its text.
+# ENDS maps the first word of a state to a set of words. One of them must come later in the text of the state.
 ENDS: dict[str, frozenset[str]] = {
     "flag": frozenset("="),
     "variable": frozenset("="),
@@ -99,8 +99,8 @@ ENDS: dict[str, frozenset[str]] = {
     "bus": frozenset(BUS_STATES),
     "cpu": frozenset(CPU_STATES),
 }
-# STATES maps the first word of a state to a description of the state's name and the last words of two events.
-# The first of these events begins the state, and the second ends it; "" means the value in the text of the state.
+# STATES maps the first word of a state to a description of the name after it, the last word of the event that begins
+# the state, and the last word of the event that ends it. "" stands for the value in the state's text, such as "= 1".
 STATES = {
     "flag": ("a field", "", "change"),
     "variable": ("a variable of an image", "", "change"),

@@ -46,7 +46,7 @@ class _QueuedEvent:
 
 
 WAITS = -1
-FOR_EACH, MEASURED_AT, GIVEN, UNLESS, UNFINISHED = range(5)  # roles of the event in a clause; one for each clause word
+FOR_EACH, MEASURED_AT, GIVEN, UNLESS, UNFINISHED = range(5)  # roles of events in clauses: one for each kind of clause
 
 
 class Clauses(Struct, frozen=True):
@@ -157,13 +157,12 @@ class EventMeasure(Measure):
         self.first_seen = 0  # number of occurrences of the first event
         self.spans: set[str] | None = set() if any(m.free for m in matchers) else None  # names of the run's spans
         self._order: Sequence[int] = [*order, *range(self._own, len(matchers))]
-        self._heard: tuple[Matcher, ...] = matchers
+        self._all_matchers: tuple[Matcher, ...] = matchers
         self._groups = [None if m.group is None else Groups(m.group, m.nth) for m in matchers]
         self._queue: deque[_QueuedEvent] = deque()
         self._queued = False  # True if an event waits in `_queue`
-        self._newest: dict[
-            int, _QueuedEvent
-        ] = {}  # maps the index of an event to its last occurrence in the present group
+        # `_newest` maps the index of an event to its last occurrence in the present group.
+        self._newest: dict[int, _QueuedEvent] = {}
         starts = [one for groups in self._groups if groups is not None for one in groups.matchers]
         each = [one for m in (*matchers, *starts) for one in m.each]
         self.kinds = frozenset(one.kind for one in each)
@@ -206,7 +205,7 @@ class EventMeasure(Measure):
     def _tests(self, place: int, kind: Kind, where: str, what: str) -> TopicTests | None:
         """Return the tests of a topic for event number `place`; None if the topic has no records for the event."""
         groups = self._groups[place]
-        test = _test(self._heard[place], kind, where, what)
+        test = _test(self._all_matchers[place], kind, where, what)
         begins = ends = None
         if groups is not None:
             begins, ends = (_test(one, kind, where, what) for one in groups.matchers)
@@ -219,7 +218,7 @@ class EventMeasure(Measure):
         one: TopicTests
         for one in plan:
             if one.groups is not None:
-                self._hear_of_group(one, tick, value)
+                self._handle_grouped(one, tick, value)
             elif one.test is not None and one.test.fits(value):
                 self._counts(one.place, tick, value)
         if self._queued:
@@ -234,14 +233,14 @@ class EventMeasure(Measure):
 
     def _report(self, place: int, tick: int, value: int) -> None:
         if place >= self._own:
-            self._heed(place - self._own, tick, value)
+            self._handle_clause(place - self._own, tick, value)
         else:
             self._seen_places |= 1 << place
             self.first_seen += place == 0
             self.happened(place, tick, value)
 
-    def _heed(self, clause: int, tick: int, value: int) -> None:
-        """Handle the event of clause number `clause`."""
+    def _handle_clause(self, clause: int, tick: int, value: int) -> None:
+        """Handle an occurrence of the event in clause number `clause`."""
         role: int = self._roles[clause]
         number = value if self.weighs else 1
         if role == FOR_EACH:
@@ -262,7 +261,7 @@ class EventMeasure(Measure):
         elif tick >= self.not_before:
             self._measured += number
 
-    def _hear_of_group(self, one: TopicTests, tick: int, value: int) -> None:
+    def _handle_grouped(self, one: TopicTests, tick: int, value: int) -> None:
         """Handle a record that may begin or end an event's group, or be the event that counts in it."""
         groups, place = one.groups, one.place
         assert groups is not None

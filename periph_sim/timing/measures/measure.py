@@ -312,11 +312,15 @@ class MeasuredScene(Protocol):
     """Interface of a scene for measures. It provides information that records do not contain."""
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        """Subscribe `reply`. Return the expected reply, and a function that returns why it was never requested."""
+        """Report sends and characters to `reply` from now on.
+
+        Return the expected reply, and a function that returns why it was never requested.
+        """
 
     def on_unsolicited(self, measure: Unsolicited) -> tuple[Callable[[tuple[int, ...]], str], Callable[[], str]]:
-        """Subscribe the measure. Return a function that returns characters as text, and one that returns why the send
-        never began.
+        """Report sends and characters to the measure from now on.
+
+        Return a function that returns characters as text, and one that returns why the send never began.
         """
 
     def watcher(self, measure: WatchedWire) -> WireWatcher:

@@ -344,7 +344,7 @@ class Modifies(RecordSink):
         return "; ".join(f"{what}, {counted(count, 'time')}" for what, count in counts.items() if count)
 
     def _cleared(self, name: str) -> Iterator[tuple[str, Cleared]]:
-        """Yield, for each flag and place in the firmware, a text about both and the times that the flag was cleared."""
+        """Yield, for each flag and place in the firmware, a text that names both, and how often it was cleared."""
         for (unit, title), register in self._registers.items():
             if not register.status and self._status:
                 continue

@@ -199,7 +199,7 @@ class Distances(NamedTuple):
 def races(table: RecordTable, name: str, sysclk: Fraction | None = None) -> Distances:
     """Return the cycles between each read of a status register, or of one field, and the nearest change.
 
-    name: such as "I2C-A.I2CSTR" or "imu:I2C-A.I2CSTR.XRDY". sysclk: in Hz; None for the clock in the records.
+    name: such as "I2C-A.I2CSTR" or "imu:I2C-A.I2CSTR.XRDY". sysclk: SYSCLKOUT in Hz; None if the table has its history.
 
     Raise BadEvent if the run cannot contain this register, and NotInRun if the firmware never accessed it.
     """

@@ -33,8 +33,8 @@ class _Waiting:
     """First events that wait for their second event, with the number of third events before each of them.
 
     oldest: the tick of the event that has waited longest; NO_TIME if no event waits.
-    oldest_counted: the number of third events before it.
-    since, counted_at: the same ticks and numbers of all other waiting events, in order.
+    oldest_counted: the value of `counted` when this event came.
+    since, counted_at: the ticks of all other waiting events, in order, and the values of `counted` when they came.
     counted: the number of third events since the last time at which no event waited.
     """
 

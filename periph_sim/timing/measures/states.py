@@ -245,7 +245,10 @@ class TimeIn(EventMeasure):
             self._be_share(_millionths(self._lasted, whole) if whole else -1, now)
 
     def _be_share(self, share: int, at: int) -> None:
-        """Take the share as the only value. Take no value if the share is -1, or if the span was never entered."""
+        """Take the share as the only value. Take none if the share is -1, or for a span that never began.
+
+        Such a span has a name that was not checked, and the name may be misspelled.
+        """
         self.count = int(share >= 0 and (self._entered or not self.state.free))
         self.worst = self.least = max(0, share)
         self.worst_at = self.least_at = at

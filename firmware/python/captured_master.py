@@ -66,7 +66,7 @@ class Settings:
 
     script: tuple[Annotated[str, After(_readable)], ...] = ("50 W 00 Sr 50 R 6",)
     pauses: tuple[Duration, ...] = ()
-    low: int = 45  # I2CCLKL: with 10 MHz and d = 5 the bus runs at 100 kHz
+    low: int = 45  # I2CCLKL: SCL is low for 45 + 5 cycles of 10 MHz, which gives 100 kHz
     high: int = 45
 
 

@@ -26,7 +26,7 @@ class Settings:
     byte: int = 0x77
     begin: Duration = Fraction(1, 1000)  # time from the end of start-up to the first write of STT
     period: Duration = Fraction(2, 1000)  # time between writes
-    low: int = 45  # I2CCLKL: with 10 MHz and d = 5 the bus runs at 100 kHz
+    low: int = 45  # I2CCLKL: SCL is low for 45 + 5 cycles of 10 MHz, which gives 100 kHz
     high: int = 45
 
 

@@ -32,7 +32,7 @@ class Settings:
     record: HexBytes = bytes(range(0xA0, 0xB0))
     page: int = 32  # number of bytes in a page; 0: writes are not divided
     period: Duration = Fraction(20, 1000)
-    low: int = 45  # I2CCLKL: with 10 MHz and d = 5 the bus runs at 100 kHz
+    low: int = 45  # I2CCLKL: SCL is low for 45 + 5 cycles of 10 MHz, which gives 100 kHz
     high: int = 45
 
 

@@ -87,7 +87,7 @@ class Emulator:
     # I2C ---------------------------------------------------------------------
 
     def slave_config(self, address: int) -> None:
-        """Set the own address, as I2C_SLAVE_CONFIG does (Fig. A.2)."""
+        """Set the own address, as I2C_SLAVE_CONFIG of the dissertation does (Fig. A.2)."""
         i2c = self.i2c
         i2c.I2CMDR.IRS = 0
         i2c.I2CMDR.MST = 0
@@ -95,7 +95,7 @@ class Emulator:
         i2c.I2CMDR.IRS = 1
 
     def batch_read(self, data: bytes) -> int:
-        """Serve one read, as i2cBatchRead does (Fig. A.4). Return the NACK flag at its end."""
+        """Serve one read, as i2cBatchRead of the dissertation does (Fig. A.4). Return the NACK flag at its end."""
         i2c, dsp = self.i2c, self.dsp
         dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
         if self.settings.mask_during_i2c:

@@ -27,7 +27,7 @@ class Settings:
 
     period: Duration = Fraction(20, 1000)
     count: int = 6
-    low: int = 45  # I2CCLKL: with 10 MHz and d = 5 the bus runs at 100 kHz
+    low: int = 45  # I2CCLKL: SCL is low for 45 + 5 cycles of 10 MHz, which gives 100 kHz
     high: int = 45
     order: tuple[int, ...] = (0x68, 0x53, 0x1E)
 

@@ -22,10 +22,10 @@ class Target(Protocol):
     """Interface of the device that a slave represents, whether by the I2C module or by pins."""
 
     def addressed(self, reads: bool) -> None:
-        """Begin a read or a write; the address was acknowledged."""
+        """Begin a read or a write, after its address was acknowledged."""
 
     def received(self, byte: int) -> None:
-        """Receive a byte of a write; it was acknowledged."""
+        """Receive a byte of a write, which was already acknowledged."""
 
     def byte(self) -> int:
         """Return the byte that a read sends next."""

@@ -32,7 +32,7 @@ IDLE, ADDRESS, RECEIVE, SEND, OTHERS = range(5)  # OTHERS: the transfer is for a
 class PinCosts:
     """Numbers of cycles that parts of the code take, in addition to the cycles in the unit's `code`.
 
-    edge: choosing how an edge is handled. byte: taking a byte or giving one by the target, while SCL is held low.
+    edge: time to choose how an edge is handled. byte: time in which the target takes or gives a byte, with SCL low.
     set_up: time from the change of SDA to the release of SCL; 38 cycles are 250 ns (tSU;DAT in UM10204 Table 10).
     """
 

@@ -36,6 +36,6 @@ def start_sci(dsp: Dsp, module: str = "SCI-A", brr: int = 40, sciccr: int = 0x07
     sci.SCIHBAUD.all = brr >> 8
     sci.SCILBAUD.all = brr & 0xFF
     sci.SCIFFTX.all = 0xE000 if fifo else 0xA000  # SCIRST and TXFIFOXRESET set; with FIFO also SCIFFENA
-    sci.SCIFFRX.all = 0x6040 if fifo else 0x0000  # with FIFO: clears both flags, releases the FIFO from reset
+    sci.SCIFFRX.all = 0x6040 if fifo else 0x0000  # with FIFO: clears RXFFOVF and RXFFINT, releases the FIFO from reset
     sci.SCICTL1.all = 0x23  # SW RESET released; receiver and transmitter enabled
     return sci

@@ -68,7 +68,7 @@ def sci_fifo_receiver(dsp: Dsp, brr: int, level: int, sciccr: int = 0x07) -> Non
     sci.SCILBAUD.all = brr & 0xFF
     sci.SCIFFTX.all = 0xC000  # SCIRST and SCIFFENA set
     sci.SCIFFRX.all = 0x0000  # FIFO held in reset
-    sci.SCIFFRX.all = 0x6060 | level  # clears both flags, releases the FIFO from reset, enables its interrupt
+    sci.SCIFFRX.all = 0x6060 | level  # clears RXFFOVF and RXFFINT, releases the FIFO from reset, enables its interrupt
     sci.SCICTL1.all = 0x23  # SW RESET released; receiver and transmitter enabled
 
 

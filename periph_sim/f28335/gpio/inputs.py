@@ -172,7 +172,10 @@ class GpioInputs(GpioSettings):
         self._before ^= pads
 
     def seen_at(self, now: int, index: int, exact: bool) -> int:
-        """Return the cycle at which a pad edge is seen inside the chip; NEVER if it is reported in `changed`."""
+        """Return the cycle at which an edge of a pad is seen inside the chip; NEVER if `changed` reports it instead.
+
+        now, exact: the time of the edge (see the head of the module). index: the GPIO number of the pad.
+        """
         bit = BIT[index]
         if self._sampled & bit:
             return NEVER

@@ -79,7 +79,7 @@ class Gpio(GpioInputs):
     def edges(self, now: int, levels: BigInt, exact: bool = True) -> None:
         """Set the levels of all wired pads. The owner calls this instead of `pins`.
 
-        exact: True if they changed exactly on the SYSCLKOUT edge of cycle `now`; False if between two edges, before it.
+        exact: True if they changed on the SYSCLKOUT edge of cycle `now`; False if between the previous edge and it.
         """
         if self.next_wake < now:
             self._advance(now - 1)
@@ -228,7 +228,7 @@ class Gpio(GpioInputs):
     # From latches to pads ----------------------------------------------------
 
     def _write_data(self, offset: int, word: BigInt) -> None:
-        """Write one half of DAT, SET, CLEAR or TOGGLE. offset: within the data registers."""
+        """Write one half of DAT, SET, CLEAR or TOGGLE. offset: the word offset within the data registers."""
         port, place = divmod(offset, at.DATA_WORDS)
         which = place & ~1
         half = HALF_AT[2 * port + (place & 1)]

@@ -216,7 +216,7 @@ class I2cLines(Chip):
         return self.master.byte() if self.master.active else self.target.byte()
 
     def set_bit_position(self, shown: int, bit: int) -> None:
-        """Set the state that the module has after `bit` bits, 0 or 7, of the byte `shown`."""
+        """Set the state that the module has when the bus has shown `bit` bits, 0 or 7, of the byte `shown`."""
         self._pins = self.master.lines = SDA if shown >> (7 - bit) & 1 else 0
         self._lines.settle(self._pins)
         self.target.set_bit_position(shown, bit)

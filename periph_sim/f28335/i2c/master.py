@@ -380,7 +380,7 @@ class I2cMaster(I2cMasterData):
         self.skip_fell, self._rose_before, self.skip_release = self._low_from, self._rose_at, self._released_at
 
     def set_bit_position(self, shown: int, bit: int) -> None:
-        """Set the state that the master has after `bit` bits, 0 or 7, of the byte `shown`."""
+        """Set the state that the master has when the bus has shown `bit` bits, 0 or 7, of the byte `shown`."""
         period = self.skip_low + self.skip_high
         self._bit = bit
         self._drive(self.byte() >> (SKIPPED_BITS - bit) & 1)

@@ -111,7 +111,7 @@ class I2cSlave(I2cSlaveData):
         return self.state.xsr & 0xFF if self.phase == TRANSMIT else 0xFF
 
     def set_bit_position(self, shown: int, bit: int) -> None:
-        """Set the state that the slave has after `bit` bits, 0 or 7, of the byte `shown`."""
+        """Set the state that the slave has when the bus has shown `bit` bits, 0 or 7, of the byte `shown`."""
         if self.phase == TRANSMIT:
             self.bit = bit
             self._drive(self.state.xsr >> (7 - bit) & 1)

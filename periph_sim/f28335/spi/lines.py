@@ -258,7 +258,7 @@ class SpiLines(Chip):
     # Slave and master ---------------------------------------------------------
 
     def _clock_edge(self, leading: bool) -> bool:
-        """Make an edge of SPICLK. Return True if the character is over."""
+        """Shift at an edge of SPICLK, as master or slave. Return True if the character is over."""
         shifter = self._shifter
         if self._is_master and self._ccr & SPILBK:
             data = shifter.level

@@ -181,7 +181,7 @@ def _hold(octave: Gaussian, k: int, number: int) -> int:
 class ImuNoise:
     """Noise of the three sensors of an IMU on x, y, z, in deg/s, g and gauss.
 
-    The models add it before they multiply by the matrix S, which has scale and cross-axis sensitivity.
+    The models add the noise before they multiply by the matrix S, which has scale and cross-axis sensitivity.
     """
 
     def __init__(self, imu: ImuParameters, seed: int) -> None:

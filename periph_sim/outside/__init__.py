@@ -12,6 +12,7 @@ move: a change of a line by the outside, at a tick.
 client: a program that is connected to a session, for example by a serial port.
 door: in `live`, a connection between a session and its clients.
 step: in `live`, an advance of the session by a short simulated time. The doors transfer bytes between two steps.
+SCI: a UART module of the DSP. RX and TX are its lines.
 port: a serial port of the computer, real or simulated; in names such as "scia", an SCI of the case.
 """
 

@@ -16,10 +16,12 @@ from .errors import OutsideError
 
 
 class LogWriter:
-    """Writer of a log. Each line is written at once, so that the log is complete even if the process is killed.
+    """Writer of a log.
 
     An existing file is replaced only by `begin`, when time begins to pass. A session that fails earlier leaves the file
-    unchanged. Raise OutsideError for a file that cannot be written, and for a file from which the case was read.
+    unchanged. From then on, each line is written at once, so that the log is complete even if the process is killed.
+
+    Raise OutsideError for a file that cannot be written, and for a file from which the case was read.
     """
 
     def __init__(self, path: Path, case: Case, ticks_per_second: int, wires: tuple[str, ...]) -> None:

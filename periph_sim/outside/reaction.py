@@ -63,7 +63,8 @@ class Reaction(Agent):
         self._mark = scene.kernel.schedule(scene.kernel.now, self)
         scene.kernel.cancel(self._mark)
         self._wires = [scene.wires[name] for name in lines]
-        self._version = -1  # the sum of the wires' versions when the listeners were last updated
+        # The sum of the wires' versions at the last update of the listeners. It grows when a wire's listeners change.
+        self._version = -1
         self._clocks = {socket: dsp.clock for dsp in scene.units.values() for socket in dsp.sockets.values()}
         self._cpu_clocks = {dsp.processor: dsp.clock for dsp in scene.units.values()}
         self._chips = {

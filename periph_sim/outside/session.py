@@ -67,7 +67,7 @@ class OutsidePins(Agent):
         self._pins = {name: wire.attach(WHO) for name, wire in wires.items()}
         self._on_instant = on_instant
         self._put: dict[int, dict[str, int]] = {}
-        self._event: Event | None = None  # the kernel's event for the first entry of `_put`
+        self._event: Event | None = None  # the kernel's event for the earliest tick in `_put`
         self._levels = {name: self.held(name) for name in wires}
         self._changes: list[Change] = []
         for line, wire in enumerate(wires.values()):
@@ -148,7 +148,7 @@ class Session:
     Times are ticks (`ticks_per_second`), counted from the beginning of the case. A session is a context manager; if the
     block is left without `finish`, the log has no "end" line.
 
-    Raise BadCase if the case cannot be built or has no such wires, and OutsideError if the log cannot be written.
+    Raise BadCase if the case cannot be built or lacks one of the wires, and OutsideError if the log cannot be written.
     """
 
     scene: Scene

@@ -17,4 +17,7 @@ party: a chip or an external device that can pull a wire low.
 poll: a read of a register in a loop that waits for a change of the register. The simulation skips most polls of a long
     wait, and a recording contains only the first and the last of them.
 pass: one execution of the body of such a loop.
+race: a read of a status register close to a change of this register. A small difference in time could let the read miss
+    or see the change.
+lint: a check for a certain misuse of a peripheral.
 """

@@ -1,6 +1,6 @@
 """Flags that read-modify-writes cleared, at each place. Covers all registers with flags that writing 1 clears.
 
-    CLEARABLE --> ClearedRegister --> Place: flags that its writes cleared, by whether firmware had read them
+    CLEARABLE --> ClearedRegister --> ModifiesOfPlace: cleared flags, by whether firmware had read them
                         '-- Flag: its last rise
 
 Changes and writes of a register must be passed in the order of their records. Reads must be passed in their own order,
@@ -161,7 +161,7 @@ class FieldReads:
         self._reads.append(read)
 
     def last(self, field: str) -> int:
-        """Return the record number of the last read of a field or of the whole register; NEVER_YET if there is none."""
+        """Return the record number of the last read of a field, alone or with the whole register; NEVER_YET if none."""
         return max((read.number for read in self._reads if read.field in ("", field)), default=NEVER_YET)
 
 

@@ -1,4 +1,4 @@
-"""A flag-race report as text and as JSON."""
+"""The races of a run, and the flags that read-modify-writes lost, as text and as JSON."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from ..f28335.parts.f28335 import PART
 
 
 def registers_of(module: str) -> RegisterMap | None:
-    """Return the registers of a module; None for a module that no part has."""
+    """Return the registers of a module; None if the F28335 has no such module."""
     found = PART.by_name.get(module)
     return None if found is None else found.registers
 
@@ -31,7 +31,7 @@ def yields_data(name: str) -> bool:
 
 
 def is_status(register: Register) -> bool:
-    """Return True if the register has a flag, which is a single bit that hardware changes."""
+    """Return True if the register has a flag: a field of one bit that hardware changes."""
     return any(f.msb == f.lsb and (f.cpu is Cpu.R or f.on_write is OnWrite.ONE_CLEARS) for f in register.fields)
 
 

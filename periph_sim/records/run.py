@@ -1,6 +1,7 @@
-"""A recorded run with queries, each of which is a search in sorted arrays.
+"""A recorded run, and queries for its records. Each query is a search in sorted arrays.
 
-RecordTable --> Run: rows of a field, its value at a tick, accesses with place and register, cycles, times
+RecordTable --> Run --> rows of the changes of a field, values of a field, accesses by place and by register,
+                        conversions of ticks to cycles and times
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ SYSCLK_HZ = 150_000_000  # SYSCLKOUT of an F28335 at full speed
 
 
 def among(these: Rows, rows: Rows) -> NDArray[np.bool_]:
-    """Return, for each element of `these`, True if `rows` has it. np.isin is five times slower for few rows."""
+    """Return, for each element of `these`, True if it is in `rows`. For few rows, np.isin is five times slower."""
     if not len(rows):
         return np.zeros(len(these), bool)
     rows = np.sort(rows)
@@ -132,7 +133,7 @@ class Run:
         return row if number and row < len(self.table) and int(self.table.number[row]) == number else None
 
     def made_by(self, rows: Rows) -> Rows:
-        """Return, for each row, the row of its cause; -1 if the cause is at another tick."""
+        """Return, for each row, the row of its cause; -1 if the cause is at another tick or was not recorded."""
         table = self.table
         causes = np.minimum(np.searchsorted(table.number, table.cause[rows]), max(len(table) - 1, 0))
         at_once = (table.number[causes] == table.cause[rows]) & (table.tick[causes] == table.tick[rows])

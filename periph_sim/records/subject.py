@@ -146,6 +146,7 @@ def groups_of(run: Run, register: str | None) -> list[tuple[Group, Field | None]
     """Return the groups of accesses to a register or field, each with the field; None: the whole register.
 
     Raise NotInRun if the firmware never accessed the register.
+
     register: a name such as "I2C-A.I2CSTR" or "I2C-A.I2CSTR.XRDY"; None selects every status register.
     """
     if register is None:

@@ -126,10 +126,9 @@ def with_history(
     again: a function that repeats the run.
 
     The tick of a divergence is that of the replayed event, or that of the captured event if the replay has none. If
-    neither exists, it is the end of the run. The
-    cause of a divergence is the statement that wrote the wrong value, or else the statement that is executed at the
-    tick of the divergence. If only the time differs, the cause is the statement that is executed at the time of the
-    captured event.
+    neither exists, it is the end of the run. The cause of a divergence is the statement that wrote the wrong value, or
+    else the statement that is executed at the tick of the divergence. If only the time differs, the cause is the
+    statement that is executed at the time of the captured event.
     """
     if not divergences:
         return []

@@ -35,7 +35,7 @@ class Side:
 
     rate: the number of positions per second in `lines`.
     origin: the position in `lines` at which the capture begins.
-    transfers_at: (rate, origin) for positions in `transfers`; None if they are those of `lines`.
+    transfers_at: (rate, origin) for positions in `transfers`; None if `rate` and `origin` are valid for these, too.
     agreed: the time on this side, in seconds, of the last event in which both sides agree.
     """
 

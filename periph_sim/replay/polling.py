@@ -228,8 +228,8 @@ def busy_bounds(transfers: Iterable[Transfer], own: Sequence[int], us: Fraction)
     us: microseconds per position.
 
     The lower bound is the time of the latest NACK of the address, the upper bound that of the earliest ACK after a
-    NACK. If the lower bound is the larger one, the busy time differs between writes. The list is empty if there is no
-    such ACK.
+    NACK. If the lower bound is the larger one, the busy time differs between writes. The list is empty if no ACK
+    follows a NACK.
     """
     refused: list[int] = []
     acknowledged: list[int] = []
@@ -256,7 +256,7 @@ def _accesses(transfers: Iterable[Transfer], own: Sequence[int]) -> Iterator[tup
 
 
 def _value(phase: Phase) -> int | None:
-    """Return the address byte of a phase; None if it is not whole."""
+    """Return the address byte of a phase; None if the byte is not complete."""
     return phase.bytes[0].value if is_addressed(phase) else None
 
 

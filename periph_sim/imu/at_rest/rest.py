@@ -1,7 +1,7 @@
 """The sensors at rest: samples, and their expected mean and variance.
 
     Imu --> values at rest + S noise --> codes / scale --> samples    random
-    Imu --> values at rest, Gaussian over the codes --> Expected      exact: rounding and saturation included
+    Imu --> values at rest, Gaussian over the codes --> ExpectedMoments    exact: rounding and saturation included
 
 The models add noise just before the matrix S, which is linear. So the models are evaluated once without noise, and S
 times the noise is added to the result.

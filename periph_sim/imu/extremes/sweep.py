@@ -1,7 +1,9 @@
 """Search for the first input, from ordinary to extreme, at which an arithmetic deviates from the reference.
 
-value --> parameters, counts --------> codes --+-> first value at which they differ by more than allowed,
-value --> reference's inputs --------> codes --+   searched on a grid, then between two of its points, and so on
+value --> parameters, counts --> codes in the arithmetic --+--> first value at which the codes differ by more
+value --> reference's inputs --> codes in the reference  --+    than allowed
+
+The first value is searched on a coarse grid, and then on ever finer grids between two adjacent points.
 """
 
 from __future__ import annotations

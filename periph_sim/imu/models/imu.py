@@ -43,7 +43,7 @@ T = TypeVar("T")
 class Noise(NamedTuple, Generic[T]):
     """Noise of the three chips on x, y, z, in deg/s, g and gauss.
 
-    The models add it before they multiply by the matrix S, which has scale and cross-axis sensitivity.
+    The models add the noise before they multiply by the matrix S, which has scale and cross-axis sensitivity.
     """
 
     gyroscope: Triple[T]

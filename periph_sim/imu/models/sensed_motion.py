@@ -18,7 +18,8 @@ from .chips import Angles, angles
 from .imu import Codes, Imu, Inputs, Noise
 from .parameters import ImuParameters
 
-STEP = 1e-4  # time in seconds over which the derivative of the body rates is calculated, which only a lever arm needs
+# Time in seconds over which the derivatives of the body rates are calculated. Only a lever arm needs these derivatives.
+STEP = 1e-4
 
 
 class SensedMotion:

@@ -75,7 +75,7 @@ def _rows(values: list[Sequence[float]]) -> Floats:
 
 
 class MotionKind(Protocol):
-    """The definitions in the file of a kind of motion."""
+    """The names that the file of a kind of motion must define."""
 
     Settings: type[object]
 

@@ -70,6 +70,7 @@ class ModelRuns:
     def frames(self) -> list[int]:
         """For each run of the models, the number of the frame that the run used; -1 for no frame."""
         # The scene may end after firmware has read the last frame, but before the last stop bit of this frame ends.
+        # Then `_sent` lacks the number of this frame.
         sent = [*self._sent, self._sent[-1] + 1]
         return [sent[taken] for taken in self._begun_with]
 

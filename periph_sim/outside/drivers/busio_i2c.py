@@ -52,7 +52,7 @@ class I2C:
         self._locked = False
 
     def scan(self) -> list[int]:
-        """Return all addresses that are acknowledged by a target on the bus."""
+        """Return the addresses from 0x08 to 0x77 that a target on the bus acknowledges."""
         return [address for address in ADDRESSES if self._asks(address)]
 
     def writeto(self, address: int, buffer: bytes | Buffer, *, start: int = 0, end: int | None = None) -> None:

@@ -17,7 +17,7 @@ from ..errors import OutsideError
 
 WhenLate = Literal["slip", "catch-up", "stop"]
 TOLERATED = 0.050  # lateness, in seconds, above which a step counts as late
-STEPS = (0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.010, 0.020, 0.050, 0.100, 1.0)  # classes of lateness, seconds
+STEPS = (0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.010, 0.020, 0.050, 0.100, 1.0)  # upper limits, in s
 
 
 class Pacer:
@@ -80,7 +80,7 @@ class Pacer:
     def percentile(self, share: float) -> float:
         """Return the lateness, in seconds, that this share of the steps does not exceed.
 
-        The result is rounded up to one of STEPS. If it is above STEPS, the result is `worst`.
+        The result is rounded up to one of STEPS. If the lateness is above the last of STEPS, the result is `worst`.
         """
         wanted, passed = share * sum(self.counts), 0
         for step, count in zip(STEPS, self.counts, strict=False):

@@ -103,7 +103,7 @@ class Rfc2217Door:
             return
         name = f"client {address[0]}:{address[1]}"
         connection.setblocking(False)
-        # A client that has disconnected is replaced by the new one. Its last bytes are discarded if they are unread.
+        # A new client replaces a client that has disconnected. Unread bytes of the old client are discarded.
         if self._client is not None and self._client.closed():
             self._let_go(self._client, "left")
         if self._client is not None:

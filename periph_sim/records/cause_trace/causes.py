@@ -2,8 +2,8 @@
 
 A recording has the causes of what chips do: the access or edge that changed a flag or moved a pin. If the chip filters
 or samples its inputs, the recorded cause is the last input that passed the filter. Other causes are inferred from the
-order of the records: the action of a party before an edge of a wire, the request for an interrupt, and these causes of
-accesses. (A look is a read that is not the first half of a read-modify-write.)
+order of the records: the action of a party before an edge of a wire, the request for an interrupt, and most causes of
+accesses. A look is a read that is not the first half of a read-modify-write.
 
     cause of a write: of the earlier looks in the same routine, the look that saw the newest change;
                       if there is no look, the entry of the service routine
@@ -61,7 +61,8 @@ def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) ->
 
     If the last link is `aside`, no cause was found. An access of the main program has no cause if neither a change nor
     an earlier read explains the access.
-    flag: the change of a field whose causes led to this access, or None.
+
+    flag: the last change of a field that the search has passed on its way back to this access; None if there is none.
     """
     routine = run.row_of(record.cause)
     entry = [] if routine is None else [Link(routine, run.record(routine), RECORDED, "its service routine began")]
@@ -171,8 +172,9 @@ def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[L
     """Return links to the read half of a write's read-modify-write and, if it applies, to an earlier change of a flag.
 
     The list is empty if the write does not belong to a read-modify-write.
-    flag: the change of a flag whose causes led to this write, or None. If the write only wrote back this flag as the
-        read half had read it, the result has a link to the change that the read half saw.
+    flag: the last change of a field that the search has passed on its way back to this write; None if there is none. If
+        the write only wrote back this field as the read half had read it, the result has a link to the change that the
+        read half saw.
     """
     read = read_modify_writes(run, record.where).read_of(row)
     if read is None:
@@ -206,7 +208,7 @@ def handed_back(write: Record, read: int, flag: Record) -> Field | None:
     return f if kept and f.on_write is OnWrite.STORE and f.name != write.field else None
 
 
-MAX_REQUEST_CYCLES = 16  # maximum cycles between a module's request and the PIEIFR flag that it sets
+MAX_REQUEST_CYCLES = 16  # maximum number of cycles from a module's interrupt request to the PIEIFR flag that it sets
 
 
 def walk_back(run: Run, row: int, depth: int) -> Iterator[Link]:
@@ -248,7 +250,8 @@ def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> li
     """Return links to the cause of a record and to the records that are shown beside it.
 
     If the cause is known, the last link is the cause.
-    flag: the change of a field whose causes led to this record, or None.
+
+    flag: the last change of a field that the search has passed on its way back to this record; None if there is none.
     """
     kind = record.kind
     if kind is Kind.ACCESS:

@@ -1,7 +1,7 @@
 r"""Causes and effects of the value that a field, wire, span or interrupt has at an instant.
 
-question --> value, the record that gave it --> causes back
-                                          \--> next reads, effects and change forward
+question --> value, and the record of the change to this value --> its causes, back in time
+                                                             \--> its effects, the next read and the next change
 """
 
 from __future__ import annotations
@@ -64,6 +64,7 @@ def why(run: Run | Path | str, question: str, depth: int = DEPTH) -> Answer:
     """Return the answer to a question such as "I2C-A.I2CSTR.XRDY@12.345ms".
 
     Raise NotInRun if the name is unknown or the time is outside the run.
+
     run: a recorded run, or its file.
     depth: maximum number of causes that are followed back.
     """

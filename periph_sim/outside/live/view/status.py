@@ -27,7 +27,7 @@ from ..pacing import STEPS, TOLERATED, Pacer
 from .last_round import LastRound, Wave
 
 WINDOW = 2.0  # seconds over which rates are averaged
-SELDOM = 10.0  # seconds between calculations of a percentile, which needs all values
+SELDOM = 10.0  # seconds between calculations of a percentile, which takes long because it needs all values
 SAID = 3  # number of messages that are shown, the latest ones
 FLAGS = {
     "SCI": ("SCIRXST.BRKDT", "SCIRXST.FE", "SCIRXST.OE", "SCIRXST.PE", "SCIFFRX.RXFFOVF"),

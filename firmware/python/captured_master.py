@@ -29,7 +29,7 @@ REPLAY = ("script", "pauses", "low", "high")  # settings that a replay sets from
 
 
 @dataclass(frozen=True)
-class Part:
+class TransferPart:
     """A part of a transfer, from a START to the next START or STOP. count: bytes to read; None for a write."""
 
     address: int
@@ -38,18 +38,18 @@ class Part:
     ack_last: bool = False
 
 
-def parts(transfer: str) -> list[Part]:
+def parts(transfer: str) -> list[TransferPart]:
     """Parse the parts of a transfer. Raise ValueError if it is invalid."""
     return [_part(text) for text in transfer.split(" Sr ")]
 
 
-def _part(text: str) -> Part:
+def _part(text: str) -> TransferPart:
     try:
         address, direction, *rest = text.split()
         if direction == "W":
-            return Part(int(address, 16), bytes(int(byte, 16) for byte in rest))
+            return TransferPart(int(address, 16), bytes(int(byte, 16) for byte in rest))
         if direction == "R" and rest[1:] in ([], ["ACK"]):
-            return Part(int(address, 16), count=int(rest[0]), ack_last=bool(rest[1:]))
+            return TransferPart(int(address, 16), count=int(rest[0]), ack_last=bool(rest[1:]))
     except (ValueError, IndexError):
         pass
     raise ValueError(f"{text!r} is not a part of a transfer; expected for example '50 W 00 1f' or '50 R 6'")
@@ -79,7 +79,7 @@ class Master:
         self.i2c = dsp.module("I2C-A")
         self.got: list[bytearray] = []
 
-    def transfer(self, steps: list[Part]) -> None:
+    def transfer(self, steps: list[TransferPart]) -> None:
         i2c, dsp = self.i2c, self.dsp
         dsp.spin(lambda: i2c.I2CMDR.STP == 0)
         dsp.spin(lambda: i2c.I2CSTR.BB == 0)
@@ -96,7 +96,7 @@ class Master:
         dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
         i2c.I2CSTR.all = FLAGS
 
-    def write(self, part: Part, last: bool) -> None:
+    def write(self, part: TransferPart, last: bool) -> None:
         i2c, dsp = self.i2c, self.dsp
         i2c.I2CCNT.all = len(part.data)
         i2c.I2CMDR.all = FREE | STT | MST | TRX | IRS | (STP if last else 0)
@@ -106,7 +106,7 @@ class Master:
             i2c.I2CDXR.all = byte
         self.end(last)
 
-    def read(self, part: Part, count: int, last: bool) -> None:
+    def read(self, part: TransferPart, count: int, last: bool) -> None:
         i2c, dsp = self.i2c, self.dsp
         by_command = last and part.ack_last  # True: STP is set only after all bytes were received and acknowledged
         i2c.I2CCNT.all = count
@@ -125,7 +125,7 @@ class Master:
         else:
             self.end(last)
 
-    def call(self, part: Part, last: bool) -> None:
+    def call(self, part: TransferPart, last: bool) -> None:
         """Send an address without data."""
         i2c, dsp = self.i2c, self.dsp
         direction = TRX if part.count is None else 0

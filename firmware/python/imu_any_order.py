@@ -63,7 +63,7 @@ class Settings(ModelSettings):
             raise ValueError("a round is undefined if any order is possible; leave models_run out")
 
 
-class Chip(Registers):
+class EmulatedChip(Registers):
     """A sensor. latched: the registers at the last address. was_read: True if read since the models last ran."""
 
     def __init__(self, address: int) -> None:
@@ -100,7 +100,7 @@ class Emulator:
         self.settings = settings
         self.frame = NO_FRAME
         self.frame_waits = False  # True if the models have not run yet with `frame`
-        self.chips = {address: Chip(address) for address in settings.addresses}
+        self.chips = {address: EmulatedChip(address) for address in settings.addresses}
         self.pie = dsp.module("PIE")
         self.sci = dsp.module("SCI-A") if dsp.has("SCI-A") else None
         self.cost, self.models = settings.run_cost, models_of(settings, dsp)

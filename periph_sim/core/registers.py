@@ -21,7 +21,7 @@ class RegisterMapError(Exception):
     """Error: the description of a register contradicts itself."""
 
 
-class Cpu(Enum):
+class CpuAccess(Enum):
     """Access rights of the CPU to a field."""
 
     RW = "read and write"
@@ -62,14 +62,14 @@ class Yields(Enum):
 
 
 # The manual's abbreviations for a field's access rights, with the effects of a read and of a write.
-ACCESS: dict[str, tuple[Cpu, OnRead, OnWrite]] = {
-    "R/W": (Cpu.RW, OnRead.KEEP, OnWrite.STORE),
-    "R": (Cpu.R, OnRead.KEEP, OnWrite.NOTHING),
-    "R/W1C": (Cpu.RW, OnRead.KEEP, OnWrite.ONE_CLEARS),
-    "R/S": (Cpu.RW, OnRead.KEEP, OnWrite.ONE_SETS),
-    "RC": (Cpu.R, OnRead.CLEAR, OnWrite.NOTHING),
-    "W1": (Cpu.W, OnRead.KEEP, OnWrite.STROBE),
-    "W": (Cpu.W, OnRead.KEEP, OnWrite.STORE),
+ACCESS: dict[str, tuple[CpuAccess, OnRead, OnWrite]] = {
+    "R/W": (CpuAccess.RW, OnRead.KEEP, OnWrite.STORE),
+    "R": (CpuAccess.R, OnRead.KEEP, OnWrite.NOTHING),
+    "R/W1C": (CpuAccess.RW, OnRead.KEEP, OnWrite.ONE_CLEARS),
+    "R/S": (CpuAccess.RW, OnRead.KEEP, OnWrite.ONE_SETS),
+    "RC": (CpuAccess.R, OnRead.CLEAR, OnWrite.NOTHING),
+    "W1": (CpuAccess.W, OnRead.KEEP, OnWrite.STROBE),
+    "W": (CpuAccess.W, OnRead.KEEP, OnWrite.STORE),
 }
 
 
@@ -83,7 +83,7 @@ class Field(Struct, frozen=True, dict=True):
     doc: str
 
     @property
-    def cpu(self) -> Cpu:
+    def cpu(self) -> CpuAccess:
         return ACCESS[self.access][0]
 
     @property
@@ -214,7 +214,7 @@ class Register(Struct, frozen=True, dict=True):
 
     @cached_property
     def _read_masks(self) -> tuple[int, int]:
-        shown = sum(f.mask for f in self.fields if f.cpu is not Cpu.W)
+        shown = sum(f.mask for f in self.fields if f.cpu is not CpuAccess.W)
         cleared = sum(f.mask for f in self.fields if f.on_read is OnRead.CLEAR)
         return shown, ~cleared
 

@@ -19,7 +19,19 @@ from typing import Any
 
 from msgspec import Struct
 
-from .snapshot import ARRAY, Foreign, Found, Function, Group, Made, Module, Ref, Snapshot, absolute, class_name
+from .snapshot import (
+    ARRAY,
+    Foreign,
+    Found,
+    FunctionRef,
+    Made,
+    Module,
+    PlainContainer,
+    Ref,
+    Snapshot,
+    absolute,
+    class_name,
+)
 from .state import Time, state_of
 
 CONTAINERS: dict[str, Callable[[Any], Any]] = {
@@ -94,13 +106,13 @@ class _Plan:
                 return getattr(self._objects[owner], method) if method else self._objects[owner]
             case Found(kind, key):
                 return self._finds[kind](*key)
-            case Function(function):
+            case FunctionRef(function):
                 if getattr(current, "__qualname__", "") != function:
                     raise NotRestorable(
                         f"{name} is the function {function}, which the scene does not have in its place"
                     )
                 return current
-            case Group(kind, items):
+            case PlainContainer(kind, items):
                 self._objects[name] = made = self._group(kind, items, current, time)
                 return made
             case Made(kind, keys):

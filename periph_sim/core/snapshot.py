@@ -84,7 +84,7 @@ class Made(NamedTuple):
     keys: tuple[object, ...] = ()
 
 
-class Group(NamedTuple):
+class PlainContainer(NamedTuple):
     """A container of plain values, or a random generator.
 
     items: the values of the container, the pairs (key, value) of a dict, or the state of the generator.
@@ -94,7 +94,7 @@ class Group(NamedTuple):
     items: tuple[Any, ...]
 
 
-class Function(NamedTuple):
+class FunctionRef(NamedTuple):
     """A reference to a function of a Python module. name: the function's qualified name."""
 
     name: str
@@ -238,7 +238,7 @@ class _Collector:
                 items.sort()
             if time is not Time.NONE:
                 items = [self._relative(one, time) for one in items]
-            self.values[name] = Group(kind, tuple(items))
+            self.values[name] = PlainContainer(kind, tuple(items))
         else:
             self._items(name, kind, value if isinstance(value, dict) else dict(enumerate(items)), time)
 
@@ -259,7 +259,7 @@ class _Collector:
         kind = type(value)
         state = state_of(kind)
         if isinstance(value, Random):
-            self.values[name] = Group("Random", value.getstate())
+            self.values[name] = PlainContainer("Random", value.getstate())
         elif isinstance(value, str) or (_is_plain(value) and time is Time.NONE):
             self.values[name] = value
         elif isinstance(value, tuple | Struct):
@@ -281,7 +281,7 @@ class _Collector:
         """
         owner = getattr(value, "__self__", None)
         if owner is None or isinstance(owner, ModuleType):
-            kind = Foreign if getattr(value, "__closure__", None) else Function
+            kind = Foreign if getattr(value, "__closure__", None) else FunctionRef
             self.values[name] = kind(value.__qualname__)
         elif id(owner) in self._names:
             self.values[name] = Ref(self._names[id(owner)], value.__name__)
@@ -328,7 +328,7 @@ def _chained(first: Any) -> Iterator[Any]:
 
 def _item_differences(name: str, here: Any, there: Any) -> dict[str, tuple[object, object]]:
     """Return the differing items of two containers of the same length, or the whole containers otherwise."""
-    both = isinstance(here, Group) and isinstance(there, Group)
+    both = isinstance(here, PlainContainer) and isinstance(there, PlainContainer)
     if not both or here.kind != there.kind or here.kind == "Random" or len(here.items) != len(there.items):
         return {name: (here, there)}
     pairs = enumerate(zip(here.items, there.items, strict=True))

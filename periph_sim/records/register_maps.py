@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..core.registers import Cpu, Field, OnWrite, Register, RegisterMap, Yields
+from ..core.registers import CpuAccess, Field, OnWrite, Register, RegisterMap, Yields
 from ..f28335.parts.f28335 import PART
 
 
@@ -32,7 +32,7 @@ def yields_data(name: str) -> bool:
 
 def is_status(register: Register) -> bool:
     """Return True if the register has a flag: a field of one bit that hardware changes."""
-    return any(f.msb == f.lsb and (f.cpu is Cpu.R or f.on_write is OnWrite.ONE_CLEARS) for f in register.fields)
+    return any(f.msb == f.lsb and (f.cpu is CpuAccess.R or f.on_write is OnWrite.ONE_CLEARS) for f in register.fields)
 
 
 def one_clears(register: Register) -> tuple[Field, ...]:

@@ -22,11 +22,11 @@ from periph_sim.core.snapshot import (
     Fixed,
     Foreign,
     Found,
-    Function,
-    Group,
+    FunctionRef,
     Keyed,
     Made,
     Module,
+    PlainContainer,
     Ref,
     Snapshot,
     take_snapshot,
@@ -112,7 +112,7 @@ def test_instants_are_counted_from_now():
     owner = Owner()
     owner.due, owner.since, owner.cause = 1010, [65, 90], 48
     values = taken(owner).values
-    assert (values["one.due"], values["one.since"], values["one.cause"]) == (10, Group("list", (-5, 20)), -2)
+    assert (values["one.due"], values["one.since"], values["one.cause"]) == (10, PlainContainer("list", (-5, 20)), -2)
 
 
 def test_an_instant_that_is_none_stays_as_it_is():
@@ -128,7 +128,7 @@ def test_of_a_tuple_its_first_integer_is_the_instant():
     owner, other = Owner(), Owner()
     owner.due = [("A", 1200, 7), ("B", NEVER, 8)]
     snapshot = taken(owner)
-    assert snapshot.values["one.due"] == Group("list", (("A", 200, 7), ("B", Fixed(NEVER), 8)))
+    assert snapshot.values["one.due"] == PlainContainer("list", (("A", 200, 7), ("B", Fixed(NEVER), 8)))
     moved(snapshot._replace(tick=3000), other)
     assert other.due == [("A", 3200, 7), ("B", NEVER, 8)]
 
@@ -193,7 +193,7 @@ def test_methods_and_functions():
     owner.held = partial(owner.called, 1, word=2)
     snapshot = taken(owner)
     assert snapshot.values["one.held['func']"] == Ref("one", "called")
-    assert snapshot.values["one.call"] == Function("print")
+    assert snapshot.values["one.call"] == FunctionRef("print")
     moved(snapshot, other)
     assert (other.held.func, other.held.args, other.held.keywords) == (other.called, (1,), {"word": 2})
 
@@ -277,7 +277,10 @@ def test_differences_name_what_differs():
         "one.since": (-70, Absent()),
     }
     other.held = [1]
-    assert taken(one).differences(taken(other))["one.held"] == (Group("list", (1, 2, 3)), Group("list", (1,)))
+    assert taken(one).differences(taken(other))["one.held"] == (
+        PlainContainer("list", (1, 2, 3)),
+        PlainContainer("list", (1,)),
+    )
     assert taken(one).differences(taken(one)) == {}
 
 

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 
-from firmware.python.captured_master import Part, parts
+from firmware.python.captured_master import TransferPart, parts
 from periph_sim.replay import i2c_script as reasons
 from periph_sim.replay.i2c_script import as_master
 from periph_sim.replay.setup import played
@@ -90,9 +90,9 @@ def test_long_low_phases_are_the_targets_stretches_in_ticks():
 
 
 def test_a_script_is_read_back():
-    assert parts("50 W 00 1F Sr 51 R 6") == [Part(0x50, b"\x00\x1f"), Part(0x51, count=6)]
-    assert parts("1E R 2 ACK") == [Part(0x1E, count=2, ack_last=True)]
-    assert parts("50 W") == [Part(0x50)] and parts("50 R 0") == [Part(0x50, count=0)]
+    assert parts("50 W 00 1F Sr 51 R 6") == [TransferPart(0x50, b"\x00\x1f"), TransferPart(0x51, count=6)]
+    assert parts("1E R 2 ACK") == [TransferPart(0x1E, count=2, ack_last=True)]
+    assert parts("50 W") == [TransferPart(0x50)] and parts("50 R 0") == [TransferPart(0x50, count=0)]
 
 
 @pytest.mark.parametrize("text", ["50", "50 X 1", "50 R", "50 R 1 NACK", "", "50 W 00 Sr"])

@@ -101,7 +101,7 @@ def not_loadable(base: int, size: int, part: Part) -> str:
     return ""
 
 
-class Module(NamedTuple):
+class UnmodelledModule(NamedTuple):
     """Addresses of a module that is not modelled."""
 
     name: str
@@ -110,21 +110,21 @@ class Module(NamedTuple):
 
 
 NOT_MODELLED = (
-    Module("device emulation", 0x0880, 0x180),
-    Module("flash control", 0x0A80, 0x60),
-    Module("CSM", 0x0AE0, 0x10),
-    Module("ADC results", 0x0B00, 0x10),
-    Module("XINTF", 0x0B20, 0x20),
-    Module("DMA", 0x1000, 0x200),
-    Module("McBSP-A", 0x5000, 0x40),
-    Module("McBSP-B", 0x5040, 0x40),
-    Module("eCAN-A", 0x6000, 0x200),
-    Module("eCAN-B", 0x6200, 0x200),
-    *(Module(f"ePWM{number}", 0x6800 + 0x40 * (number - 1), 0x40) for number in range(1, 7)),
-    *(Module(f"eCAP{number}", 0x6A00 + 0x20 * (number - 1), 0x20) for number in range(1, 7)),
-    Module("eQEP1", 0x6B00, 0x40),
-    Module("eQEP2", 0x6B40, 0x40),
-    Module("ADC", 0x7100, 0x20),
+    UnmodelledModule("device emulation", 0x0880, 0x180),
+    UnmodelledModule("flash control", 0x0A80, 0x60),
+    UnmodelledModule("CSM", 0x0AE0, 0x10),
+    UnmodelledModule("ADC results", 0x0B00, 0x10),
+    UnmodelledModule("XINTF", 0x0B20, 0x20),
+    UnmodelledModule("DMA", 0x1000, 0x200),
+    UnmodelledModule("McBSP-A", 0x5000, 0x40),
+    UnmodelledModule("McBSP-B", 0x5040, 0x40),
+    UnmodelledModule("eCAN-A", 0x6000, 0x200),
+    UnmodelledModule("eCAN-B", 0x6200, 0x200),
+    *(UnmodelledModule(f"ePWM{number}", 0x6800 + 0x40 * (number - 1), 0x40) for number in range(1, 7)),
+    *(UnmodelledModule(f"eCAP{number}", 0x6A00 + 0x20 * (number - 1), 0x20) for number in range(1, 7)),
+    UnmodelledModule("eQEP1", 0x6B00, 0x40),
+    UnmodelledModule("eQEP2", 0x6B40, 0x40),
+    UnmodelledModule("ADC", 0x7100, 0x20),
 )
 
 NAMES = {
@@ -135,11 +135,11 @@ NAMES = {
 # PROTECTED_MODULES: modules of which every register is EALLOW-protected.
 PROTECTED_MODULES = frozenset(("device emulation", "flash control", "CSM", "XINTF", "DMA"))
 
-MODULES: tuple[ModuleDescriptor | Module, ...] = (*PART.modules, *NOT_MODELLED)
+MODULES: tuple[ModuleDescriptor | UnmodelledModule, ...] = (*PART.modules, *NOT_MODELLED)
 VECTORS = "PIE vectors"
 
 
-def module_at(address: int) -> ModuleDescriptor | Module | None:
+def module_at(address: int) -> ModuleDescriptor | UnmodelledModule | None:
     """Return the module whose registers include an address; None if there is none."""
     return next((module for module in MODULES if 0 <= address - module.base < module.size), None)
 
@@ -203,7 +203,7 @@ def is_protected(address: int) -> bool:
     module = module_at(address)
     if module is None:
         return False
-    if isinstance(module, Module):
+    if isinstance(module, UnmodelledModule):
         return module.name in PROTECTED_MODULES
     register = module.registers.at(address - module.base) or module.registers.at(address - module.base - 1)
     return register is not None and register.protected

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.registers import Cpu
+from ...core.registers import CpuAccess
 from ...f28335.i2c.register_map import I2CCNT, I2CMDR
 from ..lint import Fault, Options, finds, held
 from ..read_modify_write import pairs
@@ -28,7 +28,7 @@ def read_only(run: Run, options: Options) -> Iterator[Fault]:
     """
     value = run.table.value
     for group in run.accesses:
-        fields = [f for f in group.register.fields if f.cpu is Cpu.R]
+        fields = [f for f in group.register.fields if f.cpu is CpuAccess.R]
         if group.way != "W" or not fields:
             continue
         reads, writes = pairs(run, group)

@@ -7,7 +7,9 @@ budget: a measure with limits. Its verdict says whether a run has kept them; "re
 scene: the simulated wires with all units, chips and other parties on them.
 unit: one simulated F28335 with its firmware.
 round: one execution of the list of transfers that a controller repeats periodically; it is due at its planned start.
-frame: the values that the [host] sends in one message over UART.
+frame: the values that the [host], a PC, sends in one message over UART. In events such as "frame TX 0x06", and in
+    bursts, a frame is one UART character.
+span: a part of the firmware with a name, such as a function, whose start and end are recorded.
 occurrence: an event, or a time between two events, that has one value of a measure.
 occasion: an event at which a measure should take a value. "Asked" means that a value should be taken.
 phase: the part of an I2C transfer from a START or repeated START to the next one, or to the STOP.

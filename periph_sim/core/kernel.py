@@ -231,9 +231,11 @@ class Kernel:
         self.materialize()
 
     def run_nested(self, owner: object) -> bool:
-        """Run events inside the event of `owner`, which is blocked. Return True as soon as `released` is set.
+        """Run the event loop for `owner`, which is blocked inside its own event.
 
-        Return False if the outer loop must continue, because no event is left or the next event calls a plain function.
+        Return True as soon as an event has set `Kernel.released`, because the wait of `owner` is over. Return False if
+        the outer loop must continue: the next event is a plain callback, or this run has no further event or was
+        stopped.
         """
         self.nested_owner = owner
         self.released = False

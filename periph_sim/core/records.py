@@ -248,8 +248,8 @@ class Topic:
 class Recorder:
     """Numbers records and passes each to the subscribers to its topic.
 
-    cause: the number of the present record, whose effects the simulation runs now; 0 if there is none. `core.socket`
-        and `core.wire` set it during each delivery.
+    cause: the number of the present record, whose effects the simulation runs now; 0 if there is none. New records get
+        it as their cause. Samplers, sockets and CPUs set it while they run the effects of a record.
     number: the number of the last record.
     """
 

@@ -123,10 +123,12 @@ def field(
 
 
 class NamedByte(NamedTuple):
-    """A byte of a transfer as its device names it.
+    """The name and the meaning of a byte of a transfer.
 
-    register: the name of the register, or of the memory address.
-    meaning: the fields of the register or the measured quantity; "" if the byte alone says everything.
+    register: the name of the register, or the memory address. It is the name of the device in an address byte,
+        "pointer" in a byte that selects a register, and "" if the byte has no name.
+    meaning: the fields of the register, the measured quantity, or a remark such as "reserved". It is the selected
+        register in the last byte of a pointer, and "" if the byte alone says everything.
     """
 
     register: str

@@ -101,7 +101,10 @@ class FunctionRef(NamedTuple):
 
 
 class Fixed(NamedTuple):
-    """A tick, cycle or record number that is stored unchanged: None, NOT_YET, NEVER, or the number 0 for no record."""
+    """A special value in place of a tick, cycle or record number. It is stored as it is, not relative to now.
+
+    value: None, NOT_YET, or a number of magnitude NEVER or more. In a record number, 0 (no record) replaces NOT_YET.
+    """
 
     value: int | None
 
@@ -296,7 +299,10 @@ class _Collector:
 
 
 def _relative(value: Any, now: int, time: Time) -> Any:
-    """Return an instant relative to `now`. In a tuple, only the first number is an instant; other items are kept."""
+    """Return an instant relative to `now`, or a special value as Fixed.
+
+    In a tuple, only the first number is an instant; the other items are returned unchanged.
+    """
     if isinstance(value, tuple):
         place = _first_instant(value)
         return (*value[:place], _relative(value[place], now, time), *value[place + 1 :])

@@ -90,7 +90,10 @@ HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000, "GHz": 1_000_000_000}
 
 
 def share(value: object) -> Fraction:
-    """Return the share, from 0 to 1, in a text such as "40 %". Raise ValueError with a suggestion for other values."""
+    """Return the share, from 0 to 1, in a text such as "40 %".
+
+    Raise ValueError for other values. The message states what to write.
+    """
     if isinstance(value, Fraction):
         return value
     text = str(value).strip()
@@ -104,7 +107,10 @@ def share(value: object) -> Fraction:
 
 
 def duration(value: object) -> Fraction:
-    """Return the seconds in a text such as "250 us". Raise ValueError with a suggestion for other values."""
+    """Return the seconds in a text such as "250 us".
+
+    Raise ValueError for other values. The message states what to write.
+    """
     if isinstance(value, Fraction):
         return value
     if not isinstance(value, str):
@@ -126,7 +132,9 @@ def _length(text: str) -> Fraction | str:
 
 
 class Spread(Struct, frozen=True):
-    """A computing time in seconds of which only the range is known. Each `Dsp.compute` draws a value in this range.
+    """A time in seconds of which only the range is known, such as a computing time or the write time of an EEPROM.
+
+    Each use of the time, such as a call of `Dsp.compute`, draws a value in this range.
 
     Raise ValueError for a negative or empty range.
     """
@@ -168,9 +176,11 @@ def _range(text: str) -> Spread:
 
 
 def frequency(value: object, usual: str = "kHz") -> Fraction:
-    """Return the hertz in a text such as "100 kHz". Raise ValueError with a suggestion for other values.
+    """Return the hertz in a text such as "100 kHz".
 
-    usual: the unit in the suggestion for a small number without a unit.
+    usual: the unit in the error message for a small number without a unit.
+
+    Raise ValueError for other values. The message states what to write.
     """
     if isinstance(value, Fraction):
         return value

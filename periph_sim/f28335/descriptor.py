@@ -26,7 +26,7 @@ from .gpio.pin_mux_table import FUNCTIONS
 from .pie.register_map import CPU_VECTORS, VECTORS
 from .system_control.register_map import PCLKCR0, PCLKCR3
 
-ARGUMENTS = frozenset(("name", "options"))  # arguments that the constructor of a chip can have
+ARGUMENTS = frozenset(("name", "options"))  # arguments that a descriptor can pass to its chip's constructor
 CLOCKS = ("SYSCLKOUT", "LSPCLK")
 FLASH = range(0x30_0000, 0x34_0000)  # addresses of flash in the F28335, the part with the most flash
 

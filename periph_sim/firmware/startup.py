@@ -23,7 +23,7 @@ def start_pin(dsp: Dsp, pin: int) -> None:
 
 
 def start_i2c(dsp: Dsp, own_address: int = 0) -> None:
-    """Set up I2C-A with a module clock of 10 MHz, and leave it in reset (IRS = 0).
+    """Set up I2C-A with a module clock of 10 MHz if SYSCLKOUT is 150 MHz, and leave it in reset (IRS = 0).
 
     The inputs of its pins are not synchronized to SYSCLKOUT, as in TI's code. own_address: the value of I2COAR.
     """
@@ -79,8 +79,8 @@ def start_pie(dsp: Dsp, handlers: dict[str, Callable[[], None]]) -> None:
     """
     pie = dsp.module("PIE")
     pie.PIECTRL.ENPIE = 1
-    # PIEACK is cleared before any line is enabled in PIEIER. Otherwise the request of an enabled line could pulse INTx
-    # before PIEACK is cleared, and pulse it a second time when PIEACK is cleared.
+    # PIEACK is cleared before any line is enabled in PIEIER. In the other order, a pending request could pulse INTx
+    # twice: when its line is enabled, which sets PIEACK again, and when PIEACK is then cleared.
     pie.PIEACK.all = 0xFFF
     for name, handler in handlers.items():
         group, line = dsp.handle(name, handler)

@@ -63,7 +63,7 @@ FOR_ALL_CLASSES = {"trashcan": True}
 NEVER_NONE = "self"  # this argument is never None, because its caller has already checked the object
 CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
 NOTHING_TO_DO = "all modules are built already"
-# Functions begin at cache lines, and nothing inside them is aligned, so that the code of an event fills few of them.
+# Functions begin at cache lines. Code inside functions is not aligned, so that an event's code is in few cache lines.
 DENSE = ("-falign-functions=64", "-fno-align-jumps", "-fno-align-loops", "-fno-align-labels")
 FLAGS = ("-c", "-O2", *DENSE, "-DNDEBUG", "-fPIC", "-fwrapv", "-fno-strict-aliasing", "-ffunction-sections", "-w")
 SANITIZERS = "-fsanitize=address,undefined"  # `c_checks` checks the array indices that sanitizers miss
@@ -104,7 +104,7 @@ OBJECTS = "objects"
 
 
 class NoBuild(Exception):
-    """The core cannot be compiled here. The message says what is missing, or contains the output of the compiler."""
+    """The core was not compiled. The message says why: what is missing or invalid, or what the compiler printed."""
 
 
 def compiler() -> str:

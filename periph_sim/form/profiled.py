@@ -49,7 +49,7 @@ def require_gcc(cc: str) -> None:
 
 
 def count(case: str, package: Path, built: Path) -> None:
-    """Run a case with the build `built`, which counts how often each part of its code is executed, for gcc.
+    """Run a case with the build `built`. The run counts for gcc how often each part of the code is executed.
 
     Raise NoBuild with the last line of the error message if the run fails.
     """
@@ -66,7 +66,8 @@ def count(case: str, package: Path, built: Path) -> None:
 def build_for(cases: Sequence[str], package: Path, built: Path, jobs: int) -> None:
     """Compile the core for these cases, and replace the build in the folder `built`.
 
-    Raise NoBuild if no case is named, the compiler is not gcc, a module does not compile, or a case does not run.
+    Raise NoBuild if no case is named, no suitable gcc is found, a module does not compile, a case does not run, or no
+    case uses the compiled core.
     """
     if not cases:
         raise NoBuild("no case is named; name the cases to optimize for: python -m periph_sim.form.profiled CASE ...")

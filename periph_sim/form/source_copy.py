@@ -1,22 +1,25 @@
-"""Preparation of a source for Cython. Lines keep their numbers, and some are changed as follows:
+"""Preparation of a source for Cython: a copy in which lines keep their numbers, and some lines are changed.
 
-    @final                                                      @cython.final is in the .pxd file
+    line in the source                                          line in the copy
+
+    @final                                                      empty (@cython.final is in the .pxd file)
     class Event:  # core: freelist 16                           @cython.freelist(16)
                                                                 @cython.cclass
                                                                 class Event:
     from .accumulator import add, M32                           from .accumulator import M32      (add is cimported)
-    f.execute = globals()[name]                                 if name == "NOT_ACC": f.execute = NOT_ACC
+    f.execute = globals()[name]  (last line of the source)      if name == "NOT_ACC": f.execute = NOT_ACC
                                                                 elif ...
-    return          in a function without a result              return False
-    event: Event    a type without a value                      pass
+    return          (in a function without a result)            return False
+    event: Event    (a type without a value)                    pass
     state.str |= STR_XRDY                                       state.str |= 16
     from ..core.records import Kind                             from ..core.records import Kind; Kind_FLAG = Kind.FLAG
     recorder.wants(Kind.FLAG)                                   recorder.wants(Kind_FLAG)
 
-Cython obeys `freelist` at the class itself and ignores it in a .pxd file. The C function of a Python function without a
-result returns its error value or False, so a bare `return` becomes `return False`. Constants would be looked up at each
-use. So integers with uppercase names become literals, and members of enumerations become global names that are bound
-once.
+Cython obeys `freelist` at the class itself and ignores it in a .pxd file. C functions are not in the module's
+`globals()`, so a look-up by name becomes `if` statements that compare the key with the names of C functions. A function
+without a result becomes a C function that returns False, or -1 after an exception, so a bare `return` becomes
+`return False`. Constants would be looked up at each use. So integers with uppercase names become literals, and members
+of enumerations become global names that are bound once.
 """
 
 from __future__ import annotations
@@ -107,10 +110,10 @@ def _remove_names(statement: ast.ImportFrom, names: Collection[str], lines: list
 
 
 def _look_up_spelled_out(source: Source, text: str) -> str:
-    """Replace a last line `target = globals()[key]` of a function's text by `if` statements that compare the key.
+    """If the last line of the text is `target = globals()[key]`, replace it by `if` statements that compare the key.
 
-    C functions are not in the module's `globals()`. The key can be the name of any C function of the module that begins
-    with an uppercase letter. A text with another last line is returned unchanged.
+    The key can be the name of any C function of the module that begins with an uppercase letter. A text with another
+    last line is returned unchanged.
     """
     found = BY_NAME.search(text)
     if not found:
@@ -146,7 +149,7 @@ def with_constants(source: str, names: Mapping[str, object]) -> str:
         for alias in one.names
         if isinstance(names.get(alias.asname or alias.name), EnumMeta)
     }
-    bound: dict[str, ast.ImportFrom] = {}  # maps each text to be inserted to the import statement that it follows
+    bound: dict[str, ast.ImportFrom] = {}  # for each text to insert, the import statement that precedes it
     for node in sorted(_names(tree), key=lambda one: (one.lineno, one.col_offset), reverse=True):
         value = _integer(node, names)
         if value is not None:

@@ -145,7 +145,10 @@ class I2cMasterData(I2cMasterLines):
         self._at(max(now, self._low_from + self.state.tm), SET_SDA)
 
     def _next_data(self, now: int) -> None:
-        """Begin the next data byte, or wait for it. SCL is low and this module owns the bus."""
+        """Begin the next data byte. If there is none to send, begin a STOP if RM = STP = 1; otherwise wait for a byte.
+
+        SCL is low and this module owns the bus.
+        """
         state = self.state
         if not state.mdr & MDR_TRX:
             self._kind = RECEIVE

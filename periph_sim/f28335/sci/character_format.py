@@ -3,7 +3,7 @@
     start  data LSB first  [address]  [parity]  stop [stop]
 
 Source: TI SPRUFZ5A sections 1.2.3 and 1.2.6, table 2-3; SPRZ272N figure 3-1 (erratum: in address-bit mode the search
-for the next start bit begins as early as in the address bit).
+for the next start bit does not begin in the stop bit, but already in the address bit).
 """
 
 # core: compiled
@@ -50,7 +50,7 @@ class SciFormat:
         self.due: int = stop + DUE[options.rxrdy_point.unrecorded()]
         self.end: int = 8 * self.bits
         self.hunt: int = stop + options.start_hunt_point.unrecorded() - 1
-        if self.address:  # erratum: the search for the next start bit begins at sub-sample 6 of the address bit
+        if self.address:  # erratum: the search begins at sub-sample 6 of the address bit (by option: of the parity bit)
             bit_later = self.parity and options.addrbit_hunt_with_parity.unrecorded() == "parity_bit"
             self.hunt = 8 * (1 + self.data_bits + bit_later) + 5
         counted_from = self.voted_at if options.break_count_from.unrecorded() == "last_stop_sample" else stop + 7

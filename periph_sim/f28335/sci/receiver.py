@@ -7,11 +7,12 @@
 The bit receiver calls `deliver` at the stop bit.
 
 Chosen, where the manual is silent:
-- Every move to SCIRXBUF with RXBKINTENA = 1 requests RXINT, including an overrun. Setting an enable bit while its flag
-  is 1 requests RXINT at once. The transmitter requests TXINT in the same way.
+- If RXBKINTENA = 1, every character that moves to SCIRXBUF requests RXINT, even if it overwrites an unread one.
+- Setting an enable bit while its flag is 1 requests RXINT at once. The transmitter requests TXINT in the same way.
 - In FIFO mode RXWAKE is set by an address frame and cleared only by reading SCIRXBUF (and by the resets), in both
   multiprocessor modes.
-- A word read from the FIFO stays in SCIRXBUF: it is "last_word" in the option `rxfifo_read_when_empty`.
+- A word read from the FIFO stays in SCIRXBUF. Reads of the empty FIFO return this word if the option
+  `rxfifo_read_when_empty` is "last_word".
 - Words blocked by RXFIFORESET = 0 still set their error flags.
 - RXFIFORESET does not change RXFFOVF; clearing SCIFFENA does not change RXFFINT.
 - RXFIFORESET = 0 does not stop RXFFINT: with RXFFIL = 0 an empty FIFO sets it.
@@ -63,7 +64,7 @@ class SciRx:
         self.fifo.reset()
 
     def clear_fifo(self) -> None:
-        """Empty the FIFO and clear its flags, without a request."""
+        """Empty the FIFO and clear its flags. With RXFFIL = 0, RXFFINT may be set again at once, without a request."""
         self.fifo.clear()
         self.fifo.watch(self.fifo_mode)
 

@@ -115,7 +115,7 @@ class SciTx:
         self.replan(now)
 
     def clear_fifo(self) -> None:
-        """Empty the FIFO and clear its flag, without a request."""
+        """Empty the FIFO and clear its flag. The empty FIFO may set the flag again at once, without a request."""
         self.fifo.clear()
         self.fifo.watch(self.fifo_mode and not self._is_held())
 
@@ -183,7 +183,7 @@ class SciTx:
             self._load_at = max(stop, self._clock.passed(now) + 1)
 
     def _plan_from_idle(self, now: int) -> None:
-        """Schedule the next word of an idle transmitter; the option `tx_phase` determines its start."""
+        """Schedule the next word of an idle transmitter; the option `tx_phase` determines when the word begins."""
         clock = self._clock
         phase = self.options.tx_phase.assume(self.touched)
         if phase == "restart":

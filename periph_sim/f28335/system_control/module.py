@@ -94,7 +94,7 @@ class SystemControl(Chip):
         self._options = options
         self._clock = OscClock()
         self._watchdog = Watchdog(options, self.touched)
-        self.sysclk_hz = Fraction(oscclk_hz)  # frequency in bypass
+        self.sysclk_hz = Fraction(oscclk_hz)  # `reset` divides it by 4
         self._gates_to_come: list[tuple[int, int]] = []  # gates that take effect later: (cycle, gates)
         self._wdints_to_come: list[tuple[int, int]] = []  # changes of WDINTS that take effect later: (cycle, level)
         self.reset(0)

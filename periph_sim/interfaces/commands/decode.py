@@ -265,7 +265,7 @@ def in_pcapng(
 ) -> Iterator[bytes]:
     """Yield the pieces of a pcapng file.
 
-    first: the rows with which transfers and bursts begin.
+    first: the rows with which transfers, bursts and selections begin.
     protocols: the protocol of each bus. Serial lines and SPI have no link type of their own, so USER0 is used.
     """
     yield pcapng.section()
@@ -325,14 +325,20 @@ def _as_sigrok_says(event: str, value: int | None, bits: int, detail: str) -> st
 
 
 def packets(rows: Rows, first: Numbers, clock: event_text.Clock) -> Iterator[tuple[int, int, bytes, int, str]]:
-    """Yield the packets in order of time. A packet is a burst, or a message of an I2C transfer.
+    """Yield the packets in order of time. A packet is a message of an I2C transfer, a burst, or a selection.
 
-    A packet consists of the number of the bus, the time in units of 10**-DECIMALS s, bytes, the flags of an I2C
-    message, and a text in the notation of the I2C-bus specification, with ACKs and the final condition. The bytes are
-    the address byte and the data of a message, the bytes of a burst, or SPI words. An SPI word is padded to whole
-    bytes, and its most significant byte comes first. A message without a complete address byte is left out.
+    A packet is a tuple (bus, time, bytes, flags, text):
 
-    first: the rows with which transfers and bursts begin.
+    bus: the number of the bus.
+    time: the time of the first event in units of 10**-DECIMALS s.
+    bytes: the address and data bytes of a message; the low eight bits of each frame of a burst on a serial line; or
+        the SPI words. Each SPI word is padded to whole bytes, and its most significant byte comes first.
+    flags: the flags of an I2C message; 0 for other packets.
+    text: the events of the packet; for I2C, in the notation of the I2C-bus specification.
+
+    A packet without a complete byte or word is left out.
+
+    first: the rows with which transfers, bursts and selections begin.
     """
     begins = np.union1d(first, np.flatnonzero((rows.event == START) | (rows.event == AGAIN)))
     times = (

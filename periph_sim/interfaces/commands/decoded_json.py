@@ -1,6 +1,6 @@
 """Decoded transfers as JSON: each transfer, burst or selection is an object on a line of its own.
 
-A message lasts from a START or repeated START to the next condition:
+A message lasts from a START or repeated START to the next condition. Keys of the objects:
 
     I2C    {..., "messages": [{"address": 83, "direction": "write", "acked": true, "bytes": [...]}], "ended": "stop"}
     UART   {..., "frames": [{"value": 65, ...}]}
@@ -46,9 +46,9 @@ def transfer_lines(
     clock: Clock | None,
     named: Named | None,
 ) -> Iterator[bytes]:
-    """Yield a JSON line for each transfer or burst.
+    """Yield a JSON line for each transfer, burst or selection.
 
-    first: the rows with which transfers and bursts begin.
+    first: the rows with which transfers, bursts and selections begin.
     buses, protocols: the name and the protocol of each bus.
     lows: the long low phases of each I2C bus; None for other buses.
     clock: None if the capture has no sample rate.

@@ -174,9 +174,9 @@ def transfers(
     full: bool,
     named: Named | None,
 ) -> Iterator[bytes]:
-    """Yield a line for each transfer or burst in style table or csv.
+    """Yield a line for each transfer, burst or selection in style table or csv.
 
-    first: the rows with which transfers and bursts begin.
+    first: the rows with which transfers, bursts and selections begin.
     buses: the name of each bus.
     clock: None if the capture has no sample rate.
     full: True to show the end of each transfer, and positions beside times, in a table. CSV always shows these.

@@ -55,7 +55,7 @@ class Stretch:
 
     @property
     def timed_out(self) -> bool:
-        """True for a wait that its timeout has ended."""
+        """True if this is a wait that ended because it timed out."""
         return self.doing == "wait" and self.what.endswith(GAVE_UP)
 
 
@@ -122,7 +122,7 @@ def _relevant(window: Window, unit: str) -> list[Record]:
 
 
 def _up_to(window: Window, unit: str, end: int) -> list[Record]:
-    """Return the records of a unit's activities. The names of waits that have timed out by tick `end` say so."""
+    """Return the records of a unit's activities. If a wait has timed out by tick `end`, its name ends with GAVE_UP."""
     found = _relevant(window, unit)
     begins: dict[str, int] = {}  # maps the name of a wait to the index of its last start
     for index, record in enumerate(found):

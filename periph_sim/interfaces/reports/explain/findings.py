@@ -221,7 +221,7 @@ def _transfer(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _refused_byte(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the reason why a byte was not acknowledged."""
+    """Find the reason why a data byte was not acknowledged."""
     at, record = evidence.window.begin, ends.begin
     carried = None if record is None or record.kind is not Kind.BUS or record.what == "address" else bus_byte(record)
     phase = evidence.phase_at(at)

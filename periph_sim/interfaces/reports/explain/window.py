@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 AROUND = Fraction(5, 1000)  # seconds that are kept before and after an interval; enough for a transfer or a frame
 # Seconds that are kept before and after an instant, or a reply that never came; enough for a period of rounds.
 WIDE = Fraction(25, 1000)
-LONGEST = Fraction(1, 10)  # seconds that are kept after the start and before the end of a long occurrence
+END_KEPT = Fraction(1, 10)  # seconds of a long occurrence that are kept at each of its ends; the middle is not kept
 LEAD = Fraction(25, 1000)  # seconds that are kept before a range, so that a transfer in progress is decoded
 BITS = 18  # minimum extent of a picture in bits: two bytes with their ACKs
 BIT = Fraction(1, 100_000)  # length of a bit in seconds if there is no SCL
@@ -247,7 +247,7 @@ class _Keeper:
 
     @property
     def failures(self) -> list[Span | None]:
-        """The ticks of each occurrence, and shortly before it, if its limit is broken; None for other occurrences."""
+        """For each occurrence whose limit is broken, its ticks and a short time before; None for other occurrences."""
         spans = ((one.verdict.broken, shortly_before(one.begin, one.end, self._timebase)) for one in self._wanted)
         return [span if broken else None for broken, span in spans]
 
@@ -261,10 +261,10 @@ class _Keeper:
         begin, end = occurrence(verdict, self._timebase, self._start)
         around = self._timebase.ticks(AROUND if is_interval(verdict) and not never_came(verdict) else WIDE, "nearest")
         first, last = max(begin - around, self._start), min(end + around, self.end)
-        longest = self._timebase.ticks(LONGEST, "nearest")
+        at_each_end = self._timebase.ticks(END_KEPT, "nearest")
         kept: tuple[Span, ...] = (Span(first, last + 1),)
-        if end - begin > 2 * longest:
-            kept = Span(first, begin + longest), Span(end - longest, last + 1)
+        if end - begin > 2 * at_each_end:
+            kept = Span(first, begin + at_each_end), Span(end - at_each_end, last + 1)
         return _Wanted(verdict, begin, end, kept)
 
     def add(self, record: Record) -> None:

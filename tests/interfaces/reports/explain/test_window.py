@@ -10,7 +10,7 @@ import pytest
 
 from periph_sim.core.records import RECORDED, Kind
 from periph_sim.core.time import Timebase
-from periph_sim.interfaces.reports.explain.window import LONGEST, windows, windows_of_edges, windows_of_table
+from periph_sim.interfaces.reports.explain.window import END_KEPT, windows, windows_of_edges, windows_of_table
 from periph_sim.replay.wire_log import WireLog
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
@@ -86,8 +86,8 @@ def test_of_a_long_occurrence_the_middle_is_not_kept():
     (window,) = windows(case, [long], Fraction(1, 2))
     first, second = window.kept
     per_second = window.timebase.per_second
-    assert first.end == window.begin + per_second * LONGEST
-    assert second.begin == window.end - per_second * LONGEST
+    assert first.end == window.begin + per_second * END_KEPT
+    assert second.begin == window.end - per_second * END_KEPT
     assert window.end - window.begin == per_second * 4 // 10
     assert all(first.begin <= r.tick < first.end or second.begin <= r.tick < second.end for r in window.records)
     scl = window.edges.channel("SCL")

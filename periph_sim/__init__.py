@@ -1,7 +1,8 @@
 """Models of the TMS320F28335's SCI, I2C and SPI that run its firmware and check the timing on its buses.
 
 `__all__` is the public interface (docs/python_api.md). Firmware imports its names from `periph_sim.firmware`. Each name
-is imported when it is first used: `import periph_sim` itself only decides whether the compiled core is used.
+is imported when it is first used: `import periph_sim` itself only decides whether the compiled core is used, and makes
+modules importable by their former names.
 """
 
 from __future__ import annotations

@@ -105,7 +105,7 @@ def _folder(package: str) -> Path:
 
 
 def _file(command: str) -> Path:
-    """Return the file of a command; a path without a file if there is no such command."""
+    """Return the file of a command; if there is none, a path for which `_is_command` returns False."""
     paths = [_folder(package) / f"{command.replace('-', '_')}.py" for package in PACKAGES]
     return next(filter(_is_command, paths), paths[0])
 
@@ -141,7 +141,7 @@ def main() -> NoReturn:
 def run_command() -> None:
     """Run the command that sys.argv names, in this process, and exit with its status."""
     substitute_unencodable()
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's threads are for matrices, which are not used here
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads only help with large matrices; there are none
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # so that pydantic does not search for plugins
     completing = COMPLETING in os.environ
     if completing:

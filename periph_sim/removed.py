@@ -53,7 +53,7 @@ def moved_module(name: str) -> ModuleSpec | None:
 class _MovedModule:
     """Loader of a module that is imported by its former name.
 
-    former: the key of MOVED that is this name or a package that contains it.
+    former: the key of MOVED that is the former name of the module, or of a package that contains the module.
 
     The class is not derived from `importlib.abc.Loader`, because the import of that class takes 10 ms.
     """
@@ -65,7 +65,7 @@ class _MovedModule:
         """Let the import system create an empty module."""
 
     def exec_module(self, module: ModuleType) -> None:
-        """Import the module by its present name, with a warning that names it."""
+        """Import the module by its present name, with a warning that has both names."""
         name, former = module.__name__, self._former
         what = f"{former} is now {MOVED[former]}, and its former name will be removed in the next release"
         warnings.warn(what, FutureWarning, stacklevel=2)

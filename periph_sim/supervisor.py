@@ -229,7 +229,7 @@ def _end_with(caller: int) -> None:
         import ctypes
 
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
-        if os.getppid() != caller:  # the waiting process had ended before the request
+        if os.getppid() != caller:  # the waiting process had ended before this call, so no signal will come
             os._exit(NO_VERDICT)
 
 

@@ -221,7 +221,7 @@ class Master:
         self._move("SCL", 0)
 
     def _move(self, line: str, level: int, due: int = 0) -> None:
-        """Move a line at tick `due`, or now if that is past."""
+        """Move a line at tick `due`, or now if that is past, and advance to the next tick."""
         session = self._session
         at = max(due, session.now)
         session.apply(at, {line: level})

@@ -1,6 +1,7 @@
 """Parsing of questions about a run: a signal and a time, as "I2CA.I2CSTR.XRDY@12.345ms", or accesses to a register.
 
-The name of a unit may be left out if only one unit has the signal or register. Hyphens and case do not matter.
+Without the name of a unit, a signal must be one that only one unit has, and a register is that of every unit. Hyphens
+and case matter only if several names differ in nothing else.
 """
 
 from __future__ import annotations
@@ -55,7 +56,8 @@ def named(run: Run, name: str) -> RecordedSignal:
     wanted = _folded(name)
     found = (
         [s for s in known if s.name == name]
-        or [s for s in known if s.name.endswith("." + name)]  # so that "model" does not find the wire "MODEL"
+        or [s for s in known if s.name.endswith("." + name)]
+        # Other spellings come last. Otherwise, "model" would mean the wire "MODEL" and not the span "dsp.model".
         or [s for s in known if _folded(s.name) == wanted]
         or [s for s in known if _folded(s.name).endswith("." + wanted)]
     )

@@ -50,7 +50,7 @@ class _OpenWires(SceneWires):
 
 
 class OpenScene(Scene):
-    """A scene whose units drive separate back wires instead of SCL and SDA."""
+    """A scene whose units read SCL and SDA, but drive other wires instead (`OneWayWire.back`)."""
 
     WIRES = _OpenWires
 

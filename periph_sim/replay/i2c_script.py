@@ -243,7 +243,8 @@ class AsTarget:
 def as_target(address: int, turns: Iterable[Turn], end: int) -> AsTarget:
     """Return the settings with which firmware answers like the captured target at this address.
 
-    end: the position up to which the firmware does not answer if the target's last answers are NACKs.
+    end: a position after all turns. If the last turns were not acknowledged, the last interval without answers ends
+        there.
     """
     found = AsTarget(address)
     refused: list[Turn] = []

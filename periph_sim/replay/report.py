@@ -188,15 +188,16 @@ class Report:
     events: number of compared events of the capture.
     agreed: number of these events that are also in the replay, in the same order.
     first_divergence: the earliest divergence that is not of kind TIMING, without its history.
-    divergences: the first divergence of each kind, in order of time, with its history. A divergence of kind TIMING
-        exceeds the tolerance. It makes the replay fail only if the user has given a tolerance.
+    divergences: the first divergence of each kind, with its history: in order of time, but a divergence of kind TIMING
+        is last in a closed loop. Such a divergence exceeds the tolerance. It makes the replay fail only if the user has
+        given a tolerance.
     bytes: I2C: number of bytes on the replayed wires, addresses included. UART: number of bytes that the firmware read.
     nacks: number of NACKs on the replayed wires.
     refusals, captured_refusals: closed loop: how often the firmware, and the captured target, refused its address. They
         may differ, since the controller polls until the firmware answers.
-    busy_us, captured_busy_us: two bounds of the time for which the firmware, or the captured target, was busy after a
-        write: the times from the STOP to the latest NACK of its address, and to the earliest ACK after a NACK. Empty if
-        there is no such ACK.
+    busy_us, captured_busy_us: [lower bound, upper bound] of the time for which the firmware, or the captured target,
+        was busy after the STOP of a write. The lower bound is the time of the latest NACK of its address. The upper
+        bound is the time of the earliest ACK after a NACK; without such an ACK, the list is empty.
     captured_events, captured_transfers: numbers of events and transfers in the whole capture.
     transfers: number of replayed transfers.
     captured_errors: number of UART frames with a framing or parity error in the capture, without breaks.

@@ -128,7 +128,7 @@ class SessionReplay(I2cReplay):
         return self._session_scene
 
     def _expect(self, transfer: Transfer) -> None:
-        """Store the captured bytes in a transfer as expected bytes, unless the case compares with the host's values."""
+        """Expect the captured bytes in the reads of a transfer, unless the case compares reads with host frames."""
         captured = next(self._whole, None)
         if captured is not None and not self._session_scene.case.checks_host:
             for phase, was in zip(transfer.phases, captured.phases, strict=False):

@@ -1,9 +1,9 @@
-"""Derivation of the records that budgets need, from transfers, frames and wires, by the modules in `timing/derived`.
+"""Derivation of the records that budgets need, from transfers, frames, spans and wires.
 
-    transfers, rounds --.
-    host frames ---------+--> timing/derived --> TRANSFER, ROUND, DATA records
-    SCIs, RX ------------'--> SciMonitor, characters --> RECEIVER records
-    SCL, SDA -------------> StuckWatch, if there is no controller agent --> BUS records
+    transfers, rounds, host frames --.
+    SCL, SDA, spans of firmware ------+--> timing/derived --> TRANSFER, ROUND, DATA records
+    SCIs, RX ----------------------------> SciMonitor, UartCounter --> RECEIVER records
+    SCL, SDA ----------------------------> StuckWatch, if there is no controller agent --> BUS records
 
 Only the records that a subscriber needs are derived.
 """

@@ -53,7 +53,7 @@ class UartSide:
         self._wires = wires
         self._pairs: Pairs | None = None
         self._lines: dict[str, Line] = {}  # maps a wire to the function that returns its rate and format
-        self._own: Mapping[tuple[str, str], Line] = {}  # maps (unit, module) of each SCI to such a function
+        self._own: Mapping[tuple[str, str], Line] = {}  # for each (unit, module), the SCI's rate and format
         self._counters: dict[str, UartCounter] = {}
         self._counted: dict[str, int] = {}  # maps a wire to the number of characters from the outside party
         self._sent: dict[str, int] = {}
@@ -157,10 +157,10 @@ class UartSide:
             counter.finish(now)
 
     def record_receivers(self) -> None:
-        """Start recording the waiting words and losses of SCIs' receivers, and the characters that SCIs receive.
+        """Start recording the waiting words and losses of SCIs' receivers, and the characters on their RX lines.
 
-        A character is recorded at its start bit, once for each SCI that it goes to. The record is made when the next
-        character begins or the run ends, because `UartCounter` detects it then.
+        A character makes one record for each SCI on its line. The tick of the record is that of the start bit. But the
+        record is made only when the next character begins or the run ends, because `UartCounter` reports it then.
         """
         from .sci_monitor import SciMonitor
 

@@ -1,7 +1,8 @@
 """Reproduction of Table 5.1 of the dissertation: mean, 3 sigma and variance of the sensors at rest.
 
 Published and expected values are shown beside the reproduced values. The deviation of a value from the expected value
-is shown in standard errors of 10 000 samples, so that a reader can see which deviations are explained by chance.
+is shown in standard errors, so that a reader can see which deviations are explained by chance. The published
+values come from 10 000 samples.
 
 The dissertation's parameters can be interpreted in several ways. Each `Interpretation` predicts other means, which are
 compared with those of the published emulator. Each interpretation in the list of `readings` adds one effect to the

@@ -284,7 +284,8 @@ def imu_hil_clocks() -> Iterator[ExtremeFinding]:
     """Run the scene imu_hil twice, with the crystals of unit and controller at opposite extremes.
 
     The host's bit rate follows the unit's crystal, because an SCI cannot receive with a rate error of ten percent. The
-    bytes of each round are compared with the frames, and the instant of each round with its exact instant.
+    bytes of each round are compared with the frames. The tick at which each round is due is compared with the
+    exact time, which is calculated as a fraction from the controller's period and crystal.
     """
     for sign in (1, -1):
         unit, controller = sign * CRYSTALS_PPM, -sign * CRYSTALS_PPM

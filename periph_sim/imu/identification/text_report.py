@@ -41,7 +41,10 @@ def as_json(axes: Sequence[IdentifiedAxis]) -> list[dict[str, object]]:
 
 
 def with_error(value: float, error: float) -> str:
-    """Format a value with its standard error, both rounded to the second digit of the error."""
+    """Format a value with its standard error, both rounded to the second digit of the error.
+
+    If the error is 100 or more, both are rounded to a whole number. An error of 0 is left out.
+    """
     if error <= 0:
         return f"{value:g}"
     decimals = max(1 - floor(log10(error)), 0)

@@ -157,8 +157,8 @@ RATES: tuple[Rates, ...] = ("as built", "corrected")
 class FilteredReadings:
     """Readings and attitudes of the real sensors or of the emulator.
 
-    readings: the readings of the three chips in all rounds.
-    attitudes: the attitudes that the filter estimates, in the rounds of the outcome, float64[n, 4].
+    readings: the readings of the three chips in all rounds that were completed.
+    attitudes: the attitudes that the filter estimates in the rounds of `MovingOutcome.seconds`, float64[n, 4].
     """
 
     readings: Readings
@@ -181,8 +181,8 @@ class Bytes:
 class MovingOutcome:
     """The results of the experiment.
 
-    seconds: the times at which rounds are due, float64[n].
-    truth: the true attitudes, float64[n, 4].
+    seconds: the due times of the rounds that were completed with real sensors and with both emulators, float64[n].
+    truth: the true attitudes at these times, float64[n, 4].
     real: the estimate from the real sensors.
     emulated: a dictionary from the kind of the gyroscope's rates to the estimate from the emulator.
     bytes: the comparison of the bytes; None if the experiment had no wires.

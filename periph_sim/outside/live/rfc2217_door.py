@@ -24,7 +24,7 @@ from .backlog import AT_ONCE, MOST, Backlog, left_there
 
 LOOPBACK = "127.0.0.1"
 WHILE = 0.05  # maximum time in seconds to wait for a client's last bytes
-LONGEST_OPTION = 256  # maximum number of bytes of a Telnet subnegotiation; those of RFC 2217 have at most seven
+LONGEST_OPTION = 256  # maximum number of bytes of a Telnet subnegotiation; RFC 2217's settings have at most six
 KEEPALIVE = {"TCP_KEEPIDLE": 10, "TCP_KEEPINTVL": 5, "TCP_KEEPCNT": 3}  # a dead client is disconnected after 25 s
 
 

@@ -87,10 +87,11 @@ def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) ->
 
 
 def looks_before(run: Run, row: int, record: Record) -> list[int]:
-    """Return the rows of the reads before a write in the same run of its routine.
+    """Return the rows of the reads before a write in the same run of its routine, the last read first.
 
     Reads that are the first half of a read-modify-write are left out. Of several reads with the same register, place
-    and field, only the last one is returned.
+    and field, only the last one is returned. The result has at most MOST_LOOKS reads, from the last MOST_ACCESSES
+    accesses.
     """
     accesses = accesses_before(run, row, record)[-MOST_ACCESSES:][::-1]
     found: dict[tuple[str, str, str], int] = {}

@@ -29,7 +29,7 @@ SDIR_WIPED = (
 
 @finds("a flag of the present transfer cleared by a write of I2CSTR before the firmware ever looked at it")
 def flag_wiped(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield writes of I2CSTR that clear a flag of the current transfer although the firmware has never read it.
+    """Yield writes of I2CSTR that clear a flag of the current transfer although firmware has not read it since it rose.
 
         i2c.I2CSTR.SCD = 1       writes back every 1 that it read, and so clears SDIR if it was 1
         i2c.I2CSTR.all = 0xFFFF  clears everything
@@ -66,9 +66,10 @@ def flag_wiped(run: Run, options: Options) -> Iterator[Fault]:
 
 @finds("a look at SCD, RRDY, ARDY or NACK that sees a 1 from before the present transfer")
 def stale_flag(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield reads in the middle of a transfer that end a wait at once, because the flag rose before the transfer began.
+    """Yield reads during a transfer that see a flag which rose before this transfer began.
 
-    Only reads of a single named flag are judged. The recordings of Python firmware contain such reads.
+    Firmware that waits for the flag then takes an old event for a new one. Only reads of one flag by its name are
+    judged; recordings of Python firmware contain such reads.
     """
     table = run.table
     for group in accesses(run, "R", I2CSTR):

@@ -61,8 +61,8 @@ class DeviceFault(FaultTrigger, frozen=True, kw_only=True):
     """A fault of a device.
 
     kind: `"nack"`: a byte is neither acknowledged nor stored. `"wrong"`: `value` is sent. `"flip"`: one bit of a
-        sent byte is wrong. `"hold"`: SDA is held low from before the byte's ACK or first bit. `"off"`: no power from
-        `after` to `until`, and volatile contents are lost.
+        sent byte is wrong. `"hold"`: SDA is held low, beginning just before the ACK of a received byte or the first bit
+        of a sent byte. `"off"`: no power from `after` to `until`, and volatile contents are lost.
     value: byte of `"wrong"`
     bit: wrong bit of `"flip"`, 7 to 0; random if omitted
     length: duration of `"hold"`

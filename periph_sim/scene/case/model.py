@@ -226,7 +226,7 @@ class Case(Table, frozen=True, kw_only=True):
         return 0 if self._source is None else line_of(self._source.text, self._written(place))
 
     def _named(self) -> dict[str, Any]:
-        """Return a tree with the structure of this case, in which only the names of budgets, sends and replies are."""
+        """Return the names of the case's budgets, sends and replies, in a tree with the structure of the case."""
         serial = self.serial or SerialTable()
         return {
             "budget": [{"name": budget.name} for budget in self._all_budgets or self.budget],
@@ -237,9 +237,10 @@ class Case(Table, frozen=True, kw_only=True):
         }
 
     def _written(self, place: tuple[str | int, ...]) -> tuple[str | int, ...]:
-        """Convert a place in this case to the place in its file, which may have more budgets than the case.
+        """Convert a place in this case to the corresponding place in its file.
 
-        A budget that was made for an expected reply or a watched wire has the place of that reply or watch.
+        The number of a budget can differ, because budgets that need a replaced party are in the file only. A budget
+        that was made for an expected reply, a silence or a watched wire has the place of the table that it comes from.
         """
         if len(place) < 2 or place[0] != "budget":
             return place

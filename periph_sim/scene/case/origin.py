@@ -105,7 +105,7 @@ def texts_in(tree: object) -> Iterator[str]:
 
 
 def named_files(folder: Path, texts: Iterable[str]) -> Iterator[Path]:
-    """Yield the paths below `folder` that texts may name, and the files that these files may import or include."""
+    """Yield the files that texts may name, relative to `folder`, and the files that those may import or include."""
     for text in texts:
         if len(text) >= LONGEST or "\0" in text:
             continue

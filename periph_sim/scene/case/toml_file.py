@@ -36,7 +36,7 @@ def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
 
 
 def text_of(path: Path, what: str) -> str:
-    """Return the text of a TOML file. what: the kind of file, for messages. Raise BadCase if the file is not UTF-8."""
+    """Return the text of a TOML file. what: the kind of file, for messages. Raise BadCase if it cannot be read."""
     program = _PROGRAMS.get(path.suffix.lower())
     if program is not None and what == "case" and path.is_file():
         shown = quote(str(path if program == "image" else path.parent))

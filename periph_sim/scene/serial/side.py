@@ -59,7 +59,7 @@ class SerialSide:
         self._readers: dict[tuple[str, Fraction, UartFormat], UartReader] = {}
         self._triggers: dict[tuple[str, int], EventTrigger] = {}
         self._unasked = Unsolicited("")  # counts unsolicited characters for the note on them
-        self._is_judged = False  # True if a budget judges unsolicited characters
+        self._is_judged = False  # True if a budget judges the unsolicited characters of all SCIs
         events = [("send", number, send.after) for number, send in enumerate(table.send)]
         events += [("expect", number, expect.after) for number, expect in enumerate(table.expect)]
         for kind, number, text in events:

@@ -12,9 +12,9 @@ every frame since the one that the chip showed last. The measure `age` judges ho
 
 If firmware computes the chips' values with models (`ModelOrigins`), each model run may have used any frame that ended
 before the MODEL pin rose. A chain is one possible sequence of the frames that the successive model runs used. No model
-run of a chain uses an older frame than the one before. After each read, the chains whose values disagree with the bytes
-read are removed. The number of chains is limited: if chains had to be left out, a read that agrees with none of the
-remaining chains is not judged. The firmware provides only the level of the MODEL pin.
+run of a chain uses an older frame than the model run before it. After each read, the chains whose values disagree with
+the bytes read are removed. The number of chains is limited: if chains had to be left out, a read that agrees with none
+of the remaining chains is not judged. The firmware provides only the level of the MODEL pin.
 """
 
 # core: compiled
@@ -195,11 +195,11 @@ class FrameOrigins(Origins):
 
 @final
 class Chain:
-    """A possible sequence of the frames that the model runs used, of which only the end is stored.
+    """A possible sequence of the frames that the model runs used. Only its last two frames are stored.
 
-    sent: the frame that the last model run of the chain used.
-    before: the number of the frame that the model run before the last one used. The last model run depends on both.
-    shown: the values that the last model run produced.
+    sent: the frame that the last model run used.
+    before: the number of the frame that the second-to-last model run used.
+    shown: the values that the last model run produced. They depend on both frames.
     """
 
     __slots__ = ("before", "sent", "shown")
@@ -316,7 +316,7 @@ class ModelOrigins(Origins):
                 break
             may_be.append(sent)
         oldest: int = may_be[-1].number
-        if oldest > least:  # the frames just after the last frame of the chain are no longer stored
+        if oldest > least:  # the last frame of the chain, and perhaps some frames after it, are no longer stored
             may_be.append(chain.sent)
             self._left_out = self._left_out or oldest > least + 1
         may_be.reverse()

@@ -156,9 +156,9 @@ class Measure(Listener):
 
     @property
     def subjects(self) -> Subjects:
-        """A dictionary from a kind of records to the subjects that the measure needs.
+        """A dictionary from a kind of record to the wires or registers (the subjects) whose records the measure needs.
 
-        A kind is left out if the measure needs all its subjects.
+        A kind that is not in the dictionary is needed for all wires and registers.
         """
         return {}
 

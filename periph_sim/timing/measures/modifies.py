@@ -112,7 +112,7 @@ def losing(unit: str, text: str, scope: Scope) -> Watched:
 
 
 def clearing(unit: str, text: str, scope: Scope) -> Watched:
-    """Return the flag that a write may clear along with another. Raise BadEvent if writing 1 does not clear it."""
+    """Return the flag that a write may clear along with another flag. Raise BadEvent if writing 1 does not clear it."""
     owner, module, register, f = scope.field(unit, text)
     clearable = [each.name for each in one_clears(register)]
     if f.name not in clearable:
@@ -160,7 +160,7 @@ class JudgedTopic:
     """A topic: accesses to one register, or changes of one flag.
 
     recent: the accesses of the unit in the last cycles.
-    register: the register, or that of the flag; None if its flags are not judged.
+    register: the register of the accesses or of the flag; None if its flags are not judged.
     reads: True if the records are reads of the register.
     flag: the flag whose changes are recorded; None for accesses.
     """
@@ -245,7 +245,7 @@ class Modifies(RecordSink):
         return self._registers[key]
 
     def places(self, tag: int) -> int:
-        """Return NOWHERE or OF_MODIFIES: for which accesses with this tag the sink needs the statement.
+        """Return OF_MODIFIES for accesses to a judged register, which need the firmware's statement; else NOWHERE.
 
         The statement is needed because a write belongs to an earlier read only if the same statement made both.
         """
@@ -285,7 +285,7 @@ class Modifies(RecordSink):
             newest.after = one
 
     def _landed(self, write: Access, register: ClearedRegister, recent: Recent) -> None:
-        """Handle a write: find the nearest earlier read of the same field in the same statement, to which it belongs.
+        """Find the read to which a write belongs: the nearest earlier read of the same field in the same statement.
 
         If there is no such read, the write is not judged.
         """

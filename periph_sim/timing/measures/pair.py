@@ -118,7 +118,8 @@ class Between(EventMeasure):
         self._by_unit = by_unit
         self._of_tag: list[_Waiting] = []
         self.again: tuple[int, int] | None = None
-        self._begun = self._paired = False  # True if the present group contains a first event, or a pair
+        # `_begun` is True if the present group contains a first event, and `_paired` if it contains a pair.
+        self._begun = self._paired = False
         if group is not None:
             self.asked = f"{group.name}s with {begin.text!r}"
             self.occasions = 0
@@ -198,7 +199,8 @@ class Between(EventMeasure):
             self._group_over()
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
-        if self._rule is not None and self._stopped:  # after the STOP, a first event may remain alone
+        # If the run ends after a STOP, the group counts as complete, and a first event that still waits is not cut off.
+        if self._rule is not None and self._stopped:
             return []
         found: list[tuple[int, int]] = []
         for waiting in self._of_unit.values():

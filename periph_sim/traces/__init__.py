@@ -1,6 +1,6 @@
 """Captures: file formats, decoders, compliance checks, comparison and drawing.
 
-The decoders share no code with the chips or the agents.
+The decoders share no code with the chip models and the agents, because tests check those with the decoders.
 
 Terms of this package:
 

@@ -193,7 +193,8 @@ def chosen(rows: Rows, first: NDArray[np.int64], addresses: Collection[int], ref
     rows, first: grouped rows, and the numbers of the rows with which transfers begin.
     addresses: the addresses, at least one of which occurs in each of these transfers; empty for any transfer.
     refused: True for only the transfers with a refusal.
-    most: the maximum number of transfers; None for all. The data lines of an SPI bus have a transfer in common.
+    most: the maximum number of transfers; None for all. A transfer on an SPI bus counts once, even if
+        both of its data lines have rows of it.
     """
     lengths = np.diff(np.append(first, len(rows.at)))
     number = np.repeat(np.arange(len(first)), lengths)  # for each row, the number of its transfer

@@ -33,11 +33,12 @@ FEWEST = 3  # minimum number of misread frames, and of frames at the other rate
 MISREAD = 0.15  # minimum share of misread frames
 BETTER = 0.25  # maximum share of misread frames at the other rate, relative to the share at the stated rate
 OFF_GRID = 0.3  # a frame is misread if a falling edge is more than OFF_GRID bits and half a sample off whole bits
-FARTHEST = 0.45  # upper limit, in bits, of this sum, which is large if there are few samples per bit
+FARTHEST = 0.45  # upper limit, in bits, of OFF_GRID plus half a sample; it matters if there are few samples per bit
 LIKELY = 0.3  # minimum certainty of the guess
-# At four times the true rate, nearly all low pulses are longer than LONGER bits. Frames at their right rate have no low
-# pulse of more than ten bits, so at most two lengths of such pulses, four and eight bits, fit that slower rate. At a
-# fraction of the true rate, most low pulses are shorter than half a bit, and many of them are in one frame.
+# If the stated rate is four times the true rate, nearly all low pulses are longer than LONGER bits. If the stated rate
+# is right, no low pulse of a frame is longer than ten bits. Then only pulses of four and eight bits are whole bits at a
+# quarter of the rate, which are two lengths; more lengths prove that the stated rate is wrong. If the stated rate
+# is a fraction of the true rate, most low pulses are shorter than SHORTER bits, and many of them are in one frame.
 LONGER, SHORTER = 3.5, 0.5
 # The rate is doubtful if at most NEARLY_NONE of the low pulses are below LONGER, or at least MOST are below SHORTER.
 NEARLY_NONE, MOST = 0.05, 0.5

@@ -43,7 +43,7 @@ NEAR = 0.035
 SHAPES = ("5n1", "6n1", "7n1", "7e1", "7o1", "8n1", "8e1", "8o1", "9n1")
 PLAIN = "8n1"
 ENOUGH = 6  # a shape other than PLAIN (8n1) needs at least this number of different byte values as evidence
-CLEAN = 0.005  # maximum share of wrong frames of an accepted shape, in addition to the smallest share of all shapes
+CLEAN = 0.005  # a shape is accepted if its share of wrong frames is at most this much above the smallest share
 
 MANY = 12  # minimum number of pulses from which a constant lengthening of all pulses can be estimated
 LOOKED_AT = 20_000  # maximum number of edges that are decoded to try a shape
@@ -144,8 +144,8 @@ def _best(rate: Fraction, step: int, parts: list[Channel], shape: str | None, in
     tried = [_try(rate, step, parts, line_of(str(baud), wanted, invert)) for wanted in ((shape,) if shape else SHAPES)]
     least = min(one.errors for one in tried)
     clean = [one for one in tried if one.errors <= least + CLEAN]
-    spoken_for = [one for one in clean if one.line.shape in (shape, PLAIN) or one.values >= ENOUGH]
-    best = (spoken_for or clean)[0]
+    supported = [one for one in clean if one.line.shape in (shape, PLAIN) or one.values >= ENOUGH]
+    best = (supported or clean)[0]
     others = [one for one in clean if one is not best and not _only_longer(one.line, best.line)]
     also = tuple(one.line.shape for one in others)
     doubt = any(one.values < ENOUGH and one.line.shape != PLAIN for one in others)

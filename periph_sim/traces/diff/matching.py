@@ -102,14 +102,14 @@ def _uart_event(event: uart.Event, digits: int) -> Event:
     return Event("cut frame", f"cut frame {received}", event.at)
 
 
-ENOUGH = 0.5
+ENOUGH = 0.5  # minimum similarity of two groups that can be paired
 HEADS = {"START", "repeated START", "address"}
 CLASSES = {"NACK": "ACK", "repeated START": "START", "cut byte": "byte", "cut frame": "frame"}
 
 
 def similar_runs(a: Sequence[Group], b: Sequence[Group]) -> list[Run]:
     """Return the pairs of similar groups as runs of length 1. The time that this takes grows with len(a) * len(b)."""
-    score = [[is_similar(one, other) for other in b] for one in a]
+    score = [[similarity(one, other) for other in b] for one in a]
     best = [[0.0] * (len(b) + 1) for _ in range(len(a) + 1)]
     for i in reversed(range(len(a))):
         for j in reversed(range(len(b))):
@@ -128,7 +128,7 @@ def similar_runs(a: Sequence[Group], b: Sequence[Group]) -> list[Run]:
     return found
 
 
-def is_similar(a: Group, b: Group) -> float:
+def similarity(a: Group, b: Group) -> float:
     """Return the similarity of two groups, from 0 for no common word to 1 for the same words in any order.
 
     The similarity is at least ENOUGH if the sequences of addresses, or of classes of events, are equal.

@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from periph_sim.traces.decode.uart import Line
-from periph_sim.traces.diff.matching import ENOUGH, i2c_groups, is_similar, similar_runs, uart_groups
+from periph_sim.traces.diff.matching import ENOUGH, i2c_groups, similarity, similar_runs, uart_groups
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.diff.runs import group
 from tests.traces.formats.writers import I2cWave, frame_bits, uart_wave
@@ -29,13 +29,13 @@ READ_68 = "START 0, address 68 R 1, ACK 2, byte 01 3, ACK 4, byte 02 5, NACK 6, 
     ],
 )
 def test_how_alike_two_transfers_are(other, share):
-    assert is_similar(group(READ_68), group(other)) == pytest.approx(share)
-    assert is_similar(group(other), group(READ_68)) == pytest.approx(share)
+    assert similarity(group(READ_68), group(other)) == pytest.approx(share)
+    assert similarity(group(other), group(READ_68)) == pytest.approx(share)
 
 
 def test_one_shape_is_enough_with_no_word_in_common():
-    assert is_similar([group("byte 41 0")[0]], [group("byte 42 0")[0]]) == ENOUGH
-    assert is_similar([group("byte 41 0")[0]], [group("STOP 0")[0]]) == 0
+    assert similarity([group("byte 41 0")[0]], [group("byte 42 0")[0]]) == ENOUGH
+    assert similarity([group("byte 41 0")[0]], [group("STOP 0")[0]]) == 0
 
 
 def test_of_all_ways_to_pair_the_one_with_most_likeness():

@@ -1,6 +1,6 @@
 """Interface of the models that firmware runs to compute the register bytes of the sensor chips that it emulates.
 
-    values of a host frame --ChipModel.run--> Shown --data--> register bytes, by I2C address
+    values of a host frame --ChipModel.run--> ModelOutput --data--> register bytes, by I2C address
 
 Each such model is a subclass of `ChipModel`. Its bytes are those that a controller should read from the firmware.
 """
@@ -13,7 +13,7 @@ from typing import Any, final
 
 
 @final
-class Shown:
+class ModelOutput:
     """The register bytes of the emulated chips after one run of a `ChipModel`, each computed on first use.
 
     model: the model; None before the first run, when all bytes are 0.
@@ -49,9 +49,9 @@ class ChipModel:
     """
 
     addresses: frozenset[int]
-    at_rest: Shown
+    at_rest: ModelOutput
 
-    def run(self, number: int, values: tuple[int, ...] | None, before: Shown) -> Shown:
+    def run(self, number: int, values: tuple[int, ...] | None, before: ModelOutput) -> ModelOutput:
         """Run the model once with the values of the last host frame, and return the result.
 
         number: the number of the run, from 0.
@@ -60,6 +60,6 @@ class ChipModel:
         """
         raise NotImplementedError
 
-    def data_of(self, address: int, shown: Shown) -> bytes:
+    def data_of(self, address: int, shown: ModelOutput) -> bytes:
         """Compute the register bytes of one chip from `shown.inputs`, and add the overflows to `shown.overflows`."""
         raise NotImplementedError

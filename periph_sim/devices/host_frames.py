@@ -1,6 +1,6 @@
 """Interface of the Python module that defines the frames that a [host] sends.
 
-It defines the values of a frame, their encoding in bytes, and the chips whose registers contain them.
+The module defines the values of a frame, their encoding in bytes, and the chips whose registers contain them.
 """
 
 from __future__ import annotations

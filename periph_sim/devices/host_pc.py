@@ -35,7 +35,7 @@ class HostSchedule(msgspec.Struct, frozen=True):
     period: the exact period of the frames.
     jitter: the maximum delay of a frame, uniformly distributed.
     gap: the pause between bytes, in bits.
-    lose: pairs (frame, byte) that are not sent.
+    lose: the bytes that are not sent, as pairs (number of the frame, index of the byte in the frame).
     frames: number of frames; None for no end.
     paced_by: "schedule": frame n is due n periods after frame 0. "pause": a frame is due one period after the previous
         frame began, as in a program that sleeps after each frame; so delays accumulate.
@@ -81,7 +81,7 @@ class Host(Agent):
         self.who = peer.who
         self.frames = 0
         self.bytes = 0
-        self.late = 0  # number of frames that were due while the previous one was still being sent
+        self.late = 0  # number of frames that were not sent, because the previous one was still being sent
         self.sent: list[Callable[[int, tuple[int, ...], int], None]] = []
         self._kernel = kernel
         self._peer = peer
@@ -110,7 +110,7 @@ class Host(Agent):
     def due(self, number: int) -> int:
         """Return the tick at which a frame is due, without jitter.
 
-        With paced_by = "pause", this tick is known only after the frame has begun, so call it only for such frames.
+        With paced_by = "pause", this tick is known only for frames that have begun.
         """
         if self._by_schedule:
             return self._first + number * self._period.numerator // self._period.denominator

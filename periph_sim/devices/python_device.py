@@ -2,12 +2,12 @@
 
     class Device:                        a file beside the case, named by `model = "my_device.py"`
         def __init__(self, bus): ...     bus: a `DeviceBus`; (self, bus, settings) with a dataclass Settings in the file
-        def on_address(self, read): ...  addressed: return False to leave it unacknowledged
-        def on_write(self, byte): ...    a byte was received: return False to leave it unacknowledged
-        def on_read(self): ...           return the byte to send
-        def on_stop(self): ...           STOP, or the START that ends the transfer
+        def on_address(self, read): ...  called at the device's address; return False for NACK
+        def on_write(self, byte): ...    called with each received byte; return False for NACK
+        def on_read(self): ...           return the next byte to send
+        def on_stop(self): ...           called at a STOP, but not at a repeated START
 
-on_write or on_read, or both, must exist. If a hook returns a wrong value, the error message names the hook's place.
+on_write or on_read, or both, must exist. If a hook returns a wrong value, the error message names the line of the hook.
 """
 
 from __future__ import annotations
@@ -63,7 +63,10 @@ class DeviceBus:
         return Fraction(self._place.kernel.now - self._place.start, self._per_second)
 
     def stretch(self, length: str) -> None:
-        """Hold SCL low for a length such as "20 us". SCL has just fallen when a hook is called."""
+        """Hold SCL low for a length such as "20 us".
+
+        Call this only in on_address, on_write or on_read, which run just after a fall of SCL.
+        """
         self._place.hold_clock(self._ticks(length))
 
     def after(self, length: str, callback: Callable[[], None]) -> None:

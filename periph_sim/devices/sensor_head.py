@@ -141,5 +141,5 @@ class SensorHead(Agent):
         if not current.number:
             return
         self.rounds += 1
-        for heard in self.on_round:
-            heard(current)
+        for finished in self.on_round:
+            finished(current)

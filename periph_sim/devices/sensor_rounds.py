@@ -19,7 +19,7 @@ BIG, LITTLE = struct.Struct(">3h"), struct.Struct("<3h")
 class Request(Struct, frozen=True):
     """A request to one chip. Without a pointer, data to write and a count, only the address is sent.
 
-    name: its name in records.
+    name: the name of its transfers in records.
     pointer: the register pointer that is written first; None to write none.
     write: bytes that are written after the pointer.
     count: number of bytes that are read.

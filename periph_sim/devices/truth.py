@@ -1,6 +1,6 @@
 """The true values during a run: the x, y and z that each chip's registers should contain at an instant, in LSB.
 
-    frames of the host --LineBetweenFrames--> Truth --> budgets on "value error"
+    frames of the host --LineBetweenFrames--> Truth --> the measure "value error"
     model of the firmware, motion -------------> Truth
 
 Times are seconds from the instant at which the host's first frame is due. If firmware copies the values of frames to
@@ -16,7 +16,7 @@ from math import floor
 from typing import Protocol
 
 Axes = Sequence[Fraction | float]
-Shown = Callable[[Sequence[Fraction]], Mapping[str, Axes]]
+Distribute = Callable[[Sequence[Fraction]], Mapping[str, Axes]]
 
 WORD = 1 << 16  # number of values of a 16-bit word, in which -32768 follows 32767
 
@@ -40,7 +40,7 @@ class LineBetweenFrames:
     shown: a function that distributes the values of a frame to the chips, as `HostFrames.shown` does.
     """
 
-    def __init__(self, frame: Callable[[int], tuple[int, ...]], period: Fraction, shown: Shown) -> None:
+    def __init__(self, frame: Callable[[int], tuple[int, ...]], period: Fraction, shown: Distribute) -> None:
         self._frame = frame
         self._period = period
         self._shown = shown

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, final
 
-from ..devices.chip_model import ChipModel, Shown
+from ..devices.chip_model import ChipModel, ModelOutput
 from ..devices.sensor_rounds import register_bytes
 from .host_frame import ACCELERATION, ANGLE
 from .models.imu import Imu, Inputs, Noise, State
@@ -48,9 +48,9 @@ class ModelCodes(ChipModel):
         self._noise = None if noise_seed is None else ImuNoise(parameters, noise_seed)
         self._remembered = lru_cache(REMEMBERED)(self._computed)
         self.addresses = frozenset(BY_ADDRESS)
-        self.at_rest = Shown(None, self._model.at_rest, None)
+        self.at_rest = ModelOutput(None, self._model.at_rest, None)
 
-    def run(self, number: int, values: tuple[int, ...] | None, before: Shown) -> Shown:
+    def run(self, number: int, values: tuple[int, ...] | None, before: ModelOutput) -> ModelOutput:
         """Return the result of run `number` of the models. The first run has number 0.
 
         If `before` is `at_rest`, there is no earlier attitude, so the rates are zero. The results of the last runs are
@@ -59,10 +59,10 @@ class ModelCodes(ChipModel):
         values: the values of the host frame; None if no frame has arrived.
         before: the result of the previous run.
         """
-        shown: Shown = self._remembered(number, values, before)
+        shown: ModelOutput = self._remembered(number, values, before)
         return shown
 
-    def _computed(self, number: int, values: tuple[int, ...] | None, before: Shown) -> Shown:
+    def _computed(self, number: int, values: tuple[int, ...] | None, before: ModelOutput) -> ModelOutput:
         model, last = self._model, before.state
         scaled, overflows = model.a.scaled, model.overflows
         roll, pitch, yaw, x, y, z = values or (0, 0, 0, 0, 0, 0)
@@ -73,9 +73,9 @@ class ModelCodes(ChipModel):
         attitude_before = attitude if last is model.at_rest else last.attitude
         turned, body = self._quietly(model.motion, attitude, attitude_before)
         state = last if values is None else State(attitude, body)
-        return Shown(self, state, Inputs(turned, pushed, body, last.body, noise), model.overflows - overflows)
+        return ModelOutput(self, state, Inputs(turned, pushed, body, last.body, noise), model.overflows - overflows)
 
-    def data_of(self, address: int, shown: Shown) -> bytes:
+    def data_of(self, address: int, shown: ModelOutput) -> bytes:
         """Return the register bytes of the chip with this address.
 
         The number of overflows in this calculation is added to `shown.overflows`.

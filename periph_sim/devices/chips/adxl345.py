@@ -6,8 +6,8 @@ Not modelled:
 - detection of tap, activity, inactivity and free fall; a note is added when one of these events is enabled
 - AUTO_SLEEP and the self-test force
 - the filter: a sample is the source's value at that instant
-- the INT pins, and with them the event of trigger mode
-- the minimum of 5 us between two reads of the FIFO: at up to 400 kHz, two reads are always further apart
+- the INT pins, and so the event that triggers the FIFO in trigger mode
+- the minimum of 5 us between two reads of the FIFO: on a bus of up to 400 kHz, they are always further apart
 
 Source: ADXL345 data sheet Rev 0, register map, FIFO section and the sections named at the methods.
 """
@@ -165,7 +165,7 @@ class Fifo:
         self.overrun |= len(self._waiting) >= DEPTH if self._overrun_when_filled else lost
 
     def latch(self) -> bytes:
-        """Return the sample for a burst of reads. It counts as read even if the burst does not read all of it."""
+        """Return the sample for a burst of reads. The whole sample counts as read, even if the burst reads a part."""
         if self._waiting:
             self.output = self._waiting.popleft()
         self._unread = self.overrun = False
@@ -252,13 +252,13 @@ class Adxl345(RegisterChip):
 
     # Samples ------------------------------------------------------------------------
 
-    def catch_up(self, now: int) -> None:
+    def advance_to(self, now: int) -> None:
         if self._clock is None:
             return
         due = self._clock.cycle_after(now)
         new = range(self._taken, due)
         self._taken = max(due, self._taken)
-        most = 2 * 33  # older (in FIFO mode: newer) samples are lost in any case; 66 are enough to set Overrun
+        most = 2 * 33  # enough to set Overrun; all older samples (in FIFO mode: all newer ones) are lost
         if len(new) > most:
             new = new[:most] if self.fifo.mode == FIFO else new[-most:]
         for number in new:

@@ -64,7 +64,7 @@ class Hmc5883lOptions(Answers):
 class Hmc5883l(RegisterChip):
     """The chip, whose registers `RegisterPointer` connects to a bus. Registers that do not exist read 0."""
 
-    STATE = State("_clock _taken _to_read _gains _unread _mode_is_power_ons _idle_by_itself", ticks="_placed _analog")
+    STATE = State("_clock _taken _to_read _gains _unread _mode_unwritten _idle_by_itself", ticks="_placed _analog")
     MAP = MAP
     SECTION = f"{SHEET}, register access"
     ADDRESSES = ADDRESSES
@@ -91,7 +91,7 @@ class Hmc5883l(RegisterChip):
         self._to_read: set[str] = set(DATA)
         # `_gains` has GN for the next measurement and, if there are two entries, for the later ones.
         self._gains = [self.get("CRB", "GN")]
-        self._mode_is_power_ons = True
+        self._mode_unwritten = True
         self._idle_by_itself = False
         if self.options.power_on_measures.unrecorded():
             self._start(powered)
@@ -124,7 +124,7 @@ class Hmc5883l(RegisterChip):
         elif mode == ONE:
             self._clock = self.beats(self.after(begin, SINGLE), self.rate)
 
-    def catch_up(self, now: int) -> None:
+    def advance_to(self, now: int) -> None:
         if self._clock is None:
             return
         due = self._clock.cycle_after(now)
@@ -171,7 +171,7 @@ class Hmc5883l(RegisterChip):
 
     def on_register_read(self, now: int, register: Register) -> int:
         name, value = register.name, super().on_register_read(now, register)
-        if self._mode_is_power_ons and name in (*DATA, "Mode", "Status"):
+        if self._mode_unwritten and name in (*DATA, "Mode", "Status"):
             self.options.power_on_measures.assume(self.touched)
         if name in DATA:
             self._to_read.discard(name)
@@ -203,7 +203,7 @@ class Hmc5883l(RegisterChip):
         elif name == "Mode":
             if self.get("Mode", "HS"):
                 self.note("unknown", "HS is set; this model has no 3.4 MHz mode", f"{SHEET} Mode")
-            self._mode_is_power_ons = self._idle_by_itself = False
+            self._mode_unwritten = self._idle_by_itself = False
             self._start(now)
         elif name == "CRA":
             self._cra_written(now, old)

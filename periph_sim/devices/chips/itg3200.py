@@ -63,7 +63,7 @@ LSB_PER_DEG_S = Fraction(115, 8)  # LSB in one deg/s: 14.375
 REGISTER_ACCESS = Fraction(20, 1000)  # seconds from power-on to the first register access
 START_UP = Fraction(50, 1000)  # seconds from power-on, or from the end of sleep, until the gyroscopes run
 PLL_SETTLING = Fraction(1, 1000)
-FIRST_RESERVED, LAST_RESERVED = 0x23, 0x3C  # registers 35 to 60, at which the pointer does not advance
+FIRST_RESERVED, LAST_RESERVED = 0x23, 0x3C  # registers 35 to 60, from which the pointer does not advance
 SHOWN = ("TEMP_OUT_H", "TEMP_OUT_L", *DATA)
 ROOM = 25.0  # default temperature in degrees Celsius
 
@@ -113,7 +113,7 @@ class Itg3200(RegisterChip):
         self.options = options or Itg3200Options()
         self.temperature = temperature
         self._clock: Clock | None  # clock of samples; None while asleep
-        self._taken: int  # number of periods of `_clock` whose samples are over; only the last one was stored
+        self._taken: int  # number of samples that were due so far; only the last one was stored
         self._awake: int  # tick at which the gyroscopes have started up
         self._settled: int  # tick at which the clock source is ready
         self._ready_shown: bool  # True if INT_STATUS has shown that the clock source is ready
@@ -126,7 +126,7 @@ class Itg3200(RegisterChip):
 
     @property
     def rate(self) -> Fraction:
-        """Sample rate in Hz (section on SMPLRT_DIV): F_int is 8 kHz with DLPF_CFG 0, else 1 kHz."""
+        """Sample rate in Hz (section on SMPLRT_DIV): it is divided from 8 kHz if DLPF_CFG is 0, else from 1 kHz."""
         internal = 1000 if self.get("DLPF_FS", "DLPF_CFG") else 8000
         return Fraction(internal, self.get("SMPLRT_DIV") + 1)
 
@@ -138,14 +138,14 @@ class Itg3200(RegisterChip):
         return LSB_PER_DEG_S
 
     def begin(self, now: int) -> bool:
-        self.catch_up(now)
+        self.advance_to(now)
         self._burst = dict(self._shown)
         return super().begin(now)
 
     def following(self, number: int) -> int:
         """Return the register after `number`; `number` itself if it is reserved.
 
-        With the option pointer_stops = last_before, the pointer does not advance to the reserved registers either. The
+        With the option pointer_stops = last_before, the pointer stays at 34, the register before the reserved ones. The
         data sheet reserves the registers 33 to 60, although 33 and 34 are GYRO_ZOUT. This model reserves 35 to 60.
         """
         if FIRST_RESERVED <= number <= LAST_RESERVED:
@@ -157,7 +157,7 @@ class Itg3200(RegisterChip):
 
     # Samples ------------------------------------------------------------------------
 
-    def catch_up(self, now: int) -> None:
+    def advance_to(self, now: int) -> None:
         if not self._ready_shown and now >= self._settled and self.get("INT_CFG", "ITG_RDY_EN"):
             self._ready_shown = True
             self.put("INT_STATUS", "ITG_RDY", 1)

@@ -62,7 +62,7 @@ class RegisterChip:
 
     def read(self, now: int, number: int) -> int:
         """Read the register with this number, with all effects of the read."""
-        self.catch_up(now)
+        self.advance_to(now)
         register = self.MAP.at(number)
         if register is None:
             self.note("duty", f"register {number:#04x} is reserved, but was read; it reads 0 here", self.SECTION)
@@ -71,7 +71,7 @@ class RegisterChip:
 
     def write(self, now: int, number: int, value: int) -> None:
         """Write the register with this number, with all effects of the write."""
-        self.catch_up(now)
+        self.advance_to(now)
         register = self.MAP.at(number)
         if register is None:
             self.note("duty", f"{value:#04x} was written to {number:#04x}, which is reserved", self.SECTION)
@@ -115,8 +115,8 @@ class RegisterChip:
         """Number of LSB in one physical unit at the present scale."""
         raise NotImplementedError
 
-    def catch_up(self, now: int) -> None:
-        """Take the samples due up to now."""
+    def advance_to(self, now: int) -> None:
+        """Take the samples that are due up to tick `now`."""
 
     def on_register_read(self, now: int, register: Register) -> int:
         return self.stored[register.offset]

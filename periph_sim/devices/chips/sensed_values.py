@@ -35,7 +35,7 @@ def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) ->
 
     It gives `values(n)` from tick first + n * period on, and zeros before tick `first`.
     """
-    kept, axes = -1, ZERO  # number and values of the last frame used, since a chip takes several samples of a frame
+    kept, axes = -1, ZERO  # number and values of the last frame, because a chip takes several samples during a frame
 
     def at(tick: int) -> Sequence[Fraction]:
         nonlocal kept, axes

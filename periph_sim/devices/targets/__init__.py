@@ -1,4 +1,4 @@
-"""Targets: devices that answer to an address on an I2C bus, found by the name of their model.
+"""Targets: devices that answer to an address on an I2C bus, selected by the key `model` of [device.NAME].
 
 Each file of this folder that defines MODELS is one family of devices. The files are found automatically. A file defines
 
@@ -6,7 +6,8 @@ Each file of this folder that defines MODELS is one family of devices. The files
     Settings                         a `Table` with the keys of this family
     build(model, settings, place)    a function that returns the target; BadDevice for contradictory settings
 
-A target may use everything in its `TargetContext`, such as the time and the wires. No other module depends on it.
+A target may use everything in its `TargetContext`, such as the time and the wires. No other module depends on a
+family.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from ...core.wire import Wire
 class BadDevice(ValueError):
     """Error: the settings of a device are contradictory, or a file that they name is invalid.
 
-    place: the key of the wrong setting, and the place inside its value.
+    place: the keys and list indices that lead to the wrong setting in the table of the device.
     """
 
     def __init__(self, what: str, *place: str | int) -> None:
@@ -52,7 +53,7 @@ class TargetContext:
     random: the target's own random generator.
     wire: returns the wire with a name; ValueError if there is no such wire.
     hold_clock: called with a number of ticks to hold SCL low.
-    note: called with each note.
+    note: adds a note to the notes of the run.
     """
 
     STATE = State("random")

@@ -36,9 +36,9 @@ class Part(NamedTuple):
     """The geometry of a memory.
 
     size: number of bytes.
-    page: bytes of a page.
-    word: bytes of the word address.
-    blocks: number of its device addresses.
+    page: number of bytes of a page.
+    word: number of bytes of the word address.
+    blocks: number of device addresses; if there are several, each addresses a block of 256 bytes.
     """
 
     size: int
@@ -59,7 +59,7 @@ PARTS = {
     "512": Part(65536, 128, 2, 1),
 }
 MAKES = ("24c", "24lc", "24aa")
-WITHOUT_PINS = ("24lc", "24aa")  # up to 16 Kbit, these do not use the pins A0 to A2 and answer to all eight addresses
+WITHOUT_PINS = ("24lc", "24aa")  # makes that, up to 16 Kbit, ignore the pins A0 to A2 and answer to all eight addresses
 MODELS = tuple(f"{make}{size}" for size in PARTS for make in MAKES)
 
 
@@ -130,7 +130,7 @@ class Eeprom(PlainReply):
         self.power_on()
 
     def power_on(self) -> None:
-        """Keep the contents. A write in progress counts as completed."""
+        """Handle the return of the supply. The contents are kept, and a write in progress counts as completed."""
         self._pointer = 0
         self._begin: int  # first address of the present write
         self._buffer: dict[int, int] = {}

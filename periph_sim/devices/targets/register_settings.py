@@ -25,7 +25,7 @@ class Interrupt(Table, frozen=True, kw_only=True):
     """A pin that is active while any of these bits of a register is set.
 
     wire: a name in `pins`
-    register: source register
+    register: register that has these bits
     bits: the pin is active while any of these is set
     active: `"low"` or `"high"`
     """
@@ -108,7 +108,7 @@ class Settings(Table, frozen=True, kw_only=True):
     register: registers, `[[device.NAME.register]]`
     pointer_bytes: 1 or 2, high byte first
     pointer_counts: `"bytes"`: a 16-bit register takes two pointer values; `"registers"`: one
-    byte_order: of 16 bits: `"big"` or `"little"`
+    byte_order: byte order of 16-bit registers: `"big"` or `"little"`
     auto_increment: the pointer advances by itself
     wrap: `"pointer"`: the pointer goes from 0xFF (0xFFFF) to 0; `"map"`: from the last register to the first
     unmapped: value read where no register is

@@ -4,9 +4,9 @@
     START, address+R, data ...          --> read, pointer advances        pointer 2: bits 15:8, 3: bits 7:0
 
 The value of a register is latched when its first byte is read, and stored when its last byte is written, so all bytes
-belong to one value. The pointer keeps its value after STOP and repeated START. With `updates` and `every` the device
-changes its registers by itself. These updates are applied at the next access. Only a device with an interrupt pin
-schedules an event for each update.
+belong to one value. The pointer keeps its value after STOP and repeated START. With the keys `updates` and `every`, the
+device changes its registers by itself. These updates are applied at the next access. Only a device with an interrupt
+pin schedules an event for each update.
 """
 
 from __future__ import annotations
@@ -168,7 +168,7 @@ class RegisterDevice(PlainReply):
         return NamedByte(table.name, f"{int.from_bytes((before, value), self._settings.byte_order):#06x}")
 
     def send_byte(self, byte: int) -> int:
-        self._catch_up()
+        self._apply_updates()
         table, index = self._cell()
         if table is None:
             self._place.duty(f"register {self._pointer:#04x} was read, but is not in the map", SOURCE)
@@ -188,7 +188,7 @@ class RegisterDevice(PlainReply):
             self._pointer = (0 if byte == 0 else self._pointer << 8) | value
             self._byte, self._taken = 0, None
             return True
-        self._catch_up()
+        self._apply_updates()
         table, index = self._cell()
         if table is None:
             self._place.duty(
@@ -245,7 +245,7 @@ class RegisterDevice(PlainReply):
 
     # Updates and the pin -----------------------------------------------------------
 
-    def _catch_up(self) -> None:
+    def _apply_updates(self) -> None:
         now = self._place.kernel.now
         for name, feed in self._feeds.items():
             times, value = feed.advance(now)
@@ -262,7 +262,7 @@ class RegisterDevice(PlainReply):
             self._place.kernel.call_at(max(min(due), self._place.kernel.now), self._updated)
 
     def _updated(self) -> None:
-        self._catch_up()
+        self._apply_updates()
         self._show()
         self._plan()
 

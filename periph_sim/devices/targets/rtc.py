@@ -129,7 +129,7 @@ class Settings(Table, frozen=True, kw_only=True):
 
     time: initial time, `2012-02-29 23:59:58`; without it the clock is stopped and RTCF is set
     ppm: crystal error, parts per million
-    battery: runs on without supply
+    battery: the clock runs on without supply
     write_time: duration of a nonvolatile write
     """
 
@@ -155,7 +155,7 @@ class Rtc(PlainReply):
         self._second = place.ticks(duration("1 s")) * SECONDS_PER_PPM // (SECONDS_PER_PPM + settings.ppm)
         self._stored = bytearray(SIZE)
         self._raw = bytes(len(CLOCK))  # contents of the time registers if they have no valid time
-        self._why_none = ""
+        self._why_none = ""  # why the time that was written last is invalid; otherwise ""
         # `_running` is a time and the tick at which it was valid; None while the clock is stopped.
         self._running: tuple[CalendarTime, int] | None = None
         self._failed = settings.time is None
@@ -230,7 +230,7 @@ class Rtc(PlainReply):
             self._write(buffer)
 
     def _unlock(self, value: int) -> None:
-        """Apply a write of the status register: 0x02 sets WEL, 0x06 also RWEL if WEL was set before, 0 clears both."""
+        """Apply a write of the status register: 0x02 sets WEL, 0x06 sets RWEL if WEL is already set, 0 clears both."""
         if value == WEL | RWEL and self._latches & WEL:
             self._latches = WEL | RWEL
         elif value in (0, WEL):

@@ -32,7 +32,7 @@ class WatchContext:
     start: the first tick of the run.
     tolerance: the tolerance in ticks.
     on_deviation: called with a deviation and its tick.
-    refute: called with the reason why the run fails, and the tick.
+    refute: called with the reason why the run fails, and the tick at which it fails.
     """
 
     wire: str

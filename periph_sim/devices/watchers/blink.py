@@ -25,9 +25,9 @@ class Settings(Table, frozen=True, kw_only=True):
     """The expected blinking of a wire.
 
     rate: frequency, `"1 Hz"`
-    duty: high part of a period; otherwise not checked
-    after: earlier edges are ignored
-    first: latest first rise; otherwise two periods after `after`
+    duty: share of a period for which the wire is high; without it, only periods are checked
+    after: edges up to this time are ignored
+    first: latest time of the first rise; by default two periods after `after`
     """
 
     rate: Annotated[Fraction, Before(partial(frequency, usual="Hz"), FREQUENCY_TEXT)]

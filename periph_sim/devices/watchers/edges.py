@@ -4,7 +4,7 @@
     edges      10 ms    20 ms          ["10 ms", "rise"], ["20 ms", "fall"]
     deviation     |-|   ||             the n-th edge against the n-th expected one
 
-The run fails if an edge is missing or of the wrong kind, or if one follows the last expected edge (unless `more`).
+The run fails if an edge is missing or of the wrong kind, or if an edge follows the last expected one (unless `more`).
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ class Settings(Table, frozen=True, kw_only=True):
     """The expected edges of a wire.
 
     edges: expected edges in order: `[["10 ms", "rise"], ["20 ms", "fall"]]`
-    since: zero of these times: `"start"` or `"first edge"`
-    after: earlier edges are ignored
+    since: the instant from which the times of `edges` count: `"start"` or `"first edge"`
+    after: edges up to this time are ignored
     more: `true`: further edges are allowed
     """
 
@@ -49,13 +49,13 @@ class Edges:
     def __init__(self, settings: Settings, place: WatchContext) -> None:
         self._place = place
         self._expected = [(place.ticks(at), EDGE_NAMES.index(edge)) for at, edge in settings.edges]
-        # The tick from which the expected times count; -1 while it is the first edge, which has not come yet.
+        # The tick from which the expected times count; -1 if they count from the first edge and there was none yet.
         self._zero = place.start if settings.since == "start" else -1
         self._after = place.start + place.ticks(settings.after)
         self._more = settings.more
         self._next = 0
         self._lost = False  # True after an edge of the wrong kind: later edges cannot be matched to expected ones
-        self._cut = False
+        self._cut = False  # True if the run ended before the next expected edge was due
 
     def edge(self, now: int, level: int) -> None:
         place = self._place

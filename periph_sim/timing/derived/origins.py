@@ -31,7 +31,7 @@ from typing import NamedTuple, final
 
 from ...bus.i2c.transfer import Phase, Transfer
 from ...core.time import NO_TIME
-from ...devices.chip_model import BYTES, ChipModel, Shown
+from ...devices.chip_model import BYTES, ChipModel, ModelOutput
 from ...devices.host_frames import HostFrames
 
 BEFORE_ANY = -1  # used as the frame number of the values that a chip has before the first frame
@@ -204,7 +204,7 @@ class Chain:
 
     __slots__ = ("before", "sent", "shown")
 
-    def __init__(self, sent: Sent, before: int, shown: Shown) -> None:
+    def __init__(self, sent: Sent, before: int, shown: ModelOutput) -> None:
         self.sent = sent
         self.before = before
         self.shown = shown

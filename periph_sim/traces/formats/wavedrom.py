@@ -2,7 +2,9 @@
 
     SCL  11100111...     the length of a brick is the greatest common divisor of the times of all edges
 
-A brick is one character of a `wave`. All bricks have the same length, so the picture is true to scale. A window that needs too many bricks is an error.
+A brick is one character of a `wave`. All bricks have the same length, so the picture is true to scale. A window that
+needs too many bricks is an error.
+
 Source: the WaveDrom schema (github.com/wavedrom/schema), waves `0`, `1`, `x` and `.` for "as before".
 """
 

@@ -163,7 +163,7 @@ def test_lock_keeps_new_data_out(how: str, release: str):
     now = tick(2)
     before = chip.read(now, DATA + 1) if how == "some data read" else (chip.read(now, MODE), 1)[1]
     assert before == 1 and chip.read(now, STATUS) & LOCK
-    chip.catch_up(tick(10))
+    chip.advance_to(tick(10))
     assert chip.stored[DATA + 1] == 1 and chip.read(tick(10), STATUS) & LOCK
     if release == "all six read":
         numbers = range(DATA, DATA + 6)
@@ -171,7 +171,7 @@ def test_lock_keeps_new_data_out(how: str, release: str):
     else:
         chip.write(tick(10), MODE if release == "mode written" else CRA, 0 if release == "mode written" else 0x10)
     assert not chip.read(tick(10), STATUS) & LOCK
-    chip.catch_up(tick(20))
+    chip.advance_to(tick(20))
     assert chip.stored[DATA + 1] > 1
 
 
@@ -199,9 +199,9 @@ def test_only_a_new_rate_in_continuous_mode_gives_up_a_measurement(mode: int, cr
     chip = Hmc5883l(TIMEBASE, source)
     chip.write(SECOND, MODE, mode)
     chip.write(SECOND + 5 * MS, CRA, cra)
-    chip.catch_up(SECOND - (-end // 1) - 1)
+    chip.advance_to(SECOND - (-end // 1) - 1)
     assert source.at == []
-    chip.catch_up(SECOND - (-end // 1))
+    chip.advance_to(SECOND - (-end // 1))
     assert source.at[0] == SECOND - (-end // 1)
 
 

@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from periph_sim.traces.decode.uart import Line
-from periph_sim.traces.diff.matching import ENOUGH, i2c_groups, similarity, similar_runs, uart_groups
+from periph_sim.traces.diff.matching import ENOUGH, i2c_groups, similar_runs, similarity, uart_groups
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.diff.runs import group
 from tests.traces.formats.writers import I2cWave, frame_bits, uart_wave

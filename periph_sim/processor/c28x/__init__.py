@@ -1,4 +1,16 @@
 """The C28x CPU with its FPU: decoding, assembling and executing instructions.
 
 `encodings.toml` describes the instruction set. All modules of this package use it; none depends on a chip or a bus.
+
+Terms of this package:
+
+form: one encoding of an instruction with one syntax of its operands: a row of `encodings.toml`, with a unique id.
+field: the adjacent bits of an instruction that have the same letter in the form. Field l selects an operand in memory
+    or in a register, loc16 or loc32; field c is a number or an address; k and w are conditions.
+pair: two consecutive words of code as a number of 32 bits, with the first word in the upper half.
+AX: AL or AH, the lower or the upper half of ACC.
+PM: the field of ST0 that selects how P is shifted before it is used.
+D2, R2, E, W: phases of the pipeline: the second phase of decoding and of reading, execution, and writing.
+pass: one execution of the instruction that RPT repeats.
+late result: a result of the FPU that is written only after the instruction in the delay slot.
 """

@@ -41,11 +41,11 @@ _UNARY: Mapping[type[ast.unaryop], Callable[[int], int]] = {
 
 
 class BadExpression(BadInstruction):
-    """A text is not a valid expression; the message is one sentence."""
+    """Raised if a text is not a valid expression. The message is one sentence."""
 
 
 class Undefined(BadExpression):
-    """An expression contains a symbol that is not defined, or is defined only later in the source."""
+    """Raised if an expression contains a symbol that is not defined, or is defined only later in the source."""
 
 
 def evaluate(text: str, symbols: Mapping[str, int], here: int) -> int:
@@ -93,7 +93,7 @@ def _value(node: ast.expr, symbols: Mapping[str, int], here: int) -> int:
 
 
 class Parsed(NamedTuple):
-    """A source line as a form and its operands. operands: the function that parses each operand, and its text."""
+    """A source line as a form and its operands. operands: for each operand, its parsing function and its text."""
 
     encoding: Encoding
     operands: tuple[tuple[Read, str], ...]

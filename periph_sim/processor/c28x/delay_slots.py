@@ -1,4 +1,4 @@
-"""Delay slots of the FPU: the instructions that read a result too early, and the values that they read.
+"""Delay slots of the FPU: find instructions that read a late result too early, and model the value that they read.
 
     MPYF32 R0H,R1H,R2H    2p: the result is available one instruction later
     NOP                   the delay slot; the program must have it, since the CPU does not wait for the result
@@ -59,7 +59,7 @@ def read_registers(instruction: Instruction) -> int:
 
 
 def not_kept(instruction: Instruction, word_at: Callable[[int], int]) -> Iterator[str]:
-    """Yield a sentence for each read of a late result of this instruction in its delay slot.
+    """Yield a sentence if the instruction in the delay slot of this instruction reads one of its late results.
 
     For RPTB, check the last instruction of the repeated block, whose delay slot is the first one of the block.
     word_at: returns the word of program memory at an address.
@@ -109,13 +109,13 @@ def _registers(names: Iterable[str], values: Mapping[str, int]) -> int:
 
 
 def delay(f: Operation) -> None:
-    """Make an operation write its own late results after the next operation, and those of the previous one now."""
+    """Model the delay slot: make this operation write its late results only after the next operation."""
     f.plain = f.execute
     f.execute = _delayed
 
 
 def _delayed(cpu: Cpu, f: Operation) -> None:
-    """Execute an operation, write the pending results of the previous one, and keep its own late results pending."""
+    """Execute an operation, then write the late results of the previous one. Keep those of this operation pending."""
     late, due, flags = f.late, cpu.due, cpu.due_flags
     if not late and not due and not flags:
         f.plain(cpu, f)
@@ -139,7 +139,7 @@ def _delayed(cpu: Cpu, f: Operation) -> None:
 
 
 def arrive(cpu: Cpu) -> None:
-    """Write pending results now, because an interrupt comes before the next instruction."""
+    """Write the pending late results. Call this function when an interrupt is taken before the delay slot."""
     number: int
     for number in range(8):
         if cpu.due >> number & 1:

@@ -55,8 +55,10 @@ class Encoding:
     latency: "2p" if the result is available one instruction later; "2p/1" or "2p/2p" for two parallel instructions,
         one latency for each; "" if the result is available at once.
     depends: the status bits that change the effect.
-    reads, writes: the registers and memory that are read and written, some with the pipeline phase, "SP@D2".
-    flags, op: the flags that are written, and the effect as a text; tests compare both with `execution`.
+    reads, writes: the names of the registers and memory that are read and written. A name may end with the phase of the
+        pipeline: "SP@D2".
+    flags: the flags that are written, as a text.
+    op: the effect, as a text. Tests compare `flags` and `op` with the functions of `execution`.
     """
 
     id: str

@@ -25,7 +25,7 @@ Read = Callable[[str, int, Evaluate], dict[str, int]]  # parses the text of an o
 
 
 class BadInstruction(ValueError):
-    """A source text is no instruction, or no operand of its instruction; the message is one sentence."""
+    """Raised if a text is no instruction, or is no valid operand of an instruction. The message is one sentence."""
 
 
 class Part(NamedTuple):
@@ -98,7 +98,7 @@ def shift_part(token: str, encoding: Encoding) -> Part | None:
 
 
 def optional_shift_part(token: str, encoding: Encoding) -> Part | None:
-    """Return the part for a shift `<<#0..15`, which is 0 if omitted; None if the form has no field s."""
+    """Return the part for an optional shift `<<#0..15`; if omitted, field s is 0. Return None without a field s."""
     inner = shift_part(token.removeprefix("<<"), encoding)
     return inner and _optional(inner, "<<", {"s": 0}, lambda values, at: f"<<{inner.show(values, at)}")
 

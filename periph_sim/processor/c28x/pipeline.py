@@ -1,6 +1,6 @@
-"""The pipeline of the C28x: the cycles that an instruction waits in phase D2, the second of decoding.
+"""The pipeline of the C28x: the cycles that an instruction waits in D2, the second phase of decoding.
 
-It waits for registers and words that earlier instructions write, and for its own fetch.
+An instruction waits for registers and words that earlier instructions write, and for its own fetch.
 
     hazards        the registers that an instruction needs early, and those that it writes late
     Pipeline       stalls for registers and memory words that an earlier instruction has not written yet
@@ -46,7 +46,7 @@ DP, SP, BY_ARP = 1 << 8, 1 << 9, 1 << 10
 REGISTERS = 0x3FF  # mask of all registers, without the bit for XAR(ARP)
 NUMBERED = re.compile(r"X?AR([0-7])$")
 FIELDS = {"ARn": "n", "XARn": "n", "ARm": "m"}
-HELD = frozenset(["NORM", "PWRITE"])  # mnemonics for which `is_held` is True; it is so for POP of ST1, too
+HELD = frozenset(["NORM", "PWRITE"])  # mnemonics for which `is_held` is True; it is also True for POP of ST1
 BY_ARP_FROM, PUSHES, POPS, CIRCULAR = 0xAE, 0xBD, 0xBE, 0xBF
 
 
@@ -120,7 +120,7 @@ def addressing(field: int) -> int:
 
 DEPTH = 4  # largest number of blocks in the fetch queue
 QUEUE_PACKED = 6 + DEPTH  # length of `FetchQueue.packed_queue`
-LONG_AGO = 1 << 7  # cycles: earlier times have no effect, since filling the queue takes at most 4 * 17 cycles
+LONG_AGO = 1 << 7  # cycles; a time longer ago than this has no effect, since the queue is filled within 4 * 17 cycles
 
 
 @final
@@ -176,7 +176,7 @@ class FetchQueue:
             self._consumed[place] = 0
 
     def wait(self, cycle: int, address: int, behind: int) -> int:
-        """Return the cycles until the instruction at `address` is fetched. behind: the address after its last word."""
+        """Return the cycles from now until the instruction at `address` is fetched. behind: the address after it."""
         ready = self._need(behind - 1 >> self._bits)
         self.expected = behind
         self._issued = ready if ready > cycle else cycle
@@ -238,6 +238,7 @@ class Pipeline:
 
     def __init__(self) -> None:
         self.enabled = True
+        # For each of the last stores: its first and last address, and the value of `clock` from which it can be read.
         self._first: Annotated[list[int], STORES] = [0] * STORES
         self._last: Annotated[list[int], STORES] = [0] * STORES
         self._ready: Annotated[list[int], STORES] = [0] * STORES
@@ -264,7 +265,7 @@ class Pipeline:
             self.packed_stores[rest] = 0
 
     def stall(self, f: Operation, arp: int) -> int:
-        """Let an instruction wait in D2 for registers, and return the cycles. arp: the value of ARP."""
+        """Return the cycles that an instruction waits in D2 for registers, and let them pass. arp: the value of ARP."""
         needs = f.needs & REGISTERS
         if f.needs & BY_ARP:
             needs |= 1 << arp
@@ -294,7 +295,7 @@ class Pipeline:
             self._ready[at] = self.until = self.clock + cycle + BEHIND
 
     def read(self, address: int, words: int) -> int:
-        """Let the current instruction wait until the words that it reads are written, and return the cycles."""
+        """Return the cycles until the words that the current instruction reads are written, and let them pass."""
         waits = 0
         at: int
         for at in range(STORES):

@@ -1,6 +1,6 @@
 """Boot modes of an image, and stubs: values that reads of unmodelled registers return.
 
-    entry   The program begins at the linker's entry with the clock of a reset, as a debugger starts it.
+    entry   The program begins at its entry point, as if a debugger started it; SYSCLKOUT is as after a reset.
     flash   It begins at 0x33FFF6, where the boot ROM jumps if GPIO87 to GPIO84 are high; SYSCLKOUT is OSCCLK / 2.
     ram     It begins at 0, where the boot ROM jumps in the mode "M0 SARAM"; SYSCLKOUT is OSCCLK / 2.
 
@@ -22,7 +22,7 @@ BEGINS: dict[Boot, int] = {"flash": 0x33_FFF6, "ram": 0}
 
 
 class Stub(Struct, frozen=True):
-    """A value that reads of an address return from a tick on."""
+    """A stub: reads of `address` return `value` from the tick `tick` on."""
 
     tick: int
     address: int
@@ -30,11 +30,14 @@ class Stub(Struct, frozen=True):
 
 
 class BadStub(ValueError):
-    """An address cannot have a stub; the message is one sentence."""
+    """Raised if an address cannot have a stub. The message is one sentence."""
 
 
 def entry_of(image: Image, boot: Boot) -> int:
-    """Return the address of the first instruction. Raise BadImage if nothing is loaded there."""
+    """Return the address of the first instruction.
+
+    Raise BadImage in the modes flash and ram if nothing is loaded at this address.
+    """
     if boot == "entry":
         return image.entry
     address = BEGINS[boot]
@@ -46,7 +49,7 @@ def entry_of(image: Image, boot: Boot) -> int:
 
 
 def stubbed(register: str | int, memory: AddressMap) -> int:
-    """Return the address of an unmodelled register. Raise BadStub if this is a modelled register, or no register.
+    """Return the address of a register that is to have a stub. Raise BadStub if it is modelled, or is no register.
 
     register: a name, such as ADC.ADCST, or an address.
     """

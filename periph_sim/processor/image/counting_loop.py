@@ -1,12 +1,12 @@
-"""Counting loops: the number of passes of a loop that differ from a traced pass only in the values of counters.
+"""Counting loops: find the number of further passes of a loop that change only counters, and skip these passes.
 
     executed pass --> trace; the words that the pass has changed --> counters: value and step
     trace, evaluated again with counters in place of values --> number of passes in which nothing else differs
 
 A counter is a 16-bit word in ACC, in an XARn or in plain RAM that changes by the same amount, its step, in each pass.
 An instruction that reads no counter has the same effect in each pass. An instruction that reads a counter must be a
-`Sum`, so its result is a counter, too. Its flags can change only in a pass in which an operand or the exact result
-reaches or crosses a multiple of half its range, which is 0x8000 for a word.
+`Sum`, so its result is a counter, too. The flags that the sum sets can change only in a pass in which an operand or the
+exact result reaches or crosses a multiple of half its range, which is 0x8000 for a word.
 
 At the end of the second evaluation, each counter must have changed by its step, and all other registers and the
 pipeline must be as before. Then all passes before the first change of a flag take the same cycles and branches, and
@@ -42,8 +42,8 @@ XAR = tuple((f"AR{n}", f"AR{n}H") for n in range(8))
 # Maps the name of a register to its words, the low word first.
 WORDS: dict[str, tuple[Place, ...]] = {"AL": ("AL",), "AH": ("AH",), "ACC": ("AL", "AH")}
 WORDS |= {f"XAR{n}": XAR[n] for n in range(8)} | {f"AR{n}": XAR[n][:1] for n in range(8)}
-OPERAND = ("loc", *LOCATIONS)  # names, in `encodings.toml`, of the operand of field l
-# The names in the columns `reads` and `writes` that this module can handle; "stack" is handled separately.
+OPERAND = ("loc", *LOCATIONS)  # names in `encodings.toml` of the operand that field l selects
+# The names in the columns `reads` and `writes` of `encodings.toml` that this module can handle, except "stack".
 KNOWN = re.compile(
     r"(loc|mem)(16|32)|ACC|AL|AX|X?AR.*|P|PH|PL|T|TL|XT|OVC|ST0|ST1|STF|R[0-7a-f]H|R0H-R7H|SP|DP|PC|RPC|RPTC|RB|IER"
     r"|address"
@@ -86,14 +86,14 @@ Store = tuple[int, int, int, int]  # a write to memory: cycle, address, value, a
 
 
 class Number(NamedTuple):
-    """A number of one or two words in the traced pass. step: its change from each pass to the next."""
+    """An operand or result of one or two words. value: its value in one pass. step: its change from pass to pass."""
 
     value: int
     step: int
 
 
 def passes_within(number: Number, size: int) -> int:
-    """Return the number of further passes in which a number stays between the multiples of `size` around it."""
+    """Return the number of further passes in which a number reaches no multiple of `size`; 0 if it is one now."""
     value, step = number
     if not step:
         return NEVER
@@ -165,14 +165,14 @@ def places_of(name: str, traced: Traced) -> tuple[Place, ...]:
 
 
 def reads(traced: Traced) -> Iterable[Place]:
-    """Return the words with possible counters that an instruction reads. Raise NotCounting if its reads are unknown."""
+    """Return the words that an instruction reads and that may be counters. Raise NotCounting if this is unknown."""
     return _used(traced.f.encoding.reads, traced, range(traced.sp[1], traced.sp[0]), traced.needs)
 
 
 def writes(traced: Traced) -> Iterable[Place]:
-    """Return the words with possible counters that an instruction writes.
+    """Return the words that an instruction writes and that may be counters.
 
-    Raise NotCounting if its writes are unknown, or if it writes only a byte, or only under a condition.
+    Raise NotCounting if this is unknown, or if the instruction writes a byte, or writes only under a condition.
     """
     encoding = traced.f.encoding
     if "LSB" in encoding.id or "MSB" in encoding.id or ("_COND" in encoding.id and "PC" not in encoding.writes):
@@ -223,7 +223,10 @@ class RepeatedPass:
                 self.stores.append((traced.at, place, traced.values[place], number.step if number else 0))
 
     def _counts(self, traced: Traced, done: Sum) -> bool:
-        """Compute the result of a sum as a counter. Return False if no operand of the sum is a counter."""
+        """Compute the result of a sum with counters. Return False, without effect, if no operand is a counter.
+
+        Raise NotCounting if the result cannot be expressed as a counter.
+        """
         left, right, target = (places_of(name, traced) for name in (done.left, done.right, done.result))
         if not any(place in self.counters for place in (*left, *right)):
             return False
@@ -232,7 +235,7 @@ class RepeatedPass:
         bound = 1 << 16 * max(len(target), len(left), len(right)) - 1
         constant = done.number(traced.f.c)
         if any(place in target for place in right):
-            raise NotCounting  # the trace has only the value after the instruction
+            raise NotCounting  # `right` is overwritten, and the trace has only values after the instruction
         added = self._number(right, _value(right, traced)) if constant is None else Number(constant, 0)
         earlier = _value(target, traced) - done.sign * added.value if target else _value(left, traced)
         before = self._number(left, earlier & 2 * bound - 1)
@@ -273,7 +276,7 @@ def _value(words: Sequence[Place], traced: Traced) -> int:
 class CountingLoop(InstructionWatch):
     """Trace of one pass of a loop. The pass begins when this object is made.
 
-    does_more: True if the pass does more than count, so that later passes need not be traced.
+    does_more: True if the pass changes more than counters, so that later passes need not be traced.
     """
 
     STATE = State(
@@ -287,13 +290,13 @@ class CountingLoop(InstructionWatch):
         self.does_more = False
         self._time = time
         self._began = time.cycle
-        self._moved = 0  # number of skipped passes
+        self._moved = 0  # number of skipped passes, by which `move` has advanced the counters
         self._stores: list[Store] = []
         self._cpu = cpu
         self._memory = memory
         self._over = over
         self._state = cpu.state()
-        self._arp, self._sp = cpu.arp, cpu.sp  # ARP and SP before the next instruction
+        self._arp, self._sp = cpu.arp, cpu.sp  # ARP and SP before the next instruction of the trace
         self._trace: list[Traced] = []
         self._steps: dict[Place, int] = {}  # maps each counter to its step
 
@@ -334,7 +337,7 @@ class CountingLoop(InstructionWatch):
     # Effects of further passes -----------------------------------------------------------
 
     def passes(self, changed: Mapping[int, int]) -> int:
-        """Return the number of passes after the traced pass that only count.
+        """Return the number of passes after the traced pass that change nothing but counters.
 
         changed: a dictionary from each memory word that the traced pass has changed to its earlier value.
         """
@@ -366,16 +369,16 @@ class CountingLoop(InstructionWatch):
         return {place: Number(before[place], step) for place, step in steps.items() if step}
 
     def cut_off(self, cycles: int) -> None:
-        """Make the stores of the interrupted pass that are before a reset.
+        """Make those stores of the pass in progress at a reset that come before the reset.
 
-        cycles: the number of cycles from the start of that pass to the reset.
+        cycles: the number of cycles from the start of this pass to the reset.
         """
         for at, address, value, step in self._stores:
             if at - self._began < cycles:
                 self._memory.put(address, value + step * (self._moved + 1) & M16)
 
     def move(self, passes: int) -> None:
-        """Advance the counters by a number of passes, which are skipped."""
+        """Advance the counters as the skipped passes would have done. passes: the number of skipped passes."""
         self._moved = passes
         cpu = self._cpu
         words = register_words(cpu.acc, cpu.xar)

@@ -27,8 +27,8 @@ from ..c28x.pipeline import QUEUE_PACKED, STORES_PACKED
 from ..processor import Processor
 from .memory import L0_AGAIN, L4_AGAIN, MIRROR, ImageMemory, in_plain_ram
 
-TIMING = 38  # index, in a state, of the first entry of the pipeline
-PACKED = TIMING + STORES_PACKED + QUEUE_PACKED  # number of entries of a state
+TIMING = 38  # index of the first entry of the pipeline in the result of `ImageCpu.state`
+PACKED = TIMING + STORES_PACKED + QUEUE_PACKED  # number of entries in the result of `ImageCpu.state`
 
 
 @final
@@ -91,7 +91,7 @@ class ImageCpu(ImageMemory):
             delay(made)
 
     def operation_of(self, address: int, first: int, second: int) -> Operation:
-        """Return the operation of these words at this address, ready to execute, without notes or other effects."""
+        """Return the operation that these two words encode at an address, ready to execute. Make no notes."""
         found = decode_at(address, first, second)
         assert found is not None
         made = operation(found)

@@ -1,4 +1,4 @@
-"""Memory, and register frames, outside of the modelled modules.
+"""Memory and peripheral frames that no modelled module contains.
 
     flash, OTP       contain the words of the image; all other words are erased
     PARTID           contains the number of the part
@@ -46,17 +46,18 @@ MATH_TABLES = range(0x3F_E000, 0x3F_F27C)
 BOOT_ROM = range(0x3F_E000, 0x40_0000)
 FLASH_API_CHECK = 0x3F_FFB9  # TI's flash API checks the silicon revision at this address
 FRAMES_END = 0x8000  # all frames, and XINTF zone 0, are below this address
-# Bits of `_states`. SEEN: a further access needs no note and no lookup. PROTECTED: by EALLOW.
+# Bits of `_states`. SEEN: the word was accessed, so a further access needs no note and no lookup. STUBBED: the word has
+# a stub. PROTECTED: a write needs EALLOW. REGISTER: the word belongs to a peripheral frame.
 SEEN, STUBBED, PROTECTED, REGISTER = 1, 2, 4, 8
 NO_FLASH_API = "erasing and programming flash, as TI's flash API does, is not modelled"
 
 
 class UnmappedMemory:
-    """Words outside of the modelled modules. A stub is a value that reads of such a word return.
+    """The words outside of RAM and of the modelled modules.
 
     changed: called when a stub is added or changed; None to call nothing.
     stubs: a dictionary from an address to the value that reads of the address return now.
-    to_come: the addresses for which a stub will be added later in the run.
+    to_come: the addresses that have no stub yet, but get one later in the run.
     """
 
     STATE = State("_frames _states _stored _noted stubs to_come _flash")
@@ -154,7 +155,7 @@ class UnmappedMemory:
         return True
 
     def _mark(self, address: int, area: Area) -> None:
-        """Keep the properties of a word after its first access, so that the next access needs no lookup."""
+        """Store the properties of a word in `_states` at its first access, so that the next access needs no lookup."""
         if address < FRAMES_END and address not in (FOPT, FBANKWAIT) and address not in FLASH_COMMANDS:
             registers = area.content is Content.REGISTERS
             known = SEEN | PROTECTED * is_protected(address) | REGISTER * registers
@@ -180,7 +181,9 @@ class UnmappedMemory:
     def fetches(self, address: int) -> tuple[int, int, int]:
         """Return (bits, first, later) of program memory at an address.
 
-        bits: a fetch reads 2 ** bits words. first, later: the wait states of a fetch after a jump, and of other ones.
+        bits: a fetch reads 2 ** bits words.
+        first: the wait states of the first fetch after a jump.
+        later: the wait states of each fetch that follows.
         """
         if self._flash_begin <= address < FLASH_END:
             return self._flash

@@ -55,7 +55,7 @@ class InstructionTiming:
         self._ahead: int = DEPTH // 2 if options.flash_model.unrecorded() == "two_words_ahead" else DEPTH
         self._elsewhere = elsewhere
         if not self.pipeline.enabled:
-            options.stalls.assume(core.touched)  # without stalls it is unknown whether one would have occurred
+            options.stalls.assume(core.touched)  # any instruction might have stalled, so the run depends on this option
 
     def drain(self) -> None:
         """Empty the pipeline and the queue, as an interrupt or a return from an interrupt does."""
@@ -78,7 +78,7 @@ class InstructionTiming:
             f.cycles = self._options.push_acc_cycles.assume(self._core.touched)
 
     def stall(self, f: Operation, cpu: Cpu, cycle: int) -> int:
-        """Let an instruction wait in D2, and return the cycles. Passes of RPT after the first do not wait."""
+        """Return the number of cycles that an instruction waits in D2; 0 for passes of RPT after the first."""
         if cpu.passes:
             return 0
         waits: int = 0
@@ -100,22 +100,22 @@ class InstructionTiming:
         return waits
 
     def wait_for_word(self, address: int, words: int) -> None:
-        """Delay a read of these memory words until earlier instructions have written them."""
+        """Add the cycles that a read of `words` words from `address` on waits for earlier writes to them."""
         waits = self.pipeline.read(address, words)
         if waits:
             self._options.stalls.assume(self._core.touched)
             self.late += waits
 
     def conflict(self) -> None:
-        """Delay a data access to the memory block from which the instruction was fetched."""
+        """Add the cycles of a data access to the memory block from which the instruction was fetched."""
         more = self._options.saram_conflict.assume(self._core.touched)
         self.late += more
         self.conflicts = more > 0
 
     def landing(self, f: Operation) -> int:
-        """Return the additional cycles of a jump to this instruction; 0 in memory with wait states.
+        """Return the additional cycles of a jump to an instruction of 32 bits at an odd address; 0 for others.
 
-        In memory with wait states, the fetch queue counts these cycles.
+        The result is also 0 in memory with wait states, because there the fetch queue counts these cycles.
         """
         if f.address & 1 and f.next - f.address == 2 and not f.waited:
             return self._options.odd_32bit_target.assume(self._core.touched)

@@ -1,8 +1,8 @@
 """An image in the memory of its CPU: source lines, texts about errors and waits, and observers.
 
-A wait is described by the registers, and their bits, that its loop reads. The bits are those of the first bit test or
-AND mask in the loop; if there is none, all bits. A loop that reads no register and has an exit waits for memory. Each
-word that it reads is named by the last symbol at or before its address.
+The text about a wait names the registers that its loop reads, and the bits that the loop tests. These are the bits of
+the first TBIT or AND with a mask in the loop; if there is none, all bits. A loop that reads no register and has an exit
+waits for memory. Each memory word that it reads is named by the last symbol at or before the address of the word.
 """
 
 # core: compiled
@@ -89,7 +89,7 @@ class LoadedImage(Program):
         self._waits_for = ""  # the text about the last wait in its record
         self._watches: list[InstructionWatch] = []  # observers of instructions
         self._entry = entry
-        self._at = entry  # the address of the present instruction, or of the last one that was executed
+        self._at = entry  # the address of the instruction in progress; between two, of the one executed last
         self._unwritten: set[str] = set()  # names of the functions that have read unwritten memory
         self.cpu.reads_unwritten = self.read_unwritten
 
@@ -140,7 +140,7 @@ class LoadedImage(Program):
             )
 
     def error_text(self, why: str) -> str:
-        """Return an error message with the place, the last jumps and the registers. why: the reason of the error."""
+        """Return an error message that adds the place, the last jumps and the registers to `why`, the reason."""
         cpu = self.cpu
         last = [self._jumps[n & LAST_JUMPS - 1] for n in range(max(0, self._jumped - LAST_JUMPS), self._jumped)]
         jumps = ", ".join(f"{self.functions.name_at(address)} {address:#08x}" for address in last)
@@ -158,7 +158,7 @@ class LoadedImage(Program):
     def _awaited(self, loop: tuple[int, int], operands: Sequence[Operand], elsewhere: Sequence[int]) -> Awaited:
         """Return a description of the wait in a loop.
 
-        loop: the addresses of its first instruction and of its branch.
+        loop: the addresses of its first instruction and of the branch that closes it.
         operands: the registers of modules that the loop reads.
         elsewhere: the addresses of the unmodelled words that the loop reads.
         """

@@ -64,7 +64,8 @@ class ImageMemory(Engine):
         self._pipeline = self.timing.pipeline
         self._decoding = False
         self._tested = 0  # mask of the bits of its operand that the present instruction tests
-        self._written: Annotated[list[UInt16], RAM_TO] = [0] * RAM_TO  # 1 for a word that was written, or was noted
+        # For each RAM word: 1 if it was written, or if a read of it while it was unwritten has been reported.
+        self._written: Annotated[list[UInt16], RAM_TO] = [0] * RAM_TO
         self.watched: VariableRecords | None = None
         self.polls = PollSkipper(self._time, self._core, skip_polls)
         self.reads_unwritten: Callable[[int], None] | None = None
@@ -160,7 +161,8 @@ class ImageMemory(Engine):
     def _even(self, address: int, how: str) -> int:
         """Return the even address that a 32-bit access to an odd address uses [SPRU430F 5.11].
 
-        Raise IllegalOperation unless the address belongs to the stack. how: the words "read from" or "written to".
+        Raise IllegalOperation for the operand of field l, unless its addressing mode uses SP, which may be odd.
+        how: the words "read from" or "written to", for the message.
         """
         on_stack = STACK_FIELDS <= self.field < BEHIND_STACK_FIELDS or self.field in (PUSHES, POPS)
         if self.ea == address and not on_stack:

@@ -66,8 +66,8 @@ CPU = "CPU"  # in records, in place of the name of a module
 class StackDepth(InstructionWatch):
     """Stack depth of an image: a record of each new maximum, in words.
 
-    Only the stack in the section `.stack` counts. If SP is outside of this section, it is the stack of a task. The 14
-    words that an interrupt saves count when the first instruction of its service routine has been executed.
+    Only the stack in the section `.stack` counts. An SP outside of this section, as in a task of an RTOS, is ignored.
+    The 14 words that an interrupt saves count when the first instruction of its service routine has been executed.
     """
 
     STATE = State("_deepest")
@@ -112,7 +112,7 @@ class Frame:
 
 
 class CallListener:
-    """A listener to calls of functions. tick: that at which the first instruction after a call or return begins."""
+    """A listener to calls of functions. tick: when the first instruction after the call or return begins."""
 
     def called(self, name: str, tick: int) -> None:
         """Receive the start of a function."""
@@ -194,7 +194,7 @@ class CallStack:
             listener.called(name, tick)
 
     def _drop(self, place: int, cycle: int) -> None:
-        """End the frames from index `place` on."""
+        """End the frames from index `place` on, the innermost first."""
         tick = self._clock.tick(cycle)
         while len(self.frames) > place:
             name = self.frames.pop().name
@@ -211,7 +211,7 @@ class FunctionSpans(CallListener):
     STATE = State("_depth")
 
     def __init__(self, recorder: Recorder, unit: str, place: Callable[[str], str]) -> None:
-        """place: returns the place of the first instruction of the function with a name."""
+        """place: returns, for the name of a function, the place of its first instruction."""
         self._recorder = recorder
         self._unit = unit
         self._place = place
@@ -349,7 +349,10 @@ MAIN = ("main", "_main")
 
 
 class PresetMemory(CallListener):
-    """Initial values that a case sets for variables. They are stored before the start, and again when main begins."""
+    """Initial values that a case sets for variables.
+
+    They are stored before the program begins, and again when main begins, since start-up code may overwrite them.
+    """
 
     STATE = State()
 

@@ -28,13 +28,13 @@ from ..polling import Lease, Spin
 FIRST_EXAMINED = 2  # number of passes of a loop before a pass is examined
 LONGEST = 1024  # maximum number of passes between two examined passes of a loop that is no wait
 COUNTS_FROM = 64  # number of passes before a loop is analysed for counters, which is slow
-FEWEST = 8  # a smaller number of counting passes is not skipped
+FEWEST = 8  # minimum number of counting passes for which the program sleeps; fewer passes are executed
 TRIES = 3  # number of failed analyses after which a loop is no longer analysed
 
 
 @final
 class PollSkipper:
-    """Detects a pass of a loop that all further passes would repeat, and skips these further passes.
+    """Detects a pass of a loop that all further passes would repeat, and skips the further passes.
 
     tracking: True if the present pass is examined.
     clean: True if the examined pass has been clean so far (see the module's description).
@@ -73,7 +73,7 @@ class PollSkipper:
         self.forget()
 
     def forget(self) -> None:
-        """Reset the detection, since the program begins again or has ended."""
+        """Reset the detection. Call this method when the program begins again or has ended."""
         self._lease.end()
         self.asleep = self.tracking = self.clean = self.counting = self.replaying = False
         self.restarts = False
@@ -87,7 +87,10 @@ class PollSkipper:
     # Passes ------------------------------------------------------------------------
 
     def again(self, branch: int, cycle: int) -> bool:
-        """Count a taken backward branch at an address. Return True if the next pass of its loop should be examined."""
+        """Count a pass, which a backward branch has closed. Return True if the next pass should be examined.
+
+        branch: the address of the branch. cycle: the cycle at which the next pass begins.
+        """
         if branch != self._branch:
             self._branch, self._passes, self.since = branch, 0, cycle
             if not self.routines:  # a loop in a service routine does not end the loop that it interrupts
@@ -219,7 +222,7 @@ class PollSkipper:
     def sleep(self, most: int = NEVER) -> Spin | None:
         """Put the program to sleep until a value that it polls may differ, for at most `most` passes.
 
-        Return the wait that is in progress then. Return None, without a sleep, if the next pass may read other values.
+        Return the wait that begins. Return None, without a sleep, if the next pass may read other values.
         """
         time, lease, spin = self._time, self._lease, self._spin
         if time.lands < NEVER or self._core.earliest() < NEVER:
@@ -266,7 +269,7 @@ class PollSkipper:
         return self.began + passes * self._period
 
     def resume(self, cycle: int) -> None:
-        """Wake a sleeping program, since a stub has changed its value."""
+        """Wake a sleeping program. Call this method when a stub was added or has changed its value."""
         if self.asleep:
             self._time.resume_by(max(cycle, self.began))
 

@@ -67,10 +67,10 @@ class ImageProgram(LoadedImage):
         super().__init__(processor, clock, image, entry, ImageCpu(processor, options, skip_polls, keeps_decoded))
         self.instructions = self.skipped = 0
         self._ready: Operation | None = None  # the pending instruction, whose operand address is known
-        self._executed = False  # True if an instruction was executed since the last change of the context
+        self._executed = False  # True if an instruction was executed since the last start, interrupt or return from one
         self._idle_began = False
         self._asleep_at = 0  # the tick at which the last sleep began
-        self._loop_due = False  # True if a pass of a loop begins that should be examined
+        self._loop_due = False  # True at the start of a pass of a loop that should be examined
         self._back = -1  # the branch that closed the last executed pass of a wait; -1 for none
         # _counted: the number of instructions up to the start of the present pass. _pass: the number in a pass.
         self._counted = self._pass = 0
@@ -80,7 +80,7 @@ class ImageProgram(LoadedImage):
         self._sp = 0  # SP after the last instruction
 
     def begin(self) -> None:
-        """Set the registers as the boot ROM leaves them, with PC at the entry; memory keeps its contents."""
+        """Start the program: set PC to the entry, and the other registers as the boot ROM leaves them; keep memory."""
         self.cpu.reset()
         self.cpu.pc = self._entry
         self._sp = self.cpu.sp
@@ -275,7 +275,7 @@ class ImageProgram(LoadedImage):
         return None
 
     def _follow_wait(self) -> None:
-        """End a wait whose passes are executed, if a sleeping program would have been woken by now."""
+        """End a wait whose passes are executed, not skipped, once a sleeping program would have been woken."""
         time, back = self._processor.time, self._back
         self._back = -1
         if time.wakes <= time.cycle:
@@ -320,7 +320,7 @@ class ImageProgram(LoadedImage):
         return found._replace(since=wait.since, place=self.place_at(wait.loop[1]))
 
     def _slept(self) -> bool:
-        """Wait in IDLE. Return True once an interrupt that IER enables has ended it."""
+        """Wait in IDLE. Return True when an interrupt that IER enables ends it, False if the program must stop."""
         processor, core = self._processor, self._processor.core
         time = processor.time
         if not self._idle_began:
@@ -338,7 +338,7 @@ class ImageProgram(LoadedImage):
         return True
 
     def _ended(self) -> Stop:
-        """End the program at ESTOP0, once its posted writes have landed."""
+        """Return ENDED after ESTOP0 once all posted writes have landed; until then, return WAITS."""
         time = self._processor.time
         if self.returned_at is None:
             self.returned_at = time.cycle

@@ -17,7 +17,7 @@ from collections.abc import Iterable, Iterator
 from functools import cache
 from struct import pack, unpack
 
-PERIOD = 512  # samples in a period of sine; the table has a quarter more, so that cosine begins in it
+PERIOD = 512  # samples in a period of sine; the table is a quarter longer, so it has a period of cosine, too
 MANTISSAS = range(128)  # normalized operands of division and square root, in steps of 1/256 from 1/2 to 1
 INTERVALS = 65  # intervals of the arctangent, each 1/64 wide
 FORMATS = range(1, 31)  # Q1 to Q30

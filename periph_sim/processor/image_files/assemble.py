@@ -46,7 +46,7 @@ MOST_WORDS = 0x40_0000  # maximum number of words of a section: the size of prog
 
 
 class _Place(NamedTuple):
-    """A source line. path: the path of its file. included: the name of its file in .include; "" for the main source."""
+    """A source line. path: the path of its file. included: the name of its file; "" for the main source."""
 
     path: str
     line: int
@@ -65,8 +65,8 @@ class _Block:
 
     address, load: its run address and its load address.
     at: the run address after the pieces so far.
-    pieces: (source line, address, function) of each piece of the section. The function returns the words of the piece
-        for the address and the symbols.
+    pieces: for each piece of the section, its source line, its run address, and the function that returns its words for
+        this address and the values of all symbols.
     """
 
     name: str
@@ -78,13 +78,14 @@ class _Block:
 
 
 class _Source:
-    """The first pass, which collects sections with their pieces, and symbols, from source lines.
+    """The first pass over the source lines, which collects the symbols, and the sections with their pieces.
 
     blocks, reserved: the sections with contents, and those that only reserve memory.
     symbols: a dictionary from a symbol to its value.
-    sections: a dictionary from a symbol to the name of its section; "" for the name of a number.
+    sections: a dictionary from a symbol to the name of its section; "" for a symbol that .set defines.
     globals: a dictionary from a .global name to its line.
-    entry, entry_line: the name of the entry point, and the line of .entry; NOWHERE if there is no .entry.
+    entry: the name of the entry point.
+    entry_line: the line of .entry; NOWHERE if there is none.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -114,7 +115,7 @@ class _Source:
         return evaluate(text, self.symbols, self.blocks[-1].at if self.blocks else 0)
 
     def text(self, text: str, path: str, included: str = "") -> None:
-        """Process all lines of a file. included: the name of the file in .include; "" for the main source."""
+        """Process all lines of a file. included: see `_Place`."""
         for number, line in enumerate(text.splitlines(), 1):
             outer, self._place = self._place, _Place(path, number, included)
             with _errors_at(self._place):
@@ -295,8 +296,8 @@ def text_of(path: Path) -> str:
 def assemble_file(path: Path) -> tuple[Image, bytes]:
     """Return the image of a source file, and the bytes of its .out file. Raise BadImage with the path for an error.
 
-    If there is no such file, it is the program of this name that is shipped with periph_sim. A missing folder, which
-    could be mistyped, must then be written as that of the shipped programs.
+    If the folder has no such file, use the program of this name that is shipped with periph_sim. If there is no such
+    folder, do so only if the folder is named like that of the shipped programs, since another one may be mistyped.
     """
     folder = path.parent
     is_there = folder.is_dir() or folder.parts[-2:] == SHIPPED.parts[-2:]

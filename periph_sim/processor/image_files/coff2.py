@@ -45,8 +45,8 @@ SYMBOL_CLASSES = (EXTERNAL, STATIC, LABEL)
 class SectionHeader(NamedTuple):
     """Header of a section.
 
-    run, load: the fields for the physical and the virtual address.
-    size: the number of words; of bytes for COPY sections other than text and data.
+    run, load: the run address (physical) and the load address (virtual).
+    size: the number of words. For a COPY section other than text and data, it is the number of bytes.
     raw: the offset of the contents in the file; 0 if there are none.
     relocations: the number of relocations; 0 in a linked file.
     """
@@ -66,7 +66,7 @@ def is_coff(data: bytes) -> bool:
 
 
 def read(data: bytes) -> Image:
-    """Return the image in the data of a COFF2 file for the C28x. Raise BadImage if the data are none."""
+    """Return the image in the data of a COFF2 file for the C28x. Raise BadImage for data of any other kind."""
     version, section_count, _, symbols_at, symbol_count, optional, flags, target = _unpack(
         FILE_HEADER, data, 0, "header"
     )

@@ -1,6 +1,6 @@
 """Functions and source lines of an image by address, from its debug data (DWARF).
 
-Functions that the debug data do not describe are taken from the symbols. TI's compilers write DWARF 2 or 3. Addresses
+Functions without debug data are taken from the symbols. TI's compilers write DWARF 2 or 3. Addresses
 are run addresses in words. Unreadable debug data are left out.
 """
 
@@ -34,7 +34,7 @@ class SourceLine(NamedTuple):
 
 
 class FunctionRange(NamedTuple):
-    """Addresses of a function. name: its name in C. end: the address after its last word."""
+    """The address range of a function. name: its name in C. end: the address after its last word."""
 
     name: str
     address: int
@@ -71,7 +71,7 @@ class DebugInfo:
         return self.lines[at][1] if at >= 0 else None
 
     def each(self, parse: Callable[[DWARFInfo, CompileUnit], Iterator[T]]) -> list[T]:
-        """Return all that `parse` yields for the compilation units, up to the first damaged data."""
+        """Return everything that `parse` yields for the compilation units, up to the first damaged data."""
         found: list[T] = []
         if self._dwarf is None:
             return found
@@ -98,12 +98,12 @@ def _dwarf(image: Image) -> DWARFInfo | None:
 
 def _functions(dwarf: DWARFInfo, unit: CompileUnit) -> Iterator[FunctionRange]:
     for entry in unit.get_top_DIE().iter_children():
-        told = entry.attributes
-        if entry.tag == "DW_TAG_subprogram" and {"DW_AT_name", "DW_AT_low_pc", "DW_AT_high_pc"} <= told.keys():
-            first, last = told["DW_AT_low_pc"].value, told["DW_AT_high_pc"]
+        found = entry.attributes
+        if entry.tag == "DW_TAG_subprogram" and {"DW_AT_name", "DW_AT_low_pc", "DW_AT_high_pc"} <= found.keys():
+            first, last = found["DW_AT_low_pc"].value, found["DW_AT_high_pc"]
             end = last.value if last.form == "DW_FORM_addr" else first + last.value
             if first < end:
-                yield FunctionRange(text_of(told["DW_AT_name"].value), first, end)
+                yield FunctionRange(text_of(found["DW_AT_name"].value), first, end)
 
 
 def _lines(dwarf: DWARFInfo, unit: CompileUnit) -> Iterator[tuple[int, SourceLine | None]]:
@@ -171,15 +171,15 @@ class FunctionMap:
 
 def functions_of(image: Image, debug: DebugInfo) -> Iterator[Function]:
     for section in image.code:
-        told = {function.address: function for function in debug.functions if section.runs_at(function.address)}
-        covered = [range(function.address, function.end) for function in told.values()]
+        described = {function.address: function for function in debug.functions if section.runs_at(function.address)}
+        covered = [range(function.address, function.end) for function in described.values()]
         symbols = {
             symbol.address: symbol.name
             for symbol in sorted(image.symbols, key=lambda symbol: (not symbol.external, symbol.name), reverse=True)
             if symbol.section == section.name and not symbol.label and section.runs_at(symbol.address)
         }
-        starts = sorted({*told, *(at for at in symbols if not any(at in where for where in covered))})
+        starts = sorted({*described, *(at for at in symbols if not any(at in where for where in covered))})
         for at, after in pairwise([*starts, section.run + section.size]):
-            name = told[at].name if at in told else symbols[at]
-            end = min(told[at].end, section.run + section.size) if at in told else after
+            name = described[at].name if at in described else symbols[at]
+            end = min(described[at].end, section.run + section.size) if at in described else after
             yield Function(name, at, end - at, section.name, debug.line_at(at))

@@ -23,7 +23,7 @@ C2000 = "EM_TI_C2000"
 
 
 def read(data: bytes) -> Image:
-    """Return the image in the data of an ELF file for the C28x. Raise BadImage if the data are none."""
+    """Return the image in the data of an ELF file for the C28x. Raise BadImage for data of any other kind."""
     try:
         elf = ELFFile(io.BytesIO(data))
         machine = elf["e_machine"]

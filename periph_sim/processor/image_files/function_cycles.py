@@ -21,7 +21,7 @@ from .debug_info import Function, FunctionMap
 from .model import BadImage, Image
 
 WAITED = range(0xC000, 0x1_0000)  # L4 to L7, where a fetch of 32 bits takes 2 cycles
-OPEN = {"MOVL *SP++,ACC": "push_acc_cycles"}  # maps an instruction to the option that decides its cycles
+OPEN = {"MOVL *SP++,ACC": "push_acc_cycles"}  # maps an instruction to the option that determines its cycles
 UNC_BRANCH = "B_off16_COND"
 
 
@@ -44,7 +44,7 @@ class Row(NamedTuple):
 
 
 class FunctionCycles(NamedTuple):
-    """Cycles of a function. least: the total of all rows if no conditional branch is taken."""
+    """Cycles of a function. least: the sum of the cycles of all rows if no conditional branch is taken."""
 
     function: Function
     rows: tuple[Row, ...]
@@ -59,7 +59,7 @@ def function_cycles(image: Image, name: str) -> FunctionCycles:
         raise BadImage(f"there is no function {name!r}; {did_you_mean(name, functions)}")
     function = functions[name]
     code = {section.run + offset: word for section in image.code for offset, word in enumerate(section.words)}
-    pages = {DP: 0, SP: 0}  # the number of changes of DP and SP; between two changes, equal operands are equal words
+    pages = {DP: 0, SP: 0}  # number of changes of DP and SP; without a change, equal operands have equal addresses
     pipeline, rows, least = Pipeline(), [], 0
     address = function.address
     while address < function.address + function.size:

@@ -47,8 +47,8 @@ class Unknown(NamedTuple):
 class Register(NamedTuple):
     """A register that code accesses at a constant address.
 
-    reads, writes: the number of instructions that read and write it.
-    functions: the names of the functions that access it.
+    reads, writes: the number of instructions that read, and of those that write the register.
+    functions: the names of the functions that access the register.
     """
 
     module: str
@@ -150,7 +150,10 @@ LONGEST_TEXT = 10  # number of functions that the text lists without -v
 
 
 def text(found: Inspection, every: bool = False) -> str:
-    """Return the summary as text of 80 columns. every: True to list all functions, and those that use each register."""
+    """Return the summary as text of 80 columns.
+
+    every: True to list all functions, and for each register the functions that use it.
+    """
     image = found.image
     version = f", linker {image.tool_version}" if image.tool_version else ""
     count = len(found.unknown)

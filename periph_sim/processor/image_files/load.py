@@ -66,7 +66,7 @@ def parse(data: bytes) -> Image:
 
 
 def require_loadable(image: Image, part: Part) -> None:
-    """Raise BadImage if a section is in memory that this part does not have, or that cannot be loaded."""
+    """Raise BadImage if a section is in memory that this part of the family does not have, or that cannot be loaded."""
     named = [(f"section {quoted(one.name)} lies", one) for one in image.loaded]
     placed = [(what, address, one.size) for what, one in named for address in (one.address, one.run)]
     placed += [(f".cinit initialises {len(words)} words", address, len(words)) for address, words in image.initial]

@@ -17,12 +17,12 @@ LONGEST_NAME = 60  # characters of a name in a message
 
 
 def quoted(name: str) -> str:
-    """Return a name from a file, quoted and shortened for a message. In a damaged file it may be of any length."""
+    """Return a name from a file, quoted and shortened for a message. A name in a damaged file may have any length."""
     return f"{shorten(name, LONGEST_NAME)!r}"
 
 
 class BadImage(ValueError):
-    """A file is not an image of this chip; the message is one sentence."""
+    """Raised if a file is not an image of this chip. The message is one sentence."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +65,8 @@ class Section:
 class Symbol:
     """Symbol of an image.
 
-    address: its run address, or the value of a number.
-    section: the name of its section; "" for a number.
+    address: its run address; for a symbol that names a number, the number.
+    section: the name of its section; "" for a symbol that names a number.
     external: True if the symbol is visible in other source files.
     label: True for a label inside a function, which the compiler has generated.
     """
@@ -107,7 +107,7 @@ class Image:
 
     @property
     def stack(self) -> tuple[int, int]:
-        """The address range of the stack, (start, end); (0, 0xFFFF) if .stack is absent or too small."""
+        """The address range of the stack, (start, end); (0, 0xFFFF) without a section .stack, or if it is too small."""
         of_stack = (one for one in self.sections if one.name == ".stack" and one.size >= LEAST_STACK)
         return next(((one.run, one.run + one.size) for one in of_stack), (0, 0xFFFF))
 

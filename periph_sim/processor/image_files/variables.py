@@ -31,18 +31,21 @@ FAR = "DW_TAG_lo_user"  # the name that the library gives to the tag 0x4080, TI'
 QUALIFIERS = ("DW_TAG_const_type", "DW_TAG_volatile_type", "DW_TAG_restrict_type", "DW_TAG_atomic_type", FAR)
 OF_MEMBERS = ("DW_TAG_structure_type", "DW_TAG_union_type", "DW_TAG_class_type")
 ARRAY = "DW_TAG_array_type"
-WORDS = (1, 2)  # numbers of words that the CPU reads in one access
+WORDS = (1, 2)  # numbers of words that the CPU can read in one access
 DW_OP_PLUS_UCONST = 0x23
 MOST_NAMES = 64  # maximum number of typedefs and qualifiers of one type
 STEP = re.compile(r"\.([^.\[]+)|\[(\d{1,6})\]")
 
 
 class BadVariable(ValueError):
-    """A name is no variable of the image, or a value does not fit the variable. The message is one sentence."""
+    """Raised if a name is no variable of the image, or a value does not fit the variable.
+
+    The message is one sentence.
+    """
 
 
 def number_type(kind: DIE) -> tuple[int, str] | None:
-    """Return (number of words, number format) of a type; None if it is no number of one or two words.
+    """Return (number of words, number format) of a type; None if the type is no number of one or two words.
 
     The format is UNSIGNED, SIGNED or FLOAT.
     """

@@ -1,4 +1,4 @@
-"""ACC and P: add, subtract, compare, logic.
+"""Instructions for ACC and P: addition, subtraction, comparison and logic.
 
 A function that has the id of a form of `encodings.toml` as its name executes this form.
 Source: SPRU430F chapter 6; sections 2.3 (flags) and 2.2 (OVC).
@@ -15,7 +15,7 @@ __all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it fin
 
 
 def sum32(cpu: Cpu, a: int, b: int, carry: int = 0, saturates: bool = True) -> int:
-    """Return a + b + carry, and set N, Z and C. After a signed overflow, do what `overflowed` does."""
+    """Return a + b + carry, and set N, Z and C. After a signed overflow, return what `overflowed` returns."""
     total = a + b + carry
     result = total & M32
     cpu.c = total >> 32
@@ -26,7 +26,10 @@ def sum32(cpu: Cpu, a: int, b: int, carry: int = 0, saturates: bool = True) -> i
 
 
 def difference32(cpu: Cpu, a: int, b: int, borrow: int = 0, saturates: bool = True) -> int:
-    """Return a - b - borrow, and set N, Z and C, which is 0 after a borrow. For an overflow, see `overflowed`."""
+    """Return a - b - borrow, and set N, Z and C. After an overflow, return what `overflowed` returns.
+
+    C is 0 if the exact result, without signs, is negative (a borrow), otherwise 1.
+    """
     total = a - b - borrow
     result = total & M32
     cpu.c = int(total >= 0)
@@ -37,9 +40,12 @@ def difference32(cpu: Cpu, a: int, b: int, borrow: int = 0, saturates: bool = Tr
 
 
 def overflowed(cpu: Cpu, a: int, result: int, saturates: bool) -> int:
-    """Set V, and return the result of an overflow whose exact value has the sign of a.
+    """Set V after the overflow of a sum or difference, and return the value to use as its result.
 
-    With `saturates` and OVM = 1, the result is limited to the signed range; with OVM = 0, OVC counts the overflow.
+    a: the first operand; the exact sum or difference has its sign.
+    result: the low 32 bits of the exact sum or difference.
+    saturates: False to return `result`. If it is True and OVM is 1, the limit of the signed range is returned. If it is
+        True and OVM is 0, OVC counts the overflow, and `result` is returned.
     """
     cpu.v = 1
     upward = not a & SIGN32
@@ -202,7 +208,7 @@ def SUBUL_P_loc32(cpu: Cpu, f: Operation) -> None:
 
 
 def SUBCU_ACC_loc16(cpu: Cpu, f: Operation) -> None:
-    """Do one step of a division by 16 bits."""
+    """Execute one step of a division by an unsigned 16-bit number; the quotient is built in the low bits of ACC."""
     shifted = cpu.acc << 1
     rest = shifted - (cpu.read16() << 16)
     cpu.c = int(rest >= 0)
@@ -210,7 +216,7 @@ def SUBCU_ACC_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def SUBCUL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
-    """Do one step of a division by 32 bits; the quotient is built in P."""
+    """Execute one step of a division by an unsigned 32-bit number; the quotient is built in the low bits of P."""
     shifted = cpu.acc << 1 | cpu.p >> 31
     rest = shifted - cpu.read32()
     cpu.c = int(rest >= 0)
@@ -252,7 +258,7 @@ def MINL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
 
 
 def MAXCUL_P_loc32(cpu: Cpu, f: Operation) -> None:
-    """Set P to the lower half of a 64-bit maximum. MAXL has compared the upper halves before."""
+    """Set P to the lower half of a 64-bit maximum. MAXL has compared the upper halves before and set N and Z."""
     value = cpu.read32()
     if cpu.n and not cpu.z:
         cpu.p = value
@@ -272,7 +278,7 @@ def MINCUL_P_loc32(cpu: Cpu, f: Operation) -> None:
 
 
 def negate(cpu: Cpu, value: int) -> int:
-    """Return -value. An overflow, of the most negative value, sets V; its result depends on OVM."""
+    """Return -value. For the most negative value, set V, and limit the result if OVM is 1."""
     if value == SIGN32:
         cpu.v = 1
         return 0x7FFF_FFFF if cpu.ovm else SIGN32

@@ -1,4 +1,4 @@
-"""Status, interrupts, repeats and others.
+"""Instructions for status bits, interrupts and repeats, and those that stop the CPU or do nothing.
 
 A function that has the id of a form of `encodings.toml` as its name executes this form.
 Stopping a program and entering or leaving a service routine are methods of `Cpu`, which a chip overrides.
@@ -17,12 +17,12 @@ __all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it fin
 INTM, DBGM, PAGE0, VMAP = 1 << 0, 1 << 1, 1 << 2, 1 << 3  # masks of bits of ST1
 EALLOW_BIT, AMODE, OBJMODE, M0M1MAP, XF = 1 << 6, 1 << 8, 1 << 9, 1 << 11, 1 << 12
 NMI, EMUINT = 18, 17
-RA, RC = 1 << 30, M16  # masks of the fields of RB: a block is active, repeat count
-RSIZE, RE = 23, 16  # lowest bits of the fields of RB: size and end address of the block
+RA, RC = 1 << 30, M16  # masks of fields of RB, the register of RPTB: a block is active; the repeat count
+RSIZE, RE = 23, 16  # lowest bits of fields of RB: the size and the end address of the block
 
 
 def NOP_indind(cpu: Cpu, f: Operation) -> None:
-    """Do nothing: only the addressing mode of the operand has an effect, on address registers."""
+    """Do nothing: the only effect is that of the addressing mode on address registers, in `Cpu.locate`."""
 
 
 def IACK_16(cpu: Cpu, f: Operation) -> None:

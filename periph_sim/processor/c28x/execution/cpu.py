@@ -36,11 +36,12 @@ class Operation:
     absolute: READS, WRITES or 0, for the operand *(0:16).
     following: the operation at `next`; None until that operation is executed after this one.
     goal: the operation to which this one jumped last; None before the first jump.
-    needs, makes, at_once: registers and memory that the pipeline waits for; see `pipeline.hazards`, `writes_at_once`.
+    needs, makes: masks of the registers for which the pipeline waits, see `pipeline.hazards`.
+    at_once: True if the write to memory leaves phase D2 in the first cycle, see `pipeline.writes_at_once`.
     jumps: True if the instruction can write PC.
     loops: True for a branch, which can close a loop; False for calls and returns.
     late: mask of the FPU registers, and FLAGS, that are written one instruction later.
-    plain: the function that writes all results at once, if `execute` models late results.
+    plain: if `execute` models late results, the function that writes all results at once; otherwise not set.
     waited: True if the instruction is in memory with wait states.
     tested: mask of the bits of the operand that TBIT or AND AX,loc16,#16 tests; 0 for other instructions.
     block, block_end: for an instruction that accesses data, the address range of the memory block that contains the
@@ -76,8 +77,7 @@ class Cpu(Registers):
     field: the value of field l of the current instruction.
     high_byte: True if the operand is the upper byte of the word at `ea`.
     cycles: the cycles of the current instruction.
-    written_in: the cycle of the current instruction, from 1 to `cycles`, in which the part of it that writes memory is
-        in phase D2.
+    written_in: the cycle of the current instruction, counted from 1, in which its write to memory passes phase D2.
     repeat: the repeat count N that RPT has set for the next instruction; -1 if there is none.
     passes: the number of completed passes of a repeated instruction.
     """
@@ -294,12 +294,12 @@ class Cpu(Registers):
         return self.load32(self.sp)
 
     def push_pair(self, low: int, high: int) -> None:  # core: C only
-        """Push two words; SP may be odd."""
+        """Push two words one by one, so that SP may be odd."""
         self.push16(low)
         self.push16(high)
 
     def pop_pair(self) -> int:  # core: C only
-        """Pop two words, and return them as 32 bits; the lower half was at the lower address. SP may be odd."""
+        """Pop two words one by one, so that SP may be odd. Return them as 32 bits; the first one is the upper half."""
         high = self.pop16()
         return self.pop16() | high << 16
 

@@ -62,7 +62,7 @@ class Engine(Cpu):
         return self._decode()
 
     def after(self, f: Operation) -> Operation:
-        """Return the instruction at `pc` after f was executed."""
+        """Return the instruction at `pc` after f was executed. The results of the last calls are kept in f."""
         if not self.keeps_decoded:
             return self.fetch()
         found = f.following
@@ -101,7 +101,10 @@ class Engine(Cpu):
         return self.cycles
 
     def _pass_done(self, f: Operation) -> int:
-        """Complete a pass after RPT. Return its cycles: 1, but for the first pass the cycles of all N + 1 minus N."""
+        """Complete a pass after RPT, and return its cycles.
+
+        The first of N + 1 passes takes the cycles of all passes minus N, and each further pass takes 1 cycle.
+        """
         cycles = 1 if self.passes else f.repeated or self.cycles
         self.left -= 1
         if self.left:

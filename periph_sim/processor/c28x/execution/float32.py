@@ -2,7 +2,7 @@
 
 An exact integer result is rounded once, to nearest even or towards zero. Denormal operands and results are 0, NaN is
 treated as infinity, and an overflow gives infinity. A result has the float32 in bits 31:0, and may have the bit
-UNDERFLOW or OVERFLOW above them. Source: SPRUEO2A section 2.3; what it does not specify is our choice.
+UNDERFLOW or OVERFLOW above them. Source: SPRUEO2A section 2.3; details that it does not specify are chosen here.
 """
 
 # core: compiled

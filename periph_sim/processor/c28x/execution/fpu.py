@@ -1,4 +1,4 @@
-"""The FPU.
+"""Arithmetic, comparisons and conversions of the FPU.
 
 A function that has the id of a form of `encodings.toml` as its name executes this form.
 Results are written at once, which makes no difference for a program with correct delay slots. `delay_slots.delay` makes
@@ -41,7 +41,7 @@ def nearest(cpu: Cpu) -> bool:
 
 
 def result(cpu: Cpu, number: int, value: int) -> None:
-    """Write a result of `float32` to RnH, and set LUF after an underflow, LVF after an overflow."""
+    """Write a result of `float32` to RnH. Set LUF after an underflow, LVF after an overflow. number: n."""
     cpu.r[number] = value & BITS
     if value & UNDERFLOW:
         cpu.stf |= LUF
@@ -50,7 +50,7 @@ def result(cpu: Cpu, number: int, value: int) -> None:
 
 
 def moved(cpu: Cpu, number: int, bits: int) -> None:
-    """Write RnH by a move, and set NF and ZF by the bits as a float, NI and ZI by the bits as an integer."""
+    """Write RnH by a move. Set NF and ZF for the bits as a float, NI and ZI for the bits as an integer. number: n."""
     cpu.r[number] = bits
     flags = (NF | NI if bits & SIGN else 0) | (ZF if is_zero(bits) else 0) | (ZI if bits == 0 else 0)
     if flags & ZF:

@@ -1,7 +1,7 @@
 """Multiply, and multiply with accumulate.
 
 A function that has the id of a form of `encodings.toml` as its name executes this form.
-Source: SPRU430F chapter 6; section 5.8 (which program addresses step under RPT).
+Source: SPRU430F chapter 6; section 5.8 (program addresses that increase in each pass of RPT).
 """
 
 # core: compiled

@@ -26,7 +26,7 @@ from . import (
 )
 from .cpu import READS, WRITES, Operation
 
-# The id of a form for one address register. Forms that differ only in the register have one function.
+# Ids of forms that exist once for each address register, such as MOVB_XAR6_8. All of them have one function.
 OF_ONE_XAR = re.compile(r"((?:[A-Z]+|MOVL_loc32)_X?AR)(\d)(_[a-z0-9]+)?")
 MODULES = (accumulator, half_words, multiply, shifts, moves, stack, branches, control, fpu, fpu_moves)
 
@@ -56,7 +56,7 @@ def operation(instruction: Instruction) -> Operation:
 
 
 def form_of(encoding: Encoding) -> Operation:
-    """Return an operation with the properties that all operations of a form share. It is made at the first call.
+    """Return an operation with the properties that all operations of a form share. Each form has one, made once.
 
     Raise KeyError if no function executes the form.
     """

@@ -30,7 +30,7 @@ SHDWS = 1 << 31
 
 
 class IllegalOperation(Exception):
-    """An operation that this CPU refuses; the message gives the reason, without the address."""
+    """Raised if an instruction cannot be executed. The message gives the reason, without the address."""
 
 
 class Registers:
@@ -42,8 +42,10 @@ class Registers:
     r, shadow_r: R0H to R7H, and their shadow registers, as the bits of float32 numbers.
     pc: the address of the next instruction.
     st1: ST1 without the field ARP, which is in `arp`.
-    due, due_r, due_flags: mask of the FPU registers with a pending late result, the results, and pending LUF and LVF.
-    before_r: R0H to R7H before the present instruction. For these four, see `delay_slots`.
+    due: mask of the FPU registers that have a pending late result (see `delay_slots`).
+    due_r: the pending results, by the number of the register.
+    due_flags: the flags LUF and LVF that are set together with the pending results.
+    before_r: R0H to R7H before the present instruction.
     """
 
     STATE = State(

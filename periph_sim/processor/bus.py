@@ -193,7 +193,7 @@ class Bus:
 
     @property
     def lands_after(self) -> int:
-        """Cycles from the posting of a write to its effect."""
+        """Number of cycles from the cycle in which a write is posted to the cycle in which it lands."""
         return self._write_lands.unrecorded()
 
     # By address ----------------------------------------------------------------
@@ -266,7 +266,7 @@ class Bus:
         return max(cycle, self.free(operand)) + self.read_waits(operand)
 
     def fetch(self, at: int, operand: Operand) -> int:
-        """Return the words of an operand in cycle `at`, each at its position in the register."""
+        """Read the words of an operand in cycle `at`, and return each at its position in the register."""
         if not operand.recorded:
             return operand.see(at) if operand.harmless else self._read(at, operand)
         return self._recorded(at, operand, self._place() if operand.records_place() else None)
@@ -375,7 +375,7 @@ class Bus:
         recorder.cause = outer
 
     def forget(self) -> None:
-        """Drop all posted writes, since the program has ended."""
+        """Drop all posted writes. Call this method when the program has ended."""
         self._posted = None
 
     # Both ------------------------------------------------------------------------

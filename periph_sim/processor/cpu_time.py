@@ -66,7 +66,7 @@ class CpuTime:
     # Advancing ---------------------------------------------------------------
 
     def advance(self, cycle: int) -> bool:
-        """Set the time to `cycle` and return True; if something else may act before, schedule a wake-up, return False.
+        """Set the time to `cycle` and return True. If something else may act before, schedule a wake-up, return False.
 
         A cycle in the past, as in a replayed pass of a wait, is always possible.
         """
@@ -86,9 +86,9 @@ class CpuTime:
         return lease
 
     def rest(self, cycle: int) -> bool:
-        """Set the time to `cycle` and return True if nothing else may act before; else sleep and return False.
+        """If nothing else may act before `cycle`, set the time to it and return True; else sleep and return False.
 
-        The sleep ends at `cycle` or at an interrupt. NEVER: only an interrupt ends the sleep.
+        The sleep ends at `cycle` or at an interrupt; if `cycle` is NEVER, only at an interrupt.
         """
         if cycle < NEVER:
             kernel, tick = self._kernel, self._clock.tick(cycle)
@@ -169,7 +169,7 @@ class CpuTime:
             self.wake_at(cycle)
 
     def restored(self) -> None:
-        """End the lease, which is not part of a restored state."""
+        """End the lease after a snapshot was restored, since snapshots do not contain the lease."""
         self.lease = 0
 
     def reclock(self) -> None:
@@ -179,7 +179,7 @@ class CpuTime:
             self.wake_at(self._wake_cycle)
 
     def stop(self) -> None:
-        """Cancel the scheduled wake-up, and forget posted writes, since the program has ended."""
+        """Cancel the scheduled wake-up, and forget posted writes. Call this method when the program has ended."""
         self._kernel.cancel(self._wake)
         self.lands = NEVER
         self.asleep = self.watching = False

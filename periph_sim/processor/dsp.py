@@ -67,7 +67,7 @@ class DspPlan(Struct):
     keeps_decoded: see `Engine`.
     strict: True if the run ends when the firmware violates a rule of the manuals (a note with the code "duty").
     seed: the seed of the times that are drawn from spreads.
-    costs: the times for the first computations whose cost is a spread, in seconds; times for later ones are drawn.
+    costs: the times in seconds of the first computations whose cost is a spread; times of later ones are drawn.
     stall_limit: seconds of host CPU time that firmware may take at one instant of simulated time; 0 if unlimited.
     pulled_down: the GPIO numbers of the pins with an external pull-down resistor.
     part: the member of the F2833x family.
@@ -245,7 +245,7 @@ class Dsp(FirmwareView):
             self.note_places.setdefault((socket.name, self.clock.tick(cycle)), where)
 
     def restored(self) -> None:
-        """Treat the settings of the restored system control as already applied."""
+        """Treat the clocks and gates of a restored snapshot as already applied."""
         control = self.control
         self._nominal_hz, self._gates = control.sysclk_hz, control.gates
         self._lspclk = (control.lspclk_divider, control.lspclk_phase)

@@ -57,16 +57,16 @@ class InterruptLines:
             pulses >>= 1
             number += 1
 
-    def _cpu_requested(self, interrupt: int, cycle: int, asked: int) -> None:
+    def _cpu_requested(self, interrupt: int, cycle: int, lines: int) -> None:
         """Request INT13 or INT14. INT13 belongs to timer 1 unless XNMICR selects the XNMI pin [SPRUFB0D Table 123]."""
         xint = self._sockets.get("XINT")
         xnmicr = 0 if xint is None else xint.chip.peek(cycle, xint.chip.MAP["XNMICR"].offset)
         if interrupt != INT13 or int13_source(xnmicr) == "TINT1":
             self.processor.request(cycle, interrupt)
 
-    def _requested(self, places: Places, cycle: int, asked: int) -> None:
+    def _requested(self, places: Places, cycle: int, lines: int) -> None:
         for i, (group, line) in enumerate(places):
-            if asked >> i & 1:
+            if lines >> i & 1:
                 self._pie.request(cycle, group, line)
         self._sockets["PIE"].publish(cycle)
 

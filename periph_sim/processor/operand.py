@@ -1,4 +1,4 @@
-"""Operand of a register access: the words that are transferred, and their properties that the bus needs.
+"""Operand of a register access: the words that are transferred, and the properties of these words for the bus.
 
 An operand is made once, and is used again for all later accesses to the same words.
 """

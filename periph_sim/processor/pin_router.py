@@ -66,7 +66,7 @@ class Router(Agent):
         self._gpio = gpio
         self._gpio_socket = gpio_socket
         self._wires: dict[int, Wire] = wires
-        self._undriven = {n: int(n not in pulled_down) for n in wires}
+        self._undriven = {n: int(n not in pulled_down) for n in wires}  # level of each undriven pad
         self._inputs = inputs
         self._outputs = outputs
         self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in wires.items()}
@@ -203,7 +203,7 @@ class Router(Agent):
     # Routes --------------------------------------------------------------------
 
     def look(self, cycle: int) -> None:
-        """Apply changes of routes, output levels and qualified inputs of the GPIO module."""
+        """Apply changes that the GPIO module has made to routes, output levels and qualified inputs."""
         gpio = self._gpio
         if gpio.routes_version != self._routes:
             self._routes = gpio.routes_version

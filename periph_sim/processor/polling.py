@@ -90,7 +90,7 @@ class Spin:
         self.held_up = 0
 
     def take_length(self, cycle: int) -> None:
-        """Set `bare`. cycle: the cycle at which the reads of the present pass are complete."""
+        """Set `bare`. Call this method when the reads of the present pass are complete. cycle: the present cycle."""
         place: int
         for place in range(self.made):
             read: Poll = self.reads[place]
@@ -154,7 +154,7 @@ class Lease(ChipObserver):
         self._sockets = NO_SOCKETS
 
     def begin(self, spin: Spin) -> bool:
-        """Observe what the pass that has just ended has read. Return False if a value has changed already."""
+        """Observe the registers that the last pass has read. Return False if a value has changed already."""
         self._first = self._time.cycle
         self._spin = spin
         if self.broken(self._first):

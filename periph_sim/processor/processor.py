@@ -259,7 +259,7 @@ class Processor(Agent):
         self.stops(why)
 
     def stops(self, why: Stop | None) -> None:
-        """Note that the program stops for a reason, and restore the cause of the records."""
+        """Store why the program stops. Then set the cause of further records to that before the program was run."""
         recorder = self._recorder
         self.stopped = why
         self._cause, recorder.cause = recorder.cause, self._outer

@@ -182,23 +182,23 @@ FIRMWARE_VIEW = (
 
 
 class FirmwareError(Exception):
-    """Firmware cannot continue: it has raised an exception, or violated a rule of the manuals in a `strict` scene."""
+    """Raised if firmware cannot continue, for example after an exception, or a violated rule in a `strict` scene."""
 
 
 class Misuse(FirmwareError):
-    """The interface of the DSP rejects a call or a value. The error is reported with the statement of the firmware."""
+    """Raised if the interface of the DSP rejects a call or a value. The report names the statement of the firmware."""
 
 
 class FirmwareStalled(FirmwareError):
-    """Firmware has let no simulated time pass for too long. The run has failed, but the tool was used correctly."""
+    """Raised if firmware lets no simulated time pass for too long. The run has failed; its case is valid."""
 
 
 class FirmwareLost(FirmwareStalled):
-    """Compiled code cannot continue, for example at an illegal instruction. The run has failed."""
+    """Raised if compiled code cannot continue, for example at an illegal instruction. The run has failed."""
 
 
 class InterruptFault(FirmwareError):
-    """The context or the vector of an interrupt is outside of memory."""
+    """Raised if the context or the vector of an interrupt is not in RAM."""
 
 
 def flaw_of(function: Callable[..., object], arguments: int) -> str:

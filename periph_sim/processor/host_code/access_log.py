@@ -34,7 +34,7 @@ VALUE = (1 << PLACE) - 1
 
 
 class Access(IntEnum):
-    """Kinds of items. runtime.c uses the numbers of COMPUTE and READ, too."""
+    """Kinds of the items of a log. runtime.c uses the numbers of COMPUTE and READ, too."""
 
     COMPUTE = 1  # the value is the number of cycles
     READ = 2  # the place is the offset on the host, the value contains the bytes that were read
@@ -50,9 +50,9 @@ def item_of(kind: Access, place: int = 0, value: int = 0, size: int = 0) -> int:
 class AccessLog(NamedTuple):
     """The accesses of a run up to an instant.
 
-    items: all items of the run, which appends further items later.
+    items: all items of the run; the run may append further items after the instant.
     length: the number of items up to the instant.
-    computing: the cycles of the whole computation in which the log ends.
+    computing: all cycles of the computation in progress at the instant, also those after it.
     """
 
     items: array[int]
@@ -79,7 +79,7 @@ class LoggedRun(Run):
     ) -> None:
         """log: the log of the earlier run; None to begin a new log.
 
-        rest: the cycle at which the log ends, and the number of cycles of its last computation that remain.
+        rest: the cycle at which the log ends, and the cycles that its last computation takes after it.
         """
         super().__init__(dsp, path, base, layout)
         self.log = array(ITEM) if log is None else log.items[: log.length]

@@ -52,7 +52,8 @@ from .library import (
 )
 from .register_layout import BYTES_A_WORD, IER, IFR, LARGEST, VECTORS, WORD, BadLayout, Place, RegisterLayout
 
-FIRST_BASE, ROOM = 0x2000_0000_0000, 0x100_0000  # host address of the registers of the first program, and the distance
+# Host address of the register memory of the first program, and the distance to that of the next program.
+FIRST_BASE, ROOM = 0x2000_0000_0000, 0x100_0000
 BLOCK_CYCLES = 6  # cycles of a basic block: about three statements with loads, operations and stores
 BLOCKS_AT_ONCE = 64  # number of basic blocks after which time passes even without an access
 LOOP_CYCLES = 1_000_000  # cycles that an endless empty loop takes at a time; service routines may interrupt them
@@ -120,7 +121,7 @@ class Run:
         self._place = 0  # host address of the instruction that makes the current access
         self._raised: BaseException | None = None  # the exception that `_call` raises after the C functions have ended
         self._routines: dict[int, int] = {}  # maps a function pointer of the host to its code address
-        self._places: list[Place] = []  # the places written so far
+        self._places: list[Place] = []  # the places that C code has written so far
         self._numbers: dict[Place, int] = {}  # maps each of these places to its number in runtime.c
         # Maps the host address of the call that announces a write to (offset from the announced bytes, size) of the
         # store that follows.
@@ -138,7 +139,7 @@ class Run:
             "clrc dbgm": cpu.nop,
             "setc dbgm": cpu.nop,
         }
-        self.library = Library(path, base, self._asked, BLOCKS_AT_ONCE)
+        self.library = Library(path, base, self._on_request, BLOCKS_AT_ONCE)
 
     def main(self) -> None:
         self.dsp.cpu.program.placed = self.place
@@ -182,7 +183,7 @@ class Run:
 
     # Requests of runtime.c --------------------------------------------------------------
 
-    def _asked(self, what: int, at: int, size: int, detail: int, blocks: int, pc: int) -> int:
+    def _on_request(self, what: int, at: int, size: int, detail: int, blocks: int, pc: int) -> int:
         """Handle a request of runtime.c and return the reply. An exception is kept, and the reply is UNWINDS.
 
         runtime.c then leaves the C functions, and `_call` raises the exception.
@@ -193,7 +194,7 @@ class Run:
         blocks: the number of basic blocks executed since the last request.
         pc: the host address of the instruction.
         """
-        said = NO_PLACE
+        reply = NO_PLACE
         try:
             leave_c()
             self._place = pc
@@ -205,7 +206,7 @@ class Run:
                     raise self._no_member(at, size)
                 self.load(at, size, places)
             elif what == ANNOUNCED:
-                said = self._announced(at, size)
+                reply = self._announced(at, size)
             elif what == WRITE:
                 place = self._places[detail - PROTECTED - 1]
                 value = int.from_bytes(self.library.memory[place.at : place.at + place.size], "little")
@@ -214,7 +215,7 @@ class Run:
                 self.write_register(place.word, value & (1 << place.width) - 1, place.width)
             elif what == TOUCHED:
                 self._stores[pc] = at - (detail >> 8), size
-                said = self._begin_write(self._stored(detail >> 8, detail & 0xFF))
+                reply = self._begin_write(self._stored(detail >> 8, detail & 0xFF))
             elif what == ASSEMBLY:
                 self._assembled((ctypes.c_char_p(detail).value or b"").decode("latin-1"))
             elif what == DELAY:
@@ -226,7 +227,7 @@ class Run:
         except BaseException as raised:  # exceptions cannot pass through C code, so `_call` raises this one
             self._raised = raised
             return UNWINDS
-        return said
+        return reply
 
     def _announced(self, at: int, size: int) -> int:
         """Return the number of the place that C code writes next; PROTECTED if only the store determines the place."""
@@ -241,7 +242,7 @@ class Run:
         return number
 
     def _stored(self, at: int, size: int) -> Place:
-        """Return the place written by the store that follows the write announced for these bytes."""
+        """Return the place that the store after the announcement for these bytes writes."""
         further, stored = self._stores[self._place]
         if stored > LARGEST:
             raise FirmwareLost(

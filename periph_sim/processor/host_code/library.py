@@ -39,8 +39,8 @@ READ, ANNOUNCED, WRITE, TOUCHED, TIME, ASSEMBLY, DELAY, ENDS = range(8)  # kinds
 UNWINDS, NO_PLACE, PROTECTED = -1, 0, 1  # replies to a request; a larger reply is the number of a place to write
 ENDED, UNWOUND, FAULT, LOOPS = range(4)  # how a C function ended; LOOPS: it is in an endless empty loop
 
-Asked = Callable[[int, int, int, int, int, int], int]
-ASKED = ctypes.CFUNCTYPE(
+RequestHandler = Callable[[int, int, int, int, int, int], int]
+REQUEST_HANDLER = ctypes.CFUNCTYPE(
     ctypes.c_int,
     ctypes.c_int,
     ctypes.c_uint32,
@@ -57,17 +57,18 @@ class Library:
     memory: the bytes of the host's memory for registers.
     """
 
-    def __init__(self, path: Path, base: int, asked: Asked, blocks_at_once: int) -> None:
+    def __init__(self, path: Path, base: int, on_request: RequestHandler, blocks_at_once: int) -> None:
         """path: the file, which no other object has loaded. base: the host address of the chip's word 0.
 
-        asked: handles requests of runtime.c, see `Run`. blocks_at_once: the number of basic blocks between requests.
+        on_request: handles requests of runtime.c, see `Run`.
+        blocks_at_once: the number of basic blocks between requests.
         """
         self._path = path
         self._library = ctypes.CDLL(str(path))
-        self._asked = ASKED(asked)  # the reference keeps the object alive while C code can call it
-        self._library.c28x_begin.argtypes = (ctypes.c_uint64, ASKED, ctypes.c_uint64)
+        self._on_request = REQUEST_HANDLER(on_request)  # the reference keeps the object alive while C code can call it
+        self._library.c28x_begin.argtypes = (ctypes.c_uint64, REQUEST_HANDLER, ctypes.c_uint64)
         self._library.c28x_run.argtypes = (ctypes.c_void_p,)
-        if self._library.c28x_begin(base, self._asked, blocks_at_once):
+        if self._library.c28x_begin(base, self._on_request, blocks_at_once):
             raise OSError(f"the host cannot map registers at {base:#x}")
         self.memory = memoryview((ctypes.c_ubyte * BYTES).from_address(base)).cast("B")
         self._numbers = (ctypes.c_int * (BYTES * (LARGEST + 1))).in_dll(self._library, "c28x_numbers")
@@ -225,7 +226,7 @@ OWN_DECLARATIONS = "void c28x_assembly(const char *);"
 
 
 class BadSources(ValueError):
-    """C sources cannot be compiled for the host; the message is one sentence."""
+    """Raised if C sources cannot be compiled for the host. The message is one sentence."""
 
 
 class Sources(Struct, frozen=True):

@@ -26,7 +26,7 @@ from msgspec import Struct
 from ...f28335.parts.f28335 import PART
 from ..image_files.variables import QUALIFIERS, size_of, sizes_of, without_qualifiers
 
-BYTES_A_WORD = 4  # bytes on the host for a word of the chip: the size of an unsigned int on the host
+BYTES_A_WORD = 4  # number of bytes on the host for each word of the chip, the size of the host's unsigned int
 IER, IFR = 0x0F00, 0x0F04  # addresses given to the CPU registers IER and IFR, which no module uses
 VECTORS = range(0x0D00, 0x0E00)
 
@@ -72,7 +72,7 @@ NO_REGISTER = "no register has this type; declare 16 bits as unsigned int or uin
 
 
 class BadLayout(ValueError):
-    """A register structure has a member without a known place on the chip.
+    """Raised if a register structure has a member whose place on the chip is not known.
 
     The message is one sentence with the file and line of the member.
     """

@@ -34,7 +34,7 @@ from .program import PythonProgram
 
 SLEEPS = Stop.SLEEPS
 
-MANY_READS = 1000  # number of reads without a write or a wait after which a loop may be polling
+MANY_READS = 1000  # after this number of reads without a write or a wait, it is checked whether a loop polls
 CYCLES_OF_A_PASS = 100  # maximum number of cycles between two reads of a loop that only polls
 POLLING = Note(
     "polling",
@@ -46,7 +46,7 @@ POLLING = Note(
 
 @final
 class Cpu:
-    """One processor with its Python firmware. Each access takes one cycle and the wait states of its frame.
+    """One processor with its Python firmware. Each access takes one cycle and the wait states of its peripheral frame.
 
     core: the masks, flags and timing of interrupts.
     program: the Python firmware.
@@ -117,7 +117,7 @@ class Cpu:
         return topic
 
     def record(self, topic: Topic, cycle: int, begins: int, end: Text = "") -> None:
-        """Record that a wait or a span begins (begins = 1) or ends (0). end: the text of the end."""
+        """Record that a wait or a span begins (begins = 1) or ends (0). end: the text of the record of the end."""
         text = (self.program.place() or "") if begins and topic.places else end
         topic.emit(self._clock.tick(cycle), begins, text)
 

@@ -24,13 +24,13 @@ from .cpu import Cpu
 from .register_view import ModulePort
 from .waits import Waits
 
-LONG = 1 << 31  # a number of cycles up to this one is not compared with the longest possible run
+LONG = 1 << 31  # only a larger number of cycles is compared with the length of the longest possible run
 
 
 class Span:  # core: python
     """Context manager of a span.
 
-    A generator of contextlib would add its own frames between the firmware and the calls here.
+    It is a class, because a generator of contextlib would add stack frames between the firmware and the calls here.
     """
 
     def __init__(self, cpu: Cpu, name: str) -> None:
@@ -117,7 +117,7 @@ class FirmwareView:
         return self._fitting(cycles, f"dsp.{what}: pass_cycles = {cycles}") if cycles > LONG else cycles
 
     def compute(self, cost: Spread | Fraction | int, name: Text = "") -> None:  # core: python
-        """Let the time of a computation pass. cost: a whole number of cycles, or seconds (rounded up to a cycle).
+        """Let the time of a computation pass. cost: an int is cycles, a Fraction is seconds (rounded up to a cycle).
 
         For a spread, each call draws a whole number of cycles, each with the same probability. name: the name of a span
         around the computation; "" for no span.

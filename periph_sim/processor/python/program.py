@@ -48,7 +48,7 @@ Handler = Callable[[], None]
 class _ProgramsOfThread:  # core: python
     """The programs that one thread has begun; no other thread can run or end them.
 
-    alive: the programs that still exist. They end with the thread, when the thread's variables are deleted.
+    alive: the programs that still exist. They end when the thread ends, since its variables are deleted then.
     leftovers: the programs whose scene was deleted in another thread. They end when this thread begins a program.
     """
 
@@ -83,7 +83,7 @@ class PythonProgram(Program):
     entered: the service routine that must be called next.
     stall_limit: seconds of CPU time that the firmware may take at one instant of simulated time; 0 if unlimited.
     placed: returns the present statement of firmware that is not written in Python; None for Python firmware.
-    thread: the thread that executes the firmware now; 0 if none does.
+    thread: the id of the thread that executes the firmware now; 0 if none does.
     """
 
     __weakref__: object
@@ -163,7 +163,10 @@ class PythonProgram(Program):
     # Turns -------------------------------------------------------------------
 
     def run(self, until: int) -> None:
-        """Give this program its turn. `yield_turn` reports a stop, because this call may return in another program."""
+        """Give this program its turn.
+
+        The result is None. `yield_turn` reports the stop, because this call may return in another program.
+        """
         kernel = self._kernel
         kernel.released = True
         if kernel.nested_owner is not self:
@@ -208,9 +211,9 @@ class PythonProgram(Program):
         self.thread = self._watched
 
     def _outer_loop(self) -> greenlet:
-        home = self._kernel.outer_loop
-        assert isinstance(home, greenlet), "firmware calls the CPU only from inside a run"
-        return home
+        outer_loop = self._kernel.outer_loop
+        assert isinstance(outer_loop, greenlet), "firmware calls the CPU only from inside a run"
+        return outer_loop
 
     def _end_watch(self) -> None:
         """End the watch for stalls: until `thread` is set again, CPU time does not count as that of the firmware."""
@@ -219,7 +222,7 @@ class PythonProgram(Program):
             watch.leave(self._watched)
 
     def kill(self, how: type[BaseException]) -> None:
-        """Raise `how` in the firmware, so that its `finally` blocks run."""
+        """End the program: raise `how` in the firmware, so that its `finally` blocks run."""
         Program.kill(self, how)
         dying, self._greenlet = self._greenlet, None
         if dying is not None and not dying.dead:
@@ -233,7 +236,8 @@ class PythonProgram(Program):
     def release(self) -> None:
         """Run the `finally` blocks of the firmware in no simulated time, and ignore their errors.
 
-        In a thread that has not begun the program, leave this to the thread that has (`leftovers`).
+        Only the thread that has begun the program can do this. Any other thread adds the program to the `leftovers` of
+        that thread.
         """
         if self._leftovers is _threads.programs.leftovers:
             self.end_quietly()

@@ -125,7 +125,7 @@ class Port:
         return None if found is None else found.comparison(self, number, test, where)
 
     def _inner(self, made: type[Port], fields: dict[str, PortField]) -> Port:  # core: python
-        """Return the port for the two halves of the register, which is made at the first call."""
+        """Return the port for the two halves of the register. The port is made at the first call."""
         if self._half is None:
             self._half = made(self._cpu, self._place, fields)
         return self._half
@@ -138,7 +138,7 @@ STATE = frozenset(Port.__slots__)
 class PortField:
     """A name of a port: a field, or whole words of the register.
 
-    number: the index of this name among the names of the port. mask: the bits of the register that it names.
+    number: the index of this name among the names of the port. mask: the bits of the register that this name selects.
     """
 
     def __init__(self, number: int, register: Register, words: int, field: Field | None, where: str) -> None:

@@ -41,11 +41,11 @@ from .program import PythonProgram
 from .register_view import ABOVE, BELOW, EQUAL, UNEQUAL, Condition, ModulePort, Port
 
 TESTS = {"==": EQUAL, "!=": UNEQUAL, "<": BELOW, ">": ABOVE}
-NOTHING = frozenset(("RESUME", "COPY_FREE_VARS", "NOP", "CACHE", "PRECALL"))  # opcodes that do not change the result
+NOTHING = frozenset(("RESUME", "COPY_FREE_VARS", "NOP", "CACHE", "PRECALL"))  # opcodes without effect on the result
 FORM = ("LOAD_DEREF", "LOAD_ATTR", "LOAD_ATTR", "LOAD_CONST", "COMPARE_OP", "RETURN_VALUE")
 
 
-# What a function compares: (index of the module in its free variables, register, field, test, number, line).
+# A comparison in a function: (index of the module among its free variables, register, field, test, number, line).
 FieldComparison = tuple[int, str, str, int, int, int]
 
 

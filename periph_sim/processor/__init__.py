@@ -35,7 +35,8 @@ Terms of this package:
 
 boundary: an instant between two instructions, at which an interrupt can be taken.
 to land: to take effect; a posted write lands some cycles after it was issued.
-lease: the time in which nothing except the program of this CPU can act.
+lease: the time in which nothing except the program of this CPU can act. The class `Lease` of `polling` is
+    the time for which all passes of a wait have the same result.
 wait: a loop of the program that reads values until a condition is true.
 pass: one execution of a loop, or of the instruction that RPT repeats.
 statement: the line of the firmware's source that is executed, as a `SourceLocation`.
@@ -44,4 +45,7 @@ topic: all records of one kind that are about one thing, for example the reads o
 spread: a range of times, from which each computation draws one (`core.table.Spread`).
 port: in `python`, an object for accesses to a register; in `pin_router`, an input or output of a module.
 note: a remark on the firmware, for example on an access that violates a rule of the manuals.
+frame: a peripheral frame, which is a range of registers with the same wait states; in `image.observers`, an active call.
+open question: a behaviour that the manuals do not state. An option selects the answer; its method `assume` returns the
+    answer and notes that the run depends on it.
 """

@@ -29,7 +29,7 @@ class CpuTime:
     lands: the cycle at whose end the next posted write takes effect, and the lease ends; NEVER if there is none.
     met: the cycle of this CPU to which the kernel's time was set last.
     asleep: True if the CPU sleeps at an instruction boundary, so that an interrupt can wake it.
-    watching: True if the CPU executes passes of a wait through which it could sleep.
+    watching: True if the CPU executes passes of a wait that a sleep could replace, because passes are not skipped.
     wakes: the cycle at which a sleeping CPU would be woken, if `watching`.
     """
 

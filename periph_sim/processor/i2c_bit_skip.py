@@ -1,6 +1,7 @@
-"""The I2C module of an F28335 as a party of bit skipping, as slave and as master of the bus.
+"""The I2C module of an F28335 in bit skipping, as slave and as master of the bus.
 
-Bit skipping simulates several bits of a byte in one step, if no party can observe the edges between them.
+Bit skipping simulates several bits of a byte in one step, if no party can observe the edges between them. A party is a
+participant of the bus: a module, a device or a controller.
 
     out SCL  __|~~|__|~~|_ ... _|~~|_          output of the module, in cycles of SYSCLKOUT
     wire     ___|~~|__|~~|_ ... _|~~|_         later by the delay from output to pin

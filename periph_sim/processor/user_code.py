@@ -67,7 +67,7 @@ class RunWatch(Protocol):
 class _Watch:
     """The guard of the process against user code that takes too much CPU time at one instant of simulated time.
 
-    A thread of its own checks all user code ten times a second, as long as there is any. Only the CPU time of the
+    A separate thread checks all user code ten times a second. Only the CPU time of the
     thread that executes the user code counts; a loaded machine, or firmware that blocks, uses none. User code in a
     debugger is not stopped. The exception is raised in the executing thread between two bytecodes.
 

@@ -1,4 +1,4 @@
-"""Log of the accesses of C sources, with which a new scene executes them again up to the instant of a snapshot.
+"""Log of the accesses of C sources, with which a restored scene executes the sources again up to the snapshot.
 
     run that keeps a log:  C code --access--> LoggedRun --> CPU --value--> C code, and an item of the log
     re-execution:          C code --access--> runtime.c or LoggedRun: equal to the item? --its value--> C code

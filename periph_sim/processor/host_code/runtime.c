@@ -1,11 +1,14 @@
-/* Replaces the C28x below C sources: accesses that gcc's thread sanitizer announces go in, Python is asked, and the
- * value of a register is in memory before it is read.
+/* Replaces the C28x for C sources that run on the host: asks Python to make each access of firmware to a register.
  *
- * Structures of registers lie in memory as the host's gcc lays them out; Python knows the place of each member on the
- * chip. A write is announced before it is made, so Python is told of it with the next event. gcc announces a write of
- * a bit field with all fields beside it. Where these belong to several words, or overlap a number, memory is protected
- * until the store, and the fault tells what is written: the load before a store of a bit field is executed with zeros
- * in memory, then with ones, and the bits that do not follow are the field's. Then it is executed as it should be. */
+ * gcc's thread sanitizer calls a function of this file before each access. Before a read, Python stores the value of
+ * the register in memory. The call before a write only announces the bytes, so the written value is passed to Python
+ * with the next event. Structures of registers are in memory as the host's gcc lays them out; Python knows the place of
+ * each member on the chip.
+ *
+ * gcc announces a write of a bit field as a write of all adjacent fields. If these belong to several words, or overlap
+ * a number, the memory is protected until the store, and the handler of the fault finds what is written. It executes
+ * the load before the store with zeros in memory, and again with ones; the bits that do not follow are those of the
+ * field. Then it executes the store with the real values. */
 
 #define _GNU_SOURCE /* REG_RIP */
 #include <pthread.h>

@@ -45,7 +45,7 @@ topic: all records of one kind that are about one thing, for example the reads o
 spread: a range of times, from which each computation draws one (`core.table.Spread`).
 port: in `python`, an object for accesses to a register; in `pin_router`, an input or output of a module.
 note: a remark on the firmware, for example on an access that violates a rule of the manuals.
-frame: a peripheral frame, which is a range of registers with the same wait states; in `image.observers`, an active call.
+frame: a peripheral frame, which is a range of registers with the same wait states; in `image`, a called function.
 open question: a behaviour that the manuals do not state. An option selects the answer; its method `assume` returns the
     answer and notes that the run depends on it.
 """

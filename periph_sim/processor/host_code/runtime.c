@@ -7,8 +7,8 @@
  *
  * gcc announces a write of a bit field as a write of all adjacent fields. If these belong to several words, or overlap
  * a number, the memory is protected until the store, and the handler of the fault finds what is written. It executes
- * the load before the store with zeros in memory, and again with ones; the bits that do not follow are those of the
- * field. Then it executes the store with the real values. */
+ * the load before the store with zeros in memory, and again with ones; the bits that are equal in both stores are those
+ * of the field. Then it executes load and store with the real values. */
 
 #define _GNU_SOURCE /* REG_RIP */
 #include <pthread.h>

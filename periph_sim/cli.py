@@ -1,7 +1,8 @@
 """The command line, which prints tables or one JSON object and ends with an exit status.
 
 The exit status is 0 if all budgets hold or the replay agrees, and 1 if not. It is 2 for incorrect usage or input, and 3
-for an internal error or if user code has ended the process (see `supervisor`).
+for an internal error or if user code has ended the process (see `supervisor`). It is 141 if the program that reads the
+output has ended.
 
 A Python file in one of the `PACKAGES` defines a subcommand if it has a function with the file's name and the decorator
 `command`. Only the subcommand that is run is imported: `periph-sim decode` starts without chips and boards.
@@ -189,7 +190,7 @@ def run_command() -> None:
 
 
 def is_closed_pipe(error: OSError) -> bool:
-    """Return True if a reader of the output has ended. Windows then reports an invalid argument, without a file."""
+    """Return True if the program that reads the output has ended. On Windows, the error is EINVAL and names no file."""
     invalid = os.name == "nt" and error.errno == errno.EINVAL and error.filename is None
     return invalid or isinstance(error, BrokenPipeError)
 

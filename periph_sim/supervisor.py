@@ -86,7 +86,7 @@ def supervise(work: Callable[[], object], name: str) -> NoReturn:
     if not can_fork:
         work()
         sys.exit(0)
-    if sys.stderr is None:  # open descriptor 2, so that no other file gets this number and the output of C code
+    if sys.stderr is None:  # open descriptor 2, because C code would write its messages into a file with this number
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, 2)
         os.set_inheritable(2, True)
@@ -112,7 +112,8 @@ def split(name: str, *, strict: bool = True) -> Completion:
     """Fork. The worker returns from this function. The waiting process exits with the worker's status.
 
     name: the command's name, for messages.
-    strict: False to accept a status other than 0 from a worker that has not called `complete`.
+    strict: True to exit with NO_VERDICT and a message if the worker has not called `complete`. False to exit with the
+        worker's own status in this case, unless that is 0.
     """
     for stream in (sys.stdout, sys.stderr):
         if stream is not None:

@@ -186,7 +186,7 @@ class FlagRecorder:
             self._read = self._moving if chip.writes == self._writes else self._registers
             self._writes = chip.writes
         touched = chip.touched
-        # Elsewhere names are only added, so the copy is out of date if and only if the lengths differ.
+        # All other code only adds names to `touched`, so the copy is out of date if and only if the lengths differ.
         if len(touched) != len(self._touched):
             self._touched = frozenset(touched)
         moved = False

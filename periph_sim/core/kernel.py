@@ -73,10 +73,10 @@ class Kernel:
         self.released = False
         self.outer_loop: object = None
         self.fault: BaseException | None = None
-        # Each of the next three attributes is the first element of a linked list. The lists are ordered by rank.
-        self._unsettled: Settleable | None = None  # list of the wires that changed in this phase
-        self._notifying: Settleable | None = None  # list of settled wires that have not notified their listeners yet
-        self._sampling: SampledParty | None = None  # list of the parties that requested a sample
+        # The next three attributes are heads of linked lists, which are ordered by rank. None: the list is empty.
+        self._unsettled: Settleable | None = None  # the first of the wires that changed in this phase
+        self._notifying: Settleable | None = None  # the first settled wire that still has to notify its listeners
+        self._sampling: SampledParty | None = None  # the first of the parties that requested a sample
         self._settling = False  # True while the wires take their levels
         self._phase = TIMER  # the phase of the event that was started last
         self._horizon = start

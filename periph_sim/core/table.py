@@ -85,7 +85,7 @@ def separate(value: Any) -> Any:
     return value.model_copy(update=changed) if changed else value
 
 
-LOWEST, HIGHEST = Fraction(1, 1000), 10**12  # frequencies in hertz; ticks in a cycle and cycles in a run fit 64 bits
+LOWEST, HIGHEST = Fraction(1, 1000), 10**12  # limits of a frequency in Hz; ticks and cycles then fit 64 bits
 HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000, "GHz": 1_000_000_000}
 
 

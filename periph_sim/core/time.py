@@ -173,7 +173,7 @@ class Clock:
         period = self.timebase.per_second / hz
         self._exact = period.numerator, period.denominator
         self._wide = period < 1 or period.numerator * period.denominator > MOST
-        self._near = MOST // max(self._exact)  # the product of a number below this and `_num` or `_den` fits 64 bits
+        self._near = MOST // max(self._exact)  # n * `_num` and n * `_den` fit 64 bits for each n below `_near`
         return (0, 0) if self._wide else self._exact
 
     def tick(self, cycle: int) -> int:

@@ -8,8 +8,8 @@ The simulator calls `_changed` when a line changes. A timer calls `_woken` when 
 the session's time. Both are plain callbacks, because waking a cocotb task takes several times as long.
 
 A change of our pin is shown in the first step at or after its tick. A change of a line is applied at the tick that
-contains its step, together with the other changes of that step. The session, which runs the case, may have run
-that tick already, because our own pin changed in the same step. Then the change is applied one tick later.
+contains its step, together with the other changes of that step. If our own pin changes in the same step, the session,
+which runs the case, may be past that tick already. The change of the line is then applied one tick later.
 
 The session receives the resolved level of a line, which includes our own pull. So after we release a line that another
 party still holds low, the session sees no rise until that party has released it, too.

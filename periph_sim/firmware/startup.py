@@ -79,8 +79,8 @@ def start_pie(dsp: Dsp, handlers: dict[str, Callable[[], None]]) -> None:
     """
     pie = dsp.module("PIE")
     pie.PIECTRL.ENPIE = 1
-    # PIEACK is cleared before any line is enabled in PIEIER. In the other order, a pending request could pulse INTx
-    # twice: when its line is enabled, which sets PIEACK again, and when PIEACK is then cleared.
+    # PIEACK is cleared before any line is enabled in PIEIER. In the other order, a pending request could cause two
+    # pulses on INTx: the first when its line is enabled, and the second when PIEACK, set by the first, is cleared.
     pie.PIEACK.all = 0xFFF
     for name, handler in handlers.items():
         group, line = dsp.handle(name, handler)

@@ -228,7 +228,7 @@ class Master:
         session.advance(at + 1)
 
     def _wait(self, ticks: int) -> None:
-        """Advance to `ticks` ticks after the last edge, which was in the tick before `now`."""
+        """Advance to the tick that is `ticks` ticks after the last edge. The last edge is at `now` - 1."""
         self._session.advance(self._session.now + ticks - 1)
 
     def _wait_high(self, line: str) -> None:

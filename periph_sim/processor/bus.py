@@ -224,7 +224,10 @@ class Bus:
         return self.fetch(at, operand) >> operand.shift
 
     def write(self, at: int, address: int, value: int, width: int = 16) -> None:
-        """Write 16 or 32 bits to an address: to memory at once, to a register by a posted write."""
+        """Write 16 or 32 bits to an address: to memory at once, to a register by a posted write.
+
+        A write to protected memory without EALLOW is ignored.
+        """
         block = block_at(address)
         if block is None:
             self.save(at, self.at(address, width), value, width)

@@ -80,7 +80,10 @@ class CpuTime:
         return True
 
     def renew(self) -> int:
-        """Begin a new lease and return its end: where something else may act, or after the next posted write lands."""
+        """Begin a new lease and return the cycle at which it ends.
+
+        The lease ends when something else may act, or one cycle after the next posted write lands, if that is earlier.
+        """
         quiet = self._clock.cycle_at(self._kernel.quiet_until())
         self.lease = lease = quiet if quiet <= self.lands else self.lands + 1
         return lease

@@ -24,7 +24,7 @@ class Poll:
     """A read in a pass.
 
     value: the words that were read.
-    before: the value that the same read has returned in the pass that is replayed.
+    before: the value that a replay of the pass returns for this read, which is the value of its first execution.
     where: the statement in the firmware; None if it is not known yet.
     """
 

@@ -89,7 +89,7 @@ class Cleared:
         self.ticks: list[int] | None = [] if keeps_ticks else None
 
     def add(self, other: Cleared) -> None:
-        """Add the count of `other`, without its ticks."""
+        """Add the count of `other`, and take its first tick if that is earlier. Its other ticks are not added."""
         if other.count and (not self.count or other.first < self.first):
             self.first = other.first
         self.count += other.count

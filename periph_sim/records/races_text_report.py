@@ -22,7 +22,10 @@ NOTES = (
 
 
 def text(races: Races) -> str:
-    """Return tables of places, closest first, then the flags that read-modify-writes lost, and notes."""
+    """Return the report: tables of the places that read registers, flags lost by read-modify-writes, and notes.
+
+    The first place is the one whose read was closest to a change of the register.
+    """
     run = races.run
     if not races.places:
         return f"{run.name}: no read of a status register was recorded"

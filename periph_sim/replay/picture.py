@@ -154,7 +154,10 @@ def _flags(history: Sequence[HistoryEntry], side: Side, window: tuple[float, flo
 
 
 def _accesses(history: Sequence[HistoryEntry], side: Side, window: tuple[float, float]) -> list[Lane]:
-    """Return a lane for each register that the firmware wrote, or from which it read data. Status polls are omitted."""
+    """Return a lane for each register that the firmware wrote, or from which it read data; at most MOST_FLAGS lanes.
+
+    Polls of status registers are omitted.
+    """
     ticks: dict[str, list[Tick]] = {}
     for change in history:
         at = change.at_s - side.agreed

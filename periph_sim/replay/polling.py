@@ -60,7 +60,7 @@ class PolledCapture:
         self._shift = 0  # positions by which the transfers in `left` move
         # The captured transfer that is being played; after polls were added or removed, the rest of this transfer.
         self._captured = Transfer((), None, None)
-        # From the position after `_from[i]` on, times are `_shifts[i]` later than in the capture.
+        # Events after position `_from[i]`, up to position `_from[i + 1]`, are `_shifts[i]` later than in the capture.
         self._from: list[int] = [-1]
         self._shifts: list[int] = [0]
         self._polls: dict[tuple[int | None, bool | None], list[_Poll]] = {}

@@ -281,9 +281,9 @@ class Answering:
 def answering(case: Case, part: Played, given: Sequence[int], lead: Fraction = LEAD) -> Answering:
     """Determine the firmware's addresses and settings. Add notes on settings that cannot be filled in.
 
-    given: the addresses of the firmware. If there are none, the firmware answers the address that the case sets, or
-        else the one that was acknowledged most often in the capture. Firmware whose `REPLAY` does not name `address`
-        answers all addresses.
+    given: the addresses that the firmware answers. If it is empty, firmware whose `REPLAY` does not name `address`
+        answers all addresses. Other firmware then answers the address that the case sets, or else the address that was
+        acknowledged most often in the capture.
 
     If no addresses are given, the firmware is set not to answer at the times at which the captured target sent NACK.
     Otherwise, the firmware must send these NACKs by itself to agree with the capture.

@@ -1,14 +1,14 @@
 """Detection of firmware that waits for an event that cannot occur, with the reason.
 
-    the wait depends on         the wait can be ended by
-    registers of a module       events of this module, or changes of its wires by other parties, if its clock is on;
-                                the modules whose interrupts are enabled, if interrupts are on
+    the wait depends on         what can end the wait
+    registers of a module       if the module's clock is on: its events, and changes of its wires by other parties
+                                if the CPU takes interrupts: events of the modules whose interrupts are enabled
     registers without a model   nothing
     memory                      service routines of interrupts
-    IDLE                        the modules whose interrupts IER and PIEIER enable
+    IDLE                        events of the modules whose interrupts IER and PIEIER enable
 
-A unit that waits for an agent whose schedule is over, or for firmware that has ended, is idle, not stuck, because a
-longer schedule could have ended the wait. Units that wait only for each other are stuck.
+A unit is idle, not stuck, if it waits for an agent that has completed its schedule, or for firmware that has ended,
+because the wait could end with a longer schedule or other firmware. Units that wait only for each other are stuck.
 """
 
 from __future__ import annotations

@@ -48,10 +48,12 @@ def state_of_scene(scene: Scene) -> Snapshot:
 def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
     """Bring a scene that has not run into the state of a snapshot.
 
-    If all units run images, the state is assigned. Otherwise, the scene is run up to the time of the snapshot.
+    If all units run images, the state is assigned. Otherwise, the scene is run up to the time of the snapshot. If the
+    snapshot has a checkpoint, C sources are first executed up to this checkpoint, with the values in the logs of their
+    accesses, and the scene is run only from there.
 
-    Raise NotRestorable, with nothing changed, for a snapshot of another scene, or if C sources deviate from their log.
-    Raise it also if the scene was run and its state differs from the snapshot.
+    Raise NotRestorable, with nothing changed, if the snapshot is from another scene, or if the accesses of C sources
+    differ from those in their logs. Raise it also if the state after the run differs from the snapshot.
     """
     if scene.kernel.events or scene.kernel.now != scene.start:
         raise NotRestorable("the scene has run already; restore the snapshot into one that has just been built")
@@ -161,7 +163,10 @@ def run_to_checkpoint(scene: Scene, until: int) -> None:
 
 
 def _restore_checkpoint(scene: Scene, checkpoint: Snapshot) -> None:
-    """Restore a checkpoint. Raise NotRestorable, with nothing changed, if C sources deviate from their logs."""
+    """Restore a checkpoint, unless a part of the scene cannot be restored.
+
+    Raise NotRestorable, with nothing changed, if the accesses of C sources differ from their logs.
+    """
     from ..processor.host_code.access_log import re_execute, restart
 
     fresh, sources = state_of_scene(scene), _sources_of(scene)

@@ -85,7 +85,7 @@ class Verdict:
 
     @property
     def counted(self) -> str:
-        """`count` as text, such as "3"; "3 of 500" if values should have been measured at 500 events."""
+        """`count` as text, such as "3"; "3 of 500" if only 3 of 500 events with an expected value have one."""
         if self.occasions is None or self.measured >= self.occasions:
             return str(self.count)
         return f"{self.measured} of {self.occasions}"

@@ -182,7 +182,10 @@ class TargetSide(BitParty):
             self._scl.drive(1)
 
     def _ninth(self) -> int:
-        """Pass a received byte to `answer` or to the reply, and return the level of SDA for the ninth bit; 0 is ACK."""
+        """Pass a received byte to `answer` or to the reply. Return the level of SDA for the ninth bit; 0 is ACK.
+
+        After a sent byte, return 1, because the controller acknowledges it.
+        """
         if self._does == SENDS_DATA:
             return 1
         if self._does == RECEIVES_ADDRESS:

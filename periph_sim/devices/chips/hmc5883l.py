@@ -140,7 +140,10 @@ class Hmc5883l(RegisterChip):
             self._measured(self._clock.tick(due - 1), number, 1 / self.rate)
 
     def _measured(self, end: int, number: int, over: Fraction) -> None:
-        """Store the data of the last of `number` measurements, which took `over` seconds and ended at tick `end`."""
+        """Store the data of the last of `number` measurements, which took `over` seconds and ended at tick `end`.
+
+        While Status.LOCK is set, the data registers keep their values.
+        """
         del self._gains[: min(number, len(self._gains)) - 1]
         gain = LSB_PER_GAUSS[self._gains[0]]
         if len(self._gains) > 1:

@@ -59,7 +59,7 @@ PARTS = {
     "512": Part(65536, 128, 2, 1),
 }
 MAKES = ("24c", "24lc", "24aa")
-WITHOUT_PINS = ("24lc", "24aa")  # makes that, up to 16 Kbit, ignore the pins A0 to A2 and answer to all eight addresses
+WITHOUT_PINS = ("24lc", "24aa")  # devices up to 16 Kbit ignore pins A0 to A2 and answer to eight addresses
 MODELS = tuple(f"{make}{size}" for size in PARTS for make in MAKES)
 
 
@@ -134,7 +134,7 @@ class Eeprom(PlainReply):
         self._pointer = 0
         self._begin: int  # first address of the present write
         self._buffer: dict[int, int] = {}
-        self._written: int  # number of data bytes of this write; more than `_buffer` has if addresses were repeated
+        self._written: int  # number of data bytes of this write, including those that a later byte has overwritten
         self._busy_until = 0
 
     def answer(self, address_byte: int) -> Eeprom | None:

@@ -15,7 +15,7 @@ from ..system_options import SystemOptions
 
 # A read in this range waits for a write in this range to complete (PROTSTART, PROTRANGE as set by the boot ROM).
 PROTECTED_BLOCK = range(0x4000, 0x8000)
-WRITE_TO_READ = 3  # minimum cycles from a write to a read that has to wait for it
+WRITE_TO_READ = 3  # minimum number of cycles between such a write and the read that waits
 
 LOW, HIGH, BOTH = 0b01, 0b10, 0b11  # masks of the 16-bit words of a register that an access transfers
 WORDS_MASK = (0, 0xFFFF, 0xFFFF_0000, 0xFFFF_FFFF)  # for 0, LOW, HIGH and BOTH, the mask of the transferred bits

@@ -59,7 +59,7 @@ class Watchdog:
         self.interrupt = False  # True if WDINT has fallen since the owner last set this to False
         self.reset_requested = False
         self._armed = False  # True if 0x55 was the last key
-        self._origin = position  # a position at which all taps of the divider chain step
+        self._origin = position  # a position at which a period begins at each tap of the divider chain
         self._since = position  # position at which the count was `_count`
         self._count = 0
         self._low_until = NEVER

@@ -4,9 +4,9 @@ Published and expected values are shown beside the reproduced values. The deviat
 is shown in standard errors, so that a reader can see which deviations are explained by chance. The published
 values come from 10 000 samples.
 
-The dissertation's parameters can be interpreted in several ways. Each `Interpretation` predicts other means, which are
-compared with those of the published emulator. Each interpretation in the list of `readings` adds one effect to the
-previous one. The last but one is the parameter set `table_5_1`, which comes with periph_sim.
+The dissertation's parameters can be interpreted in several ways. `readings` returns a list of interpretations. Each of
+them adds one effect to the previous one, and predicts means, which are compared with the published means. The second to
+last interpretation is the parameter set `table_5_1`, which comes with periph_sim.
 """
 
 from __future__ import annotations

@@ -56,7 +56,7 @@ LINES_RUN = "5 ms"
 PPM = (-100_000, -37, 37, 100_000)
 MORE_THAN_A_CENTURY = Fraction(109 * 365 * DAY)  # duration of a run in seconds
 FAR = 10**9  # the number of a distant sample
-TRIED = 1 << 20  # number of samples that are added one by one
+TRIED = 1 << 20  # number of samples of the random walk that is compared with an exact sum
 UNIT_ROUNDOFF = 2.0**-53
 
 Edges = list[tuple[str, int, int]]  # name of the wire, ticks after the start of the run, level
@@ -82,7 +82,10 @@ def _too_long(base: Timebase, length: float) -> bool:
 
 
 def clocks() -> Iterator[ExtremeFinding]:
-    """Check that a clock with an error in ppm has no drift: each edge of a day is within a tick of its exact time."""
+    """Check that a clock that is fast or slow by some ppm accumulates no rounding errors.
+
+    The last edge of a day, and 1000 random edges of that day, must be within a tick of their exact times.
+    """
     base = Timebase(SYSCLK)
     for ppm in PPM:
         hertz = SYSCLK * (1 + Fraction(ppm, 1_000_000))

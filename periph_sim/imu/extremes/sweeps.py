@@ -48,7 +48,9 @@ def sent(attitude: Callable[[int], Attitude], acceleration: float = 0.0) -> Ints
 def meant(attitude: Callable[[int], Attitude], acceleration: float = 0.0) -> Ints:
     """Return the counts of a host whose frames have no range limit, int64[12].
 
-    attitude: the function from a number of samples, 2, 1 or 0, to the attitude so many samples ago.
+    The counts are the angles of three samples, oldest first, and then the accelerations of the last sample.
+
+    attitude: a function that returns the attitude n samples before the last sample. It is called with n = 2, 1 and 0.
     acceleration: the acceleration on all three axes in g.
     """
     angles = [np.asarray(attitude(k)) / ANGLE for k in (2, 1, 0)]

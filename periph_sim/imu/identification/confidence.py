@@ -77,7 +77,8 @@ def _covariance(m: int, n: int, length: int) -> float:
         together: Floats = np.maximum(pairs, 0.0) * shared**2
         return together
 
-    # Between two corners, the term is a cubic of the lag. So three values of the term give its sum over all whole lags.
+    # Between two corners, the term is a cubic polynomial of the lag. Its sum over all integer lags there is calculated
+    # from three of its values: in the middle, and at two lags with the same distance from the middle.
     bends = [*corners, 0, places_n - places_m, -places_m, places_n]
     edges = np.unique(np.clip(bends, max(-2 * n, -places_m), min(2 * m, places_n)))
     begin, end = edges[:-1], edges[1:] - 1

@@ -130,7 +130,7 @@ def complete_optimization(context: click.Context, parameter: click.Parameter, be
 
 @silently
 def complete_row(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
-    """Offer the rows of `trade` that need no other case."""
+    """Offer the rows of `trade`, except the rows that are made from other cases."""
     from ..reports.trade.rows import ARITHMETICS, AS_GIVEN, RECORDINGS
 
     names = [AS_GIVEN, *(f"arithmetic={name}" for name in ARITHMETICS), *(f"record {name}" for name in RECORDINGS)]

@@ -166,8 +166,8 @@ def _go_on(files: Files, case: Path, following: str | None) -> list[str]:
         lines.append(f"{'replay: ' if following.startswith('periph-sim replay') else 'explain:'}          {following}")
     lines += [f"while you edit:   periph-sim watch {shown}"]
     lines += [f"keep its figures: periph-sim check {shown} --update-baseline"]
-    if any('remove the "#"' in text for text in files.values() if isinstance(text, str)):
-        lines.append('see it fail:      remove the "#" where the firmware says so')
+    if any('remove the first "#"' in text for text in files.values() if isinstance(text, str)):
+        lines.append('see it fail:      remove the first "#" where the firmware says so')
     return lines
 
 

@@ -34,7 +34,7 @@ class I2cDriverDoor(TerminalDoor):
         return [self.file] if len(self.back) < MOST else []
 
     def turn(self) -> None:
-        """Execute received commands, at most a few kilobytes of them. Later turns execute the rest."""
+        """Execute received commands, at most a few kilobytes of them. Later calls execute the rest."""
         left, came = self._terminal.openings.passed()
         if left and not came:  # all commands in the terminal were written by the client that has left
             while data := self._terminal.read():

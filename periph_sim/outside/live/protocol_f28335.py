@@ -44,14 +44,15 @@ class _Queue:
 
     line: the serial line of the session; None after the end of the session.
     came: bytes from the line that the client has not read.
-    changed: the condition that guards the queue. Its waiters are notified after each turn and when the session ends.
+    changed: the condition that guards the queue. Its waiters are notified after each call of `turn` and when the
+        session ends.
     """
 
     def __init__(self, line: SerialLine) -> None:
         self.line: SerialLine | None = line
         self._to_line = bytearray()
-        # The changes of the line's settings that the next turn makes: (number of bytes in `_to_line` to write before
-        # the change, function that makes the change).
+        # The changes of the line's settings that the next call of `turn` makes: (number of bytes in `_to_line` to write
+        # before the change, function that makes the change).
         self._requests: list[tuple[int, Callable[[SerialLine], None]]] = []
         self.came = Backlog()
         self.changed = threading.Condition()
@@ -89,7 +90,7 @@ class _Queue:
             return len(self._to_line) + (0 if self.line is None else self.line.waiting)
 
     def set(self, baud: int, form: str) -> None:
-        """Set rate and format from the next turn on. Raise OutsideError if they are invalid."""
+        """Set rate and format at the next call of `turn`. Raise OutsideError now if they are invalid."""
         with self.changed:
             if self.line is not None:
                 self.line.checked(baud, form)

@@ -123,7 +123,7 @@ class ClientDisconnected(Exception):
 
 
 class Client:
-    """The connection to a client, which separates data from Telnet commands."""
+    """The connection to a client. It separates the data from the Telnet commands in the received bytes."""
 
     def __init__(
         self, connection: socket.socket, name: str, line: SerialLine, port: ManagedPort, manager_of: Any

@@ -141,7 +141,7 @@ class FetchQueue:
 
     def __init__(self) -> None:
         self._consumed: Annotated[list[int], DEPTH] = [0] * DEPTH  # the cycle at which each slot was free again
-        self._place = DEPTH - 1  # mask of the bits of a block's number that select its slot
+        self._place = DEPTH - 1  # mask: the slot of block n is slot `n & _place` of `_consumed`
         self._newest = 0  # the number of the last block that an instruction needed: address >> _bits
         self._ready = 0  # the cycle at which that block was available
         self._bits = 1  # number of address bits within a block

@@ -188,7 +188,9 @@ def log_at_rest(firmware: HostFirmware) -> AccessLog | None:
 
 
 def re_execute(firmware: HostFirmware, log: AccessLog, rest: tuple[int, int]) -> None:
-    """Execute a program that has not begun up to the end of a log. Raise NotRestorable if its accesses differ.
+    """Execute a program from its start to the end of a log. The program must not have been started yet.
+
+    Raise NotRestorable if the accesses of the program differ from those in the log.
 
     Only the CPU of the program and the kernel change. rest: see `LoggedRun`.
     """

@@ -159,9 +159,10 @@ class ImageMemory(Engine):
             self._store(address, value, 32)
 
     def _even(self, address: int, how: str) -> int:
-        """Return the even address that a 32-bit access to an odd address uses [SPRU430F 5.11].
+        """Return the even address that a 32-bit access uses in place of the odd address `address` [SPRU430F 5.11].
 
-        Raise IllegalOperation for the operand of field l, unless its addressing mode uses SP, which may be odd.
+        Raise IllegalOperation if `address` is that of the operand in field l, because this is a mistake of the program.
+        An addressing mode that uses SP is accepted, because SP may be odd.
         how: the words "read from" or "written to", for the message.
         """
         on_stack = STACK_FIELDS <= self.field < BEHIND_STACK_FIELDS or self.field in (PUSHES, POPS)

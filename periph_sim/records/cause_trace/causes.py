@@ -148,8 +148,9 @@ def looked_at(record: Record) -> tuple[str, Register | None, tuple[Field, ...]]:
 def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
     """Return links to the ends of the service routines that delayed `record`.
 
-    These routines ended between the rows `after` and `before`. Only the MOST_ROUTINES longest are returned, in reverse
-    order.
+    These routines ended between the rows `after` and `before`. Only the MOST_ROUTINES longest are returned, the
+    last one first.
+
     record: the delayed record: an access, or the entry of another service routine.
     """
     table = run.table

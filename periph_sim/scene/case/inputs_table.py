@@ -6,11 +6,11 @@ from ...core.table import Duration, Table
 
 
 class InputsTable(Table, frozen=True, kw_only=True):
-    """Exact values of the inputs that other tables leave free. Times count from the start of the run, without ppm.
+    """Exact values of the inputs that other tables leave free. Times count from the start of the run. No `ppm` applies.
 
-    rounds: starts of the controller's rounds; without it, `[controller]` schedules them. A round is due when it starts
+    rounds: times at which the controller's rounds are due and start; without it, `[controller]` schedules them
     frames: starts of the host's frames; without it, `[host]` schedules them
-    costs: for each unit, the durations of computations whose duration is a range, in their order:
+    costs: for each unit, the durations, in order, of computations for which the firmware states a range:
         `{ dsp = ["240 us"] }`; later computations draw random durations
     """
 

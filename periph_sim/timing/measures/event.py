@@ -117,8 +117,8 @@ class EventMeasure(Measure):
             measured, because a run in which nothing was compared proves nothing.
     ""      the values that a subclass takes in `happened`
 
-    order: indices of `matchers`. If one record is several events, these events count in this order.
-    weighs: True for a sum: an event of a clause then counts for as many things as the value of its record.
+    order: indices of `matchers`. If a record fits several matchers, their events are handled in this order.
+    weighs: True for a sum. Then an event in a clause counts as a number of things, which is the value of its record.
     """
 
     STATE = State("_groups _queue _queued _newest _level")

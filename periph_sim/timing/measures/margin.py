@@ -2,7 +2,7 @@
 
     SCL    ─┐___________┌─┐_        the controller releases SCL at g, when the first bit must be ready
     ACK end             g
-    write      w--------|           margin: g - w, less the module's delay from a write to its release of SCL
+    write      w--------|           margin: g - w, minus the module's delay from a write to its release of SCL
     late                |----w      negative: SCL is held low for this time
 
 The write of a byte is the last write before I2CDXR is copied to I2CXSR. XRDY = 1 shows that I2CDXR is empty.

@@ -401,7 +401,8 @@ class LostFlags(Measure):
         self.worst_at = self.least_at = gone.first
 
     def close(self, now: int) -> str:
-        return self.modifies.named(self.watched.field)  # no occurrence is unfinished, as none has a length
+        # No values of unfinished occurrences are taken, as in other measures: a write is an instant, so it is complete.
+        return self.modifies.named(self.watched.field)
 
     def why_silent(self) -> str:
         what = self.watched.text or "a register with flags that writing 1 clears"

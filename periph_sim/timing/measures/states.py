@@ -3,8 +3,9 @@
     wire SCL low   ──┐______┌──────┐___┌──     each: 6 and 3      time in: 9
                        |--- W ---|             share of any W: the share in the busiest window W
 
-If a state already holds when the run begins, the time up to its end is part of the sum. It is no complete time in the
-state, because its start is not known, so it is a value of "each time" only if the state lasts to the end of the run.
+If the state already holds when the run begins, its start is not known. The time from the start of the run to the end of
+the state is then part of the sum, but no value of "each". If the state lasts for the whole run, its length so far is a
+value of "each".
 """
 
 # core: compiled
@@ -83,7 +84,7 @@ class BusiestWindow:
         self.begin = NO_TIME
         self._began = began
         self._since = NO_TIME  # the tick since which the state holds; NO_TIME if it does not hold
-        # `_stretches` has (begin, end) of each past time in the state that an unfinished window may overlap.
+        # (begin, end) of past times in the state; those that no unfinished window can overlap are removed
         self._stretches: deque[tuple[int, int]] = deque()
         self._begins: deque[int] = deque([began])  # the ticks at which unfinished windows begin
 

@@ -28,7 +28,7 @@ BITS = 9  # number of bits of a byte with its ACK
 
 NOTHING, FALL, RISE, START, STOP = range(5)
 KINDS = 7  # mask of the events above
-BYTE = KINDS + 1  # flag of an event that ends a byte, which is a fall of SCL, or a START or STOP in the ninth pulse
+BYTE = KINDS + 1  # flag of an event that ends a byte: a START or STOP in the ninth pulse of SCL, or the fall after it
 BYTE_OVER = FALL + BYTE
 
 

@@ -96,7 +96,7 @@ def _lateness(diff: TraceDiff, kind: KindSummary) -> tuple[str, ...]:
 
 
 def _said(diff: TraceDiff, entry: Entry) -> str:
-    """Format one entry: `event 12: byte 1D changed to byte 1E, at A ... and B ...`."""
+    """Format one entry: `event 12: byte 1D changed to byte 1E, +1.500 us, at A ..., B ...`."""
     if entry.b is None:
         return f"event {entry.number}: {entry.event.word} is missing in B, at A {_at(diff.time_a(entry))}"
     if entry.a is None:

@@ -39,7 +39,7 @@ NAME = "FST or GHW waveform"
 SUFFIXES = (".fst", ".ghw")
 WRITTEN = (".fst",)
 
-FST_HEAD = struct.Struct(">BQQQ")  # type of the first block, which is 0, its length, and the first and the last time
+FST_HEAD = struct.Struct(">BQQQ")  # the first block: its type (0), its length, the first time, the last time
 FST_LENGTH = 329
 GHW_MARK = b"GHDLwave\n"
 READER = Path(__file__).with_name("wellen_worker.py")

@@ -17,7 +17,7 @@ from tests.interfaces.commands.conftest import Run
 
 KINDS = sorted(file.stem for file in TEMPLATES.glob("*.toml"))
 TRACES = Path(__file__).parents[3] / "traces"
-LINE = re.compile(r'^( *)# (.*?)  # remove the "#": .* and "(.*)" breaks$', re.MULTILINE)
+LINE = re.compile(r'^( *)# (.*?)  # remove the first "#": .*, so budget "(.*)" breaks$', re.MULTILINE)
 
 
 @pytest.fixture

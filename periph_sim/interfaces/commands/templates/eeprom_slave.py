@@ -42,7 +42,7 @@ def receive(dsp, i2c, memory):
             place += 1
             if place % PAGE == 0:
                 place -= PAGE
-                # place += PAGE  # remove the "#": bytes continue in the next page and "wrong bytes" breaks
+                # place += PAGE  # remove the first "#": bytes continue in the next page, so budget "wrong bytes" breaks
         with dsp.span("store"):
             i2c.I2CMDR.IRS = 0  # off the bus: the address is not acknowledged
             dsp.compute(WRITE_TIME)

@@ -20,7 +20,7 @@ def main(dsp, settings):
         write(dsp, i2c, [*PLACE, *DATA], WRITE_STOP)
         while not write(dsp, i2c, PLACE, WRITE_START):  # a 24LC64 acknowledges nothing while it stores
             pass
-    # dsp.compute(600_000)  # remove the "#": the bytes are read 4 ms later and "stored and read" breaks
+    # dsp.compute(600_000)  # remove the first "#": the bytes are read 4 ms later, so budget "stored and read" breaks
     got = read(dsp, i2c, len(DATA))
     if got == DATA:
         with dsp.span("right data"):

@@ -36,7 +36,7 @@ def receive(dsp, i2c, registers):
 def answer(dsp, i2c, registers, pointer):
     """Send registers until the controller stops. Return the pointer after them."""
     i2c.I2CSTR.all = SCD
-    # dsp.compute(3000)  # remove the "#": a byte of the last answer is sent first and "wrong bytes" breaks
+    # dsp.compute(3000)  # remove the first "#": a byte left in I2CDXR is sent first, so budget "wrong bytes" breaks
     while True:
         i2c.I2CDXR.all = registers[pointer % len(registers)]
         if dsp.spin_either(lambda: i2c.I2CSTR.XRDY == 1, lambda: i2c.I2CSTR.SCD == 1):

@@ -34,7 +34,7 @@ def main(dsp, settings):
 def answer(dsp, i2c, data):
     i2c.I2CSTR.all = SCD  # clears SCD, which an earlier STOP has set
     for byte in chain(data, repeat(0xFF)):
-        # dsp.compute(30_000)  # remove the "#": each byte comes 200 us later and "stretch" breaks
+        # dsp.compute(30_000)  # remove the first "#": each byte comes 200 us later, so budget "stretch" breaks
         i2c.I2CDXR.all = byte
         if dsp.spin_either(lambda: i2c.I2CSTR.XRDY == 1, lambda: i2c.I2CSTR.SCD == 1):
             return

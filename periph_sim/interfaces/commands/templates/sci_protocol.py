@@ -24,7 +24,7 @@ def main(dsp, settings):
                 answer = "V 1.0"
             elif command == "S" and argument.isdecimal():
                 stored = int(argument)
-                # stored &= 0x1F  # remove the "#": numbers above 31 are truncated and "stored" breaks
+                # stored &= 0x1F  # remove the first "#": numbers above 31 are truncated, so budget "stored" breaks
                 answer = "OK"
             elif command == "S?":
                 answer = f"S {stored}"

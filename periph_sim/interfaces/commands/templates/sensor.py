@@ -29,7 +29,7 @@ def main(dsp, settings):
         dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
         with dsp.span("answer"):
             i2c.I2CSTR.all = SCD  # clears SCD, which an earlier STOP has set
-            # dsp.compute(15_000)  # remove the "#": each answer comes 100 us later and "response" breaks
+            # dsp.compute(15_000)  # remove the first "#": each answer comes 100 us later, so budget "response" breaks
             whole = tuple(sample)  # both bytes of the same sample, even if a new one comes meanwhile
             for byte in whole:
                 i2c.I2CDXR.all = byte

@@ -161,7 +161,7 @@ def _expected(divergence: Divergence, window: Window) -> dict[WrongByte, int]:
 def _with_capture(timeline: Timeline, agreed: float, side: Side, divergence: Divergence, window: Window) -> Timeline:
     """Add lanes with the capture.
 
-    agreed: the tick in the replay of the last event that is equal in the capture and in the replay.
+    agreed: the time of the last event that is equal in capture and replay, as a tick of the replay.
     """
     says = Texts({text: number for number, text in enumerate(timeline.says)})
     kept = window.kept[0].begin - window.begin, window.kept[-1].end - window.begin

@@ -377,7 +377,10 @@ class Lanes:
     # --------------------------------------------------------------------------------
 
     def _named(self, word: str) -> bool:
-        """Return True if the measure or the explanation names a wire, or a register without one of its fields."""
+        """Return True if the measure or the explanation has this name of a wire or register.
+
+        `REGISTER.FIELD` does not count as the name of the register.
+        """
         return bool(re.search(rf"\b{re.escape(word)}\b(?!\.)", self.about))
 
     def _drawn(self, begin: int, end: int) -> bool:

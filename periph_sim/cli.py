@@ -142,7 +142,7 @@ def main() -> NoReturn:
 def run_command() -> None:
     """Run the command that sys.argv names, in this process, and exit with its status."""
     substitute_unencodable()
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads only help with large matrices; there are none
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # OpenBLAS's threads only help with large matrices
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # so that pydantic does not search for plugins
     completing = COMPLETING in os.environ
     if completing:

@@ -20,7 +20,8 @@ from .state import State
 
 NEVER = 2**62  # a cycle that no run reaches; the sum of NEVER and any cycle of a run still fits 64 bits
 
-# What an input may have changed: nothing visible; only `next_wake`; `next_wake` and `out`; any attribute or register.
+# What an input may have changed, for each of these values in turn: nothing that the owner can see; only `next_wake`;
+# `next_wake` and `out`; any attribute or register.
 NO_CHANGE, WAKE_CHANGED, PINS_CHANGED, ANY_CHANGED = range(4)
 
 

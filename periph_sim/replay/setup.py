@@ -116,8 +116,8 @@ def check_length(capture: Capture, end: int) -> None:
 def tolerance_of(given: Fraction | None, rate: Fraction, scene: Scene) -> Fraction:
     """Return the largest time, in seconds, by which an event may be early or late.
 
-    given: the user's tolerance, or None. The default is the sum of a sample period, which is the uncertainty of the
-        capture's edges, and a SYSCLKOUT cycle of the slowest unit, to which the chip rounds its inputs.
+    given: the user's tolerance. None selects a sample period plus a SYSCLKOUT cycle of the slowest unit, because edges
+        of the capture are uncertain by a sample period, and the chip rounds its inputs to cycles.
     rate: samples per second.
     """
     if given is not None:

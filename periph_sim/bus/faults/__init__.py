@@ -131,7 +131,7 @@ class FaultContext:
     """The environment of a new fault.
 
     who: the name of the fault's agent on the wires.
-    wire: returns the wire of a name; ValueError if the scene has no such wire.
+    wire: a function that returns the wire with a name, and raises ValueError if the scene has no such wire.
     ticks: converts seconds to ticks.
     start: the tick at which the run begins.
     random: the random generator of this fault alone.

@@ -59,7 +59,7 @@ PARTS = {
     "512": Part(65536, 128, 2, 1),
 }
 MAKES = ("24c", "24lc", "24aa")
-WITHOUT_PINS = ("24lc", "24aa")  # devices up to 16 Kbit ignore pins A0 to A2 and answer to eight addresses
+WITHOUT_PINS = ("24lc", "24aa")  # makes whose devices of at most 16 Kbit ignore A0 to A2, and so have 8 addresses
 MODELS = tuple(f"{make}{size}" for size in PARTS for make in MAKES)
 
 

@@ -217,7 +217,7 @@ class SciRxBits:
         third: int
         fourth: int
         fifth: int
-        third = fourth = fifth = 0  # bit n: sub-samples 4, 5 and 6 of the frame's bit n, which vote
+        third = fourth = fifth = 0  # in bit n: the votes for the frame's bit n, from sub-samples 4, 5 and 6
         stop: int = 0  # bit n: the sample n ticks into the stop bit
         t: int
         for t in self._toggles:

@@ -1,6 +1,6 @@
 """Limits of the sensor models: a report of their behaviour at extreme inputs in each arithmetic.
 
-An arithmetic is float64, which is the reference, float32, or a Q format (see `numeric`).
+An arithmetic is float64 (the reference), float32 or a Q format (see `numeric`).
 
 working range --search--> deviation of each arithmetic from float64
 motions, fields --sweep--> first input at which an arithmetic deviates from the reference, and how

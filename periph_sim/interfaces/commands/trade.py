@@ -56,9 +56,9 @@ def trade(
 ) -> int:
     """Run CASE with each available choice between speed and accuracy, and compare errors and CPU time.
 
-    Each choice is a row: the units of another case (--firmware), which run an image or C sources, another arithmetic of
-    the sensor models, or a recording. It is compared with the most accurate row: the number of budgets with the same
-    verdict, and the largest differences of times and of samples in the chips' answers. The n-th value of one row is
+    Each choice is a row: the units of another case (--firmware) that run an image or C sources; another arithmetic of
+    the sensor models; or a recording. Each row is compared with the most accurate row: the number of budgets with the
+    same verdict, and the largest differences of times and of samples in the chips' answers. The n-th value of a row is
     compared with the n-th value of the other. The case as given and the most accurate row are always run.
     """
     from ...scene.case.load import load

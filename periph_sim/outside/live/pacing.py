@@ -43,8 +43,8 @@ class Pacer:
         self.when_late = when_late
         self.late = self.slips = 0
         self.worst = 0.0
-        # For each class of lateness, the number of steps of the simulation. STEPS has the upper limits of all classes
-        # except the last one, which has none.
+        # For each class of lateness, the number of steps of the simulation. STEPS has the upper limits of the classes;
+        # the last class has no upper limit.
         self.counts = [0] * (len(STEPS) + 1)
         self._per_second = float(ticks_per_second * pace)
         self._clock = clock

@@ -37,7 +37,7 @@ FARTHEST = 0.45  # upper limit, in bits, of OFF_GRID plus half a sample; it matt
 LIKELY = 0.3  # minimum certainty of the guess
 # If the stated rate is four times the true rate, nearly all low pulses are longer than LONGER bits. If the stated rate
 # is right, no low pulse of a frame is longer than ten bits. Then only pulses of four and eight bits are whole bits at a
-# quarter of the rate, which are two lengths; more lengths prove that the stated rate is wrong. If the stated rate
+# quarter of the rate. These are two lengths, so more lengths prove that the stated rate is wrong. If the stated rate
 # is a fraction of the true rate, most low pulses are shorter than SHORTER bits, and many of them are in one frame.
 LONGER, SHORTER = 3.5, 0.5
 # The rate is doubtful if at most NEARLY_NONE of the low pulses are below LONGER, or at least MOST are below SHORTER.

@@ -2,8 +2,8 @@
 
     lines of bytes --> one array of positions and one of states per bit --> Channel
 
-pyvcd's reader is not used: it takes 3.5 times as long, rejects the spaces that sigrok's users put into channel names
-and non-ASCII letters in comments, and accepts truncated files. wellen, which reads FST for us, is not used either: it
+pyvcd's reader is not used: it takes 3.5 times as long, accepts truncated files, and rejects non-ASCII letters in
+comments and spaces in channel names, which sigrok's users write. wellen, which reads FST for us, is not used either: it
 loses the end of a capture and the declared ranges of vectors, and its errors state no line.
 
 Chosen:

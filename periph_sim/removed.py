@@ -32,7 +32,7 @@ NAMES = {
     for name in ("schedule", "BadSchedule", "ScheduleResult")
 }
 
-MOVED = {  # from former to present names of modules and packages; the next release removes the former names
+MOVED = {  # maps former names of modules and packages to present names; the next release removes the former names
     "periph_sim.core.settings": "periph_sim.core.table",
     "periph_sim.devices.attitude": "periph_sim.imu.attitude",
     "periph_sim.devices.samples": "periph_sim.imu.samples",

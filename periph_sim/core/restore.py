@@ -57,7 +57,7 @@ class _Plan:
     def __init__(self, snapshot: Snapshot, modules: Mapping[str, Module]) -> None:
         self._values = snapshot.values
         self._cycles = snapshot.cycles
-        self._finds: dict[str, Callable[..., object]] = {}  # for the name of a class, `Keyed.find` of this class
+        self._finds: dict[str, Callable[..., object]] = {}  # maps the name of a class to its `Keyed.find`
         self._now = {Time.TICKS: snapshot.tick, Time.RECORDS: snapshot.number}
         self._objects: dict[str, Any] = {name: module.target for name, module in modules.items()}
         self._used = {id(module.target) for module in modules.values()}  # ids of the objects that already have a name

@@ -132,7 +132,7 @@ class FaultContext:
 
     who: the name of the fault's agent on the wires.
     wire: a function that returns the wire with a name, and raises ValueError if the scene has no such wire.
-    ticks: converts seconds to ticks.
+    ticks: a function that converts seconds to ticks.
     start: the tick at which the run begins.
     random: the random generator of this fault alone.
     """

@@ -128,7 +128,7 @@ class I2cController(BitParty):
         self._kernel = kernel
         self._recorder = recorder if recorder.wants(Kind.BUS) else None
         self.beside_others = False
-        self._topics: dict[str, Topic] = {}  # from the names of events to the topics of the controller's records
+        self._topics: dict[str, Topic] = {}  # maps the name of an event to the topic of its records
         self._scl_wire = scl
         self._sda_wire = sda
         self._scl_mask = scl.attach(who).mask

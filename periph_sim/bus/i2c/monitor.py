@@ -54,7 +54,7 @@ class I2cMonitor(BitParty):
         self._names = names
         self._start_at = NO_TIME  # the tick of a possible START, until a party that pulled SDA for it pulls SCL
         self._starting = 0  # the mask of the parties that pulled SDA for the possible START
-        self._masters_of: dict[int, tuple[int, int]] = {}  # from values of `_starting` to cached results of `_masters`
+        self._masters_of: dict[int, tuple[int, int]] = {}  # maps `_starting` to the result of `_masters`
         self._versions = scl.version, sda.version  # values of `Wire.version` for which `_masters_of` is valid
         self._scl_mask = self._sda_mask = 0  # the masks of the master's pulls on the wires; 0 between transfers
         self._pulls_scl = self._pulls_sda = False  # True while the master pulls the wire

@@ -47,11 +47,11 @@ class TargetContext:
 
     who: the target's name on wires.
     address: 7 bits; None if the case does not define it.
-    ticks: converts seconds to ticks.
+    ticks: a function that converts seconds to ticks.
     start: the tick at which the run begins.
     folder: the folder to which relative paths refer.
     random: the target's own random generator.
-    wire: returns the wire with a name; ValueError if there is no such wire.
+    wire: a function that returns the wire with a name, and raises ValueError if there is no such wire.
     hold_clock: called with a number of ticks to hold SCL low.
     note: adds a note to the notes of the run.
     """

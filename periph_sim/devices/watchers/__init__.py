@@ -28,7 +28,7 @@ EDGE_NAMES = ("fall", "rise")  # for each level after an edge, the name of the e
 class WatchContext:
     """The environment of a new watcher.
 
-    ticks: converts seconds to ticks.
+    ticks: a function that converts seconds to ticks.
     start: the first tick of the run.
     tolerance: the tolerance in ticks.
     on_deviation: called with a deviation and its tick.

@@ -5,7 +5,7 @@
     m       mean of the real magnetometer, level and pointing north (Table 5.1)
     H_rt    earth field in the axes of a level body that points north
     V       hard iron (Table 4.1)
-    d       1 if m includes the hard iron, 0 if not, which Table 5.1 does not state
+    d       1 if m includes the hard iron, else 0; Table 5.1 does not state which
 
 Section 5.2 has two statements that determine d. For the turn about z (Figure 5.1), the section says that y is
 approximately the bias at 0 and 180 degrees, so the field has hardly any y component. The section also says that the

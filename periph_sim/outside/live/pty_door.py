@@ -34,7 +34,7 @@ except ImportError:
 RATES = {value: int(name[1:]) for name, value in vars(termios).items() if name[0] == "B" and name[1:].isdecimal()}
 
 
-OPENED, CLOSED = 0x20, 0x08 | 0x10  # IN_OPEN; IN_CLOSE_WRITE and IN_CLOSE_NOWRITE, in sys/inotify.h
+OPENED, CLOSED = 0x20, 0x08 | 0x10  # masks of events: IN_OPEN; IN_CLOSE_WRITE or IN_CLOSE_NOWRITE
 EVENT = struct.Struct("iIII")  # an inotify event: watch, mask, cookie, length of a name
 EVENTS_AT_ONCE = 4096  # maximum number of bytes of inotify events that one read returns
 

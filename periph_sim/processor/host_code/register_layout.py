@@ -100,7 +100,7 @@ class RegisterLayout:
 
     def __init__(self, library: Path) -> None:
         """Raise BadLayout if a member has no certain place."""
-        self._numbers: dict[tuple[int, int], Place] = {}  # from (offset, size) to a place that is no bit field
+        self._numbers: dict[tuple[int, int], Place] = {}  # maps (offset, size) to a place that is no bit field
         self._fields: dict[int, Place] = {}  # maps the offset of each byte with bits of a field to its place
         self._read: dict[tuple[int, int], tuple[Place, ...]] = {}  # results of `read`
         # Maps the offset of adjacent bit fields to their size in bytes. gcc announces a write of one as a write of all.

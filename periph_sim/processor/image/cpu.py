@@ -105,7 +105,7 @@ class ImageCpu(ImageMemory):
         self._slots_seen.add(f.address)
         found = decode_at(f.address, self.word_at(f.address), self.word_at(f.address + 1))
         assert found is not None
-        memory: Any = self  # from a typed object, compiled code would pass an unbound method
+        memory: Any = self  # Any, because compiled code would pass an unbound method of a typed object
         for text in not_kept(found, memory.word_at):
             self._options.fpu_delay_slot.assume(self._core.touched)
             self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRUEO2A section 3.2"))

@@ -4,9 +4,9 @@
     PARTID           contains the number of the part
     ADC_cal          returns at once; on the chip, this routine only sets trims of the ADC
     math tables      of the boot ROM contain what TI's IQmath and fast floating-point libraries read (`rom_tables`)
-    boot ROM         otherwise reads as 0, with a note; a use of its routines or its version ends the run
-    XINTF zones      are memory with one wait state, the minimum, regardless of XTIMING, with a note
-    frames           of modules that are not modelled, or not in the unit, keep what is written, with a note
+    boot ROM         otherwise reads as 0, and a note is made; a use of its routines or its version ends the run
+    XINTF zones      are memory with the minimum of one wait state, and a note is made; XTIMING is ignored
+    frames           of modules that are not modelled, or not in the unit, keep what is written, and a note is made
     stubs            are values that reads of a word return, regardless of writes
 
 Source: SPRS439M Figure 3-2, Tables 3-5 and 3-8 to 3-11; SPRUFB0D Tables 86 to 96 (EALLOW); SPRUI07 Table 2-19.

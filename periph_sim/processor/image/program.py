@@ -228,7 +228,7 @@ class ImageProgram(LoadedImage):
             spin = polls.sleep()
         else:
             if polls.may_count():
-                program: Any = self  # from a typed object, compiled code would pass an unbound method
+                program: Any = self  # Any, because compiled code would pass an unbound method of a typed object
                 over = program.unwatch_instructions
                 self._counting = CountingLoop(self.cpu, self._processor.time, self._processor.bus.ram, over)
                 self.watch_instructions(self._counting)

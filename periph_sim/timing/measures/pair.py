@@ -26,7 +26,7 @@ from .event import NO_CLAUSES, Clauses, EventMeasure
 from .groups import Groups
 from .measure import MeasuredScene
 
-FIRST, SECOND, START, STOP = range(4)  # indices in `matchers`: the events of a pair, the start and end of a group
+FIRST, SECOND, START, STOP = range(4)  # indices of `matchers`: both events of a pair; start and end of a group
 
 
 class _Waiting:

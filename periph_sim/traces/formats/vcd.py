@@ -41,7 +41,7 @@ MOST_TICKS = 1 << 62
 # this number of ticks, so that the error of rounding is small.
 ROUNDED_TO = 1000
 LETTERS = "01x"
-OURS, SCOPE = "periph-sim", "capture"  # variables need a scope; SCOPE is removed when our own files are read
+OURS, SCOPE = "periph-sim", "capture"  # the name of the writer in our files, and their scope, which `read` removes
 
 
 def write(capture: Capture, path: Path) -> tuple[str, ...]:

@@ -49,9 +49,9 @@ def main(path: str) -> None:
     limited()
     out = alone()
     wave = pywellen.Waveform(path, multi_threaded=False, remove_scopes_with_empty_name=True)
-    named: list[tuple[str, int, int]] = []  # for each variable its name, its width and the index of its signal
+    named: list[tuple[str, int, int]] = []  # for each variable, its name, its width and the index of its signal
     places: dict[str, int] = {}
-    variables: list[Any] = []  # for each signal one of its variables
+    variables: list[Any] = []  # for each signal, one of its variables
     for variable in wave.all_vars():
         width = variable.bitwidth
         if variable.is_real or variable.is_string or str(variable.var_type) in NO_LINES or not width or width > WIDEST:

@@ -17,7 +17,7 @@ __all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it fin
 INTM, DBGM, PAGE0, VMAP = 1 << 0, 1 << 1, 1 << 2, 1 << 3  # masks of bits of ST1
 EALLOW_BIT, AMODE, OBJMODE, M0M1MAP, XF = 1 << 6, 1 << 8, 1 << 9, 1 << 11, 1 << 12
 NMI, EMUINT = 18, 17
-RA, RC = 1 << 30, M16  # masks of fields of RB, the register of RPTB: a block is active; the repeat count
+RA, RC = 1 << 30, M16  # masks of fields of RB: RA is 1 while RPTB repeats a block; RC is the repeat count
 RSIZE, RE = 23, 16  # lowest bits of fields of RB: the size and the end address of the block
 
 

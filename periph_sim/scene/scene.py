@@ -332,11 +332,11 @@ class Scene:
 
         If all units run images, the state is assigned, and budgets begin anew. Otherwise, the scene runs from its start
         to the time of the snapshot, because stacks of Python firmware and C sources cannot be restored. If both scenes
-        are `restorable`, C sources are first re-executed from their log. The scene then runs only from shortly before
-        the snapshot, and budgets begin there.
+        are `restorable`, C sources are first executed with the values in logs of their accesses. The scene then runs
+        only from shortly before the snapshot, and budgets begin there.
 
-        Raise NotRestorable, with nothing changed, for a snapshot of another scene, or if C sources deviate from their
-        log. Raise it also if the scene was run and its state differs from the snapshot.
+        Raise NotRestorable, with nothing changed, if the snapshot is from another scene, or if the accesses of C
+        sources differ from those in their logs. Raise it also if the state after the run differs from the snapshot.
         """
         parts.state.restore_scene(self, snapshot)
 

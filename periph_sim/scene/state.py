@@ -49,8 +49,8 @@ def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
     """Bring a scene that has not run into the state of a snapshot.
 
     If all units run images, the state is assigned. Otherwise, the scene is run up to the time of the snapshot. If the
-    snapshot has a checkpoint, C sources are first executed up to this checkpoint, with the values in the logs of their
-    accesses, and the scene is run only from there.
+    snapshot has a checkpoint and the scene is restorable, C sources are first executed up to the checkpoint with the
+    values in the logs of their accesses, and the scene is run only from there.
 
     Raise NotRestorable, with nothing changed, if the snapshot is from another scene, or if the accesses of C sources
     differ from those in their logs. Raise it also if the state after the run differs from the snapshot.

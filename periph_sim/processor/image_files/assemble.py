@@ -296,8 +296,8 @@ def text_of(path: Path) -> str:
 def assemble_file(path: Path) -> tuple[Image, bytes]:
     """Return the image of a source file, and the bytes of its .out file. Raise BadImage with the path for an error.
 
-    If the folder has no such file, use the program of this name that is shipped with periph_sim. If there is no such
-    folder, do so only if the folder is named like that of the shipped programs, since another one may be mistyped.
+    If the folder has no such file, use the program of this name that is shipped with periph_sim. If the folder does
+    not exist, this is done only if it has the name of the folder of the shipped programs; another name may be mistyped.
     """
     folder = path.parent
     is_there = folder.is_dir() or folder.parts[-2:] == SHIPPED.parts[-2:]

@@ -136,7 +136,7 @@ def model_of(arithmetic: str, parameters: ImuParameters) -> Imu[Any]:
 class ModelNoise:
     """The noise of the models, in numbers of the arithmetic. This class is for firmware of earlier versions.
 
-    at: the function from the number of a sample to its noise.
+    at: a function that returns the noise of a sample from the sample's number.
     """
 
     at: Callable[[int], Noise[Any]]

@@ -3,7 +3,8 @@
 A sample needs an acceleration and three attitudes: the last two attitudes for the rates, and all three for the change
 of the rates. All values are int16 counts of host frames, so every arithmetic receives the same whole numbers.
 
-    counts int64[12, n]: attitude before last, last, now (roll, pitch, yaw in 1e-4 rad), acceleration (1e-3 g)
+    counts int64[12, n]: the attitudes two samples ago, one sample ago and now (roll, pitch, yaw in 1e-4 rad);
+                         the acceleration (1e-3 g)
 """
 
 from __future__ import annotations

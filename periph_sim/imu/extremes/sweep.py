@@ -86,7 +86,7 @@ class InputSweep:
     what: a description for the report.
     unit: the unit of the input.
     ordinary, extreme: the first and the last value, in `unit`. The last value may be smaller than the first.
-    at: the function from a value of the sweep to the inputs.
+    at: a function that returns the inputs for a value of the sweep.
     slack: additional LSB by which codes may differ, because the counts of a frame are rounded differently in the
         reference.
     """

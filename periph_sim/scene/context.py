@@ -44,6 +44,11 @@ class CaseTicks(Struct, frozen=True):
         times = None if inputs is None else getattr(inputs, name)
         return None if times is None else tuple(self.start + self.ticks(time) for time in times)
 
+    def serial_tick(self, at: Fraction, ppm: Fraction) -> int:
+        """Return the tick of a time `at` of [serial], which [inputs] may shift. ppm: as for `ticks`."""
+        inputs = self.case.inputs
+        return self.start + self.ticks(at, ppm) + (0 if inputs is None else self.ticks(inputs.sends_later))
+
     def exact_ticks(self, length: Fraction, ppm: Fraction) -> Fraction:
         """Return the exact number of ticks of a length in seconds. ppm: as for `ticks`."""
         exact = Fraction(*self._ticks(length, ppm))

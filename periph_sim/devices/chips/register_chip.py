@@ -9,6 +9,7 @@ time to the chip, which then takes the samples that are due by this time. So a c
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import isfinite
@@ -44,6 +45,16 @@ class RegisterChip:
     DATA: tuple[str, ...] = ()  # the data registers, two for each axis, in the order of their addresses
     BYTE_ORDER: Literal["big", "little"] = "big"  # order of the two registers of an axis
     UNIT = ""  # the physical unit of x, y and z
+
+    def __init_subclass__(cls) -> None:
+        """Take over a method `catch_up`, the name of `advance_to` in the last release, with a warning."""
+        super().__init_subclass__()
+        former = vars(cls).get("catch_up")
+        if former is not None and "advance_to" not in vars(cls):
+            cls.advance_to = former  # type: ignore[method-assign]
+            what = f"{cls.__name__}.catch_up is now called advance_to; the next release ignores the old name"
+            warnings.warn(what, DeprecationWarning, stacklevel=2)
+        cls.catch_up = cls.advance_to  # for `super().catch_up(now)` in subclasses
 
     def __init__(self, timebase: Timebase, source: Source, address: int, powered: int, ready: Fraction) -> None:
         self.address = address
@@ -117,6 +128,8 @@ class RegisterChip:
 
     def advance_to(self, now: int) -> None:
         """Take the samples that are due up to tick `now`."""
+
+    catch_up = advance_to
 
     def on_register_read(self, now: int, register: Register) -> int:
         return self.stored[register.offset]

@@ -61,11 +61,12 @@ def check(
 
     PATH is a case file, or a folder with cases in it or below it. Default: `cases` of
     [tool.periph-sim] in pyproject.toml, else timing, else the current folder. Baselines
-    are baselines/NAME.json beside the case, or in `baselines` of that table.
+    are baselines/NAME.json beside the case, or in `baselines` of that table. If a case has a coverage
+    file (prove --save), the runs of its worst values are made again and compared, too.
 
     Exit status 0: every budget holds, or breaks where the case says that it must, and every
-    figure is that of the baseline; 1: otherwise; 2: a case could not be run (the others were). Cases
-    that are driven from outside are listed, but not run.
+    figure is that of the baseline or the coverage file; 1: otherwise; 2: a case could not be run
+    (the others were). Cases that are driven from outside are listed, but not run.
     """
     import msgspec
 
@@ -137,6 +138,7 @@ def check(
                         "broken": one.outcome.broken,
                         "not_judged": [name for name in one.outcome.not_passed if name not in one.outcome.broken],
                         "baseline": {"file": one.baseline.as_posix(), "state": one.state},
+                        "coverage": _coverage(one),
                         "findings": [asdict(finding) for finding in one.findings],
                         "causes": {name: chains.as_json(chain) for name, chain in one.causes.items()},
                         "changes": [asdict(change) for change in one.changes],
@@ -162,6 +164,12 @@ def check(
     return 0 if passed else 1
 
 
+def _coverage(one: CaseCheck) -> dict[str, str] | None:
+    if one.coverage is None:
+        return None
+    return {"file": one.coverage.file.as_posix(), "state": one.coverage.state, "says": one.coverage.line}
+
+
 def _html(checks: list[CaseCheck], refused: list[RejectedCase], jobs: int | None) -> str:
     """Return the HTML report. Each case is run again to get the timelines."""
     from ..reports.baselines.check import workers
@@ -179,6 +187,7 @@ def _html(checks: list[CaseCheck], refused: list[RejectedCase], jobs: int | None
                 one.outcome.typical,
                 one.outcome.figures.ticks_per_second,
                 [finding.text for finding in one.findings],
+                None if one.coverage is None else one.coverage.report,
             )
             for one in checks
         ]
@@ -192,10 +201,16 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
     from .result_text import budget_table, legend
 
     say(f"check: {sum(one.passed for one in checks)} of {len(checks) + len(refused)} as they should be", style="bold")
-    rows = [*map(_row, checks), *(((case.path.stem, *[""] * 5, "refused"), "red") for case in refused)]
-    print_table(TITLES, rows, right=range(1, 5), whole=range(7))
+    rows: list[tuple[tuple[str, ...], str]] = [
+        *map(_row, checks),
+        *(((case.path.stem, *[""] * 6, "refused"), "red") for case in refused),
+    ]
+    covered = any(one.coverage is not None for one in checks)
+    columns = [place for place, title in enumerate(TITLES) if covered or title != COVERAGE]
+    rows = [(tuple(cells[place] for place in columns), style) for cells, style in rows]
+    print_table([TITLES[place] for place in columns], rows, right=range(1, 5), whole=range(len(columns)))
     if checks:
-        say(LEGEND)
+        say(LEGEND, *[COVERAGE_LEGEND] * covered)
     say(*(f"Error: {case.why}" for case in refused))
     for one in (one for one in checks if not one.passed):
         if set(one.outcome.not_passed) != set(one.outcome.breaks):
@@ -212,6 +227,7 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
             say(f"note: {one.outcome.figures.case}: {', '.join(notes)} ({about})")
         if errors := one.outcome.result.reception():
             say(f"note: {one.outcome.figures.case}: {', '.join(errors)}")
+    say(*(one.coverage.line for one in checks if one.coverage is not None and not one.coverage.findings))
     for one in checks:
         if one.state == "written":
             say(*(f"{one.outcome.figures.case}: {change}" for change in one.changes))
@@ -220,8 +236,10 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
                 click.echo(one.diff)
 
 
-TITLES = ("case", "seen", "broken", "not\njudged", "must\nbreak", "baseline", "")
+COVERAGE = "coverage"  # the title of a column that is shown if a case has a coverage file
+TITLES = ("case", "seen", "broken", "not\njudged", "must\nbreak", "baseline", COVERAGE, "")
 LEGEND = "columns count budgets; must break: named in `breaks`; baseline: changed figures"
+COVERAGE_LEGEND = "coverage: worst values of prove --save, run again; other phases are not run"
 
 
 def _row(one: CaseCheck) -> tuple[tuple[str, ...], str]:
@@ -230,5 +248,9 @@ def _row(one: CaseCheck) -> tuple[tuple[str, ...], str]:
     numbers = [str(words.count(word)) for word in (SEEN, BROKEN, NOT_JUDGED)]
     changed = sum(not change.note for change in one.changes)
     state = f"{changed} changed" if one.state == "changed" else one.state
-    cells = (one.outcome.figures.case, *numbers, str(len(one.outcome.breaks)), state)
+    coverage = ""
+    if one.coverage is not None:
+        differing = one.coverage.state == "changed"
+        coverage = f"{len(one.coverage.findings)} changed" if differing else one.coverage.state
+    cells = (one.outcome.figures.case, *numbers, str(len(one.outcome.breaks)), state, coverage)
     return (*cells, "pass" if one.passed else "fail"), "green" if one.passed else "red"

@@ -6,24 +6,20 @@ log --> wires, duration -+--> case with [outside], and with new budgets if the c
 
 from __future__ import annotations
 
-import json
 from os.path import relpath
 from pathlib import Path
-from typing import Any
 
 import click
 
 from ...processor.user_code import output_muted
 from ...scene.case.load import apply, case_of
 from ...scene.case.model import BadCase
-from ...scene.case.origin import texts_in
 from ...scene.case.toml_file import read
 from ...scene.outside_log import BadLog, LogReader
 from ...scene.scene import Scene
 from ...timing.verdict import NOT_JUDGED
+from ..reports.case_text import Tree, move_files, toml
 from .command_frame import check_file_name
-
-Tree = dict[str, Any]
 
 MEASURES = (  # measures that become budgets if a case has no budget
     *("overruns", "fifo high-water", "missed rounds", "nacked rounds", "nacked", "stretch", "response", "round"),
@@ -57,7 +53,7 @@ def files_of(log: Path, given: str | None) -> tuple[dict[Path, str], Path]:
     for change in head.changes:
         apply(tree, change)
     name = case_of(tree, source).name
-    _moved(tree, source.parent, place.parent)
+    move_files(tree, source.parent, place.parent)
     if reader.unfinished:
         click.echo(reader.unfinished, err=True)
     tree |= {
@@ -70,23 +66,6 @@ def files_of(log: Path, given: str | None) -> tuple[dict[Path, str], Path]:
     if not tree.get("budget") and not tree.get("serial", {}).get("expect"):
         tree["budget"] = _as_seen(tree, target)
     return {target: toml(tree)}, target
-
-
-def _moved(tree: Tree, before: Path, after: Path) -> None:
-    """Change paths of files in a case that moves to another folder.
-
-    before, after: the folders of the old and of the new case, to which the paths are relative.
-    """
-    named = {text for text in texts_in(tree) if 0 < len(text) < 200 and (before / text).is_file()}
-
-    def moved(value: Any) -> Any:
-        if isinstance(value, dict):
-            return {key: moved(inner) for key, inner in value.items()}
-        if isinstance(value, list):
-            return [moved(inner) for inner in value]
-        return relpath(before / value, after) if isinstance(value, str) and value in named else value
-
-    tree.update(moved(tree))
 
 
 @output_muted()
@@ -109,44 +88,3 @@ def _as_seen(tree: Tree, target: Path) -> list[Tree]:
             most = f"{verdict.worst} us" if verdict.unit == "us" else verdict.worst
             budgets.append({**budget, "max": most, "why": "the result of the live session"})
     return budgets
-
-
-def toml(tree: Tree) -> str:
-    """Format a tree of tables as TOML. In each table, plain values come first."""
-    return "\n".join(_tables(tree, ())).strip() + "\n"
-
-
-def _tables(tree: Tree, path: tuple[str, ...]) -> list[str]:
-    lines = [f"{_key(key)} = {_value(value)}" for key, value in tree.items() if not _is_table(value)]
-    for key, value in tree.items():
-        inner = (*path, _key(key))
-        name = ".".join(inner)
-        if isinstance(value, dict):
-            plain = any(not _is_table(each) for each in value.values()) or not value
-            lines += ["", *([f"[{name}]"] if plain else []), *_tables(value, inner)]
-        elif _is_table(value):
-            for entry in value:
-                lines += ["", f"[[{name}]]", *_tables(entry, inner)]
-    return lines
-
-
-def _is_table(value: Any) -> bool:
-    return isinstance(value, dict) or (
-        isinstance(value, list) and bool(value) and all(isinstance(entry, dict) for entry in value)
-    )
-
-
-def _key(key: str) -> str:
-    return key if key.replace("_", "a").replace("-", "a").isalnum() and key.isascii() else json.dumps(key)
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
-    if isinstance(value, list):
-        return f"[{', '.join(map(_value, value))}]"
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{_key(key)} = {_value(inner)}" for key, inner in value.items()) + " }"
-    return str(value)

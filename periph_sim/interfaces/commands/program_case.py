@@ -41,7 +41,7 @@ from ...scene.case.wiring import LAST_PIN
 from ...scene.result import pins_of
 from ...scene.scene import Scene
 from ...timing.verdict import duration_text
-from .live_case import toml
+from ..reports.case_text import toml
 
 Tree = dict[str, Any]
 

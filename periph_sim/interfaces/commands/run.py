@@ -13,11 +13,20 @@ from typing import TYPE_CHECKING
 import click
 
 from ...processor.user_code import FirmwareError
+from ...proof.coverage_path import path_for
 from ...records.recording import recording
 from ...scene.case.load import load
 from ...scene.result import Result
 from ...scene.scene import Scene
-from .command_frame import command, command_line, print_json, progress, require_distinct_outputs, running_user_code
+from .command_frame import (
+    command,
+    command_line,
+    print_json,
+    progress,
+    require_distinct_outputs,
+    running_user_code,
+    say,
+)
 from .completion import complete_optimization
 from .result_text import show
 from .shared_options import CHANGES, GUARANTEED, JSON, SECONDS
@@ -90,29 +99,42 @@ def run(
             at = scene.timebase.show(scene.kernel.now - scene.start)
             kept = "" if record is None else f"; {record} contains the run up to there"
             raise click.ClickException(f"{stopped}; this was at {at} of the run{kept}")
+        covered = None
+        if not changes and length is None and path_for(case).exists():
+            from ..reports.coverage_line import phases_report
+
+            covered = phases_report(case)
         chains: dict[str, Chain] = {}
         if explain:
             from ..reports.explain.explain import explain as explained
 
             found = explained(scene.case, result.budgets, scene.typical(), length)
             chains = {one.window.verdict.name: one.chain for one in found}
+        interrupted: KeyboardInterrupt | None = None
         assumed: Mapping[str, Sequence[str]] = {name: chain.assumed for name, chain in chains.items()}
         if any(one.broken for one in result.budgets) and not (explain or as_json):
             from ..reports.explain.assumed import assumed_in
 
-            assumed = assumed_in(scene.case, result, length)
+            try:  # it runs the case again, at most its first second
+                assumed = assumed_in(scene.case, result, length)
+            except KeyboardInterrupt as error:
+                interrupted = error
         if unfinished is not None:
             from ..reports.html.gather import case_report
             from ..reports.html.page import page
 
             values = [limit.values(scene.start) for limit in scene.limits]
             per_second = scene.timebase.per_second
-            report = case_report(loaded, result, values, scene.typical(), per_second, length, changes)
+            report = case_report(loaded, result, values, scene.typical(), per_second, length, changes, None, covered)
             unfinished.write_text(page([report], loaded.name, command_line()), encoding="utf-8")
     if as_json:
         print_json("run", _object(result, chains if explain else None))
     else:
         show(result, loaded, verbose, assumed)
+        if covered is not None:
+            say(covered.line)
+        if interrupted is not None:
+            raise interrupted
         if chains:
             from ..reports.explain.chain import text
 

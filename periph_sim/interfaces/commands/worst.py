@@ -43,12 +43,16 @@ def worst(
 ) -> int:
     """Explain the worst occurrence of each budget of CASE, step by step.
 
-    BUDGET selects budgets by name; the default is all. Exit status 0: all selected budgets hold; 1: otherwise.
+    BUDGET selects budgets by name; the default is all. If a coverage file (prove --save) matches the case, this is the
+    worst occurrence at all its phases. Otherwise, and with --set or --seconds, it is that of one run.
+
+    Exit status 0: all selected budgets hold; 1: otherwise.
     """
     from ...scene.case.load import load
     from ...scene.scene import Scene
     from ..reports.explain import chain as chains
     from ..reports.explain.explain import explain
+    from ..reports.worst_phases import worst_at_phases
 
     with running_user_code():
         loaded = load(case, list(changes))
@@ -63,16 +67,25 @@ def worst(
         with progress(loaded.name) as on_progress:
             result = scene.run(length, on_progress)
         verdicts = [verdict for verdict in result.budgets if not budgets or verdict.name in budgets]
-        found = {one.window.verdict.name: one for one in explain(loaded, verdicts, scene.typical(), length)}
+        at_phases = {} if changes or length is not None else worst_at_phases(case, verdicts)
+        verdicts = [at_phases[one.name].verdict if one.name in at_phases else one for one in verdicts]
+        in_run = [verdict for verdict in verdicts if verdict.name not in at_phases]
+        found = {one.window.verdict.name: one for one in explain(loaded, in_run, scene.typical(), length)}
+        found |= {name: one.explained for name, one in at_phases.items() if one.explained is not None}
         if svg is not None:
             _write(svg, found)
     if as_json:
         shown = {name: chains.as_json(one.chain) for name, one in found.items()}
+        for name, at_phase in at_phases.items():
+            if name in shown:
+                shown[name] |= {"phases": list(at_phase.phases), "seed": at_phase.seed}
         print_json("worst", {"case": result.case, "budgets": shown})
     elif not verdicts:
         click.echo(f"{result.case}: it has no budget, so there is no worst case")
     else:
-        click.echo("\n\n".join("\n".join(_lines(verdict, found.get(verdict.name))) for verdict in verdicts))
+        texts = ([at_phases[one.name].text] if one.name in at_phases else [] for one in verdicts)
+        lines = (_lines(verdict, found.get(verdict.name)) for verdict in verdicts)
+        click.echo("\n\n".join("\n".join([*text, *each]) for text, each in zip(texts, lines, strict=True)))
     return 0 if all(verdict.passed for verdict in verdicts) else 1
 
 

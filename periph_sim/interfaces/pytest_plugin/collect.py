@@ -2,6 +2,9 @@
 
     timing/mine.toml --> timing/mine.toml::hangs nowhere    passes if nothing waits forever
                          timing/mine.toml::response         passes if the budget holds
+                         timing/mine.toml::coverage         passes if the worst values of its coverage file are as saved
+
+There is a test "coverage" only if the case has a coverage file, which `periph-sim prove --save` writes.
 
 The case is run once per process, by the first of its tests. The other tests use the same run. For a budget that the
 case lists in `breaks`, the test is expected to fail because the limit is broken. If such a budget is not judged, this
@@ -16,10 +19,12 @@ from typing import Any
 
 import pytest
 
+from ...proof import coverage_path
 from ...scene.case.discover import is_case
 from .keys import CASES
 
 HANGS = "hangs nowhere"
+COVERAGE = "coverage"
 KNOWN = "known to break"
 
 
@@ -58,6 +63,8 @@ class CaseFile(pytest.File):
             if budget.name in getattr(self._plan.case, "breaks", ()):
                 item.add_marker(pytest.mark.xfail(reason=KNOWN, raises=AssertionError, strict=True))
             yield item
+        if coverage_path.path_for(self.path).exists():
+            yield CoverageItem.from_parent(self, name=COVERAGE, number=None, line=1)
 
     def run(self) -> Any:
         """Return the run of the case, which is made once for all tests. If it fails, every call raises the error."""
@@ -110,3 +117,22 @@ class CaseItem(pytest.Item):
 
     def reportinfo(self) -> tuple[Path, int, str]:
         return self.path, self._line - 1, f"{self.path.stem}: {self.name}"
+
+
+class CoverageItem(CaseItem):
+    """A test that the worst values of the case's coverage file are as saved. Their runs are made again.
+
+    A file that is out of date or incomplete does not fail; a section of the report says so.
+    """
+
+    def runtest(self) -> None:
+        from ...scene.project import project_of
+        from ..reports.coverage_check import check_coverage
+        from ..reports.explain.chain import relative
+
+        tolerance = project_of(self.path.parent).settings.tolerance
+        found = check_coverage(relative(self.path), (), tolerance)
+        self.user_properties.append((f"periph-sim coverage of {self.path.stem}", found.state))
+        self.add_report_section("call", "coverage", found.line)
+        if found.findings:
+            raise AssertionError("\n".join(text for _, text in found.findings))

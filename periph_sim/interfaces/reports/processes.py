@@ -23,7 +23,10 @@ from signal import SIG_DFL, SIGINT, signal
 from threading import Thread
 
 SERVER = "forkserver"
-IMPORTED = ["periph_sim.interfaces.reports.baselines.outcome", "periph_sim.interfaces.reports.sweep.runs"]
+IMPORTED = [
+    *("periph_sim.interfaces.reports.baselines.outcome", "periph_sim.interfaces.reports.sweep.runs"),
+    "periph_sim.proof.cover",
+]
 DIED = "its process died before it finished; periph-sim run shows how far it gets"
 _pools: set[ProcessPoolExecutor] = set()
 

@@ -126,6 +126,8 @@ class Case(Table, frozen=True, kw_only=True):
             yield Mistake(("inputs", "rounds"), "there is no [controller] whose rounds could start then; leave it out")
         if inputs.frames is not None and self.host is None:
             yield Mistake(("inputs", "frames"), "there is no [host] whose frames could start then; leave it out")
+        if inputs.sends_later and self.serial is None:
+            yield Mistake(("inputs", "sends_later"), "there is no [serial] whose sends could be later; leave it out")
         for name, times in (("rounds", inputs.rounds), ("frames", inputs.frames)):
             for number, (before, after) in enumerate(pairwise(times or ()), 1):
                 if after <= before:

@@ -84,7 +84,7 @@ class Send:
         self._asked = 0
         self._due = NO_TIME  # the tick at which the first burst is due
         if table.at is not None:
-            self.happened(context.start + context.ticks(table.at, ppm))
+            self.happened(context.serial_tick(table.at, ppm))
 
     @property
     def ticks(self) -> int:

@@ -247,7 +247,7 @@ class SerialSide:
             send.on_begin.append(partial(self._asked, number))
             send.on_end.append(partial(self._due, number))
         elif table.at is not None:
-            tick = self._context.start + self._context.ticks(table.at, self._table.ppm)
+            tick = self._context.serial_tick(table.at, self._table.ppm)
             self._context.kernel.call_at(tick, lambda: self._happened("expect", number, tick))
         # `within` must be long enough for a reply that begins together with the data it answers.
         count = len(self._expected(number).characters)

@@ -110,3 +110,17 @@ def test_a_long_run_is_not_repeated_only_for_this(periph_sim: Run, monkeypatch: 
     came = periph_sim("run", "small.toml")
     assert "full: " in came.out and "it assumes" not in came.out
     assert FULL in periph_sim("worst", "small.toml", "full").out
+
+
+def test_ctrl_c_in_the_second_run_keeps_the_table_of_the_first(
+    periph_sim: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write(1, 1)
+
+    def stopped(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(assumed, "advance", stopped)
+    came = periph_sim("run", "small.toml")
+    assert "small: FAIL" in came.out and "full: " in came.out and "it assumes" not in came.out
+    assert came.status not in (0, 1)

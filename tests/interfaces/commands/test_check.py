@@ -13,6 +13,7 @@ import pytest
 from periph_sim.timing.verdict import NOTHING_PROVEN
 from tests.interfaces.commands.conftest import Run
 from tests.interfaces.reports.baselines.desk import change, put
+from tests.interfaces.reports.covered_desk import put_case
 
 ROOT = Path(__file__).parents[3]
 TIMING = ROOT / "timing"
@@ -277,3 +278,66 @@ def test_json_and_table_claim_nothing_for_other_timings(periph_sim: Run, cases: 
     assert [line.split() for line in periph_sim("check", "--jobs", "1").out.splitlines() if "small" in line] == [
         ["small", "3", "0", "0", "0", "equal", "pass"]
     ]
+
+
+def outputs(folder: Path) -> tuple[str, str, str]:
+    """JUnit XML, the summary and the HTML report."""
+    junit, summary, html = (folder / f"out.{suffix}" for suffix in ("xml", "md", "html"))
+    return junit.read_text(encoding="utf-8"), summary.read_text(encoding="utf-8"), html.read_text(encoding="utf-8")
+
+
+FILES = ("--junit", "out.xml", "--summary", "out.md", "--html", "out.html", "--annotations", "github")
+
+
+def test_a_coverage_file_as_saved_is_a_column_and_a_line(periph_sim: Run, covered: Path, tmp_path: Path):
+    put(Path("cases"), "z")
+    came = periph_sim("check", "cases", "--jobs", "1", *FILES)
+    lines = came.out.splitlines()
+    assert lines[3].split() == ["case", "seen", "broken", "judged", "break", "baseline", "coverage"]
+    assert lines[5].split() == ["small", "2", "0", "0", "0", "equal", "as", "saved", "pass"]
+    assert lines[6].split() == ["z", "3", "0", "0", "0", "missing", "fail"]
+    assert "coverage: worst values of prove --save, run again; other phases are not run" in lines
+    held = "cases/coverage/small.json: 2 budgets held at 31 of 1,500,000 phases"
+    assert held in lines and max(map(len, lines[:10])) <= 80
+    assert "::notice" not in came.out
+    junit, summary, html = outputs(tmp_path)
+    assert junit.count('<property name="coverage" value="as saved" />') == 1 and junit.count('name="coverage"') == 1
+    assert summary.count(f"\ncoverage as saved: {held}\n") == 1 == summary.count("coverage as saved")
+    assert f'<p class="coverage quiet">{held}</p>' in html
+    assert "<dt>worst at 31 of 1,500,000 phases</dt><dd>11.360 us, at phases 9.2375000 to 9.2377000 ms</dd>" in html
+    small, z = json.loads(periph_sim("check", "cases", "--jobs", "1", "--json").out)["cases"]
+    assert small["coverage"] == {"file": "cases/coverage/small.json", "state": "as saved", "says": held}
+    assert z["coverage"] is None
+
+
+def test_a_phase_that_breaks_is_in_all_outputs_though_the_run_holds(periph_sim: Run, covered: Path, tmp_path: Path):
+    put_case(Path("cases"), service=15_000)
+    came = periph_sim("check", "cases", "--jobs", "1", *FILES)
+    assert came.status == 1
+    said = "response breaks at phases 9.2375000 to 9.2377000 ms: 91.360 us is over its limit of 60.000 us"
+    assert came.out.splitlines()[5].split() == ["small", "2", "0", "0", "0", "equal", "1", "changed", "fail"]
+    assert f"cases/small.toml, line 23: {said}" in came.out
+    assert came.out.splitlines()[-1].startswith(
+        "::error file=cases/small.toml,line=23,title=periph-sim check%3A small::"
+    )
+    junit, summary, html = outputs(tmp_path)
+    assert f'<failure message="{said}' in junit and f"\n* line 23: {said}" in summary and f"<li>{said}" in html
+    assert 'data-name="at phases"' not in html
+    (small,) = json.loads(periph_sim("check", "cases", "--jobs", "1", "--json").out)["cases"]
+    assert (small["verdict"], small["coverage"]["state"], small["broken"]) == ("fail", "changed", [])
+    assert small["findings"][0]["budget"] == "response" and small["findings"][0]["text"].startswith(said)
+
+
+def test_a_coverage_file_that_is_out_of_date_is_a_notice_and_passes(periph_sim: Run, covered: Path):
+    put_case(Path("cases"), comment="# a comment\n")
+    came = periph_sim("check", "cases", "--jobs", "1", "--annotations", "github")
+    text = "cases/coverage/small.json is out of date: firmware.py has changed; its 2 worst values are as saved"
+    assert came.status == 0 and f"\n{text}\n" in came.out
+    title = "title=periph-sim check%3A small"
+    assert came.out.splitlines()[-1] == f"::notice file=cases/small.toml,line=1,{title}::{text}"
+
+
+def test_worker_processes_make_the_runs_of_a_coverage_file(periph_sim: Run, covered: Path):
+    put(Path("cases"), "z")
+    one, two = (periph_sim("check", "cases", "--jobs", jobs, "--json") for jobs in ("1", "2"))
+    assert one == two and json.loads(two.out)["cases"][0]["coverage"]["state"] == "as saved"

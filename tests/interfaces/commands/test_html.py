@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.interfaces.commands.conftest import CASE, Run
+from tests.interfaces.reports.covered_desk import put_case
 
 
 def test_run_writes_a_report_beside_its_table(periph_sim: Run, desk: Path) -> None:
@@ -28,6 +29,19 @@ def test_a_report_is_of_the_changed_case_and_the_shorter_run(periph_sim: Run, de
 def test_run_writes_recording_and_report_at_once(periph_sim: Run, desk: Path) -> None:
     periph_sim("run", "small.toml", "--record", "out.psr", "--html", "out.html", "--json")
     assert Path("out.psr").stat().st_size and Path("out.html").stat().st_size
+
+
+def test_the_report_of_a_run_has_the_worst_values_of_a_coverage_file_that_matches(periph_sim: Run, covered: Path):
+    line = "cases/coverage/small.json: 2 budgets held at 31 of 1,500,000 phases"
+    assert line in periph_sim("run", "cases/small.toml", "--html", "out.html").out
+    text = Path("out.html").read_text(encoding="utf-8")
+    assert line in text and "<dt>worst at 31 of 1,500,000 phases</dt>" in text
+    periph_sim("run", "cases/small.toml", "--html", "out.html", "--set", "seed=2")
+    assert "coverage/small.json" not in Path("out.html").read_text(encoding="utf-8")
+    put_case(Path("cases"), comment="# a comment\n")
+    periph_sim("run", "cases/small.toml", "--html", "out.html")
+    text = Path("out.html").read_text(encoding="utf-8")
+    assert "coverage/small.json is out of date: firmware.py has changed</p>" in text and "<dt>worst at" not in text
 
 
 def test_check_writes_one_report_of_all_cases(periph_sim: Run, desk: Path) -> None:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import re
+import shutil
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 
 import pytest
+
+from tests.interfaces.reports.covered_desk import put_case
 
 from .project import BARE_INI, SMALL
 
@@ -229,3 +233,33 @@ def test_a_known_bug_that_is_not_judged_fails(project: pytest.Pytester) -> None:
     result = project.runpytest_inprocess("-k", "response")
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(["*response is not judged, so it is unknown if it breaks*"])
+
+
+def test_a_coverage_file_is_one_more_test(project: pytest.Pytester, covered_once: Path) -> None:
+    shutil.copytree(covered_once, project.path / "timing", dirs_exist_ok=True)
+    result = project.runpytest_inprocess("-v", "-rP", "--junitxml=out.xml")
+    result.assert_outcomes(passed=4)
+    result.stdout.fnmatch_lines(
+        [
+            "timing/small.toml::wrong bytes PASSED*",
+            "timing/small.toml::coverage PASSED*",
+            "*- Captured coverage call -*",
+            "timing/coverage/small.json: 2 budgets held at 31 of 1,500,000 phases",
+        ]
+    )
+    report = (project.path / "out.xml").read_text(encoding="utf-8")
+    assert '<property name="periph-sim coverage of small" value="as saved" />' in report
+    put_case(project.path / "timing", service=15_000)
+    result = project.runpytest_inprocess()
+    result.assert_outcomes(passed=3, failed=1)
+    at = "phases 9.2375000 to 9.2377000 ms"
+    result.stdout.fnmatch_lines(
+        [
+            "*_ small: coverage _*",
+            f"response breaks at {at}: 91.360 us is over its limit of 60.000 us, *; it was 11.360 us in timing/*",
+            "timing/small.toml:1",
+        ]
+    )
+    put_case(project.path / "timing", service=3008)
+    project.makefile(".toml", pyproject="[tool.periph-sim]\ntolerance = 2\n")
+    project.runpytest_inprocess("-k", "coverage").assert_outcomes(passed=1, deselected=3)

@@ -2,6 +2,7 @@
 
     paths --> cases --> processes --> outcomes --> compared, explained, judged --> CaseCheck
                                                    or written as new baselines
+          cases with a coverage file --> processes --> runs of its worst values --> CoverageCheck --^
 
 The order of the results is that of the case files, and does not depend on the number of processes.
 """
@@ -10,7 +11,7 @@ from __future__ import annotations
 
 import gc
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -18,10 +19,11 @@ from dataclasses import dataclass, field
 from difflib import unified_diff
 from fractions import Fraction
 from pathlib import Path
-from typing import Literal, Protocol, TypeVar, TypeVarTuple
+from typing import TYPE_CHECKING, Literal, Protocol, TypeVar, TypeVarTuple
 
 from ....core.input_files import similar_file
 from ....core.tolerance import Tolerance, in_cycles
+from ....proof import coverage_path
 from ....scene.case.discover import cases_below
 from ....timing.verdict import broken
 from ..explain.chain import Chain
@@ -30,6 +32,9 @@ from .compare import Change, compare, explain, moved_accesses
 from .event_chain import EventLine
 from .files import BadCheck, Baseline, path_for, read, text_of, write_all
 from .outcome import Outcome, RejectedCase, occurrence, run_case, run_chains, run_explained
+
+if TYPE_CHECKING:
+    from ..coverage_check import CoverageCheck
 
 State = Literal["equal", "changed", "missing", "written"]
 
@@ -56,6 +61,7 @@ class CaseCheck:
     diff: the change of the baseline file by `--update-baseline` as a unified diff; "" if the file was not changed.
     causes: a dictionary from each budget that broke unexpectedly to the explanation of its worst occurrence.
     findings: the reasons why the check fails.
+    coverage: the result of checking the coverage file of the case; None if there is no such file.
     """
 
     outcome: Outcome
@@ -65,6 +71,7 @@ class CaseCheck:
     diff: str = ""
     causes: dict[str, Chain] = field(default_factory=dict)
     findings: list[Finding] = field(default_factory=list)
+    coverage: CoverageCheck | None = None
 
     @property
     def passed(self) -> bool:
@@ -98,6 +105,9 @@ def judge(check: CaseCheck) -> list[Finding]:
             line = outcome.lines.get(change.budget or "", 0) or top
             there = change.budget if change.budget in {verdict.name for verdict in outcome.verdicts} else None
             findings.append(Finding(there, line, str(change)))
+    for budget, text in () if check.coverage is None else check.coverage.findings:
+        there = budget if budget in {verdict.name for verdict in outcome.verdicts} else None
+        findings.append(Finding(there, outcome.lines.get(budget or "", 0) or top, text))
     return findings
 
 
@@ -170,12 +180,17 @@ def check(
         for one in refused:
             on_refused(one)
     checks = [_compared(outcome, before[outcome.path], 0 if update else tolerance) for outcome in outcomes]
-    if not stopped:
+    if stopped:
+        _leave_coverages(checks)
+    else:
         with workers(jobs, len(files)) as start:
+            coverages = _start_coverages(checks, start, tolerance)
             _explain(checks, before, start, None if update else tolerance)
             if update:
                 _write(checks)
             _find_causes(checks, start)
+            for one_check in checks:
+                one_check.coverage = coverages[one_check.outcome.path]()
     for one_check in checks:
         one_check.findings = judge(one_check)
     return checks
@@ -317,6 +332,47 @@ def _find_causes(checks: list[CaseCheck], start: Start) -> None:
     ]
     for one, run in runs:
         one.causes = run()
+
+
+def _start_coverages(
+    checks: list[CaseCheck], start: Start, tolerance: int | Tolerance
+) -> Mapping[Path, Callable[[], CoverageCheck | None]]:
+    """Start the runs of the worst values of each coverage file.
+
+    Return a dictionary from each case to a function that waits for the result, which is None without a coverage file.
+    """
+    found: dict[Path, Callable[[], CoverageCheck | None]] = {}
+    for path, changes in ((one.outcome.path, one.outcome.changes) for one in checks):
+        if coverage_path.path_for(path).exists():
+            from ..coverage_check import check_coverage  # imported here, because few cases have such a file
+
+            found[path] = _or_finding(path, start(check_coverage, path, changes, tolerance))
+        else:
+            found[path] = lambda: None
+    return found
+
+
+def _or_finding(path: Path, wait: Callable[[], CoverageCheck]) -> Callable[[], CoverageCheck]:
+    """Return `wait`, but with a result with a finding if the process of the runs dies."""
+    from ..coverage_check import without_runs
+
+    def result() -> CoverageCheck:
+        try:
+            return wait()
+        except BadCheck as error:
+            return without_runs(coverage_path.path_for(path), "changed", f"at a phase of its coverage: {error}")
+
+    return result
+
+
+def _leave_coverages(checks: list[CaseCheck]) -> None:
+    """Set the result for each coverage file of a check that was stopped before its runs."""
+    for one in checks:
+        path = coverage_path.path_for(one.outcome.path)
+        if path.exists():
+            from ..coverage_check import without_runs
+
+            one.coverage = without_runs(path, "not run", f"{path.as_posix()}: {STOPPED}")
 
 
 def _write(checks: list[CaseCheck]) -> None:

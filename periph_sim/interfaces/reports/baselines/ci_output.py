@@ -24,6 +24,8 @@ from .summary import place_in_clone
 def github(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> list[str]:
     """Return the annotations: `::error` for each failing budget, and `::warning` for the firmware line at fault.
 
+    A coverage file that is out of date or incomplete gives a `::notice`.
+
     refused: cases that could not be run; each gives an `::error` line.
 
     All findings about a budget, or about the whole case, share one annotation, because GitHub shows only ten per step.
@@ -38,6 +40,8 @@ def github(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> lis
         for (line, _), texts in about.items():
             lines.append(f"::error file={file},line={line},title={title}::{_message(chr(10).join(texts))}")
         lines += [line for name, chain in check.causes.items() for line in _cause(name, chain, title)]
+        if check.coverage is not None and check.coverage.state in ("out of date", "incomplete"):
+            lines.append(f"::notice file={file},line=1,title={title}::{_message(check.coverage.line)}")
     for one in refused:
         name = _property(f"periph-sim check: {one.path.stem}")
         lines.append(f"::error file={_property(in_repository(one.path))},line=1,title={name}::{_message(one.why)}")
@@ -98,7 +102,8 @@ def _suite(root: xml.Element, check: CaseCheck) -> None:
     outcome, figures = check.outcome, check.outcome.figures
     suite = xml.SubElement(root, "testsuite", name=_safe(figures.case), file=_safe(outcome.path.as_posix()))
     properties = xml.SubElement(suite, "properties")
-    for name, value in {"baseline": check.state, "events": figures.events, **figures.counts}.items():
+    coverage = {} if check.coverage is None else {"coverage": check.coverage.state}
+    for name, value in {"baseline": check.state, **coverage, "events": figures.events, **figures.counts}.items():
         xml.SubElement(properties, "property", name=name, value=str(value))
     for verdict in outcome.verdicts:
         tail = "_us" if verdict.unit == "us" else ""

@@ -22,7 +22,7 @@ from fractions import Fraction
 from math import inf
 from pathlib import Path
 from textwrap import dedent
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from ....core.phrases import counted
 from ....scene.case.load import load
@@ -37,6 +37,9 @@ from ..explain.explain import Explained, explain
 from .distribution import Distribution, distribution
 from .over_time import OverTime, over_time, shown_violations
 from .timeline import MOST, Lanes, Timeline, only_chosen
+
+if TYPE_CHECKING:
+    from ..coverage_line import PhasesReport
 
 Standing = Literal["good", "known", "bad"]
 
@@ -55,6 +58,7 @@ class BudgetReport:
     per_second: the number of ticks per second.
     others: more occurrences beyond a limit, in order of time: for each, its instant in ticks from the start of the run,
         and its timeline.
+    at_phases: the worst value at the phases of the coverage file, and its phase as text; None if no file matches.
     """
 
     verdict: Verdict
@@ -68,6 +72,7 @@ class BudgetReport:
     over_time: OverTime | None = None
     per_second: int = 10**9
     others: tuple[tuple[int, Timeline], ...] = ()
+    at_phases: tuple[Verdict, str] | None = None
 
     @property
     def as_it_should_be(self) -> bool:
@@ -93,6 +98,7 @@ class CaseReport:
     options: the options for undocumented behaviour that the run used, as UNIT.GROUP.NAME.
     changes: the "key=value" texts with which the case was read.
     counts: a dictionary from names to counts of the run, such as bytes on the bus.
+    coverage: what the coverage file of the case says; None if there is no file.
     """
 
     name: str
@@ -109,6 +115,7 @@ class CaseReport:
     notes: tuple[str, ...]
     budgets: tuple[BudgetReport, ...]
     commit: str = ""
+    coverage: PhasesReport | None = None
 
 
 MOST_OF_PASSED = 3_000  # maximum number of events in the timeline of a budget without failure
@@ -126,6 +133,7 @@ def case_report(
     length: Fraction | None = None,
     changes: Sequence[str] = (),
     findings: Sequence[str] | None = None,
+    coverage: PhasesReport | None = None,
 ) -> CaseReport:
     """Return the report of a case that has been run.
 
@@ -137,6 +145,7 @@ def case_report(
     changes: the "key=value" texts with which the case was read.
     findings: the findings of `periph-sim check`; the case passes if the list is empty. None without a check; the case
         then passes if the run passes.
+    coverage: what the coverage file of the case says; None if there is no file.
 
     Raise the errors of a Scene and its run.
     """
@@ -147,8 +156,9 @@ def case_report(
         for verdict, kept in zip(result.budgets, values, strict=True)
     ]
     found = explain(case, [*result.budgets, *_others(case, per_second, result.budgets, overs)], typical, length)
+    at_phases = {} if coverage is None else coverage.worst
     budgets = [
-        _budget(case, per_second, budget, verdict, kept, over, found)
+        replace(_budget(case, per_second, budget, verdict, kept, over, found), at_phases=at_phases.get(verdict.name))
         for budget, verdict, kept, over in zip(case.budget, result.budgets, values, overs, strict=True)
     ]
     failed = {verdict.name for verdict in result.budgets if not verdict.passed}
@@ -173,6 +183,7 @@ def case_report(
         notes=tuple(sorted(result.notes, key=lambda note: not note.startswith(devices))),
         budgets=tuple(budgets),
         commit=commit_of(case.folder),
+        coverage=coverage,
     )
 
 
@@ -184,9 +195,11 @@ def report_of_file(
     typical: Sequence[Verdict],
     per_second: int,
     findings: Sequence[str],
+    coverage: PhasesReport | None = None,
 ) -> CaseReport:
     """Return the report of a case file that was run for the duration that it states. Worker processes can call this."""
-    return case_report(load(path, list(changes)), result, values, typical, per_second, None, changes, findings)
+    case = load(path, list(changes))
+    return case_report(case, result, values, typical, per_second, None, changes, findings, coverage)
 
 
 def _others(

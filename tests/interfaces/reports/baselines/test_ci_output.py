@@ -138,7 +138,8 @@ def test_firmware_that_is_not_below_this_folder_gets_no_annotation(cases: Path, 
 )
 def test_a_cause_without_a_line_of_firmware_gets_no_annotation(blamed: Any):
     outcome = SimpleNamespace(path=Path("small.toml"), figures=SimpleNamespace(case="small"))
-    one: Any = SimpleNamespace(outcome=outcome, findings=[], causes={"response": SimpleNamespace(blamed=blamed)})
+    causes = {"response": SimpleNamespace(blamed=blamed)}
+    one: Any = SimpleNamespace(outcome=outcome, findings=[], causes=causes, coverage=None)
     assert github([one]) == []
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 from playwright.sync_api import Page
 
+from periph_sim.interfaces.reports.coverage_line import PhasesReport
 from periph_sim.interfaces.reports.html.gather import BudgetReport, CaseReport, Failure, SourceLines
 from periph_sim.interfaces.reports.html.protocol import Row
 from periph_sim.interfaces.reports.html.timeline import Lane, Timeline
@@ -155,7 +156,13 @@ def test_lanes_are_those_of_the_explanation_until_all_are_asked_for(opened: Open
 @pytest.mark.parametrize("width", [400, 1400])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_nothing_overflows_and_waves_stand_out(small: CaseReport, opened: Open, width: int, scheme: str) -> None:
-    page = opened(small, report(broken()), width=width, color_scheme=scheme)
+    count = "1,234,567 of 3,000,000 phases"
+    at = budget("covered", 9_876.543).verdict, "phases 12.3456789 to 98.7654321 ms"
+    said = PhasesReport(f"some_folder/coverage/{'long_name_' * 9}.json: 11 budgets held at {count}", count, {})
+    covered = replace(small, coverage=said, budgets=tuple(replace(one, at_phases=at) for one in small.budgets))
+    page = opened(covered, report(broken()), width=width, color_scheme=scheme)
+    page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
+    assert page.locator(".at-phases").count() == page.locator("td[data-name='at phases']:not(:empty)").count() > 5
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     over = """() => [...document.querySelectorAll("main *:not(svg *)")].filter((one) => {
         const box = one.getBoundingClientRect();

@@ -1,0 +1,276 @@
+"""`periph-sim prove CASE`: run all phases of a case, and find the windows in which budgets break."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from ...core.phrases import counted
+from ...timing.verdict import BROKEN, NOT_JUDGED, figure, limit
+from .command_frame import command, print_json, print_table, progress, running_user_code, say, time_given
+from .shared_options import CHANGES, JSON, SVG, diagram_file
+from .watch import note_inputs
+
+if TYPE_CHECKING:
+    from ...proof.cover import Window, Worst
+    from ..reports.coverage import Coverage
+
+HELD = "held"  # the word for a budget that was kept in all runs
+STEP = 97  # the default of --step; it has no common divisor with usual clock dividers or lengths of waits
+MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures, that are listed; --json has all
+
+
+@command(
+    "run",
+    "periph-sim prove timing/imu_hil.toml --only '1.5 ms to 1.6 ms'",
+    "periph-sim prove case.toml --step 1 --witness witnesses",
+)
+@click.argument("case", type=click.Path(path_type=Path))
+@CHANGES
+@click.option(
+    "--step",
+    type=click.IntRange(min=1),
+    default=STEP,
+    metavar="CYCLES",
+    help=f"Distance of phases that are not near an access.  [{STEP}; 1: every phase]",
+)
+@click.option("--only", metavar="TIMES", help="Run only these phases: '1.5 ms to 1.6 ms'.")
+@click.option("--start-up", is_flag=True, help="Move the first start through the start-up instead.")
+@click.option("--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]")
+@click.option(
+    "--witness",
+    "folder",
+    type=click.Path(path_type=Path, exists=True, file_okay=False),
+    help="Write a case for the worst value of each budget to this folder.",
+)
+@click.option("--save", is_flag=True, help="Write coverage/NAME.json beside the case, or continue it.")
+@SVG
+@JSON
+def prove(
+    case: Path,
+    changes: tuple[str, ...],
+    step: int,
+    only: str | None,
+    start_up: bool,
+    jobs: int | None,
+    folder: Path | None,
+    save: bool,
+    svg: Path | None,
+    as_json: bool,
+) -> int:
+    """Run CASE at every phase of its free start, and show the phases at which budgets break.
+
+    With a [host] and a [controller], a phase is the start of a frame, counted from the start of a round. With only one
+    of them, it is the start of a frame or of a round, counted from its nominal time. Phases at which an interrupt
+    comes near a write of the firmware are run cycle by cycle, the others in steps.
+
+    The result holds for the phases that were run, in the states that these runs reached. It is no proof for all
+    states, costs and clocks.
+
+    Exit status 0: every budget held at all these phases; 1: otherwise; 2: it was stopped (results so far are shown).
+    """
+    from ...proof import coverage_file, coverage_path
+    from ...proof.stretch import Job
+    from ..reports.coverage import choose, run_coverage
+
+    if save and start_up:
+        raise click.UsageError("--save with --start-up: a coverage file is of the rounds; remove one of them")
+    if save and changes:
+        raise click.UsageError("--save with --set: a coverage file is of the unchanged case; remove one of them")
+    with running_user_code():
+        note_inputs([case])
+        found = choose(Job(str(case.absolute()), changes, start_up), step, None if only is None else _between(only))
+        path = coverage_path.path_for(case) if save else None
+        saved = None if path is None else coverage_file.read(path)
+        if saved is not None:
+            found.continue_from(saved)
+        click.echo(_announcement(found), err=True)
+        with progress(found.case.case.name) as on_progress:
+            run_coverage(found, jobs or os.cpu_count() or 1, on_progress, path)
+        files, failed = ([], "") if folder is None else _write_witnesses(found, case, changes, folder)
+        files += [] if path is None else [path]
+        files += [] if svg is None else [_draw(found, svg)]
+    if as_json:
+        print_json("prove", _object(found, files))
+    else:
+        _show(found, files)
+    for reason in filter(None, (found.stopped, failed)):
+        click.echo(f"Error: {reason}", err=True)
+    if found.stopped or failed:
+        return 2
+    return int(any(word != HELD for word in _words(found).values()) or bool(found.windows or found.found.drifting))
+
+
+def _draw(found: Coverage, place: Path) -> Path:
+    """Write the picture of the windows, and return its path."""
+    from ..reports.baselines.files import write_all
+    from ..reports.phase_picture import picture
+
+    file = diagram_file(place, f"{found.case.case.name}_phases")
+    write_all({file: picture(found)})
+    return file
+
+
+def _between(text: str) -> tuple[Fraction, Fraction]:
+    first, to, last = text.partition(" to ")
+    if not to:
+        raise click.ClickException(f"--only {text!r}: expected two times, for instance '1.5 ms to 1.6 ms'")
+    return time_given("--only", first.strip()), time_given("--only", last.strip())
+
+
+def _announcement(found: Coverage) -> str:
+    seconds = max(1, round(found.seconds * found.missing / len(found.chosen)))
+    done = f"continued after {found.run_count:,} phases; " if found.finished else ""
+    return f"{found.case.case.name}: {done}{found.missing:,} phases to run, about {seconds} s of CPU if nothing breaks"
+
+
+def _words(found: Coverage) -> dict[str, str]:
+    """Return a dictionary from the name of each covered budget to the word for it."""
+    broken = {window.name for window in found.windows}
+    broken |= {name for one in found.found.drifting for name in one.names}
+    words = {}
+    for budget in found.case.case.budget:
+        worst = found.found.worst.get(budget.name)
+        words[budget.name] = NOT_JUDGED if worst is None or not found.found.judged.get(budget.name) else HELD
+        if budget.name in broken:
+            words[budget.name] = BROKEN
+    return words
+
+
+# Text ---------------------------------------------------------------------------
+
+
+def _show(found: Coverage, files: Sequence[Path]) -> None:
+    phases = found.case.phases
+    words = _words(found)
+    numbers = Counter(words.values())
+    counts = ", ".join(f"{numbers[word]} {word}" for word in (BROKEN, NOT_JUDGED, HELD) if numbers[word])
+    say(f"{found.case.case.name}: {found.run_count:,} of {phases.count:,} phases run; budgets: {counts}", style="bold")
+    rows = []
+    for name, word in words.items():
+        worst = found.found.worst.get(name)
+        shown = ("-", "-", "-") if worst is None else _cells(found, worst)
+        rows.append(((name, *shown, word), "red" if word == BROKEN else ""))
+    print_table(("budget", "worst", "limit", "at phase", ""), rows, right=(1, 2, 3), whole=(1, 2, 3, 4))
+    for line in _lines(found):
+        say(line)
+    for file in files:
+        say(f"written: {file}")
+
+
+def _cells(found: Coverage, worst: Worst) -> tuple[str, str, str]:
+    verdict, (first, last) = worst.verdict, (worst.phases[0], worst.phases[-1])
+    at = _time(found, first) if first == last else f"{_time(found, first)} ..."
+    return figure(verdict.worst, verdict.unit), limit(verdict.limit, verdict.unit, verdict.which), at
+
+
+def _time(found: Coverage, phase: int) -> str:
+    """Return a phase as a time, to a tenth of a nanosecond, so that each cycle has a text of its own."""
+    return f"{float(found.case.phases.seconds(phase)) * 1000:.7f} ms"
+
+
+def _lines(found: Coverage) -> list[str]:
+    phases, step, lines = found.case.phases, found.choice.step, []
+    moved = phases.moved.removesuffix("s")
+    for name in dict.fromkeys(window.name for window in found.windows):
+        windows = [window for window in found.windows if window.name == name]
+        lines += [_window_text(found, window) for window in windows[:MOST_LISTED]]
+        widths = [_width(found, window) for window in windows[MOST_LISTED:]]
+        if widths:
+            lines.append(f"  {counted(len(widths), 'more window')} of {min(widths):,} to {max(widths):,} phases")
+    for one in found.found.drifting[:MOST_LISTED]:
+        lines.append(f"{', '.join(sorted(one.names))}: broken only while the phase increases by a cycle per period,")
+        lines.append(f"  at {_time(found, one.last)} in a run that begins at {_time(found, one.first)}")
+    if len(found.found.drifting) > MOST_LISTED:
+        lines.append(f"  {len(found.found.drifting) - MOST_LISTED} more of these")
+    lines += [f"{name}: {reason}" for name, reason in found.found.reasons.items()]
+    since = "the start of a round" if phases.is_relative else "its time in the case"
+    which = f"the first {moved} after the start" if phases.start_up else f"the start of a {moved} after {since}"
+    lines.append(f"phase: {which}")
+    near = f"each cycle near an access ({found.choice.near:,} phases), then " if found.choice.near else ""
+    later = "one phase in each run" if phases.is_one_a_run else "a later phase in each period"
+    lines.append(f"run: {near}each {'' if step == 1 else f'{step}th '}cycle; {later}")
+    lines += [f"not covered: {name}: {reason}" for name, reason in found.case.left_out.items()]
+    return lines
+
+
+def _width(found: Coverage, window: Window) -> int:
+    """Return the number of phases of a window."""
+    beyond_end = found.case.phases.count if window.first > window.last else 0
+    return window.last - window.first + beyond_end + 1
+
+
+def _window_text(found: Coverage, window: Window) -> str:
+    ends = f"{_time(found, window.first)} to {_time(found, window.last)}"
+    sides = "both neighbours hold" if window.is_closed else "the end of --only is within it"
+    if _width(found, window) == found.case.phases.count:
+        sides = "that is every phase"
+    return f"{window.name}: broken from {ends}\n  {_width(found, window):,} phases, {window.run:,} of them run; {sides}"
+
+
+# JSON and files -----------------------------------------------------------------
+
+
+def _object(found: Coverage, files: Sequence[Path]) -> dict[str, object]:
+    phases, words = found.case.phases, _words(found)
+    return {
+        "case": found.case.case.name,
+        "phases": {
+            "moved": phases.moved,
+            "start_up": phases.start_up,
+            "count": phases.count,
+            "cycle_s": float(phases.seconds(1)),
+            "chosen": len(found.chosen),
+            "run": found.run_count,
+            "near": found.choice.near,
+            "step": found.choice.step,
+        },
+        "runs": found.found.runs,
+        "budgets": {name: _budget(found.found.worst.get(name), word) for name, word in words.items()},
+        "windows": [
+            {
+                "name": one.name,
+                "first": one.first,
+                "last": one.last,
+                "run": one.run,
+                "closed": one.is_closed,
+            }
+            for one in found.windows
+        ],
+        "drifting": [
+            {"names": sorted(one.names), "first": one.first, "last": one.last} for one in found.found.drifting
+        ],
+        "not_covered": dict(found.case.left_out),
+        "reasons": found.found.reasons,
+        "written": [str(file) for file in files],
+        "stopped": found.stopped,
+    }
+
+
+def _budget(worst: Worst | None, word: str) -> dict[str, object]:
+    if worst is None:
+        return {"verdict": word}
+    verdict = worst.verdict
+    figures = {key: getattr(verdict, key) for key in ("worst", "unit", "limit", "margin")}
+    return {"verdict": word, **figures, "first_phase": worst.phases[0], "last_phase": worst.phases[-1]}
+
+
+def _write_witnesses(found: Coverage, case: Path, changes: Sequence[str], folder: Path) -> tuple[list[Path], str]:
+    """Write a witness of each judged budget. Return the files, and the reason why others are missing, or ""."""
+    from ...traces.capture.capture import BadCapture
+    from ..reports.witness import witness_file
+
+    files: list[Path] = []
+    try:
+        for worst in found.found.worst.values():
+            if worst.verdict.passed or worst.verdict.broken:
+                files.append(witness_file(found, worst, case, changes, folder))
+    except BadCapture as error:  # the file cannot be written
+        return files, str(error)
+    return files, ""

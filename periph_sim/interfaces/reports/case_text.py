@@ -1,0 +1,78 @@
+"""The text of a case file that a command writes: tables as TOML, and paths of files relative to the file's folder."""
+
+from __future__ import annotations
+
+import json
+from os.path import relpath
+from pathlib import Path
+from typing import Any
+
+from ...scene.case.origin import texts_in
+
+Tree = dict[str, Any]
+
+
+def move_files(tree: Tree, before: Path, after: Path) -> None:
+    """Change the paths of files, and of folders of C headers, in a case that moves to another folder.
+
+    before, after: the folders of the old and of the new case, to which the paths are relative.
+    """
+    named = {text for text in texts_in(tree) if 0 < len(text) < 200 and (before / text).is_file()}
+
+    def moved(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: moved(inner) for key, inner in value.items()}
+        if isinstance(value, list):
+            return [moved(inner) for inner in value]
+        return relpath(before / value, after) if isinstance(value, str) and value in named else value
+
+    tree.update(moved(tree))
+    for unit in tree.get("unit", {}).values():
+        compile = unit.get("compile", {}) if isinstance(unit, dict) else {}
+        if "include" in compile:
+            compile["include"] = [relpath(before / folder, after) for folder in compile["include"]]
+
+
+def toml(tree: Tree) -> str:
+    """Format a tree of tables as TOML. In each table, plain values come first."""
+    return "\n".join(_tables(tree, ())).strip() + "\n"
+
+
+def _tables(tree: Tree, path: tuple[str, ...]) -> list[str]:
+    lines = [f"{_key(key)} = {_value(value)}" for key, value in tree.items() if not _is_table(value)]
+    for key, value in tree.items():
+        inner = (*path, _key(key))
+        name = ".".join(inner)
+        if isinstance(value, dict):
+            plain = any(not _is_table(each) for each in value.values()) or not value
+            lines += [*(["", f"[{name}]"] if plain else []), *_tables(value, inner)]
+        elif _is_table(value):
+            for entry in value:
+                lines += ["", f"[[{name}]]", *_tables(entry, inner)]
+    return lines
+
+
+def _is_table(value: Any) -> bool:
+    return isinstance(value, dict) or (
+        isinstance(value, list) and bool(value) and all(isinstance(entry, dict) for entry in value)
+    )
+
+
+def _key(key: str) -> str:
+    return key if key.replace("_", "a").replace("-", "a").isalnum() and key.isascii() else _text(key)
+
+
+def _text(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return _text(value)
+    if isinstance(value, list):
+        return f"[{', '.join(map(_value, value))}]"
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{_key(key)} = {_value(inner)}" for key, inner in value.items()) + " }"
+    return str(value)

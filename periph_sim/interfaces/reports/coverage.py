@@ -1,0 +1,195 @@
+"""Coverage of a case: all chosen phases, run in worker processes, and the windows at which budgets are broken.
+
+    chosen phases --parts--> worker processes --> results, in the order of the phases --> windows, worst values
+                                                  '--saved--> coverage file --continue--> the parts that are missing
+
+The result does not depend on the number of processes, because the parts do not depend on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from time import monotonic, process_time
+
+from ...proof import coverage_file
+from ...proof.cover import Covered, Coverer, Window, cover_part, joined_at_end, nothing, windows_of
+from ...proof.coverage_file import Choice, CoverageFile
+from ...proof.dependencies import Dependencies, dependencies, files_read
+from ...proof.near import chosen_phases, parts_of
+from ...proof.stretch import CoveredCase, Job
+from ...traces.formats import atomic_write
+from .processes import processes
+
+PART = 512  # number of phases of a part
+TRIED = 64  # number of phases that are run to estimate the time
+SAVED_EVERY = 10.0  # seconds between two writes of the coverage file
+
+
+@dataclass
+class Coverage:
+    """A coverage and its results so far.
+
+    chosen: the phases to run, in ascending order.
+    choice: how they were chosen.
+    depends: everything that the results depend on.
+    seconds: the estimated CPU time of all runs, if nothing fails.
+    found: the results of the parts that are finished, of which there are `finished`.
+    windows: the windows at which budgets are broken, or the firmware fails.
+    stopped: the reason why phases are missing; "" if all were run.
+    """
+
+    job: Job
+    case: CoveredCase
+    chosen: list[int]
+    choice: Choice
+    depends: Dependencies
+    seconds: float
+    found: Covered = field(default_factory=nothing)
+    finished: int = 0
+    windows: list[Window] = field(default_factory=list)
+    stopped: str = ""
+
+    @property
+    def run_count(self) -> int:
+        """The number of different phases that were run."""
+        return len({*self.found.held, *self.found.failed})
+
+    @property
+    def missing(self) -> int:
+        """The number of chosen phases in parts that are not finished."""
+        return sum(map(len, self.parts[self.finished :]))
+
+    @property
+    def parts(self) -> list[list[int]]:
+        return list(parts_of(self.chosen, PART))
+
+    def saved(self) -> CoverageFile:
+        """Return the contents of the coverage file."""
+        ranges = coverage_file.to_ranges(self.found.held, self.chosen)
+        return CoverageFile(
+            case=self.case.case.name,
+            choice=self.choice,
+            dependencies=self.depends,
+            finished=self.finished,
+            parts=len(self.parts),
+            run_count=self.run_count,
+            held=ranges,
+            found=self.found.without_held(),
+            windows=self.windows,
+        )
+
+    def continue_from(self, saved: CoverageFile) -> None:
+        """Take the results of a coverage file, if it has the same phases and dependencies."""
+        if saved.choice == self.choice and saved.dependencies == self.depends:
+            self.found, self.finished = saved.found, saved.finished
+            self.found.held = coverage_file.from_ranges(saved.held, self.chosen)
+
+    @property
+    def is_whole(self) -> bool:
+        """True if all phases of a period may be run."""
+        return self.choice.bounds == (0, self.choice.count - 1)
+
+
+def choose(job: Job, step: int, only: tuple[Fraction, Fraction] | None) -> Coverage:
+    """Return a coverage that has only run a few phases, for an estimate of its time.
+
+    step: the distance of phases that are not near an access, in cycles.
+    only: the phases to run, from the first to the last time in seconds; None for all of a period.
+    """
+    with files_read() as read:
+        case = CoveredCase(job)
+        phases = case.phases
+        bounds = (0, phases.count - 1) if only is None else phases.between(*only)
+        chosen, near = chosen_phases(case, step, bounds)
+        seconds = _estimated_time(case, chosen)
+        folder = Path(job.file).parent
+        depends = dependencies(folder, [*read, *case.case.files()])
+    cycle = float(phases.seconds(1) * 10**12)
+    digest = coverage_file.digest_of(chosen)
+    choice = Choice(phases.moved, phases.start_up, phases.count, cycle, len(chosen), near, step, bounds, digest)
+    return Coverage(job, case, chosen, choice, depends, seconds)
+
+
+def _estimated_time(case: CoveredCase, chosen: Sequence[int]) -> float:
+    tried = chosen[: 1 if case.phases.is_one_a_run else TRIED]
+    case.run(tried[:1], case.case.seed)  # imports what the first run needs
+    began = process_time()
+    case.run(tried, case.case.seed)
+    return (process_time() - began) / len(tried) * len(chosen)
+
+
+def run_coverage(
+    coverage: Coverage, jobs: int, on_progress: Callable[[float], None] | None = None, save_to: Path | None = None
+) -> None:
+    """Run the parts that are not finished, and add their results.
+
+    After Ctrl-C, or if a worker process dies, the coverage contains the finished parts and the reason.
+
+    jobs: number of worker processes.
+    save_to: the coverage file, which is written every SAVED_EVERY seconds and at the end; None for no file.
+    """
+    parts, saved_at = coverage.parts, monotonic()
+    missing = parts[coverage.finished :]
+    try:
+        for found in _results(coverage, missing, jobs):
+            coverage.found.add(found)
+            coverage.finished += 1
+            if on_progress is not None:
+                on_progress(coverage.finished / len(parts))
+            if save_to is not None and monotonic() - saved_at > SAVED_EVERY:
+                save(coverage, save_to)
+                saved_at = monotonic()
+    except KeyboardInterrupt:
+        coverage.stopped = "stopped by Ctrl-C or SIGTERM"
+    except BrokenProcessPool:
+        first = float(coverage.case.phases.seconds(parts[coverage.finished][0]) * 1000)
+        coverage.stopped = f"a process died while it ran the phases from {first:.7f} ms"
+    if save_to is not None and coverage.stopped:
+        save(coverage, save_to)
+    _finish(coverage)
+    if save_to is not None and not coverage.stopped:
+        save(coverage, save_to)
+
+
+def save(coverage: Coverage, path: Path) -> None:
+    """Write the coverage file, completely or not at all."""
+    path.parent.mkdir(exist_ok=True)
+    with atomic_write(path) as unfinished:
+        unfinished.write_text(coverage_file.text_of(coverage.saved()), encoding="utf-8")
+
+
+def _results(coverage: Coverage, parts: Sequence[list[int]], jobs: int) -> Iterator[Covered]:
+    """Yield the results of the parts in their order. Each part has its own seed, so that other values are drawn."""
+    job, first = coverage.job, coverage.case.case.seed + coverage.finished
+    if jobs == 1:
+        for number, part in enumerate(parts):
+            yield cover_part(job, part, first + number)
+        return
+    with processes(jobs) as pool:
+        waiting: list[Future[Covered]] = [
+            pool.submit(cover_part, job, part, first + number) for number, part in enumerate(parts)
+        ]
+        for future in waiting:
+            yield future.result()
+
+
+def _finish(coverage: Coverage) -> None:
+    """Find the ends of the windows, and repeat the worst value of each budget in a run with one phase."""
+    if not coverage.found.held and not coverage.found.failed:
+        return
+    ran_before = coverage.case.runs
+    coverer = Coverer(coverage.case, coverage.case.case.seed, coverage.found)
+    windows = windows_of(coverage.found, coverer.status, coverage.choice.bounds)
+    if coverage.is_whole and not coverage.case.phases.is_one_a_run:  # the times of sends are not periodic
+        windows = joined_at_end(windows, coverage.choice.count, coverer.status)
+    coverage.windows = windows
+    for worst in list(coverage.found.worst.values()):
+        at = worst.verdict.at_s
+        if len(worst.phases) > 1 and at is not None:
+            Coverer(coverage.case, worst.seed, coverage.found).repeat(coverage.case.phases.phase_at(worst.phases, at))
+    coverage.found.runs += coverage.case.runs - ran_before

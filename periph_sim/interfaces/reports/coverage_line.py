@@ -1,0 +1,59 @@
+"""What a case's coverage file says, for the line below the result of `run`, for `check` and for the HTML report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from msgspec import Struct
+
+from ...proof.coverage_file import Choice, CoverageFile, current
+from ...proof.coverage_path import path_for
+from ...timing.verdict import Verdict
+
+
+class PhasesReport(Struct, frozen=True):
+    """What a coverage file says about its case.
+
+    line: a sentence about the file as a whole.
+    count: the number of phases that were run, and that of a period, as text.
+    worst: a dictionary from budgets to the worst value at these phases and the phase as text. It is empty if the file
+        does not match the case, or is not complete.
+    """
+
+    line: str
+    count: str
+    worst: dict[str, tuple[Verdict, str]]
+
+
+def phases_report(case: Path) -> PhasesReport | None:
+    """Return what the coverage file of a case says, or why it says nothing now; None if there is no file."""
+    found = current(case)
+    return None if found is None else report_of(path_for(case), *found)
+
+
+def report_of(path: Path, file: CoverageFile, differences: Sequence[str]) -> PhasesReport:
+    """Return what a coverage file says. differences: a phrase for each dependency that has changed."""
+    count = f"{file.run_count:,} of {file.choice.count:,} phases"
+    if differences:
+        more = f" and {len(differences) - 1} more" if len(differences) > 1 else ""
+        return PhasesReport(f"{path.as_posix()} is out of date: {differences[0]}{more}", count, {})
+    if not file.is_complete:
+        parts = f"{file.finished} of {file.parts} parts"
+        return PhasesReport(f"{path.as_posix()} is not complete: {parts}; prove --save continues it", count, {})
+    worst = {name: (one.verdict, phase_text(one.phases, file.choice)) for name, one in file.found.worst.items()}
+    return PhasesReport(f"{path.as_posix()}: {_summary(file, count)}", count, worst)
+
+
+def phase_text(phases: Sequence[int], choice: Choice) -> str:
+    """Return the phases of a run as times, to a tenth of a nanosecond, such as "phase 1.5700000 ms"."""
+    first, last = (f"{phase * choice.cycle_ps / 10**9:.7f}" for phase in (phases[0], phases[-1]))
+    return f"phase {last} ms" if first == last else f"phases {first} to {last} ms"
+
+
+def _summary(file: CoverageFile, count: str) -> str:
+    broken = {window.name for window in file.windows} | {name for one in file.found.drifting for name in one.names}
+    if broken:
+        return f"{count} run; broken at some of them: {', '.join(sorted(broken))}"
+    judged = sum(1 for count in file.found.judged.values() if count)
+    return f"{judged} budgets held at {count}"

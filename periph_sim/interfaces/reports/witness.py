@@ -1,0 +1,76 @@
+"""Case files that repeat the worst value of a budget: the case of a coverage with [inputs] and a duration.
+
+worst value: phases, seed --[inputs]--> case file --run--> the same value
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Sequence
+from fractions import Fraction
+from pathlib import Path
+
+from ...proof.cover import Worst
+from ...scene.case.load import apply, case_of
+from ...scene.case.toml_file import read
+from ...scene.scene import Scene
+from ...timing.budget_plan import PER_MILLE
+from ...traces.formats import atomic_write
+from .case_text import Tree, move_files, toml
+from .coverage import Coverage
+
+NAME = re.compile(r"[^A-Za-z0-9]+")
+IN_FILES = re.compile(r"[^\w.-]+")
+DIGITS = 12  # decimals of a second; more if a tick is shorter than a picosecond
+
+
+def witness_file(coverage: Coverage, worst: Worst, case: Path, changes: Sequence[str], folder: Path) -> Path:
+    """Write the case in which a budget has its worst value, run it, and return its path.
+
+    case, changes: the case of the coverage as the user gave it.
+    """
+    _, tree = read(case, "case")
+    for change in changes:
+        apply(tree, change)
+    move_files(tree, case.parent, folder)
+    inputs, duration = coverage.case.phases.inputs(worst.phases)
+    name = f"{IN_FILES.sub('_', coverage.case.case.name)}_{_part_of_name(coverage, worst.verdict.name)}"
+    digits = max(DIGITS, len(str(coverage.case.phases.ticks_per_second)))
+    moved: Tree = {"sends_later": _seconds(inputs.sends_later, digits)} if inputs.sends_later else {}
+    for key in ("frames", "rounds"):
+        times = getattr(inputs, key)
+        moved |= {key: [_seconds(time, digits) for time in times]} if times else {}
+    if "budget" in tree:
+        tree["budget"] = _covered(tree["budget"], {one.name for one in coverage.case.case.budget})
+    tree["name"] = name
+    tree["about"] = f"The worst value of {worst.verdict.name!r} in a coverage of {coverage.case.case.name}."
+    tree["duration"], tree["seed"] = _seconds(duration, digits), worst.seed
+    tree["inputs"] = {**tree.get("inputs", {}), **moved}
+    file = folder / f"{name}.toml"
+    written = case_of(tree, file)
+    result = Scene(written.model_copy(update={"budget": coverage.case.case.budget})).run()
+    (verdict,) = (one for one in result.budgets if one.name == worst.verdict.name)
+    assert verdict.worst == worst.verdict.worst, f"{file}: {verdict.worst} instead of {worst.verdict.worst}"
+    with atomic_write(file) as unfinished:
+        unfinished.write_text(toml(tree), encoding="utf-8")
+    return file
+
+
+def _part_of_name(coverage: Coverage, budget: str) -> str:
+    """Return a budget's part of a file name, which no other budget of the case has."""
+    parts = {one.name: NAME.sub("_", one.name).strip("_") for one in coverage.case.case.budget}
+    part = parts[budget]
+    if part and [*parts.values()].count(part) == 1:
+        return part
+    return f"{part}_{[*parts].index(budget)}".strip("_")
+
+
+def _covered(budgets: list[Tree], names: Collection[str]) -> list[Tree]:
+    """Return the budgets with these names, without percentiles, so that each shows the value of its coverage."""
+    kept = [budget for budget in budgets if budget["name"] in names]
+    return [{key: value for key, value in budget.items() if key not in PER_MILLE} for budget in kept]
+
+
+def _seconds(time: Fraction, digits: int) -> str:
+    whole, rest = divmod(round(time * 10**digits), 10**digits)
+    return f"{whole}.{rest:0{digits}} s"

@@ -1,0 +1,66 @@
+"""The worst occurrences at the phases of a coverage file, which are run again and explained.
+
+coverage file that matches the case --phases, seed--> run --> verdict, explanation
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from ...proof.cover import Worst
+from ...proof.coverage_file import current
+from ...proof.coverage_path import path_for
+from ...proof.stretch import CoveredCase, Job
+from ...timing.verdict import Verdict
+from .explain.explain import Explained, explain
+
+
+class WorstAtPhase(NamedTuple):
+    """The worst occurrence of a budget at the phases of a coverage file.
+
+    text: a line that names the phase.
+    explained: its explanation; None if it has no instant.
+    phases, seed: the run in which it occurs, as in `Worst`.
+    """
+
+    verdict: Verdict
+    text: str
+    explained: Explained | None
+    phases: tuple[int, ...]
+    seed: int
+
+
+def worst_at_phases(case: Path, verdicts: Sequence[Verdict]) -> dict[str, WorstAtPhase]:
+    """Return a dictionary from the names of budgets to their worst occurrences at the phases of the coverage file.
+
+    It has only budgets whose value there is nearer to the limit than the value in `verdicts`. It is empty if no
+    coverage file matches the case.
+    """
+    saved = current(case)
+    if saved is None or saved[1] or not saved[0].is_complete:
+        return {}
+    nearer = [
+        saved[0].found.worst[one.name]
+        for one in verdicts
+        if one.name in saved[0].found.worst and _is_nearer(saved[0].found.worst[one.name].verdict, one)
+    ]
+    covered = CoveredCase(Job(str(case.absolute()))) if nearer else None
+    return {} if covered is None else {one.verdict.name: _again(case, covered, one) for one in nearer}
+
+
+def _is_nearer(one: Verdict, other: Verdict) -> bool:
+    return one.margin is not None and (other.margin is None or one.margin < other.margin)
+
+
+def _again(case: Path, covered: CoveredCase, worst: Worst) -> WorstAtPhase:
+    """Run the phases of a worst occurrence again, and explain it."""
+    scene = covered.scene(worst.phases, worst.seed)
+    result = scene.run()
+    (verdict,) = (one for one in result.budgets if one.name == worst.verdict.name)
+    typical = [one for one in scene.typical() if one.name == verdict.name]
+    explained = next(iter(explain(scene.case, [verdict], typical)), None)
+    at = float(covered.phases.seconds(worst.phases[-1])) * 1000
+    text = f"at phase {at:.7f} ms, the worst of {path_for(case)}:"
+    return WorstAtPhase(verdict, text, explained, worst.phases, worst.seed)

@@ -1,0 +1,285 @@
+"""Coverage of a list of phases: long runs, and short runs around each failure.
+
+    phases 0, 1, ... 511 --one run, a phase a round--> holds: all 512 phases are covered
+                           '--fails--> shorter runs find the round; runs with one phase only find the end of the window
+
+A window is a range of phases at which a budget is broken in a run with this phase alone. Within a window, one of APART
+phases is run; the first and the last phase of the window, and the neighbours outside, are always run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import lru_cache
+
+from msgspec import Struct
+from msgspec.structs import replace
+
+from ..timing.verdict import Verdict
+from .stretch import CoveredCase, Job, Outcome
+
+APART = 16  # distance of the phases that are run within a window, in given phases
+REPORTED = 3  # the last phases of a failing run that may have caused the failure: it can be noticed later
+
+
+class Worst(Struct, frozen=True):
+    """The value of a budget that is nearest to its limit.
+
+    phases: the phases of the run that had this value, and of each period before.
+    """
+
+    verdict: Verdict
+    phases: tuple[int, ...]
+    seed: int
+
+
+class Drifting(Struct, frozen=True):
+    """Failures in a run whose phase increases from `first` to `last`, which runs with one phase alone do not have."""
+
+    names: frozenset[str]
+    first: int
+    last: int
+
+
+class Covered(Struct):
+    """The results of some phases.
+
+    held: the phases at which nothing failed.
+    failed: a dictionary from a phase to the names of what failed in a run with this phase alone.
+    drifting: failures that occur only while the phase drifts, in the order of the phases.
+    worst: a dictionary from the name of a budget to its worst value.
+    judged: a dictionary from the name of a budget to the number of runs that judged it.
+    reasons: a dictionary from the name of a failure that is no broken budget to a sentence about it.
+    """
+
+    held: list[int]
+    failed: dict[int, frozenset[str]]
+    drifting: list[Drifting]
+    worst: dict[str, Worst]
+    judged: dict[str, int]
+    reasons: dict[str, str]
+    runs: int = 0
+
+    def add(self, other: Covered) -> None:
+        """Add the results of the phases that follow."""
+        self.held += other.held
+        self.failed |= other.failed
+        self.drifting += other.drifting
+        for worst in other.worst.values():
+            self.judge(worst)
+        for name, count in other.judged.items():
+            self.judged[name] = self.judged.get(name, 0) + count
+        self.reasons = other.reasons | self.reasons
+        self.runs += other.runs
+
+    def without_held(self) -> Covered:
+        return Covered([], self.failed, self.drifting, self.worst, self.judged, self.reasons, self.runs)
+
+    def judge(self, new: Worst) -> None:
+        """Keep a value if it is nearer to its limit than the one so far, or as near in a shorter run."""
+        old = self.worst.get(new.verdict.name)
+        if old is None or _is_worse(new, old):
+            self.worst[new.verdict.name] = new
+
+
+def _is_worse(new: Worst, old: Worst) -> bool:
+    one, two = new.verdict, old.verdict
+    if one.broken != two.broken:
+        return one.broken
+    if one.margin is None or two.margin is None:
+        return two.margin is None and one.margin is not None
+    return (one.margin, len(new.phases)) < (two.margin, len(old.phases))
+
+
+def nothing() -> Covered:
+    return Covered([], {}, [], {}, {}, {})
+
+
+class Coverer:
+    """Runs phases of a case.
+
+    seed: the seed of all values that are drawn.
+    found: results to which those of this object are added.
+    """
+
+    def __init__(self, case: CoveredCase, seed: int, found: Covered | None = None) -> None:
+        self._case = case
+        self._seed = seed
+        self._ran_before = case.runs
+        self.found = nothing() if found is None else found
+
+    def cover(self, phases: Sequence[int]) -> Covered:
+        """Run all these phases, which are in ascending order, and return the results."""
+        if self._case.phases.is_one_a_run:
+            self.found.held += [phase for phase in phases if not self.status(phase)]
+        place = len(phases) if self._case.phases.is_one_a_run else 0
+        while place < len(phases):
+            rest = phases[place:]
+            if not self._run(rest).failures:
+                self.found.held += rest
+                break
+            place += self._failing(rest)
+        self.found.runs = self._case.runs - self._ran_before
+        return self.found
+
+    def _failing(self, phases: Sequence[int]) -> int:
+        """Find where a failing run begins to fail, and the window there. Return the number of phases that are done."""
+        length = _first_true(lambda count: bool(self._run(phases[:count]).failures), 1, len(phases))
+        suspects = range(max(0, length - REPORTED), length)
+        begin = next((place for place in suspects if self.status(phases[place])), None)
+        if begin is None:
+            self.found.held += phases[: length - 1]
+            outcome = self._run(phases[:length])
+            self._count(outcome, phases[:length])
+            self.found.drifting.append(Drifting(outcome.failures, phases[0], phases[length - 1]))
+            return length
+        self.found.held += phases[:begin]
+        broken = begin
+        while broken + APART < len(phases) and self.status(phases[broken + APART]):
+            broken += APART
+        limit = min(broken + APART, len(phases))
+        return _first_true(lambda place: place == limit or not self.status(phases[place]), broken + 1, limit)
+
+    def repeat(self, phase: int) -> None:
+        """Run a phase alone, so that its values have the shortest run."""
+        self._run([phase])
+
+    def status(self, phase: int) -> frozenset[str]:
+        """Return what fails in a run with this phase alone."""
+        if phase not in self.found.failed:
+            self.found.failed[phase] = self._run([phase]).failures
+        return self.found.failed[phase]
+
+    def _run(self, phases: Sequence[int]) -> Outcome:
+        """Run phases. The values of a run of several phases count only if nothing failed, because a failure goes on."""
+        outcome = self._case.run(phases, self._seed)
+        if len(phases) == 1 or not outcome.failures:
+            self._count(outcome, phases)
+        self.found.reasons = dict(outcome.reasons) | self.found.reasons
+        return outcome
+
+    def _count(self, outcome: Outcome, phases: Sequence[int]) -> None:
+        for verdict in outcome.verdicts:
+            self.found.judge(Worst(verdict, tuple(phases), self._seed))
+            is_judged = verdict.passed or verdict.broken
+            self.found.judged[verdict.name] = self.found.judged.get(verdict.name, 0) + is_judged
+
+
+def _first_true(is_true: Callable[[int], bool], low: int, high: int) -> int:
+    """Return the least number from `low` to `high` for which `is_true` is true. It is true for `high`."""
+    while low < high:
+        middle = (low + high) // 2
+        if is_true(middle):
+            high = middle
+        else:
+            low = middle + 1
+    return low
+
+
+class Window(Struct, frozen=True):
+    """A range of phases at which a budget is broken, or the firmware fails.
+
+    name: the name of the budget or of the failure.
+    first, last: the first and the last phase. `first` is above `last` if the window contains the end of the period.
+    run: number of phases within the window that were run; each of them fails.
+    is_closed: True if the phases before `first` and after `last` were run, and hold.
+    """
+
+    name: str
+    first: int
+    last: int
+    run: int
+    is_closed: bool
+
+
+def windows_of(found: Covered, status: Callable[[int], frozenset[str]], bounds: tuple[int, int]) -> list[Window]:
+    """Return the windows of all failures, in the order of the phases.
+
+    found: the results of all phases. `status` adds to `found.failed`.
+    status: returns what fails in a run with one phase alone.
+    bounds: the first and the last phase that may be run.
+    """
+    names = sorted({name for failures in found.failed.values() for name in failures})
+    windows: list[Window] = []
+    for name in names:
+        for group in _groups(name, found):
+            windows.append(_window(name, group, found, status, bounds))
+    return sorted(windows, key=lambda one: (one.first, one.last, one.name))
+
+
+def joined_at_end(windows: Sequence[Window], count: int, status: Callable[[int], frozenset[str]]) -> list[Window]:
+    """Return the windows of a whole period, in which a window at its end and one at its begin are one window.
+
+    count: the number of phases of the period. status: returns what fails in a run with one phase alone.
+    """
+    found = []
+    begins = {one.name: one for one in windows if not one.first and one.last < count - 1}
+    ends = {one.name: one for one in windows if one.last == count - 1 and one.first}
+    for one in windows:
+        begin, end = begins.get(one.name), ends.get(one.name)
+        if one is begin and end is None:
+            found.append(replace(one, is_closed=one.name not in status(count - 1) | status(one.last + 1)))
+        elif one is end and begin is None:
+            found.append(replace(one, is_closed=one.name not in status(0) | status(one.first - 1)))
+        elif one is end and begin is not None:
+            closed = one.name not in status(one.first - 1) | status(begin.last + 1)
+            found.append(Window(one.name, one.first, begin.last, one.run + begin.run, closed))
+        elif one is not begin:
+            found.append(one)
+    return found
+
+
+def _groups(name: str, found: Covered) -> Iterable[list[int]]:
+    """Yield lists of phases at which `name` fails, without a phase between them at which it holds."""
+    held: Mapping[int, bool] = dict.fromkeys(found.held, False)
+    flags = {**held, **{phase: name in failures for phase, failures in found.failed.items()}}
+    group: list[int] = []
+    for phase in sorted(flags):
+        if flags[phase]:
+            group.append(phase)
+        elif group:
+            yield group
+            group = []
+    if group:
+        yield group
+
+
+def _window(
+    name: str, group: list[int], found: Covered, status: Callable[[int], frozenset[str]], bounds: tuple[int, int]
+) -> Window:
+    def fails(phase: int) -> bool:
+        return name in status(phase)
+
+    known = sorted({*found.held, *found.failed})
+    before = max((phase for phase in known if phase < group[0]), default=bounds[0] - 1)
+    after = min((phase for phase in known if phase > group[-1]), default=bounds[1] + 1)
+    first = _first_true(fails, before + 1, group[0])
+    last = _first_true(lambda phase: not fails(phase), group[-1] + 1, after) - 1
+    first, last = _extended(fails, first, -1, bounds[0]), _extended(fails, last, 1, bounds[1])
+    run = sum(1 for phase, failures in found.failed.items() if first <= phase <= last and name in failures)
+    closed = all(bounds[0] <= end <= bounds[1] and not fails(end) for end in (first - 1, last + 1))
+    return Window(name, first, last, run, closed)
+
+
+def _extended(fails: Callable[[int], bool], phase: int, step: int, end: int) -> int:
+    """Return the end of a window, seen from a phase in it. step: 1 or -1, the direction to `end`.
+
+    A phase beside the window can have held in a run in which the phase increases, and fail in a run of its own.
+    """
+    width = 1
+    while phase != end and fails(phase + step):
+        near, limit = phase + step, min(width, abs(end - phase) - 1)
+        beyond = _first_true(lambda count: count > limit or not fails(near + step * count), 1, limit + 1)  # noqa: B023
+        phase, width = near + step * (beyond - 1), width * 2
+    return phase
+
+
+@lru_cache(maxsize=1)
+def _case_of(job: Job) -> CoveredCase:
+    """Return the case of a job. A worker process runs many parts of one job, so it reads the case once."""
+    return CoveredCase(job)
+
+
+def cover_part(job: Job, phases: Sequence[int], seed: int) -> Covered:
+    """Run these phases, which are in ascending order, and return the results. Worker processes call it."""
+    return Coverer(_case_of(job), seed).cover(phases)

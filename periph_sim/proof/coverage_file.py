@@ -1,0 +1,129 @@
+"""The file of a coverage: coverage/NAME.json beside the case, with the results and everything they depend on.
+
+    Covered, Window --write--> file --read--> the results again, for the parts that are missing, and for other commands
+
+A file whose parts are not all finished belongs to a coverage that was stopped, and can be continued.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from hashlib import blake2b
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+
+from ..core.input_error import InputError
+from ..core.input_files import read_regular
+from .cover import Covered, Window
+from .coverage_path import path_for
+from .dependencies import Dependencies
+
+RENEW = "write it again with prove --save"
+
+
+class BadCoverage(InputError):
+    """Error: a coverage file cannot be read. The message is one sentence."""
+
+
+class Choice(msgspec.Struct, frozen=True):
+    """The phases that a coverage runs.
+
+    moved: the starts that move.
+    start_up: True if only the first of them moves through the start-up.
+    count: the number of phases.
+    cycle_ps: the length of a cycle.
+    chosen, near: number of phases that were chosen, and of those that are near an access.
+    step: the distance of the others, in cycles.
+    bounds: the first and the last phase that may be run.
+    digest: the digest of the chosen phases.
+    """
+
+    moved: str
+    start_up: bool
+    count: int
+    cycle_ps: float
+    chosen: int
+    near: int
+    step: int
+    bounds: tuple[int, int]
+    digest: str
+
+
+class CoverageFile(msgspec.Struct, frozen=True, kw_only=True):
+    """The contents of a coverage file.
+
+    finished, parts: the number of parts that are finished, and of all parts.
+    run_count: the number of different phases that were run.
+    held: pairs (first, after the last) of indices of chosen phases that held; `found.held` is empty.
+    windows: the windows; empty until all parts are finished.
+    """
+
+    version: Literal[1] = 1
+    case: str
+    choice: Choice
+    dependencies: Dependencies
+    finished: int
+    parts: int
+    run_count: int
+    held: list[tuple[int, int]]
+    found: Covered
+    windows: list[Window]
+
+    @property
+    def is_complete(self) -> bool:
+        return self.finished == self.parts
+
+
+def text_of(file: CoverageFile) -> str:
+    """Format a coverage as JSON with sorted keys and sets."""
+    tree = msgspec.to_builtins(file, order="sorted")
+    return json.dumps(tree, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
+
+
+def read(path: Path) -> CoverageFile | None:
+    """Return the contents of a coverage file; None if there is no file.
+
+    Raise BadCoverage if the file is not a coverage, or is of another version of the format.
+    """
+    try:
+        return msgspec.json.decode(read_regular(path), type=CoverageFile)
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise BadCoverage(f"{path}: cannot be read ({error.strerror}); expected a coverage") from None
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise BadCoverage(f"{path}: is no coverage of this version of periph-sim ({error}); {RENEW}") from None
+
+
+def digest_of(phases: Sequence[int]) -> str:
+    return blake2b(",".join(map(str, phases)).encode(), digest_size=16).hexdigest()
+
+
+def to_ranges(held: Sequence[int], chosen: Sequence[int]) -> list[tuple[int, int]]:
+    """Return the indices in `chosen` of the phases in `held`, as ranges (first, after the last)."""
+    place = {phase: index for index, phase in enumerate(chosen)}
+    found: list[tuple[int, int]] = []
+    for index in sorted(place[phase] for phase in held if phase in place):
+        if found and found[-1][1] == index:
+            found[-1] = found[-1][0], index + 1
+        else:
+            found.append((index, index + 1))
+    return found
+
+
+def from_ranges(ranges: Sequence[tuple[int, int]], chosen: Sequence[int]) -> list[int]:
+    """Return the phases of these ranges of indices in `chosen`."""
+    return [phase for first, after in ranges for phase in chosen[first:after]]
+
+
+def current(case: Path) -> tuple[CoverageFile, list[str]] | None:
+    """Return the coverage file of a case, and what has changed since it was written; None if there is no file.
+
+    Raise BadCoverage for a file that cannot be read.
+    """
+    path = path_for(case)
+    file = read(path) if path.exists() else None
+    return None if file is None else (file, file.dependencies.differences(case.parent))

@@ -1,0 +1,151 @@
+"""Everything on which the result of a coverage depends: files, versions, and this package itself.
+
+    runs of a case --files_read--> the files that were opened --dependencies--> their digests
+    digests --differences--> sentences about what has changed since
+
+The files are those that this process opens during a run, the source files of modules that it has imported, and the
+files that the case names. Programs outside Python, such as a C compiler, are not among them.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import sysconfig
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from functools import lru_cache
+from hashlib import blake2b
+from importlib.metadata import PackageNotFoundError, packages_distributions, version
+from importlib.util import source_from_cache
+from pathlib import Path
+from platform import python_version
+
+from msgspec import Struct
+
+from ..core.input_files import read_regular
+
+PACKAGE = Path(__file__).parents[1]
+DIGEST = 16  # length of a digest, in bytes
+_read: set[str] | None = None  # the files that were opened for reading; None while nobody asks
+_hooks: list[object] = []  # the audit hook, which Python never removes
+
+
+class Dependencies(Struct, frozen=True):
+    """The dependencies of a result.
+
+    python: the version of Python.
+    periph_sim: the digest of this package.
+    packages: a dictionary from the names of other packages that were imported to their versions.
+    files: a dictionary from paths, relative to the folder of the case, to digests.
+    """
+
+    python: str
+    periph_sim: str
+    packages: dict[str, str]
+    files: dict[str, str]
+
+    def differences(self, folder: Path) -> list[str]:
+        """Return a phrase for each dependency that is different now. folder: the folder of the case."""
+        found = [f"{path} has changed" for path, digest in self.files.items() if _digest_of(folder / path) != digest]
+        if self.periph_sim != package_digest():
+            found.append("periph_sim itself has changed")
+        if self.python != python_version():
+            found.append(f"it was made with Python {self.python}, and this is {python_version()}")
+        for name, there in self.packages.items():
+            here = _version(name)
+            if here != there:
+                found.append(f"it was made with {name} {there}, and this is {here or 'not installed'}")
+        return found
+
+
+@contextmanager
+def files_read() -> Iterator[set[str]]:
+    """Yield a set that receives the paths of all files that are opened for reading in this block."""
+    global _read
+    if not _hooks:
+        _hooks.append(_note)
+        sys.addaudithook(_note)
+    _read = set()
+    try:
+        yield _read
+    finally:
+        _read = None
+
+
+def _note(event: str, arguments: tuple[object, ...]) -> None:
+    if event == "open" and _read is not None and isinstance(arguments[0], str | bytes):
+        mode = arguments[1]
+        if mode is None or (isinstance(mode, str) and "r" in mode):
+            _read.add(os.path.abspath(os.fsdecode(arguments[0])))
+
+
+def dependencies(folder: Path, paths: Iterable[str | Path]) -> Dependencies:
+    """Return the dependencies of a result. Raise ValueError, with a sentence, for a file that cannot be read again.
+
+    folder: the folder of the case.
+    paths: the files that were read. Files of Python, of installed packages and of this package are left out.
+    """
+    scripts = ("__main__", "__mp_main__")  # the command periph-sim, whose path differs in each installation
+    modules = [module for name, module in tuple(sys.modules.items()) if name not in scripts]
+    imported = (getattr(module, "__file__", None) for module in modules)
+    files: dict[str, str] = {}
+    for path in sorted({_source(os.path.abspath(one)) for one in [*paths, *imported] if isinstance(one, str | Path)}):
+        if not _is_library(path) and os.path.isfile(path):
+            digest = _digest_of(Path(path))
+            if not digest:
+                raise ValueError(f"{path}: cannot be read again, so a change of it would not be noticed")
+            files[Path(os.path.relpath(path, folder)).as_posix()] = digest
+    installed = packages_distributions()
+    names = {name for module in tuple(sys.modules) if "." not in module for name in installed.get(module, ())}
+    packages = {name: _version(name) for name in sorted(names) if name != "periph_sim" and name != "periph-sim"}
+    return Dependencies(python_version(), package_digest(), packages, files)
+
+
+def _source(path: str) -> str:
+    """Return the path of a module's source, given that of its compiled file. Return other paths unchanged."""
+    if path.endswith(".pyc"):
+        try:
+            return source_from_cache(path)
+        except ValueError:
+            pass
+    return path
+
+
+@lru_cache(maxsize=1)
+def _libraries() -> tuple[str, ...]:
+    names = ("stdlib", "platstdlib", "purelib", "platlib")
+    paths = {sysconfig.get_path(name) for name in names} | {str(PACKAGE)}
+    return tuple(os.path.join(form, "") for path in paths for form in {path, os.path.realpath(path)})
+
+
+def _is_library(path: str) -> bool:
+    return path.startswith((*_libraries(), "/proc/", "/sys/", "/dev/"))
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return ""
+
+
+def _digest_of(path: Path) -> str:
+    """Return the digest of a file; "" if it cannot be read."""
+    try:
+        return blake2b(read_regular(path), digest_size=DIGEST).hexdigest()
+    except OSError:
+        return ""
+
+
+@lru_cache(maxsize=1)
+def package_digest() -> str:
+    """Return the digest of the source files of this package."""
+    found = blake2b(digest_size=DIGEST)
+    for folder, folders, files in os.walk(PACKAGE):
+        folders[:] = sorted(name for name in folders if name not in ("compiled", "__pycache__"))
+        for name in sorted(files):
+            if name.endswith((".py", ".toml", ".json")):
+                with open(os.path.join(folder, name), "rb") as file:
+                    found.update(os.path.relpath(folder, PACKAGE).encode() + name.encode() + b"\0" + file.read())
+    return found.hexdigest()

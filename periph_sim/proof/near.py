@@ -1,0 +1,91 @@
+"""Choice of the phases to run: each cycle near the firmware's accesses, and steps in between.
+
+    interrupt requests of a frame at phase p:   p + delay          (the delays are observed in a few rounds)
+    writes of registers in a round:             -----w---w--w-----
+    phases at which a request is near a write:  --fffffffffffff---  run cycle by cycle
+
+An interrupt within a wait, or within a computation, delays nothing else as long as it ends before the next event, so
+neighbouring phases have the same order of events there. Near an access, one cycle can change the order. The choice of
+phases is not part of any claim: a report states which phases were run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+
+from ..core.records import Kind, Record, Recorder
+from ..core.time import Timebase
+from ..scene.scene import Scene
+from .stretch import RUN_ERRORS, CoveredCase
+
+BEFORE, AFTER = 400, 60  # cycles before and after a write in which a request is near
+MAX_NEAR = (
+    100_000  # maximum number of near phases; firmware that accesses registers at each edge has accesses everywhere
+)
+OBSERVED = 8  # number of rounds that are observed, with phases at equal distances
+SAME = 400  # maximum difference, in cycles, of the delays from a frame's start to the same request in different rounds
+WRITE = "W "  # the beginning of the text of an access that writes
+
+
+class Observed:
+    """The accesses and interrupts of a few rounds. Times are cycles of `Phases`.
+
+    writes: the writes of registers, counted from the time from which a phase is counted.
+    delays: the delays from the start of a frame to the interrupts that follow it in each observed round.
+    """
+
+    def __init__(self, covered: CoveredCase) -> None:
+        phases, count = covered.phases, covered.phases.count
+        chosen = [number * count // OBSERVED for number in range(OBSERVED)]
+        self._records: list[Record] = []
+        inputs, duration = phases.inputs(chosen)
+        case = covered.case.model_copy(update={"inputs": inputs, "duration": duration})
+        with suppress(*RUN_ERRORS):  # the rounds before the error are observed
+            Scene(case, self._subscribe).run()
+        starts = phases.starts([*chosen, chosen[-1]])
+        self.writes: set[int] = set()
+        entries: list[list[int]] = [[] for _ in chosen]
+        for record in self._records:
+            number = sum(start <= record.tick for start in starts) - 1
+            if record.kind is Kind.ACCESS and record.what.startswith(WRITE) and record.tick >= phases.due(0):
+                self.writes.add(phases.cycles_after_due(record.tick))
+            elif record.kind is Kind.IRQ and record.text and 0 <= number < OBSERVED:
+                entries[number].append((record.tick - starts[number]) // phases.cycle)
+        first, *others = [one for one in entries if one] or entries
+        self.delays = [one for one in first if all(any(abs(one - each) < SAME for each in other) for other in others)]
+
+    def _subscribe(self, recorder: Recorder, _: Timebase) -> None:
+        recorder.subscribe([Kind.ACCESS, Kind.IRQ], self._records.append)
+
+    def near(self, count: int) -> set[int]:
+        """Return the phases, of `count`, at which an interrupt request of a frame is near a write."""
+        found: set[int] = set()
+        for write in self.writes:
+            for delay in self.delays:
+                found.update(at % count for at in range(write - BEFORE - delay, write + AFTER + 1 - delay))
+        return found
+
+
+def chosen_phases(covered: CoveredCase, step: int, bounds: tuple[int, int]) -> tuple[list[int], int]:
+    """Return the phases to run, in ascending order, and how many of them were chosen because they are near an access.
+
+    If more than MAX_NEAR phases are near an access, only the step counts, and 0 is returned.
+
+    step: the distance between the other phases, in cycles.
+    bounds: the first and the last phase that may be run. Both are chosen.
+    """
+    first, last = bounds
+    near: Iterable[int] = ()
+    if step > 1 and covered.phases.is_relative:
+        near = (phase for phase in Observed(covered).near(covered.phases.count) if first <= phase <= last)
+    near = set(near)
+    if len(near) > MAX_NEAR:
+        near = set()
+    return sorted({*near, *range(first, last + 1, step), last}), len(near)
+
+
+def parts_of(phases: Sequence[int], size: int) -> Iterator[list[int]]:
+    """Yield the phases in lists of at most `size` phases."""
+    for first in range(0, len(phases), size):
+        yield list(phases[first : first + size])

@@ -1,0 +1,193 @@
+"""The free phase of a case: which starts move, and the inputs that place them at given phases.
+
+    rounds   R0-------R1-------R2-------      a frame's phase is counted from the round in which the frame begins
+    frames        F0-------F1-------F2--
+              |-p-|
+
+If a case has a host and a controller, the frames move, and the rounds keep the schedule of the case. Frames of a longer
+period than that of the rounds move in each k-th round only, so that no frame comes earlier than the case says. If a
+case has only one of them, its starts move, and a phase is counted from the time at which the start would be due without
+jitter. If a case has only a [serial] table, all its times `at` move together, by one phase in each run.
+
+In a coverage of the start-up, a phase is the time of the first frame or round, and the others follow in periods. The
+last phase is at the time of the first round in the case, or after a period if there are no rounds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from math import ceil
+from typing import Literal, NamedTuple
+
+from ..scene.case.inputs_table import InputsTable
+from ..scene.case.model import Case
+from ..scene.plan import ScenePlan
+
+REPEATED = 2  # number of times that the last phase of a run is repeated: an age looks back two rounds
+WARM_UP = 3  # number of periods before the first start that is moved: the firmware has started, and a wait recurs
+NEARLY = Fraction(1, 20)  # part of a round by which the period of the frames may differ from that of the rounds
+SERIAL_SPAN = Fraction(1, 1000)  # seconds by which the times of [serial] move, because they need not have a period
+
+Moved = Literal["frames", "rounds", "sends"]
+
+
+class Grid(NamedTuple):
+    """Due times. first: the tick of the first one. period: the exact number of ticks between two of them."""
+
+    first: int
+    period: Fraction
+
+    def due(self, number: int) -> int:
+        return self.first + number * self.period.numerator // self.period.denominator
+
+
+class Phases:
+    """The phases of one case. Raise BadCase if no start is free, or if other inputs would have to move as well.
+
+    start_up: True to move the first start through the start-up, instead of all starts through a period.
+    moved: the starts that move: frames of the host, rounds of the controller, or sends of [serial].
+    cycle: the length of a cycle of the fastest unit at its nominal clock, in ticks. Phases are counted in such cycles.
+    count: number of phases, which is the number of cycles in a period.
+    warm_up: number of periods before the first start that is moved.
+    """
+
+    def __init__(self, plan: ScenePlan, start_up: bool = False) -> None:
+        case, ticks = plan.case, plan.ticks
+        self.moved = moved_starts(case)
+        self.start_up = start_up
+        if start_up and self.moved == "sends":
+            raise case.mistake("its times are counted from the start-up anyway; leave --start-up out", "serial")
+        self._case = case
+        self.ticks_per_second = self._per_second = ticks.timebase.per_second
+        self._start = ticks.start
+        self.cycle = int(self._per_second / max(unit.oscclk * unit.pll / 2 for unit in case.unit.values()))
+        self._grid = _grid(plan)
+        is_before_rounds = start_up and case.controller is not None
+        self.count = int((self._grid.first - self._start if is_before_rounds else self._grid.period) // self.cycle)
+        if not self.count:
+            raise case.mistake(
+                "the first round starts at once, so there is no start-up before it", "controller", "first"
+            )
+        self._rounds_per_frame = _rounds_per_frame(case) if case.host is not None and case.controller is not None else 1
+        judged_from = max((limit.not_before for limit in plan.limits), default=0)
+        if self.is_relative:
+            judged_from = max(judged_from, self._start + plan.host[0].first)
+        self.warm_up = WARM_UP
+        while self._grid.due(self.warm_up) < judged_from:
+            self.warm_up += 1
+
+    @property
+    def is_relative(self) -> bool:
+        """True if a phase is counted from the start of a round."""
+        return self.moved == "frames" and self._case.controller is not None and not self.start_up
+
+    @property
+    def is_one_a_run(self) -> bool:
+        """True if a run can contain only one phase."""
+        return self.moved == "sends" or self.start_up
+
+    def due(self, number: int) -> int:
+        """Return the tick from which the phase of moved start `number` is counted."""
+        return self._grid.due(self.warm_up + number * self._rounds_per_frame)
+
+    def starts(self, phases: Sequence[int]) -> list[int]:
+        """Return the ticks of moved starts with these phases, one in each period after the warm-up."""
+        if self.start_up:
+            first = self._start + phases[0] * self.cycle - self._grid.first
+            return [first + self._grid.due(number * self._rounds_per_frame) for number in range(len(phases))]
+        return [self.due(number) + phase * self.cycle for number, phase in enumerate(phases)]
+
+    def inputs(self, phases: Sequence[int]) -> tuple[InputsTable, Fraction]:
+        """Return a table [inputs] with moved starts of these phases, and the duration of the run in seconds.
+
+        The last phase is repeated REPEATED times, so that the run contains what its first start causes later.
+        """
+        if self.moved == "sends":
+            (phase,) = phases
+            return InputsTable(sends_later=self.seconds(phase)), self._case.duration + self.seconds(phase)
+        more = REPEATED + 1 + (self.warm_up if self.start_up else 0)
+        starts = self.starts([*phases, *[phases[-1]] * more])
+        times = tuple(Fraction(start - self._start, self._per_second) for start in starts)
+        end = times[-1] - Fraction(1, self._per_second)
+        return (InputsTable(frames=times[:-1]) if self.moved == "frames" else InputsTable(rounds=times[:-1])), end
+
+    def cycles_after_due(self, tick: int) -> int:
+        """Return the number of cycles from the last due time to a tick."""
+        number = int((tick - self._grid.first) / self._grid.period) + 1  # due times are rounded down
+        while self._grid.due(number) > tick:
+            number -= 1
+        return (tick - self._grid.due(number)) // self.cycle
+
+    def between(self, first: Fraction, last: Fraction) -> tuple[int, int]:
+        """Return the first and the last phase between two times in seconds.
+
+        Raise BadCase if there is none. Times after the period are allowed only for sends, which need no period.
+        """
+        low = -(-first * self._per_second // self.cycle)
+        high = last * self._per_second // self.cycle
+        if self.moved != "sends":
+            high = min(high, self.count - 1)
+        if low > high:
+            period = float(1000 * self.seconds(self.count))
+            what = f"no phase lies between these two times; the phases are those of a period, 0 ms to {period:g} ms"
+            raise self._case.mistake(what, "name")
+        return int(low), int(high)
+
+    def phase_at(self, phases: Sequence[int], at: float) -> int:
+        """Return the phase of the last moved start at or before a time, in a run with these phases.
+
+        at: seconds from the start of the run. Before the first moved start, the first phase is returned.
+        """
+        tick = self._start + round(at * self._per_second)
+        number = sum(start <= tick for start in self.starts(phases))
+        return phases[max(0, number - 1)]
+
+    def seconds(self, phase: int) -> Fraction:
+        return Fraction(phase * self.cycle, self._per_second)
+
+
+def moved_starts(case: Case) -> Moved:
+    """Return which starts of a case move. Raise BadCase if none is free, or if other inputs would move as well."""
+    if not case.unit:
+        raise case.mistake("there is no firmware to cover; give it a [unit.NAME]", "unit")
+    if case.fault:
+        raise case.mistake("prove does not move the times of faults; remove the tables", "fault")
+    if case.outside is not None:
+        raise case.mistake("prove does not move the starts of an outside party; remove the table", "outside")
+    for key in ("lose", "silent", "twice"):
+        if case.host is not None and getattr(case.host, key):
+            raise case.mistake("prove does not move the times of faults; remove the key", "host", key)
+    inputs = case.inputs
+    if inputs is not None and (inputs.rounds is not None or inputs.frames is not None or inputs.sends_later):
+        raise case.mistake("prove chooses the starts itself; remove rounds, frames and sends_later", "inputs")
+    if case.host is None and case.controller is None:
+        if case.serial is None or not any(one.at is not None for one in case.serial.send):
+            what = "no start is free: there is no [host], no [controller], and no [[serial.send]] with `at`"
+            raise case.mistake(what, "name")
+        return "sends"
+    if case.serial is not None:
+        raise case.mistake("prove moves either [serial], or [host] and [controller]; remove one of them", "serial")
+    if case.host is None:
+        return "rounds"
+    if case.controller is not None and case.controller.rounds is not None:
+        raise case.mistake("prove needs rounds without end; remove the key", "controller", "rounds")
+    if case.controller is not None and case.host.period < (1 - NEARLY) * case.controller.period:
+        what = "prove moves one frame in a round; give [host] a period that is not shorter than that of [controller]"
+        raise case.mistake(what, "host", "period")
+    return "frames"
+
+
+def _rounds_per_frame(case: Case) -> int:
+    assert case.host is not None and case.controller is not None
+    return max(1, ceil(case.host.period / case.controller.period - NEARLY))
+
+
+def _grid(plan: ScenePlan) -> Grid:
+    """Return the times from which phases are counted."""
+    start = plan.ticks.start
+    if plan.case.controller is not None:
+        return Grid(start + plan.head.schedule.first, Fraction(plan.head.schedule.period))
+    if plan.case.host is not None:
+        return Grid(start + plan.host[0].first, Fraction(plan.host[0].period))
+    return Grid(start, SERIAL_SPAN * plan.ticks.timebase.per_second)

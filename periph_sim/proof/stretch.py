@@ -1,0 +1,136 @@
+"""Runs of a case with given phases, one phase in each period: the only place where coverage runs anything.
+
+    phases 100, 101, 102 --[inputs]--> Scene --run--> Outcome: verdicts, and the names of what failed
+
+Such a run is an ordinary run of the case, judged as `periph-sim run` judges it, except that budgets are left out whose
+figures describe a whole run: percentiles, shares of time, and counts of which some are allowed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from msgspec import Struct
+
+from ..core.kernel import SimulationStuck
+from ..f28335.memory.memory_map import NoSuchAddress
+from ..processor.user_code import FirmwareError
+from ..scene.case.load import load
+from ..scene.case.model import Case
+from ..scene.plan import ScenePlan
+from ..scene.scene import Scene
+from ..timing.budget_plan import PER_MILLE, BudgetPlan
+from ..timing.budget_schema import Budget
+from ..timing.verdict import FAIL, Verdict, percentile
+from .phases import Phases
+
+STUCK = "stuck"  # the name of a failure in which firmware waits for ever, or a line stays low
+PERCENTILE = "a percentile describes all occurrences of a run"
+ENDED = "ended by an error"  # the name of a failure in which firmware raised an error
+
+RUN_ERRORS = (FirmwareError, SimulationStuck, NoSuchAddress)  # errors that end a run with a sentence about it
+
+
+class Job(Struct, frozen=True):
+    """The case of a coverage, which can be sent to another process.
+
+    file: its path.
+    changes: as for `--set`.
+    start_up: as for `Phases`.
+    """
+
+    file: str
+    changes: tuple[str, ...] = ()
+    start_up: bool = False
+
+
+class Outcome(Struct, frozen=True):
+    """The outcome of a run.
+
+    verdicts: the verdicts of the covered budgets; empty if the run was ended by an error.
+    failures: the names of the broken budgets, STUCK or ENDED.
+    reasons: a dictionary from the name of each failure that is not a broken budget to a sentence about it.
+    """
+
+    verdicts: tuple[Verdict, ...]
+    failures: frozenset[str]
+    reasons: dict[str, str] = {}
+
+
+class CoveredCase:
+    """A case without the budgets that cannot be covered, and its free phase. Raise BadCase for a case without one.
+
+    left_out: a dictionary from the names of budgets and inputs that are not covered to the reason.
+    runs: the number of runs so far.
+    """
+
+    def __init__(self, job: Job) -> None:
+        case = load(Path(job.file), list(job.changes))
+        whole = ScenePlan(case)
+        self.left_out: dict[str, str] = {}
+        kept: list[Budget] = []
+        for budget, plan in zip(case.budget, whole.limits, strict=True):
+            reason = _why_left_out(plan)
+            if reason:
+                self.left_out[budget.name] = reason
+            else:
+                kept.append(without_percentiles(budget))
+                for key in PER_MILLE.keys() & plan.limits.keys():
+                    self.left_out[f"{percentile(key)} of {budget.name}"] = PERCENTILE
+        self._plan = ScenePlan(case.model_copy(update={"budget": tuple(kept)}), whole)
+        self.phases = Phases(self._plan, job.start_up)
+        self.left_out |= _inputs_left_out(case, self.phases)
+        self.runs = 0
+
+    @property
+    def case(self) -> Case:
+        return self._plan.case
+
+    def scene(self, phases: Sequence[int], seed: int) -> Scene:
+        """Return a scene, not yet run, in which the moved starts have these phases."""
+        inputs, duration = self.phases.inputs(phases)
+        costs = {} if self.case.inputs is None else self.case.inputs.costs
+        inputs = inputs.model_copy(update={"costs": costs})
+        case = self.case.model_copy(update={"inputs": inputs, "duration": duration, "seed": seed})
+        return Scene(ScenePlan(case, self._plan))
+
+    def run(self, phases: Sequence[int], seed: int) -> Outcome:
+        """Run the case with these phases and return the outcome. seed: the seed of all values that are drawn."""
+        self.runs += 1
+        try:
+            result = self.scene(phases, seed).run()
+        except RUN_ERRORS as error:
+            return Outcome((), frozenset({ENDED}), {ENDED: str(error)})
+        failures = {verdict.name for verdict in result.budgets if verdict.broken}
+        reasons = {STUCK: result.stuck[0]} if result.stuck and result.verdict == FAIL else {}
+        return Outcome(tuple(result.budgets), frozenset(failures | reasons.keys()), reasons)
+
+
+def _inputs_left_out(case: Case, phases: Phases) -> dict[str, str]:
+    """Return a dictionary from the free inputs of a case that are not covered to the reason."""
+    found: dict[str, str] = {}
+    moved = {"frames": case.host, "rounds": case.controller}.get(phases.moved)
+    if moved is not None and moved.jitter:
+        found["host.jitter" if phases.moved == "frames" else "controller.jitter"] = "each start comes at its phase"
+    if phases.is_relative and case.controller is not None and case.controller.jitter:
+        found["controller.jitter"] = "it is drawn"
+    return found
+
+
+def without_percentiles(budget: Budget) -> Budget:
+    """Return a copy of a budget without the limits of percentiles."""
+    return budget.model_copy(update=dict.fromkeys(PER_MILLE))
+
+
+def _why_left_out(plan: BudgetPlan) -> str:
+    """Return the reason why a budget says nothing about a part of a run; "" if it does."""
+    measure = plan.make()
+    limits = {key: limit for key, limit in plan.limits.items() if key not in PER_MILLE}
+    if not limits:
+        return PERCENTILE
+    if measure.series:
+        return ""
+    if measure.unit in ("%", "time"):
+        return "it is a share of a whole run"
+    return "" if set(limits.values()) == {0} else "it counts the events of a whole run"

@@ -1,0 +1,213 @@
+"""`periph-sim prove`: what it prints, any number of processes, and what is refused or stopped."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from periph_sim.interfaces.reports import coverage as reports
+from periph_sim.proof.cover import cover_part
+from tests.interfaces.commands.conftest import Run
+from tests.proof.scenes import listener, settings_of
+
+BAD = settings_of(low=8000, high=8060)
+HERE = ("prove", "listener.toml")
+
+
+@pytest.fixture(autouse=True)
+def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    listener(tmp_path)
+    return tmp_path
+
+
+def sets(*changes: str) -> list[str]:
+    return [word for change in changes for word in ("--set", change)]
+
+
+def test_where_every_budget_holds_the_exit_status_is_0(periph_sim: Run) -> None:
+    came = periph_sim(*HERE, "--only", "0 us to 1 us", "--step", "10", "--jobs", "1")
+    lines = came.out.splitlines()
+    assert (came.status, lines[0]) == (0, "listener: 16 of 15,000 phases; budgets: 3 held")
+    assert "listener: 16 phases to run, about 1 s of CPU" in came.err
+    assert all(len(line) <= 80 for line in lines)
+
+
+def test_a_broken_budget_has_its_window_and_exit_status_1(periph_sim: Run) -> None:
+    came = periph_sim(*HERE, *sets(*BAD), "--only", "4 us to 5 us", "--step", "10", "--jobs", "1")
+    assert came.status == 1
+    assert "budgets: 1 broken, 2 held" in came.out
+    assert "both neighbours hold" in came.out and "bad: broken from 0.00416" in came.out
+
+
+def test_a_budget_that_no_run_judges_is_named_and_exit_status_is_1(periph_sim: Run) -> None:
+    text = Path("listener.toml").read_text(encoding="utf-8")
+    never = '[[budget]]\nname = "never"\nmeasure = "from edge BAD rise to edge BAD fall"\nmax = "1 us"\n'
+    Path("listener.toml").write_text(text + never, encoding="utf-8")
+    came = periph_sim(*HERE, "--only", "0 us to 0.1 us", "--jobs", "1", "--json")
+    assert came.status == 1
+    assert json.loads(came.out)["budgets"]["never"]["verdict"] == "not judged"
+
+
+def test_budgets_and_percentiles_that_are_not_covered_are_named(periph_sim: Run) -> None:
+    text = Path("listener.toml").read_text(encoding="utf-8").replace('max = "1 us"', 'max = "1 us"\np99 = "0.9 us"')
+    more = ('measure = "cpu load"\nmax = "90 %"', 'measure = "count of edge SEEN rise"\nmin = 3')
+    budgets = [f'[[budget]]\nname = "{name}"\n{one}\n' for name, one in zip(("load", "seen"), more, strict=True)]
+    Path("listener.toml").write_text(text + "".join(budgets), encoding="utf-8")
+    said = json.loads(periph_sim(*HERE, "--only", "0 us to 0.1 us", "--jobs", "1", "--json").out)
+    assert said["not_covered"] == {
+        "p99 of late": "a percentile describes all occurrences of a run",
+        "load": "it is a share of a whole run",
+        "seen": "it counts the events of a whole run",
+    }
+    assert said["budgets"].keys() == {"late", "bad", "high-water"}
+
+
+def test_any_number_of_processes_gives_the_same_answer(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A window lies across the end of a part, and one contains the end of the period."""
+    monkeypatch.setattr(reports, "PART", 16)
+    arguments = (*HERE, *sets(*settings_of(low=3440, high=3640, first="true")), "--step", "200", "--json", "--jobs")
+    one, two, three = (json.loads(periph_sim(*arguments, jobs).out) for jobs in ("1", "2", "3"))
+    assert one == two == three
+    assert any(window["first"] > window["last"] and window["closed"] for window in one["windows"])
+    assert one["phases"]["chosen"] == one["phases"]["done"] == 76
+
+
+def test_failures_without_a_budget_are_named_with_their_reason(periph_sim: Run) -> None:
+    came = periph_sim(
+        *HERE,
+        *sets(*BAD, "unit.dsp.settings.then=error"),
+        "--only",
+        "4 us to 5 us",
+        "--step",
+        "10",
+        "--jobs",
+        "1",
+        "--json",
+    )
+    said = json.loads(came.out)
+    assert came.status == 1
+    assert [window["name"] for window in said["windows"]] == ["ended by an error"]
+    assert "a character came too late" in said["reasons"]["ended by an error"]
+    assert {one["verdict"] for one in said["budgets"].values()} == {"held"}
+
+
+def test_windows_of_sends_are_not_joined_at_the_end_of_their_millisecond(periph_sim: Run) -> None:
+    """The reply takes longer than allowed at every phase: one window, as wide as the phases that were run."""
+    text = (
+        'name = "silent"\nduration = "400 us"\n[unit.dsp]\nfirmware = "listener.py"\nmodules = ["SCI-A", "GPIO"]\n'
+        '[[serial.send]]\nname = "ask"\nto = "dsp.SCI-A"\ntext = "?"\nat = "50 us"\n'
+        '[[serial.expect]]\nname = "reply"\nfrom = "dsp.SCI-A"\ntext = "OK"\nafter_send = "ask"\nwithin = "200 us"\n'
+    )
+    Path("silent.toml").write_text(text, encoding="utf-8")
+    came = periph_sim("prove", "silent.toml", "--only", "0 ms to 2 ms", "--step", "60000", "--jobs", "1", "--json")
+    (window,) = json.loads(came.out)["windows"]
+    assert (window["first"], window["last"], window["closed"]) == (0, 300_000, False)
+    came = periph_sim("prove", "silent.toml", "--only", "0 ms to 2 ms", "--step", "60000", "--jobs", "1")
+    assert "300,001 phases, " in came.out
+
+
+WRONG = {
+    "one time": (["--only", "1.5 ms"], "--only '1.5 ms': expected two times, for instance '1.5 ms to 1.6 ms'"),
+    "no second time": (["--only", "1 us to "], "--only"),
+    "no first time": (["--only", " to 1 us"], "--only"),
+    "no times": (["--only", "x to y"], "--only: "),
+    "no unit": (["--only", "1 to 2"], "--only: "),
+    "negative": (["--only", "-2 us to -1 us"], "--only: "),
+    "backwards": (
+        ["--only", "2 us to 1 us"],
+        "no phase lies between these two times; the phases are those of a period",
+    ),
+    "between two cycles": (["--only", "0.001 us to 0.002 us"], "no phase lies between these two times"),
+    "after the period": (
+        ["--only", "1 ms to 2 ms"],
+        "no phase lies between these two times; the phases are those of a",
+    ),
+    "no step": (["--step", "0"], "--step"),
+    "no process": (["--jobs", "0"], "--jobs"),
+    "a missing folder": (["--witness", "there"], "'there' does not exist"),
+    "a file for a folder": (["--witness", "listener.py"], "'listener.py' is a file"),
+    "chosen frames": (["--set", "inputs.frames=['1 ms']"], "prove chooses the starts itself"),
+    "a misspelled key": (["--set", "hots.baud=1"], "did you mean host"),
+}
+
+
+@pytest.mark.parametrize(("arguments", "sentence"), WRONG.values(), ids=WRONG)
+def test_bad_input_is_refused_with_status_2(periph_sim: Run, arguments: list[str], sentence: str) -> None:
+    came = periph_sim(*HERE, "--jobs", "1", *arguments)
+    assert (came.status, came.out) == (2, "")
+    assert sentence in came.err and "Traceback" not in came.err
+
+
+def test_a_case_that_does_not_exist_is_refused(periph_sim: Run) -> None:
+    came = periph_sim("prove", "there.toml")
+    assert came.status == 2 and "there.toml" in came.err and "Traceback" not in came.err
+
+
+@pytest.mark.parametrize("error", ["ENOSPC", "EACCES"])
+def test_results_are_shown_if_their_witnesses_cannot_be_written(
+    periph_sim: Run, monkeypatch: pytest.MonkeyPatch, error: str
+) -> None:
+    """The disk is full, or the folder is read-only."""
+    import errno
+    import tempfile
+
+    def refuse(*_: Any, **__: Any) -> None:
+        raise OSError(getattr(errno, error), os.strerror(getattr(errno, error)))
+
+    Path("out").mkdir()
+    monkeypatch.setattr(tempfile, "mkstemp", refuse)
+    came = periph_sim(*HERE, "--only", "0 us to 0.1 us", "--jobs", "1", "--witness", "out")
+    assert came.status == 2
+    assert "budgets: 3 held" in came.out
+    assert "Error: out/listener_late.toml" in came.err and "Traceback" not in came.err
+
+
+def test_a_killed_process_leaves_the_results_before_it(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A worker dies at the first phase that fails; the parts before it are shown."""
+    monkeypatch.setattr(reports, "PART", 32)
+    monkeypatch.setattr(reports, "TRIED", 1)
+    dies = sets(*BAD, "unit.dsp.settings.then=dies")
+    came = periph_sim(*HERE, *dies, "--only", "0.7 us to 5 us", "--step", "5", "--jobs", "2", "--json")
+    said = json.loads(came.out)
+    assert came.status == 2
+    assert "died" in said["stopped"] and said["stopped"] in came.err
+    assert said["phases"]["done"] % 32 == 0 and said["phases"]["done"] < said["phases"]["chosen"]
+
+
+def test_ctrl_c_leaves_the_results_before_it(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reports, "PART", 32)
+    run = cover_part
+
+    def stopped(job: Any, phases: Any, seed: int) -> Any:
+        if phases[0] > 64:
+            raise KeyboardInterrupt
+        return run(job, phases, seed)
+
+    monkeypatch.setattr(reports, "cover_part", stopped)
+    came = periph_sim(*HERE, "--only", "0 us to 1 us", "--step", "1", "--jobs", "1")
+    assert (came.status, came.err.splitlines()[-1]) == (2, "Error: stopped by Ctrl-C or SIGTERM")
+    assert came.out.startswith("listener: 96 of 15,000 phases; budgets: 3 held")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_a_signal_stops_it_and_shows_what_was_covered(desk: Path) -> None:
+    command = [sys.executable, "-m", "periph_sim", *HERE, "--jobs", "1", "--step", "1"]
+    process = subprocess.Popen(command, cwd=desk, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    while "phases to run" not in process.stderr.readline():
+        assert process.poll() is None
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=30)
+    assert process.returncode == 2
+    assert "Traceback" not in err and err.splitlines()[-1] == "Error: stopped by Ctrl-C or SIGTERM"
+    assert out.startswith("listener: ")

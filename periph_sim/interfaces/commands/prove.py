@@ -193,9 +193,11 @@ def _lines(found: Coverage) -> list[str]:
     since = "the start of a round" if phases.is_relative else "its time in the case"
     which = f"the first {moved} after the start" if phases.start_up else f"the start of a {moved} after {since}"
     lines.append(f"phase: {which}")
-    near = f"each cycle near an access ({found.choice.near:,} phases), then " if found.choice.near else ""
-    later = "one phase in each run" if phases.is_one_a_run else "a later phase in each period"
-    lines.append(f"run: {near}each {'' if step == 1 else f'{step}th '}cycle; {later}")
+    each = "each cycle" if step == 1 else f"each {step}th cycle"
+    if found.choice.near:
+        lines.append(f"run: {found.choice.near:,} phases near an access cycle by cycle; else {each}")
+    else:
+        lines.append(f"run: {each}")
     lines += [f"not covered: {name}: {reason}" for name, reason in found.case.left_out.items()]
     return lines
 

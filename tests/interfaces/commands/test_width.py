@@ -60,6 +60,7 @@ CASES = sorted(path.stem for path in (ROOT / "timing").glob("*.toml"))
 SHORT = ("--seconds", "0.1")
 ROWS = ("--row", "record .psr", "--max-error", "1 us")
 RECORDED = ("run", case("imu_hil_published"), *SHORT, "--record", "run.psr")
+SLOW = ("--set", "unit.dsp.settings.frame_cost=200 us")
 COMMANDS = [
     *(
         ("run", str(path), *SHORT, "-v")
@@ -70,6 +71,8 @@ COMMANDS = [
     ("run", case("late_model"), "--seconds", "0.2"),
     ("check", case("responder"), case("uart_logger")),
     ("sweep", case("imu_hil_no_sdir"), *SHORT, "--jobs", "1", "--vary", "controller.rate=50 kHz, 100 kHz"),
+    ("prove", case("imu_hil_published"), "--only", "1.577 ms to 1.579 ms", "--jobs", "1"),
+    ("prove", case("imu_hil_published"), *SLOW, "--only", "18.95 ms to 19.14 ms", "--jobs", "1"),
     ("worst", case("imu_hil_no_sdir"), *SHORT),
     ("worst", case("imu_hil_drift"), "--seconds", "0.43", "--set", "unit.dsp.settings.frame_cost=200 us"),
     ("trade", case("imu_hil"), "--seconds", "0.04", *ROWS),

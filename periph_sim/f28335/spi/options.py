@@ -17,6 +17,7 @@ class SpiOptions(Answers):
         "next_lspclk",
         "bit_clock",
         question="When an idle master begins: with the next LSPCLK edge or with a bit clock that always runs.",
+        registers="SPITXBUF",
     )
     ste_lead: TextOption = choice(
         "half_bit",
@@ -24,10 +25,10 @@ class SpiOptions(Answers):
         question="How long before the first edge of SPICLK SPISTE falls; the data sheet's minimum is half a period.",
     )
     ste_in_txdly: TextOption = choice(
-        "low", "high", question="Whether SPISTE stays low between words that TXDLY keeps apart."
+        "low", "high", question="Whether SPISTE stays low between words that TXDLY keeps apart.", registers="SPIFFCT"
     )
     txdly_first_word: TextOption = choice(
-        "no_delay", "delay", question="Whether TXDLY also precedes a word written to an idle FIFO."
+        "no_delay", "delay", question="Whether TXDLY also precedes a word written to an idle FIFO.", registers="SPIFFCT"
     )
 
     # Flags and interrupts.
@@ -35,33 +36,45 @@ class SpiOptions(Answers):
         "trailing_edge",
         "latch_edge",
         question="With CLK_PHASE = 1: whether a character is complete at the last edge of SPICLK or with its last bit.",
+        registers="SPISTS",
     )
     int_request: TextOption = choice(
-        "flag_rises", "every_character", question="Whether RXINT is requested again while INT_FLAG is still set."
+        "flag_rises",
+        "every_character",
+        question="Whether RXINT is requested again while INT_FLAG is still set.",
+        registers="SPISTS",
     )
     status_in_fifo_mode: TextOption = choice(
-        "stays_0", "follows", question="Whether INT_FLAG and OVERRUN_FLAG are set in FIFO mode."
+        "stays_0", "follows", question="Whether INT_FLAG and OVERRUN_FLAG are set in FIFO mode.", registers="SPISTS"
     )
     fifo_int_mode: TextOption = choice(
         "level",
         "edge",
         question="Whether a FIFO interrupt flag is set again at once when cleared with its condition true.",
+        registers="SPIFFRX SPIFFTX",
     )
     rxffovf_interrupt: TextOption = choice(
         "rxffiena",
         "none",
         question="Whether RXFFOVF requests RXINT through RXFFIENA: section 1.5 says so, table 1-5 has no such line.",
+        registers="SPIFFRX",
     )
 
     # Buffers.
     txbuf_write_when_full: TextOption = choice(
-        "replaces", "ignored", question="What a SPITXBUF write does to a character still waiting there."
+        "replaces",
+        "ignored",
+        question="What a SPITXBUF write does to a character still waiting there.",
+        registers="SPITXBUF",
     )
     txfifo_write_when_full: TextOption = choice(
-        "ignored", "overwrites_last", question="What a SPITXBUF write does to a full transmit FIFO."
+        "ignored",
+        "overwrites_last",
+        question="What a SPITXBUF write does to a full transmit FIFO.",
+        registers="SPIFFTX SPITXBUF",
     )
     rxfifo_read_when_empty: TextOption = choice(
-        "last_word", "zero", question="What SPIRXBUF reads while the FIFO is empty."
+        "last_word", "zero", question="What SPIRXBUF reads while the FIFO is empty.", registers="SPIFFRX SPIRXBUF"
     )
 
     # Slave.
@@ -76,10 +89,16 @@ class SpiOptions(Answers):
 
     # Resets, debugger, clock gate.
     swreset_clears_fifos: BoolOption = choice(
-        False, True, question="Whether SW RESET = 0 empties the FIFOs and clears their flags."
+        False,
+        True,
+        question="Whether SW RESET = 0 empties the FIFOs and clears their flags.",
+        registers="SPIFFRX SPIFFTX",
     )
     spirst_clears_fifos: BoolOption = choice(
-        True, False, question="Whether SPIRST = 0 empties the FIFOs and clears their flags."
+        True,
+        False,
+        question="Whether SPIRST = 0 empties the FIFOs and clears their flags.",
+        registers="SPIFFRX SPIFFTX",
     )
     bits_after_suspend: TextOption = choice(
         "whole_character",

@@ -20,7 +20,7 @@ from .command_frame import (
     running_user_code,
     say,
 )
-from .shared_options import CHANGES, GUARANTEED, JSON, tolerance_option
+from .shared_options import CHANGES, GUARANTEED, JOBS, JSON, tolerance_option
 from .watch import note_inputs
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 @click.option("--update-baseline", "update", is_flag=True, help="Make the figures of this run the new baselines.")
 @CHANGES
 @GUARANTEED
-@click.option("--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]")
+@JOBS
 @JSON
 @click.option("--junit", "junit_file", type=click.Path(path_type=Path), help="Write JUnit XML to this file.")
 @click.option("--html", "html_file", type=click.Path(path_type=Path), help="Write one report of all cases here.")

@@ -29,7 +29,7 @@ from .command_frame import (
 )
 from .completion import complete_optimization
 from .result_text import show
-from .shared_options import CHANGES, GUARANTEED, JSON, SECONDS
+from .shared_options import CHANGES, GUARANTEED, JOBS, JSON, SECONDS
 
 if TYPE_CHECKING:
     from ..reports.explain.chain import Chain
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     "run",
     "periph-sim run timing/imu_hil.toml --seconds 1 --explain",
     "periph-sim run timing/imu_hil.toml --set seed=2 --record run.psr",
+    "periph-sim run timing/imu_hil.toml --seconds 1 --questions",
 )
 @click.argument("case", type=click.Path(path_type=Path))
 @SECONDS
@@ -59,6 +60,12 @@ if TYPE_CHECKING:
 @click.option(
     "-v", "--verbose", is_flag=True, help="List the undocumented behaviours that the run assumed; count skipped polls."
 )
+@click.option(
+    "--questions",
+    is_flag=True,
+    help="Run again with each other answer to the open questions on which the run depends, and with pairs of them.",
+)
+@JOBS
 @JSON
 def run(
     case: Path,
@@ -71,15 +78,24 @@ def run(
     html: Path | None,
     explain: bool,
     verbose: bool,
+    questions: bool,
+    jobs: int | None,
     as_json: bool,
 ) -> int:
     """Run CASE and judge its budgets: exit status 0 if all hold, else 1."""
+    for_one = {"--record": record, "--html": html, "--explain": explain, "--verbose": verbose}
+    for option in (option for option, given in for_one.items() if given and questions):
+        raise click.ClickException(f"{option} is for one run, and --questions makes many; leave one of them out")
+    if jobs is not None and not questions:
+        raise click.ClickException("--jobs needs --questions, since a single run takes one process; leave it out")
     require_distinct_outputs(record=record, html=html)
+    if disable:
+        changes += (f"disable={json.dumps(disable, ensure_ascii=False)}",)
+    if fidelity or max_error:
+        changes += (f"fidelity={fidelity or 'auto'}",)
+    if questions:
+        return _under_questions(case, changes, length, jobs, as_json)
     with running_user_code(), ExitStack() as outputs:
-        if disable:
-            changes += (f"disable={json.dumps(disable, ensure_ascii=False)}",)
-        if fidelity or max_error:
-            changes += (f"fidelity={fidelity or 'auto'}",)
         loaded = load(case, list(changes))
         unfinished = None
         if html is not None:
@@ -141,6 +157,27 @@ def run(
             for chain in chains.values():
                 click.echo("\n".join(["", *text(chain)]))
     return 0 if result.verdict == "pass" else 1
+
+
+def _under_questions(
+    case: Path, changes: tuple[str, ...], length: Fraction | None, jobs: int | None, as_json: bool
+) -> int:
+    """Run a case with other answers to its open questions, and print the verdicts. Return the exit status."""
+    from ..reports.questions import text_report
+    from ..reports.questions.dependence import dependences
+    from ..reports.questions.explore import explore
+    from ..reports.questions.first_difference import first_differences
+
+    with running_user_code():
+        seconds = load(case, list(changes)).duration if length is None else length
+        explored = explore(case, changes, seconds, jobs, progress)
+        found = dependences(explored)
+        differences = first_differences(case, changes, seconds, explored.attempts, found)
+    if as_json:
+        print_json("run --questions", text_report.as_json(explored, found, differences))
+    else:
+        click.echo(text_report.text(explored, found, differences))
+    return 0 if all(one.holds for one in found) else 1
 
 
 def _object(result: Result, chains: dict[str, Chain] | None) -> dict[str, object]:

@@ -41,6 +41,9 @@ SECONDS = click.option(
     callback=lambda context, option, text: None if text is None else length_given(text),
     help="Simulate this long instead of the case's duration; 10 or '10 s'.",
 )
+JOBS = click.option(
+    "--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]"
+)
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 RUN_FILE = click.argument("run", type=click.Path(path_type=Path))
 MAP = click.option(

@@ -16,7 +16,7 @@ from ...timing.verdict import figure, limit
 from ..reports.sweep.runs import values_of
 from .command_frame import command, print_json, print_table, progress, running_user_code, say
 from .completion import complete_key
-from .shared_options import CHANGES, JSON, SECONDS
+from .shared_options import CHANGES, JOBS, JSON, SECONDS
 from .watch import note_inputs
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ MAX_LISTED = 10  # maximum number of runs that do not pass and are listed one by
 )
 @CHANGES
 @SECONDS
-@click.option("--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]")
+@JOBS
 @click.option("--csv", "csv_file", type=click.Path(path_type=Path), help="Write a line for each run to this file.")
 @JSON
 def sweep(

@@ -229,7 +229,7 @@ def sweep(
         _check_sent(firmware)
     rows: list[Row] = []
     try:
-        for some in _made(job, texts, executor, workers):
+        for some in row_batches(job, texts, executor, workers):
             rows += some
             if on_progress is not None:
                 on_progress(len(rows) / len(runs))
@@ -275,8 +275,8 @@ def _check_sent(firmware: Mapping[str, Firmware]) -> None:
             raise BadCase(f"programs: {unit!r} cannot be sent to another process; {what} ({error})") from None
 
 
-def _made(job: Job, texts: Texts, executor: Executor | None, jobs: int) -> Iterator[list[Row]]:
-    """Execute the runs. Yield lists of rows, in the order of the runs."""
+def row_batches(job: Job, texts: Texts, executor: Executor | None, jobs: int) -> Iterator[list[Row]]:
+    """Execute the runs. Yield lists of rows, in the order of the runs. jobs: the number of processes, of 1 this one."""
     size = AT_A_TIME if len(texts) > FEW else 1
     parts = [texts[first : first + size] for first in range(0, len(texts), size)]
     if executor is not None:

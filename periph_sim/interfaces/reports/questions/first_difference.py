@@ -1,0 +1,135 @@
+"""The first difference between two runs of a case: the first edge, access, flag or interrupt that is not in both.
+
+Both runs are repeated side by side, a slice at a time. Until they differ, their records are equal, so only the records
+of the present slice are kept. After the first records that are not equal, the n-th record of a topic is compared with
+the n-th record of the same topic in the other run. So an event that comes later is described as later, and not as
+missing.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import NamedTuple
+
+from ....core.records import Kind, Record
+from ....processor.user_code import output_muted
+from ....records.record_text import happened_where
+from ....scene.prepared import PreparedScene
+from .. import REFUSED
+from .dependence import Dependence
+from .explore import Attempt
+
+KINDS = (Kind.EDGE, Kind.ACCESS, Kind.FLAG, Kind.IRQ)
+MOST_EXPLAINED = 20  # maximum number of runs whose first difference is searched
+SLICE = Fraction(1, 1000)  # in seconds; a record that is missing this long in the other run counts as missing
+Occurrence = tuple[Kind, str, str, int]  # kind, place, thing and number of a record
+
+
+class Event(NamedTuple):
+    """An event of a run. at: its time from the start of the run, as text. at_s: the same in seconds."""
+
+    at_s: float
+    at: str
+    text: str
+
+
+class FirstDifference(NamedTuple):
+    """An event that differs: in the run to compare with, and with the other answers; None in a run without it."""
+
+    base: Event | None
+    other: Event | None
+
+
+class _RecordedRun:
+    """A run that is made a slice at a time. records: the records since the last slice that was equal."""
+
+    def __init__(self, prepared: PreparedScene, changes: Sequence[str]) -> None:
+        self.records: list[Record] = []
+        self.scene = prepared.scene(changes, lambda recorder, _: recorder.subscribe(KINDS, self.records.append))
+        self._ended = False
+
+    def advance(self, seconds: Fraction) -> None:
+        """Run up to a time from the start. A run whose firmware fails goes no further."""
+        if not self._ended:
+            try:
+                self.scene.advance(self.scene.start + self.scene.timebase.ticks(seconds, "nearest"))
+            except REFUSED:
+                self._ended = True
+
+    def occurrences(self, first: int) -> dict[Occurrence, tuple[int, str]]:
+        """Return the tick and the text of each record from index `first` on."""
+        seen: Counter[tuple[Kind, str, str]] = Counter()
+        found: dict[Occurrence, tuple[int, str]] = {}
+        for record in self.records[first:]:
+            topic = record.kind, record.where, record.what
+            found[*topic, seen[topic]] = record.tick, happened_where(record)
+            seen[topic] += 1
+        return found
+
+
+def first_differences(
+    file: Path, changes: Sequence[str], length: Fraction, attempts: Sequence[Attempt], found: Sequence[Dependence]
+) -> dict[int, FirstDifference | None]:
+    """Return the first difference of each run in which the verdict of a budget differs, at most MOST_EXPLAINED.
+
+    A run with one other answer is compared with the case as it is, a run with two with the run that has only the first.
+    length: the duration of each run in seconds. The result is a dictionary from the numbers of the runs.
+    """
+    numbers = sorted({departure.number for one in found for departure in one.departures})
+    prepared = PreparedScene(file, changes)
+    texts = {number: [answer.change for answer in attempts[number].answers] for number in numbers[:MOST_EXPLAINED]}
+    return {number: first_difference(prepared, answers[:-1], answers, length) for number, answers in texts.items()}
+
+
+@output_muted()
+def first_difference(
+    prepared: PreparedScene, before: Sequence[str], answers: Sequence[str], length: Fraction
+) -> FirstDifference | None:
+    """Run a case with two lists of "key=value" texts up to the first difference; None if there is none.
+
+    length: the duration of the runs in seconds.
+    """
+    runs = base, other = _RecordedRun(prepared, before), _RecordedRun(prepared, answers)
+    done = Fraction(0)
+    while done < length:
+        done = min(done + SLICE, length)
+        for run in runs:
+            run.advance(done)
+        pairs = zip(base.records, other.records, strict=False)
+        shorter = min(len(base.records), len(other.records))
+        first = next((n for n, (one, two) in enumerate(pairs) if _content(one) != _content(two)), shorter)
+        if first < max(len(base.records), len(other.records)):
+            for run in runs:
+                run.advance(min(done + SLICE, length))
+            return _earliest(base, other, first)
+        for run in runs:
+            run.records.clear()
+    return None
+
+
+def _content(record: Record) -> tuple[object, ...]:
+    return record.tick, record.kind, record.where, record.what, record.value, record.text
+
+
+def _earliest(base: _RecordedRun, other: _RecordedRun, first: int) -> FirstDifference | None:
+    """Return the earliest event that differs from index `first` of the records on."""
+    start, timebase = base.scene.start, base.scene.timebase
+    one, two = base.occurrences(first), other.occurrences(first)
+    apart = [key for key in {**one, **two} if one.get(key) != two.get(key)]
+    if not apart:
+        return None
+
+    def at(key: Occurrence) -> int:
+        return min(found[key][0] for found in (one, two) if key in found)
+
+    def event(found: tuple[int, str] | None) -> Event | None:
+        if found is None:
+            return None
+        tick, text = found
+        return Event(float(timebase.seconds(tick - start)), timebase.show(tick - start), text)
+
+    key = min(apart, key=at)
+    return FirstDifference(event(one.get(key)), event(two.get(key)))

@@ -74,6 +74,12 @@ def test_a_budget_that_is_broken_may_hold_under_an_answer(tmp_path: Path) -> Non
     ]
 
 
+def test_an_answer_that_the_case_or_a_change_states_is_replaced(tmp_path: Path) -> None:
+    came = explored(written(tmp_path), limited(27.5), "unit.dsp.options.system.pf2_write_ws=15")
+    assert by_name(came)["work"].word == "broken" and ({WRITE: 0}, "seen") in departures(came, "work")
+    assert [one[WRITE] for one in answers(came) if [*one] == [WRITE]] == [0, 14]
+
+
 def test_a_question_that_arises_only_with_another_answer_is_varied_with_it(tmp_path: Path) -> None:
     came = explored(written(tmp_path))
     assert f"dsp.{BRR}" not in came.default.unknowns

@@ -176,7 +176,7 @@ def _under_questions(
     if as_json:
         print_json("run --questions", text_report.as_json(explored, found, differences))
     else:
-        click.echo(text_report.text(explored, found, differences))
+        say(text_report.text(explored, found, differences))
     return 0 if all(one.holds for one in found) else 1
 
 

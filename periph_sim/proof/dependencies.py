@@ -27,7 +27,7 @@ from ..core.input_files import read_regular
 
 PACKAGE = Path(__file__).parents[1]
 DIGEST = 16  # length of a digest, in bytes
-_read: set[str] | None = None  # the files that were opened for reading; None while nobody asks
+_read: set[str] | None = None  # the files that were opened for reading; None while they are not collected
 _hooks: list[object] = []  # the audit hook, which Python never removes
 
 

@@ -15,7 +15,7 @@ from .line_events import EVENTS, IDLE, NOTHING, SCL, SDA, START, STOP
 
 @final
 class FilteredBus:
-    """The state of one bus behind a spike filter.
+    """The state of one bus after a spike filter.
 
     filter: the minimum length, in ticks, of a level of SDA; shorter levels are ignored as spikes.
     free: the minimum time, in ticks, between a STOP and the next START.
@@ -81,7 +81,7 @@ class FilteredBus:
             self.last_stop = self._sda_moved
 
     def sda(self, now: int) -> int:
-        """Return the level of SDA behind the filter."""
+        """Return the level of SDA after the filter."""
         self.settle(now)
         return self._sda_seen
 

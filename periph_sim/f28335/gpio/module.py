@@ -109,7 +109,7 @@ class Gpio(GpioInputs):
         return sum((shown >> self._xint_pin(i) & 1) << i for i in range(len(at.XINT_SELECTS)))
 
     def watch_xints(self, now: int, lines: int) -> None:
-        """From now on, add changes of the XINT lines in the mask `lines` to `changed`; do not evaluate other lines."""
+        """Add later changes of the XINT lines in the mask `lines` to `changed`; do not evaluate other lines."""
         levels = self.xint_levels(now)
         self._xints = self._xints & self._watching | levels & ~self._watching
         self._watching = lines

@@ -2,8 +2,7 @@
 
     STT --> START --> [START byte] --> address --> data --> hold, repeated START, or STOP
 
-`I2cMasterLines` generates SCL, START and STOP; `I2cMasterData` handles bytes. Bits are sampled after the noise filter
-(`rise`).
+`I2cMasterLines` generates SCL, START and STOP; `I2cMasterData` handles bytes.
 
 Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
 

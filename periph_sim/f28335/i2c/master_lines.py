@@ -167,8 +167,8 @@ class I2cMasterLines:
         """Clear the counter, the addresses and the pending conditions of the transfer."""
         self.counter = 0
         self._addresses: list[int] = []
-        self._starting = False  # True from the module's START or repeated START until it is detected behind the filter
-        self._stopping = False  # True from the module's STOP until it is detected behind the filter
+        self._starting = False  # True from the module's START or repeated START until it is detected after the filter
+        self._stopping = False  # True from the module's STOP until it is detected after the filter
         self._own_restart = False
         # If the module reads from a 10-bit address and sends the full address first, it makes a repeated START itself.
         # This list has the address bytes that are then sent after the repeated START; it is empty for other transfers.

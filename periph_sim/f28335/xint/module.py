@@ -4,7 +4,7 @@
                               |
                               +--> XINTnCTR = 0, then +1 each SYSCLKOUT (XINT1, XINT2)
 
-The levels come from `Gpio`, behind the input qualifier of the pin that GPIOXINTnSEL selects. `Gpio` reports only edges
+The levels come from `Gpio`, after the input qualifier of the pin that GPIOXINTnSEL selects. `Gpio` reports only edges
 of enabled lines. So the owner makes these calls around each write to this module:
 
     xint.settle(now, gpio.xint_levels(now))

@@ -172,7 +172,7 @@ def _coverage(one: CaseCheck) -> dict[str, str] | None:
 
 def _html(checks: list[CaseCheck], refused: list[RejectedCase], jobs: int | None) -> str:
     """Return the HTML report. Each case is run again to get the timelines."""
-    from ..reports.baselines.check import workers
+    from ..reports.baselines.workers import workers
     from ..reports.html.gather import report_of_file
     from ..reports.html.page import page
 

@@ -1,4 +1,4 @@
-"""What a case's coverage file says, for the line below the result of `run`, for `check` and for the HTML report."""
+"""Summary of a case's coverage file, for the line below the result of `run`, for `check` and for the HTML report."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...timing.verdict import Verdict
 
 
 class PhasesReport(Struct, frozen=True):
-    """What a coverage file says about its case.
+    """Summary of a coverage file.
 
     line: a sentence about the file as a whole.
     count: the number of phases that were run, and that of a period, as text.

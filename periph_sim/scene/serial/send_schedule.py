@@ -17,7 +17,7 @@ from ...bus.uart.burst_sender import Burst, BurstSender
 from ...bus.uart.reader import Heard
 from ...core.state import State
 from ...core.time import NO_TIME
-from ...timing.language.events import Matcher
+from ...timing.language.matcher import Matcher
 from ...timing.measures.event import EventMeasure
 from ..case.serial import SendTable
 from ..context import SceneContext

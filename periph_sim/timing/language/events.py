@@ -1,4 +1,4 @@
-"""Named events: their syntax, and the tests that recognize their records.
+"""Named events: their syntax, and the matchers of their records.
 
     event   = one { "or" one } | ( "first" | "last" | number ( "st" | "nd" | "rd" | "th" ) ) one "of" group
     group   = "transfer" | "round" | "burst" | "interrupt" vector
@@ -15,29 +15,27 @@
             | "note" ( "duty" | "lost" | "unknown" | "overflow" )
             | "record" ( "transfer" | "round" | "receiver" | "data" | "bus" ) thing [ "of" ( chip | unit | number ) ]
 
-    Event + Scope --> Matcher(kind, where, what, mask, want)
-                        |-- may_be(kind, where, what), value & mask == want   during the run
-                        '-- fits(record)                                      for a Record object
+    text --event_of--> Event + Scope --matcher--> Matcher
 
-`thing` names a derived record (see `timing/derived`). The two tests agree for every record. `EVENTS` lists the kinds.
+`thing` names a derived record (see `timing/derived`). `EVENTS` lists the kinds.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 from msgspec import Struct
 from msgspec.structs import replace
 
 from ...core.phrases import did_you_mean
-from ...core.records import Kind, Record
+from ...core.records import Kind
 from ...devices.sensor_rounds import known_sensors
-from .scope import LINES, RECORDS, BadEvent, Scope, Thing
+from .matcher import ANYTHING, EVERYTHING, Group, Matcher
+from .scope import LINES, RECORDS, BadEvent, Scope
 from .tokens import Words, name_text
 
-EVERYTHING = -1  # the mask of all bits of a value
 CHANGES = ("rise", "fall", "change")
 NOTES = ("duty", "lost", "unknown", "overflow")
 BUS = ("START", "repeated START", "STOP", "address", "byte", "arbitration lost", "stuck", "clear", "NACK")
@@ -50,7 +48,6 @@ BEHIND_EVENTS = ("", "to", "from", "or", "of", "at", ",", "in", "next", "last", 
 NTH = re.compile(r"(\d+)(st|nd|rd|th)")
 GROUPS = ("transfer", "round", "burst", "interrupt")
 ANY_UNIT = "any"
-ANYTHING = ""  # `what` of a matcher that accepts all things of its kind
 
 
 class Event(Struct, frozen=True):
@@ -76,76 +73,6 @@ class Event(Struct, frozen=True):
     nth: int = 0
     group: str = ""
     routine: str = ""
-
-
-class Group(Struct, frozen=True):
-    """A part of a run in which events are counted, such as a transfer.
-
-    begin: the event at which the group begins: a START, the start of a frame, or the entry of a service routine.
-    end: the event at which the group ends: a STOP, the end of a frame, or the return from a service routine.
-    """
-
-    name: str  # one of GROUPS
-    begin: Matcher
-    end: Matcher
-
-
-class Matcher(Struct, frozen=True, dict=True):
-    """Test of whether a record is an event.
-
-    where: the places, such as wires or modules, whose records can be the event; None for all places.
-    what: the thing that the record must have; ANYTHING for all things of the kind.
-    mask: the bits of the record's value that are compared.
-    want: the value that these bits must have.
-    others: the matchers of alternative events, joined by "or".
-    nth: the number of the event that counts in each group, from 1; -1 for the last event; 0 if every event counts.
-    group: the group in which events are numbered; None if every event counts.
-    thing: the properties of a derived record; None for other records.
-    """
-
-    text: str
-    kind: Kind
-    where: frozenset[str] | None
-    what: str
-    mask: int = 0
-    want: int = 0
-    free: bool = False  # True if the name was not checked, so it is not known whether the event can happen
-    others: tuple[Matcher, ...] = ()
-    nth: int = 0
-    group: Group | None = None
-    thing: Thing | None = None
-
-    @cached_property
-    def each(self) -> tuple[Matcher, ...]:
-        """A tuple of this matcher and the matchers in `others`."""
-        return (self, *self.others)
-
-    def fits(self, record: Record) -> bool:
-        """Return True if a record is this event. The number of the event within its group is not checked."""
-        return any(
-            one.may_be(record.kind, record.where, record.what) and record.value & one.mask == one.want
-            for one in self.each
-        )
-
-    def may_be(self, kind: Kind, where: str, what: str) -> bool:
-        """Return True if a record of this kind, place and thing may be this event, depending on its value."""
-        fits = self.what in (what, ANYTHING) and kind is self.kind
-        return fits and (self.where is None or where in self.where)
-
-    @cached_property
-    def subjects(self) -> frozenset[str]:
-        """The wires or registers whose records this matcher needs; empty if it needs the records of all of them.
-
-        The matchers in `others` are ignored.
-        """
-        places = self.where or frozenset()
-        if self.kind in (Kind.EDGE, Kind.FRAME):
-            return places
-        if self.kind is Kind.FLAG:
-            return frozenset(f"{place}.{self.what.partition('.')[0]}" for place in places)
-        if self.kind is Kind.ACCESS and self.what != ANYTHING:
-            return frozenset(f"{place}.{self.what[2:]}" for place in places)
-        return frozenset()
 
 
 @lru_cache(maxsize=1024)  # the scenes of one case name the same events

@@ -21,7 +21,7 @@ from msgspec import Struct
 from ...core.phrases import counted, did_you_mean
 from ...core.records import UNWANTED, Kind, Recorder, Subjects
 from ...core.state import State
-from ..language.events import ANYTHING, Matcher
+from ..language.matcher import ANYTHING, Matcher
 from .groups import Groups
 from .measure import READ, Measure, MeasuredScene
 from .registry import UNNAMED, Sentence

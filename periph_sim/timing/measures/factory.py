@@ -18,8 +18,9 @@ from ...core.table import duration
 from ...devices.sensor_rounds import known_sensors
 from ...f28335.pie.register_map import LINES
 from ..budget_schema import REPLY, SILENCE, SPAN, WATCH
-from ..language.events import ANYTHING, OF_AGENT, Group, Matcher, matcher, stretch_of
+from ..language.events import OF_AGENT, matcher, stretch_of
 from ..language.language import FORMS, ParsedMeasure, is_form, measure_of, near_form
+from ..language.matcher import ANYTHING, Group, Matcher
 from ..language.scope import BadEvent, Scope
 from ..language.tokens import name_text
 from .event import FOR_EACH, GIVEN, MEASURED_AT, UNFINISHED, UNLESS, Clauses, EventMeasure
@@ -267,7 +268,8 @@ def _state(said: ParsedMeasure, scope: Scope) -> StateEvents:
 
 def _of_a_race(said: ParsedMeasure, scope: Scope) -> Maker:
     """Return the maker of the measure of a race, of lost flags, or of a flag that is cleared along with others."""
-    from .modifies import LostFlags, clearing, losing, raced
+    from .modifies import LostFlags
+    from .watched_register import clearing, losing, raced
 
     if said.form == "race":
         from .over_table import Race

@@ -14,7 +14,7 @@ from collections.abc import Callable
 
 from ...core.state import State
 from ...core.time import NO_TIME
-from ..language.events import Group, Matcher
+from ..language.matcher import Group, Matcher
 from .measure import MeasuredScene
 
 PAUSE = 2  # number of character times without a frame after which a burst ends

@@ -229,7 +229,7 @@ class Measure(Listener):
     # Taking and storing values -----------------------------------------------------------
 
     def become_jitter(self) -> None:
-        """From now on, take the differences between successive values. Call this before the first value."""
+        """Take the differences between successive values instead of the values. Call this before the first value."""
         self.is_jitter = True
         self.looks_back = "the occurrence before"
         self.occurrence = ""

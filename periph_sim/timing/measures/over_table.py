@@ -25,12 +25,13 @@ from ...records.read_modify_write import modifies_of
 from ...records.run import NotInRun, Run
 from ...records.subject import groups_of
 from ...traces.formats.record_table import Columns, RecordTable
-from ..language.events import ANYTHING, Matcher, matcher, stretch_of
+from ..language.events import matcher, stretch_of
 from ..language.language import measure_of
+from ..language.matcher import ANYTHING, Matcher
 from ..language.scope import BadEvent, scope_of_table
 from .measure import Measure, MeasuredScene
-from .modifies import Watched, losing, raced
 from .pair import FIRST, SECOND, START, Between
+from .watched_register import Watched, losing, raced
 
 Ticks = NDArray[np.int64]
 

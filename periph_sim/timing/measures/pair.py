@@ -21,7 +21,7 @@ from collections import deque
 from ...core.records import UNWANTED, Kind
 from ...core.state import State
 from ...core.time import NO_TIME
-from ..language.events import Group, Matcher
+from ..language.matcher import Group, Matcher
 from .event import NO_CLAUSES, Clauses, EventMeasure
 from .groups import Groups
 from .measure import MeasuredScene

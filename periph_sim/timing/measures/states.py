@@ -22,7 +22,7 @@ from ...core.records import Kind
 from ...core.state import State
 from ...core.time import NO_TIME
 from ...form.c_types import BigInt
-from ..language.events import EVERYTHING, Matcher
+from ..language.matcher import EVERYTHING, Matcher
 from .event import EventMeasure
 from .measure import MILLIONTHS, MeasuredScene
 

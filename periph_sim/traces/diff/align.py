@@ -160,19 +160,19 @@ def place_by_time(runs: Sequence[Run], a: Numbers, b: Numbers, time_a: Times, ti
     time_a, time_b: the time of each item of `a` and of `b`, in the same unit.
     """
     edges = _split([Run(0, 0, 0), *runs, Run(len(a), len(b), 0)], a, b)
-    for before, behind in pairwise(edges):
-        gap_a = behind[0] - before[0] - before[2]
-        gap_b = behind[1] - before[1] - before[2]
+    for before, after in pairwise(edges):
+        gap_a = after[0] - before[0] - before[2]
+        gap_b = after[1] - before[1] - before[2]
         if not gap_a and gap_b:
-            moved = _moved(before, behind, gap_b, 1, b, time_a, time_b)
+            moved = _moved(before, after, gap_b, 1, b, time_a, time_b)
         elif gap_a and not gap_b:
-            moved = _moved(before, behind, gap_a, 0, a, time_b, time_a)
+            moved = _moved(before, after, gap_a, 0, a, time_b, time_a)
         else:
             continue
         before[2] += moved
-        behind[0] += moved
-        behind[1] += moved
-        behind[2] -= moved
+        after[0] += moved
+        after[1] += moved
+        after[2] -= moved
     return [Run(*run) for run in edges if run[2]]
 
 
@@ -182,15 +182,15 @@ def _split(runs: list[Run], a: Numbers, b: Numbers) -> list[list[int]]:
     A gap that consists of repetitions is divided by empty runs into one gap for each repetition.
     """
     found: list[list[int]] = []
-    for before, behind in pairwise(runs):
+    for before, after in pairwise(runs):
         found.append(list(before))
         end_a, end_b = before.a + before.length, before.b + before.length
-        if end_a == behind.a:
-            step = _period(b[end_b : behind.b])
-            found.extend([end_a, at, 0] for at in range(end_b + step, behind.b, step))
-        elif end_b == behind.b:
-            step = _period(a[end_a : behind.a])
-            found.extend([at, end_b, 0] for at in range(end_a + step, behind.a, step))
+        if end_a == after.a:
+            step = _period(b[end_b : after.b])
+            found.extend([end_a, at, 0] for at in range(end_b + step, after.b, step))
+        elif end_b == after.b:
+            step = _period(a[end_a : after.a])
+            found.extend([at, end_b, 0] for at in range(end_a + step, after.a, step))
     return [*found, list(runs[-1])]
 
 
@@ -201,11 +201,11 @@ def _period(items: Numbers) -> int:
 
 
 def _moved(
-    before: list[int], behind: list[int], gap: int, long: int, items: Numbers, time_short: Times, time_long: Times
+    before: list[int], after: list[int], gap: int, long: int, items: Numbers, time_short: Times, time_long: Times
 ) -> int:
     """Return by how many items the gap between two runs moves towards later items; negative: towards earlier items.
 
-    before, behind: the runs before and behind the gap, each as a list [a, b, length].
+    before, after: the runs before and after the gap, each as a list [a, b, length].
     gap: the number of items in the gap.
     long: 0 if the items of the gap are in A, 1 if they are in B.
     items, time_long: the items and times of the sequence that has the items of the gap.
@@ -213,11 +213,11 @@ def _moved(
     """
     end = before[long] + before[2]  # index of the first item of the gap
     left = equal_from_start(items[end - before[2] : end][::-1], items[end - before[2] + gap : end + gap][::-1])
-    right = equal_from_start(items[end : end + behind[2]], items[end + gap : end + gap + behind[2]])
+    right = equal_from_start(items[end : end + after[2]], items[end + gap : end + gap + after[2]])
     if not left and not right:
         return 0
     # If possible, one more item is included on each side. Its lateness does not depend on the place of the gap.
-    first, last = min(left + 1, before[2]), min(right + 1, behind[2])
+    first, last = min(left + 1, before[2]), min(right + 1, after[2])
     place = np.arange(-first, last)
     short = time_short[before[1 - long] + before[2] + place]
     early = time_long[end + place] - short  # lateness of each item if the gap is after this item

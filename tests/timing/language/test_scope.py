@@ -9,7 +9,7 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.scene.scope import scope_of_case
 from periph_sim.timing.language.scope import BadEvent, Scope, scope_of_table
 from periph_sim.timing.measures.factory import measure_named
-from periph_sim.timing.measures.modifies import Watched, clearing, losing, raced
+from periph_sim.timing.measures.watched_register import Watched, clearing, losing, raced
 from tests.scene.small import case
 from tests.timing.events_by_hand import BARE, MODULES, NO_BUS, ONE, TWO, records, table
 

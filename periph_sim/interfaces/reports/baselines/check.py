@@ -9,17 +9,12 @@ The order of the results is that of the case files, and does not depend on the n
 
 from __future__ import annotations
 
-import gc
-import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import unified_diff
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Protocol, TypeVar, TypeVarTuple
+from typing import TYPE_CHECKING, Literal
 
 from ....core.input_files import similar_file
 from ....core.tolerance import Tolerance, in_cycles
@@ -27,11 +22,11 @@ from ....proof import coverage_path
 from ....scene.case.discover import cases_below
 from ....timing.verdict import broken
 from ..explain.chain import Chain
-from ..processes import DIED, end_workers, processes
 from .compare import Change, compare, explain, moved_accesses
 from .event_chain import EventLine
 from .files import BadCheck, Baseline, path_for, read, text_of, write_all
 from .outcome import Outcome, RejectedCase, occurrence, run_case, run_chains, run_explained
+from .workers import Start, workers
 
 if TYPE_CHECKING:
     from ..coverage_check import CoverageCheck
@@ -110,9 +105,6 @@ def judge(check: CaseCheck) -> list[Finding]:
         findings.append(Finding(there, outcome.lines.get(budget or "", 0) or top, text))
     return findings
 
-
-T = TypeVar("T")
-Ts = TypeVarTuple("Ts")
 
 STOPPED = "it was not run to its end, because the check was stopped"
 
@@ -265,12 +257,6 @@ def _state(changes: list[Change]) -> State:
     return "changed" if any(not change.note for change in changes) else "equal"
 
 
-class Start(Protocol):
-    """A function that starts a call, possibly in another process. It returns a function that waits for the result."""
-
-    def __call__(self, work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]: ...
-
-
 def _explain(
     checks: list[CaseCheck], before: dict[Path, Baseline | None], start: Start, tolerance: int | Tolerance | None
 ) -> None:
@@ -388,40 +374,3 @@ def _write(checks: list[CaseCheck]) -> None:
             ours = before.splitlines(), text.splitlines(), name if before else "nothing", name
             one.diff = "\n".join(unified_diff(*ours, lineterm="", n=1))
     write_all(texts)
-
-
-@contextmanager
-def workers(jobs: int | None, calls: int) -> Iterator[Start]:
-    """Yield a function that starts calls, each in a process of its own.
-
-    jobs: the maximum number of calls at a time; None for one per core. With one job, or at most one call, the calls run
-        in this process.
-    """
-    if jobs == 1 or calls <= 1:
-
-        def here(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
-            return lambda: work(path, *rest)
-
-        yield here
-        return
-    gc.collect()  # deletes earlier scenes here: their firmware must not be stopped by a thread of the pool
-    with ThreadPoolExecutor(min(jobs or os.cpu_count() or 1, calls)) as threads:
-
-        def there(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
-            return threads.submit(lambda: _apart(work, path, *rest)).result
-
-        try:
-            yield there
-        except BaseException:  # if a case cannot be run, or after Ctrl-C, the other calls are cancelled
-            threads.shutdown(wait=False, cancel_futures=True)
-            end_workers()
-            raise
-
-
-def _apart(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> T:
-    """Make the call in a new process, so that the firmware of a case cannot affect other cases."""
-    with processes(1) as process:
-        try:
-            return process.submit(work, path, *rest).result()
-        except BrokenProcessPool:
-            raise BadCheck(f"{path}: {DIED}") from None

@@ -22,7 +22,8 @@ from ....timing.verdict import Verdict, Word
 from ....traces.decode import i2c
 from ..explain.chain import place_of
 from ..explain.window import I2C_BUS, Window, WrongByte, windows_of_replay
-from .gather import BudgetReport, CaseReport, Failure, commit_of, failure, source_around, sysclk
+from .failure import Failure, failure, source_around
+from .gather import BudgetReport, CaseReport, commit_of, sysclk
 from .timeline import MOST, Lane, Lanes, Texts, Timeline
 
 # Names of the wires, registers and flags whose lanes the page draws at first; other lanes are drawn on request.

@@ -15,9 +15,9 @@ from typing import Any
 
 import pytest
 
-from periph_sim.interfaces.reports.baselines.check import check, workers
+from periph_sim.interfaces.reports.baselines.workers import workers
 
-MODULE = sys.modules[check.__module__]
+MODULE = sys.modules[workers.__module__]
 
 
 class Threads:

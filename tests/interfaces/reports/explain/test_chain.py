@@ -15,7 +15,7 @@ import pytest
 
 from periph_sim.firmware import start_pin
 from periph_sim.interfaces.reports.explain.chain import Chain, FirmwarePlace, Part, Step, as_json, relative, text
-from periph_sim.interfaces.reports.html.gather import failure
+from periph_sim.interfaces.reports.html.failure import failure
 from periph_sim.processor.dsp import Dsp
 from periph_sim.processor.image_files.assemble import SHIPPED
 from periph_sim.scene.firmware_loader import Firmware

@@ -14,7 +14,7 @@ from periph_sim.firmware import sci_fifo_receiver, start_pie, start_sci
 from periph_sim.interfaces.reports.explain.characters import characters
 from periph_sim.interfaces.reports.explain.explain import Explained
 from periph_sim.interfaces.reports.explain.picture import text_picture
-from periph_sim.interfaces.reports.html.gather import failure
+from periph_sim.interfaces.reports.html.failure import failure
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene

@@ -8,7 +8,8 @@ import pytest
 from playwright.sync_api import Page
 
 from periph_sim.interfaces.reports.coverage_line import PhasesReport
-from periph_sim.interfaces.reports.html.gather import BudgetReport, CaseReport, Failure, SourceLines
+from periph_sim.interfaces.reports.html.failure import Failure, SourceLines
+from periph_sim.interfaces.reports.html.gather import BudgetReport, CaseReport
 from periph_sim.interfaces.reports.html.protocol import Row
 from periph_sim.interfaces.reports.html.timeline import Lane, Timeline
 from tests.interfaces.reports.html.conftest import Open

@@ -17,7 +17,8 @@ import periph_sim
 from periph_sim import form
 from periph_sim.core.time import Timebase
 from periph_sim.interfaces.reports.explain.chain import Chain, FirmwarePlace, Part, Step
-from periph_sim.interfaces.reports.html.gather import CaseReport, Failure, SourceLines, case_report, commit_of
+from periph_sim.interfaces.reports.html.failure import Failure, SourceLines
+from periph_sim.interfaces.reports.html.gather import CaseReport, case_report, commit_of
 from periph_sim.interfaces.reports.html.page import page, versions
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene

@@ -9,7 +9,7 @@ import pytest
 
 from periph_sim.core.time import Timebase
 from periph_sim.interfaces.reports.explain.chain import Chain, FirmwarePlace, Part, Step
-from periph_sim.interfaces.reports.html.gather import Failure, SourceLines, failure, source_around
+from periph_sim.interfaces.reports.html.failure import Failure, SourceLines, failure, source_around
 from periph_sim.timing.verdict import Verdict, broken
 from tests.interfaces.reports.html.made import US, budget, run_of
 

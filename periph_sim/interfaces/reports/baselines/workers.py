@@ -1,0 +1,64 @@
+"""Calls for case files, each in a process of its own, several at a time.
+
+call --> thread, if one of `jobs` is free --> new process --> result, or BadCheck if the process died
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Protocol, TypeVar, TypeVarTuple
+
+from ..processes import DIED, end_workers, processes
+from .files import BadCheck
+
+T = TypeVar("T")
+Ts = TypeVarTuple("Ts")
+
+
+class Start(Protocol):
+    """A function that starts a call, possibly in another process. It returns a function that waits for the result."""
+
+    def __call__(self, work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]: ...
+
+
+@contextmanager
+def workers(jobs: int | None, calls: int) -> Iterator[Start]:
+    """Yield a function that starts calls, each in a process of its own.
+
+    jobs: the maximum number of calls at a time; None for one per core. With one job, or at most one call, the calls run
+        in this process.
+    """
+    if jobs == 1 or calls <= 1:
+
+        def here(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
+            return lambda: work(path, *rest)
+
+        yield here
+        return
+    gc.collect()  # deletes earlier scenes here: their firmware must not be stopped by a thread of the pool
+    with ThreadPoolExecutor(min(jobs or os.cpu_count() or 1, calls)) as threads:
+
+        def there(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
+            return threads.submit(lambda: _apart(work, path, *rest)).result
+
+        try:
+            yield there
+        except BaseException:  # if a case cannot be run, or after Ctrl-C, the other calls are cancelled
+            threads.shutdown(wait=False, cancel_futures=True)
+            end_workers()
+            raise
+
+
+def _apart(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> T:
+    """Make the call in a new process, so that the firmware of a case cannot affect other cases."""
+    with processes(1) as process:
+        try:
+            return process.submit(work, path, *rest).result()
+        except BrokenProcessPool:
+            raise BadCheck(f"{path}: {DIED}") from None

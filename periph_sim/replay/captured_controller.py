@@ -1,0 +1,163 @@
+"""Agents that play the controller's half of an I2C capture, and the answers of all targets except the firmware.
+
+    transfers --> edges of the controller --longest_low, least_gap--> moves --> SCL, SDA
+                     ^-- polls added or left out <-- ACK or NACK of the firmware --'
+
+The controller polls the firmware until it acknowledges (see `polling`). A session plays the captured polls, because the
+UART capture has fixed times.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+
+from ..bus.i2c.replayed_sides import I2cPlayer, Move, ScriptedTarget
+from ..core.kernel import Kernel
+from ..core.time import NO_TIME, Timebase
+from ..core.wire import Wire
+from ..traces.decode.i2c import Transfer
+from .i2c_script import Edge, controllers_half, hurried, is_addressed, moves, usual_hold
+from .polling import PolledCapture
+from .setup import HOLD, Played
+
+
+@dataclass(frozen=True)
+class PlaybackPlan:
+    """The settings with which the agents play a capture.
+
+    part: the part of the capture that is played.
+    own: the addresses of the firmware.
+    origin: the tick of the beginning of the capture.
+    longest_low: the maximum time, in positions, for which the controller holds SCL low. None: as long as captured.
+    least_gap: the minimum time, in ticks, between two transfers. After a delay, the controller shortens pauses to this
+        minimum until transfers begin at their captured times again. None: pauses have their captured lengths, so a
+        delay affects all later transfers.
+    """
+
+    part: Played
+    own: Sequence[int]
+    timebase: Timebase
+    origin: int
+    longest_low: Fraction | None = None
+    least_gap: int | None = None
+
+    @property
+    def per_position(self) -> Fraction:
+        """The number of ticks per position of the capture."""
+        return self.timebase.per_second / self.part.rate
+
+
+class CapturedController:
+    """Player of the controller's half of each transfer, and of the answers of all targets except the firmware.
+
+    player: the agent that drives the edges.
+    on_end: a function that is called after the last transfer.
+    patience: the maximum time, in ticks, for which the firmware is polled. None: polls are played as captured.
+
+    polled: the transfers, with the polls that were made.
+    gave_up: the address that the firmware refused for too long, and the tick of the first added poll; or None.
+    """
+
+    def __init__(
+        self,
+        plan: PlaybackPlan,
+        kernel: Kernel,
+        scl: Wire,
+        sda: Wire,
+        on_end: Callable[[], None],
+        patience: int | None = None,
+    ) -> None:
+        self.player = I2cPlayer(kernel, scl, sda)
+        self.polled = PolledCapture(plan.part.transfers, plan.own)
+        self.gave_up: tuple[int, int] | None = None
+        self._patience = patience
+        self._refused_since = NO_TIME
+        self._sda_level = sda
+        self._captured: list[Edge] = []
+        self._edges: list[Edge] = []  # as captured, but with low phases shortened to `longest_low`
+        self._moves: list[Move] = []
+        self._answers: deque[tuple[int, int]] = deque()  # (index of a phase, number of moves up to its ACK bit)
+        self._plan = plan
+        self._kernel = kernel
+        self._on_end = on_end
+        self._hold = usual_hold(plan.part.transfers, plan.part.half_sample)
+        self._late = 0  # ticks by which the last transfer ended later than captured
+        self._cut = 0  # ticks by which `longest_low` has shortened the last transfer
+        self._delay = 0  # `delay` of the player at the beginning of the last transfer
+        answers = plan.part.answers_of_others(plan.own)
+        if answers:
+            ScriptedTarget(kernel, scl, sda, answers, plan.timebase.ticks(HOLD, "nearest"))
+
+    def go_on(self) -> None:
+        """Play the next transfer when it is due, or call `on_end` if none is left."""
+        self._late = max(0, self._late + self.player.delay - self._delay - self._cut)
+        self._delay = self.player.delay
+        if not self.polled.left:
+            self._on_end()
+        else:
+            self._kernel.call_at(max(self._due(), self._kernel.now), self._play)
+
+    def _due(self) -> int:
+        plan = self._plan
+        captured = plan.origin + int(self.polled.next_start * plan.per_position)
+        if plan.least_gap is None:
+            return captured + self._late
+        return max(captured, self._kernel.now + plan.least_gap)
+
+    def _play(self) -> None:
+        transfer = self.polled.begin()
+        self._prepare(transfer, 0)
+        self._cut = int((self._captured[-1].at - self._edges[-1].at) * self._plan.per_position) if self._edges else 0
+        self._play_from(0)
+
+    def _prepare(self, transfer: Transfer, first: int) -> None:
+        """Create the moves of a transfer from phase `first` on, and find the moves after which the firmware answers."""
+        plan = self._plan
+        half = Transfer(transfer.phases[first:], transfer.stop, None)
+        self._captured = self._edges = controllers_half(half, self._hold, plan.part.half_sample)
+        if plan.longest_low is not None:
+            self._edges = hurried(self._captured, plan.longest_low, plan.part.step)
+        self._moves = moves(self._edges, plan.per_position)
+        after = {edge.at: index for index, edge in enumerate(self._captured, 1) if edge.clock and edge.level}
+        self._answers = deque(
+            (number, after[Fraction(phase.bytes[0].bits[8].at)])
+            for number, phase in enumerate(half.phases, first)
+            if is_addressed(phase) and phase.address in plan.own
+        )
+
+    def _play_from(self, move: int) -> None:
+        """Play the prepared moves from number `move` on, up to the next answer of the firmware to its address."""
+        if not self._answers or self._patience is None:
+            self.player.play(self._moves[move:], self.go_on)
+        else:
+            number, end = self._answers.popleft()
+            self.player.play(self._moves[move:end], partial(self._answered, number, end))
+
+    def _answered(self, phase: int, move: int) -> None:
+        """Adapt the polls to the firmware's ACK or NACK of its address, or end the replay after too many NACKs."""
+        acked, now = not self._sda_level.level, self._kernel.now
+        changed = self.polled.answered(phase, acked)
+        if changed:
+            self._cut -= self._cut_after(move)
+            self._prepare(self.polled.transfers[-1], phase)
+            _, move = self._answers.popleft()
+            self._cut += self._cut_after(move)
+        if acked:
+            self._refused_since = NO_TIME
+        elif changed and self._refused_since == NO_TIME:
+            self._refused_since = now
+        elif changed and now - self._refused_since > (self._patience or 0):
+            address = self.polled.transfers[-1].phases[phase].address
+            self.gave_up = address or 0, self._refused_since
+            self._on_end()
+            return
+        self._play_from(move)
+
+    def _cut_after(self, move: int) -> int:
+        """Return the ticks by which `longest_low` shortens the prepared moves from number `move` on."""
+        captured = self._captured[-1].at - self._captured[move - 1].at
+        return int((captured - (self._edges[-1].at - self._edges[move - 1].at)) * self._plan.per_position)

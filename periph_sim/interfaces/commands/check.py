@@ -20,13 +20,14 @@ from .command_frame import (
     running_user_code,
     say,
 )
-from .shared_options import CHANGES, GUARANTEED, JOBS, JSON, tolerance_option
+from .shared_options import CHANGES, CLUSTER, GUARANTEED, JOBS, JSON, cluster_given, tolerance_option
 from .watch import note_inputs
 
 if TYPE_CHECKING:
     from ...core.tolerance import Tolerance
     from ..reports.baselines.check import CaseCheck
     from ..reports.baselines.outcome import RejectedCase
+    from ..reports.cluster import ClusterExecutor
 
 
 @command("run", "periph-sim check timing --junit results.xml", "periph-sim check timing/imu_hil.toml --update-baseline")
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 @CHANGES
 @GUARANTEED
 @JOBS
+@CLUSTER
 @JSON
 @click.option("--junit", "junit_file", type=click.Path(path_type=Path), help="Write JUnit XML to this file.")
 @click.option("--html", "html_file", type=click.Path(path_type=Path), help="Write one report of all cases here.")
@@ -50,6 +52,7 @@ def check(
     update: bool,
     changes: tuple[str, ...],
     jobs: int | None,
+    cluster: str | None,
     as_json: bool,
     junit_file: Path | None,
     html_file: Path | None,
@@ -84,6 +87,7 @@ def check(
     require_distinct_outputs(junit=junit_file, html=html_file, summary=summary_file)
     refused: list[RejectedCase] = []
     with running_user_code(), ExitStack() as outputs:
+        workers = cluster_given(cluster, jobs)
         project = project_of(Path())
         cases = case_files(paths or project.cases())
         if any(file is not None for file in (junit_file, html_file, summary_file)):
@@ -98,6 +102,7 @@ def check(
             None if file is None else outputs.enter_context(atomic_write(file))
             for file in (junit_file, html_file, summary_file)
         )
+        executor = outputs.enter_context(workers)
         with progress("check") as on_progress:
             checks = checked(
                 paths or project.cases(),
@@ -108,6 +113,7 @@ def check(
                 keep_values=html_file is not None,
                 on_progress=on_progress,
                 on_refused=refused.append,
+                cluster=executor,
             )
         outside = [one for one in refused if one.outside]
         refused = [one for one in refused if not one.outside]
@@ -118,7 +124,7 @@ def check(
 
             unfinished.write_text(junit(checks, refused), encoding="utf-8")
         if unfinished_html is not None:
-            unfinished_html.write_text(_html(checks, refused, jobs), encoding="utf-8")
+            unfinished_html.write_text(_html(checks, refused, jobs, executor), encoding="utf-8")
         if unfinished_summary is not None:
             from ..reports.baselines.summary import summary
 
@@ -170,13 +176,16 @@ def _coverage(one: CaseCheck) -> dict[str, str] | None:
     return {"file": one.coverage.file.as_posix(), "state": one.coverage.state, "says": one.coverage.line}
 
 
-def _html(checks: list[CaseCheck], refused: list[RejectedCase], jobs: int | None) -> str:
-    """Return the HTML report. Each case is run again to get the timelines."""
+def _html(
+    checks: list[CaseCheck], refused: list[RejectedCase], jobs: int | None, cluster: ClusterExecutor | None
+) -> str:
+    """Return the HTML report. Each case is run again to get the timelines, here if the cluster is lost."""
     from ..reports.baselines.workers import workers
+    from ..reports.cluster import ClusterError
     from ..reports.html.gather import report_of_file
     from ..reports.html.page import page
 
-    with workers(jobs, len(checks)) as start:
+    with workers(jobs, len(checks), cluster) as start:
         waiting = [
             start(
                 report_of_file,
@@ -191,7 +200,10 @@ def _html(checks: list[CaseCheck], refused: list[RejectedCase], jobs: int | None
             )
             for one in checks
         ]
-        reports = [came() for came in waiting]
+        try:
+            reports = [came() for came in waiting]
+        except ClusterError:
+            return _html(checks, refused, jobs, None)
     title = reports[0].name if len(reports) == 1 and not refused else "periph-sim check"
     return page(reports, title, command_line(), [f"{one.path.stem} cannot be run: {one.why}" for one in refused])
 

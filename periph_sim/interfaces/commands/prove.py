@@ -14,7 +14,7 @@ import click
 from ...core.phrases import counted
 from ...timing.verdict import BROKEN, NOT_JUDGED, figure, limit
 from .command_frame import command, print_json, print_table, progress, running_user_code, say, time_given
-from .shared_options import CHANGES, JSON, SVG, diagram_file
+from .shared_options import CHANGES, CLUSTER, JSON, SVG, cluster_given, diagram_file
 from .watch import note_inputs
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures,
 @click.option("--only", metavar="TIMES", help="Run only these phases: '1.5 ms to 1.6 ms'.")
 @click.option("--start-up", is_flag=True, help="Move the first start through the start-up instead.")
 @click.option("--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]")
+@CLUSTER
 @click.option(
     "--witness",
     "folder",
@@ -59,6 +60,7 @@ def prove(
     only: str | None,
     start_up: bool,
     jobs: int | None,
+    cluster: str | None,
     folder: Path | None,
     save: bool,
     svg: Path | None,
@@ -84,6 +86,7 @@ def prove(
     if save and changes:
         raise click.UsageError("--save with --set: a coverage file is of the unchanged case; remove one of them")
     with running_user_code():
+        workers = cluster_given(cluster, jobs)
         note_inputs([case])
         found = choose(Job(str(case.absolute()), changes, start_up), step, None if only is None else _between(only))
         path = coverage_path.path_for(case) if save else None
@@ -91,8 +94,9 @@ def prove(
         if saved is not None:
             found.continue_from(saved)
         click.echo(_announcement(found), err=True)
-        with progress(found.case.case.name) as on_progress:
-            run_coverage(found, jobs or os.cpu_count() or 1, on_progress, path)
+        # The cluster is connected only now, so that the modules of Dask are no dependencies of the coverage.
+        with workers as executor, progress(found.case.case.name) as on_progress:
+            run_coverage(found, jobs or os.cpu_count() or 1, on_progress, path, executor)
         files, failed = ([], "") if folder is None else _write_witnesses(found, case, changes, folder)
         files += [] if path is None else [path]
         files += [] if svg is None else [_draw(found, svg)]

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from ...core.tolerance import Tolerance, parse_tolerance
 from .command_frame import length_given, usage_errors_in_one_sentence
 from .completion import complete_key
+
+if TYPE_CHECKING:
+    from ..reports.cluster import ClusterExecutor
 
 F = TypeVar("F", bound=Callable[..., Any])
 NUMBER = re.compile(r"-?\d+")
@@ -44,6 +48,7 @@ SECONDS = click.option(
 JOBS = click.option(
     "--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]"
 )
+CLUSTER = click.option("--cluster", metavar="ADDRESS", help="Use the workers of this Dask scheduler: 10.0.0.5:8786.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 RUN_FILE = click.argument("run", type=click.Path(path_type=Path))
 MAP = click.option(
@@ -59,6 +64,17 @@ SVG = click.option(
     help="Draw timing diagrams: one to an .svg file, or each to a file in a folder.",
 )
 SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, if RUN does not contain it: '150 MHz'.")
+
+
+def cluster_given(address: str | None, jobs: int | None) -> AbstractContextManager[ClusterExecutor | None]:
+    """Return a context that is connected to the cluster of --cluster; its value is None if the option is not given."""
+    if address is None:
+        return nullcontext()
+    if jobs is not None:
+        raise click.UsageError("--cluster with --jobs: a cluster has its own workers; remove one of them")
+    from ..reports.cluster import connected
+
+    return connected(address)
 
 
 def diagram_file(place: Path, name: str) -> Path:

@@ -16,7 +16,7 @@ from ...timing.verdict import figure, limit
 from ..reports.sweep.runs import values_of
 from .command_frame import command, print_json, print_table, progress, running_user_code, say
 from .completion import complete_key
-from .shared_options import CHANGES, JOBS, JSON, SECONDS
+from .shared_options import CHANGES, CLUSTER, JOBS, JSON, SECONDS, cluster_given
 from .watch import note_inputs
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ MAX_LISTED = 10  # maximum number of runs that do not pass and are listed one by
 @CHANGES
 @SECONDS
 @JOBS
+@CLUSTER
 @click.option("--csv", "csv_file", type=click.Path(path_type=Path), help="Write a line for each run to this file.")
 @JSON
 def sweep(
@@ -51,19 +52,21 @@ def sweep(
     changes: tuple[str, ...],
     length: Fraction | None,
     jobs: int | None,
+    cluster: str | None,
     csv_file: Path | None,
     as_json: bool,
 ) -> int:
     """Run CASE once for each combination of values, and show for each budget the run nearest to its limit.
 
     Exit status 0: every run passes; 1: otherwise; 2: a run could not be made (the others were), or
-    Ctrl-C or SIGTERM stopped the sweep (the finished runs are shown).
+    Ctrl-C, SIGTERM or the loss of the cluster stopped the sweep (the finished runs are shown).
     """
     from ...traces.formats import atomic_write
     from ..reports.sweep.sweep import SweepStopped
     from ..reports.sweep.sweep import sweep as swept
 
     with running_user_code(), ExitStack() as outputs:
+        workers = cluster_given(cluster, jobs)
         varied = _varied(vary)
         fixed = {key.strip(): [value.strip()] for key, value in (_parts("--set", change) for change in changes)}
         for key in fixed.keys() & varied.keys():
@@ -71,9 +74,11 @@ def sweep(
         note_inputs([case])
         unfinished = None if csv_file is None else outputs.enter_context(atomic_write(csv_file))
         stopped = ""
-        with progress(case.stem) as on_progress:
+        with workers as executor, progress(case.stem) as on_progress:
             try:
-                came = swept(case, fixed | varied, seconds=length, jobs=jobs, on_progress=on_progress)
+                came = swept(
+                    case, fixed | varied, seconds=length, jobs=jobs, executor=executor, on_progress=on_progress
+                )
             except SweepStopped as error:
                 came, stopped = error.finished, str(error)
             except BadCase as error:

@@ -23,7 +23,7 @@ from ...proof.dependencies import Dependencies, dependencies, files_read
 from ...proof.near import chosen_phases, parts_of
 from ...proof.stretch import CoveredCase, Job
 from ...traces.formats import atomic_write
-from .processes import processes
+from .cluster import ClusterError, ClusterExecutor, worker_pool
 
 PART = 512  # number of phases of a part
 TRIED = 64  # number of phases that are run to estimate the time
@@ -124,19 +124,25 @@ def _estimated_time(case: CoveredCase, chosen: Sequence[int]) -> float:
 
 
 def run_coverage(
-    coverage: Coverage, jobs: int, on_progress: Callable[[float], None] | None = None, save_to: Path | None = None
+    coverage: Coverage,
+    jobs: int,
+    on_progress: Callable[[float], None] | None = None,
+    save_to: Path | None = None,
+    cluster: ClusterExecutor | None = None,
 ) -> None:
     """Run the parts that are not finished, and add their results.
 
-    After Ctrl-C, or if a worker process dies, the coverage contains the finished parts and the reason.
+    After Ctrl-C, or if a worker process dies or the cluster is lost, the coverage contains the finished parts and the
+    reason.
 
     jobs: number of worker processes.
     save_to: the coverage file, which is written every SAVED_EVERY seconds and at the end; None for no file.
+    cluster: the cluster that runs the parts; None for processes.
     """
     parts, saved_at = coverage.parts, monotonic()
     missing = parts[coverage.finished :]
     try:
-        for found in _results(coverage, missing, jobs):
+        for found in _results(coverage, missing, jobs, cluster):
             coverage.found.add(found)
             coverage.finished += 1
             if on_progress is not None:
@@ -146,6 +152,8 @@ def run_coverage(
                 saved_at = monotonic()
     except KeyboardInterrupt:
         coverage.stopped = "stopped by Ctrl-C or SIGTERM"
+    except ClusterError as error:
+        coverage.stopped = str(error)
     except BrokenProcessPool:
         first = float(coverage.case.phases.seconds(parts[coverage.finished][0]) * 1000)
         coverage.stopped = f"a process died while it ran the phases from {first:.7f} ms"
@@ -163,14 +171,16 @@ def save(coverage: Coverage, path: Path) -> None:
         unfinished.write_text(coverage_file.text_of(coverage.saved()), encoding="utf-8")
 
 
-def _results(coverage: Coverage, parts: Sequence[list[int]], jobs: int) -> Iterator[Covered]:
+def _results(
+    coverage: Coverage, parts: Sequence[list[int]], jobs: int, cluster: ClusterExecutor | None
+) -> Iterator[Covered]:
     """Yield the results of the parts in their order. Each part has its own seed, so that other values are drawn."""
     job, first = coverage.job, coverage.case.case.seed + coverage.finished
-    if jobs == 1:
+    if jobs == 1 and cluster is None:
         for number, part in enumerate(parts):
             yield cover_part(job, part, first + number)
         return
-    with processes(jobs) as pool:
+    with worker_pool(jobs, cluster) as pool:
         waiting: list[Future[Covered]] = [
             pool.submit(cover_part, job, part, first + number) for number, part in enumerate(parts)
         ]

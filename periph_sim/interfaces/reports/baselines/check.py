@@ -21,6 +21,7 @@ from ....core.tolerance import Tolerance, in_cycles
 from ....proof import coverage_path
 from ....scene.case.discover import cases_below
 from ....timing.verdict import broken
+from ..cluster import ClusterError, ClusterExecutor
 from ..explain.chain import Chain
 from .compare import Change, compare, explain, moved_accesses
 from .event_chain import EventLine
@@ -140,6 +141,7 @@ def check(
     keep_values: bool = False,
     on_progress: Callable[[float], None] | None = None,
     on_refused: Callable[[RejectedCase], None] | None = None,
+    cluster: ClusterExecutor | None = None,
 ) -> list[CaseCheck]:
     """Run cases and compare them with their baselines.
 
@@ -152,6 +154,7 @@ def check(
     on_progress: a function that is called with the completed share, 0 to 1.
     on_refused: a function that is called with each case that cannot be run or compared, or that needs an outside party.
         The other cases continue.
+    cluster: the cluster that runs the cases; None for processes.
 
     Raise BadCheck if `on_refused` is None and a case cannot be run or compared or needs an outside party. If `update`
     is True, raise BadCheck if a case cannot be run. A script that calls this function with more than one process needs
@@ -159,10 +162,9 @@ def check(
     """
     files = case_files(paths)
     refused: list[RejectedCase] = []
+    keep_finished = on_refused is not None and not update
     before = _baselines(files, None if update else refused)
-    ran, stopped = _run_each(
-        files, jobs, changes, keep_values, on_progress, keep_finished=on_refused is not None and not update
-    )
+    ran, stopped = _run_each(files, jobs, cluster, changes, keep_values, on_progress, keep_finished=keep_finished)
     refused += [one for one in ran if isinstance(one, RejectedCase)]
     outcomes = [one for one in ran if isinstance(one, Outcome) and one.path in before]
     wrong = [one for one in refused if on_refused is None or not one.outside]
@@ -175,14 +177,24 @@ def check(
     if stopped:
         _leave_coverages(checks)
     else:
-        with workers(jobs, len(files)) as start:
+        lost: dict[Path, str] | None = {} if keep_finished else None
+        with workers(jobs, len(files), cluster) as start:
             coverages = _start_coverages(checks, start, tolerance)
-            _explain(checks, before, start, None if update else tolerance)
+            _explain(checks, before, start, None if update else tolerance, lost)
             if update:
                 _write(checks)
-            _find_causes(checks, start)
+            _find_causes(checks, start, lost)
             for one_check in checks:
-                one_check.coverage = coverages[one_check.outcome.path]()
+                try:
+                    one_check.coverage = coverages[one_check.outcome.path]()
+                except ClusterError as error:
+                    if lost is None:
+                        raise
+                    lost[one_check.outcome.path] = str(error)
+        if lost and on_refused is not None:
+            for path, why in lost.items():
+                on_refused(RejectedCase(path, f"{path}: {STOPPED}: {why}"))
+            checks = [one for one in checks if one.outcome.path not in lost]
     for one_check in checks:
         one_check.findings = judge(one_check)
     return checks
@@ -191,33 +203,39 @@ def check(
 def _run_each(
     files: Sequence[Path],
     jobs: int | None,
+    cluster: ClusterExecutor | None,
     changes: Sequence[str],
     keep_values: bool,
     on_progress: Callable[[float], None] | None,
     *,
     keep_finished: bool,
 ) -> tuple[list[Outcome | RejectedCase], bool]:
-    """Run each case. Return the results, and True if Ctrl-C or SIGTERM stopped the runs.
+    """Run each case. Return the results, and True if Ctrl-C, SIGTERM or the loss of the cluster stopped the runs.
 
     keep_finished: True to return the results of the finished cases after such a stop, and a RejectedCase for each other
-        case; False to raise KeyboardInterrupt.
+        case; False to raise KeyboardInterrupt or ClusterError.
     """
     came: dict[Path, Outcome | RejectedCase] = {}
+    why = STOPPED
     try:
-        with workers(jobs, len(files)) as start:
+        with workers(jobs, len(files), cluster) as start:
             waiting = [(path, start(run_case, path, tuple(changes), keep_values)) for path in files]
             for done, (path, result) in enumerate(waiting, 1):
                 try:
                     came[path] = result()
                 except BadCheck as error:
                     came[path] = RejectedCase(path, str(error))
+                except ClusterError as error:
+                    if not keep_finished:
+                        raise
+                    why = f"{STOPPED}: {error}"
                 if on_progress is not None:
                     on_progress(done / len(files))
     except KeyboardInterrupt:
         if not keep_finished:
             raise
     stopped = [path for path in files if path not in came]
-    return [*came.values(), *(RejectedCase(path, f"{path}: {STOPPED}") for path in stopped)], bool(stopped)
+    return [*came.values(), *(RejectedCase(path, f"{path}: {why}") for path in stopped)], bool(stopped)
 
 
 def _baselines(files: Iterable[Path], refused: list[RejectedCase] | None) -> dict[Path, Baseline | None]:
@@ -258,7 +276,11 @@ def _state(changes: list[Change]) -> State:
 
 
 def _explain(
-    checks: list[CaseCheck], before: dict[Path, Baseline | None], start: Start, tolerance: int | Tolerance | None
+    checks: list[CaseCheck],
+    before: dict[Path, Baseline | None],
+    start: Start,
+    tolerance: int | Tolerance | None,
+    lost: dict[Path, str] | None,
 ) -> None:
     """Run cases again to explain changed figures, and to find accesses that moved without changing a figure.
 
@@ -268,11 +290,19 @@ def _explain(
     before: a dictionary from each case to its baseline, or to None if the case has no baseline.
     tolerance: the largest allowed difference of times (see `check`); None if new baselines are written, which need the
         chains of all budgets.
+    lost: a dictionary to which each case whose run the cluster has lost is added, with the reason; None to raise
+        ClusterError.
     """
     runs = [_chains(one.outcome, before[one.outcome.path], start, tolerance is None) for one in checks]
     for one, run in zip(checks, runs, strict=True):
         baseline = before[one.outcome.path]
-        chains = {} if run is None else run()
+        try:
+            chains = {} if run is None else run()
+        except ClusterError as error:
+            if lost is None:
+                raise
+            lost[one.outcome.path] = str(error)
+            continue
         if run is not None:
             lines = {name: chain.lines for name, chain in chains.items()}
             one.outcome.figures = one.outcome.figures.with_chains(lines)
@@ -306,8 +336,11 @@ def _chains(
     return start(run_chains, outcome.path, outcome.changes, wanted) if wanted else None
 
 
-def _find_causes(checks: list[CaseCheck], start: Start) -> None:
-    """Run each case with unexpectedly broken budgets again, and store the explanations in `causes`."""
+def _find_causes(checks: list[CaseCheck], start: Start, lost: dict[Path, str] | None) -> None:
+    """Run each case with unexpectedly broken budgets again, and store the explanations in `causes`.
+
+    lost: as in `_explain`.
+    """
     failed = [
         (one, [v for v in one.outcome.verdicts if v.broken and v.name not in one.outcome.breaks]) for one in checks
     ]
@@ -317,7 +350,12 @@ def _find_causes(checks: list[CaseCheck], start: Start) -> None:
         if verdicts
     ]
     for one, run in runs:
-        one.causes = run()
+        try:
+            one.causes = run()
+        except ClusterError as error:
+            if lost is None:
+                raise
+            lost[one.outcome.path] = str(error)
 
 
 def _start_coverages(

@@ -8,12 +8,13 @@ from __future__ import annotations
 import gc
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Protocol, TypeVar, TypeVarTuple
 
+from ..cluster import ClusterExecutor, worker_pool
 from ..processes import DIED, end_workers, processes
 from .files import BadCheck
 
@@ -28,12 +29,21 @@ class Start(Protocol):
 
 
 @contextmanager
-def workers(jobs: int | None, calls: int) -> Iterator[Start]:
+def workers(jobs: int | None, calls: int, cluster: ClusterExecutor | None = None) -> Iterator[Start]:
     """Yield a function that starts calls, each in a process of its own.
 
     jobs: the maximum number of calls at a time; None for one per core. With one job, or at most one call, the calls run
         in this process.
+    cluster: the cluster that makes the calls instead; None for processes of this computer.
     """
+    if cluster is not None:
+
+        def afar(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
+            return _waiting(cluster.submit_alone(work, path, *rest), path)
+
+        with worker_pool(1, cluster):
+            yield afar
+        return
     if jobs == 1 or calls <= 1:
 
         def here(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
@@ -53,6 +63,18 @@ def workers(jobs: int | None, calls: int) -> Iterator[Start]:
             threads.shutdown(wait=False, cancel_futures=True)
             end_workers()
             raise
+
+
+def _waiting(future: Future[T], path: Path) -> Callable[[], T]:
+    """Return a function that waits for the result of a call on a cluster."""
+
+    def result() -> T:
+        try:
+            return future.result()
+        except BrokenProcessPool:
+            raise BadCheck(f"{path}: {DIED}") from None
+
+    return result
 
 
 def _apart(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> T:

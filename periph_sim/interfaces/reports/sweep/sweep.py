@@ -27,6 +27,7 @@ from ....scene.case.model import BadCase, Case
 from ....scene.firmware_loader import Firmware
 from ....scene.result import Result
 from ....timing.verdict import FAIL, Verdict
+from ..cluster import ClusterError, ClusterExecutor, worker_pool
 from ..processes import DIED, processes
 from .runs import Changes, Job, Row, rows_of, runs_of, texts_of
 
@@ -171,10 +172,14 @@ Program = Callable[[Any, Any], None]
 
 
 class SweepStopped(KeyboardInterrupt):
-    """Raised after Ctrl-C or SIGTERM. finished: the figures of the completed runs. runs: the number of all runs."""
+    """Raised after Ctrl-C or SIGTERM, or if a cluster is lost.
 
-    def __init__(self, finished: Sweep, runs: int) -> None:
-        super().__init__(f"the sweep was stopped after {len(finished)} of {runs} runs")
+    finished: the figures of the completed runs. runs: the number of all runs. reason: "" after Ctrl-C or SIGTERM.
+    """
+
+    def __init__(self, finished: Sweep, runs: int, reason: str = "") -> None:
+        text = f"the sweep was stopped after {len(finished)} of {runs} runs"
+        super().__init__(f"{text}: {reason}" if reason else text)
         self.finished = finished
         self.runs = runs
 
@@ -233,10 +238,11 @@ def sweep(
             rows += some
             if on_progress is not None:
                 on_progress(len(rows) / len(runs))
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, ClusterError) as error:
         if not rows:
             raise
-        raise SweepStopped(sweep_of(name, runs[: len(rows)], rows), len(runs)) from None
+        reason = str(error) if isinstance(error, ClusterError) else ""
+        raise SweepStopped(sweep_of(name, runs[: len(rows)], rows), len(runs), reason) from None
     if isinstance(rows[0], str) and not any(isinstance(row, Result) for row in rows):
         raise BadCase(rows[0])
     return sweep_of(name, runs, rows)
@@ -279,7 +285,9 @@ def row_batches(job: Job, texts: Texts, executor: Executor | None, jobs: int) ->
     """Execute the runs. Yield lists of rows, in the order of the runs. jobs: the number of processes, of 1 this one."""
     size = AT_A_TIME if len(texts) > FEW else 1
     parts = [texts[first : first + size] for first in range(0, len(texts), size)]
-    if executor is not None:
+    if isinstance(executor, ClusterExecutor):
+        yield from _by_processes(job, parts, jobs, executor)
+    elif executor is not None:
         yield from _by(executor, job, parts)
     elif jobs == 1:
         for part in parts:
@@ -299,28 +307,30 @@ def _by(executor: Executor, job: Job, parts: Sequence[Texts]) -> Iterator[list[R
         raise
 
 
-def _by_processes(job: Job, parts: Sequence[Texts], jobs: int) -> Iterator[list[Row]]:
-    """Execute the parts in worker processes. Yield the rows of each part, in the order of the parts.
+def _by_processes(
+    job: Job, parts: Sequence[Texts], jobs: int, cluster: ClusterExecutor | None = None
+) -> Iterator[list[Row]]:
+    """Execute the parts in worker processes, or on a cluster. Yield the rows of each part, in the order of the parts.
 
     If a process dies, the runs of the first unfinished part are repeated, each in a process of its own.
     """
     done = 0
     while done < len(parts):
-        with processes(jobs) as pool:
+        with worker_pool(jobs, cluster) as pool:
             try:
                 for rows in _by(pool, job, parts[done:]):
                     yield rows
                     done += 1
                 return
             except BrokenProcessPool:
-                if not _begins():
+                if cluster is None and not _begins():
                     raise BadCase(NO_WORKER) from None
-        yield [row for text in parts[done] for row in _apart(job, text)]
+        yield [row for text in parts[done] for row in _apart(job, text, cluster)]
         done += 1
 
 
-def _apart(job: Job, text: list[str]) -> list[Row]:
-    with processes(1) as pool:
+def _apart(job: Job, text: list[str], cluster: ClusterExecutor | None) -> list[Row]:
+    with worker_pool(1, cluster) as pool:
         try:
             return pool.submit(rows_of, job, [text]).result()
         except BrokenProcessPool:

@@ -1,0 +1,247 @@
+"""The workers of a Dask cluster as an executor: the other way to run parts of a command than `processes`.
+
+    command --submit--> ClusterExecutor --> Dask scheduler --> Dask workers --> processes (see `cluster_worker`)
+
+If a worker ends, Dask sends the parts that it had not finished to other workers. Errors of the cluster itself raise
+ClusterError; everything else is as in a pool of processes: also BrokenProcessPool, if firmware ends its process.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import pickle
+import warnings
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import AbstractContextManager, contextmanager, suppress
+from importlib import import_module
+from importlib.util import find_spec
+from platform import python_version
+from threading import Event, Lock, Thread
+from time import monotonic
+from typing import Any, ParamSpec, TypeVar
+from uuid import uuid4
+
+from ...core.input_error import InputError
+from ...proof.dependencies import package_digest
+from .cluster_worker import PREFIX, Kind, Reply, Session, run_part
+from .processes import DIED, processes
+
+CONNECT = 10  # seconds within which a scheduler must answer at the beginning
+LOST = 30.0  # seconds without an answer of the scheduler, or without any worker, after which a command stops
+LOGGERS = ("distributed", "distributed.client", "tornado", "tornado.application", "asyncio")
+LOOK = 1.0  # seconds between two looks at the cluster
+
+GONE = "does not answer any more"
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+class ClusterError(InputError):
+    """Error: a cluster cannot be used, or no longer. The message is one sentence."""
+
+
+class ClusterExecutor(Executor):
+    """An executor whose calls are made by the workers of a Dask cluster.
+
+    client: a Client of Dask, which has no types here, because Dask is an optional dependency.
+    address: the address of the scheduler, for messages.
+    """
+
+    def __init__(self, client: Any, address: str) -> None:
+        variables = {name: value for name, value in os.environ.items() if name.startswith(PREFIX)}
+        self._session = Session(uuid4().hex, os.getcwd(), variables, python_version(), package_digest())
+        self._client = client
+        self._dask = client.get_executor(pure=False)
+        self._address = address
+        self._lock = Lock()
+        # Maps calls without a result to futures of Dask. They are dropped as soon as the result has come: Dask would
+        # repeat a part if its worker ends later.
+        self._pending: dict[Future[Any], Future[Reply] | None] = {}
+        self._lost = ""  # the reason why the cluster can no longer be used
+        self._closed = Event()
+        self._watch = Thread(target=self._look, name="periph-sim cluster watch", daemon=True)
+        self._watch.start()
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """Start a call in a process that serves calls of this executor only."""
+        return self._submit(fn, args, is_alone=False)
+
+    def submit_alone(self, fn: Callable[..., T], /, *args: object) -> Future[T]:
+        """Start a call in a process of its own."""
+        return self._submit(fn, args, is_alone=True)
+
+    def cancel(self) -> None:
+        """Cancel all calls that have no result yet. Workers finish those that they have begun."""
+        with self._lock:
+            pending = list(self._pending)
+        for future in pending:
+            future.cancel()
+
+    def close(self) -> None:
+        """Cancel all calls and end the connection."""
+        self.cancel()
+        self._closed.set()
+        with suppress(Exception):
+            self._client.close(timeout=CONNECT)
+        self._watch.join(CONNECT)
+
+    def _submit(self, fn: Callable[..., T], arguments: tuple[object, ...], *, is_alone: bool) -> Future[T]:
+        future: Future[T] = Future()
+        with self._lock:
+            if self._lost:
+                future.set_exception(ClusterError(self._lost))
+                return future
+            self._pending[future] = None
+        try:
+            sent = self._dask.submit(run_part, self._session, pickle.dumps((fn, arguments)), is_alone)
+        except Exception:
+            self._lose(GONE)
+            return future
+        with self._lock:
+            self._pending[future] = sent
+        future.add_done_callback(self._forget)
+        sent.add_done_callback(lambda sent: self._settle(future, sent))
+        return future
+
+    def _forget(self, future: Future[Any]) -> None:
+        with self._lock:
+            sent = self._pending.pop(future, None)
+        if sent is not None and future.cancelled():
+            sent.cancel()
+
+    def _settle(self, future: Future[Any], sent: Future[Reply]) -> None:
+        """Set the result of a call. Dask calls this method in a thread of its own."""
+        if sent.cancelled():
+            self._lose(GONE)
+            return
+        error = sent.exception()
+        result = None
+        try:
+            if error is not None:
+                raise ClusterError(self._why(error)) from None
+            result = self._result_of(*sent.result())
+        except BaseException as raised:
+            error = raised
+        with suppress(Exception):  # the call was cancelled meanwhile, or the cluster was lost
+            if error is None:
+                future.set_result(result)
+            else:
+                future.set_exception(error)
+
+    def _result_of(self, kind: Kind, data: bytes) -> object:
+        if kind is Kind.DIED:
+            raise BrokenProcessPool(DIED)
+        if kind is Kind.REFUSED:
+            raise ClusterError(f"a worker of the Dask scheduler at {self._address} {data.decode()}")
+        found = pickle.loads(data)
+        if kind is Kind.ERROR:
+            raise found
+        return found
+
+    def _why(self, error: BaseException) -> str:
+        """Return a sentence for an error that a worker, or the scheduler, raised before a process could reply."""
+        if type(error).__name__ == "KilledWorker":
+            return (
+                f"one worker after the other of the Dask scheduler at {self._address} ended while it ran the same part"
+            )
+        fix = "install the same version of periph_sim there"
+        return f"a worker of the Dask scheduler at {self._address} cannot run this command ({_reason(error)}); {fix}"
+
+    def _look(self) -> None:
+        """Look regularly whether the scheduler answers and has workers, until the executor is closed."""
+        worked_at = monotonic()
+        while not self._closed.wait(LOOK):
+            try:
+                workers = self._client.sync(self._client.scheduler.ncores, callback_timeout=LOST)
+            except Exception:
+                self._lose(GONE)
+                return
+            if workers:
+                worked_at = monotonic()
+            elif monotonic() - worked_at > LOST:
+                fix = f"start one with `dask worker {self._address}`"
+                self._lose(f"has had no worker for {LOST:g} s; {fix}")
+                return
+
+    def _lose(self, reason: str) -> None:
+        """Let all calls without a result, and all later ones, raise ClusterError."""
+        with self._lock:
+            if self._lost or self._closed.is_set():
+                return
+            self._lost = f"the Dask scheduler at {self._address} {reason}"
+            pending = list(self._pending)
+        for future in pending:
+            with suppress(Exception):  # the result came, or the call was cancelled, meanwhile
+                future.set_exception(ClusterError(self._lost))
+
+
+def connected(address: str) -> AbstractContextManager[ClusterExecutor]:
+    """Return a context that is connected to a Dask scheduler. Raise ClusterError at once if Dask is not installed.
+
+    Entering the context raises ClusterError if there is no scheduler at this address.
+    """
+    if find_spec("distributed") is None:
+        raise ClusterError("--cluster needs Dask, which is not installed; use: pip install 'periph-sim[dask]'")
+    return _connected(address)
+
+
+@contextmanager
+def _connected(address: str) -> Iterator[ClusterExecutor]:
+    import_module("distributed")  # sets the levels of its loggers
+    for name in LOGGERS:
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+    try:
+        client = _client(address)
+    except Exception as error:
+        reason = _reason(error)
+        expected = "expected the address of a scheduler, for instance 10.0.0.5:8786"
+        raise ClusterError(f"--cluster {address}: no Dask scheduler answers ({reason}); {expected}") from None
+    executor = ClusterExecutor(client, address)
+    try:
+        yield executor
+    finally:
+        executor.close()
+
+
+def _client(address: str) -> Any:
+    """Return a client of the scheduler at this address.
+
+    The client is made in a thread, because Dask waits without end for a server of another kind, such as one of HTTP.
+    """
+    made: Future[Any] = Future()
+
+    def make() -> None:
+        try:
+            made.set_result(import_module("distributed").Client(address, timeout=CONNECT, set_as_default=False))
+        except Exception as error:
+            made.set_exception(error)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # about other versions of Dask
+        Thread(target=make, name="periph-sim cluster connection", daemon=True).start()
+        try:
+            return made.result(CONNECT + 1)
+        except TimeoutError as error:
+            raise TimeoutError(str(error) or f"no answer within {CONNECT} s") from None
+
+
+def _reason(error: BaseException) -> str:
+    """Return the first line of an error, with its class if it has no text."""
+    return next(iter(str(error).splitlines()), "") or type(error).__name__
+
+
+@contextmanager
+def worker_pool(jobs: int, cluster: ClusterExecutor | None) -> Iterator[Executor]:
+    """Yield the cluster, or a pool of `jobs` processes if there is none. No call goes on after the block."""
+    if cluster is None:
+        with processes(jobs) as pool:
+            yield pool
+        return
+    try:
+        yield cluster
+    finally:
+        cluster.cancel()

@@ -1,0 +1,328 @@
+"""`--cluster`: workers of Dask in place of processes; the same results, also if a worker is killed in the middle."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import socket
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from platform import python_version
+from threading import Thread
+
+import pytest
+
+from periph_sim.interfaces.reports import cluster as of
+from periph_sim.interfaces.reports import cluster_worker
+from periph_sim.interfaces.reports.cluster_worker import Session
+from tests.interfaces.commands.conftest import Run
+
+needs_dask = pytest.mark.skipif(
+    importlib.util.find_spec("distributed") is None, reason="the extra dask is not there: pip install -e '.[dask]'"
+)
+CASE = """\
+name = "small"
+duration = "5 us"
+
+[unit.dsp]
+firmware = "mine.py"
+modules = ["SCI-A"]
+[unit.dsp.settings]
+dies = false
+
+[host]
+frames = 1
+period = "40 us"
+
+[[budget]]
+name = "work"
+measure = "span:work"
+max = "{limit}"
+"""
+# Each run adds a line to the file `runs`: the worker's process and its own. A run waits in the process of the worker
+# that the file `hold` names, if this process has made two runs before.
+FIRMWARE = """\
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+HERE = Path(__file__).parent
+
+
+@dataclass
+class Settings:
+    dies: bool
+
+
+def main(dsp, settings):
+    print("said by the firmware")
+    mine = f"{os.getppid()} {os.getpid()}\\n"
+    with open(HERE / "runs", "a+") as runs:
+        runs.seek(0)
+        before = runs.read().count(mine)
+        runs.write(mine)
+    if before >= 2 and str(os.getppid()) in (HERE / "hold").read_text().split():
+        (HERE / f"held {os.getppid()}").touch()
+        while True:
+            time.sleep(60)
+    settings.dies and os._exit(3)
+    with dsp.span("work"):
+        dsp.compute(150)
+"""
+DIES = "unit.dsp.settings.dies"
+PROVE = ("prove", "small.toml", "--only", "0 us to 10 us", "--step", "1", "--json")  # 1500 phases: 3 parts
+MOST = 60.0  # seconds after which a process that does not answer fails a test
+Process = subprocess.Popen[bytes]
+
+
+class Cluster:
+    """A scheduler and two workers on loopback, each with one thread and without a nanny."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.ended: list[Process] = []
+        self.file = folder / "scheduler.json"
+        self.log = (folder / "log").open("wb")
+        self.scheduler = self._start("dask_scheduler", "--port", "0")
+        wait_for(self.file.exists)
+        self.workers: list[Process] = []
+        self.address: str = json.loads(self.file.read_text())["address"]
+
+    def with_workers(self, count: int) -> Cluster:
+        """Start workers in place of those that a test has killed."""
+        self.workers = [worker for worker in self.workers if worker.poll() is None]
+        options = ("--nthreads", "1", "--no-nanny", "--local-directory", str(self.folder))
+        self.workers += [self._start("dask_worker", *options) for _ in range(count - len(self.workers))]
+        return self
+
+    def _start(self, what: str, *options: str) -> Process:
+        common = ("--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", str(self.file))
+        started = subprocess.Popen(
+            [sys.executable, "-m", f"distributed.cli.{what}", *common, *options], stdout=self.log, stderr=self.log
+        )
+        self.ended.append(started)
+        return started
+
+    def end(self) -> None:
+        for process in reversed(self.ended):
+            process.kill()
+            process.wait()
+        self.log.close()
+
+
+def wait_for(is_true: Callable[[], bool]) -> None:
+    until = time.monotonic() + MOST
+    while not is_true():
+        assert time.monotonic() < until
+        time.sleep(0.02)
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+    found = Cluster(tmp_path_factory.mktemp("cluster"))
+    try:
+        yield found
+    finally:
+        found.end()
+
+
+@pytest.fixture
+def case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.py").write_text(FIRMWARE, encoding="utf-8")
+    (tmp_path / "small.toml").write_text(CASE.format(limit="30 us"), encoding="utf-8")
+    (tmp_path / "runs").touch()
+    (tmp_path / "hold").touch()
+    return tmp_path
+
+
+def workers_of(folder: Path) -> Counter[int]:
+    """Return the number of runs in the processes of each worker."""
+    return Counter(int(line.split()[0]) for line in (folder / "runs").read_text().splitlines())
+
+
+@needs_dask
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        (
+            "sweep",
+            "small.toml",
+            "--vary",
+            f"{DIES}=false, true",
+            "--vary",
+            "budget.work.max=2 us, 1 parsec, 1 ns",
+            "--json",
+        ),
+        ("check", "small.toml", "broken.toml", "dying.toml", "--json"),
+    ],
+    ids=["sweep", "check"],
+)
+def test_results_are_those_without_a_cluster(
+    case: Path, cluster: Cluster, periph_sim: Run, arguments: tuple[str, ...]
+) -> None:
+    """Firmware that ends its process costs its run or case only."""
+    (case / "broken.toml").write_text(CASE.format(limit="0.5 us"), encoding="utf-8")
+    (case / "dying.toml").write_text(CASE.format(limit="30 us").replace("false", "true"), encoding="utf-8")
+    alone = periph_sim(*arguments, "--jobs", "2")
+    (case / "runs").write_text("")
+    came = periph_sim(*arguments, "--cluster", cluster.with_workers(2).address)
+    assert json.loads(came.out) == json.loads(alone.out) and came.status == alone.status != 0
+    assert workers_of(case).keys() <= {worker.pid for worker in cluster.workers} and workers_of(case)
+
+
+@needs_dask
+def test_a_changed_case_is_read_again_by_the_same_workers(case: Path, cluster: Cluster, periph_sim: Run) -> None:
+    verdicts = []
+    for limit in ("30 us", "0.5 us"):
+        (case / "small.toml").write_text(CASE.format(limit=limit), encoding="utf-8")
+        came = periph_sim(
+            "prove", "small.toml", "--only", "0 us to 1 us", "--json", "--cluster", cluster.with_workers(1).address
+        )
+        verdicts.append(json.loads(came.out)["budgets"]["work"]["verdict"])
+    assert verdicts == ["held", "broken"]
+
+
+@needs_dask
+def test_a_worker_with_another_version_is_refused(
+    case: Path, cluster: Cluster, periph_sim: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(of, "package_digest", lambda: "0" * 32)
+    came = periph_sim("sweep", "small.toml", "--vary", "seed=1", "--cluster", cluster.with_workers(1).address)
+    why = "has another version of periph_sim than this command; install the same"
+    assert came == (2, "", f"Error: a worker of the Dask scheduler at {cluster.address} {why}\n")
+
+
+def test_a_worker_with_another_python_is_refused() -> None:
+    session = Session("", "", {}, "3.9.1", of.package_digest())
+    assert cluster_worker._why_refused(session).endswith(", and this command runs in Python 3.9.1; use the same")
+    assert not cluster_worker._why_refused(replace(session, python=python_version()))
+
+
+@contextmanager
+def when_held(
+    case: Path, cluster: Cluster, workers: Sequence[Process], act: Callable[[], object], monkeypatch: pytest.MonkeyPatch
+) -> Iterator[None]:
+    """Call `act` when each of these workers waits in its third part, and all other parts that were begun have come.
+
+    A part has 100 phases and is one run.
+    """
+    come: list[None] = []
+    settle = of.ClusterExecutor._settle
+    monkeypatch.setattr(of.ClusterExecutor, "_settle", lambda *one: (settle(*one), come.append(None)))
+    monkeypatch.setattr("periph_sim.interfaces.reports.coverage.PART", 100)
+    (case / "runs").write_text("")
+    (case / "hold").write_text(" ".join(str(worker.pid) for worker in workers))
+
+    def is_held() -> bool:
+        begun = sum(workers_of(case)[worker.pid] for worker in cluster.workers)
+        return len([*case.glob("held *")]) == len(workers) and begun == len(come) + len(workers)
+
+    def wait_and_act() -> None:
+        try:
+            wait_for(is_held)
+        finally:
+            act()
+
+    actor = Thread(target=wait_and_act)
+    actor.start()
+    try:
+        yield
+    finally:
+        actor.join()
+    assert len([*case.glob("held *")]) == len(workers)
+
+
+@needs_dask
+def test_a_killed_worker_costs_its_unfinished_part_only(
+    case: Path, cluster: Cluster, periph_sim: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    killed, other = cluster.with_workers(2).workers
+    with when_held(case, cluster, [killed], killed.kill, monkeypatch):
+        came = periph_sim(*PROVE, "--cluster", cluster.address)
+    runs = workers_of(case)
+    answer = json.loads(came.out)
+    assert answer == json.loads(periph_sim(*PROVE, "--jobs", "1").out) and came.status == 0
+    assert (runs[killed.pid], runs[other.pid]) == (3, answer["runs"] - 2)
+
+
+def test_a_cluster_and_jobs_exclude_each_other(case: Path, periph_sim: Run) -> None:
+    for arguments in (PROVE, ("sweep", "small.toml", "--vary", "seed=1"), ("check", "small.toml")):
+        came = periph_sim(*arguments, "--cluster", "127.0.0.1:1", "--jobs", "2")
+        assert (came.status, came.out) == (2, "")
+        assert came.err.endswith("Error: --cluster with --jobs: a cluster has its own workers; remove one of them\n")
+
+
+@pytest.mark.parametrize("arguments", [PROVE, ("sweep", "small.toml", "--vary", "seed=1"), ("check", "small.toml")])
+def test_without_dask_a_sentence_says_how_to_install_it(
+    case: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]
+) -> None:
+    monkeypatch.setattr(of, "find_spec", lambda name: None)
+    came = periph_sim(*arguments, "--cluster", "127.0.0.1:1")
+    assert came[:2] == (2, "")
+    assert came.err == "Error: --cluster needs Dask, which is not installed; use: pip install 'periph-sim[dask]'\n"
+
+
+@needs_dask
+def test_an_address_without_a_scheduler_is_a_sentence(
+    case: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing listens, or a server that never answers; or the address is none."""
+    monkeypatch.setattr(of, "CONNECT", 0.3)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        silent = f"127.0.0.1:{server.getsockname()[1]}"
+        closed = socket.create_server(("127.0.0.1", 0))
+        nothing = f"127.0.0.1:{closed.getsockname()[1]}"
+        closed.close()
+        for address in (silent, nothing, "127.0.0.1"):
+            came = periph_sim("sweep", "small.toml", "--vary", "seed=1", "--cluster", address)
+            assert (came.status, came.out) == (2, "") and came.err.count("\n") == 1
+            assert came.err.startswith(f"Error: --cluster {address}: no Dask scheduler answers (")
+
+
+@needs_dask
+def test_without_any_worker_the_command_stops(
+    case: Path, cluster: Cluster, periph_sim: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(of, "LOOK", 0.1)
+    monkeypatch.setattr(of, "LOST", 5.0)
+    workers = cluster.with_workers(1).workers
+
+    def kill() -> None:
+        for worker in workers:
+            worker.kill()
+        monkeypatch.setattr(of, "LOST", 1.0)
+
+    with when_held(case, cluster, workers, kill, monkeypatch):
+        came = periph_sim(*PROVE, "--cluster", cluster.address)
+    why = f"the Dask scheduler at {cluster.address} has had no worker for 1 s"
+    answer = json.loads(came.out)
+    assert answer["stopped"] == f"{why}; start one with `dask worker {cluster.address}`"
+    assert came.status == 2 and came.err.endswith(f"Error: {answer['stopped']}\n")
+    assert 100 <= answer["phases"]["done"] < 1500
+
+
+@needs_dask
+def test_a_scheduler_that_is_killed_leaves_what_is_finished(
+    case: Path, cluster: Cluster, periph_sim: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The last test, since it ends the cluster. What was saved is continued without a cluster."""
+    workers = cluster.with_workers(1).workers
+    with when_held(case, cluster, workers, cluster.scheduler.kill, monkeypatch):
+        came = periph_sim(*PROVE, "--save", "--cluster", cluster.address)
+    answer = json.loads(came.out)
+    why = f"the Dask scheduler at {cluster.address} does not answer any more"
+    assert (came.status, answer["stopped"]) == (2, why)
+    assert came.err.endswith(f"\nError: {why}\n") and "Traceback" not in came.err and "distributed" not in came.err
+    assert 100 <= answer["phases"]["done"] < 1500
+    saved = json.loads((case / "coverage" / "small.json").read_text())
+    assert saved["done"] == answer["phases"]["done"]
+    whole = json.loads(periph_sim(*PROVE, "--save", "--jobs", "1").out)
+    assert {**whole, "written": []} == json.loads(periph_sim(*PROVE, "--jobs", "1").out)

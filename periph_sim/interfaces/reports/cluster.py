@@ -115,6 +115,8 @@ class ClusterExecutor(Executor):
 
     def _settle(self, future: Future[Any], sent: Future[Reply]) -> None:
         """Set the result of a call. Dask calls this method in a thread of its own."""
+        if future.done():  # it was cancelled, and its part with it
+            return
         if sent.cancelled():
             self._lose(GONE)
             return

@@ -76,7 +76,6 @@ def main(dsp, settings):
     with dsp.span("work"):
         dsp.compute(150)
 """
-DIES = "unit.dsp.settings.dies"
 PROVE = ("prove", "small.toml", "--only", "0 us to 10 us", "--step", "1", "--json")  # 1500 phases: 3 parts
 MOST = 60.0  # seconds after which a process that does not answer fails a test
 Process = subprocess.Popen[bytes]
@@ -156,9 +155,7 @@ def workers_of(folder: Path) -> Counter[int]:
             "sweep",
             "small.toml",
             "--vary",
-            f"{DIES}=false, true",
-            "--vary",
-            "budget.work.max=2 us, 1 parsec, 1 ns",
+            "unit.dsp.settings.dies=false, true, 7",
             "--json",
         ),
         ("check", "small.toml", "broken.toml", "dying.toml", "--json"),

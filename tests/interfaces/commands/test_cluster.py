@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import logging
 import socket
 import subprocess
 import sys
@@ -14,7 +15,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from platform import python_version
-from threading import Thread
+from threading import Event, Thread, Timer
 
 import pytest
 
@@ -89,9 +90,11 @@ class Cluster:
         self.ended: list[Process] = []
         self.file = folder / "scheduler.json"
         self.log = (folder / "log").open("wb")
-        self.scheduler = self._start("dask_scheduler", "--port", "0")
-        wait_for(self.file.exists)
         self.workers: list[Process] = []
+
+    def start(self) -> None:
+        self.scheduler = self._start("dask_scheduler", "--port", "0")
+        wait_for(lambda: self.file.exists() and self.file.read_text().endswith("}"))
         self.address: str = json.loads(self.file.read_text())["address"]
 
     def with_workers(self, count: int) -> Cluster:
@@ -127,6 +130,7 @@ def wait_for(is_true: Callable[[], bool]) -> None:
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
     found = Cluster(tmp_path_factory.mktemp("cluster"))
     try:
+        found.start()
         yield found
     finally:
         found.end()
@@ -211,9 +215,10 @@ def when_held(
 
     A part has 100 phases and is one run.
     """
-    come: list[None] = []
+    come: list[of.ClusterExecutor] = []
+    ended = Event()
     settle = of.ClusterExecutor._settle
-    monkeypatch.setattr(of.ClusterExecutor, "_settle", lambda *one: (settle(*one), come.append(None)))
+    monkeypatch.setattr(of.ClusterExecutor, "_settle", lambda *one: (settle(*one), come.append(one[0])))
     monkeypatch.setattr("periph_sim.interfaces.reports.coverage.PART", 100)
     (case / "runs").write_text("")
     (case / "hold").write_text(" ".join(str(worker.pid) for worker in workers))
@@ -227,12 +232,15 @@ def when_held(
             wait_for(is_held)
         finally:
             act()
+        if not ended.wait(MOST / 3):
+            come[0]._lose("is lost, and it was not noticed")
 
     actor = Thread(target=wait_and_act)
     actor.start()
     try:
         yield
     finally:
+        ended.set()
         actor.join()
     assert len([*case.glob("held *")]) == len(workers)
 
@@ -267,13 +275,24 @@ def test_without_dask_a_sentence_says_how_to_install_it(
     assert came.err == "Error: --cluster needs Dask, which is not installed; use: pip install 'periph-sim[dask]'\n"
 
 
+@contextmanager
+def ended_after(seconds: float, end: Callable[[], object]) -> Iterator[None]:
+    """Call `end` if the block takes longer than this, so that a test fails in place of waiting for ever."""
+    timer = Timer(seconds, end)
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+
+
 @needs_dask
 def test_an_address_without_a_scheduler_is_a_sentence(
     case: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Nothing listens, or a server that never answers; or the address is none."""
     monkeypatch.setattr(of, "CONNECT", 0.3)
-    with socket.create_server(("127.0.0.1", 0)) as server:
+    with socket.create_server(("127.0.0.1", 0)) as server, ended_after(MOST / 3, server.close):
         silent = f"127.0.0.1:{server.getsockname()[1]}"
         closed = socket.create_server(("127.0.0.1", 0))
         nothing = f"127.0.0.1:{closed.getsockname()[1]}"
@@ -282,6 +301,7 @@ def test_an_address_without_a_scheduler_is_a_sentence(
             came = periph_sim("sweep", "small.toml", "--vary", "seed=1", "--cluster", address)
             assert (came.status, came.out) == (2, "") and came.err.count("\n") == 1
             assert came.err.startswith(f"Error: --cluster {address}: no Dask scheduler answers (")
+            assert address != silent or "(no answer within 0.3 s)" in came.err
 
 
 @needs_dask
@@ -318,6 +338,7 @@ def test_a_scheduler_that_is_killed_leaves_what_is_finished(
     why = f"the Dask scheduler at {cluster.address} does not answer any more"
     assert (came.status, answer["stopped"]) == (2, why)
     assert came.err.endswith(f"\nError: {why}\n") and "Traceback" not in came.err and "distributed" not in came.err
+    assert not any(logging.getLogger(name).isEnabledFor(logging.CRITICAL) for name in of.LOGGERS)
     assert 100 <= answer["phases"]["done"] < 1500
     saved = json.loads((case / "coverage" / "small.json").read_text())
     assert saved["done"] == answer["phases"]["done"]

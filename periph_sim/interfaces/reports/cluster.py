@@ -26,7 +26,7 @@ from uuid import uuid4
 
 from ...core.input_error import InputError
 from ...proof.dependencies import package_digest
-from .cluster_worker import PREFIX, Kind, Reply, Session, run_part
+from .cluster_worker import PREFIX, Kind, Reply, Session
 from .processes import DIED, processes
 
 CONNECT = 10  # seconds within which a scheduler must answer at the beginning
@@ -34,6 +34,8 @@ LOST = 30.0  # seconds without an answer of the scheduler, or without any worker
 LOGGERS = ("distributed", "distributed.client", "tornado", "tornado.application", "asyncio")
 LOOK = 1.0  # seconds between two looks at the cluster
 
+# The call that a worker makes, as a text: a Dask worker ends if it receives a function that it cannot import.
+CALL = "__import__('periph_sim.interfaces.reports.cluster_worker', fromlist=['run_part']).run_part(*arguments)"
 GONE = "does not answer any more"
 
 P = ParamSpec("P")
@@ -53,7 +55,8 @@ class ClusterExecutor(Executor):
 
     def __init__(self, client: Any, address: str) -> None:
         variables = {name: value for name, value in os.environ.items() if name.startswith(PREFIX)}
-        self._session = Session(uuid4().hex, os.getcwd(), variables, python_version(), package_digest())
+        session = Session(uuid4().hex, os.getcwd(), variables, python_version(), package_digest())
+        self._session = pickle.dumps(session)
         self._client = client
         self._dask = client.get_executor(pure=False)
         self._address = address
@@ -91,13 +94,14 @@ class ClusterExecutor(Executor):
 
     def _submit(self, fn: Callable[..., T], arguments: tuple[object, ...], *, is_alone: bool) -> Future[T]:
         future: Future[T] = Future()
+        payload = pickle.dumps((fn, arguments))
         with self._lock:
             if self._lost:
                 future.set_exception(ClusterError(self._lost))
                 return future
             self._pending[future] = None
         try:
-            sent = self._dask.submit(run_part, self._session, pickle.dumps((fn, arguments)), is_alone)
+            sent = self._dask.submit(eval, CALL, {"arguments": (self._session, payload, is_alone)})
         except Exception:
             self._lose(GONE)
             return future

@@ -112,12 +112,14 @@ _unused: dict[str, list[_Process]] = {}  # a dictionary from the names of sessio
 _lock = Lock()
 
 
-def run_part(session: Session, payload: bytes, is_alone: bool) -> Reply:
+def run_part(sent: bytes, payload: bytes, is_alone: bool) -> Reply:
     """Execute a request of a session in a process, and return the reply.
 
+    sent: the pickled session.
     payload: the pickled function and its arguments.
     is_alone: True to use a new process, which serves no other request.
     """
+    session: Session = pickle.loads(sent)
     try:
         process = _Process(session) if is_alone else _take(session)
     except OSError as error:

@@ -199,6 +199,11 @@ def test_a_worker_with_another_version_is_refused(
     came = periph_sim("sweep", "small.toml", "--vary", "seed=1", "--cluster", cluster.with_workers(1).address)
     why = "has another version of periph_sim than this command; install the same"
     assert came == (2, "", f"Error: a worker of the Dask scheduler at {cluster.address} {why}\n")
+    monkeypatch.setattr(of, "CALL", of.CALL.replace("cluster_worker", "of_later"))
+    came = periph_sim("sweep", "small.toml", "--vary", "seed=1", "--cluster", cluster.address)
+    why = "cannot run this command (No module named 'periph_sim.interfaces.reports.of_later')"
+    fix = "install the same version of periph_sim there"
+    assert came == (2, "", f"Error: a worker of the Dask scheduler at {cluster.address} {why}; {fix}\n")
 
 
 def test_a_worker_with_another_python_is_refused() -> None:

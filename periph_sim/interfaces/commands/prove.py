@@ -28,8 +28,8 @@ MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures,
 
 @command(
     "run",
-    "periph-sim prove timing/imu_hil.toml --only '1.5 ms to 1.6 ms'",
-    "periph-sim prove case.toml --step 1 --witness witnesses",
+    "periph-sim prove timing/imu_hil.toml --phases '1.5 ms to 1.6 ms'",
+    "periph-sim prove case.toml --step 9973 --svg windows.svg",
 )
 @click.argument("case", type=click.Path(path_type=Path))
 @CHANGES
@@ -40,7 +40,7 @@ MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures,
     metavar="CYCLES",
     help=f"Distance of phases that are not near an access.  [{STEP}; 1: every phase]",
 )
-@click.option("--only", metavar="TIMES", help="Run only these phases: '1.5 ms to 1.6 ms'.")
+@click.option("--phases", "only", metavar="TIMES", help="Run only these phases: '1.5 ms to 1.6 ms'.")
 @click.option("--start-up", is_flag=True, help="Move the first start through the start-up instead.")
 @click.option("--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]")
 @CLUSTER
@@ -124,8 +124,8 @@ def _draw(found: Coverage, place: Path) -> Path:
 def _between(text: str) -> tuple[Fraction, Fraction]:
     first, to, last = text.partition(" to ")
     if not to:
-        raise click.ClickException(f"--only {text!r}: expected two times, for instance '1.5 ms to 1.6 ms'")
-    return time_given("--only", first.strip()), time_given("--only", last.strip())
+        raise click.ClickException(f"--phases {text!r}: expected two times, for instance '1.5 ms to 1.6 ms'")
+    return time_given("--phases", first.strip()), time_given("--phases", last.strip())
 
 
 def _announcement(found: Coverage) -> str:
@@ -214,7 +214,7 @@ def _width(found: Coverage, window: Window) -> int:
 
 def _window_text(found: Coverage, window: Window) -> str:
     ends = f"{_time(found, window.first)} to {_time(found, window.last)}"
-    sides = "both neighbours hold" if window.is_closed else "the end of --only is within it"
+    sides = "both neighbours hold" if window.is_closed else "the end of --phases is within it"
     if _width(found, window) == found.case.phases.count:
         sides = "that is every phase"
     return f"{window.name}: broken from {ends}\n  {_width(found, window):,} phases, {window.run:,} of them run; {sides}"

@@ -77,7 +77,7 @@ def main(dsp, settings):
     with dsp.span("work"):
         dsp.compute(150)
 """
-PROVE = ("prove", "small.toml", "--only", "0 us to 10 us", "--step", "1", "--json")  # 1500 phases: 3 parts
+PROVE = ("prove", "small.toml", "--phases", "0 us to 10 us", "--step", "1", "--json")  # 1500 phases: 3 parts
 MOST = 60.0  # seconds after which a process that does not answer fails a test
 Process = subprocess.Popen[bytes]
 
@@ -185,7 +185,7 @@ def test_a_changed_case_is_read_again_by_the_same_workers(case: Path, cluster: C
     for limit in ("30 us", "0.5 us"):
         (case / "small.toml").write_text(CASE.format(limit=limit), encoding="utf-8")
         came = periph_sim(
-            "prove", "small.toml", "--only", "0 us to 1 us", "--json", "--cluster", cluster.with_workers(1).address
+            "prove", "small.toml", "--phases", "0 us to 1 us", "--json", "--cluster", cluster.with_workers(1).address
         )
         verdicts.append(json.loads(came.out)["budgets"]["work"]["verdict"])
     assert verdicts == ["held", "broken"]

@@ -34,7 +34,7 @@ def sets(*changes: str) -> list[str]:
 
 
 def test_where_every_budget_holds_the_exit_status_is_0(periph_sim: Run) -> None:
-    came = periph_sim(*HERE, "--only", "0 us to 1 us", "--step", "10", "--jobs", "1")
+    came = periph_sim(*HERE, "--phases", "0 us to 1 us", "--step", "10", "--jobs", "1")
     lines = came.out.splitlines()
     assert (came.status, lines[0]) == (0, "listener: 16 of 15,000 phases run; budgets: 3 held")
     assert "listener: 16 phases to run, about 1 s of CPU" in came.err
@@ -42,7 +42,7 @@ def test_where_every_budget_holds_the_exit_status_is_0(periph_sim: Run) -> None:
 
 
 def test_a_broken_budget_has_its_window_and_exit_status_1(periph_sim: Run) -> None:
-    came = periph_sim(*HERE, *sets(*BAD), "--only", "4 us to 5 us", "--step", "10", "--jobs", "1")
+    came = periph_sim(*HERE, *sets(*BAD), "--phases", "4 us to 5 us", "--step", "10", "--jobs", "1")
     assert came.status == 1
     assert "budgets: 1 broken, 2 held" in came.out
     assert "both neighbours hold" in came.out and "bad: broken from 0.00416" in came.out
@@ -52,7 +52,7 @@ def test_a_budget_that_no_run_judges_is_named_and_exit_status_is_1(periph_sim: R
     text = Path("listener.toml").read_text(encoding="utf-8")
     never = '[[budget]]\nname = "never"\nmeasure = "from edge BAD rise to edge BAD fall"\nmax = "1 us"\n'
     Path("listener.toml").write_text(text + never, encoding="utf-8")
-    came = periph_sim(*HERE, "--only", "0 us to 0.1 us", "--jobs", "1", "--json")
+    came = periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--json")
     assert came.status == 1
     assert json.loads(came.out)["budgets"]["never"]["verdict"] == "not judged"
 
@@ -62,7 +62,7 @@ def test_budgets_and_percentiles_that_are_not_covered_are_named(periph_sim: Run)
     more = ('measure = "cpu load"\nmax = "90 %"', 'measure = "count of edge SEEN rise"\nmin = 3')
     budgets = [f'[[budget]]\nname = "{name}"\n{one}\n' for name, one in zip(("load", "seen"), more, strict=True)]
     Path("listener.toml").write_text(text + "".join(budgets), encoding="utf-8")
-    said = json.loads(periph_sim(*HERE, "--only", "0 us to 0.1 us", "--jobs", "1", "--json").out)
+    said = json.loads(periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--json").out)
     assert said["not_covered"] == {
         "p99 of late": "a percentile describes all occurrences of a run",
         "load": "it is a share of a whole run",
@@ -85,7 +85,7 @@ def test_failures_without_a_budget_are_named_with_their_reason(periph_sim: Run) 
     came = periph_sim(
         *HERE,
         *sets(*BAD, "unit.dsp.settings.then=error"),
-        "--only",
+        "--phases",
         "4 us to 5 us",
         "--step",
         "10",
@@ -108,27 +108,27 @@ def test_windows_of_sends_are_not_joined_at_the_end_of_their_millisecond(periph_
         '[[serial.expect]]\nname = "reply"\nfrom = "dsp.SCI-A"\ntext = "OK"\nafter_send = "ask"\nwithin = "200 us"\n'
     )
     Path("silent.toml").write_text(text, encoding="utf-8")
-    came = periph_sim("prove", "silent.toml", "--only", "0 ms to 2 ms", "--step", "60000", "--jobs", "1", "--json")
+    came = periph_sim("prove", "silent.toml", "--phases", "0 ms to 2 ms", "--step", "60000", "--jobs", "1", "--json")
     (window,) = json.loads(came.out)["windows"]
     assert (window["first"], window["last"], window["closed"]) == (0, 300_000, False)
-    came = periph_sim("prove", "silent.toml", "--only", "0 ms to 2 ms", "--step", "60000", "--jobs", "1")
+    came = periph_sim("prove", "silent.toml", "--phases", "0 ms to 2 ms", "--step", "60000", "--jobs", "1")
     assert "300,001 phases, " in came.out
 
 
 WRONG = {
-    "one time": (["--only", "1.5 ms"], "--only '1.5 ms': expected two times, for instance '1.5 ms to 1.6 ms'"),
-    "no second time": (["--only", "1 us to "], "--only"),
-    "no first time": (["--only", " to 1 us"], "--only"),
-    "no times": (["--only", "x to y"], "--only: "),
-    "no unit": (["--only", "1 to 2"], "--only: "),
-    "negative": (["--only", "-2 us to -1 us"], "--only: "),
+    "one time": (["--phases", "1.5 ms"], "--phases '1.5 ms': expected two times, for instance '1.5 ms to 1.6 ms'"),
+    "no second time": (["--phases", "1 us to "], "--phases"),
+    "no first time": (["--phases", " to 1 us"], "--phases"),
+    "no times": (["--phases", "x to y"], "--phases: "),
+    "no unit": (["--phases", "1 to 2"], "--phases: "),
+    "negative": (["--phases", "-2 us to -1 us"], "--phases: "),
     "backwards": (
-        ["--only", "2 us to 1 us"],
+        ["--phases", "2 us to 1 us"],
         "no phase lies between these two times; the phases are those of a period",
     ),
-    "between two cycles": (["--only", "0.001 us to 0.002 us"], "no phase lies between these two times"),
+    "between two cycles": (["--phases", "0.001 us to 0.002 us"], "no phase lies between these two times"),
     "after the period": (
-        ["--only", "1 ms to 2 ms"],
+        ["--phases", "1 ms to 2 ms"],
         "no phase lies between these two times; the phases are those of a",
     ),
     "no step": (["--step", "0"], "--step"),
@@ -165,7 +165,7 @@ def test_results_are_shown_if_their_witnesses_cannot_be_written(
 
     Path("out").mkdir()
     monkeypatch.setattr(tempfile, "mkstemp", refuse)
-    came = periph_sim(*HERE, "--only", "0 us to 0.1 us", "--jobs", "1", "--witness", "out")
+    came = periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--witness", "out")
     assert came.status == 2
     assert "budgets: 3 held" in came.out
     assert "Error: out/listener_late.toml" in came.err and "Traceback" not in came.err
@@ -176,7 +176,7 @@ def test_a_killed_process_leaves_the_results_before_it(periph_sim: Run, monkeypa
     monkeypatch.setattr(reports, "PART", 32)
     monkeypatch.setattr(reports, "TRIED", 1)
     dies = sets(*BAD, "unit.dsp.settings.then=dies")
-    came = periph_sim(*HERE, *dies, "--only", "0.7 us to 5 us", "--step", "5", "--jobs", "2", "--json")
+    came = periph_sim(*HERE, *dies, "--phases", "0.7 us to 5 us", "--step", "5", "--jobs", "2", "--json")
     said = json.loads(came.out)
     assert came.status == 2
     assert "died" in said["stopped"] and said["stopped"] in came.err
@@ -193,7 +193,7 @@ def test_ctrl_c_leaves_the_results_before_it(periph_sim: Run, monkeypatch: pytes
         return run(job, phases, seed)
 
     monkeypatch.setattr(reports, "cover_part", stopped)
-    came = periph_sim(*HERE, "--only", "0 us to 1 us", "--step", "1", "--jobs", "1")
+    came = periph_sim(*HERE, "--phases", "0 us to 1 us", "--step", "1", "--jobs", "1")
     assert (came.status, came.err.splitlines()[-1]) == (2, "Error: stopped by Ctrl-C or SIGTERM")
     assert came.out.startswith("listener: 96 of 15,000 phases run; budgets: 3 held")
 

@@ -24,7 +24,7 @@ def witnesses(periph_sim: Run, case: Path, folder: Path, only: str, changes: Seq
     """Write the witnesses of a coverage, and compare what their runs show with what it has printed."""
     folder.mkdir(exist_ok=True)
     sets = [word for change in changes for word in ("--set", change)]
-    arguments = ["--only", only, "--step", str(step), "--jobs", "1", "--witness", str(folder), "--json"]
+    arguments = ["--phases", only, "--step", str(step), "--jobs", "1", "--witness", str(folder), "--json"]
     came = periph_sim("prove", str(case), *sets, *arguments)
     said = json.loads(came.out)
     judged = {name: one for name, one in said["budgets"].items() if one["verdict"] != "not judged"}

@@ -7,11 +7,10 @@
     options.int_line == "level"                           is refused by the type checker
 
 Each option is a field of a subclass of `Answers`. Its metadata has the possible answers, the default first, the
-question, the registers that it concerns and an experiment that decides it, so that docs and messages need not repeat
-them. A model gets an answer only from `assume`, which it calls where
-the answer decides its behaviour. `assume` adds the name of the option to a set, `touched`, so that a report can list
-the options on which the run depended. `unrecorded` is for calculations outside the run and for values that are stored
-until they decide something; tests/options/test_unrecorded.py lists its callers.
+question and the registers that it concerns, so that docs and messages need not repeat them. A model gets an answer only
+from `assume`, which it calls where the answer decides its behaviour. `assume` adds the name of the option to a set,
+`touched`, so that a report can list the options on which the run depended. `unrecorded` is for calculations outside the
+run and for values that are stored until they decide something; tests/options/test_unrecorded.py lists its callers.
 """
 
 # core: compiled
@@ -29,22 +28,19 @@ T = TypeVar("T")
 Value = str | int | bool
 
 
-def choice(*values: Value, question: str, registers: str = "", experiment: str = "") -> Any:
+def choice(*values: Value, question: str, registers: str = "") -> Any:
     """Return a field whose value is one of `values`; the first is the default.
 
     registers: the names of the registers that the answer concerns, separated by blanks; "" if there is none.
-    experiment: the experiment on hardware that would decide the question; "" if none is known.
     """
-    about = {"values": values, "question": question, "registers": registers, "experiment": experiment}
+    about = {"values": values, "question": question, "registers": registers}
     return dataclasses.field(default=values[0], metadata=about)
 
 
-def number(
-    default: int, least: int, most: int, *, unit: str, question: str, registers: str = "", experiment: str = ""
-) -> Any:
+def number(default: int, least: int, most: int, *, unit: str, question: str, registers: str = "") -> Any:
     """Return a field whose value is a whole number from `least` to `most`. The other arguments are as of `choice`."""
-    about = {"least": least, "most": most, "unit": unit, "question": question}
-    return dataclasses.field(default=default, metadata={**about, "registers": registers, "experiment": experiment})
+    about = {"least": least, "most": most, "unit": unit, "question": question, "registers": registers}
+    return dataclasses.field(default=default, metadata=about)
 
 
 class Option:

@@ -17,7 +17,6 @@ class SystemOptions(Answers):
         unit="cycles",
         question="From a peripheral's request to the first instruction of its service routine: 14 in the field, "
         "while the documents give delays that add up to 13 to 16. vector_fetch_waits adds to it.",
-        experiment="Toggle a pin in the service routine of a CPU timer, and measure from the timer's reload.",
     )
     vector_fetch_waits: IntOption = choice(
         0,
@@ -25,7 +24,6 @@ class SystemOptions(Answers):
         2,
         question="How many cycles do the wait states of the vector fetch from the PIE's memory add: none to the "
         "cycles of int_latency, TRAP and INTR, one for a fetch of 32 bits, or two for two of 16?",
-        experiment="Toggle a pin in the service routine of a CPU timer, and measure from the timer's reload.",
     )
     idle_wake: IntOption = number(
         0,
@@ -39,14 +37,12 @@ class SystemOptions(Answers):
         "at_once",
         "after_one_instruction",
         question="Does an interrupt that waits at IRET come before the next instruction of the interrupted code?",
-        experiment="Hold an interrupt request, and count the main program's instructions between service routines.",
     )
     intr_clears_ifr: BoolOption = choice(
         True,
         False,
         question="Does INTR clear the IFR bit (CPU guide section 3.3.1) or not (system guide section 8.5.3 note 3)?",
         registers="IFR",
-        experiment="Execute INTR with the IFR bit set, and read IFR.",
     )
 
     # PIE
@@ -56,7 +52,6 @@ class SystemOptions(Answers):
         question="Does PIEACK hold all groups after reset, as the register's drawing says, or none? TI's examples for "
         "I2C, timers and SCI never write PIEACK before their first interrupt, and run on silicon.",
         registers="PIEACK",
-        experiment="Read PIEACK first thing after a reset.",
     )
 
     pie_held_line: TextOption = choice(
@@ -68,26 +63,13 @@ class SystemOptions(Answers):
 
     # Bus
     pf2_read_ws: IntOption = number(
-        2,
-        0,
-        15,
-        unit="wait states",
-        question="What does a read in peripheral frame 2 cost beyond its one cycle?",
-        experiment="Measure a row of reads with a CPU timer.",
+        2, 0, 15, unit="wait states", question="What does a read in peripheral frame 2 cost beyond its one cycle?"
     )
     pf2_write_ws: IntOption = number(
-        0,
-        0,
-        15,
-        unit="wait states",
-        question="What does a write in peripheral frame 2 cost beyond its one cycle?",
-        experiment="Measure a row of writes with a CPU timer.",
+        0, 0, 15, unit="wait states", question="What does a write in peripheral frame 2 cost beyond its one cycle?"
     )
     pf1_back_to_back_write: IntOption = choice(
-        1,
-        0,
-        question="How many cycles does a write in peripheral frame 1 directly after another one cost in addition?",
-        experiment="Write GPASET and GPACLEAR without a NOP in between, and measure the pulse.",
+        1, 0, question="How many cycles does a write in peripheral frame 1 directly after another one cost in addition?"
     )
     write_lands: IntOption = choice(
         2,
@@ -139,11 +121,7 @@ class SystemOptions(Answers):
 
     # GPIO
     gpio_out_delay: IntOption = choice(
-        1,
-        0,
-        2,
-        question="How many cycles after the latch or the peripheral does an output pin change?",
-        experiment="Compare an output pin with a peripheral's output of the same cycle.",
+        1, 0, 2, question="How many cycles after the latch or the peripheral does an output pin change?"
     )
 
     # Timers and clocks
@@ -152,7 +130,6 @@ class SystemOptions(Answers):
         "on_reload",
         question="Is TIF set on the step to zero, or with the reload one prescaler period later?",
         registers="TCR",
-        experiment="Read TIM and TCR again and again with TDDR = 3.",
     )
     timer_late_tie: TextOption = choice(
         "requests",
@@ -160,32 +137,27 @@ class SystemOptions(Answers):
         question="Does setting TIE while TIF is still 1 request at once, as other peripherals do (section 8.1.1), or "
         "does only reaching zero request (Table 36)?",
         registers="TCR",
-        experiment="Set TIE while TIF is 1, and count the interrupts.",
     )
     pll_lock_clock: TextOption = choice(
         "osc_div_4",
         "osc_div_2",
         question="What does the CPU run on while the PLL locks: the bypass clock of DIVSEL = 0, or OSCCLK/2?",
-        experiment="Watch XCLKOUT while the PLL locks.",
     )
     lspclk_phase: TextOption = choice(
         "free_running",
         "restart_on_write",
         question="Does a LOSPCP write leave the phase of the peripheral clock divider alone or restart it?",
         registers="LOSPCP",
-        experiment="Measure from a LOSPCP write to the next edges of the SCI.",
     )
     wd_divider: TextOption = choice(
         "restarts_on_clear",
         "free_running",
         question="Does clearing WDCNTR also restart the divider before it, or is the next step up to one WDCLK early?",
         registers="WDCNTR",
-        experiment="Measure the time from a clear of WDCNTR to the watchdog's reset.",
     )
     wd_bad_key: TextOption = choice(
         "ignored",
         "reset",
         question="Does a wrong key in WDKEY do nothing (system guide) or reset at once (errata usage note)?",
         registers="WDKEY",
-        experiment="Write 0x32 to WDKEY.",
     )

@@ -10,7 +10,7 @@ from ...core.options import Answers, BoolOption, IntOption, TextOption, choice, 
 
 
 class SciOptions(Answers):
-    """Answers for one SCI, each with an experiment on hardware that would decide its question."""
+    """Answers for one SCI."""
 
     # Receiver, line side.
     rxrdy_point: TextOption = choice(
@@ -19,7 +19,6 @@ class SciOptions(Answers):
         "stop_end",
         question="Where in the stop bit the character moves to SCIRXBUF; the drawing's 0.81 is taken as 6 of 8 SCICLK.",
         registers="SCIRXST",
-        experiment="Toggle a pin when a poll sees RXRDY, and measure from the stop bit on the line.",
     )
     rx_int_extra: IntOption = number(
         3,
@@ -28,14 +27,12 @@ class SciOptions(Answers):
         unit="SYSCLKOUT cycles",
         question="How long after RXRDY the receive interrupt reaches the PIE.",
         registers="SCIRXST",
-        experiment="Toggle a pin in the service routine, and measure from the stop bit, less the interrupt latency.",
     )
     stop_vote_samples: TextOption = choice(
         "4_5_6",
         "3_4_5",
         question="Which samples of the stop bit are voted on: guide's text or erratum's drawing.",
         registers="SCIRXST",
-        experiment="Send a stop bit shortened to 5/8 of a bit, and read FE.",
     )
     start_hunt_point: IntOption = choice(
         6,
@@ -43,43 +40,30 @@ class SciOptions(Answers):
         8,
         question="At which sub-sample of the stop bit the search for the next start bit opens.",
         registers="SCIRXST",
-        experiment="Send frames with shortened stop bits, and see which are received.",
     )
     addrbit_hunt_with_parity: TextOption = choice(
         "address_bit",
         "parity_bit",
         question="In which bit the erratum's early search opens when a parity bit follows.",
         registers="SCIRXST",
-        experiment="Send address-bit frames with parity from a slow sender.",
     )
     break_bits: TextOption = choice(
-        "10",
-        "9.625",
-        question="How many bit periods of 0 after a missing stop bit are a break.",
-        registers="SCIRXST",
-        experiment="Send low pulses of growing length, and read BRKDT.",
+        "10", "9.625", question="How many bit periods of 0 after a missing stop bit are a break.", registers="SCIRXST"
     )
     break_count_from: TextOption = choice(
         "last_stop_sample",
         "stop_end",
         question="From where the bit periods of a break are counted.",
         registers="SCIRXST",
-        experiment="Send low pulses of growing length, and read BRKDT.",
     )
     rx_after_break: TextOption = choice(
         "blocked",
         "next_high",
         question="Whether reception after a break needs SW RESET or resumes when the line rises.",
         registers="SCIRXST",
-        experiment="Send a byte after a break, and read RXRDY.",
     )
     rx_sync_stages: IntOption = choice(
-        2,
-        0,
-        3,
-        question="SYSCLKOUT cycles from the pin to the receiver's sampling.",
-        registers="SCIRXST",
-        experiment="Collect statistics of the time from a start bit to RXRDY.",
+        2, 0, 3, question="SYSCLKOUT cycles from the pin to the receiver's sampling.", registers="SCIRXST"
     )
 
     # Receiver, flags and buffer.
@@ -88,77 +72,48 @@ class SciOptions(Answers):
         False,
         question="Whether a break's first frame (all zero, no stop bit) is loaded as a character.",
         registers="SCIFFRX SCIRXBUF",
-        experiment="Read RXFFST after a break.",
     )
     brkdt_in_sleep: TextOption = choice(
-        "set",
-        "suppressed",
-        question="Whether BRKDT is set while SLEEP = 1.",
-        registers="SCIRXST",
-        experiment="Send a break with SLEEP = 1, and read BRKDT.",
+        "set", "suppressed", question="Whether BRKDT is set while SLEEP = 1.", registers="SCIRXST"
     )
     error_flags_sticky: BoolOption = choice(
-        True,
-        False,
-        question="Whether FE, OE and PE stay until SW RESET or follow each character.",
-        registers="SCIRXST",
-        experiment="Send one bad and one good character, and read SCIRXST.",
+        True, False, question="Whether FE, OE and PE stay until SW RESET or follow each character.", registers="SCIRXST"
     )
     sleep_loads_buffer: BoolOption = choice(
         False,
         True,
         question="Whether characters that SLEEP hides still reach SCIRXBUF or the FIFO.",
         registers="SCIFFRX SCIRXBUF",
-        experiment="Send data frames with SLEEP = 1, and read SCIRXBUF and RXFFST.",
     )
     rxwake_idle_point: TextOption = choice(
         "tenth_bit",
         "next_character",
         question="When an idle line sets RXWAKE: after ten bits or with the next character.",
         registers="SCIRXST",
-        experiment="Poll SCIRXST on an idle line.",
     )
     rxrdy_in_fifo_mode: TextOption = choice(
-        "stays_0",
-        "follows",
-        question="Whether RXRDY follows RXFFST in FIFO mode.",
-        registers="SCIRXST",
-        experiment="Poll RXRDY and RXFFST in FIFO mode while a word arrives.",
+        "stays_0", "follows", question="Whether RXRDY follows RXFFST in FIFO mode.", registers="SCIRXST"
     )
     oe_in_fifo_mode: TextOption = choice(
         "overflow_only",
         "per_unread_word",
         question="Whether OE in FIFO mode needs a full FIFO or one unread word.",
         registers="SCIRXST",
-        experiment="Send two words in FIFO mode without reading them, and read OE; then 17.",
     )
     fifo_overflow_drops: TextOption = choice(
-        "oldest",
-        "newest",
-        question="Which word is lost when the receive FIFO is full.",
-        registers="SCIFFRX SCIRXBUF",
-        experiment="Send 1 to 18 without reading, then read the FIFO.",
+        "oldest", "newest", question="Which word is lost when the receive FIFO is full.", registers="SCIFFRX SCIRXBUF"
     )
     rxffovf_interrupt: TextOption = choice(
-        "none",
-        "rxffiena",
-        question="Whether RXFFOVF requests RXINT through RXFFIENA.",
-        registers="SCIFFRX",
-        experiment="Send 17 words with RXFFIL = 31, and count the interrupts.",
+        "none", "rxffiena", question="Whether RXFFOVF requests RXINT through RXFFIENA.", registers="SCIFFRX"
     )
     rxerr_int_mode: TextOption = choice(
         "rising",
         "every_error",
         question="Whether only RXERROR rising requests RXINT or every further error too.",
         registers="SCIRXST",
-        experiment="Send two bad characters, and count the interrupts.",
     )
     rxfifo_read_when_empty: TextOption = choice(
-        "last_word",
-        "zero",
-        question="What SCIRXBUF reads while the FIFO is empty.",
-        registers="SCIFFRX SCIRXBUF",
-        experiment="Read SCIRXBUF with the FIFO empty.",
+        "last_word", "zero", question="What SCIRXBUF reads while the FIFO is empty.", registers="SCIFFRX SCIRXBUF"
     )
 
     # FIFO interrupts of both directions.
@@ -167,7 +122,6 @@ class SciOptions(Answers):
         "edge",
         question="Whether a FIFO interrupt flag is set again at once when cleared with its condition true.",
         registers="SCIFFRX SCIFFTX",
-        experiment="Clear a FIFO interrupt flag while its condition holds, and read it back.",
     )
 
     # Transmitter.
@@ -176,35 +130,30 @@ class SciOptions(Answers):
         "overwrites_last",
         question="What a SCITXBUF write does to a full transmit FIFO.",
         registers="SCIFFTX SCITXBUF",
-        experiment="Write 18 words to the FIFO, and decode the line.",
     )
     txrdy_point: TextOption = choice(
         "start_edge",
         "next_lspclk",
         question="When an idle transmitter takes a written character into TXSHF.",
         registers="SCICTL2 SCITXBUF",
-        experiment="Toggle a pin when a poll sees TXRDY, and measure from the start bit.",
     )
     tx_reload_point: TextOption = choice(
         "stop_end",
         "stop_begin",
         question="Where in the stop bit a waiting character moves to TXSHF (standard mode).",
         registers="SCICTL2 SCITXBUF",
-        experiment="Toggle a pin when a poll sees TXRDY, and measure from the stop bit.",
     )
     txempty_fall: TextOption = choice(
         "write",
         "halfway",
         question="When TXEMPTY falls: with the write or halfway to the start bit.",
         registers="SCICTL2",
-        experiment="Read SCICTL2 again and again after a SCITXBUF write.",
     )
     txbuf_write_when_full: TextOption = choice(
         "replaces",
         "ignored",
         question="What a SCITXBUF write does to a character still waiting there.",
         registers="SCITXBUF",
-        experiment="Write SCITXBUF twice without waiting, and decode the line.",
     )
     tx_phase: TextOption = choice(
         "next_sciclk",
@@ -212,49 +161,31 @@ class SciOptions(Answers):
         "restart",
         question="Where a start bit after idle begins: next SCICLK, next eighth SCICLK, or divider restarted.",
         registers="SCITXBUF",
-        experiment="Collect statistics of the time from a SCITXBUF write to its start bit.",
     )
     txena_clear_drains: TextOption = choice(
         "all_written",
         "current_only",
         question="What is still sent after TXENA was cleared.",
         registers="SCICTL1 SCITXBUF",
-        experiment="Clear TXENA while words wait, and decode the line.",
     )
     txwake_idle_len: TextOption = choice(
-        "11_bits",
-        "one_frame",
-        question="How long the idle time sent for TXWAKE is.",
-        registers="SCICTL1",
-        experiment="Measure the idle time that TXWAKE sends.",
+        "11_bits", "one_frame", question="How long the idle time sent for TXWAKE is.", registers="SCICTL1"
     )
     parity_of_short_chars: TextOption = choice(
         "masked",
         "whole_byte",
         question="Whether SCITXBUF bits above the character's length count in the parity sent.",
         registers="SCICCR SCITXBUF",
-        experiment="Send short characters with upper bits set, and decode the parity.",
     )
     fftxdly_first_word: TextOption = choice(
         "no_delay",
         "delay",
         question="Whether FFTXDLY also precedes a word written to an idle FIFO.",
         registers="SCIFFCT",
-        experiment="Measure from the write of the first word to its start bit with FFTXDLY set.",
     )
-    fftxdly_max: IntOption = choice(
-        255,
-        256,
-        question="How many periods FFTXDLY = 255 means.",
-        registers="SCIFFCT",
-        experiment="Measure the gap between words with FFTXDLY = 255.",
-    )
+    fftxdly_max: IntOption = choice(255, 256, question="How many periods FFTXDLY = 255 means.", registers="SCIFFCT")
     fftxdly_unit: TextOption = choice(
-        "bit",
-        "sciclk",
-        question="Whether FFTXDLY counts bits or SCICLK periods.",
-        registers="SCIFFCT",
-        experiment="Measure the gap between words with FFTXDLY set.",
+        "bit", "sciclk", question="Whether FFTXDLY counts bits or SCICLK periods.", registers="SCIFFCT"
     )
 
     # Resets.
@@ -263,21 +194,18 @@ class SciOptions(Answers):
         "cleared",
         question="What SW RESET = 0 does to FIFO counters and their flags.",
         registers="SCIFFRX SCIFFTX",
-        experiment="Fill the transmit FIFO, write SW RESET = 0 and 1, and read TXFFST.",
     )
     txbuf_write_in_swreset: TextOption = choice(
         "lost",
         "sent_after_release",
         question="What happens to a SCITXBUF write while SW RESET = 0.",
         registers="SCITXBUF",
-        experiment="Write SCITXBUF with SW RESET = 0, release it, and decode the line.",
     )
     scirst_scope: TextOption = choice(
         "shifters_and_fifos",
         "shifters",
         question="Whether SCIRST = 0 also empties the FIFOs and clears their flags.",
         registers="SCIFFRX SCIFFTX",
-        experiment="Read all registers after SCIRST = 0.",
     )
 
     # Rate and format.
@@ -286,41 +214,30 @@ class SciOptions(Answers):
         "truncated",
         question="How the measured bit length becomes the baud divider.",
         registers="SCIHBAUD SCILBAUD",
-        experiment="Vary the host's rate in small steps, and read the divider.",
     )
     brr_write_effect: TextOption = choice(
         "next_reload",
         "at_once",
         question="When a baud divider write reaches a running divider.",
         registers="SCIHBAUD SCILBAUD",
-        experiment="Change the divider within a frame, and measure its bits.",
     )
     format_write_effect: TextOption = choice(
-        "next_character",
-        "at_once",
-        question="What a SCICCR write does to a character under way.",
-        registers="SCICCR",
-        experiment="Change SCICCR within a frame, and decode the line.",
+        "next_character", "at_once", question="What a SCICCR write does to a character under way.", registers="SCICCR"
     )
 
     # Questions that arose while the model was written.
     clock_gate_access: TextOption = choice(
-        "reads_0",
-        "accessible",
-        question="What a CPU access does while the module's clock is off.",
-        experiment="Read a register with the module's clock off.",
+        "reads_0", "accessible", question="What a CPU access does while the module's clock is off."
     )
     idle_before_first_frame: BoolOption = choice(
         True,
         False,
         question="Whether ten idle bits after SW RESET, before any frame, also begin a block.",
         registers="SCIRXST",
-        experiment="Release SW RESET on an idle line, wait, and read RXWAKE with the first frame.",
     )
     txrdy_in_fifo_mode: TextOption = choice(
         "stays_1",
         "follows_fifo",
         question="Whether TXRDY in FIFO mode is 0 while words wait in the FIFO.",
         registers="SCICTL2",
-        experiment="Poll TXRDY in FIFO mode while words wait.",
     )

@@ -9,21 +9,21 @@ The order of the results is that of the case files, and does not depend on the n
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from difflib import unified_diff
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 from ....core.input_files import similar_file
 from ....core.tolerance import Tolerance, in_cycles
-from ....proof import coverage_path
 from ....scene.case.discover import cases_below
 from ....timing.verdict import broken
 from ..cluster import ClusterError, ClusterExecutor
 from ..explain.chain import Chain
 from .compare import Change, compare, explain, moved_accesses
+from .coverage_runs import not_run, start_coverages
 from .event_chain import EventLine
 from .files import BadCheck, Baseline, path_for, read, text_of, write_all
 from .outcome import Outcome, RejectedCase, occurrence, run_case, run_chains, run_explained
@@ -32,6 +32,7 @@ from .workers import Start, workers
 if TYPE_CHECKING:
     from ..coverage_check import CoverageCheck
 
+T = TypeVar("T")
 State = Literal["equal", "changed", "missing", "written"]
 
 
@@ -175,22 +176,19 @@ def check(
             on_refused(one)
     checks = [_compared(outcome, before[outcome.path], 0 if update else tolerance) for outcome in outcomes]
     if stopped:
-        _leave_coverages(checks)
+        for one_check in checks:
+            one_check.coverage = not_run(one_check.outcome.path, STOPPED)
     else:
         lost: dict[Path, str] | None = {} if keep_finished else None
         with workers(jobs, len(files), cluster) as start:
-            coverages = _start_coverages(checks, start, tolerance)
+            cases = ((one.outcome.path, one.outcome.changes) for one in checks)
+            coverages = start_coverages(cases, start, tolerance)
             _explain(checks, before, start, None if update else tolerance, lost)
             if update:
                 _write(checks)
             _find_causes(checks, start, lost)
             for one_check in checks:
-                try:
-                    one_check.coverage = coverages[one_check.outcome.path]()
-                except ClusterError as error:
-                    if lost is None:
-                        raise
-                    lost[one_check.outcome.path] = str(error)
+                one_check.coverage = _result(coverages[one_check.outcome.path], one_check, lost)
         if lost and on_refused is not None:
             for path, why in lost.items():
                 on_refused(RejectedCase(path, f"{path}: {STOPPED}: {why}"))
@@ -296,17 +294,11 @@ def _explain(
     runs = [_chains(one.outcome, before[one.outcome.path], start, tolerance is None) for one in checks]
     for one, run in zip(checks, runs, strict=True):
         baseline = before[one.outcome.path]
-        try:
-            chains = {} if run is None else run()
-        except ClusterError as error:
-            if lost is None:
-                raise
-            lost[one.outcome.path] = str(error)
-            continue
-        if run is not None:
+        chains = None if run is None else _result(run, one, lost)
+        if chains is not None:
             lines = {name: chain.lines for name, chain in chains.items()}
             one.outcome.figures = one.outcome.figures.with_chains(lines)
-        if run is not None and baseline is not None and tolerance is not None:
+        if chains is not None and baseline is not None and tolerance is not None:
             now = one.outcome.figures.budgets
             worse = {c.budget for c in one.changes if c.budget in now and c.figure == now[c.budget].chain_of}
             allowed = _cycles(tolerance, one.outcome.figures)
@@ -350,53 +342,18 @@ def _find_causes(checks: list[CaseCheck], start: Start, lost: dict[Path, str] | 
         if verdicts
     ]
     for one, run in runs:
-        try:
-            one.causes = run()
-        except ClusterError as error:
-            if lost is None:
-                raise
-            lost[one.outcome.path] = str(error)
+        one.causes = _result(run, one, lost) or one.causes
 
 
-def _start_coverages(
-    checks: list[CaseCheck], start: Start, tolerance: int | Tolerance
-) -> Mapping[Path, Callable[[], CoverageCheck | None]]:
-    """Start the runs of the worst values of each coverage file.
-
-    Return a dictionary from each case to a function that waits for the result, which is None without a coverage file.
-    """
-    found: dict[Path, Callable[[], CoverageCheck | None]] = {}
-    for path, changes in ((one.outcome.path, one.outcome.changes) for one in checks):
-        if coverage_path.path_for(path).exists():
-            from ..coverage_check import check_coverage  # imported here, because few cases have such a file
-
-            found[path] = _or_finding(path, start(check_coverage, path, changes, tolerance))
-        else:
-            found[path] = lambda: None
-    return found
-
-
-def _or_finding(path: Path, wait: Callable[[], CoverageCheck]) -> Callable[[], CoverageCheck]:
-    """Return `wait`, but with a result with a finding if the process of the runs dies."""
-    from ..coverage_check import without_runs
-
-    def result() -> CoverageCheck:
-        try:
-            return wait()
-        except BadCheck as error:
-            return without_runs(coverage_path.path_for(path), "changed", f"at a phase of its coverage: {error}")
-
-    return result
-
-
-def _leave_coverages(checks: list[CaseCheck]) -> None:
-    """Set the result for each coverage file of a check that was stopped before its runs."""
-    for one in checks:
-        path = coverage_path.path_for(one.outcome.path)
-        if path.exists():
-            from ..coverage_check import without_runs
-
-            one.coverage = without_runs(path, "not run", f"{path.as_posix()}: {STOPPED}")
+def _result(run: Callable[[], T], check: CaseCheck, lost: dict[Path, str] | None) -> T | None:
+    """Return the result of a call; None if the cluster that makes it is lost. lost: as in `_explain`."""
+    try:
+        return run()
+    except ClusterError as error:
+        if lost is None:
+            raise
+        lost[check.outcome.path] = str(error)
+        return None
 
 
 def _write(checks: list[CaseCheck]) -> None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, cast
 
 from ....core.options import Answers, Value
+from ....f28335.experiments import EXPERIMENTS
 from ....scene.scene import Scene
 
 
@@ -73,10 +74,12 @@ def questions_of(scene: Scene, names: Iterable[str]) -> dict[str, Question]:
         if owner in scene.units:
             plan = scene.units[owner].plan
             group, _, option = rest.partition(".")
+            experiment = EXPERIMENTS.get(group, {}).get(option, "")
             kind = type(plan.system if group == "system" else plan.options[group])
             given = scene.case.unit[owner].options.get(group, {})
             key = f"unit.{owner}.options.{rest}"
         else:
+            experiment = ""
             option, kind, given = rest, scene.chips[owner].chip.OPTIONS, scene.case.chip[owner].options
             key = f"chip.{owner}.options.{rest}"
         field = {one.name: one for one in dataclasses.fields(kind)}[option]  # type: ignore[arg-type]
@@ -84,7 +87,7 @@ def questions_of(scene: Scene, names: Iterable[str]) -> dict[str, Question]:
         default = cast(Value, given.get(option, field.default))
         others = other_answers(field, default)
         registers = frozenset(about["registers"].split())
-        found[name] = Question(name, key, default, others, registers, about["question"], about["experiment"])
+        found[name] = Question(name, key, default, others, registers, about["question"], experiment)
     return found
 
 

@@ -11,7 +11,8 @@ import pytest
 
 from periph_sim.core.tolerance import Cycles
 from periph_sim.interfaces.reports import coverage_check
-from periph_sim.interfaces.reports.baselines.check import STOPPED, CaseCheck, _or_finding, check
+from periph_sim.interfaces.reports.baselines.check import STOPPED, CaseCheck, check
+from periph_sim.interfaces.reports.baselines.coverage_runs import _or_finding
 from periph_sim.interfaces.reports.baselines.files import BadCheck
 from periph_sim.interfaces.reports.coverage_check import CoverageCheck, check_coverage
 from periph_sim.scene.scene import Scene

@@ -15,19 +15,19 @@ if TYPE_CHECKING:
 COMMANDS = {
     "bound": (
         "`periph-sim bound` was removed: its formula missed dependences that are not visible in the firmware's source; "
-        "`periph-sim prove`, planned, will cover every phase; until then `periph-sim sweep` runs many phases"
+        "`periph-sim prove` runs the phases instead, and finds the windows in which budgets break"
     ),
 }
 LEVELS = {
     "schedule": (
-        "level 'schedule' was removed: its arithmetic knew one firmware only; `periph-sim prove`, planned, will make "
-        "tables that replace it; until then `periph-sim sweep` runs many phases"
+        "level 'schedule' was removed: its arithmetic knew one firmware only; `periph-sim prove` runs the phases of "
+        "any case, and `periph-sim sweep` many scenarios one by one"
     ),
 }
 NAMES = {
     name: (
-        f"periph_sim.{name} was removed: its arithmetic knew one firmware only; `periph-sim prove`, planned, will make "
-        "tables that replace it; until then periph_sim.sweep runs many scenarios one by one"
+        f"periph_sim.{name} was removed: its arithmetic knew one firmware only; `periph-sim prove` runs the phases of "
+        "any case, and periph_sim.sweep many scenarios one by one"
     )
     for name in ("schedule", "BadSchedule", "ScheduleResult")
 }

@@ -24,7 +24,7 @@ def test_a_removed_name_cannot_be_imported_and_the_error_says_what_to_use(name: 
     )
     assert came.returncode == 1
     assert came.stderr.splitlines()[-1] == f"ImportError: {NAMES[name]}"
-    with pytest.raises(ImportError, match=rf"^periph_sim\.{name} was removed: .*; until then periph_sim\.sweep "):
+    with pytest.raises(ImportError, match=rf"^periph_sim\.{name} was removed: .*, and periph_sim\.sweep "):
         getattr(periph_sim, name)
     assert (
         name not in dir(periph_sim)
@@ -37,7 +37,7 @@ def test_a_removed_name_cannot_be_imported_and_the_error_says_what_to_use(name: 
 def test_a_removed_command_says_what_to_use(command: Run, name: str, arguments: tuple[str, ...]):  # noqa: F811
     came = command(name, *arguments)
     assert (came.status, came.out) == (2, "")
-    assert came.err == f"Error: {COMMANDS[name]}\n" and "`periph-sim sweep`" in came.err
+    assert came.err == f"Error: {COMMANDS[name]}\n" and "`periph-sim prove`" in came.err
     assert f"\n  {name} " not in command("--help").out and "\n  sweep " in command("--help").out
 
 

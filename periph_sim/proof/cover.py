@@ -204,7 +204,24 @@ def windows_of(found: Covered, status: Callable[[int], frozenset[str]], bounds: 
     for name in names:
         for group in _groups(name, found):
             windows.append(_window(name, group, found, status, bounds))
-    return sorted(windows, key=lambda one: (one.first, one.last, one.name))
+    return sorted(_merged(windows), key=lambda one: (one.first, one.last, one.name))
+
+
+def _merged(windows: Iterable[Window]) -> list[Window]:
+    """Return the windows with those of one name that overlap or are equal made into one.
+
+    They are the same window if a phase within it held in a run in which the phase increases.
+    """
+    found: list[Window] = []
+    for one in sorted(windows, key=lambda each: (each.name, each.first, each.last)):
+        last = found[-1] if found else None
+        if last is not None and last.name == one.name and one.first <= last.last:
+            end = max(last, one, key=lambda each: each.last)
+            closed = last.is_closed and end.is_closed
+            found[-1] = Window(one.name, last.first, end.last, max(last.run, one.run), closed)
+        else:
+            found.append(one)
+    return found
 
 
 def joined_at_end(windows: Sequence[Window], count: int, status: Callable[[int], frozenset[str]]) -> list[Window]:

@@ -21,7 +21,7 @@ from .cover import Covered, Window
 from .coverage_path import path_for
 from .dependencies import Dependencies
 
-RENEW = "write it again with prove --save"
+RENEW = "delete it, and write it again with prove --save"
 
 
 class BadCoverage(InputError):
@@ -37,6 +37,7 @@ class Choice(msgspec.Struct, frozen=True):
     cycle_ps: the length of a cycle.
     chosen, near: number of phases that were chosen, and of those that are near an access.
     step: the distance of the others, in cycles.
+    rounds: number of starts in a run with one phase alone.
     bounds: the first and the last phase that may be run.
     digest: the digest of the chosen phases.
     """
@@ -48,6 +49,7 @@ class Choice(msgspec.Struct, frozen=True):
     chosen: int
     near: int
     step: int
+    rounds: int
     bounds: tuple[int, int]
     digest: str
 

@@ -21,9 +21,10 @@ from math import ceil
 from typing import Literal, NamedTuple
 
 from ..scene.case.inputs_table import InputsTable
-from ..scene.case.model import Case
+from ..scene.case.model import BadCase, Case
 from ..scene.plan import ScenePlan
 
+ROUNDS = 41  # the default of `rounds`: an SCI at 115200 baud meets a round of 20 ms in the same way after 41 rounds
 REPEATED = 2  # number of times that the last phase of a run is repeated: an age looks back two rounds
 WARM_UP = 3  # number of periods before the first start that is moved: the firmware has started, and a wait recurs
 NEARLY = Fraction(1, 20)  # part of a round by which the period of the frames may differ from that of the rounds
@@ -45,6 +46,7 @@ class Grid(NamedTuple):
 class Phases:
     """The phases of one case. Raise BadCase if no start is free, or if other inputs would have to move as well.
 
+    rounds: number of starts in a run with one phase alone.
     start_up: True to move the first start through the start-up, instead of all starts through a period.
     moved: the starts that move: frames of the host, rounds of the controller, or sends of [serial].
     cycle: the length of a cycle of the fastest unit at its nominal clock, in ticks. Phases are counted in such cycles.
@@ -52,10 +54,11 @@ class Phases:
     warm_up: number of periods before the first start that is moved.
     """
 
-    def __init__(self, plan: ScenePlan, start_up: bool = False) -> None:
+    def __init__(self, plan: ScenePlan, start_up: bool = False, rounds: int = ROUNDS) -> None:
         case, ticks = plan.case, plan.ticks
         self.moved = moved_starts(case)
         self.start_up = start_up
+        self.rounds = rounds
         if start_up and self.moved == "sends":
             raise case.mistake("its times are counted from the start-up anyway; leave --start-up out", "serial")
         self._case = case
@@ -101,12 +104,13 @@ class Phases:
     def inputs(self, phases: Sequence[int]) -> tuple[InputsTable, Fraction]:
         """Return a table [inputs] with moved starts of these phases, and the duration of the run in seconds.
 
-        The last phase is repeated REPEATED times, so that the run contains what its first start causes later.
+        The last phase is repeated, so that the run contains what its first start causes later. A phase alone has
+        `rounds` starts.
         """
         if self.moved == "sends":
             (phase,) = phases
             return InputsTable(sends_later=self.seconds(phase)), self._case.duration + self.seconds(phase)
-        more = REPEATED + 1 + (self.warm_up if self.start_up else 0)
+        more = 1 + (self.rounds - 1 if len(phases) == 1 else REPEATED) + (self.warm_up if self.start_up else 0)
         starts = self.starts([*phases, *[phases[-1]] * more])
         times = tuple(Fraction(start - self._start, self._per_second) for start in starts)
         end = times[-1] - Fraction(1, self._per_second)
@@ -131,7 +135,7 @@ class Phases:
         if low > high:
             period = float(1000 * self.seconds(self.count))
             what = f"no phase lies between these two times; the phases are those of a period, 0 ms to {period:g} ms"
-            raise self._case.mistake(what, "name")
+            raise BadCase(f"--phases: {what}")
         return int(low), int(high)
 
     def phase_at(self, phases: Sequence[int], at: float) -> int:

@@ -23,7 +23,7 @@ from ..scene.scene import Scene
 from ..timing.budget_plan import PER_MILLE, BudgetPlan
 from ..timing.budget_schema import Budget
 from ..timing.verdict import FAIL, Verdict, percentile
-from .phases import Phases
+from .phases import ROUNDS, Phases
 
 STUCK = "stuck"  # the name of a failure in which firmware waits for ever, or a line stays low
 PERCENTILE = "a percentile describes all occurrences of a run"
@@ -37,12 +37,13 @@ class Job(Struct, frozen=True):
 
     file: its path.
     changes: as for `--set`.
-    start_up: as for `Phases`.
+    start_up, rounds: as for `Phases`.
     """
 
     file: str
     changes: tuple[str, ...] = ()
     start_up: bool = False
+    rounds: int = ROUNDS
 
 
 class Outcome(Struct, frozen=True):
@@ -78,8 +79,10 @@ class CoveredCase:
                 kept.append(without_percentiles(budget))
                 for key in PER_MILLE.keys() & plan.limits.keys():
                     self.left_out[f"{percentile(key)} of {budget.name}"] = PERCENTILE
+        if not kept:
+            raise case.mistake("there is no budget that can be judged at single phases", "budget")
         self._plan = ScenePlan(case.model_copy(update={"budget": tuple(kept)}), whole)
-        self.phases = Phases(self._plan, job.start_up)
+        self.phases = Phases(self._plan, job.start_up, job.rounds)
         self.left_out |= _inputs_left_out(case, self.phases)
         self.runs = 0
 
@@ -113,6 +116,8 @@ def _inputs_left_out(case: Case, phases: Phases) -> dict[str, str]:
     moved = {"frames": case.host, "rounds": case.controller}.get(phases.moved)
     if moved is not None and moved.jitter:
         found["host.jitter" if phases.moved == "frames" else "controller.jitter"] = "each start comes at its phase"
+    if phases.moved == "frames" and case.host is not None and case.host.frames is not None:
+        found["host.frames"] = "frames are sent in each period"
     if phases.is_relative and case.controller is not None and case.controller.jitter:
         found["controller.jitter"] = "it is drawn"
     return found

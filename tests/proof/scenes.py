@@ -140,7 +140,7 @@ def covered(
     case: Path, changes: Sequence[str] = (), phases: range | None = None, step: int = 1, cycle: Fraction = CYCLE
 ) -> Coverage:
     """Cover phases of a case in this process. phases: all of a period if it is None."""
-    job = Job(str(case), tuple(changes))
+    job = Job(str(case), tuple(changes), rounds=3)
     only = None if phases is None else (phases[0] * cycle, phases[-1] * cycle)
     found = choose(job, step, only)
     run_coverage(found, 1)

@@ -245,3 +245,22 @@ def test_windows_of_known_phases_end_beside_phases_that_hold(held: set[int], fai
         assert {one.first, one.last} <= fails
         assert one.is_closed == (one.first > 0 and one.last < 40)
         assert fails.isdisjoint({one.first - 1, one.last + 1} & set(range(41)))
+
+
+def test_windows_that_overlap_are_one_since_a_phase_in_them_only_held_while_the_phase_increased() -> None:
+    """1: fails alone, h: held in a run in which the phase increases. Two groups extend to the same window.
+
+    phase    10 11 12 13 14 15
+             .  1  h  1  1  .
+    """
+    found = nothing()
+    found.held = [10, 12, 15]
+    found.failed = {11: frozenset({"late"}), 13: frozenset({"late"}), 14: frozenset({"late"})}
+
+    def alone(phase: int) -> frozenset[str]:
+        names = frozenset({"late"} if 11 <= phase <= 14 else ())
+        found.failed[phase] = names
+        return names
+
+    (window,) = windows_of(found, alone, (0, 20))
+    assert (window.first, window.last, window.is_closed) == (11, 14, True)

@@ -27,6 +27,7 @@ def a_file(failures: list[str]) -> CoverageFile:
             chosen=3,
             near=0,
             step=1,
+            rounds=3,
             bounds=(3, 12),
             digest="00",
         ),

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ...core.phrases import counted
+from ...proof.phases import ROUNDS
 from ...timing.verdict import BROKEN, NOT_JUDGED, figure, limit
 from .command_frame import command, print_json, print_table, progress, running_user_code, say, time_given
 from .shared_options import CHANGES, CLUSTER, JSON, SVG, cluster_given, diagram_file
@@ -38,9 +39,16 @@ MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures,
     type=click.IntRange(min=1),
     default=STEP,
     metavar="CYCLES",
-    help=f"Distance of phases that are not near an access.  [{STEP}; 1: every phase]",
+    help=f"Distance of phases that are not near a write.  [{STEP}; 1: every phase]",
 )
 @click.option("--phases", "only", metavar="TIMES", help="Run only these phases: '1.5 ms to 1.6 ms'.")
+@click.option(
+    "--rounds",
+    type=click.IntRange(min=3),
+    default=ROUNDS,
+    metavar="N",
+    help=f"Number of rounds at one phase, for the ends of windows.  [{ROUNDS}]",
+)
 @click.option("--start-up", is_flag=True, help="Move the first start through the start-up instead.")
 @click.option("--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]")
 @CLUSTER
@@ -58,6 +66,7 @@ def prove(
     changes: tuple[str, ...],
     step: int,
     only: str | None,
+    rounds: int,
     start_up: bool,
     jobs: int | None,
     cluster: str | None,
@@ -66,13 +75,13 @@ def prove(
     svg: Path | None,
     as_json: bool,
 ) -> int:
-    """Run CASE at every phase of its free start, and show the phases at which budgets break.
+    """Run CASE at the phases of its free start, and show the phases at which budgets break.
 
     With a [host] and a [controller], a phase is the start of a frame, counted from the start of a round. With only one
     of them, it is the start of a frame or of a round, counted from its nominal time. Phases at which an interrupt
-    comes near a write of the firmware are run cycle by cycle, the others in steps.
+    of the host comes near a write of the firmware are run cycle by cycle, the others in steps.
 
-    The result holds for the phases that were run, in the states that these runs reached. It is no proof for all
+    The result holds for the phases that were run, in the states that these runs reached. It is no proof for other
     states, costs and clocks.
 
     Exit status 0: every budget held at all these phases; 1: otherwise; 2: it was stopped (results so far are shown).
@@ -88,11 +97,14 @@ def prove(
     with running_user_code():
         workers = cluster_given(cluster, jobs)
         note_inputs([case])
-        found = choose(Job(str(case.absolute()), changes, start_up), step, None if only is None else _between(only))
         path = coverage_path.path_for(case) if save else None
+        if path is not None:
+            _check_writable(path)
+        job = Job(str(case.absolute()), changes, start_up, rounds)
+        found = choose(job, step, None if only is None else _between(only))
         saved = None if path is None else coverage_file.read(path)
-        if saved is not None:
-            found.continue_from(saved)
+        if saved is not None and not found.continue_from(saved) and saved.is_complete:
+            click.echo(f"{path} has a coverage of other phases or files, which a complete one replaces", err=True)
         click.echo(_announcement(found), err=True)
         # The cluster is connected only now, so that the modules of Dask are no dependencies of the coverage.
         with workers as executor, progress(found.case.case.name) as on_progress:
@@ -121,6 +133,16 @@ def _draw(found: Coverage, place: Path) -> Path:
     return file
 
 
+def _check_writable(path: Path) -> None:
+    """Raise ClickException, before anything runs, if a coverage file could not be written."""
+    try:
+        path.parent.mkdir(exist_ok=True)
+    except OSError as error:
+        raise click.ClickException(f"--save: {path.parent}: {(error.strerror or 'an error').lower()}") from None
+    if not os.access(path.parent, os.W_OK):
+        raise click.ClickException(f"--save: {path.parent} is not writable; change its permissions")
+
+
 def _between(text: str) -> tuple[Fraction, Fraction]:
     first, to, last = text.partition(" to ")
     if not to:
@@ -131,7 +153,8 @@ def _between(text: str) -> tuple[Fraction, Fraction]:
 def _announcement(found: Coverage) -> str:
     seconds = max(1, round(found.seconds * found.missing / len(found.chosen)))
     done = f"continued after {found.run_count:,} phases; " if found.finished else ""
-    return f"{found.case.case.name}: {done}{found.missing:,} phases to run, about {seconds} s of CPU if nothing breaks"
+    missing = f"{found.missing:,} phase{'s' * (found.missing != 1)}"
+    return f"{found.case.case.name}: {done}{missing} to run, about {seconds} s of CPU if nothing breaks"
 
 
 def _words(found: Coverage) -> dict[str, str]:
@@ -155,7 +178,9 @@ def _show(found: Coverage, files: Sequence[Path]) -> None:
     words = _words(found)
     numbers = Counter(words.values())
     counts = ", ".join(f"{numbers[word]} {word}" for word in (BROKEN, NOT_JUDGED, HELD) if numbers[word])
-    say(f"{found.case.case.name}: {found.run_count:,} of {phases.count:,} phases run; budgets: {counts}", style="bold")
+    missing = f"; stopped, {counted(found.missing, 'phase')} not run" if found.stopped else ""
+    head = f"{found.case.case.name}: {found.run_count:,} of {phases.count:,} phases run; budgets: {counts}{missing}"
+    say(head, style="bold")
     rows = []
     for name, word in words.items():
         worst = found.found.worst.get(name)
@@ -189,19 +214,19 @@ def _lines(found: Coverage) -> list[str]:
         if widths:
             lines.append(f"  {counted(len(widths), 'more window')} of {min(widths):,} to {max(widths):,} phases")
     for one in found.found.drifting[:MOST_LISTED]:
-        lines.append(f"{', '.join(sorted(one.names))}: broken only while the phase increases by a cycle per period,")
-        lines.append(f"  at {_time(found, one.last)} in a run that begins at {_time(found, one.first)}")
+        names, rounds = ", ".join(sorted(one.names)), found.choice.rounds
+        lines.append(f"{names}: broken at {_time(found, one.last)} in a run whose phase increases from")
+        lines.append(f"  {_time(found, one.first)} on, but not in {rounds} rounds at one phase")
     if len(found.found.drifting) > MOST_LISTED:
         lines.append(f"  {len(found.found.drifting) - MOST_LISTED} more of these")
-    lines += [f"{name}: {reason}" for name, reason in found.found.reasons.items()]
+    lines += [f"{name}: for example, {reason}" for name, reason in found.found.reasons.items()]
     since = "the start of a round" if phases.is_relative else "its time in the case"
-    which = f"the first {moved} after the start" if phases.start_up else f"the start of a {moved} after {since}"
+    which = f"the time of the first {moved}" if phases.start_up else f"the start of a {moved} after {since}"
     lines.append(f"phase: {which}")
     each = "each cycle" if step == 1 else f"each {step}th cycle"
-    if found.choice.near:
-        lines.append(f"run: {found.choice.near:,} phases near an access cycle by cycle; else {each}")
-    else:
-        lines.append(f"run: {each}")
+    near = f"{found.choice.near:,} phases near a write, else " if found.choice.near else ""
+    lines.append(f"chosen: {near}{each}; fewer within windows")
+    lines.append(f"held: in one round of each phase; at the ends of windows, in {found.choice.rounds} rounds")
     lines += [f"not covered: {name}: {reason}" for name, reason in found.case.left_out.items()]
     return lines
 
@@ -214,9 +239,9 @@ def _width(found: Coverage, window: Window) -> int:
 
 def _window_text(found: Coverage, window: Window) -> str:
     ends = f"{_time(found, window.first)} to {_time(found, window.last)}"
-    sides = "both neighbours hold" if window.is_closed else "the end of --phases is within it"
+    sides = "both neighbours held" if window.is_closed else "it reaches an end of the phases"
     if _width(found, window) == found.case.phases.count:
-        sides = "that is every phase"
+        sides = "all phases of the period"
     return f"{window.name}: broken from {ends}\n  {_width(found, window):,} phases, {window.run:,} of them run; {sides}"
 
 
@@ -236,6 +261,7 @@ def _object(found: Coverage, files: Sequence[Path]) -> dict[str, object]:
             "run": found.run_count,
             "near": found.choice.near,
             "step": found.choice.step,
+            "rounds": found.choice.rounds,
         },
         "runs": found.found.runs,
         "budgets": {name: _budget(found.found.worst.get(name), word) for name, word in words.items()},

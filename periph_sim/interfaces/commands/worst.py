@@ -68,6 +68,8 @@ def worst(
             result = scene.run(length, on_progress)
         verdicts = [verdict for verdict in result.budgets if not budgets or verdict.name in budgets]
         at_phases = {} if changes or length is not None else worst_at_phases(case, verdicts)
+        if not (at_phases or changes or length is not None):
+            _say_if_out_of_date(case)
         verdicts = [at_phases[one.name].verdict if one.name in at_phases else one for one in verdicts]
         in_run = [verdict for verdict in verdicts if verdict.name not in at_phases]
         found = {one.window.verdict.name: one for one in explain(loaded, in_run, scene.typical(), length)}
@@ -87,6 +89,16 @@ def worst(
         lines = (_lines(verdict, found.get(verdict.name)) for verdict in verdicts)
         click.echo("\n\n".join("\n".join([*text, *each]) for text, each in zip(texts, lines, strict=True)))
     return 0 if all(verdict.passed for verdict in verdicts) else 1
+
+
+def _say_if_out_of_date(case: Path) -> None:
+    """Print on standard error why the coverage file of a case is not used, if there is one that does not match."""
+    from ...proof.coverage_path import path_for
+    from ..reports.coverage_line import phases_report
+
+    report = phases_report(case) if path_for(case).exists() else None
+    if report is not None and not report.worst:
+        click.echo(f"{report.line}; this is the worst of one run", err=True)
 
 
 def _lines(verdict: Verdict, one: Explained | None) -> list[str]:

@@ -18,7 +18,7 @@ from time import monotonic, process_time
 
 from ...proof import coverage_file
 from ...proof.cover import Covered, Coverer, Window, cover_part, joined_at_end, nothing, windows_of
-from ...proof.coverage_file import Choice, CoverageFile
+from ...proof.coverage_file import BadCoverage, Choice, CoverageFile
 from ...proof.dependencies import Dependencies, dependencies, files_read
 from ...proof.near import chosen_phases, parts_of
 from ...proof.stretch import CoveredCase, Job
@@ -83,11 +83,13 @@ class Coverage:
             windows=self.windows,
         )
 
-    def continue_from(self, saved: CoverageFile) -> None:
-        """Take the results of a coverage file, if it has the same phases and dependencies."""
-        if saved.choice == self.choice and saved.dependencies == self.depends:
-            self.found, self.finished = saved.found, saved.finished
-            self.found.held = coverage_file.from_ranges(saved.held, self.chosen)
+    def continue_from(self, saved: CoverageFile) -> bool:
+        """Take the results of a coverage file, and return True, if it has the same phases and dependencies."""
+        if saved.choice != self.choice or saved.dependencies != self.depends:
+            return False
+        self.found, self.finished = saved.found, saved.finished
+        self.found.held = coverage_file.from_ranges(saved.held, self.chosen)
+        return True
 
     @property
     def is_whole(self) -> bool:
@@ -111,7 +113,8 @@ def choose(job: Job, step: int, only: tuple[Fraction, Fraction] | None) -> Cover
         depends = dependencies(folder, [*read, *case.case.files()])
     cycle = float(phases.seconds(1) * 10**12)
     digest = coverage_file.digest_of(chosen)
-    choice = Choice(phases.moved, phases.start_up, phases.count, cycle, len(chosen), near, step, bounds, digest)
+    moved = phases.moved, phases.start_up, phases.count, cycle
+    choice = Choice(*moved, len(chosen), near, step, phases.rounds, bounds, digest)
     return Coverage(job, case, chosen, choice, depends, seconds)
 
 
@@ -165,10 +168,21 @@ def run_coverage(
 
 
 def save(coverage: Coverage, path: Path) -> None:
-    """Write the coverage file, completely or not at all."""
+    """Write the coverage file, completely or not at all. One that was stopped does not replace a complete one."""
+    saved = coverage.saved()
+    if not saved.is_complete and _has_complete_coverage(path):
+        return
     path.parent.mkdir(exist_ok=True)
     with atomic_write(path) as unfinished:
-        unfinished.write_text(coverage_file.text_of(coverage.saved()), encoding="utf-8")
+        unfinished.write_text(coverage_file.text_of(saved), encoding="utf-8")
+
+
+def _has_complete_coverage(path: Path) -> bool:
+    try:
+        there = coverage_file.read(path)
+    except BadCoverage:
+        return False
+    return there is not None and there.is_complete
 
 
 def _results(

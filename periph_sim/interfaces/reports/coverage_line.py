@@ -7,7 +7,7 @@ from pathlib import Path
 
 from msgspec import Struct
 
-from ...proof.coverage_file import Choice, CoverageFile, current
+from ...proof.coverage_file import BadCoverage, Choice, CoverageFile, current
 from ...proof.coverage_path import path_for
 from ...timing.verdict import Verdict
 
@@ -28,7 +28,10 @@ class PhasesReport(Struct, frozen=True):
 
 def phases_report(case: Path) -> PhasesReport | None:
     """Return what the coverage file of a case says, or why it says nothing now; None if there is no file."""
-    found = current(case)
+    try:
+        found = current(case)
+    except BadCoverage as error:
+        return PhasesReport(str(error), "", {})
     return None if found is None else report_of(path_for(case), *found)
 
 

@@ -46,7 +46,7 @@ def worst_at_phases(case: Path, verdicts: Sequence[Verdict]) -> dict[str, WorstA
         for one in verdicts
         if one.name in saved[0].found.worst and _is_nearer(saved[0].found.worst[one.name].verdict, one)
     ]
-    covered = CoveredCase(Job(str(case.absolute()))) if nearer else None
+    covered = CoveredCase(Job(str(case.absolute()), rounds=saved[0].choice.rounds)) if nearer else None
     return {} if covered is None else {one.verdict.name: _again(case, covered, one) for one in nearer}
 
 

@@ -19,7 +19,7 @@ from tests.interfaces.commands.conftest import Run
 from tests.proof.scenes import listener, settings_of
 
 BAD = settings_of(low=8000, high=8060)
-HERE = ("prove", "listener.toml")
+HERE = ("prove", "listener.toml", "--rounds", "3")
 
 
 @pytest.fixture(autouse=True)
@@ -45,7 +45,7 @@ def test_a_broken_budget_has_its_window_and_exit_status_1(periph_sim: Run) -> No
     came = periph_sim(*HERE, *sets(*BAD), "--phases", "4 us to 5 us", "--step", "10", "--jobs", "1")
     assert came.status == 1
     assert "budgets: 1 broken, 2 held" in came.out
-    assert "both neighbours hold" in came.out and "bad: broken from 0.00416" in came.out
+    assert "both neighbours held" in came.out and "bad: broken from 0.00416" in came.out
 
 
 def test_a_budget_that_no_run_judges_is_named_and_exit_status_is_1(periph_sim: Run) -> None:
@@ -211,3 +211,72 @@ def test_a_signal_stops_it_and_shows_what_was_covered(desk: Path) -> None:
     assert process.returncode == 2
     assert "Traceback" not in err and err.splitlines()[-1] == "Error: stopped by Ctrl-C or SIGTERM"
     assert out.startswith("listener: ")
+
+
+SEVENTH = """
+from periph_sim.firmware import start_sci
+
+
+def main(dsp, settings):
+    sci = start_sci(dsp, "SCI-A")
+    number = 0
+    while True:
+        dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
+        sci.SCIRXBUF.all
+        number += 1
+        with dsp.span("work"):
+            dsp.compute(1500 if number % 7 == 0 else 15)
+"""
+
+
+def test_more_rounds_at_one_phase_find_what_the_firmware_does_each_seventh_time(periph_sim: Run) -> None:
+    Path("seventh.py").write_text(SEVENTH, encoding="utf-8")
+    Path("seventh.toml").write_text(
+        'name = "seventh"\nduration = "5 ms"\n[unit.dsp]\nfirmware = "seventh.py"\nmodules = ["SCI-A"]\n'
+        '[host]\nbaud = 1000000\nperiod = "1 ms"\n'
+        '[[budget]]\nname = "work"\nmeasure = "span:work"\nmax = "1 us"\n',
+        encoding="utf-8",
+    )
+    one_phase = ("prove", "seventh.toml", "--phases", "0 us to 0 us", "--jobs", "1", "--rounds")
+    assert "budgets: 1 held" in periph_sim(*one_phase, "3").out
+    came = periph_sim(*one_phase, "41")
+    assert came.status == 1 and "budgets: 1 broken" in came.out
+
+
+def test_a_stopped_coverage_does_not_replace_a_complete_one(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    saved = Path("coverage") / "listener.json"
+    assert periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--save").status == 0
+    complete = saved.read_bytes()
+
+    def stopped(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(reports, "cover_part", stopped)
+    came = periph_sim(*HERE, "--phases", "0 us to 0.2 us", "--jobs", "1", "--save")
+    assert came.status == 2 and "has a coverage of other phases or files" in came.err
+    assert saved.read_bytes() == complete
+    assert came.out.splitlines()[0].endswith("; stopped, 2 phases not run")
+
+
+def test_a_coverage_that_cannot_be_written_is_refused_before_anything_runs(periph_sim: Run) -> None:
+    Path("coverage").write_text("a file", encoding="utf-8")
+    came = periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--save")
+    assert (came.status, came.out) == (2, "") and "--save: coverage: " in came.err
+
+
+def test_a_case_without_a_budget_that_prove_can_judge_is_refused(periph_sim: Run) -> None:
+    text = Path("listener.toml").read_text(encoding="utf-8")
+    Path("listener.toml").write_text(text.partition("[[budget]]")[0], encoding="utf-8")
+    came = periph_sim(*HERE, "--jobs", "1")
+    assert came.status == 2 and "there is no budget that can be judged at single phases" in came.err
+
+
+def test_run_and_worst_say_why_a_damaged_or_old_coverage_is_not_used(periph_sim: Run) -> None:
+    assert periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--save").status == 0
+    Path("listener.py").write_text(Path("listener.py").read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    came = periph_sim("worst", "listener.toml")
+    assert "coverage/listener.json is out of date: listener.py has changed; this is the worst of one run" in came.err
+    Path("coverage/listener.json").write_text("{", encoding="utf-8")
+    came = periph_sim("run", "listener.toml")
+    assert "listener: FAIL" in came.out and "is no coverage of this version of periph-sim" in came.out
+    assert "delete it, and write it again with prove --save" in came.out

@@ -74,7 +74,7 @@ def put_case(folder: Path, *, service: int = 3000, comment: str = "") -> Path:
 
 def save_coverage(case: Path) -> Path:
     """Run the phases ONLY, and write the coverage file, without the dependencies that are modules of the tests."""
-    found = choose(Job(str(case.absolute())), 1, ONLY)
+    found = choose(Job(str(case.absolute()), rounds=3), 1, ONLY)
     files = {file: digest for file, digest in found.depends.files.items() if not file.startswith("..")}
     found.depends = replace(found.depends, files=files)
     run_coverage(found, 1, None, path_for(case))

@@ -25,7 +25,7 @@ def witnesses(periph_sim: Run, case: Path, folder: Path, only: str, changes: Seq
     folder.mkdir(exist_ok=True)
     sets = [word for change in changes for word in ("--set", change)]
     arguments = ["--phases", only, "--step", str(step), "--jobs", "1", "--witness", str(folder), "--json"]
-    came = periph_sim("prove", str(case), *sets, *arguments)
+    came = periph_sim("prove", str(case), "--rounds", "3", *sets, *arguments)
     said = json.loads(came.out)
     judged = {name: one for name, one in said["budgets"].items() if one["verdict"] != "not judged"}
     files = [Path(file) for file in said["written"]]

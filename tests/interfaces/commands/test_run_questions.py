@@ -30,7 +30,7 @@ def test_all_budgets_hold_whatever_the_answers_are(periph_sim: Run) -> None:
         "small: 24 runs of 20.000 us: the case as it is, 8 other answers one at a time, and 15 pairs, to 5 open "
         "questions"
     )
-    assert "Only single answers and these pairs were tried" in came.out and "first difference" not in came.out
+    assert "Other combinations were not tried." in " ".join(came.out.split()) and "first difference" not in came.out
 
 
 def test_a_budget_that_depends_on_an_answer_is_explained(periph_sim: Run) -> None:

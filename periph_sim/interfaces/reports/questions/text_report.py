@@ -29,8 +29,9 @@ def text(explored: Exploration, found: Sequence[Dependence], differences: Differ
     rows = [_row(one) for one in found]
     lines += ["", *text_table(("budget", "limit", "worst", "with other answers"), rows, (1, 2)), ""]
     lines += paragraph(
-        "worst: of all these runs. Only single answers and these pairs were tried: answers to related questions that "
-        "break nothing alone, and to questions that arise only with another answer."
+        "worst: of all these runs. Besides single answers, pairs were tried of related answers that break nothing "
+        "alone, and of an answer with those to the questions that arise only with it. "
+        "Other combinations were not tried."
     )
     if explored.not_varied:
         names = ", ".join(explored.not_varied)

@@ -226,9 +226,19 @@ def _lines(found: Coverage) -> list[str]:
     each = "each cycle" if step == 1 else f"each {step}th cycle"
     near = f"{found.choice.near:,} phases near a write, else " if found.choice.near else ""
     lines.append(f"chosen: {near}{each}; fewer within windows")
-    lines.append(f"held: in one round of each phase; at the ends of windows, in {found.choice.rounds} rounds")
+    lines.append(f"held: {_held_in(found)}")
     lines += [f"not covered: {name}: {reason}" for name, reason in found.case.left_out.items()]
     return lines
+
+
+def _held_in(found: Coverage) -> str:
+    """Return a phrase that says in how many rounds a phase held."""
+    phases, rounds = found.case.phases, found.choice.rounds
+    if phases.moved == "sends":
+        return "in one run of each phase"
+    if phases.start_up:
+        return f"in at least {rounds} rounds after each start"
+    return f"in one round of each phase; at the ends of windows, in {rounds} rounds"
 
 
 def _width(found: Coverage, window: Window) -> int:

@@ -280,3 +280,13 @@ def test_run_and_worst_say_why_a_damaged_or_old_coverage_is_not_used(periph_sim:
     came = periph_sim("run", "listener.toml")
     assert "listener: FAIL" in came.out and "is no coverage of this version of periph-sim" in came.out
     assert "delete it, and write it again with prove --save" in came.out
+
+
+def test_the_output_says_in_how_many_rounds_a_phase_held(periph_sim: Run) -> None:
+    phases = ("--phases", "0 us to 0.1 us", "--jobs", "1")
+    assert periph_sim(*HERE, *phases).out.splitlines()[-1] == (
+        "held: in one round of each phase; at the ends of windows, in 3 rounds"
+    )
+    assert periph_sim(*HERE, *phases, "--start-up").out.splitlines()[-1] == (
+        "held: in at least 3 rounds after each start"
+    )

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     "run",
     "periph-sim run timing/imu_hil.toml --seconds 1 --explain",
     "periph-sim run timing/imu_hil.toml --set seed=2 --record run.psr",
-    "periph-sim run timing/imu_hil.toml --seconds 1 --questions",
+    "periph-sim run timing/responder.toml --seconds 0.01 --questions",
 )
 @click.argument("case", type=click.Path(path_type=Path))
 @SECONDS

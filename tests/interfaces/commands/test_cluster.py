@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import logging
+import os
 import socket
 import subprocess
 import sys
@@ -102,7 +103,18 @@ class Cluster:
         self.workers = [worker for worker in self.workers if worker.poll() is None]
         options = ("--nthreads", "1", "--no-nanny", "--local-directory", str(self.folder))
         self.workers += [self._start("dask_worker", *options) for _ in range(count - len(self.workers))]
+        wait_for(self._has_these_workers)
         return self
+
+    def _has_these_workers(self) -> bool:
+        """True if exactly these workers are registered: one that joined late could find no part left."""
+        from distributed import Client
+
+        with Client(self.address, set_as_default=False) as client:
+            try:
+                return {*client.run(os.getpid).values()} == {worker.pid for worker in self.workers}
+            except OSError:  # a worker that was killed is still registered
+                return False
 
     def _start(self, what: str, *options: str) -> Process:
         common = ("--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", str(self.file))

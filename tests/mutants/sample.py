@@ -58,6 +58,15 @@ ROOMS = {
             "tests/scene",
         ),
     ),
+    "proof": Room(
+        ("periph_sim/proof",),
+        (
+            "tests/proof",
+            "tests/interfaces/commands/test_prove.py",
+            "tests/interfaces/reports/test_coverage_check.py",
+            "tests/interfaces/reports/test_witness.py",
+        ),
+    ),
     "replay": Room(("periph_sim/replay",), ("tests/replay",)),
     "records": Room(("periph_sim/records",), ("tests/records",)),
     "devices": Room(("periph_sim/devices",), ("tests/devices", "tests/scene/test_devices.py")),

@@ -22,6 +22,7 @@ from periph_sim.proof.cover import (
     Window,
     Worst,
     _first_true,
+    _merged,
     joined_at_end,
     nothing,
     windows_of,
@@ -264,3 +265,8 @@ def test_windows_that_overlap_are_one_since_a_phase_in_them_only_held_while_the_
 
     (window,) = windows_of(found, alone, (0, 20))
     assert (window.first, window.last, window.is_closed) == (11, 14, True)
+
+
+def test_of_windows_that_overlap_the_farthest_ends_count() -> None:
+    windows = [Window("late", 3, 9, 4, True), Window("late", 5, 7, 2, True), Window("soon", 5, 7, 2, True)]
+    assert _merged(windows) == [Window("late", 3, 9, 4, True), Window("soon", 5, 7, 2, True)]

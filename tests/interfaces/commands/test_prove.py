@@ -290,3 +290,15 @@ def test_the_output_says_in_how_many_rounds_a_phase_held(periph_sim: Run) -> Non
     assert periph_sim(*HERE, *phases, "--start-up").out.splitlines()[-1] == (
         "held: in at least 3 rounds after each start"
     )
+
+
+def test_a_data_file_that_the_firmware_reads_is_a_dependency_and_one_that_it_writes_is_not(periph_sim: Run) -> None:
+    Path("table.txt").write_text("1", encoding="utf-8")
+    text = Path("listener.py").read_text(encoding="utf-8")
+    uses = 'open("table.txt").read()\nopen("log.txt", "w").write("x")\n'
+    Path("listener.py").write_text(f"{text}\n{uses}", encoding="utf-8")
+    assert periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--save").status == 0
+    files = json.loads(Path("coverage/listener.json").read_text(encoding="utf-8"))["dependencies"]["files"]
+    assert {"table.txt", "listener.py", "listener.toml"} <= files.keys() and "log.txt" not in files
+    Path("table.txt").write_text("2", encoding="utf-8")
+    assert "coverage/listener.json is out of date: table.txt has changed" in periph_sim("run", "listener.toml").out

@@ -16,6 +16,8 @@ from typing import BinaryIO
 
 from .phrases import nearest
 
+NOTED = "periph_sim.input"  # the audit event for an input, which another program may have read, such as a compiler
+TEMPORARY = "periph_sim_compiled_"  # the beginning of the names of temporary folders, whose files are no inputs
 MOST = 1 << 24  # maximum size, in bytes, of a file that is read as a whole
 
 _read: set[tuple[int, int]] | None = None  # device and inode of each file; None while no command runs
@@ -105,9 +107,17 @@ def note_input(path: Path) -> Path:
 
 
 def note_inputs_of(paths: Iterable[Path]) -> None:
-    """Remember these files as inputs of the command that runs. Files that do not exist are ignored."""
-    if _read is not None:
-        _read.update(identity for path in paths if (identity := _identity(path)) is not None)
+    """Remember these files as inputs of the command that runs. Files that do not exist are ignored.
+
+    Each path is also announced to Python's audit hooks, as the event NOTED. If no command runs, nothing is done.
+    """
+    if _read is None:
+        return
+    for path in paths:
+        sys.audit(NOTED, str(path))
+        identity = _identity(path)
+        if identity is not None:
+            _read.add(identity)
 
 
 def is_input(path: Path) -> bool:

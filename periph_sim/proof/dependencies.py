@@ -3,8 +3,8 @@
     runs of a case --files_read--> the files that were opened --dependencies--> their digests
     digests --differences--> sentences about what has changed since
 
-The files are those that this process opens during a run, the source files of modules that it has imported, and the
-files that the case names. Programs outside Python, such as a C compiler, are not among them.
+The files are those that this process opens or a C compiler includes, the source files of imported modules, and the
+files that the case names. The compiler itself is not among the dependencies.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ from importlib.metadata import PackageNotFoundError, packages_distributions, ver
 from importlib.util import source_from_cache
 from pathlib import Path
 from platform import python_version
+from tempfile import gettempdir
 
 from msgspec import Struct
 
-from ..core.input_files import read_regular
+from ..core.input_files import NOTED, TEMPORARY, read_regular
 
 PACKAGE = Path(__file__).parents[1]
 DIGEST = 16  # length of a digest, in bytes
@@ -74,7 +75,9 @@ def files_read() -> Iterator[set[str]]:
 
 
 def _note(event: str, arguments: tuple[object, ...]) -> None:
-    if event == "open" and _read is not None and isinstance(arguments[0], str | bytes):
+    if event == NOTED and _read is not None:
+        _read.add(os.path.abspath(str(arguments[0])))
+    elif event == "open" and _read is not None and isinstance(arguments[0], str | bytes):
         mode = arguments[1]
         if mode is None or (isinstance(mode, str) and "r" in mode):
             _read.add(os.path.abspath(os.fsdecode(arguments[0])))
@@ -120,7 +123,8 @@ def _libraries() -> tuple[str, ...]:
 
 
 def _is_library(path: str) -> bool:
-    return path.startswith((*_libraries(), "/proc/", "/sys/", "/dev/"))
+    compiled = os.path.join(gettempdir(), TEMPORARY)
+    return path.startswith((*_libraries(), compiled, "/proc/", "/sys/", "/dev/"))
 
 
 def _version(name: str) -> str:

@@ -1,11 +1,11 @@
-"""Choice of the phases to run: each cycle near the firmware's accesses, and steps in between.
+"""Choice of the phases to run: each cycle near the firmware's writes, and steps in between.
 
     interrupt requests of a frame at phase p:   p + delay          (the delays are observed in a few rounds)
     writes of registers in a round:             -----w---w--w-----
     phases at which a request is near a write:  --fffffffffffff---  run cycle by cycle
 
 An interrupt within a wait, or within a computation, delays nothing else as long as it ends before the next event, so
-neighbouring phases have the same order of events there. Near an access, one cycle can change the order. The choice of
+neighbouring phases have the same order of events there. Near a write, one cycle can change the order. The choice of
 phases is not part of any claim: a report states which phases were run.
 """
 
@@ -20,9 +20,7 @@ from ..scene.scene import Scene
 from .stretch import RUN_ERRORS, CoveredCase
 
 BEFORE, AFTER = 400, 60  # cycles before and after a write in which a request is near
-MAX_NEAR = (
-    100_000  # maximum number of near phases; firmware that accesses registers at each edge has accesses everywhere
-)
+MAX_NEAR = 100_000  # maximum number of near phases: some firmware writes registers at each edge of the bus
 OBSERVED = 8  # number of rounds that are observed, with phases at equal distances
 SAME = 400  # maximum difference, in cycles, of the delays from a frame's start to the same request in different rounds
 WRITE = "W "  # the beginning of the text of an access that writes
@@ -68,9 +66,9 @@ class Observed:
 
 
 def chosen_phases(covered: CoveredCase, step: int, bounds: tuple[int, int]) -> tuple[list[int], int]:
-    """Return the phases to run, in ascending order, and how many of them were chosen because they are near an access.
+    """Return the phases to run, in ascending order, and how many of them were chosen because they are near a write.
 
-    If more than MAX_NEAR phases are near an access, only the step counts, and 0 is returned.
+    If more than MAX_NEAR phases are near a write, only the step counts, and 0 is returned.
 
     step: the distance between the other phases, in cycles.
     bounds: the first and the last phase that may be run. Both are chosen.

@@ -232,7 +232,7 @@ def test_a_window_of_the_whole_period_has_no_neighbours() -> None:
 
 @given(st.sets(st.integers(0, 40)), st.sets(st.integers(0, 40)), st.integers(0, 41))
 def test_windows_of_known_phases_end_beside_phases_that_hold(held: set[int], failed: set[int], first: int) -> None:
-    """Of a random set of phases that fail, some were run; windows are consistent with all that was run."""
+    """Some phases of a random set fail and were run. The windows agree with all that was run."""
     fails = set(range(first, 41)) | failed
     status: dict[int, frozenset[str]] = {phase: frozenset({"x"}) for phase in failed}
     found = nothing()

@@ -1,4 +1,4 @@
-"""`periph-sim prove CASE`: run all phases of a case, and find the windows in which budgets break."""
+"""`periph-sim prove CASE`: run the phases of a case, and find the windows in which budgets break."""
 
 from __future__ import annotations
 
@@ -195,13 +195,8 @@ def _show(found: Coverage, files: Sequence[Path]) -> None:
 
 def _cells(found: Coverage, worst: Worst) -> tuple[str, str, str]:
     verdict, (first, last) = worst.verdict, (worst.phases[0], worst.phases[-1])
-    at = _time(found, first) if first == last else f"{_time(found, first)} ..."
+    at = found.choice.time(first) if first == last else f"{found.choice.time(first)} ..."
     return figure(verdict.worst, verdict.unit), limit(verdict.limit, verdict.unit, verdict.which), at
-
-
-def _time(found: Coverage, phase: int) -> str:
-    """Return a phase as a time, to a tenth of a nanosecond, so that each cycle has a text of its own."""
-    return f"{float(found.case.phases.seconds(phase)) * 1000:.7f} ms"
 
 
 def _lines(found: Coverage) -> list[str]:
@@ -215,8 +210,8 @@ def _lines(found: Coverage) -> list[str]:
             lines.append(f"  {counted(len(widths), 'more window')} of {min(widths):,} to {max(widths):,} phases")
     for one in found.found.drifting[:MOST_LISTED]:
         names, rounds = ", ".join(sorted(one.names)), found.choice.rounds
-        lines.append(f"{names}: broken at {_time(found, one.last)} in a run whose phase increases from")
-        lines.append(f"  {_time(found, one.first)} on, but not in {rounds} rounds at one phase")
+        lines.append(f"{names}: broken at {found.choice.time(one.last)} in a run whose phase increases from")
+        lines.append(f"  {found.choice.time(one.first)} on, but not in {rounds} rounds at one phase")
     if len(found.found.drifting) > MOST_LISTED:
         lines.append(f"  {len(found.found.drifting) - MOST_LISTED} more of these")
     lines += [f"{name}: for example, {reason}" for name, reason in found.found.reasons.items()]
@@ -248,7 +243,7 @@ def _width(found: Coverage, window: Window) -> int:
 
 
 def _window_text(found: Coverage, window: Window) -> str:
-    ends = f"{_time(found, window.first)} to {_time(found, window.last)}"
+    ends = f"{found.choice.time(window.first)} to {found.choice.time(window.last)}"
     sides = "both neighbours held" if window.is_closed else "it reaches an end of the phases"
     if _width(found, window) == found.case.phases.count:
         sides = "all phases of the period"

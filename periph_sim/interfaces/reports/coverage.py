@@ -100,7 +100,7 @@ class Coverage:
 def choose(job: Job, step: int, only: tuple[Fraction, Fraction] | None) -> Coverage:
     """Return a coverage that has only run a few phases, for an estimate of its time.
 
-    step: the distance of phases that are not near an access, in cycles.
+    step: the distance of phases that are not near a write, in cycles.
     only: the phases to run, from the first to the last time in seconds; None for all of a period.
     """
     with files_read() as read:
@@ -158,8 +158,8 @@ def run_coverage(
     except ClusterError as error:
         coverage.stopped = str(error)
     except BrokenProcessPool:
-        first = float(coverage.case.phases.seconds(parts[coverage.finished][0]) * 1000)
-        coverage.stopped = f"a process died while it ran the phases from {first:.7f} ms"
+        first = coverage.choice.time(parts[coverage.finished][0])
+        coverage.stopped = f"a process died while it ran the phases from {first}"
     if save_to is not None and coverage.stopped:
         save(coverage, save_to)
     _finish(coverage)

@@ -49,14 +49,14 @@ def report_of(path: Path, file: CoverageFile, differences: Sequence[str]) -> Pha
 
 
 def phase_text(phases: Sequence[int], choice: Choice) -> str:
-    """Return the phases of a run as times, to a tenth of a nanosecond, such as "phase 1.5700000 ms"."""
-    first, last = (f"{phase * choice.cycle_ps / 10**9:.7f}" for phase in (phases[0], phases[-1]))
-    return f"phase {last} ms" if first == last else f"phases {first} to {last} ms"
+    """Return the phases of a run as times, such as "phase 1.5700000 ms"."""
+    first, last = (choice.time(phase) for phase in (phases[0], phases[-1]))
+    return f"phase {last}" if first == last else f"phases {first.removesuffix(' ms')} to {last}"
 
 
 def _summary(file: CoverageFile, count: str) -> str:
     broken = {window.name for window in file.windows} | {name for one in file.found.drifting for name in one.names}
     if broken:
         return f"{count} run; broken at some of them: {', '.join(sorted(broken))}"
-    judged = sum(1 for count in file.found.judged.values() if count)
+    judged = sum(1 for runs in file.found.judged.values() if runs)
     return f"{judged} budgets held at {count}"

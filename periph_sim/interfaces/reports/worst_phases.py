@@ -10,17 +10,18 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ...proof.cover import Worst
-from ...proof.coverage_file import current
+from ...proof.coverage_file import Choice, current
 from ...proof.coverage_path import path_for
 from ...proof.stretch import CoveredCase, Job
 from ...timing.verdict import Verdict
+from .coverage_line import phase_text
 from .explain.explain import Explained, explain
 
 
 class WorstAtPhase(NamedTuple):
     """The worst occurrence of a budget at the phases of a coverage file.
 
-    text: a line that names the phase.
+    text: a line that names the phase, or the phases of the run that has the value.
     explained: its explanation; None if it has no instant.
     phases, seed: the run in which it occurs, as in `Worst`.
     """
@@ -47,20 +48,19 @@ def worst_at_phases(case: Path, verdicts: Sequence[Verdict]) -> dict[str, WorstA
         if one.name in saved[0].found.worst and _is_nearer(saved[0].found.worst[one.name].verdict, one)
     ]
     covered = CoveredCase(Job(str(case.absolute()), rounds=saved[0].choice.rounds)) if nearer else None
-    return {} if covered is None else {one.verdict.name: _again(case, covered, one) for one in nearer}
+    return {} if covered is None else {one.verdict.name: _again(case, covered, one, saved[0].choice) for one in nearer}
 
 
 def _is_nearer(one: Verdict, other: Verdict) -> bool:
     return one.margin is not None and (other.margin is None or one.margin < other.margin)
 
 
-def _again(case: Path, covered: CoveredCase, worst: Worst) -> WorstAtPhase:
+def _again(case: Path, covered: CoveredCase, worst: Worst, choice: Choice) -> WorstAtPhase:
     """Run the phases of a worst occurrence again, and explain it."""
     scene = covered.scene(worst.phases, worst.seed)
     result = scene.run()
     (verdict,) = (one for one in result.budgets if one.name == worst.verdict.name)
     typical = [one for one in scene.typical() if one.name == verdict.name]
     explained = next(iter(explain(scene.case, [verdict], typical)), None)
-    at = float(covered.phases.seconds(worst.phases[-1])) * 1000
-    text = f"at phase {at:.7f} ms, the worst of {path_for(case)}:"
+    text = f"at {phase_text(worst.phases, choice)}, the worst of {path_for(case)}:"
     return WorstAtPhase(verdict, text, explained, worst.phases, worst.seed)

@@ -19,6 +19,7 @@ from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from ...core.input_files import TEMPORARY
 from ...core.state import State
 from ...f28335.memory.memory_map import NoSuchAddress
 from ..dsp import Dsp
@@ -79,7 +80,7 @@ class HostFirmware:
         self.dsp = dsp
         self.make_run: Callable[[Dsp, Path, int, RegisterLayout], Run] = Run
         self.run: Run | None = None
-        self._folder = TemporaryDirectory(prefix="periph_sim_", ignore_cleanup_errors=True)
+        self._folder = TemporaryDirectory(prefix=TEMPORARY, ignore_cleanup_errors=True)
         self._objects, self._undefined = compiled(sources, Path(self._folder.name)), sources.undefined
         self._begun = 0
         library = linked(self._objects, self._undefined, FIRST_BASE, Path(self._folder.name) / "checked.so")

@@ -302,3 +302,15 @@ def test_a_data_file_that_the_firmware_reads_is_a_dependency_and_one_that_it_wri
     assert {"table.txt", "listener.py", "listener.toml"} <= files.keys() and "log.txt" not in files
     Path("table.txt").write_text("2", encoding="utf-8")
     assert "coverage/listener.json is out of date: table.txt has changed" in periph_sim("run", "listener.toml").out
+
+
+def test_worst_names_all_phases_of_a_run_that_has_the_worst_value(periph_sim: Run) -> None:
+    """A value that one phase alone does not have is not said to be at the last phase of its run."""
+    assert periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--save").status == 0
+    saved = Path("coverage/listener.json")
+    file = json.loads(saved.read_text(encoding="utf-8"))
+    worst = file["found"]["worst"]["late"]
+    worst["phases"], worst["verdict"]["margin"] = [0, 1, 2], -1.0
+    saved.write_text(json.dumps(file), encoding="utf-8")
+    came = periph_sim("worst", "listener.toml", "late")
+    assert came.out.startswith("at phases 0.0000000 to 0.0000133 ms, the worst of coverage/listener.json:\n")

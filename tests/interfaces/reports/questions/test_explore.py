@@ -1,4 +1,4 @@
-"""Which answers are run, alone and in pairs, and what that says of each budget."""
+"""The answers that are run, alone and in pairs, and the result for each budget."""
 
 from __future__ import annotations
 

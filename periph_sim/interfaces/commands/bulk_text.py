@@ -64,7 +64,7 @@ class Digits:
         written[:, 0] = _FOUR[rest]
         digits = written.view(np.uint8)[:, 4 * groups - self._digits :]
         whole = self._digits - self._decimals
-        for place in range(whole - 1):  # replace leading zeros
+        for place in range(whole - 1):  # leading zeros become padding
             np.copyto(digits[:, place], self._pad[0], where=values < 10 ** (self._digits - 1 - place))
         free = self.width - self._digits - (self._decimals > 0)
         into[:, :free] = self._pad[0]
@@ -117,8 +117,8 @@ class Sparse:
         into[self._where[begin:end] - lines.start] = page
 
 
-# A column has the same width in every line.
-# The method `fill` writes some lines of the column into an array with a row for each line and `width` characters.
+# A column has the same width in every line. Its method `fill` writes some lines of the column into an array that has
+# a row for each of these lines and `width` characters in each row.
 Column: TypeAlias = "Literal | Digits | Words | Sparse"
 
 
@@ -138,7 +138,7 @@ def numbered(codes: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def text(columns: Sequence[Column], lines: int) -> Iterator[bytes]:
-    """Yield the lines of a text as bytes, AT_ONCE lines at a time. lines: the number of all lines."""
+    """Yield the lines of a text as bytes, AT_ONCE lines at a time. lines: the number of lines of the whole text."""
     bounds = np.cumsum([0, *(column.width for column in columns)]).tolist()
     for begin in range(0, lines, AT_ONCE):
         some = slice(begin, min(begin + AT_ONCE, lines))

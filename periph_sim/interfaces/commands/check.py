@@ -65,7 +65,7 @@ def check(
     PATH is a case file, or a folder with cases in it or below it. Default: `cases` of
     [tool.periph-sim] in pyproject.toml, else timing, else the current folder. Baselines
     are baselines/NAME.json beside the case, or in `baselines` of that table. If a case has a coverage
-    file (prove --save), the runs of its worst values are made again and compared, too.
+    file (prove --save), the runs that gave its worst values are repeated and compared, too.
 
     Exit status 0: every budget holds, or breaks where the case says that it must, and every
     figure is that of the baseline or the coverage file; 1: otherwise; 2: a case could not be run
@@ -179,7 +179,10 @@ def _coverage(one: CaseCheck) -> dict[str, str] | None:
 def _html(
     checks: list[CaseCheck], refused: list[RejectedCase], jobs: int | None, cluster: ClusterExecutor | None
 ) -> str:
-    """Return the HTML report. Each case is run again to get the timelines, here if the cluster is lost."""
+    """Return the HTML report. Each case is run again to get its timelines.
+
+    If the connection to the cluster is lost, the cases are run on this computer.
+    """
     from ..reports.baselines.workers import workers
     from ..reports.cluster import ClusterError
     from ..reports.html.gather import report_of_file

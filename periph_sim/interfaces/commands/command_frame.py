@@ -1,7 +1,7 @@
 """Code that all commands share: their decorator, values of options, reports of input errors, and output of answers.
 
 arguments --> rate_given, ...: values   input errors --> one line on standard error, status 2
-answer -----> lines, tables within 80 columns, or one JSON object; styles are used only on a terminal
+answer -----> lines, tables as wide as the terminal (at least 80 columns), or one JSON object
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Command(click.Command):
             raise
 
     def _renamed(self, ctx: click.Context, text: str) -> str:
-        """Replace a former name of an option in an argument by the present name, and print a notice."""
+        """Return an argument, in which the present name of an option replaces a former one. Print a notice about it."""
         name, equals, value = text.partition("=")
         new = self.former.get(name)
         if new is None:
@@ -77,7 +77,7 @@ SINGLE_DASH = re.compile(r"-[A-Za-z][\w-]+")
 
 
 def _split_change(given: Sequence[str]) -> tuple[str, str]:
-    """Find a --set with a blank beside "=" or in place of it. Return its key and value; ("", "") if there is none."""
+    """Find a --set that is split by blanks, as in `--set KEY = VALUE`. Return (KEY, VALUE), or ("", "") if none is."""
     for n, option in enumerate(given[:-2]):
         key = given[n + 1].rstrip(":= ")
         value, unit, *_ = *(word.removeprefix("=").strip() for word in given[n + 2 :] if word != "="), "", ""
@@ -114,12 +114,15 @@ CODES = {
     "green": 32,
     "yellow": 33,
 }  # a dictionary from styles to ANSI escape codes
-UNSEEN = dict.fromkeys((7, 8, 11, 12, 13))  # control codes that are removed from lines
+UNSEEN = dict.fromkeys((7, 8, 11, 12, 13))  # control characters that `say` removes from its texts
 TAB = 8
 
 
 def say(*texts: str, style: str = "") -> None:
-    """Print texts without breaking their lines, so that the output can be searched. style: a key of CODES, or ""."""
+    """Print texts. Long lines are not wrapped, so that the output can be searched.
+
+    style: a key of CODES, which is used only on a terminal; "" for no style.
+    """
     styled = bool(style) and _has_styles()
     for line in (line for text in texts for line in text.split("\n")):
         line = line.translate(UNSEEN).expandtabs(TAB)
@@ -127,9 +130,10 @@ def say(*texts: str, style: str = "") -> None:
 
 
 def _has_styles() -> bool:
-    """Return True if output may have styles: if standard output is a terminal, or an environment variable requests it.
+    """Return True if output may have styles.
 
-    NO_COLOR and TERM can forbid styles.
+    It may if standard output is a terminal, or if FORCE_COLOR or TTY_COMPATIBLE requests styles. NO_COLOR and some
+    values of TERM forbid styles.
     """
     if os.environ.get("NO_COLOR") or os.environ.get("TERM") in ("dumb", "unknown"):
         return False
@@ -160,7 +164,7 @@ def print_table(
 
 
 def _columns() -> int:
-    """Return the number of columns of the terminal or of the variable COLUMNS; 0 if it is unknown."""
+    """Return the number of columns from the environment variable COLUMNS, else of the terminal; 0 if it is unknown."""
     said = os.environ.get("COLUMNS", "")
     if said.isdecimal():
         return int(said)
@@ -172,7 +176,7 @@ def _columns() -> int:
     return 0
 
 
-VERSION = 2  # version of the JSON output, which changes if a key is removed or gets another meaning
+VERSION = 2  # version of the JSON output; it increases when a key is removed or gets another meaning
 
 
 def print_json(command: str, answer: Mapping[str, object]) -> None:
@@ -193,7 +197,7 @@ def print_answer(command: str, answer: Mapping[str, object] | str) -> None:
         print_json(command, answer)
 
 
-# Classes of errors caused by input. They are given by name, so that a command imports only errors that it can raise.
+# Names of the classes of errors that input causes. With names, a command imports no classes that it does not need.
 MISTAKES = {
     "periph_sim.interfaces.reports.baselines.files.BadCheck",
     "periph_sim.scene.case.model.BadCase",
@@ -244,7 +248,10 @@ SHARE = "a fifth to a fourteenth"
 
 @contextmanager
 def progress(name: str) -> Iterator[Callable[[float], None] | None]:
-    """Yield a function that displays the completed share, 0 to 1, as a bar; None if standard error is no terminal."""
+    """Yield a function that displays the completed share, 0 to 1, as a bar; None if standard error is no terminal.
+
+    At the end, print the advice of `cost_of_form`. name: the text beside the bar.
+    """
     if not sys.stderr.isatty():
         yield None
         return
@@ -294,7 +301,7 @@ def read_capture(path: Path, rate: str | None, salvage: bool = False, option: st
 
 
 def rate_given(option: str, text: str) -> Fraction:
-    """Parse a rate. Return samples per second, which are above 0. option: the name of the option, for messages."""
+    """Parse a rate, such as '4 MHz'. Return it in Hz; it is above 0. option: the name of the option, for messages."""
     from ...traces.capture.capture import rate_of
 
     try:
@@ -337,7 +344,7 @@ def i2c_address_given(option: str, text: str, most: int = 0x7F) -> int:
 
 
 def pace_given(text: str) -> Fraction:
-    """Parse --pace. Return the number of simulated seconds per second."""
+    """Parse --pace. Return the number of simulated seconds per second of real time."""
     try:
         return exact_number(text)
     except ValueError:

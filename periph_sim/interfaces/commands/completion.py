@@ -23,7 +23,7 @@ Schema = dict[str, Any]
 Complete = Callable[[click.Context, click.Parameter, str], list[str]]
 
 WIRES = ("SCL", "SDA", "RX", "TX")
-MISSING = 2  # levels of keys that are offered although the case lacks them, such as unit.dsp.options.i2c
+MISSING = 2  # levels of missing keys that are offered below an existing table, such as unit.dsp.options.i2c
 BASH = r"""%(complete_func)s() {
     local completion kind value response
     response=$(env COMP_WORDS="$(printf '%%s\n' "${COMP_WORDS[@]}")" COMP_CWORD="$COMP_CWORD" \
@@ -75,7 +75,10 @@ def silently(offer: Complete) -> Complete:
 
 
 def next_parts(names: Iterable[str], begun: str) -> list[str]:
-    """Return the names that begin with `begun`, up to the end of the first dotted part in which they differ."""
+    """Return the names that begin with `begun`, each cut after the first dotted part in which they differ.
+
+    The case of letters does not matter. Names that are equal after the cut are returned once.
+    """
     found = [name for name in names if name.lower().startswith(begun.lower())]
     length = len(begun)
     while True:
@@ -87,14 +90,14 @@ def next_parts(names: Iterable[str], begun: str) -> list[str]:
 
 @silently
 def complete_budget(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
-    """Offer the budgets of the case, but none that is already on the line."""
+    """Offer the budgets of the case that are not on the command line yet."""
     given = context.params.get(parameter.name or "") or ()
     return [name for name in _budgets(_tree(context)) if name.startswith(begun) and name not in given]
 
 
 @silently
 def complete_key(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
-    """Offer the keys of the case, each followed by "="."""
+    """Offer the keys that --set can change in the case, each followed by "="."""
     schema, definitions = _case_schema()
     return next_parts((f"{key}=" for key in _keys(_tree(context), schema, definitions)), begun)
 
@@ -122,7 +125,7 @@ def complete_question(context: click.Context, parameter: click.Parameter, begun:
 
 @silently
 def complete_optimization(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
-    """Offer the optimizations that can be switched off, and all."""
+    """Offer the optimizations that can be switched off, and "all"."""
     from ...scene.case.optimizations import ALL, OPTIMIZATIONS
 
     return [name for name in (*OPTIMIZATIONS, ALL) if name.startswith(begun)]
@@ -130,7 +133,7 @@ def complete_optimization(context: click.Context, parameter: click.Parameter, be
 
 @silently
 def complete_row(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
-    """Offer the rows of `trade`, except the rows that are made from other cases."""
+    """Offer the names of rows in the table of `trade`, except rows that are made from other cases."""
     from ..reports.trade.rows import ARITHMETICS, AS_GIVEN, RECORDINGS
 
     names = [AS_GIVEN, *(f"arithmetic={name}" for name in ARITHMETICS), *(f"record {name}" for name in RECORDINGS)]
@@ -155,7 +158,7 @@ def _fields() -> Iterator[str]:
 
 
 def _tree(context: click.Context) -> dict[str, Any]:
-    """Return the tables in the case on the command line.
+    """Return the content of the case file on the command line, parsed from TOML.
 
     Raise StopIteration if the line names no case, and OSError or ValueError if the case cannot be read.
     """
@@ -166,7 +169,7 @@ def _tree(context: click.Context) -> dict[str, Any]:
 
 
 def _budgets(tree: dict[str, Any]) -> Iterator[str]:
-    """Yield the names of a case's budgets: its own, and those of replies, silences and watched wires."""
+    """Yield the names of a case's budgets: those in [[budget]], of expected replies or silences, and of [watch]."""
     serial = tree.get("serial", {})
     named = [*tree.get("budget", ()), *(one for one in serial.get("send", ()) if "expect" in one)]
     yield from dict.fromkeys(one["name"] for one in [*named, *serial.get("expect", ())] if "name" in one)
@@ -190,8 +193,9 @@ def _case_schema() -> tuple[Schema, Schema]:
 
 
 def _keys(value: object, schema: Schema, definitions: Schema, missing: int = 0) -> Iterator[str]:
-    """Yield the keys that a table has or can have, with the keys of its inner tables: controller.period.
+    """Yield the keys that a table has or can have, including those of inner tables, such as controller.period.
 
+    value: the table, or a list of tables.
     schema: the schema of the table. definitions: the schemas that it refers to.
     missing: the number of levels of inner tables whose keys are included although the file does not have them.
     """
@@ -200,7 +204,7 @@ def _keys(value: object, schema: Schema, definitions: Schema, missing: int = 0) 
     known = schema.get("properties", {})
     for name in dict.fromkeys([*table, *known]):
         if set(".=") & set(name):
-            continue  # --set cannot name it
+            continue  # --set cannot name a key that contains "." or "="
         inner = _resolved(known.get(name) or schema.get("items") or schema.get("additionalProperties"), definitions)
         one = table.get(name)
         is_table = isinstance(one, dict) or (isinstance(one, list) and bool(_entries(one)))
@@ -221,7 +225,7 @@ def _entries(tables: list[Any]) -> dict[str, Any]:
 
 
 def _resolved(schema: object, definitions: Schema) -> Schema:
-    """Return a schema in place of a reference to it; {} if any value is valid."""
+    """Return the schema that `schema` refers to, or `schema` itself if it is no reference; {} if any value is valid."""
     found: Schema = schema if isinstance(schema, dict) else {}
     for inner in (found, *found.get("allOf", ())):
         if "$ref" in inner:

@@ -70,7 +70,7 @@ def convert(
 def _same_file(given: Path, out: Path) -> bool:
     try:
         return out.samefile(given)
-    except OSError:  # a file is missing or a name is invalid, which is reported later
+    except OSError:  # a file is missing or its name is invalid, which is reported later
         return False
 
 
@@ -111,7 +111,10 @@ def _sizes(capture: formats.Capture) -> str:
 
 
 def _not_kept(ready: formats.Capture, out: Path) -> Iterator[str]:
-    """Read OUT again, and yield a sentence for each loss in OUT. Raise BadCapture if the edges in OUT differ."""
+    """Read OUT again. Yield a sentence if OUT ends at another position, and raise BadCapture if its edges differ.
+
+    Yield nothing if there is no reader for the format of OUT.
+    """
     if not any(
         out.name.casefold().endswith(suffix) for reader in formats.readers().values() for suffix in reader.SUFFIXES
     ):

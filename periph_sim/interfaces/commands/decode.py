@@ -1,6 +1,6 @@
 """`periph-sim decode FILE`: list the events on the buses of a capture, or export them to another tool.
 
-pcapng      Wireshark, tshark          a packet for each message, burst or selection (SPI), an interface for each line
+pcapng      Wireshark, tshark          a packet for each message, burst or selection (SPI), an interface for each bus
 hexdump     text2pcap, any script      the same bytes as text, each packet below its time
 sigrok      scripts for sigrok-cli     a line for each event, `START-END i2c-1: Address write: 53`
 logic2      scripts for Logic 2        a line for each condition, byte, frame or word, as Logic 2 exports its tables
@@ -233,7 +233,7 @@ def _text(
 
 
 def _shortest(text: str, capture: Capture) -> int:
-    """Convert the value of --glitch to a number of positions. Shorter pulses are ignored as glitches."""
+    """Convert the value of --glitch to a number of positions, rounded up. Shorter pulses are ignored as glitches."""
     match = re.fullmatch(r"\s*(\d{1,18}(?:\.\d{1,18})?)\s*([a-z]*)\s*", text)
     if not match or (match[2] and match[2] not in A_SECOND) or (not match[2] and not match[1].isdecimal()):
         raise click.ClickException(
@@ -247,7 +247,7 @@ def _shortest(text: str, capture: Capture) -> int:
 
 
 DECIMALS = 9  # number of decimals of a second; Wireshark does not show more
-PER_LINE = 16  # number of bytes in a line of a dump
+PER_LINE = 16  # number of bytes in a line of a hex dump
 
 SIGROK = {
     "start": "Start",
@@ -291,8 +291,8 @@ def in_hexdump(rows: Rows, first: Numbers, clock: event_text.Clock) -> Iterator[
 def in_sigrok(rows: Rows, protocols: Sequence[str]) -> Iterator[bytes]:
     """Yield lines in the form of `sigrok-cli --protocol-decoder-samplenum`.
 
-    The end of an event is the actual end of its last bit, which sigrok only estimates. Each SPI line has its own
-    decoder. Selections are left out, because sigrok has no line for them.
+    The end of an event is the actual end of its last bit, which sigrok only estimates. Each data line of an SPI
+    bus has its own decoder. Selections are left out, because sigrok has no line for them.
     """
     rows = select(rows, (rows.event != SELECT) & (rows.event != DESELECT))
     decoders: list[str] = []

@@ -33,7 +33,7 @@ SPI_MODES = {  # names and values as in sigrok's decoder; the first value is the
     "bitorder": ("msb-first", "lsb-first"),
     "cs_polarity": ("active-low", "active-high"),
 }
-SPIKE = Fraction(100, 10**9)  # seconds; twice tSP (UM10204, table 10), as in `compliance`
+SPIKE = Fraction(100, 10**9)  # seconds; default limit of glitches: twice tSP (UM10204, table 10), as in `compliance`
 MAX_WORD = 32  # maximum number of bits of an SPI word
 # A guess of a line's settings is used if its certainty is at least SURE.
 # In a test with 34 real lines, guesses with a certainty above SURE were right, and most other guesses were wrong.
@@ -155,7 +155,8 @@ def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: in
     shortest: pulses of fewer positions are ignored as glitches.
     doubtful: True if an uncertain guess may be used.
 
-    Raise ValueError if the settings cannot be guessed, or if the capture is too coarse for the rate.
+    Raise ValueError if the settings are invalid or cannot be guessed, if `doubtful` is False and the guess is
+    uncertain, or if the capture is too coarse for the rate.
     """
     notes = gap_notes(capture, wire)
     if not len(wire.edges):
@@ -257,10 +258,12 @@ def _channels(
 
 
 def pairs_given(option: str, text: str, known: tuple[str, ...]) -> dict[str, str]:
-    """Parse a text such as `a=1,b` to a dictionary. An entry without `=` has the value "".
+    """Parse a text such as `rx=2,baud=9600,vote` to a dictionary. Only the settings in FLAGS may have no value.
 
     option: the name of the option, for messages.
     known: the names that are allowed.
+
+    Raise ClickException for other names, for a name that occurs twice, and for a missing value.
     """
     given: dict[str, str] = {}
     for part in text.split(","):

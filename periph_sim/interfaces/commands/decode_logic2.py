@@ -45,7 +45,7 @@ MARKS = {START: "start", AGAIN: "start", STOP: "stop", SELECT: "enable", DESELEC
 
 
 class Line(NamedTuple):
-    """A line of the table. at, end: its start and end. cells: a dictionary from titles to texts."""
+    """A line of the table. at, end: its start and end, as positions. cells: a dictionary from titles to texts."""
 
     at: int
     end: int
@@ -117,7 +117,7 @@ def _lines(rows: Rows, name: str, bus: Bus, sample: int) -> Iterator[Line]:
             yield Line(at, end, name, "result", {bus.role: _hexadecimal(value, bits)})
 
 
-FAULTS = {"parity error": "parity", "frame error": "framing"}  # of several faults of a frame, Logic 2 states the first
+FAULTS = {"parity error": "parity", "frame error": "framing"}  # if a frame has both faults, only "parity" is shown
 
 
 def _said(flag: bool) -> str:

@@ -32,7 +32,7 @@ from .bulk_text import Numbers
 from .command_frame import i2c_address_given
 from .decode_buses import Bus
 
-BUSY = 10**12  # ticks; longer than any device is busy
+BUSY = 10**12  # in ticks; a time that is longer than any device is busy after a write
 POINTER, QUANTITY = "pointer", " = "
 AT_POWER_ON = "before its data; quantities are at the scale after power-on"
 BEFORE_GAP = "since a gap; quantities are at the scale before the gap"
@@ -41,7 +41,7 @@ BEFORE_GAP = "since a gap; quantities are at the scale before the gap"
 class NamedDevice:
     """A device that names the bytes of its transfers.
 
-    device: an object with `addresses`, `answer` and `on_end`.
+    device: the model of the device, an object with `addresses`, `answer` and `on_end`.
     label: the model, or the name of its table in the case.
     assumed: the end of a note. The note says which scale of quantities was assumed, because the capture shows no write
         to the registers before the quantities are read. "" if nothing was assumed.
@@ -53,17 +53,21 @@ class NamedDevice:
         self.assumed = ""
         self._scale = AT_POWER_ON
         self._scene = scene
-        self._pointed = False  # True if the pointer is known, because the capture shows a write of it
+        self._pointed = False  # True if the register pointer is known, because the capture shows a write of it
         self._written = False
 
     def forget(self) -> None:
-        """Forget that the pointer and the settings are known, because they may have changed in a gap of the capture."""
+        """Regard the pointer and the settings as unknown, because they may have changed in a gap of the capture."""
         if self._written:
             self._scale = BEFORE_GAP
         self._pointed = self._written = False
 
     def phase(self, events: list[int], values: list[int], read: bool) -> list[tuple[int, NamedByte]]:
-        """Return the names of the bytes from a START to the next condition, each with the index of its event."""
+        """Return the names of the bytes of a message, each with the index of its event.
+
+        events, values: the cells of the rows of the message. The first row is the START, the second one the address.
+        read: True if the controller reads.
+        """
         byte = values[1] << 1 | read
         reply = self.device.answer(byte)
         if reply is None:
@@ -112,12 +116,15 @@ class NamedDevice:
 class RegisterNames:
     """Names of the bytes on all I2C buses of a capture.
 
-    texts: a list from codes to names; code 0 is no name.
+    texts: the names. The code of a name is its index in this list; code 0 means that there is no name.
     notes: sentences on assumptions.
     """
 
     def __init__(self, capture: Capture, buses: Sequence[Bus], chips: Sequence[str], case_file: Path | None) -> None:
-        """chips: the values of --chip. case_file: the value of --case.
+        """Name the bytes on the I2C buses in `buses`.
+
+        chips: the values of --chip.
+        case_file: the value of --case; None if the option is not given.
 
         Raise ClickException for an invalid value, and BadCase for an invalid case.
         """
@@ -131,7 +138,7 @@ class RegisterNames:
                 self._known[number] = bus.rows.at, self._named(bus.rows, _devices(chips, case_file), resumed)
 
     def column(self, rows: Rows) -> Numbers:
-        """Return, for each row, the code of the name of its byte."""
+        """Return, for each row, the code of the name of its byte; 0 if it has none."""
         codes = np.zeros(len(rows.at), np.int64)
         for bus, (at, named) in self._known.items():
             own = np.flatnonzero((rows.bus == bus) & (rows.value >= 0))
@@ -139,9 +146,9 @@ class RegisterNames:
         return codes
 
     def _named(self, rows: Rows, devices: list[NamedDevice], resumed: list[int]) -> Numbers:
-        """Return the code of each row of a bus. The chips of --chip have priority over those of the case.
+        """Return the code of each row of a bus. If devices have the same address, those of --chip have priority.
 
-        resumed: the ends of the gaps of the capture.
+        resumed: the positions at which gaps of the capture end.
         """
         codes = np.zeros(len(rows.at), np.int64)
         events, values, details = (column.tolist() for column in (rows.event, rows.value, rows.detail))

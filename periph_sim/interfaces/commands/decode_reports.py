@@ -33,15 +33,16 @@ from .decoded_text import Clock, seconds_of
 Cells = list[tuple[str | int | float | None, ...]]
 
 COUNTS = ("bus", "address", "transfers", "bytes", "read", "refused", "errors", "load_percent")
-PARITY, FRAME_ERROR = 1, 2  # bits of the faults of a frame, a number that is `Rows.detail` minus READ
-ALL = -1  # replaces the address in the counts of all transfers of a bus
+PARITY, FRAME_ERROR = 1, 2  # bits of `Rows.detail - READ`, which are the faults of a frame
+ALL = -1  # stands for all addresses of a bus, and for an address that is missing
 
 
 def counts(rows: Rows, first: Numbers, buses: Sequence[Bus], capture: Capture) -> Cells:
     """Return the cells of COUNTS for each address of an I2C bus, and for each bus as a whole.
 
-    bytes: data bytes, frames or words. read: the number of data bytes that an I2C target sent.
-    refused: addresses and bytes that no target acknowledged.
+    bytes: data bytes, frames or words.
+    read: data bytes that an I2C target sent.
+    refused: addresses and written bytes that no target acknowledged.
     errors: frames with parity or frame errors, and incomplete bytes, frames and words.
     load_percent: the time from START to STOP, or in bursts and selections, as a share of the recorded time.
     """

@@ -50,7 +50,7 @@ def transfer_lines(
 
     first: the rows with which transfers, bursts and selections begin.
     buses, protocols: the name and the protocol of each bus.
-    lows: the long low phases of each I2C bus; None for other buses.
+    lows: the unusually long low phases of SCL of each I2C bus; None for other buses.
     clock: None if the capture has no sample rate.
     named: the names of bytes; None without --chip and --case.
     """
@@ -73,13 +73,13 @@ def transfer_lines(
 
 
 def _stretches(rows: Rows, bus: int, lows: LongLows, clock: Clock | None) -> dict[int, list[str]]:
-    """Return a dictionary from rows of bytes to the long low phases of SCL in these bytes.
+    """Return a dictionary from the index of a byte's row to the long low phases of SCL in this byte.
 
     The text of a low phase is a JSON object without its end. The caller adds the number of the byte in the message and
     closes the object.
     """
     own = np.flatnonzero((rows.bus == bus) & (rows.value >= 0))
-    starts = np.searchsorted(lows.rises, rows.at[own])  # for each byte, the index of the rise of its first bit
+    starts = np.searchsorted(lows.rises, rows.at[own])  # for each byte, the index in `lows.rises` of its first rise
     place = np.searchsorted(starts, lows.which, side="right") - 1
     bits = lows.which - np.append(starts, 0)[place] + 1
     within = (place >= 0) & (bits <= 9)

@@ -20,7 +20,7 @@ from ...traces.decode.event_rows import (
 from ...traces.decode.table_columns import select
 from .bulk_text import BLANK, NONE, Column, Digits, Literal, Numbers, Sparse, Words, numbered, text
 
-MOST_DECIMALS = 12  # maximum number of decimals of a second; used if the sample period has no finite number of decimals
+MOST_DECIMALS = 12  # maximum number of decimals of a second; used unless fewer decimals are exact
 GAP = "  "
 
 
@@ -28,7 +28,7 @@ class Clock(NamedTuple):
     """Converter of positions in a capture to seconds: one position is `up / down` units of 10**-decimals s.
 
     The conversion is exact if the sample period in seconds has at most twelve decimals. Otherwise, times are rounded to
-    picoseconds, or to larger units in captures that are longer than a hundred days.
+    picoseconds, or to larger units in captures that last for months.
     """
 
     up: int
@@ -83,7 +83,10 @@ class Named(NamedTuple):
 
 
 def in_style(style: str, named: NamedByte) -> str:
-    """Format the name of a byte as the continuation of an event's text."""
+    """Format the name of a byte as the continuation of an event's text.
+
+    If there is no name, return two empty cells in style csv, and "" in other styles.
+    """
     if style == "csv":
         return "," + _csv(*named)
     if not named.register:

@@ -27,10 +27,10 @@ MEASURES = (  # measures that become budgets if a case has no budget
 
 
 def files_of(log: Path, given: str | None) -> tuple[dict[Path, str], Path]:
-    """Return a dictionary from the paths of the files to write to their texts, and the path of the new case.
+    """Return the new files, as a dictionary from paths to texts, and the path of the new case.
 
     log: the log of the live session.
-    given: the name of the new case; None for the name of the live case with the suffix `_live`.
+    given: the name of the new case; None for the name of the session's case followed by `_live`.
 
     Raise ClickException or BadCase if the log is invalid, if its case was not read from a file, or if this file is
     missing.
@@ -70,7 +70,7 @@ def files_of(log: Path, given: str | None) -> tuple[dict[Path, str], Path]:
 
 @output_muted()
 def _as_seen(tree: Tree, target: Path) -> list[Tree]:
-    """Return a budget for each of the MEASURES that the session measured. The limit is the measured value."""
+    """Run the new case. Return a budget for each of the MEASURES that has a value, with this value as its limit."""
     found: list[Tree] = []
     for measure in MEASURES:
         budget: Tree = {"name": measure, "measure": measure, "max": 0}

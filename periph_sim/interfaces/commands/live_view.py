@@ -1,6 +1,7 @@
 """The view of a live session in the terminal, updated in place from the snapshots on the session's board.
 
-A separate thread prints, so that the simulation never waits for a terminal.
+The board holds the latest snapshot of the session. A separate thread prints it, so that the simulation never waits for
+the terminal.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from ...outside.live.pacing import in_ms
 from ...outside.live.view.status import Board, BudgetSoFar, Lateness, StatusSnapshot
 
 PATIENCE = 1.0  # in seconds; without a new snapshot in this time, the thread checks whether the board is closed
-BAR = 30  # number of columns of the longest bar
-TURNS = 0.0005  # in seconds; after this time, the printing thread must let the session's thread run
+BAR = 30  # number of columns of the longest bar in the chart of lateness
+TURNS = 0.0005  # in seconds; after this time, Python switches from the printing thread to the session's
 
 
 class LiveView:
@@ -45,7 +46,7 @@ class LiveView:
 
 
 def screen(status: StatusSnapshot, height: int = 100) -> RenderableType:
-    """Return the content of the screen. height: the lines of the screen; budgets that do not fit are left out."""
+    """Return the content of the screen. height: its number of lines; budgets that do not fit are left out."""
     rates = status["rates"]
     pace = f", {rates['pace']:.2f} s a second" if "pace" in rates else ""
     over = "ended at" if status["over"] else ""

@@ -189,9 +189,9 @@ def _template(kind: str, place: Path) -> Files:
 
 
 def _as_captured(files: Files, capture: Capture, mapping: str | None) -> Files:
-    """Return the files of a replay for the target in the user's capture.
+    """Return the files of the template `replay`, adapted to the most frequent target in the user's capture.
 
-    files: the files of the template. Its capture is left out.
+    files: the files of the template. The capture of the template is left out.
     """
     from ...replay.channels import channel_map
     from ...replay.i2c_script import most_frequent, turns
@@ -227,7 +227,7 @@ def _as_captured(files: Files, capture: Capture, mapping: str | None) -> Files:
 def _example(name: str, folder: Path) -> Files:
     """Return the files of a shipped case: the case, its firmware with all imports, and the files that the case names.
 
-    Of the files that the case names, only those in its own folder are included.
+    Of the files that the case names, images and C sources are always included, others only from its own folder.
     """
     cases = _cases()
     if name not in cases:
@@ -264,7 +264,7 @@ def _with_headers(source: Path) -> list[Path]:
 
 
 def _imported(program: str) -> list[str]:
-    """Return the name of a shipped program and the names of all modules that it needs from its own folder."""
+    """Return the name of a shipped program and of all modules in its folder that it imports, directly or not."""
     found = [program]
     for name in found:
         for node in ast.walk(ast.parse((SHIPPED / f"{name}.py").read_text(encoding="utf-8"))):

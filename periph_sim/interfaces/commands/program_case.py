@@ -46,28 +46,30 @@ from ..reports.case_text import toml
 Tree = dict[str, Any]
 
 UNIT = "dsp"
-# The run ends at the first of these times at which something has repeated, or soon after MOST_WORK instructions.
+# Times in seconds. The run ends at the first of them at which something has repeated, or soon after the program has
+# executed MOST_WORK instructions.
 STRETCHES = (Fraction(20, 1000), Fraction(100, 1000), Fraction(500, 1000), Fraction(2))
 STEP = Fraction(10, 1000)
 MOST_WORK = 1_000_000
-ACCESS_WORK = 50  # number of instructions of an image whose simulation takes as long as that of one access by C sources
+ACCESS_WORK = 50  # simulating one access by C sources takes as long as this number of instructions of an image
 OFTEN = 3  # number of times that something must happen to be a loop
 MARGIN = 10  # percent by which a limit exceeds the measured figure
 SEEN = "seen, not required"
 PORT_DATA = re.compile(r"W GPIO\.GP([ABC])(?:DAT|SET|CLEAR|TOGGLE)")
-MOST_PINS = 32  # number of outputs with a wire of their own
+MOST_PINS = 32  # maximum number of GPIO outputs to which the case connects a wire
 NOTHING_REPEATS = "nothing repeats, so the case has no budget"
 ADD_INPUT = (
     "add what the program waits for: [[serial.send]] for an SCI, [controller] for an I2C slave, [device.NAME] for an "
     "I2C master, [[unit.dsp.stub]] for a register without a model"
 )
-REPLACED = "GlobalVariableDefs.c"  # the end of the name of TI's file that defines the register structures
+REPLACED = "GlobalVariableDefs.c"  # end of the name of TI's file that defines the register structures; it is left out
 
 
 class WrittenCase(NamedTuple):
     """A new case.
 
-    path, text: its file and its TOML.
+    path: its file.
+    text: its content, as TOML.
     first: the name of its first budget; "" if it has none.
     notes: sentences for the user.
     """
@@ -154,7 +156,7 @@ class LoopCalls(CallListener):
 
 
 def image_case(path: Path) -> WrittenCase:
-    """Return a case for an image, in the present folder. Raise BadImage if the F28335 cannot run it."""
+    """Return a case for an image, with a path in the current folder. Raise BadImage if the F28335 cannot run it."""
     image = program_in(path)
     section, boot = _boot(image)
     unit = {"image": relpath(path), "boot": boot}
@@ -167,7 +169,10 @@ def image_case(path: Path) -> WrittenCase:
 
 
 def sources_case(path: Path) -> WrittenCase:
-    """Return a case for the C sources below a folder, in the present folder."""
+    """Return a case for the C sources below a folder, with a path in the current folder.
+
+    Raise ClickException if there is no such folder, no C source below it, or no source that defines main.
+    """
     if not path.is_dir():
         what = "it is no folder" if path.exists() else "there is no such folder"
         raise click.ClickException(f"{path}: {what}; give the folder of the .c files")
@@ -276,9 +281,10 @@ def _measures(scene: Scene, dsp: Dsp, seen: Seen, calls: LoopCalls) -> dict[str,
 
 
 def _inputs(dsp: Dsp, modules: list[str]) -> dict[str, int]:
-    """Return the pins of modules that GPxMUX connects in place of the usual pins, and pins of external interrupts.
+    """Return a dictionary from wires to pins that differ from the default wiring.
 
-    The result is a dictionary from the names of wires to pins.
+    These are the pins of modules if GPxMUX connects none of the usual pins, and the pins of enabled external
+    interrupts.
     """
     gpio = cast(Gpio, dsp.sockets["GPIO"].chip)
     found: dict[str, int] = {}
@@ -298,7 +304,10 @@ def _inputs(dsp: Dsp, modules: list[str]) -> dict[str, int]:
 
 
 def _outputs(dsp: Dsp, seen: Seen) -> dict[str, int]:
-    """Return the numbers, by name, of the GPIO outputs that the program has written at least OFTEN times."""
+    """Return a dictionary from names to numbers of the GPIO outputs that the program changes, at most MOST_PINS.
+
+    An output counts if the program has written it through a register that it has written at least OFTEN times.
+    """
     written = 0
     for topic in seen.of(Kind.ACCESS):
         register = PORT_DATA.fullmatch(topic.what)
@@ -333,7 +342,7 @@ def _clock(dsp: Dsp) -> Iterator[str]:
 
 
 def _notes(scene: Scene, dsp: Dsp, seen: Seen) -> Iterator[str]:
-    """Yield the reason why a program does not reach a loop, and the interrupts for which it waits in vain."""
+    """Yield notes on watchdog resets, on enabled interrupts that were not requested, and on the return from main."""
     if dsp.watchdog_resets:
         tick, place = dsp.watchdog_resets[0]
         at = place or scene.timebase.show(tick - scene.start)  # C sources that access nothing have no place
@@ -355,7 +364,7 @@ def _as_seen(tree: Tree, target: Path, measures: dict[str, str]) -> list[Tree]:
 
     Periods with fewer than OFTEN - 1 values, and measures that do not fit the case, have no budget.
 
-    Pins without an edge in the run are removed from the unit in `tree`.
+    GPIO pins without an edge in this run are removed from the unit in `tree`.
     """
     found: list[Tree] = []
     for name, measure in measures.items():

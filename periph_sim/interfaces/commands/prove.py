@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ...proof.cover import Window, Worst
     from ..reports.coverage import Coverage
 
-HELD = "held"  # the word for a budget that was kept in all runs
+HELD = "held"  # the word for a budget that no run broke
 STEP = 97  # the default of --step; it has no common divisor with usual clock dividers or lengths of waits
 MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures, that are listed; --json has all
 
@@ -75,7 +75,7 @@ def prove(
     svg: Path | None,
     as_json: bool,
 ) -> int:
-    """Run CASE at the phases of its free start, and show the phases at which budgets break.
+    """Run CASE at many phases, and show the phases at which budgets break.
 
     With a [host] and a [controller], a phase is the start of a frame, counted from the start of a round. With only one
     of them, it is the start of a frame or of a round, counted from its nominal time. Phases at which an interrupt
@@ -158,7 +158,7 @@ def _announcement(found: Coverage) -> str:
 
 
 def _words(found: Coverage) -> dict[str, str]:
-    """Return a dictionary from the name of each covered budget to the word for it."""
+    """Return a dictionary from the name of each covered budget to BROKEN, NOT_JUDGED or HELD."""
     broken = {window.name for window in found.windows}
     broken |= {name for one in found.found.drifting for name in one.names}
     words = {}
@@ -237,7 +237,7 @@ def _held_in(found: Coverage) -> str:
 
 
 def _width(found: Coverage, window: Window) -> int:
-    """Return the number of phases of a window."""
+    """Return the number of phases of a window, which may continue from the last phase to the first."""
     beyond_end = found.case.phases.count if window.first > window.last else 0
     return window.last - window.first + beyond_end + 1
 
@@ -299,7 +299,10 @@ def _budget(worst: Worst | None, word: str) -> dict[str, object]:
 
 
 def _write_witnesses(found: Coverage, case: Path, changes: Sequence[str], folder: Path) -> tuple[list[Path], str]:
-    """Write a witness of each judged budget. Return the files, and the reason why others are missing, or ""."""
+    """Write a witness, a case that shows the worst value, for each judged budget.
+
+    Return the files and, if a file cannot be written, the reason why the others are missing; else "".
+    """
     from ...traces.capture.capture import BadCapture
     from ..reports.witness import witness_file
 

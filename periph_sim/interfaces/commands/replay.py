@@ -302,7 +302,7 @@ def _busy(refused: float, acknowledged: float) -> str:
 
 
 def _times(report: Report) -> list[tuple[str, str]]:
-    """Return the lines with the times of an I2C replay and, if the capture has stretches, with their longest time."""
+    """Return the lines with the times of an I2C replay, and with the longest stretch in the capture if it has any."""
     stretch = f"{report.stretch_worst_us:.3f} us"
     if report.loop == "open":
         found = [

@@ -28,14 +28,15 @@ A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]
 THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets": "reset"}
 NOTHING: Mapping[str, Sequence[str]] = {}  # the value of `assumed` if no options are known
 MOST_WRONG = 12  # maximum number of places of wrong bytes that are listed
-STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}  # styles of a budget's row
+STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}  # styles of a budget's row in a table
 HEADLINES = {**STYLES, PASS: "green"}  # styles of the line that states a run's verdict
 
 
 def show(result: Result, case: Case, verbose: bool = False, assumed: Mapping[str, Sequence[str]] | None = None) -> None:
     """Print the result of a run.
 
-    assumed: a dictionary from broken budgets to the options that decided undocumented behaviours in their occurrences.
+    assumed: a dictionary from broken budgets to the options that decided undocumented behaviours in their occurrences;
+        None if it is unknown.
     verbose: True to list the undocumented behaviours that the run assumed, and the counts of skipped polls and bits.
     """
     by_estimate = f"; cycles between accesses of {' and '.join(result.estimated)} are estimated"
@@ -91,7 +92,7 @@ def title(result: Result) -> str:
 def budget_table(budgets: Sequence[Verdict]) -> None:
     """Print a table with a row for each budget. Broken budgets are red, and budgets that are not judged are yellow.
 
-    Only the name of a budget may be broken into several lines.
+    Of the cells of a row, only the name may be wrapped into several lines.
     """
     rows = []
     for one in budgets:
@@ -106,8 +107,8 @@ def broken_lines(
     """Return a line for each broken budget with the reason and, if it is known, the instant.
 
     assumed: a dictionary from broken budgets to the options that decided undocumented behaviours in their occurrences.
-        A further line states how many they are.
-    verbose: True to list these options instead.
+        A further line states their number.
+    verbose: True to list these options instead of their number.
     """
     lines = []
     for each in budgets:

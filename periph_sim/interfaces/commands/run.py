@@ -131,7 +131,7 @@ def run(
         if any(one.broken for one in result.budgets) and not (explain or as_json):
             from ..reports.explain.assumed import assumed_in
 
-            try:  # it runs the case again, at most its first second
+            try:  # `assumed_in` runs up to a second of the case again; Ctrl-C ends only that run
                 assumed = assumed_in(scene.case, result, length)
             except KeyboardInterrupt as error:
                 interrupted = error
@@ -162,7 +162,7 @@ def run(
 def _under_questions(
     case: Path, changes: tuple[str, ...], length: Fraction | None, jobs: int | None, as_json: bool
 ) -> int:
-    """Run a case with other answers to its open questions, and print the verdicts. Return the exit status."""
+    """Run a case with other answers to open questions, and print the verdicts. Return the exit status."""
     from ..reports.questions import text_report
     from ..reports.questions.dependence import dependences
     from ..reports.questions.explore import explore

@@ -96,7 +96,7 @@ Stamps = dict[Path, tuple[int, int]]
 
 
 def stamps(case: Path) -> Stamps:
-    """Return a dictionary from the existing files of a case to the times of their last changes and their sizes."""
+    """Return a dictionary from each existing file of a case to its time of last change, in ns, and its size."""
     found: Stamps = {}
     for file in {*files_of(case)}:
         try:
@@ -110,8 +110,8 @@ def stamps(case: Path) -> Stamps:
 def note_inputs(cases: Iterable[Path], but_baselines: bool = False) -> None:
     """Register the files of these cases as inputs of the command. A command must not write to its inputs.
 
-    Commands call this function if worker processes read the files, because this process registers only files that it
-    reads itself.
+    Commands whose worker processes read the files call this function, because files are otherwise registered only
+    in the process that reads them.
 
     but_baselines: True to leave out the baselines of the cases, because the command writes them.
     """
@@ -122,7 +122,10 @@ def note_inputs(cases: Iterable[Path], but_baselines: bool = False) -> None:
 
 
 def files_of(case: Path) -> Iterator[Path]:
-    """Yield the paths of the case file, of its baseline, and of each file whose name is a text in the case."""
+    """Yield the paths of the case file, of its baseline, of files that the case names, and of files beside its sources.
+
+    The files beside sources are those that the sources may import or include. A path need not exist.
+    """
     from ..reports.baselines.files import path_for
 
     yield case

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...timing.verdict import Verdict
     from ..reports.explain.explain import Explained
 
-MOST = 100  # maximum number of columns of a picture
+MOST = 100  # maximum number of columns of a diagram in the terminal
 
 
 @command(
@@ -43,8 +43,8 @@ def worst(
 ) -> int:
     """Explain the worst occurrence of each budget of CASE, step by step.
 
-    BUDGET selects budgets by name; the default is all. If a coverage file (prove --save) matches the case, this is the
-    worst occurrence at all its phases. Otherwise, and with --set or --seconds, it is that of one run.
+    BUDGET selects budgets by name; the default is all. If a coverage file (prove --save) matches the case, the worst
+    occurrence at all phases of the coverage is explained. Otherwise, and with --set or --seconds, that of one run.
 
     Exit status 0: all selected budgets hold; 1: otherwise.
     """

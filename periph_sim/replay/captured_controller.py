@@ -3,8 +3,8 @@
     transfers --> edges of the controller --longest_low, least_gap--> moves --> SCL, SDA
                      ^-- polls added or left out <-- ACK or NACK of the firmware --'
 
-The controller polls the firmware until it acknowledges (see `polling`). A session plays the captured polls, because the
-UART capture has fixed times.
+If the firmware refuses its address as a busy target does, the controller polls it until the firmware acknowledges (see
+`polling`). In a session, exactly the captured polls are played, because the UART capture has fixed times.
 """
 
 from __future__ import annotations
@@ -56,10 +56,12 @@ class CapturedController:
 
     player: the agent that drives the edges.
     on_end: a function that is called after the last transfer.
-    patience: the maximum time, in ticks, for which the firmware is polled. None: polls are played as captured.
+    patience: the maximum time, in ticks, for which polls are added while the firmware refuses its address. None: polls
+        are played as captured.
 
-    polled: the transfers, with the polls that were made.
-    gave_up: the address that the firmware refused for too long, and the tick of the first added poll; or None.
+    polled: the captured transfers, adapted by the polls that were added and removed.
+    gave_up: the address that the firmware refused for longer than `patience`, and the tick of the first of these NACKs;
+        None if there is no such address.
     """
 
     def __init__(
@@ -80,14 +82,16 @@ class CapturedController:
         self._captured: list[Edge] = []
         self._edges: list[Edge] = []  # as captured, but with low phases shortened to `longest_low`
         self._moves: list[Move] = []
-        self._answers: deque[tuple[int, int]] = deque()  # (index of a phase, number of moves up to its ACK bit)
+        # For each address of the firmware that is still to be sent: (index of its phase, number of moves up to the
+        # rising edge of SCL in its ACK bit).
+        self._answers: deque[tuple[int, int]] = deque()
         self._plan = plan
         self._kernel = kernel
         self._on_end = on_end
         self._hold = usual_hold(plan.part.transfers, plan.part.half_sample)
         self._late = 0  # ticks by which the last transfer ended later than captured
         self._cut = 0  # ticks by which `longest_low` has shortened the last transfer
-        self._delay = 0  # `delay` of the player at the beginning of the last transfer
+        self._delay = 0  # `player.delay` at the beginning of the last transfer
         answers = plan.part.answers_of_others(plan.own)
         if answers:
             ScriptedTarget(kernel, scl, sda, answers, plan.timebase.ticks(HOLD, "nearest"))
@@ -115,7 +119,7 @@ class CapturedController:
         self._play_from(0)
 
     def _prepare(self, transfer: Transfer, first: int) -> None:
-        """Create the moves of a transfer from phase `first` on, and find the moves after which the firmware answers."""
+        """Create the moves of a transfer from phase `first` on, and find the moves to the firmware's ACK bits."""
         plan = self._plan
         half = Transfer(transfer.phases[first:], transfer.stop, None)
         self._captured = self._edges = controllers_half(half, self._hold, plan.part.half_sample)
@@ -130,7 +134,10 @@ class CapturedController:
         )
 
     def _play_from(self, move: int) -> None:
-        """Play the prepared moves from number `move` on, up to the next answer of the firmware to its address."""
+        """Play the prepared moves from index `move` on, up to the firmware's next ACK or NACK of its address.
+
+        Play them to the end if there is none, or if polls are played as captured.
+        """
         if not self._answers or self._patience is None:
             self.player.play(self._moves[move:], self.go_on)
         else:
@@ -138,7 +145,10 @@ class CapturedController:
             self.player.play(self._moves[move:end], partial(self._answered, number, end))
 
     def _answered(self, phase: int, move: int) -> None:
-        """Adapt the polls to the firmware's ACK or NACK of its address, or end the replay after too many NACKs."""
+        """Adapt the polls to the firmware's ACK or NACK of its address, and continue.
+
+        If the firmware has refused its address for longer than `patience`, end the replay.
+        """
         acked, now = not self._sda_level.level, self._kernel.now
         changed = self.polled.answered(phase, acked)
         if changed:
@@ -158,6 +168,6 @@ class CapturedController:
         self._play_from(move)
 
     def _cut_after(self, move: int) -> int:
-        """Return the ticks by which `longest_low` shortens the prepared moves from number `move` on."""
+        """Return the ticks by which `longest_low` shortens the prepared moves from index `move` on."""
         captured = self._captured[-1].at - self._captured[move - 1].at
         return int((captured - (self._edges[-1].at - self._edges[move - 1].at)) * self._plan.per_position)

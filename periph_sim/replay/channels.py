@@ -1,4 +1,4 @@
-"""Mapping of a capture's channels to lines, by `scl=0,sda=1` or the channels' names.
+"""Assignment of a capture's channels to the lines SCL, SDA and RX, by a text (`scl=0,sda=1`) or by the channels' names.
 
 An I2C capture has scl and sda, a UART capture has only rx, and a capture of a session has all three.
 """
@@ -16,11 +16,13 @@ ALL = (*I2C, *UART)
 
 
 def channel_map(capture: Capture, text: str | None, session: bool = False) -> dict[str, str]:
-    """Return the name of the channel for each line. If `text` is None, channels are found by their names.
+    """Return the name of the channel for each line: scl and sda, or rx, or all three.
 
-    session: True to return all three lines if the capture has them.
+    text: the assignment that the user gives, such as "scl=0,sda=1". None: find the channels by their names; SCL and SDA
+        are preferred to RX.
+    session: used if `text` is None. True: return all three lines if the capture has them.
 
-    Raise BadReplay if there are no such channels, or if SCL and SDA are swapped.
+    Raise BadReplay if there are no such channels, if `text` is wrong, or if SCL and SDA are swapped.
     """
     found = _mapped(capture, text, session)
     if "scl" in found and (swapped := swapped_lines(capture, found["scl"], found["sda"])):
@@ -44,7 +46,9 @@ def _mapped(capture: Capture, text: str | None, session: bool) -> dict[str, str]
 
 
 def serial_channel(capture: Capture, text: str | None) -> str:
-    """Return the name of RX's channel. text: "rx=CHANNEL"; None for the only channel or the one named RX.
+    """Return the name of the channel for RX.
+
+    text: "rx=CHANNEL". None: return the only channel of the capture, or else the channel named RX.
 
     Raise BadReplay if there is no such channel, or more than one.
     """

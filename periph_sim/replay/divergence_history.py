@@ -36,9 +36,11 @@ class FlagHistory:
     """Recorder of changes and accesses around the divergences of a run.
 
     moments: for each divergence, its tick and the last tick of its history.
-    module: the module whose registers are recorded.
+    unit, module: the unit and its module whose registers are recorded.
     keep: the number of entries in each ring buffer.
-    instants: the ticks at which the executed statement is stored.
+    instants: the ticks at which the firmware's present statement is stored in `places`.
+
+    places: the firmware's statement at each of `instants`; None if the program was not running.
     """
 
     def __init__(
@@ -63,7 +65,7 @@ class FlagHistory:
         recorder.subscribe([Kind.FLAG, Kind.ACCESS], self._record)
 
     def watch(self, scene: Scene) -> None:
-        """Store the statement that the unit's firmware executes at each of `instants` in the run of this scene."""
+        """Store the statement that the unit's firmware executes at each of `instants`, during the run of this scene."""
         dsp = scene.units[self._unit]
         for tick in self._instants:
             scene.kernel.call_at(max(tick, scene.kernel.now), partial(self._note_place, tick, dsp))
@@ -89,21 +91,24 @@ class FlagHistory:
         )
 
     def records_near(self, moment: tuple[int, int]) -> list[Record]:
-        """Return the records around one of `moments`, in order. Call this after the run."""
+        """Return the last records of each ring buffer at the end of the history of `moment`, in order of time.
+
+        Call this after the run, with one of `moments`.
+        """
         while self._moments:
             self._freeze(self._moments.popleft())
         return self._frozen[moment]
 
 
-RunAgain = Callable[[FlagHistory, int], None]  # a function that repeats a run up to a tick and records it in a history
+RunAgain = Callable[[FlagHistory, int], None]  # a function that repeats a run up to a tick and fills a history
 
 
 class Role(NamedTuple):
     """The role of a unit in a replay: slave, master or receiver.
 
     module: the module that is connected to the replayed lines.
-    writes: a dictionary from the first words of an event that the firmware causes, such as "data read", to the register
-        that the firmware writes to cause this event.
+    writes: for the first words of each event whose value the firmware sends, such as "data read": the register to which
+        the firmware writes this value.
     """
 
     module: str
@@ -126,9 +131,11 @@ def with_history(
     again: a function that repeats the run.
 
     The tick of a divergence is that of the replayed event, or that of the captured event if the replay has none. If
-    neither exists, it is the end of the run. The cause of a divergence is the statement that wrote the wrong value, or
-    else the statement that is executed at the tick of the divergence. If only the time differs, the cause is the
-    statement that is executed at the time of the captured event.
+    neither exists, it is the end of the run.
+
+    A cause that a divergence already has is kept. Otherwise, the cause is the last statement that wrote the value found
+    in the replay. If no such write is recorded, the cause is the statement that the firmware executes at the tick of
+    the divergence; if only the time differs, at the time of the captured event.
     """
     if not divergences:
         return []
@@ -161,7 +168,7 @@ def with_history(
 
 
 def _write_of(event: str, role: Role, records: Sequence[Record]) -> str:
-    """Return a phrase with the statement that wrote the value of an event; "" if no such write was recorded."""
+    """Return a phrase with the last statement that wrote the value of an event; "" if no such write is in `records`."""
     for words, register in role.writes.items():
         if event.startswith(words):
             value = int(event.removeprefix(words).split()[0], 16)
@@ -172,7 +179,7 @@ def _write_of(event: str, role: Role, records: Sequence[Record]) -> str:
 
 
 def _shown(place: SourceLocation) -> str:
-    """Format a place as file, line and function; for an image without debug data, as function and address."""
+    """Format a source location as file, line and function; for an image without debug data, as function and address."""
     if isinstance(place, InstructionLocation):
         return str(place)
     return f"{Path(place.path).name}:{place.line}, in {place.rpartition(':')[0]}"

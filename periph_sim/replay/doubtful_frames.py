@@ -3,13 +3,14 @@
     frames and rejected starts of the capture --+--> pairs of a frame and a word, which are compared
     words received by the firmware -------------+--> ambiguous frames: a glitch is at a sample point
 
-Receivers may read an ambiguous frame in different ways. After a glitch in a data, parity or stop bit, this bit may be
-read as 0 or 1. After a glitch in the start bit, or a nearly valid start bit, a receiver may read a frame or none. If
-the receiver decides differently from the decoder, it may also read other frames up to the next pause. The comparison
-then skips some frames and words. It resumes at the frame after which the most words agree, but not later than at the
-first frame after the pause.
+A word is what the firmware received. A rejected start is a low pulse that the decoder found too short for a start bit.
+An item is a decoded frame, or a rejected start that some receivers accept.
 
-An item is a decoded frame, or a rejected start that some receivers accept. A word is what the firmware received.
+Receivers may read an ambiguous frame in different ways. If a glitch is in a data, parity or stop bit, this bit may be
+read as 0 or 1. If a glitch is in the start bit, or the start bit is hardly long enough, a receiver may read a frame or
+none. If the receiver decides differently from the decoder, it may also read different frames up to the next pause. The
+comparison then skips some items and words. It resumes where the most of the following words agree, but not later than
+at the first item after the pause.
 
 If a line is decoded at a wrong rate, in a wrong format or inverted, frames have errors. A receiver with the same wrong
 settings reads the same bytes with the same errors, so agreement between capture and receiver proves nothing.
@@ -30,13 +31,13 @@ from .report import Happened, byte_words
 LIKELY = Fraction(1, 4)  # minimum length, in bits, of a low pulse that some receivers accept as a start bit
 AHEAD = 8  # maximum number of words that are compared to find where the comparison resumes
 EXTRA = 2  # maximum number of words that a receiver may read in addition to the decoded frames
-MOST = Fraction(1, 10)  # maximum share of frames with errors that is plausible if the format is right
+MOST = Fraction(1, 10)  # if a larger share of the frames has errors, the format is probably wrong
 SCI_BITS = 8  # maximum number of data bits in a word of an SCI
-SURE = 0.5  # the given format is doubtful if a guessed one has at least this certainty
+SURE = 0.5  # minimum certainty (`Guess.sure`, 0 to 1) of a guessed format that makes the given format doubtful
 
 
 class Word(NamedTuple):
-    """A received word. at: seconds since the capture began."""
+    """A received word. at: the time at which the firmware read it, in seconds since the capture began."""
 
     value: int
     frame_error: bool
@@ -49,13 +50,14 @@ class Word(NamedTuple):
 
 
 class Settled:
-    """The events of a line that can be judged.
+    """The frames of a line and the words of the receiver, without the ambiguous ones.
 
     events: the events of the decoded capture.
+    line: the line format.
     rate: the number of positions per second in the capture.
     received: the words that the firmware received.
 
-    expected, found: the events of the capture and of the receiver, which must be equal.
+    expected, found: the frames of the capture and the received words that are judged. They must be equal.
     ambiguous: the frames that are not judged.
     """
 
@@ -73,8 +75,7 @@ class Settled:
             if event.kind is UartRowKind.FRAME
             or (event.kind is UartRowKind.REJECTED and event.end - event.at >= LIKELY * width)
         ]
-        # If a start bit begins at least this many positions after the one before, every receiver has then finished the
-        # earlier frame.
+        # Minimum distance of two start bits, in positions, after which every receiver has finished the first frame.
         self._pause = 2 * line.frame * width
         item = word = 0
         while item < len(self._items):
@@ -111,10 +112,11 @@ class Settled:
         )
 
     def _until_agreed(self, item: int, word: int) -> tuple[int, int]:
-        """Return how many items and words to skip at an uncertain start bit, so that the following ones agree best.
+        """Return how many items and words to skip at an uncertain start bit, so that the most of those after it agree.
 
-        Of equally good choices, those with the fewest items are preferred. Of these, the choice is taken that is
-        nearest to one word for each item, where a rejected start at the beginning counts as no word.
+        Of equally good choices, those with the fewest items are preferred, and of these the choice that is nearest to
+        one word for each item. For this purpose, a rejected start at the beginning counts as no word. If no choice
+        makes any word agree, one item is skipped, with one word if the item is a frame.
         """
         usual = int(self._items[item].kind is UartRowKind.FRAME)
         last = item + 1
@@ -130,9 +132,10 @@ class Settled:
         return best
 
     def _agreeing(self, item: int, word: int) -> int:
-        """Return how many of the next words fit the next items, up to the first that does not fit, at most AHEAD.
+        """Return how many words from index `word` on fit the items from index `item` on, at most AHEAD.
 
-        Also return AHEAD if items and words end together, or if all words up to the next uncertain start bit fit.
+        Count up to the first word that does not fit. If all words fit up to the next uncertain start bit, or up to a
+        common end of items and words, return AHEAD.
         """
         items, found = self._items[item : item + AHEAD], self._received[word : word + AHEAD]
         for number, event in enumerate(items):
@@ -166,9 +169,9 @@ def line_errors(capture: Capture, channel: str | int, line: Line, events: Sequen
 
 
 def _break_at_end(capture: Capture, channel: str | int, line: Line) -> set[int]:
-    """Return the position of the last edge if the line is low from there to the end, for at least a frame.
+    """Return a set with the position of the last edge, if the line is low from there to the end for at least a frame.
 
-    Such a low phase is a break whose end was not captured. The set is empty if there is none.
+    Such a low phase (high on an inverted line) is a break whose end was not captured. Otherwise, the set is empty.
     """
     wire = capture.channel(channel)
     if not len(wire.edges) or wire.levels[-1] != int(line.invert) or capture.rate is None:
@@ -178,14 +181,20 @@ def _break_at_end(capture: Capture, channel: str | int, line: Line) -> set[int]:
 
 
 def _better(capture: Capture, channel: str | int, line: Line, share: Fraction) -> Guess | None:
-    """Return the format that the edges suggest, if it differs from `line` and has fewer errors; else None."""
+    """Return the format guessed from the edges, if it is certain enough and has fewer errors than `line`; else None.
+
+    A format with the rate and polarity of `line` is returned only if more than MOST of the frames have errors.
+
+    share: the share of frames with errors in the format `line`.
+    """
     try:
         other = guess(capture, channel)
     except ValueError:
         return None
     same_rate = abs(Fraction(other.line.baud) / Fraction(line.baud) - 1) <= NEAR
     if same_rate and other.line.invert == line.invert:
-        # The same format is not better. Nine data bits are not better, because a wrong stop bit would count as data.
+        # A format with nine data bits is rejected because it would hide framing errors: it counts a wrong stop bit as
+        # a data bit.
         hides = other.line.shape == line.shape or other.line.bits > SCI_BITS
         if hides or share <= MOST:
             return None

@@ -5,8 +5,8 @@
                             v                                                  v
                      events expected  <-------- compare -------->  events decoded from the wires
 
-The comparison decodes the wires and the capture by the same code, which the agents and the chip do not use. Firmware
-that lists `address`, `replies`, `asleep` and `busy` in `REPLAY` is set to answer like the captured target.
+The wires and the capture are decoded by the same code, which the agents and the chip do not use. Firmware that lists
+`address`, `replies`, `asleep` and `busy` in `REPLAY` is set to answer like the captured target.
 
 The expected events are those of the capture with the polls that `CapturedController` made.
 
@@ -60,7 +60,7 @@ AGENTS = "the replay's own controller and targets"
 
 
 def without_firmware(plan: PlaybackPlan, start: int, end: int, tolerance: Fraction) -> Comparison:
-    """Run the agents without the firmware, with the captured answers in its place, and compare with the capture.
+    """Run the agents with the captured answers in place of the firmware, and return the comparison with the capture.
 
     start, end: the ticks at which the run begins and ends.
     tolerance: the allowed difference in time, in seconds.
@@ -79,8 +79,9 @@ def without_firmware(plan: PlaybackPlan, start: int, end: int, tolerance: Fracti
 
 
 def _marked(one: Divergence, alone: tuple[Divergence, ...], tolerance: Fraction) -> Divergence:
-    """Return the divergence `one`. If it also occurs without the firmware, its cause says so.
+    """Return `one`; if the same divergence also occurs without the firmware, with a cause that says so.
 
+    one: a divergence of the run with the firmware.
     alone: the divergences of the run without the firmware.
     tolerance: the time in seconds within which divergences of kind TIMING count as the same.
     """
@@ -97,10 +98,11 @@ def _marked(one: Divergence, alone: tuple[Divergence, ...], tolerance: Fraction)
 
 
 def asked_once_more(expected: Sequence[Happened], first: Divergence, own: Sequence[int]) -> str:
-    """Return the reason why the firmware's NACK of its address is no error; "" if the NACK may be an error.
+    """Return the reason why the first divergence is no error of the firmware, but one more NACK while it is busy.
 
-    If the firmware has answered before, and sends one more NACK after the captured NACKs, it is busy for longer than
-    the captured target. A real controller would continue to poll, but only the captured polls are played.
+    In the capture, a target that has answered before refuses its address at least once, and then acknowledges it. If
+    the firmware refuses its address there once more, it is only busy for longer. A real controller would continue to
+    poll, but here only the captured polls are played. Return "" for any other divergence.
 
     expected: the events of the capture.
     first: the first divergence.
@@ -124,6 +126,7 @@ def asked_once_more(expected: Sequence[Happened], first: Divergence, own: Sequen
 class I2cReplay(SlaveReplay):
     """Closed-loop replay of an I2C capture: agents play the controller, and the firmware is a target.
 
+    scl, sda: the names or numbers of the channels.
     addresses: the addresses of the firmware; if empty, `answering` determines them.
     first: the maximum number of transfers; None for all.
     longest_low: the maximum time, in seconds, for which the controller holds SCL low. None: as long as captured.
@@ -165,7 +168,7 @@ class I2cReplay(SlaveReplay):
             part.notes.append(f"an agent answers for {others}, as captured")
 
     def _least_gap(self) -> int | None:
-        """Return `PlaybackPlan.least_gap`, the minimum time between two transfers in ticks."""
+        """Return `PlaybackPlan.least_gap`: here None, because pauses keep their captured lengths."""
         return None
 
     # Running the replay ------------------------------------------------------------------------
@@ -246,7 +249,7 @@ class I2cReplay(SlaveReplay):
         otherwise set it to "".
         """
         self._agents_parted = ""
-        self._other_events = False  # True if the agents cause the first judged divergence and it is not of kind TIMING
+        self._other_events = False  # True if the agents cause the first judged divergence, which is not of kind TIMING
         if not outcome.ranked:
             return outcome
         played = self._controller.polled.played()

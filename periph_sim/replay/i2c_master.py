@@ -1,12 +1,12 @@
 """The F28335 as master with captured targets, whose answers are played when the firmware addresses them.
 
-    capture --> the script --> firmware's settings --> unit --> SCL, SDA <-- ScriptedTarget <-- captured answers
+    capture --> transfers as script --> settings --> unit --> SCL, SDA <-- ScriptedTarget <-- captured answers
        \\--> events expected  <-------------- compare -------------->  events decoded from the wires
 
-Firmware that lists `script` in `REPLAY` repeats the transfers of the captured controller, with its `pauses`, `low` and
-`high` if these are listed, too. Other firmware runs its own program for as long as the capture lasts. Events are
-compared in order. Their times are compared only if a tolerance is given, because the pauses of a driver differ from
-those of the captured controller.
+Firmware that lists `script` in `REPLAY` repeats the transfers of the captured controller. If it also lists `pauses`,
+`low` and `high`, it repeats the captured pauses between transfers and the low and high times of SCL. Other firmware
+runs its own program for as long as the capture lasts. Events are compared in order. Their times are compared only if a
+tolerance is given, because the pauses of a driver differ from those of the captured controller.
 """
 
 from __future__ import annotations
@@ -41,7 +41,8 @@ EDGES = 2 * 4 * 9  # maximum number of edges per event: twice the four edges of 
 class I2cMasterReplay(BusReplay):
     """Replay of an I2C capture in which the firmware, as master, replaces the captured controller.
 
-    first: the number of transfers to replay; None for all.
+    scl, sda: the names or numbers of the channels.
+    first: the maximum number of transfers; None for all.
     tolerance: the allowed difference in time of an event; None: times are not compared.
     patience: a time in seconds. If the firmware has a script, the replay ends when the bus has been silent for the
         longest pause of the script plus this time.
@@ -94,7 +95,10 @@ class I2cMasterReplay(BusReplay):
     # Running the replay ------------------------------------------------------------------------
 
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
-        """Run to the end, or up to tick `until`. If the script is unfinished, return what the firmware is doing."""
+        """Run to the end, or up to tick `until`.
+
+        If the script is unfinished, return a phrase that says what the firmware is doing; otherwise return "".
+        """
         kernel, scene = self.kernel, self.scene
         step = self.timebase.ticks(STEP, "nearest")
         length = int(self._part.capture.length * self._per_position)
@@ -146,5 +150,5 @@ class I2cMasterReplay(BusReplay):
 
 
 def _cycles(length: Fraction) -> int:
-    """Return the value of I2CCLKL or I2CCLKH for a low or high time in seconds."""
+    """Return the value of I2CCLKL or I2CCLKH for a low or high time in seconds, limited to 1 to MOST."""
     return min(MOST, max(1, round(length * MODULE_HZ) - D))

@@ -61,13 +61,19 @@ class _Held:
 
     at: Fraction  # the time at which SCL rises in the capture
     captured: Fraction  # the low time of SCL in the capture
-    needed: Fraction  # the time for which the chip holds SCL low after SCL's falling edge
+    needed: Fraction  # the time from SCL's falling edge to its release by the chip; 0 if the chip does not pull SCL low
     late: Fraction  # the time from SCL's captured rise to its release by the chip; 0 if the chip releases SCL earlier
     bit: str  # the name of the bit in messages
 
 
 class I2cOpenReplay(SlaveReplay):
-    """A replay like `I2cReplay`, in which the controller does not wait while the chip holds SCL low."""
+    """A replay like `I2cReplay`, in which the controller does not wait while the chip holds SCL low.
+
+    tolerance: the time for which the chip may hold SCL low after SCL rises in the capture. None: a sample period plus a
+        SYSCLKOUT cycle. A longer hold makes the replay fail.
+
+    The other arguments are those of `I2cReplay`.
+    """
 
     LOOP = "open"
     NAME = "chip would drive"
@@ -91,7 +97,7 @@ class I2cOpenReplay(SlaveReplay):
         self._end_tick = self._tick(end) + self.timebase.ticks(TAIL, "nearest")
         for wire, line, edges in zip(self._wires, part.lines, _edges(*part.lines, part.half_sample, end), strict=True):
             ticks = [(self._tick(at), level) for at, level in edges]
-            if not line.initial:  # the line falls before the module is enabled, so the fall is no START
+            if not line.initial:  # pull the line low before the module is enabled, which then detects no START
                 ticks.insert(0, (scene.start, 0))
             EdgePlayer(scene.kernel, wire, ticks)
 
@@ -222,7 +228,7 @@ class I2cOpenReplay(SlaveReplay):
         )
 
     def _pauses(self, held: list[_Held], late: list[_Held]) -> list[str]:
-        """Return notes on stretches that occur only in the capture or only in the replay."""
+        """Return a note on captured stretches that the chip does not need, and a note on the chip's late answers."""
         notes = []
         long = [one for one in held if one.captured > self._part.long_low / self._part.rate]
         spare = [one for one in long if one.needed < one.captured]
@@ -248,7 +254,7 @@ def _us(seconds: Fraction) -> str:
 def _edges(
     scl: Channel, sda: Channel, half_sample: Fraction, end: int
 ) -> tuple[list[tuple[Position, int]], list[tuple[Position, int]]]:
-    """Return the edges of SCL and those of SDA up to position `end`, as (position, level).
+    """Return the edges of SCL and those of SDA up to and including position `end`, as (position, level).
 
     An edge of SDA in the same sample as an edge of SCL is moved by half a sample into the low phase of SCL.
     """

@@ -10,12 +10,12 @@ captured target becomes a delay of the controller. Of the edges of SDA, this hal
 START, STOP, and the bits and ACKs that it sent. If such an edge is in the same sample as an edge of SCL, or is not
 visible in the capture, it is placed in the low phase of SCL, at least half a sample away from both of its ends.
 
-If the firmware is the master, low phases that are much longer than usual are stretches of the target, which can
-stretch from the ACK of its address on.
+If the firmware is the master, low phases that are much longer than usual are repeated by the agents as stretches of the
+targets. Stretches before the ACK bit of the address are ignored, because no target is selected there.
 
 If the firmware is the target, consecutive NACKs of its address become an interval in which it does not answer. The
 interval begins at the STOP of the write before the NACKs, or at the start of the capture. It ends midway between the
-last NACK and the START of the first turn that is answered.
+last NACK and the START of the first acknowledged turn. NACKs after a read cannot be reproduced in this way.
 """
 
 from __future__ import annotations
@@ -34,11 +34,12 @@ HALF = Fraction(1, 2)  # half a sample in positions, in captures in which each p
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """A part of a transfer that begins with a START and an address. Times are positions of the capture.
+    """A phase of a transfer with a complete address. Times are positions of the capture.
 
-    begin: the time of the START.
+    answer: what the target did in the capture.
+    begin: the time of the START or repeated START.
     answered: the time at which SCL rises in the ninth bit of the address.
-    stop: the time of the STOP; None if the part ends with a repeated START or with the capture.
+    stop: the time of the STOP; None if the phase ends with a repeated START or with the capture.
     """
 
     address: int
@@ -59,10 +60,12 @@ class Edge:
 
 
 def controllers_half(transfer: Transfer, hold: Fraction, half_sample: Fraction = HALF) -> list[Edge]:
-    """Return the controller's edges, in order. Arguments are in positions.
+    """Return the controller's edges of a transfer, in order.
 
     hold: the time from a falling edge of SCL to a change of SDA, for changes that the capture does not show.
     half_sample: the minimum time between a change of SDA and an edge of SCL.
+
+    Both times are in positions.
     """
     half = _ControllersHalf(hold, half_sample)
     for number, phase in enumerate(transfer.phases):
@@ -81,10 +84,10 @@ def controllers_half(transfer: Transfer, hold: Fraction, half_sample: Fraction =
 
 
 def hurried(edges: list[Edge], longest_low: Fraction, step: int = 0) -> list[Edge]:
-    """Shorten low phases of SCL to at most `longest_low`, and move later edges by the removed time. Return all edges.
+    """Return the edges with low phases of SCL shortened to `longest_low`, and later edges moved by the removed time.
 
-    The removed time is a stretch of the captured target, or a pause of the controller. In the replay, the answering
-    party must stretch by itself.
+    The removed time is a stretch of the captured target, or a pause of the controller. In the replay, the firmware that
+    replaces the target stretches SCL by itself.
 
     step: the number of positions per sample. A low phase that is too long by at most one sample is not shortened,
         because this may be a sampling error. Such errors would add up over the bits of a transfer.
@@ -105,7 +108,10 @@ def hurried(edges: list[Edge], longest_low: Fraction, step: int = 0) -> list[Edg
 
 
 def moves(edges: list[Edge], ticks_per_position: Fraction) -> list[Move]:
-    """Convert edges to moves of an `I2cPlayer`. Each edge's time is rounded down by itself, so errors do not add up."""
+    """Convert edges to moves of an `I2cPlayer`.
+
+    The time of each edge, not the distance of two edges, is rounded down to a tick, so that errors do not add up.
+    """
     found = []
     last = int(edges[0].at * ticks_per_position)
     for edge in edges:
@@ -132,7 +138,7 @@ def usual_hold(transfers: list[Transfer], half_sample: Fraction = HALF) -> Fract
 
 
 def turns(transfers: list[Transfer]) -> Iterator[Turn]:
-    """Yield the addressed parts of the transfers, in order. Parts with an incomplete address are left out."""
+    """Yield the phases of the transfers as turns, in order. Phases with an incomplete address are left out."""
     for transfer in transfers:
         for number, phase in enumerate(transfer.phases):
             if not is_addressed(phase):
@@ -145,7 +151,7 @@ def turns(transfers: list[Transfer]) -> Iterator[Turn]:
 
 
 def is_addressed(phase: Phase) -> bool:
-    """Return True if a phase has a whole address byte with its ACK."""
+    """Return True if a phase has a whole address byte with its ACK or NACK."""
     return phase.address is not None and phase.read is not None and len(phase.bytes[0].bits) >= 9
 
 
@@ -176,7 +182,10 @@ def _value(byte: Byte) -> int:
 
 
 class _ControllersHalf:
-    """Builder of the edges of one transfer. _fall: the position of the next fall of SCL; None if not captured."""
+    """Builder of the controller's edges of one transfer.
+
+    _fall: the position of the next falling edge of SCL; None if it was not captured.
+    """
 
     def __init__(self, hold: Fraction, half_sample: Fraction) -> None:
         self.edges: list[Edge] = []
@@ -192,9 +201,9 @@ class _ControllersHalf:
         self._fall = None if bit.high is None else bit.at + bit.high
 
     def condition(self, condition: Condition, level: int) -> None:
-        """Add a START, repeated START or STOP. If SCL has a pulse only for this condition, add the pulse, too.
+        """Add a repeated START or STOP. If SCL rises only for this condition, add the low phase before it, too.
 
-        level: the level of SDA after the condition: 0 after START, 1 after STOP.
+        level: the level of SDA after the condition: 0 after repeated START, 1 after STOP.
         """
         if condition.high is not None and condition.at - condition.high > self._rise:
             self._pulse(condition.at - condition.high, 1 - level, None)
@@ -210,9 +219,11 @@ class _ControllersHalf:
             self.edges.append(Edge(Fraction(self._fall), True, 0))
 
     def _pulse(self, rise: int, sda: int, seen_at: int | None) -> None:
-        """Add a low phase of SCL that ends at `rise`, and a change of SDA to `sda` in this low phase.
+        """Add a low phase of SCL that ends at `rise`, in which SDA takes the level `sda`.
 
         seen_at: the position of the change of SDA; None if the capture does not show it.
+
+        If the beginning of the low phase was not captured, add only the rising edge of SCL.
         """
         if self._fall is not None:
             self.edges.append(Edge(Fraction(self._fall), True, 0))
@@ -233,9 +244,9 @@ class AsTarget:
     """The settings of firmware that replaces a captured target. Times are in positions of the capture."""
 
     address: int
-    replies: list[bytes] = field(default_factory=list)  # the data of each read
-    asleep: Fraction | None = None  # the firmware does not answer from the start up to this time
-    # For each write that ends in a STOP: the time after the STOP for which the firmware does not answer.
+    replies: list[bytes] = field(default_factory=list)  # the data of each acknowledged read
+    asleep: Fraction | None = None  # the firmware does not answer from the start up to this time; None: it answers
+    # For each acknowledged write that ends in a STOP: the time after the STOP for which the firmware does not answer.
     busy: list[Fraction] = field(default_factory=list)
     refused: int = 0  # number of NACKs that neither `asleep` nor `busy` can reproduce
 
@@ -288,11 +299,12 @@ AGAINST = "the controller continued after a NACK"
 class AsMaster:
     """The settings of firmware that replaces the captured controller, and the targets' answers.
 
-    script: the text of each transfer in `done`.
-    pauses: the pause before each transfer in `done`, in positions.
-    done: the transfers in the script.
+    script: the text of each transfer in `done`, such as "50 W 00 Sr 50 R 6".
+    pauses: the pause before each transfer in `done`, in positions: from the STOP of the previous transfer in `done`, or
+        from the beginning of the capture, to the START.
+    done: the transfers that the firmware can repeat.
     answers: the answers of the targets, by address.
-    left_out: the number of omitted transfers, by reason.
+    left_out: the number of omitted transfers, by the reason of `obstacle`.
     """
 
     script: list[str] = field(default_factory=list)

@@ -4,7 +4,7 @@
     replay   SCL, SDA, bytes  ----> lanes, aligned at the last agreed event --> svg_diagram
     history  flags, accesses  --/
 
-Time 0 of the axis is the last event in which both sides agree.
+Time 0 of the axis is the last event in which both sides agree, or the divergence itself in a UART replay.
 """
 
 from __future__ import annotations
@@ -21,8 +21,9 @@ from ..traces.drawing.capture_lanes import LETTERS
 from ..traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick, timing_diagram
 from .report import Divergence, Happened, HistoryEntry
 
-BEFORE, AFTER = 22, 13  # numbers of bits that are shown before and after the divergence
-# Fields whose lanes are shown first, in this order, even if they do not change within the picture.
+BEFORE, AFTER = 22, 13  # numbers of bit times that are shown before (at least) and after the divergence
+# Fields whose lanes are shown first, in this order. If they are in the history, they are shown even if they do not
+# change within the picture.
 ALWAYS = ("AAS", "SDIR", "RRDY", "XRDY", "XSMT", "SCD", "NACK", "BB", "RXFFST", "RXRDY")
 MOST_FLAGS = 9  # maximum number of lanes of fields, and also of lanes of accesses
 LINES = ("SCL", "SDA")
@@ -33,10 +34,13 @@ CONDITIONS = (I2cRowKind.START, I2cRowKind.REPEATED_START, I2cRowKind.STOP)
 class Side:
     """One side of a comparison.
 
+    name: the name of the side in the picture.
+    lines: the name and the levels of each line.
     rate: the number of positions per second in `lines`.
     origin: the position in `lines` at which the capture begins.
+    transfers: the transfers, from which the boxes with bytes are drawn.
+    agreed: the time of this side, in seconds since the capture began, that is time 0 of the axis.
     transfers_at: (rate, origin) for positions in `transfers`; None if `rate` and `origin` are valid for these, too.
-    agreed: the time on this side, in seconds, of the last event in which both sides agree.
     """
 
     name: str
@@ -48,17 +52,17 @@ class Side:
     transfers_at: tuple[Fraction, int] | None = None
 
     def of_transfer(self, position: int) -> float:
-        """Convert a position in `transfers` to seconds after the last event in which both sides agree."""
+        """Convert a position in `transfers` to seconds on the axis of the picture."""
         rate, origin = (self.rate, self.origin) if self.transfers_at is None else self.transfers_at
         return float((position - origin) / rate) - self.agreed
 
     def seconds(self, position: float | Fraction) -> float:
-        """Convert a position in `lines` to seconds after the last event in which both sides agree."""
+        """Convert a position in `lines` to seconds on the axis of the picture."""
         return float(Fraction(position) - self.origin) / float(self.rate) - self.agreed
 
 
 def last_agreed(divergence: Divergence, expected: Sequence[Happened], found: Sequence[Happened]) -> tuple[float, float]:
-    """Return the times in seconds of the event before a divergence, in capture and replay; (0, 0) if none is known."""
+    """Return the times of the event before a divergence in capture and replay, in seconds; (0, 0) if unknown."""
     number = divergence.index - 1
     if number < 0 or number >= min(len(expected), len(found)):
         return 0.0, 0.0
@@ -125,7 +129,10 @@ def _boxes(side: Side, window: tuple[float, float], wrong: float | None, bit: fl
 
 
 def _flags(history: Sequence[HistoryEntry], side: Side, window: tuple[float, float]) -> list[Lane]:
-    """Return the lanes of fields: first those in ALWAYS, then others that change within the window."""
+    """Return the lanes of register fields in the history: first those in ALWAYS, then those that change in the window.
+
+    There are at most MOST_FLAGS lanes.
+    """
     fields: dict[str, list[HistoryEntry]] = {}
     for change in history:
         if not _access(change):
@@ -154,9 +161,9 @@ def _flags(history: Sequence[HistoryEntry], side: Side, window: tuple[float, flo
 
 
 def _accesses(history: Sequence[HistoryEntry], side: Side, window: tuple[float, float]) -> list[Lane]:
-    """Return a lane for each register that the firmware wrote, or from which it read data; at most MOST_FLAGS lanes.
+    """Return a lane for each register that the firmware wrote, or read to take data from it; at most MOST_FLAGS lanes.
 
-    Polls of status registers are omitted.
+    Other reads, such as those of status registers, are omitted.
     """
     ticks: dict[str, list[Tick]] = {}
     for change in history:

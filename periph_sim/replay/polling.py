@@ -1,20 +1,21 @@
-"""A controller's polls of a busy target, as many as the firmware requires.
+"""Adaptation of the controller's polls of a busy target to the answers of the firmware.
 
     captured transfers --> PolledCapture --> transfers to play
     answer of the firmware to its address --^      |--> expected events: the captured ones, with polls added or removed
 
 A poll is an address without data that is not acknowledged. A target may be busy after a write with data that a STOP
-ends. Polls are added and removed only from such a write up to the next acknowledge of the same target:
+ends. Polls are added and removed only from such a write up to the next acknowledged address of the firmware:
 
 - If the firmware acknowledges a poll that the captured target refused, the remaining polls are removed. The controller
   continues with the access for which it polled, or stops if the capture ends before this access.
 - If the firmware refuses an access that the captured target acknowledged, a poll is added. The controller does what it
-  did after a captured poll, and repeats the access after the captured wait.
+  did after a captured poll of the same address byte, and repeats the access after the captured wait. If there is no
+  such poll in the capture, no poll is added.
 
 Any other difference is an error.
 
-Later transfers keep their distances, so they move by the time of the added or removed polls. Positions are those of the
-capture, plus this time.
+Later transfers keep their distances, so they move by the time of the added or removed polls. Positions in adapted
+transfers are those of the capture, plus this time.
 """
 
 from __future__ import annotations
@@ -50,7 +51,8 @@ class PolledCapture:
 
     transfers: the transfers that have begun, as they are played.
     left: the captured transfers that have not begun.
-    notes: a note, if the firmware acknowledged a poll and the captured target did not do so before the capture ends.
+    notes: a note, if the firmware has acknowledged a poll, but the captured target does not answer before the capture
+        ends; otherwise empty.
     """
 
     def __init__(self, captured: Sequence[Transfer], own: Sequence[int]) -> None:
@@ -88,7 +90,7 @@ class PolledCapture:
                     stored = not phase.read and bool(phase.data) and stop is not None
 
     def begin(self) -> Transfer:
-        """Return the next transfer."""
+        """Begin the next transfer and return it."""
         self._captured = self.left.popleft()
         self.transfers.append(_moved(self._captured, self._shift))
         return self.transfers[-1]
@@ -100,8 +102,8 @@ class PolledCapture:
     def answered(self, number: int, acked: bool) -> bool:
         """Adapt the transfer in progress to the firmware's answer to an address.
 
-        Return True if the transfer was changed, because a poll was added or polls were removed. If neither explains the
-        answer, the answer is an error of the firmware, and the transfer remains as captured.
+        Return True if the transfer was changed, because a poll was added or polls were removed. If the answer is that
+        of the capture, or if it is an error of the firmware, return False and do not change the transfer.
 
         number: the index of the phase of this transfer that has the address.
         acked: True if the firmware acknowledged the address.
@@ -138,7 +140,10 @@ class PolledCapture:
         return True
 
     def _continue_at(self, number: int, source: Transfer, place: int) -> None:
-        """Replace the last transfer, from the ACK in phase `number` on, by the end of a captured transfer."""
+        """Replace the end of the last transfer, from the ACK bit of phase `number` on, by that of a captured transfer.
+
+        source: the captured transfer. place: the index of its phase from whose ACK bit on it is used.
+        """
         current = self.transfers[-1]
         poll, phase = current.phases[number], source.phases[place]
         ninth = poll.bytes[0].bits[8]
@@ -179,9 +184,10 @@ class PolledCapture:
         return True
 
     def _pattern(self, access: Phase) -> _Poll | None:
-        """Return the captured poll to repeat before a captured access: the last one before it, or else the first one.
+        """Return the captured poll to repeat before a captured access.
 
-        Return None if the captured controller never polled for such an access.
+        This is the last poll with the same address byte before the access, or else the first one after it. None if the
+        capture has no such poll.
         """
         polls = self._polls.get((access.address, access.read), [])
         before = [poll for poll in polls if poll.repeated.at <= access.start.at]
@@ -227,9 +233,9 @@ def busy_bounds(transfers: Iterable[Transfer], own: Sequence[int], us: Fraction)
 
     us: microseconds per position.
 
-    The lower bound is the time of the latest NACK of the address, the upper bound that of the earliest ACK after a
-    NACK. If the lower bound is the larger one, the busy time differs between writes. The list is empty if no ACK
-    follows a NACK.
+    The list has the lower and the upper bound: the time of the latest NACK of the address, and the time of the earliest
+    ACK after a NACK. If the lower bound is the larger one, the busy time differs between writes. The list is empty if
+    no ACK follows a NACK.
     """
     refused: list[int] = []
     acknowledged: list[int] = []
@@ -248,7 +254,7 @@ def busy_bounds(transfers: Iterable[Transfer], own: Sequence[int], us: Fraction)
 
 
 def _accesses(transfers: Iterable[Transfer], own: Sequence[int]) -> Iterator[tuple[Phase, Condition | None]]:
-    """Yield the phases with an address of the firmware, each with the STOP that ends it, or None."""
+    """Yield the phases with an address of the firmware, each with the STOP that ends it; None if no STOP does."""
     for transfer in transfers:
         for number, phase in enumerate(transfer.phases, 1):
             if is_addressed(phase) and phase.address in own:
@@ -261,7 +267,7 @@ def _value(phase: Phase) -> int | None:
 
 
 def _acknowledged(transfer: Transfer, last: int) -> Transfer:
-    """Return a transfer up to one of its phases, with the address of this phase acknowledged."""
+    """Return a transfer up to and including phase `last`, with the address of this phase acknowledged."""
     phase = transfer.phases[last]
     address = phase.bytes[0]
     address = address._replace(acked=True, bits=(*address.bits[:8], address.bits[8]._replace(value=0)))
@@ -270,7 +276,7 @@ def _acknowledged(transfer: Transfer, last: int) -> Transfer:
 
 
 def _with_ninth(byte: Byte, other: Byte) -> Byte:
-    """Return the byte with its ninth bit (ACK or NACK) replaced by that of `other`."""
+    """Return the byte with its ninth bit (ACK or NACK) replaced by that of `other`, but its own low time of SCL."""
     ninth = other.bits[8]._replace(low=byte.bits[8].low)
     return byte._replace(acked=other.acked, bits=(*byte.bits[:8], ninth))
 

@@ -35,8 +35,10 @@ STEPS = 100  # number of progress reports in a run
 class Replay:
     """A capture played against the firmware of a unit.
 
+    lead: seconds from the start of the firmware to the beginning of the capture.
+
     KIND, LOOP, ROLE: the values of `kind`, `loop` and `role` in the report.
-    SIDE: the module and the registers from which the history of a divergence is made.
+    SIDE: the module whose history is recorded, and the registers by which the firmware causes events.
     origin: the tick at which the capture begins.
     """
 
@@ -52,7 +54,7 @@ class Replay:
         self.origin = scene.start + scene.timebase.ticks(lead, "nearest")
 
     def run(self, progress: Progress | None = None) -> Report:
-        """Play the capture, compare the wires with it, and return the report."""
+        """Play the capture, compare the replay with it, and return the report."""
         wall = perf_counter()
         stuck = self._drive(progress)
         self._wall = perf_counter() - wall
@@ -60,7 +62,10 @@ class Replay:
         return self._report([stuck] if stuck else [])
 
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
-        """Play the capture to its end, or up to tick `until`. Return the reason why it cannot continue, or ""."""
+        """Play the capture to its end, or up to tick `until`.
+
+        Return the reason why the replay ended early; "" if it did not.
+        """
         raise NotImplementedError
 
     def _report(self, stuck: list[str]) -> Report:
@@ -88,7 +93,7 @@ class Replay:
                 progress(step / STEPS)
 
     def repeat(self, subscribe: Subscribe, until: int) -> Scene:
-        """Repeat the run up to a tick, recorded by a subscriber. Return its scene."""
+        """Repeat the run up to tick `until` with a subscriber to its records. Return the scene of this run."""
         again = self._repeated(subscribe=subscribe)
         again._drive(until=until)
         return again.scene
@@ -127,7 +132,8 @@ class Replay:
 class BusReplay(Replay):
     """A replay of SCL and SDA.
 
-    log: the edges of SCL and SDA or, if only the capture drives these, of the back wires, which only the chip drives.
+    log: the edges of SCL and SDA. In an open loop, in which only the capture drives SCL and SDA, the log has the edges
+        of the back wires, which only the chip drives.
     """
 
     NAME = "replay"  # name of the replayed side in a picture

@@ -2,14 +2,14 @@
 
     expected, found --> compare --> Comparison: the first wrong byte, ACK, event, and the first wrong time
 
-An event is compared by its text ("address 50 write", "ACK"), not by its time. A wrong byte or ACK does not end the
-comparison, since later events still correspond to each other; any other difference does.
+An event is compared by its text ("address 50 write", "ACK"), not by its time. A byte or an ACK with a wrong value does
+not end the comparison, since later events still correspond to each other. Any other difference between texts does.
 
 pass         everything judged is as in the capture
 ambiguous    as pass, except for places that receivers may read either way
 not judged   nothing is proved: the capture requires nothing of the firmware, a serial line does not fit its format, or
              the first difference is certainly no error of the firmware
-fail         something differs
+fail         something judged differs, the replay ended early, or a budget of a session is broken
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ CONDITIONS = ("START", "repeated START", "STOP", NOTHING)
 
 
 def at_text(seconds: float | None) -> str:
-    """Return the time of an expected or found event as text; "" if there is none."""
+    """Return the time of an event as text, such as "at 0.001200 s"; "" if there is no event."""
     return "" if seconds is None else f"at {seconds:.6f} s"
 
 
@@ -51,7 +51,7 @@ class Happened:
 
     words: the text, such as "address 50 write".
     at: seconds since the capture began; None if unknown.
-    due: the time at which a replay should have this event, if it differs from `at`.
+    due: the time at which a replay should have this event; None if this is `at`.
     """
 
     words: str
@@ -102,8 +102,8 @@ class Comparison:
     agreed: the number of events that occur in both lists in the same order.
     divergence: the first divergence that is not of kind TIMING; None if there is none.
     lag: the largest difference in time, in seconds, among the events before the first one whose text differs.
-    ranked: the first divergence of each kind, in order of time, because an earlier one may cause a later one. TIMING is
-        last, because a stretch delays all later events.
+    ranked: the first divergence of each kind, in the order of the events, because an earlier one may cause a later one.
+        TIMING is last, because a single stretch delays all later events.
     """
 
     agreed: int
@@ -113,7 +113,7 @@ class Comparison:
 
 
 def kind_of(words: str) -> str:
-    """Return the kind of a divergence in which an event with these words is wrong: BYTE, ACK or EVENT."""
+    """Return BYTE, ACK or EVENT: the kind of a divergence in which only the value of this event is wrong."""
     if words in CONDITIONS or words.startswith("cut off"):
         return EVENT
     return ACK if words in ("ACK", "NACK") else BYTE
@@ -161,7 +161,11 @@ def _seconds(at: Fraction | None) -> float | None:
 
 
 def i2c_words(events: Iterable[i2c.Event], per_second: Fraction, origin: int = 0) -> list[Happened]:
-    """Convert I2C events to words. per_second: positions per second. origin: the position where the capture begins."""
+    """Convert I2C events to texts with times.
+
+    per_second: positions per second.
+    origin: the position at which the capture begins.
+    """
     return [Happened(_i2c(event), (event.at - origin) / per_second) for event in events]
 
 
@@ -188,9 +192,9 @@ class Report:
     events: number of compared events of the capture.
     agreed: number of these events that are also in the replay, in the same order.
     first_divergence: the earliest divergence that is not of kind TIMING, without its history.
-    divergences: the first divergence of each kind, with its history: in order of time, but a divergence of kind TIMING
-        is last in a closed loop. Such a divergence exceeds the tolerance. It makes the replay fail only if the user has
-        given a tolerance.
+    divergences: the first divergence of each kind, with its history, in the order of the events. In a closed loop, a
+        divergence of kind TIMING is last, and makes the replay fail only if the user has given a tolerance. In an open
+        loop, a divergence of kind TIMING always makes the replay fail.
     bytes: I2C: number of bytes on the replayed wires, addresses included. UART: number of bytes that the firmware read.
     nacks: number of NACKs on the replayed wires.
     refusals, captured_refusals: closed loop: how often the firmware, and the captured target, refused its address. They
@@ -200,12 +204,18 @@ class Report:
         bound is the time of the earliest ACK after a NACK; without such an ACK, the list is empty.
     captured_events, captured_transfers: numbers of events and transfers in the whole capture.
     transfers: number of replayed transfers.
-    captured_errors: number of UART frames with a framing or parity error in the capture, without breaks.
+    captured_errors: number of UART frames with a framing or parity error in the capture, without breaks and frames with
+        a glitch.
     errors: UART: for FE and PE, the number of words that the firmware read with this flag; for other flags, how often
         the flag was set.
     ambiguous: number of events that are not judged, because receivers may read them in different ways.
     filled: names of the firmware's settings that were taken from the capture.
-    unjudged: the reason why nothing was judged.
+    unjudged: the reason why the replay proves nothing; "" if there is none.
+    tolerance_us: I2C: the allowed difference in time.
+    stretch_worst_us, stretch_total_us: the longest and the total time for which the targets hold SCL low. Closed loop:
+        counted from the release of SCL by the controller. Open loop: counted from the falling edge of SCL.
+    captured_stretch_us: the time by which the longest low phase of SCL in the capture exceeds the usual one; 0 if it
+        exceeds this only slightly.
     lag_worst_us: the largest difference in time between an event of the capture and the same event in the replay. For
         UART, it is the largest time from a word's start bit to the firmware's read of the word.
     lag_samples: `lag_worst_us` in sample periods of the capture.
@@ -241,7 +251,7 @@ class Report:
     errors: dict[str, int] = field(default_factory=dict)
     stretch_worst_us: float = 0.0
     stretch_total_us: float = 0.0
-    captured_stretch_us: float = 0.0  # longest stretch or pause with SCL low in the capture
+    captured_stretch_us: float = 0.0
     late_worst_us: float = 0.0
     lag_worst_us: float = 0.0
     lag_samples: float = 0.0
@@ -263,7 +273,7 @@ def verdict_of(failed: bool, asked: bool, ambiguous: int = 0) -> str:
     """Return the verdict of a replay.
 
     failed: True if the replay differs from the capture.
-    asked: True if the capture requires something of the firmware.
+    asked: False if a replay without differences proves nothing.
     ambiguous: number of ambiguous events.
     """
     if failed:
@@ -274,7 +284,7 @@ def verdict_of(failed: bool, asked: bool, ambiguous: int = 0) -> str:
 
 
 def headline(report: Report) -> str:
-    """Return the first line of a printed report: the verdict, the judged part of the capture, and restrictions."""
+    """Return the first line of a printed report: the verdict, the replayed part of the capture, and restrictions."""
     parts = [report.verdict.upper()]
     if report.verdict == NOT_JUDGED:
         return f"{parts[0]}: {report.unjudged}"

@@ -1,6 +1,6 @@
 """Replay of a session: an I2C capture and a UART capture are played at the same time, and budgets are judged.
 
-    SCL, SDA --closed loop--> I2cPlayer --> bus <--> unit --> budgets: response, stretch, age, FIFO, overruns, spans
+    SCL, SDA --closed loop--> I2cPlayer --> bus <--> unit --> budgets: response time, clock stretch, overruns ...
     RX ---------open loop---> EdgePlayer --> SCI-A --^             ^--- transfers on the bus; frames of the capture
 
 The controller keeps the times of the capture. If a stretch delays a transfer, the next pauses are shortened until
@@ -8,8 +8,8 @@ transfers begin at their captured times again. The host does not wait for the fi
 times.
 
 The case describes the transfers (requests) that a controller repeats in each period. A round is one execution of these
-requests. A round is due one period after the previous one. If a capture has no round, budgets on rounds are not judged,
-and a note in the report names them.
+requests. A round is due one period after the previous one. If a capture has no complete round, budgets on rounds are
+not judged, and notes in the report name them.
 
 A frame is a fixed number of bytes that the host sends together. A shorter frame, which a pause on RX ends, is ignored.
 """
@@ -73,7 +73,9 @@ class SessionScene(Scene):
 class SessionReplay(I2cReplay):
     """Replay of an I2C capture and a UART capture at the same time.
 
-    offset: seconds from the beginning of the I2C capture to the beginning of the UART capture.
+    serial, rx: the UART capture, and the name or number of its channel.
+    offset: seconds from the beginning of the I2C capture to that of the UART capture; negative if the UART capture
+        begins first.
     wanted: the line format with which RX is decoded; None for the format to which the firmware sets the SCI.
     The other arguments are those of `I2cReplay`.
     """
@@ -162,7 +164,7 @@ class SessionReplay(I2cReplay):
     def _least_gap(self) -> int:
         """Return the shortest gap between two captured transfers, in ticks.
 
-        The controller shortens gaps at most to this minimum to make up for a delay.
+        To make up for a delay, the controller shortens gaps, but not below this one.
         """
         gaps = [transfer.gap for transfer in self._part.transfers if transfer.gap is not None]
         return int(min(gaps, default=0) * self._per_position)
@@ -177,7 +179,8 @@ class SessionReplay(I2cReplay):
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
         stuck = super()._drive(progress, until)
         if stuck:
-            self.scene.recorder.emit(self.kernel.now, Kind.BUS, WHO, "stuck")  # a controller emits the same record
+            # A simulated controller emits the same record if it waits too long for SCL.
+            self.scene.recorder.emit(self.kernel.now, Kind.BUS, WHO, "stuck")
         return stuck
 
     def _report(self, stuck: list[str]) -> Report:
@@ -230,7 +233,10 @@ class SessionReplay(I2cReplay):
 
 
 def _bursts(words: list[uart.Event], pause: Fraction, most: int) -> list[list[uart.Event]]:
-    """Group words into frames of at most `most` words. Start bits that are more than `pause` apart end a frame."""
+    """Group words into host frames of at most `most` words.
+
+    A frame also ends if more than `pause` positions pass from a start bit to the next one.
+    """
     found: list[list[uart.Event]] = []
     last: uart.Event | None = None
     for word in words:

@@ -58,9 +58,9 @@ def settings_of(case: Case, unit: str) -> frozenset[str]:
 
 
 def undeclared(case: Case, unit: str, names: Iterable[str]) -> list[str]:
-    """Return a note on the settings in `names` that the firmware has but does not name in `REPLAY`.
+    """Return a list with a note on the settings in `names` that the firmware has but does not name in `REPLAY`.
 
-    A replay does not fill in these settings.
+    A replay does not fill in these settings. The list is empty if there are none.
     """
     if not case.unit[unit].firmware:
         return []
@@ -83,7 +83,7 @@ def alone(
 
     agent: "controller" or "host".
     forced: settings that are always set.
-    offered: settings that are set if the firmware has them and the case does not set them.
+    offered: settings that are set if the firmware names them in `REPLAY` and the case does not set them.
 
     Return the prepared case, and the names of the offered settings that were set to a value other than zero or empty.
     """
@@ -104,7 +104,7 @@ def rate_of(capture: Capture) -> Fraction:
 
 
 def check_length(capture: Capture, end: int) -> None:
-    """Raise BadReplay if the capture up to position `end` is longer than a day."""
+    """Raise BadReplay if the capture up to position `end` is longer than LONGEST."""
     rate = rate_of(capture)
     if end > LONGEST * rate:
         raise BadReplay(
@@ -129,7 +129,7 @@ STEP = Fraction(25, 1000)  # simulated seconds between two progress reports
 TAIL = Fraction(1, 10_000)  # seconds for which the wires are observed after the last move
 PATIENCE = Fraction(200, 1000)  # maximum seconds for which SCL may be held low; an SHT21 stretches for up to 85 ms
 BYTE = 9  # number of bits in a byte, with the ACK bit
-LONG = Fraction(3, 2)  # a low phase is a stretch or a pause if it is longer than the usual one by this factor
+LONG = Fraction(3, 2)  # a low phase is a stretch or a pause if it is longer than the usual one times this factor
 HOLD = Fraction(300, 10**9)  # data hold time, in seconds, of targets that agents play: UM10204 Table 11
 
 
@@ -141,7 +141,7 @@ class Played:
     rate: the number of positions per second.
     whole: all transfers of the capture.
     transfers: the transfers that are played.
-    turns: the addressed parts of the played transfers.
+    turns: the turns of the played transfers.
     notes: notes for the report, for instance on parts that are not played.
     """
 
@@ -162,9 +162,9 @@ class Played:
     def step(self) -> int:
         """The number of positions from one sample to the next, which is the uncertainty of an edge.
 
-        If all positions of edges are multiples of one step, this step is assumed to be the distance of samples. But if
-        the usual low time of SCL is shorter than two steps, the positions are multiples because the bus has a regular
-        clock, and the step says nothing about the samples. The result is then 1.
+        If the distances between all edges are multiples of one number, this number is assumed to be the distance of
+        samples. But if the usual low time of SCL is shorter than twice this number, the multiples are due to the
+        regular clock of the bus and say nothing about the samples. The result is then 1.
         """
         step = int(2 * self.half_sample)
         return step if self.low >= 2 * step else 1
@@ -223,7 +223,8 @@ class Played:
 def played(capture: Capture, scl: str | int, sda: str | int, first: int | None = None) -> Played:
     """Decode the part of a capture that a replay plays. first: the maximum number of transfers; None for all.
 
-    Raise BadReplay if the capture has no transfer or an impossible rate; LookupError if it has no such channel.
+    Raise BadReplay if the capture has no transfer, or a rate at which SCL would be too slow or too fast for I2C;
+    LookupError if it has no such channel.
     """
     rate = rate_of(capture)
     if wrong := impossible_rate(capture, scl):
@@ -259,8 +260,7 @@ class Answering:
     own: the addresses of the unit.
     asked: how often one of these addresses is acknowledged in the capture. If the number is 0, the capture does not
         require anything of the firmware.
-    forced: settings of the firmware that are always set.
-    offered: settings of the firmware that are set if the firmware has them and the case does not set them.
+    forced, offered: settings of the firmware, as for `alone`.
     """
 
     unit: str
@@ -279,14 +279,15 @@ class Answering:
 
 
 def answering(case: Case, part: Played, given: Sequence[int], lead: Fraction = LEAD) -> Answering:
-    """Determine the firmware's addresses and settings. Add notes on settings that cannot be filled in.
+    """Determine the firmware's addresses and settings. Add notes to `part`, for example on settings not filled in.
 
-    given: the addresses that the firmware answers. If it is empty, firmware whose `REPLAY` does not name `address`
-        answers all addresses. Other firmware then answers the address that the case sets, or else the address that was
-        acknowledged most often in the capture.
+    given: the addresses that the firmware answers. If it is empty, firmware whose `REPLAY` does not name `address` is
+        expected to answer all addresses. Other firmware then answers the address that the case sets, or else the
+        address that was acknowledged most often in the capture.
 
-    If no addresses are given, the firmware is set not to answer at the times at which the captured target sent NACK.
-    Otherwise, the firmware must send these NACKs by itself to agree with the capture.
+    Settings are determined only if `REPLAY` names `address` and the firmware has one address. If this address is not
+    given, the firmware is also set not to answer at the times at which the captured target sent NACK. If it is given,
+    the firmware must send these NACKs by itself to agree with the capture.
     """
     unit = unit_with(case, "I2C-A")
     found = Answering(unit, _addresses(case, unit, part, given))

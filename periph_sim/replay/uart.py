@@ -64,7 +64,7 @@ def line_settings(line: decode.Line) -> dict[str, object]:
 
 
 def play_line(scene: Scene, capture: Capture, channel: str | int, origin: int) -> list[str]:
-    """Play a capture's line on RX, from tick `origin` on. Return notes on parts that are not played."""
+    """Play a channel of a capture on RX, from tick `origin` on. Return notes on parts that are not played."""
     line = capture.channel(channel)
     per_position = scene.timebase.per_second / rate_of(capture)
     edges = [
@@ -73,7 +73,7 @@ def play_line(scene: Scene, capture: Capture, channel: str | int, origin: int) -
     ]
     notes = []
     if not line.initial:
-        # A frame or break began before the capture. It is left out here, as by the decoder.
+        # A frame or break began before the capture. Like the decoder, the replay leaves it out.
         edges = edges[1:]
         notes.append("the capture begins with the line low; the line is kept idle until it has risen")
     EdgePlayer(scene.kernel, scene.wire("RX"), edges)
@@ -91,6 +91,7 @@ def line_events(capture: Capture, channel: str | int, line: decode.Line) -> list
 class UartReplay(Replay):
     """Replay of one channel of a capture into SCI-A.
 
+    channel: the name or number of the channel.
     wanted: the line format with which the channel is decoded; None for the format to which the firmware sets the SCI.
     lead: seconds from the start of the firmware to the beginning of the capture. It determines the phase between the
         line and the SCI's samples.
@@ -163,7 +164,7 @@ class UartReplay(Replay):
         return ""
 
     def _line_to_read(self) -> decode.Line:
-        """Return the line format with which the capture is decoded: the wanted one, or else the SCI's present one."""
+        """Return the format in which the capture is decoded: `wanted` if it is given, or else the SCI's present one."""
         line = line_of(self.dsp)
         self._baud = Fraction(line.baud)
         return line if self._wanted is None else self._wanted

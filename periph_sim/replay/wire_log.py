@@ -1,4 +1,4 @@
-"""Log of the edges of wires in a running scene. It can be read like the capture of a logic analyser."""
+"""Log of the edges of wires in a running scene, which can be read like the capture of a logic analyser."""
 
 from __future__ import annotations
 

@@ -1,7 +1,12 @@
 """Models of the TMS320F28335's modules: chips in the sense of `core.chip`, one folder for each kind of module.
 
 Terms of this package:
-owner: the code that calls a chip: its socket (`core.socket`), the simulated unit, or a test.
+unit: one simulated F28335 with its program. scene: the units, devices and wires that are simulated together.
+case: the TOML file that describes a scene.
+chip: here, the model of one module, such as an SCI: a subclass of `core.chip.Chip`.
+owner: the code that calls a chip: its socket (`core.socket`), the unit, or a test.
+wake-up: a call of the chip's method `wake`. The owner makes it at the cycle that the chip has put in `next_wake`.
+note: a message for the user, such as that firmware does what the manual forbids (`core.chip.Note`).
 request: one pulse on an interrupt line. "X requests at once" means that the interrupt is requested in this cycle.
 option: a question that TI's documents leave open, with its possible answers (`core.options`). The docstrings of the
     modules list further behaviour that these documents leave open under "Chosen"; it has no option.

@@ -1,11 +1,11 @@
-"""Descriptors of the chip's modules, which describe them to the rest of the package.
+"""Types of the data that describe the chip's modules (`ModuleDescriptor`) and a chip of the family (`Part`).
 
     i2c/descriptor.py: I2C_A --+
     sci/descriptor.py: SCIS  --+--> parts/f28335.py: Part --> addresses, clocks, interrupts, pins, wires, options
 
-Units, wiring, the event language, `why`, `regs` and the schema of cases read descriptors. A new module consists of a
-folder with a descriptor, a register map and a chip, and an entry in the data of the part. The folders without a
-descriptor (`cpu`, `memory` and `parts`) are no modules.
+The code that builds units, wires pins, parses names of events, checks cases, and runs the commands `why` and `regs`
+reads descriptors. To add a module, add a folder with a descriptor, a register map and a chip, and an entry in
+`parts/f28335.py`. The folders without a descriptor (`cpu`, `memory` and `parts`) are not modules.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ FLASH = range(0x30_0000, 0x34_0000)  # addresses of flash in the F28335, the par
 
 
 class Frame(IntEnum):
-    """Peripheral frames, which differ in wait states and widths of accesses (SPRS439M Table 3-5)."""
+    """Peripheral frames: areas of registers with different wait states and access widths (SPRS439M Table 3-5)."""
 
     PF0 = 0  # PIE and CPU timers; accesses of 16 and 32 bits
     PF1 = 1  # GPIO; accesses of 16 and 32 bits
@@ -60,21 +60,22 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     """A module of the chip.
 
     base, size: address and length of its registers, in 16-bit words.
-    header: the structure that TI's C headers place at `base`, or several structures with their offsets.
-    chip: the class that models the module, such as "i2c.module.I2c" in this package; "" if every unit has the module.
-    takes: the arguments of the constructor of this class, among "name" and "options".
-    options: the group of options that the module uses.
+    header: the structures that TI's C headers declare for the module, each with its offset from `base`.
+    chip: the class that models the module, such as "i2c.module.I2c" in this package. It is "" for a module that every
+        unit has, and which the unit itself constructs.
+    takes: the arguments of the constructor of this class: "name", "options", both or none.
+    options: the name of the group of options that the module uses.
     options_class: the class of these options, written like `chip`.
     gate: the field of PCLKCR0 or PCLKCR3 that switches the module's clock; "" if there is none.
     input_gate: the field of PCLKCR0 or PCLKCR3 that switches the clock of its input paths only; "" if there is none.
     clock: the clock that the module runs on, "SYSCLKOUT" or "LSPCLK".
     interrupts: its interrupts, in the order of the bits of the chip's `requests`.
-    inputs, outputs: signals of the multiplexer's table, in the order of the chip's pins. inputs is None if any pin can
-        be an input of the module.
+    inputs, outputs: the module's signals in the table of the pin multiplexer, in the order of `INPUTS` and `OUTPUTS`
+        of the chip. inputs is None if any pin can be an input of the module.
     pins: for each signal of the module, the GPIO number to which TI's start-up code assigns it.
     wires: a dictionary from the names that a case uses to the signals of the module.
-    bus: True if the modules of this kind in all units are connected to the same wires.
-    plain: True if a case uses the names in `wires` without the module's name before them.
+    bus: True if this module of every unit in a scene is connected to the same wires, as on an I2C bus.
+    plain: True if a case writes the names in `wires` without the module's name before them.
     """
 
     name: str
@@ -131,7 +132,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
                 raise self._error(f"{signal} is neither among its inputs nor among its outputs")
 
     def build(self, options: Mapping[str, Answers]) -> Chip:
-        """Return a new chip. options: answers of a unit by group; a missing group has the defaults."""
+        """Return a new chip. options: the answers of a unit by group; a group that is missing has its defaults."""
         given = options.get(self.options)
         values: dict[str, Callable[[], object]] = {
             "name": lambda: self.name,
@@ -154,9 +155,9 @@ class Part(Struct, frozen=True, dict=True):
     """A chip of the family.
 
     modules: its modules, in the order in which they are listed to users.
-    flash: the addresses of its flash. A part with less flash than the F28335 lacks the low addresses, and has no other
-        differences.
-    part_id: the value at the address PARTID, by which firmware identifies the chip.
+    flash: the addresses of its flash. Except for `part_id`, parts differ only in how many of the low addresses of the
+        F28335's flash they lack.
+    part_id: the value at the address PARTID (0x380090), by which firmware identifies the chip.
     """
 
     name: str
@@ -205,7 +206,7 @@ class Part(Struct, frozen=True, dict=True):
 
     @cached_property
     def options_groups(self) -> dict[str, str]:
-        """A dictionary from groups of options to the names of classes, as in `ModuleDescriptor.options_class`."""
+        """For each group of options, the name of its class, as in `ModuleDescriptor.options_class`."""
         return dict(sorted((one.options, one.options_class) for one in self.modules))
 
     def options_classes(self) -> dict[str, type[Answers]]:

@@ -1,7 +1,7 @@
-"""Experiments on hardware that would decide open questions, by the group of the option and its name.
+"""Experiments on hardware that would decide open questions, by the option's group and name.
 
-`run --questions` prints them. They are apart from the options, because no run needs them. A question without an entry
-has no known experiment.
+`run --questions` prints them. They have a file of their own, because no run needs them. If a question has no entry
+here, no experiment is known for it.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
-"""FIFO of a serial module with its register: number of words, level, interrupt flag and request.
+"""FIFO of a serial module (SCI, SPI, I2C) with its control register, interrupt flag and interrupt request.
 
     push --> 16 words --> pop        SCIFFTX, SPIFFTX, I2CFFTX: TXFFINT when TXFFST <= TXFFIL
                |                     SCIFFRX, SPIFFRX, I2CFFRX: RXFFINT when RXFFST >= RXFFIL
                +--> level, flag --enable--> request
 
-The FIFOs of all serial modules have these fields at the same bits. Each module decides when the number of words is
-compared with the level, and whether setting the enable bit while the flag is 1 requests the interrupt. It also handles
-resets, FIFO mode, and a word that arrives while the FIFO is full.
+The FIFOs of all serial modules have these fields at the same bits. The module that owns a FIFO decides when the number
+of words is compared with the level (`watch`), and whether setting the enable bit while the flag is 1 requests the
+interrupt. The module also handles resets, FIFO mode, and a word that arrives while the FIFO is full.
 
 Source: SPRUFZ5A tables 2-9, 2-10; SPRUEU3 section 2.1.9; SPRUG03B sections 5.11 and 5.12.
 """
@@ -33,14 +33,15 @@ LEVEL = 0x1F  # TXFFIL, RXFFIL
 
 
 class InterruptFifo:
-    """FIFO with its register.
+    """FIFO with its control register.
 
-    register: SCIFFTX, SCIFFRX or the corresponding register of another module.
+    register: the description of SCIFFTX, SCIFFRX or the corresponding register of another module.
     receives: True for a receive FIFO, whose flag is set if the number of words is the level or more. False for a
         transmit FIFO, whose flag is set if the number of words is the level or less.
-    mode: the module's option `fifo_int_mode`.
+    mode: the module's option `fifo_int_mode`, which decides when the flag is set again after firmware cleared it.
+    touched: the set to which the name of this option is added when it is used.
     words: the words in the FIFO, the oldest first.
-    control: the value of the register, with 0 in the field for the number of words.
+    control: the value of the register, with 0 in place of the number of words (TXFFST, RXFFST).
     """
 
     STATE = State("words control _was_reached")
@@ -84,7 +85,8 @@ class InterruptFifo:
     def watch(self, on: bool) -> bool:
         """Set the flag if the number of words has reached the level. Return True if this requests the interrupt.
 
-        on: if it is False, the level counts as not reached.
+        In mode "level" the flag is set while the level is reached. In the other mode it is set only if the level was
+        not reached at the previous call. If `on` is False, the level counts as not reached.
         """
         waiting, level = len(self.words), self.control & LEVEL
         reached = on and (waiting >= level if self.receives else waiting <= level)
@@ -108,7 +110,7 @@ class InterruptFifo:
         return not before & ENABLE and self.is_requesting()
 
     def show(self) -> int:
-        """Return the value that the CPU reads from the register."""
+        """Return the value of the register with the number of words in it, as the CPU reads it."""
         return self.control | min(len(self.words), DEPTH) << STATUS
 
     def clear(self) -> None:

@@ -1,4 +1,4 @@
-"""Open questions about the CPU and the system around the peripherals: one field each, the default first.
+"""Open questions about the CPU and the system around the peripherals: one field each, with the default answer first.
 
 Clocks, PIE, timers, GPIO, the bus and the CPU share this class, so that a unit has one answer to each question.
 """

@@ -1,20 +1,21 @@
-"""The CPU's interrupt logic, which decides from request pulses and instructions which interrupt is taken and when.
+"""The CPU's interrupt logic: it decides from requests and instructions which interrupt is taken, and when.
 
     raise_line --IFR_DELAY--> IFR --IER, INTM--> next_taken --> enter --> vector chosen --> first ISR instruction
                                                    ^              |
                                   instruction boundary        context saved; iret restores it
 
-This class executes no instructions and stores no context. The processor stores the result of `enter` in memory, and
-passes the words that it finds there to `iret`. The processor calls the method of an instruction at the cycle at which
-the instruction begins, and `next_taken` at each boundary between two instructions. There is no boundary inside an RPT
-loop, and an instruction that has reached stage D2 completes. If an interrupt is taken at the boundary in cycle b:
+`CpuInterrupts` executes no instructions and stores no context. Its owner, the model of the processor, stores the result
+of `enter` in memory. At IRET the owner passes the words at this place in memory to `iret`. For an instruction such as
+CLRC INTM the owner calls the method of the same name at the cycle at which the instruction begins. It calls
+`next_taken` at each boundary between two instructions. There is no boundary inside an RPT loop, and an instruction that
+has reached pipeline stage D2 completes. If an interrupt is taken at the boundary in cycle b:
 
     b                        enter(b, number): IFR bit cleared, context saved, IER bit cleared, ST1 changed
-    b + vector_delay         get the vector from the PIE
+    b + vector_delay         the owner gets the vector from the PIE
     b + entry_cycles         first instruction of the service routine
 
-With the default latency and an interruptible CPU, a request in cycle t is latched at t + 4, its vector is chosen at t +
-5, and its first instruction begins at t + 14.
+With the default latency and a CPU that can be interrupted at once, a request in cycle t sets the IFR bit at t + 4. Its
+vector is chosen at t + 5, and the first instruction of its service routine begins at t + 14.
 
 Source: SPRU430F chapter 3 and the instructions' pages; SPRUFB0D section 8; SPRZ272N sections 3.1.1, 3.1.2.
 
@@ -59,7 +60,7 @@ MASKABLE = 16  # interrupts 1 to 16 can be masked: interrupt n has bit n - 1 in 
 
 # The context: ST0, T, AL, AH, PL, PH, AR0, AR1, ST1, DP, IER, DBGSTAT, PC low, PC high (SPRU430F Table 3-4).
 CONTEXT_WORDS = 14
-CONTEXT_SP = 1 + CONTEXT_WORDS  # amount by which the saving of the context raises SP
+CONTEXT_SP = 1 + CONTEXT_WORDS  # number of words by which SP rises when the context is saved
 ST1_WORD, IER_WORD = 8, 10  # indices of ST1 and IER among the words of the context
 
 
@@ -72,7 +73,7 @@ def frame_of(sp: int) -> int:
 
 
 def int13_source(xnmicr: int) -> str:
-    """Return the source of INT13: "XNMI_XINT13" if SELECT (bit 1) of XNMICR is set, else "TINT1" (Table 123)."""
+    """Return the source of INT13: "XNMI_XINT13" if XNMICR.SELECT (bit 1) is set, else "TINT1" (SPRUFB0D Table 123)."""
     return "XNMI_XINT13" if xnmicr & 2 else "TINT1"
 
 
@@ -99,7 +100,7 @@ class CpuInterrupts:
 
     def __init__(self, options: SystemOptions) -> None:
         latency = options.int_latency.unrecorded() - IFR_DELAY
-        # Cycles that the vector fetch adds to those of TRAP and INTR.
+        # Cycles that wait states of the vector fetch add to the entry of an interrupt, TRAP and INTR.
         self.vector_waits: int = options.vector_fetch_waits.unrecorded()
         # Cycles from the instruction boundary to the first instruction of the service routine.
         self.entry_cycles: int = latency + self.vector_waits
@@ -121,8 +122,8 @@ class CpuInterrupts:
         self.sp = SP_RESET
         self.nested = 0  # number of routines that were entered and have not returned
         self.ready = now  # no interrupt is taken before this cycle
-        # `owes_instruction` is True if no interrupt is taken before one more instruction has been executed after an
-        # IRET. The owner sets it to False when this instruction has been executed.
+        # True if one more instruction must be executed after an IRET before an interrupt is taken. The owner sets it
+        # to False when this instruction has been executed.
         self.owes_instruction = False
         self.next_wake = NEVER  # cycle at which the next request reaches the IFR
         self._coming.clear()
@@ -147,7 +148,7 @@ class CpuInterrupts:
     # Inputs from outside the CPU ------------------------------------------------
 
     def raise_line(self, now: int, number: int) -> None:
-        """Accept a pulse on INT1 to INT14, DLOGINT, RTOSINT, EMUINT or NMI."""
+        """Accept a request pulse. number: 1 to 14 for INT1 to INT14, or DLOGINT, RTOSINT, EMUINT or NMI."""
         self.wake(now)
         if number in (EMUINT, NMI):
             self._nonmaskable |= 1 << number - EMUINT
@@ -158,13 +159,13 @@ class CpuInterrupts:
             self.next_wake = self._coming[0][0]
 
     def wrote_pieack(self, now: int) -> None:
-        """Record that the instruction that begins now writes PIEACK. `clrc_intm` needs this for a note."""
+        """Record that the instruction that begins now writes PIEACK, so that `clrc_intm` can warn if it comes next."""
         self._pieack_end = now + cpu_costs.SIMPLE
 
     # Entry and exit ---------------------------------------------------------------
 
     def next_taken(self, now: int) -> int:
-        """Return the number of the interrupt to take at this instruction boundary, or 0."""
+        """Return the number of the interrupt to take at the instruction boundary in cycle `now`; 0 if there is none."""
         self.wake(now)
         if now < self.ready or self.owes_instruction:
             return 0
@@ -178,7 +179,7 @@ class CpuInterrupts:
         return (pending & -pending).bit_length()
 
     def earliest(self) -> int:
-        """Return the first cycle at which the present masks and requests allow an interrupt, or NEVER.
+        """Return the first cycle at which INTM, IER and the present requests allow an interrupt; NEVER if they do not.
 
         If one more instruction must be executed after an IRET, it is counted as one cycle, the minimum.
         """
@@ -219,11 +220,11 @@ class CpuInterrupts:
 
     @property
     def returning_sp(self) -> int:
-        """The value of SP after an IRET at this point. `frame_of` of this value is the address of the context."""
+        """The value that SP would have after an IRET now. `frame_of` of this value is the address of the context."""
         return self.sp - CONTEXT_SP & 0xFFFF
 
     def iret(self, now: int, st1: int, ier: int) -> None:
-        """Execute IRET. st1, ier: the words that it pops from the stack, where firmware may have changed them."""
+        """Execute IRET. st1, ier: their words on the stack, which firmware may have changed since they were saved."""
         self.wake(now)
         if not self.st1 & INTM:
             self.notes.append(
@@ -291,16 +292,16 @@ class CpuInterrupts:
         self._next_boundary(now + cpu_costs.OR_IER)
 
     def idle(self, now: int) -> None:
-        """Execute IDLE. From now + cpu_costs.IDLE on, the processor calls `idle_ends` after each possible change."""
+        """Execute IDLE. From now + code_costs.IDLE on, the owner calls `idle_ends` after each input."""
         self.wake(now)
         self.st1 |= IDLESTAT
         self._next_boundary(now + cpu_costs.IDLE)
 
     def idle_ends(self, now: int) -> bool:
-        """Leave IDLE and return True if an interrupt wakes the CPU now.
+        """Leave IDLE and return True if an interrupt wakes the CPU now; else return False.
 
-        The CPU continues at cycle `ready`, with the service routine that `next_taken` returns or with the next
-        instruction.
+        After IDLE the CPU continues at cycle `ready`. It takes the interrupt that `next_taken` returns then; if that is
+        0, it executes the next instruction.
         """
         self.wake(now)
         if now < self.ready or not (self.ifr & self.ier or self._nonmaskable):
@@ -312,7 +313,7 @@ class CpuInterrupts:
     # Requests in transit, context -------------------------------------------------
 
     def wake(self, now: int) -> None:
-        """Set the IFR bits of requests that have arrived by now."""
+        """Set the IFR bits of the requests whose IFR_DELAY has passed."""
         while self.next_wake <= now:
             cycle, bit = self._coming.popleft()
             if self._latched_at != cycle:

@@ -9,7 +9,7 @@ VECTORS = ("TINT0", "INT13", "INT14")  # SPRUFB0D Figure 32
 
 
 def timer(number: int) -> ModuleDescriptor:
-    """Return the descriptor of CPU timer `number`. Timer 1 shares INT13 with the pin XNMI."""
+    """Return the descriptor of CPU timer 0, 1 or 2. Timer 1 shares INT13 with the pin XNMI."""
     return ModuleDescriptor(
         name=f"TIMER{number}",
         registers=MAP,

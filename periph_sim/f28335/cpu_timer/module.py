@@ -1,21 +1,21 @@
-"""32-bit CPU timer, which counts SYSCLKOUT cycles and requests TINT.
+"""32-bit CPU timer, which counts SYSCLKOUT cycles down and requests the interrupt TINT.
 
     SYSCLKOUT --> PSCH:PSC (TDDRH:TDDR + 1) --> TIMH:TIM --zero--> TIF, and with TIE: TINT
                                                   ^   |
                                       PRDH:PRD ---+<--+ the step after zero, or TRB
 
-Cycles are not counted one by one: the count is computed when it is read. `next_wake` is the cycle of the next zero that
-is observable (TIE = 1, or TIF still 0). TIM and PSC change without a wake-up, so `register_map` marks them as
-free-running.
+Cycles are not counted one by one: the count is computed when it is read. `next_wake` is the cycle at which TIF is set
+next. If nothing would change then (TIE = 0 and TIF already 1), `next_wake` is NEVER. TIM and PSC change without a
+wake-up, so `register_map` marks them as changing with time.
 
 Source: SPRUFB0D section 5.5, Tables 31 to 38.
 
 Chosen:
-- Only a step to zero sets TIF, not a load by TRB or a CPU write of 0. With PRD = 0 every step sets TIF, so the period
-  is (PRD + 1)(TDDR + 1) in this case as well.
-- With timer_tif_point = on_reload every reload sets TIF, including the first reload after reset.
+- Only a step to zero sets TIF. A load of 0 by TRB or by a CPU write does not. With PRD = 0 every step sets TIF, so the
+  period is (PRD + 1)(TDDR + 1) in this case as well.
+- With timer_tif_point = on_reload, every step that reloads the count sets TIF, including the first one after reset.
 - If the count reaches zero in the cycle of a TCR write, TIF is set first. If the write has TIF = 1, it then clears TIF.
-- With its clock off the timer stops; its registers can be read and written.
+- With its clock off (PCLKCR3) the timer stops, but its registers can still be read and written.
 - The timer ignores breakpoints; FREE and SOFT are only stored.
 """
 
@@ -36,7 +36,7 @@ AT_TCR, AT_TIM, AT_TIMH, AT_PRD, AT_PRDH, AT_TPR, AT_TPRH = (r.offset for r in (
 
 @final
 class CpuTimer(Chip):
-    """CPU timer, which runs from reset as in hardware."""
+    """One CPU timer. It runs from reset on, as in hardware."""
 
     STATE = State("_clocked _tcr _prd _tddr _tim _psc", cycles="_since _event_at")
     MAP = MAP
@@ -53,7 +53,7 @@ class CpuTimer(Chip):
         self._tcr: int = TCR.reset
         self._prd: int = PRDH.reset << 16 | PRD.reset  # PRDH:PRD
         self._tddr = 0  # TDDRH:TDDR
-        self._since = now  # cycle at which count and prescaler had the values `_tim` and `_psc`
+        self._since = now  # cycle at which TIMH:TIM was `_tim` and PSCH:PSC was `_psc`
         self._tim = 0
         self._psc = 0
         self.requests = 0
@@ -67,7 +67,7 @@ class CpuTimer(Chip):
         return ANY_CHANGED
 
     def peek(self, now: int, offset: int) -> int:
-        """Return the register's value; 0 if there is no register. No register here has a read effect."""
+        """Return the register's value; 0 if there is no register. Reads have no side effects."""
         self._sync(now)
         self._schedule()
         if offset == AT_TCR:
@@ -158,7 +158,7 @@ class CpuTimer(Chip):
             self._event_at = self.next_wake = NEVER
             return
         steps = self._tim + 1 if self._on_reload else self._tim or self._prd + 1
-        # The next cycle at which TIF is set, whether this is observable or not.
+        # The next cycle at which the timer sets TIF, even if TIF is already 1.
         self._event_at = self._since + self._psc + 1 + (steps - 1) * (self._tddr + 1)
         visible = self._tcr & TIE or not self._tcr & TIF
         self.next_wake = self._event_at if visible else NEVER

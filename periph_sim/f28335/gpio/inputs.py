@@ -4,23 +4,25 @@
                                          +--> XINT line (changed)
                                          +--> GPxDAT read
 
-An edge that falls on a SYSCLKOUT edge is reported with exact=True and the cycle of this edge as `now`. An edge between
-two SYSCLKOUT edges is reported with exact=False and the cycle of the later one.
+The owner reports an edge at a pad that coincides with a SYSCLKOUT edge with exact=True and the cycle of the SYSCLKOUT
+edge as `now`. It reports an edge between two SYSCLKOUT edges with exact=False and the cycle of the later one.
 
-A synchronised pin shows an edge at the first SYSCLKOUT edge strictly after it, and an asynchronous pin at the first one
-at or after it. `seen_at` returns that cycle, so these pins feed a peripheral without a wake-up. The changes of a
-sampled pin, which is a pin with a qualifier, are reported in `changed`. So are level changes of an input signal that a
-new route or mode causes.
+With QSEL = 0 (synchronised), the level inside the chip follows at the first SYSCLKOUT edge after the edge at the pad.
+With QSEL = 3 (asynchronous), it follows at the first SYSCLKOUT edge that coincides with the edge at the pad or comes
+after it. `seen_at` returns this cycle, so that the owner can pass the edge to the peripheral without a wake-up of this
+chip. With QSEL = 1 or 2 the pin has a qualifier and is called sampled. Its changes are reported in `changed`. So are
+changes of an input signal's level that new MUX or QSEL settings cause.
 
 Source: SPRUFB0D section 6, PCLKCR3 in section 5.1.
 
 Chosen:
-- Each group of eight pins has a prescaler for its qualifiers, which counts from reset. A change of CTRL restarts the
-  prescalers of its port.
+- Each group of eight pins has a prescaler, which sets the times of its qualifiers' samples and counts from reset on. A
+  change of GPxCTRL restarts the prescalers of its port.
 - When QSEL selects sampling for a pin, the qualifier starts with the level that the pin has shown until then.
 - If a peripheral's pin has QSEL = 3, GPxDAT and XINT also show the level of the pad without synchronisation.
-- With GPIOINENCLK = 0 an output pin of port A or B (except GPIO32 and 33) reads 0, as do XINT lines on it. When
-  GPIOINENCLK is set again, the pin shows the pad at once, and a qualifier starts from 0.
+- With GPIOINENCLK = 0, an output pin of port A or B (except GPIO32 and 33) reads 0, and so does an XINT line that
+  selects it. When GPIOINENCLK is set again, the pin shows the level of its pad at once. If the pin has a qualifier, the
+  qualifier starts from 0.
 """
 
 # core: compiled
@@ -41,7 +43,7 @@ DEPTH = 6  # the maximum number of samples that QSEL can require
 
 @final
 class Qualifier:
-    """The sampling qualifier of one pin, which derives the qualified level and its changes from the synchronised level.
+    """The qualifier of one pin. It changes its output when a number of samples in a row have the new level.
 
         level --> sample every `period` cycles --> `samples` equal ones in a row --> qualified
 
@@ -49,11 +51,10 @@ class Qualifier:
                               level    ___/~~~~~~~~~
                               qualified_________/~~~
 
-    Evaluation is lazy: samples are not taken one by one. Each call counts the samples since the previous call. `due` is
-    the cycle at which the output will change if the level stays.
+    Evaluation is lazy: samples are not taken one by one. Each call counts the samples since the previous call.
 
-    The qualifier only counts equal samples, as silicon does, so it has the erratum: with period n and m samples, a
-    pulse of n·(m - 1) + 1 cycles passes in one of n phases, although n·m cycles were intended.
+    The qualifier only counts equal samples. So it has the erratum of the silicon: with period n and m samples, a pulse
+    of n·(m - 1) + 1 cycles passes if its phase to the samples is right, although n·m cycles were intended.
 
     Source: SPRUFB0D section 6.4.3, Tables 42 to 45, Figure 46; SPRZ272N section 3.2.
 
@@ -62,22 +63,24 @@ class Qualifier:
     - A change of the sampling period restarts the prescaler; a change between three and six samples keeps the samples
       already taken.
 
-    level: the initial level, as if sampled for a long time.
-    origin: a cycle in which the prescaler sampled.
+    level: at first the level that all samples before `now` are taken to have; then the synchronised level.
+    period: cycles from one sample to the next.
+    samples: number of equal samples in a row that changes the output.
+    origin: a cycle in which a sample was taken.
     """
 
     STATE = State("level qualified _period _samples _sampled _run", cycles="due _origin _done", made=True)
 
     def __init__(self, now: int, level: int, period: int, samples: int, origin: int) -> None:
-        self.level = level  # synchronised level
-        self.qualified = level
-        self.due = NEVER  # cycle at which `qualified` will change if the level stays
+        self.level = level
+        self.qualified = level  # the output
+        self.due = NEVER  # cycle at which the output will change if the level stays; NEVER if it is equal to the output
         self._period = period
         self._samples = samples
         self._origin = origin
         self._sampled = level  # the last sample
         self._run = DEPTH  # number of equal samples in a row up to the last sample
-        self._done = now  # cycle up to which, inclusive, samples have been taken
+        self._done = now  # samples have been taken up to and including this cycle
 
     def edge(self, now: int, level: int) -> None:
         """Set the synchronised level from cycle `now` on. A sample in that cycle takes this level."""
@@ -117,7 +120,7 @@ class Qualifier:
         self.due = self._origin + ((self._done - self._origin) // self._period + lacking) * self._period
 
 
-NOT_GATED = 0b11 << 32 | ALL >> 64 << 64  # GPIOINENCLK does not act on the I2C pins and port C
+NOT_GATED = 0b11 << 32 | ALL >> 64 << 64  # mask: pins on which GPIOINENCLK does not act, GPIO32, GPIO33 and port C
 WORDS = range(0, 32 * (at.SELECT - at.DATA) // at.DATA_WORDS, 16)  # number of the lowest pin in each word of GPxDAT
 
 
@@ -125,8 +128,9 @@ class GpioInputs(GpioSettings):
     """Pads and their input paths.
 
     pads: mask of the levels at the pads.
-    watched: mask of the pins that feed an XINT line that the owner watches.
-    changed: list of (signal or "XINTn", new level), one for each change since the owner last cleared it.
+    watched: mask of the pins that feed an XINT line that the owner watches (`Gpio.watch_xints`).
+    changed: list of (name, new level), one entry for each change since the owner last cleared the list. The name is
+        that of an input signal, such as "SDAA", or of an XINT line, such as "XINT1".
     """
 
     STATE = State(
@@ -142,14 +146,14 @@ class GpioInputs(GpioSettings):
         self.changed: list[tuple[str, int]] = []
         self.pads: BigInt = ALL & ~at.GPIO["GPAPUD"].reset  # initially the levels of the pull-ups
         self._edge_at = -1  # cycle of the last edges that were exactly on a SYSCLKOUT edge
-        self._before: BigInt = 0  # levels of the pads before the edges at `_edge_at`
+        self._before: BigInt = 0  # mask: levels of the pads before the edges at `_edge_at`
         self._qualifiers: dict[int, Qualifier] = {}
         self._qualified: BigInt = 0  # mask: outputs of the qualifiers
         self._asynchronous: BigInt = 0
         self._sampled: BigInt = 0
-        self._dead: BigInt = 0  # mask: pins whose input path is switched off
+        self._dead: BigInt = 0  # mask: pins whose input path GPIOINENCLK = 0 switches off, so that they read 0
         self._last_words: list[int] = []  # words of GPxDAT as computed last
-        # `_last_level`: synchronised levels from which `_last_words` was computed; None after a change of paths.
+        # Mask of synchronised levels from which `_last_words` was computed. None if it must be computed again.
         self._last_level: int | None = None
         self._last_pads = self._last_qualified = 0
 
@@ -159,14 +163,14 @@ class GpioInputs(GpioSettings):
         self._xints = 0  # mask: levels of the XINT lines as last reported
         self._input_clock = True  # value of PCLKCR3.GPIOINENCLK
         self._qualifiers.clear()
-        self._settle_at = NEVER  # cycle at which the synchronised level of a pin, as GPxDAT shows it, changes next
+        self._settle_at = NEVER  # cycle at which the synchronised level of a pin in `_settles` changes; NEVER if none
 
     # Queries of the owner -----------------------------------------------------
 
     def moved_before(self, pads: BigInt) -> None:
-        """Toggle these pads without an edge, as if they had changed before the present cycle, for a peek at registers.
+        """Toggle the levels of these pads as if they had changed in an earlier cycle. No edge is evaluated.
 
-        A second call undoes the first one.
+        With this call, registers can be peeked as they would be with these levels. A second call undoes the first one.
         """
         self.pads ^= pads
         self._before ^= pads
@@ -174,7 +178,7 @@ class GpioInputs(GpioSettings):
     def seen_at(self, now: int, index: int, exact: bool) -> int:
         """Return the cycle at which an edge of a pad is seen inside the chip; NEVER if `changed` reports it instead.
 
-        now, exact: the time of the edge (see the head of the module). index: the GPIO number of the pad.
+        now, exact: the time of the edge, as the head of this file describes. index: the GPIO number of the pad.
         """
         bit = BIT[index]
         if self._sampled & bit:
@@ -192,8 +196,8 @@ class GpioInputs(GpioSettings):
     # From pads to levels ------------------------------------------------------
 
     def _flip(self, now: int, bits: BigInt, exact: bool) -> None:
-        """Toggle the pads in `bits`."""
-        settling = self._settle_at <= now  # an edge of any pin in the previous cycle becomes visible now
+        """Toggle the levels of the pads in the mask `bits`. now, exact: the time of these edges."""
+        settling = self._settle_at <= now  # True if an edge in the previous cycle becomes visible now
         if not exact and self._edge_at == now:
             raise ValueError(f"an edge before cycle {now} was reported after one exactly on it; report edges in order")
         if exact and self._edge_at != now:
@@ -219,7 +223,7 @@ class GpioInputs(GpioSettings):
         return (level & ~self._sampled | self._qualified & self._sampled) & ~self._dead
 
     def _words(self, now: int) -> list[int]:
-        """Return the levels of all pins in cycle `now` as the words of GPxDAT, computed again only after a change."""
+        """Return the levels of all pins in cycle `now` as the 16-bit words of GPADAT, GPBDAT and GPCDAT."""
         level, pads, qualified = self._synchronised(now), self.pads, self._qualified
         if level is not self._last_level or pads is not self._last_pads or qualified is not self._last_qualified:
             self._last_level, self._last_pads, self._last_qualified = level, pads, qualified
@@ -230,7 +234,7 @@ class GpioInputs(GpioSettings):
     def _report_signals(self, now: int, settings: PinSettings, shown: BigInt) -> None:
         """Report in `changed` each input signal whose level has changed because routes or levels of pins changed.
 
-        settings, shown: the old settings, and the old levels of the pins after synchroniser and qualifier.
+        settings, shown: the settings before the change, and the mask that `_shown` returned before it.
         """
         shown_now = self._shown(now)
         if settings is self._settings and shown == shown_now:
@@ -259,7 +263,7 @@ class GpioInputs(GpioSettings):
     # Paths --------------------------------------------------------------------
 
     def _update_paths(self, now: int) -> None:
-        """Compute the masks of directions and input paths; create and delete qualifiers."""
+        """Compute the masks of pins by direction and input path. Create and delete qualifiers."""
         shown = self._shown(now)
         self._pull_ups: BigInt = ALL & ~self._ports(PULL_UPS)  # mask: pins whose pull-up is on
         self._outputs: BigInt = self._ports(DIRECTIONS) & self._settings.gpio  # mask: general-purpose outputs
@@ -283,17 +287,17 @@ class GpioInputs(GpioSettings):
         for line in range(len(at.XINT_SELECTS)):
             if self._watching >> line & 1:
                 self.watched |= BIT[self._xint_pin(line)]
-        # Mask: pins whose edges the owner itself passes to the peripheral.
+        # Mask: pins that feed a peripheral and no watched XINT line. The owner passes their edges to the peripheral.
         forwarded = self._settings.inputs & ~self.watched
-        # Mask: pins for which an exact edge needs a wake-up.
+        # Mask: pins for which an edge with exact=True needs a wake-up in the next cycle.
         self._settles: BigInt = ALL & ~self._asynchronous & ~self._sampled & ~self._dead & ~forwarded
         if self._edge_at == now and (self.pads ^ self._before) & self._settles:
             self._settle_at = now + 1
 
     def _update_sampler(self, now: int, pin: int, samples: int, shown: int) -> None:
-        """Apply the active settings to the qualifier of a pin. If the pin has none, create it with the level `shown`.
+        """Set period and number of samples of a pin's qualifier. If there is none, create it with the level `shown`.
 
-        If the input path of the pin is off, the qualifier restarts with the level 0.
+        If the input path of the pin is switched off, create it anew with the level 0.
         """
         dead = self._dead >> pin & 1
         period, origin = self._periods[pin // 8], self._origins[pin // 8]

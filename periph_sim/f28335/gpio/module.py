@@ -3,20 +3,21 @@
     pad --> synchroniser --> qualifier --+--> peripheral input (source, seen_at, changed)
      ^                                   +--> XINT line (changed)
      |                                   +--> GPxDAT read
-     +-- out_delay <-- latch, DIR, MUX
+     +-- gpio_out_delay <-- latch, DIR, MUX
 
-The owner connects wires and peripherals to this chip. `edges` sets the levels of the pads that were passed to `wire`.
-Every other pad takes the level that this chip drives on it, or the level of its pull-up.
+The owner connects wires and peripherals to this chip. It calls `wire` for the pads that are connected to wires, and
+`edges` when their levels change. Every other pad takes the level that this chip drives on it, or else that of its
+pull-up, or else 0.
 
-`inputs` has the paths from the pads to the levels inside the chip. A peripheral's output reaches its pads (`sink`)
-`gpio_out_delay` cycles after a change of the output or of its route.
+The file inputs.py has the paths from the pads to the levels inside the chip. The owner drives the output of a
+peripheral on its pads (`sink`), `gpio_out_delay` cycles after the output or its multiplexer setting has changed.
 
 Source: SPRUFB0D section 6, PCLKCR3 in section 5.1; SPRZ272N section 3.2 (qualifier).
 
 Chosen:
-- MUX, QSEL and CTRL take effect 2 cycles after the write. The manual writes "such as" before this delay. DIR, PUD, the
-  interrupt selects and the latches take effect at once. All outputs then reach the pad after `gpio_out_delay`.
-- Bits of GPIO without a pin, and words between registers, read 0.
+- MUX, QSEL and CTRL take effect 2 cycles after the write. The manual gives this delay only as an example. DIR, PUD, the
+  interrupt selects and the output latches take effect at once. An output reaches its pad `gpio_out_delay` cycles later.
+- Register bits without a pin, and words between registers, read 0.
 - GPIOLPMSEL and GPIOXNMISEL are only stored.
 """
 
@@ -37,14 +38,14 @@ from .inputs import GpioInputs, Qualifier
 from .register_map import BIT, PINS
 from .settings import ALL
 
-CONFIGURATION_DELAY = 2  # cycles from a write to MUX or QSEL to its effect
+CONFIGURATION_DELAY = 2  # cycles from a write to MUX, QSEL or CTRL to its effect
 CONFIGURES = ("CTRL", "QSEL1", "QSEL2", "MUX1", "MUX2")
 
-HALVES = {  # maps a word offset to the register, and to the lowest bit, 0 or 16, of the half that is at this offset
+HALVES = {  # maps each word offset to (register, lowest bit of the word in this register: 0 or 16)
     register.offset + shift // 16: (register, shift) for register in at.GPIO for shift in range(0, register.width, 16)
 }
 PADS = tuple(f"GPIO{n}" for n in range(PINS))
-HALF_AT = BIT[::16]  # mask of the lowest pin in each half of a port
+HALF_AT = BIT[::16]  # for each 16-bit word of GPxDAT, the mask of its lowest pin
 
 
 @final
@@ -57,15 +58,15 @@ class Gpio(GpioInputs):
 
     def __init__(self, options: SystemOptions) -> None:
         super().__init__()
-        # The router reads the next two masks, because `out` cannot hold 88 pins.
+        # `processor.pin_router` reads the next two masks, because `out` cannot hold 88 pins.
         self.driven_high: BigInt = 0  # mask: levels of the pins in `driven`; 0 elsewhere
         self.driven: BigInt = 0  # mask: pads that this chip drives as general-purpose outputs
-        self.out_version = 0  # counts changes of `driven_high` and `driven`
-        # Cycles from a change of a latch or of a peripheral's output to the pad.
+        self.out_version = 0  # number of changes of `driven_high` and `driven`
+        # Option: cycles from a change of a latch or of a peripheral's output to the change of the pad.
         self.gpio_out_delay: IntOption = options.gpio_out_delay
         self.routes_version = 0  # number of times that MUX, QSEL or CTRL settings took effect or were reset
         self._wired: BigInt = 0  # mask: pads whose level the owner reports
-        # `_waiting` has settings that take effect later: (cycle, register offset, value).
+        # Register values that take effect later: (cycle, register offset, value).
         self._waiting: list[tuple[int, int, int]] = []
         self._outs: list[tuple[int, int, int]] = []  # outputs that take effect later: (cycle, driven, driven_high)
         self.reset(0)
@@ -73,13 +74,14 @@ class Gpio(GpioInputs):
     # Pads and peripherals ----------------------------------------------------
 
     def wire(self, pads: BigInt) -> None:
-        """Add pads to those whose levels the owner reports by `edges`. pads: mask by GPIO number."""
+        """Add pads to those whose levels the owner reports by `edges`. pads: mask; bit i is GPIOi."""
         self._wired |= pads
 
     def edges(self, now: int, levels: BigInt, exact: bool = True) -> None:
         """Set the levels of all wired pads. The owner calls this instead of `pins`.
 
-        exact: True if they changed on the SYSCLKOUT edge of cycle `now`; False if between the previous edge and it.
+        exact: True if the levels changed at the SYSCLKOUT edge of cycle `now`; False if they changed between this edge
+        and the previous one.
         """
         if self.next_wake < now:
             self._advance(now - 1)
@@ -95,7 +97,7 @@ class Gpio(GpioInputs):
         return self._settings.level(signal, self._shown(now))
 
     def gate(self, now: int, on: bool) -> None:
-        """Switch the input clock: PCLKCR3.GPIOINENCLK takes effect in cycle `now`."""
+        """Switch the clock of the input paths on or off in cycle `now` (PCLKCR3.GPIOINENCLK)."""
         self._advance(now)
         self._input_clock = on
         self._update_paths(now)
@@ -103,20 +105,20 @@ class Gpio(GpioInputs):
         self._plan()
 
     def xint_levels(self, now: int) -> int:
-        """Return the mask of the levels on XINT1 (bit 0) to XINT7."""
+        """Return the levels of the XINT lines in cycle `now` as a mask; bit 0 is XINT1."""
         self._advance(now)
         shown = self._shown(now)
         return sum((shown >> self._xint_pin(i) & 1) << i for i in range(len(at.XINT_SELECTS)))
 
     def watch_xints(self, now: int, lines: int) -> None:
-        """Add later changes of the XINT lines in the mask `lines` to `changed`; do not evaluate other lines."""
+        """From now on, report changes of the XINT lines in the mask `lines`, and of no others, in `changed`."""
         levels = self.xint_levels(now)
         self._xints = self._xints & self._watching | levels & ~self._watching
         self._watching = lines
         self._update_paths(now)
         self._plan()
 
-    # The chip's protocol -----------------------------------------------------
+    # Interface of chips --------------------------------------------------------
 
     def wake(self, now: int) -> int:
         self._advance(now)
@@ -131,7 +133,7 @@ class Gpio(GpioInputs):
         if half is None:
             return 0
         register, shift = half
-        return self._stored[register.offset] >> shift & 0xFFFF  # as stored: these registers have no write-only field
+        return self._stored[register.offset] >> shift & 0xFFFF  # these registers have no write-only fields to mask
 
     def write(self, now: int, offset: int, value: int) -> None:
         self.writes += 1
@@ -158,7 +160,7 @@ class Gpio(GpioInputs):
         self._plan()
 
     def reset(self, now: int) -> None:
-        """Reset by XRS: registers take their reset values at once; wired pads keep their levels."""
+        """Reset by XRS: all registers take their reset values at once. Wired pads keep their levels."""
         settings, shown = self._settings, self._shown(now)
         self.reset_settings(now)
         self._waiting.clear()
@@ -220,7 +222,7 @@ class Gpio(GpioInputs):
     # From registers to settings ----------------------------------------------
 
     def _configure(self, now: int) -> None:
-        """Derive routes and paths from the active MUX, QSEL and CTRL."""
+        """Derive routes and input paths from the values of MUX, QSEL and CTRL that are in effect."""
         self.activate(now)
         self._update_paths(now)
         self.routes_version += 1
@@ -228,7 +230,7 @@ class Gpio(GpioInputs):
     # From latches to pads ----------------------------------------------------
 
     def _write_data(self, offset: int, word: BigInt) -> None:
-        """Write one half of DAT, SET, CLEAR or TOGGLE. offset: the word offset within the data registers."""
+        """Write one word of DAT, SET, CLEAR or TOGGLE. offset: the word offset from GPADAT."""
         port, place = divmod(offset, at.DATA_WORDS)
         which = place & ~1
         half = HALF_AT[2 * port + (place & 1)]
@@ -243,7 +245,7 @@ class Gpio(GpioInputs):
             self._latch ^= bits
 
     def _drive(self, now: int) -> None:
-        """Schedule the pad levels after the output delay. Call after a change of latch, DIR or MUX."""
+        """Apply a change of latch, DIR or MUX to the pads when the output delay has passed."""
         driven = self._outputs
         out = self._latch & driven
         last = self._outs[-1] if self._outs else (now, self.driven, self.driven_high)
@@ -251,8 +253,8 @@ class Gpio(GpioInputs):
             return
         delay = self.gpio_out_delay.assume(self.touched)
         when = now + delay
-        # An access of 32 bits writes two halves in one cycle. The second half replaces the change that the first half
-        # has scheduled.
+        # An access of 32 bits writes two words in one cycle. The write of the second word replaces the change that the
+        # write of the first word has scheduled.
         if self._outs and last[0] == when:
             self._outs.pop()
         self._outs.append((when, driven, out))
@@ -263,7 +265,7 @@ class Gpio(GpioInputs):
             self._follow_drive(now)
 
     def _follow_drive(self, now: int) -> None:
-        """Set each pad that is not wired to the level that this chip drives on it, or to the level of its pull-up."""
+        """Set each pad that is not wired: to the level that this chip drives, or 1 with a pull-up, or 0."""
 
         level = self.driven_high & self.driven | self._pull_ups & ~self.driven
         moved = (level ^ self.pads) & ~self._wired

@@ -1,14 +1,14 @@
 """Table of the signals that each multiplexer value assigns to a pin, copied from the manual.
 
-FUNCTIONS[pin] has the names for GPxMUX = 1, 2, 3. "GPIO" is the pin's own port function, and "" is a reserved value.
-`settings.PinSettings` derives routes from it.
+FUNCTIONS[pin] has the names for GPxMUX = 1, 2, 3. "GPIO" means general-purpose input or output; "" means that the value
+is reserved. `settings.PinSettings` derives from this table which pin is connected to which signal.
 
 Source: SPRUFB0D Tables 46 (inputs without a pin), 47 to 49 (multiplexer).
 """
 
 from __future__ import annotations
 
-# A dictionary from the prefix of signal names to the module with these signals, for modules that are not modelled.
+# For modules that are not modelled: maps the prefix of signal names to the module that has these signals.
 MODULES = {
     "EPWM": "ePWM",
     "TZ": "ePWM",

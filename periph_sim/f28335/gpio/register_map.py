@@ -14,7 +14,7 @@ from ...core.registers import Field, Register, RegisterMap, field
 
 BASE = 0x6F80
 PINS = 88  # GPIO0 to GPIO87
-BIT = tuple(1 << pin for pin in range(PINS))  # one mask for each pin; the 64 bits of a C integer do not suffice
+BIT = tuple(1 << pin for pin in range(PINS))  # the mask of each pin, made once because it may exceed a C integer
 PORT_OF = {"A": range(32), "B": range(32, 64), "C": range(64, 88)}
 
 # Word offsets in a port's control block (16 words) and data block (8 words).
@@ -101,8 +101,8 @@ GPIO = RegisterMap(
 
 
 def control_register(what: str, pin: int) -> str:
-    """Return the name of the control register of kind `what` that has the field of a pin.
+    """Return the name of the control register of a kind that has the field of a pin.
 
-    For example, it is "GPBMUX1" for "MUX" and GPIO32.
+    For example, it is "GPBMUX1" for the kind "MUX" and pin 32.
     """
     return next(one.name for one in GPIO if one.name[3:].rstrip("12") == what and f"GPIO{pin}" in one)

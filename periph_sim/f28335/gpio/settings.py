@@ -1,8 +1,9 @@
 """Settings of the GPIO control registers: routes, qualifiers and notes derived from MUX, QSEL and CTRL.
 
-    stored --2 cycles--> active --activate--> routes, qualifiers, periods
+    stored value --2 cycles--> active value (in effect) --activate--> routes, qualifiers, periods
 
-A route is the pin that feeds an input signal, or the pins that an output signal drives.
+A route is the pin that feeds an input signal, or the pins that an output signal drives. A qualifier is a filter that
+samples an input pin (`inputs.Qualifier`).
 
 Source: SPRUFB0D sections 6.4 to 6.6, Tables 42 to 49.
 """
@@ -21,7 +22,7 @@ from . import register_map as at
 from .pin_mux_table import FUNCTIONS, IDLE_LOW, MODULES
 from .register_map import BIT, PINS
 
-# Signals of the modules that are modelled.
+# Names of the input and output signals of the modules that are modelled.
 INPUTS = tuple(signal for module in PART.modules for signal in module.inputs or ())
 OUTPUTS = tuple(signal for module in PART.modules for signal in module.outputs)
 
@@ -57,7 +58,7 @@ def note_for(pin: int, mux: int) -> Note | None:
 
 
 def module_of(signal: str) -> str:
-    """Return the module of a signal of the pin table, with its name in the manual."""
+    """Return the name in the manual of the module that has a signal. The module is one that is not modelled."""
     return next(module for prefix, module in MODULES.items() if signal.startswith(prefix))
 
 
@@ -68,7 +69,7 @@ DIRECTIONS = tuple(at.GPIO[f"GP{port}DIR"].offset for port in "ABC")
 PULL_UPS = tuple(at.GPIO[f"GP{port}PUD"].offset for port in "ABC")
 CONTROLS = tuple(at.GPIO[f"GP{port}CTRL"].offset for port in "AB")
 
-STEADY = tuple(  # word offsets of all registers but GPxDAT, which shows the pads
+STEADY = tuple(  # word offsets of all registers except GPxDAT, whose value changes with the pads
     register.offset + word
     for register in at.GPIO
     for word in range(register.width // 16)
@@ -77,9 +78,9 @@ STEADY = tuple(  # word offsets of all registers but GPxDAT, which shows the pad
 
 
 def _pairs(name: str, pins: int) -> tuple[tuple[int, int], ...]:
-    """Return (register offset, lowest bit) of the two bits of each pin in GPxMUXn or GPxQSELn, for GPIO0 and up.
+    """Return where the two-bit field of each pin is: (register offset, lowest bit), for GPIO0 and up.
 
-    name: "MUX" or "QSEL". pins: number of pins.
+    name: "MUX" for the fields in GPxMUXn, "QSEL" for those in GPxQSELn. pins: number of pins.
     """
     places = ((port, half, i) for port in "ABC" for half in (1, 2) for i in range(16))
     first = list(places)[:pins]
@@ -95,7 +96,7 @@ AT_RESET = {register.offset: register.reset for register in at.GPIO}
 
 
 class PinSettings:  # core: python
-    """Settings of all pins, from the values of the registers in CONFIGURED.
+    """Settings of all pins. values: those of the registers in CONFIGURED, in this order.
 
     mux: the multiplexer value of each pin, 0 to 3.
     sampled: (pin, required number of equal samples) for each pin with a qualifier.
@@ -103,9 +104,10 @@ class PinSettings:  # core: python
     notes: (pin, note) for each pin with a reserved multiplexer value or a function of a module that is not modelled.
     source: for each input signal, the pin that feeds it; None if none or more than one is assigned to it.
     sink: for each output signal, the pins that it drives.
-    signal_at: for a pin, the input signal that only this pin feeds.
-    crowded: input signals with more than one pin, and these pins.
-    gpio, inputs, outputs: masks of the pins that are general-purpose, feed a modelled input, or are driven by a module.
+    signal_at: for each pin that feeds an input signal alone, this signal.
+    crowded: for each input signal to which more than one pin is assigned, these pins.
+    gpio, inputs, outputs: masks of the pins that are general-purpose, that are in `signal_at`, and that a modelled
+        module drives.
     """
 
     def __init__(self, values: tuple[int, ...]) -> None:
@@ -128,12 +130,12 @@ class PinSettings:  # core: python
         self.outputs = sum(BIT[pin] for pins in self.sink.values() for pin in pins)
 
     def level(self, signal: str, shown: int) -> int:
-        """Return the level of an input signal for these levels of the pins, after their qualifiers."""
+        """Return the level of an input signal. shown: mask of the pins' levels after synchroniser and qualifier."""
         pin = self.source[signal]
         return idle_level(signal) if pin is None else shown >> pin & 1
 
 
-@lru_cache(maxsize=256)  # firmware sets its pins in the same steps in each scene
+@lru_cache(maxsize=256)  # in each scene, the same firmware sets its pins to the same values
 def pin_settings_of(values: tuple[int, ...]) -> PinSettings:
     """Return the settings for these register values. Units and scenes share the result."""
     return PinSettings(values)
@@ -154,14 +156,14 @@ class GpioSettings(Chip):
         """Set all registers to their reset values, and all sampling periods to one cycle. Call `activate` after it."""
         self.writes += 1
         self._stored = dict(AT_RESET)  # the values that a read returns
-        self._active = dict(AT_RESET)  # the values in effect, for registers that act with a delay
+        self._active = dict(AT_RESET)  # the values in effect; used only for MUX, QSEL and CTRL
         self._periods: list[int] = [1] * GROUPS  # sampling period of each group of eight pins
-        # `_origins` has, for each group, a cycle in which its pins are sampled. The other samples are at distances of
-        # whole sampling periods from it.
+        # For each group, a cycle in which its pins are sampled. Its other samples are whole sampling periods before or
+        # after this cycle.
         self._origins: list[int] = [now] * GROUPS
 
     def restored(self) -> None:
-        """Derive the settings from the restored registers."""
+        """Derive the settings from the register values after a snapshot was restored."""
         self._settings = pin_settings_of(tuple([self._active[offset] for offset in CONFIGURED]))
 
     def activate(self, now: int) -> None:
@@ -189,7 +191,7 @@ class GpioSettings(Chip):
                 self._origins[4 * port : 4 * port + 4] = [now] * 4
 
     def _ports(self, offsets: tuple[int, ...]) -> BigInt:
-        """Return the values of three registers, one for each port, as one mask of all pins."""
+        """Return the stored values of three registers, one for each port, as one mask of all pins."""
         pins = 0
         i: int
         for i, offset in enumerate(offsets):

@@ -3,10 +3,10 @@
 This is the whole space of the chip; `memory_map` has only the modules that a scene names. Parts of the family with less
 flash than the F28335 have nothing at the low addresses of flash. Words have 16 bits.
 
-Registers of modelled modules have names such as "I2C-A.I2CMDR", as do registers that firmware polls or uses to set up
-the chip. Of other registers only the module and the offset are known, such as "ADC + 0x01".
+Registers of modelled modules have names such as "I2C-A.I2CMDR". So do some registers of other modules that firmware
+polls or writes when it sets up the chip. Any other register is named by its module and offset, such as "ADC + 0x01".
 
-Source: SPRS439M Figure 3-2, Tables 3-1, 3-5, 3-8 to 3-11, SPRUFB0D Tables 86 to 96; the bases of the linker command
+Source: SPRS439M Figure 3-2, Tables 3-1, 3-5, 3-8 to 3-11, SPRUFB0D Tables 86 to 96; the addresses in the linker command
 files that TI ships.
 """
 
@@ -132,7 +132,7 @@ NAMES = {
     0x0A86: "FBANKWAIT", 0x0A87: "FOTPWAIT", 0x0AEF: "CSMSCR",
     0x7100: "ADCTRL1", 0x7101: "ADCTRL2", 0x7118: "ADCTRL3", 0x7119: "ADCST",
 }  # fmt: skip
-# PROTECTED_MODULES: modules of which every register is EALLOW-protected.
+# Modules that are not modelled and of which every register is EALLOW-protected.
 PROTECTED_MODULES = frozenset(("device emulation", "flash control", "CSM", "XINTF", "DMA"))
 
 MODULES: tuple[ModuleDescriptor | UnmodelledModule, ...] = (*PART.modules, *NOT_MODELLED)
@@ -147,8 +147,8 @@ def module_at(address: int) -> ModuleDescriptor | UnmodelledModule | None:
 def register_name(address: int) -> tuple[str, str]:
     """Return the names (module, register) for an address.
 
-    A register without a name has its offset in place of the name, such as "+0x01". Outside all modules, the result is
-    "" and the address, such as "0x000900".
+    A register without a name has its offset in place of the name, such as "+0x01". Outside all modules, `module` is ""
+    and `register` is the address, such as "0x000900".
     """
     if address in pie_map.VECTOR_TABLE:
         return VECTORS, f"+{address - pie_map.VECTOR_TABLE.start:#04x}"
@@ -173,7 +173,7 @@ def full_name(address: int) -> str:
 
 
 def address_of(text: str) -> int | None:
-    """Return the address of "ADC.ADCST", "eCAN-A + 0x08" or "0x7119"; None if nothing has that name."""
+    """Return the address for a text like "ADC.ADCST", "eCAN-A + 0x08" or "0x7119"; None if nothing has that name."""
     module, plus, offset = (part.strip() for part in text.partition("+"))
     if not plus:
         module, _, name = (part.strip() for part in text.partition("."))
@@ -197,7 +197,10 @@ def _number(text: str) -> int | None:
 
 
 def is_protected(address: int) -> bool:
-    """Return True if a write at an address needs EALLOW."""
+    """Return True if a write at an address needs EALLOW.
+
+    A module that is not modelled counts as unprotected unless all of its registers are protected.
+    """
     if address in pie_map.VECTOR_TABLE:
         return True
     module = module_at(address)

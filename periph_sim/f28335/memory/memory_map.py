@@ -13,16 +13,16 @@ from ...core.socket import Socket
 from ..descriptor import Frame
 from ..system_options import SystemOptions
 
-# A read in this range waits for a write in this range to complete (PROTSTART, PROTRANGE as set by the boot ROM).
+# A read in this range waits until an earlier write in it is complete (PROTSTART, PROTRANGE as set by the boot ROM).
 PROTECTED_BLOCK = range(0x4000, 0x8000)
 WRITE_TO_READ = 3  # minimum number of cycles between such a write and the read that waits
 
-LOW, HIGH, BOTH = 0b01, 0b10, 0b11  # masks of the 16-bit words of a register that an access transfers
-WORDS_MASK = (0, 0xFFFF, 0xFFFF_0000, 0xFFFF_FFFF)  # for 0, LOW, HIGH and BOTH, the mask of the transferred bits
+LOW, HIGH, BOTH = 0b01, 0b10, 0b11  # the 16-bit words of a 32-bit register that an access transfers
+WORDS_MASK = (0, 0xFFFF, 0xFFFF_0000, 0xFFFF_FFFF)  # masks of the register bits for no word, LOW, HIGH and BOTH
 
 
 class ModuleRange(Struct, frozen=True):
-    """Addresses of a module. base: the address of its offset 0."""
+    """Addresses of a module. base: the address of the register at offset 0. size: in 16-bit words."""
 
     name: str
     base: int
@@ -32,9 +32,9 @@ class ModuleRange(Struct, frozen=True):
 
 
 class WaitStates:
-    """Wait states of reads and writes: one number of cycles for each peripheral frame, PF0 to PF2.
+    """Wait states of reads and writes, in cycles. The indices 0 to 2 are the peripheral frames PF0 to PF2.
 
-    For PF2, whose wait states TI does not document clearly, options give them. `processor.bus` records their use.
+    TI does not document the wait states of PF2 clearly, so they are options. `processor.bus` records their use.
     """
 
     def __init__(self, options: SystemOptions) -> None:

@@ -1,7 +1,7 @@
-"""The memory of one F28335, apart from registers: 16-bit words and their wait states.
+"""The RAM of one F28335, including the PIE vectors: 16-bit words and their wait states.
 
 Words that were never written read 0. The words of L0 to L7 are allocated at the first write to one of them. Flash, OTP
-and boot ROM are not included; `processor.image.elsewhere` has them for programs that are images.
+and boot ROM are not included. For programs that are images of machine code, `processor.image.elsewhere` has them.
 
 Source: SPRS439M Figure 3-2 (map), Table 3-5 (wait states); SPRUFB0D Tables 86 (EALLOW), 112 (vectors).
 """
@@ -17,11 +17,11 @@ from ...core.state import State
 from ...form.c_types import UInt16
 from ..pie.register_map import VECTOR_TABLE
 
-MEMORY = "memory"  # the place of a record about memory, where other records have a module's name
+MEMORY = "memory"  # in records of memory accesses, this name takes the place of the module's name
 PAGE = 8  # number of address bits within a page
 IN_PAGE = (1 << PAGE) - 1
 END = 0x1_0000  # all addresses of this memory are below this address
-LOW_WORDS = 0x1000  # M0, M1 and the vectors are below this address
+LOW_WORDS = 0x1000  # M0, M1 and the PIE vectors are below this address
 HIGH, HIGH_WORDS = 0x8000, 0x8000  # first address and number of words of L0 to L7
 
 
@@ -105,7 +105,7 @@ class Ram:
             self.put(address + offset, value)
 
     def word32(self, address: int) -> int:
-        """Return 32 bits, with the low word at the even address. An odd address means the same two words."""
+        """Return the 32-bit value whose low word is at an even address. An odd address means the even one before it."""
         low = address & ~1
         return self.word(low) | self.word(low + 1) << 16
 

@@ -11,12 +11,12 @@ from ..descriptor import Part
 
 
 def part_names() -> tuple[str, ...]:
-    """Return the names of all parts, as a case writes them."""
+    """Return the names of all parts, such as "F28335", as a case writes them."""
     return tuple(sorted(file.stem.upper() for file in Path(__file__).parent.glob("f*.py")))
 
 
 @cache
 def part_named(name: str) -> Part | None:
-    """Return the part of that name; None if there is none. Only the file of this part is imported."""
+    """Return the part with a name such as "F28335"; None if there is none. Only this part's file is imported."""
     module = module_with("PART", __name__, __path__, name.lower()) if name.isupper() else None
     return None if module is None else cast(Part, module.PART)

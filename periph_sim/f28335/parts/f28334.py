@@ -1,4 +1,7 @@
-"""The TMS320F28334, with half the flash. Source: SPRS439M Table 2-1, Table 3-12 (PARTID), Figure 3-3 (memory)."""
+"""The TMS320F28334, with half the flash of the F28335.
+
+Source: SPRS439M Table 2-1, Table 3-12 (PARTID), Figure 3-3 (memory).
+"""
 
 from __future__ import annotations
 

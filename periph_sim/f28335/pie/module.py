@@ -1,7 +1,7 @@
-"""Peripheral interrupt expansion (PIE), from the requests of 96 lines to pulses on INT1 to INT12 and vectors.
+"""Peripheral interrupt expansion (PIE): turns the requests on 96 lines into pulses on INT1 to INT12 and vectors.
 
     request(group, line) --> PIEIFR --PIEIER--> PIEACK bit set? --no--> pulse on INTx, PIEACK bit is set
-    vector(group)        --> the lowest line that is flagged and enabled now; its PIEIFR bit is cleared
+    vector(group)        --> the lowest line that is flagged (PIEIFR) and enabled (PIEIER) now; clears its PIEIFR bit
 
 This model of the PIE has no clock: everything happens in the cycle of the input that causes it. `CpuInterrupts` models
 the delay from a request to the CPU's IFR.
@@ -9,10 +9,11 @@ the delay from a request to the CPU's IFR.
 Source: SPRUFB0D sections 8.1 to 8.5.
 
 Chosen:
-- ENPIE = 0 changes only the vectors (Table 114): requests are still flagged and pulsed. The fetch of a vector from boot
-  ROM clears no PIEIFR bit and does not change PIEVECT.
-- If no flagged line is enabled at the vector fetch, the CPU takes line 1, whose PIEIFR bit is cleared if it was set.
-- TRAP and INTR use the vector of line 1 and clear no PIEIFR bit.
+- ENPIE = 0 changes only the vectors (Table 114): requests still set PIEIFR bits and cause pulses. The fetch of a vector
+  from boot ROM clears no PIEIFR bit and does not change PIEVECT.
+- If no flagged line of the group is enabled at the vector fetch, the CPU gets the vector of line 1. The PIEIFR bit of
+  line 1 is cleared.
+- TRAP and INTR with a number from 1 to 12 use the vector of line 1 of this group and clear no PIEIFR bit.
 - A request in the cycle of the vector fetch is flagged before the fetch.
 """
 
@@ -59,26 +60,26 @@ class Pie(Chip):
     def reset(self, now: int) -> None:
         self._piectrl: int = PIECTRL.reset
         self._pieack: int = self._options.pieack_reset.unrecorded()
-        # `_as_reset` is the mask of the groups whose PIEACK bit was neither set nor cleared after the reset.
+        # Mask of the groups whose PIEACK bit still has its reset value: neither hardware nor firmware has changed it.
         self._as_reset: int = PIEACK["PIEACK"].mask
-        self._noted_blocked = 0  # mask: groups in `_as_reset` for which a note about a blocked request was added
+        self._noted_blocked = 0  # mask: groups with a note that the reset value of PIEACK blocks their requests
         self._pieier: list[int] = [register.reset for register in PIEIER]
         self._pieifr: list[int] = [register.reset for register in PIEIFR]
         self._lines_held: list[int] = [0] * GROUPS
-        self._set_at: list[int] = [-1] * GROUPS  # cycle of the latest requests of each group
-        self._set_now: list[int] = [0] * GROUPS  # lines of each group that requested in the cycle `_set_at`
+        self._set_at: list[int] = [-1] * GROUPS  # for each group, the cycle of its latest request; -1 if there was none
+        self._set_now: list[int] = [0] * GROUPS  # for each group, the mask of the lines that requested in that cycle
         self._seen: list[int] = [0] * GROUPS  # PIEIFR as the CPU last read it
         self.pulses = 0  # bit x - 1: INTx was pulsed since the owner last set this to 0
 
     # Inputs from peripherals and CPU -----------------------------------------
 
     def request(self, now: int, group: int, line: int) -> None:
-        """Latch a single request of a peripheral, which does not hold its line."""
+        """Latch a request that is a pulse: the peripheral does not hold the line active."""
         self._latch(now, group - 1, 1 << line - 1)
         self._send(group - 1)
 
     def hold(self, now: int, group: int, line: int, on: bool) -> None:
-        """Assert or release a peripheral's line. Asserting it requests once.
+        """Assert or release a line that its peripheral holds active. Asserting it requests once.
 
         The option `pie_held_line` determines when a line that is still asserted requests again.
         """
@@ -94,9 +95,10 @@ class Pie(Chip):
         return self._pieifr[group - 1] & self._pieier[group - 1] != 0
 
     def vector(self, now: int, group: int) -> tuple[int, int]:
-        """Return (line, address) for INTx now. The line is 0 if the vector comes from boot ROM.
+        """Fetch the vector for the group's CPU interrupt. Return (line, address of the vector).
 
-        Call once, at the vector fetch: the call clears the PIEIFR bit of the line.
+        The line is 0 if the vector comes from boot ROM. Otherwise the call clears the PIEIFR bit of the line. If the
+        line is held, the option `pie_held_line` may set the bit again at once.
         """
         if not self._piectrl & ENPIE:
             return 0, BOOT_ROM_VECTORS + 2 * group
@@ -111,9 +113,9 @@ class Pie(Chip):
         return line, line_vector(group, line)
 
     def cpu_vector(self, number: int) -> int:
-        """Return the address of a vector of INT13 and above, or of a vector that TRAP or INTR takes.
+        """Fetch a vector of INT13 and above, or one that TRAP or INTR takes. Return its address.
 
-        With ENPIE = 1, the numbers 1 to 12 mean line 1 of the group with this number.
+        With ENPIE = 1, the numbers 1 to 12 mean line 1 of the group with this number, and PIEVECT is updated.
         """
         if not self._piectrl & ENPIE or number == CPU_VECTORS["RESET"]:
             return BOOT_ROM_VECTORS + 2 * number
@@ -141,7 +143,7 @@ class Pie(Chip):
         return self.peek(now, offset)
 
     def peek(self, now: int, offset: int) -> int:
-        """Return the register's value; 0 where there is none."""
+        """Return the register's value; 0 if there is no register."""
         if offset == PIECTRL.offset:
             return self._piectrl
         if offset == PIEACK.offset:
@@ -173,7 +175,7 @@ class Pie(Chip):
         self._set_now[g] |= bits
 
     def _send(self, g: int) -> None:
-        """Pulse the group's CPU line if a flagged line is enabled and PIEACK does not block the group."""
+        """Pulse INTx, x = g + 1, if a flagged line of the group is enabled and PIEACK does not block the group."""
         if not self.has_request(g + 1):
             return
         if self._as_reset >> g & 1:
@@ -202,7 +204,7 @@ class Pie(Chip):
                 self._send(g)
 
     def _level_sensitive(self, g: int) -> bool:
-        """Return True if a PIEIFR bit of this group cannot stay 0 while its line is held."""
+        """Return True if a line of group g + 1 is held, and held lines set their PIEIFR bits again at once."""
         if not self._lines_held[g]:
             return False
         return self._options.pie_held_line.assume(self.touched) == "at_vector_fetch"

@@ -46,7 +46,7 @@ MAP = RegisterMap("PIE", "SPRUFB0D section 8", (PIECTRL, PIEACK, *PIEIER, *PIEIF
 VECTOR_TABLE = range(0x0D00, 0x0E00)  # addresses of the vectors; they are EALLOW-protected
 BOOT_ROM_VECTORS = 0x3FFFC0
 
-# Group and line of every request that the PIE multiplexes (Table 111).
+# Group and line of every interrupt that the PIE multiplexes (Table 111).
 LINES: dict[str, tuple[int, int]] = {
     "SEQ1INT": (1, 1),
     "SEQ2INT": (1, 2),
@@ -103,16 +103,16 @@ CPU_VECTORS: dict[str, int] = {
 
 
 def line_vector(group: int, line: int) -> int:
-    """Return the address of the vector of line 1 to 8 of group 1 to 12 in the PIE's table."""
+    """Return the address of a line's vector in the PIE's table. group: 1 to 12. line: 1 to 8."""
     return 0x0D40 + 16 * (group - 1) + 2 * (line - 1)
 
 
 def vector_address(number: int) -> int:
-    """Return the address of vector 0 to 31: in boot ROM for the reset vector, else in the PIE's table."""
+    """Return the address of vector 0 to 31. Vector 0, for reset, is in boot ROM, the others are in the PIE's table."""
     return VECTOR_TABLE.start + 2 * number if number else BOOT_ROM_VECTORS
 
 
-# A dictionary from the name of each interrupt source to the address of its vector.
+# For the name of each interrupt, the address of its vector.
 VECTORS: dict[str, int] = {
     **{name: vector_address(number) for name, number in CPU_VECTORS.items()},
     **{name: line_vector(group, line) for name, (group, line) in LINES.items()},

@@ -6,23 +6,24 @@
     SCSR, WDCR, .. -->  reset_requested, WAKEINT in `requests`
 
 Times are SYSCLKOUT cycles as for every chip, but this chip sets the length of a cycle. After every input the owner
-compares `sysclk_hz` with its old value. If it has changed, cycles from that input's `now` on have the new length.
-OSCCLK counts (PLL lock, watchdog) continue exactly through such a change.
+compares `sysclk_hz` with its old value. If it has changed, cycles from that input's `now` on have the new length. Such
+a change does not disturb the counts of OSCCLK periods (PLL lock, watchdog).
 
-After `reset_requested` the owner resets every chip, including this one, and starts the CPU WDRST_CYCLES later, because
-the watchdog holds XRS low for that time.
+When `reset_requested` is True, the owner resets every chip, including this one, and starts the CPU WDRST_CYCLES later,
+because the watchdog holds XRS low for that time.
 
 Source: SPRUFB0D section 5; lock time SPRS439M Table 6-9; boot ROM SPRS439M Table 3-17.
 
 Chosen:
-- Every write of PLLCR starts a lock, even with the same value or 0 (Table 22 refers to the write, not to a change).
-- While the PLL locks, a DIVSEL other than 0 (which the manual forbids) divides the bypass clock.
+- Every write of PLLCR makes the PLL lock again, even if the value is the same or 0 (Table 22 names the write, not a
+  change of the value).
+- The manual requires DIVSEL = 0 while the PLL locks. Another DIVSEL divides OSCCLK as in bypass (DIVIDE).
 - A reserved PLLCR value acts as bypass. DIVSEL = 3 with the PLL on divides by 1.
 - New prescaler values take effect at once.
 - If there is no register at an address, a read returns 0 and a write has no effect.
 
-Not modelled are missing-clock detection and limp mode, STANDBY and HALT. Their bits are stored, and a note is added
-when firmware selects one of them.
+Missing-clock detection, limp mode, STANDBY and HALT are not modelled. Their bits are stored. A note is added when
+firmware sets OSCOFF or selects STANDBY or HALT.
 """
 
 from __future__ import annotations
@@ -50,12 +51,12 @@ from .register_map import (
 )
 from .watchdog import WDFLAG, WDINT_OSCCLKS, Watchdog
 
-PLL_LOCK_OSCCLKS = 131072  # SPRS439M Table 6-9
+PLL_LOCK_OSCCLKS = 131072  # OSCCLK periods until the PLL is locked, SPRS439M Table 6-9
 VCO_MAX_HZ = 300_000_000  # section 5.2.1
 GATE_DELAY = 2  # SYSCLKOUT cycles from a PCLKCR write to its effect, section 5.1.1
-WDINTS_DELAY = 2  # SYSCLKOUT cycles from WDINT to SCSR.WDINTS, Table 27
-WDRST_CYCLES = WDINT_OSCCLKS // 4  # duration of a watchdog reset, in cycles of OSCCLK/4, the clock after reset
-WDFLAG_DELAY = WDRST_CYCLES + 8192  # SYSCLKOUT cycles from a watchdog reset to WDFLAG, notes below Table 30
+WDINTS_DELAY = 2  # SYSCLKOUT cycles from a change of WDINT to that of SCSR.WDINTS, Table 27
+WDRST_CYCLES = WDINT_OSCCLKS // 4  # duration of a watchdog reset in SYSCLKOUT cycles; SYSCLKOUT is OSCCLK/4 in a reset
+WDFLAG_DELAY = WDRST_CYCLES + 8192  # SYSCLKOUT cycles from the start of a watchdog reset to WDFLAG = 1, below Table 30
 
 DIVIDE = (4, 4, 2, 1)  # for each value of DIVSEL, the divider from the PLL's output to SYSCLKOUT
 DIVSEL = PLLSTS["DIVSEL"]
@@ -75,7 +76,7 @@ def prescale(code: int) -> int:
 class SystemControl(Chip):
     """System control.
 
-    oscclk_hz: frequency of OSCCLK, for the check of the PLL's limit.
+    oscclk_hz: frequency of OSCCLK.
     sysclk_hz: exact frequency of SYSCLKOUT.
     """
 
@@ -94,22 +95,22 @@ class SystemControl(Chip):
         self._options = options
         self._clock = OscClock()
         self._watchdog = Watchdog(options, self.touched)
-        self.sysclk_hz = Fraction(oscclk_hz)  # `reset` divides it by 4
-        self._gates_to_come: list[tuple[int, int]] = []  # gates that take effect later: (cycle, gates)
-        self._wdints_to_come: list[tuple[int, int]] = []  # changes of WDINTS that take effect later: (cycle, level)
+        self.sysclk_hz = Fraction(oscclk_hz)  # `reset` sets it to OSCCLK/4
+        self._gates_to_come: list[tuple[int, int]] = []  # later values of `gates`: (cycle, value)
+        self._wdints_to_come: list[tuple[int, int]] = []  # later values of WDINTS: (cycle, value)
         self.reset(0)
 
     def reset(self, now: int) -> None:
-        """Reset by XRS, or by the watchdog if `reset_requested`; WDFLAG is then set WDFLAG_DELAY cycles later."""
+        """Reset by XRS. If the watchdog requested it (`reset_requested`), WDFLAG is set WDFLAG_DELAY cycles later."""
         by_watchdog = self.reset_requested
         self._pllcr = PLLCR.reset
         self._pllsts = PLLSTS.reset
-        self._locked_at = NEVER  # OSCCLK position at which the PLL is locked
+        self._locked_at = NEVER  # OSCCLK position (`oscclk`) at which the PLL is locked; NEVER if it does not lock now
         self._stored = {register.offset: register.reset for register in STORED}
         self.hspclk_divider = prescale(HISPCP.reset)
         self.lspclk_divider = prescale(LOSPCP.reset)
         self.lspclk_phase = now  # LSPCLK begins a period at this cycle and every `lspclk_divider` cycles from it
-        self.gates = self._gates()  # the values of PCLKCR3 (bits 31:16) and PCLKCR0 (bits 15:0) that are in effect
+        self.gates = self._gates()  # clock gates in effect: PCLKCR3 in bits 31:16, PCLKCR0 in bits 15:0
         self._gates_to_come.clear()
         self._watchdog.reset(self._clock.at(now))
         self.requests = 0
@@ -128,7 +129,7 @@ class SystemControl(Chip):
         return bool(self.gates & GATES[gate])
 
     def watchdog_rounds(self, since: int, now: int) -> int:
-        """Return how often the watchdog overflows between two cycles, if nothing restarts it or changes SYSCLKOUT."""
+        """Return how many full rounds of WDCNTR fit between two cycles. SYSCLKOUT must not change between them."""
         return self._watchdog.rounds(self._clock.at(now) - self._clock.at(since))
 
     # Inputs -----------------------------------------------------------------
@@ -138,13 +139,13 @@ class SystemControl(Chip):
         return ANY_CHANGED
 
     def peek(self, now: int, offset: int) -> int:
-        """Return the register's value; no register here has a read effect."""
+        """Return the register's value; 0 if there is no register. Reads have no side effects."""
         self._sync(now)
         register = MAP.at(offset)
         return 0 if register is None else register.read(self._value(now, offset))[0]
 
     def write(self, now: int, offset: int, value: int) -> None:
-        """Write a register. The bus checks EALLOW, so a protected write that arrives here takes effect."""
+        """Write a register. EALLOW is not checked here: the bus has blocked writes that lack it."""
         self._sync(now)
         if offset == PLLSTS.offset:
             self._write_pllsts(now, value)
@@ -171,7 +172,7 @@ class SystemControl(Chip):
     # Registers --------------------------------------------------------------
 
     def _value(self, now: int, offset: int) -> int:
-        """Return the stored value at an offset of the map."""
+        """Return the value of the register at an offset of the map. WDKEY reads as WDCR."""
         if offset == WDCR.offset or offset == WDKEY.offset:
             return self._watchdog.wdcr
         if offset == WDCNTR.offset:
@@ -288,7 +289,7 @@ class SystemControl(Chip):
         self.reset_requested = dog.reset_requested
 
     def _ratio(self) -> int:
-        """Return the PLL's multiplier; 1 in bypass, and for every setting without a defined ratio."""
+        """Return the PLL's multiplier; 1 in bypass, with PLLOFF = 1, and for a reserved value of PLLCR."""
         return self._pllcr if 1 <= self._pllcr <= 10 and not self._pllsts & PLLOFF else 1
 
     def _tune(self, now: int) -> None:

@@ -1,12 +1,13 @@
-"""Conversion between SYSCLKOUT cycles and OSCCLK positions, through changes of their ratio.
+"""Conversion between SYSCLKOUT cycles and times that are counted in OSCCLK periods, while their ratio may change.
 
-    retune  -->  cycles per OSCCLK, from the given cycle on
+    retune  :  sets the ratio of OSCCLK to SYSCLKOUT from a cycle on
     at      :  SYSCLKOUT cycle  -->  OSCCLK position
     cycle_at:  OSCCLK position  -->  SYSCLKOUT cycle
 
-The watchdog and the PLL's lock counter run on OSCCLK, but every input of a chip has a SYSCLKOUT cycle. A position is
-counted in parts of an OSCCLK period. The parts are so small that a cycle is a whole number of parts for every ratio of
-the PLL. Therefore only the cycle in which an event becomes visible is rounded.
+The watchdog and the PLL's lock counter run on OSCCLK, but every input of a chip has a SYSCLKOUT cycle. An OSCCLK
+position is the time since cycle 0, counted in parts of an OSCCLK period. The parts are so small that a SYSCLKOUT cycle
+is a whole number of parts for every ratio of the PLL. So positions are exact. Only the cycle at which the effect of an
+event becomes visible is rounded up.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ PARTS = 2520  # parts of one OSCCLK period: the least common multiple of the PLL
 
 
 class OscClock:
-    """Converter that starts at cycle 0 with SYSCLKOUT = OSCCLK/4, as after a reset."""
+    """Converter between cycles and positions. It starts at cycle 0 with SYSCLKOUT = OSCCLK/4, as after a reset."""
 
     STATE = State("_position _step", cycles="_cycle")
 
@@ -34,11 +35,11 @@ class OscClock:
         return self._position + (cycle - self._cycle) * self._step
 
     def cycle_at(self, position: int) -> int:
-        """Return the first cycle that begins at or after a position, if the ratio does not change."""
+        """Return the first cycle that begins at or after a position, if the ratio does not change before it."""
         return self._cycle - (self._position - position) // self._step
 
     def retune(self, cycle: int, numerator: int, denominator: int) -> None:
-        """Set SYSCLKOUT = OSCCLK * numerator / denominator, a ratio of the PLL, from `cycle` on."""
+        """Set SYSCLKOUT = OSCCLK * numerator / denominator from `cycle` on. numerator: 1 to 10, as in PLLCR."""
         self._position = self.at(cycle)
         self._cycle = cycle
         self._step = PARTS * denominator // numerator

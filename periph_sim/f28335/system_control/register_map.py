@@ -1,7 +1,9 @@
 """Table of the system control registers: PLL, clock prescalers and gates, low-power mode, watchdog.
 
-Source: SPRUFB0D section 5, Table 14. All of them are EALLOW-protected. Gates of modules that are not simulated are
-stored, so that firmware reads back what it wrote to PCLKCR0, PCLKCR1 and PCLKCR3.
+All of these registers are EALLOW-protected. The clock gates of modules that are not simulated are stored, so that
+firmware reads back what it wrote to PCLKCR0, PCLKCR1 and PCLKCR3.
+
+Source: SPRUFB0D section 5, Table 14.
 """
 
 from __future__ import annotations
@@ -91,7 +93,7 @@ LPMCR0 = Register(
     "SPRUFB0D Figure 25, Table 25",
     (
         field("WDINTE", "15", doc="1: the watchdog may wake the device from STANDBY"),
-        # The reset value follows Figure 25, which draws one 1 for all six bits. Table 25 gives 0 as the default.
+        # The reset value follows Figure 25, which shows 1 for each of the six bits. Table 25 gives 0 as the default.
         field("QUALSTDBY", "7:2", "R/W", 0x3F, doc="OSCCLK periods to qualify the pin that wakes from STANDBY"),
         field("LPM", "1:0", doc="mode that IDLE enters: 0 IDLE, 1 STANDBY, 2 and 3 HALT"),
     ),

@@ -1,21 +1,23 @@
-"""Watchdog, which counts OSCCLK and drives the reset request, WDINT and the WAKEINT pulse.
+"""Watchdog, which counts OSCCLK and, when it overflows, requests a reset or drives WDINT low.
 
     OSCCLK --> /512 --> WDPS --> WDCNTR --overflow--> WDENINT = 0: reset
                                    ^                  WDENINT = 1: WDINT low for 512 OSCCLK
     WDKEY 0x55, 0xAA --------------+                                ^
     WDCR.WDCHK other than 5 ----------------------------------------+
 
-The watchdog is part of `SystemControl`, which converts between SYSCLKOUT cycles and OSCCLK positions (`oscclk`), delays
-WDINTS and WDFLAG, and passes accesses of the watchdog's registers on.
+The watchdog is part of `SystemControl`, its owner. `SystemControl` converts between SYSCLKOUT cycles and OSCCLK
+positions (`oscclk`), delays WDINTS and WDFLAG, passes accesses of the watchdog's registers on, and requests WAKEINT
+when WDINT falls.
 
 Source: SPRUFB0D section 5.4, Tables 26 to 30; SPRZ272N section 3.1.3.
 
 Chosen:
-- Disabling holds the count; enabling continues from it.
-- A wrong WDCHK takes effect if the same write leaves the watchdog enabled. The rest of that write also takes effect.
-- With wd_bad_key = reset the write resets at once. The errata also say that a good key after it prevents the reset.
-  This is not modelled.
-- A new prescale takes effect at once; the divider is one chain whose taps WDPS selects.
+- While the watchdog is disabled, WDCNTR keeps its count. It continues from this count when it is enabled again.
+- A wrong WDCHK acts like an overflow if the same write leaves the watchdog enabled. The other fields of that write take
+  effect as well.
+- With wd_bad_key = reset, the write of a wrong key acts like an overflow at once. The errata also say that a correct
+  key after it prevents the reset. This is not modelled.
+- The dividers before WDCNTR form one chain, and WDPS selects a tap of it. A new WDPS takes effect at once.
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ from ..system_options import SystemOptions
 from .oscclk import PARTS
 from .register_map import SCSR, WDCR
 
-WDINT_OSCCLKS = 512  # width of the reset or interrupt pulse (section 5.4)
+WDINT_OSCCLKS = 512  # length of the low pulse on XRS or WDINT, in OSCCLK periods (section 5.4)
 OVERFLOW = 256
 DIVIDER = 512
 
@@ -39,7 +41,7 @@ PRESCALE = (1, 1, 2, 4, 8, 16, 32, 64)
 
 
 class Watchdog:
-    """Watchdog. All times and positions are in parts of an OSCCLK period, which has `oscclk.PARTS` of them.
+    """Watchdog. All times and positions are in parts of an OSCCLK period, which has `oscclk.PARTS` parts.
 
     touched: the set to which the names of the used options are added.
     """
@@ -52,15 +54,15 @@ class Watchdog:
         self.reset(0)
 
     def reset(self, position: int) -> None:
-        """Reset by XRS: enabled, counting from 0, WDFLAG = 0."""
+        """Reset by XRS: the watchdog is enabled and counts from 0, and WDFLAG is 0."""
         self.wdcr = WDCR.reset
         self.scsr = SCSR.reset
         self.wdint = 1  # level of WDINT
-        self.interrupt = False  # True if WDINT has fallen since the owner last set this to False
+        self.interrupt = False  # becomes True when WDINT falls; the owner sets it to False
         self.reset_requested = False
-        self._armed = False  # True if 0x55 was the last key
-        self._origin = position  # a position at which a period begins at each tap of the divider chain
-        self._since = position  # position at which the count was `_count`
+        self._armed = False  # True if the last key was 0x55, so that 0xAA clears WDCNTR
+        self._origin = position  # a position at which the whole divider chain before WDCNTR was at 0
+        self._since = position  # position at which WDCNTR was `_count`
         self._count = 0
         self._low_until = NEVER
         self._schedule()
@@ -77,11 +79,11 @@ class Watchdog:
         return self._count + (position - self._origin) // period - (self._since - self._origin) // period
 
     def rounds(self, parts: int) -> int:
-        """Return the number of overflows of WDCNTR within a time of `parts`, if WDCNTR is not restarted."""
+        """Return how many full rounds of WDCNTR, each of 256 steps, fit into a time of `parts`."""
         return parts // (OVERFLOW * self._period())
 
     def advance(self, position: int) -> None:
-        """Process everything due up to this position."""
+        """Process all overflows and ends of WDINT pulses up to this position."""
         while self.next_due <= position:
             due = self.next_due
             if due == self._low_until:
@@ -118,7 +120,7 @@ class Watchdog:
         self._schedule()
 
     def write_scsr(self, position: int, value: int) -> None:
-        """Write SCSR. Clearing WDENINT while WDINT is low resets at once."""
+        """Write SCSR. If this clears WDENINT while WDINT is low, a reset is requested at once."""
         self.scsr, _ = SCSR.write(self.scsr, value)
         if not self.wdint and not self.scsr & WDENINT:
             self._fire(position)

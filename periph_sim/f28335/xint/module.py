@@ -1,11 +1,11 @@
-"""External interrupts XINT1 to XINT7, requested by edges at pins. XINT1 and XINT2 also have a counter as time stamp.
+"""External interrupts XINT1 to XINT7, which edges at pins request. For XINT1 and XINT2 a counter times the last edge.
 
     level --> edge of the chosen polarity, if enabled --> requests
                               |
                               +--> XINTnCTR = 0, then +1 each SYSCLKOUT (XINT1, XINT2)
 
 The levels come from `Gpio`, after the input qualifier of the pin that GPIOXINTnSEL selects. `Gpio` reports only edges
-of enabled lines. So the owner makes these calls around each write to this module:
+of lines that are enabled in XINTnCR. So the owner makes these calls around each write to this module:
 
     xint.settle(now, gpio.xint_levels(now))
     xint.write(now, offset, value)
@@ -17,7 +17,8 @@ Source: SPRUFB0D section 8.6, Figures 91 to 95, Tables 121 to 126.
 
 Chosen:
 - A counter runs from the moment its line is enabled, even before the first edge.
-- XNMI is not modelled: XNMICR is stored (the driver of INT13 uses SELECT), and XNMICTR reads 0.
+- XNMI is not modelled: XNMICR is only stored, although its SELECT decides whether timer 1 requests INT13. XNMICTR reads
+  0.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ LINES = 7
 XNMICR = XINT["XNMICR"].offset
 ENABLE = XINT["XINT1CR"]["ENABLE"]
 POLARITY = XINT["XINT1CR"]["POLARITY"]
-COUNTERS = {XINT["XINT1CTR"].offset: 0, XINT["XINT2CTR"].offset: 1}  # for the offset of a counter, its line
+COUNTERS = {XINT["XINT1CTR"].offset: 0, XINT["XINT2CTR"].offset: 1}  # maps a counter's offset to line 0 or 1
 RISING, BOTH = 1, 3  # values of POLARITY; 0 and 2 mean falling
 
 
@@ -42,15 +43,15 @@ class Xint(Chip):
     def __init__(self) -> None:
         super().__init__()
         self._level = 0
-        self._since = [0, 0]  # cycle at which each running counter, XINT1CTR and XINT2CTR, was 0 or would have been 0
+        self._since = [0, 0]  # for XINT1CTR and XINT2CTR: cycle at which the running counter was, or would have been, 0
         self.reset(0)
 
     def reset(self, now: int) -> None:
-        """Reset by XRS: all lines disabled, counters at 0. The lines keep their levels."""
+        """Reset by XRS: all lines are disabled, and the counters are 0. The lines keep their levels."""
         self.requests = 0
         self.enabled = 0  # mask: lines that are enabled, so that their edges request an interrupt
         self._control = [0] * (LINES + 1)  # values of XINT1CR to XINT7CR and XNMICR
-        self._count = [0, 0]  # value of each stopped counter, XINT1CTR and XINT2CTR
+        self._count = [0, 0]  # values of XINT1CTR and XINT2CTR while they are stopped
 
     def settle(self, now: int, levels: int) -> None:
         """Set the levels of the lines that are not enabled. A change of such a level is not an edge.
@@ -60,7 +61,7 @@ class Xint(Chip):
         self._level = self._level & self.enabled | levels & ~self.enabled
 
     def pins(self, now: int, levels: int) -> int:
-        """Set the levels on INPUTS. Only levels of enabled lines have an effect."""
+        """Set the levels on INPUTS. An edge of the chosen polarity on an enabled line requests its interrupt."""
         moved, self._level = (levels ^ self._level) & self.enabled, levels
         if not moved:
             return NO_CHANGE
@@ -91,7 +92,7 @@ class Xint(Chip):
             if enable:
                 self.note("unknown", "XNMI is enabled but not modelled: no NMI will occur", "SPRUFB0D Table 122")
             return
-        if offset < len(self._since):  # a stopped counter keeps its count; a started one continues from its count
+        if offset < len(self._since):  # a counter that is stopped keeps its count, and continues from there
             self._count[offset] = self._counted(now, offset)
             self._since[offset] = now - self._count[offset]
         self.enabled = self.enabled & ~(1 << offset) | enable << offset

@@ -7,13 +7,21 @@ Nothing is simulated again: the records of `run --record x.psr` are all that is 
 Terms of this package:
 
 record: one event of the run, such as an access to a register, a change of a register's field, or an edge of a wire.
-row: the index of a record in the table of a run.
+number: the serial number of a record, from 1 on. Where a number stands for another record, 0 means that there is none.
+row: the index of a record in the table of a run, from 0 on.
+cause: the record that led to another record.
 tick: the unit of time of a run.
 unit: a simulated DSP with its peripherals (its modules).
 place: a statement of the firmware, such as "function:line".
-routine: the main program, or one run of an interrupt service routine.
+routine: the main program, or one run of an interrupt service routine. A routine is identified by the number of the
+    record of its entry; 0 stands for the main program.
 field, flag: a field of a register; a field of one bit.
-party: a chip or an external device that can pull a wire low.
+read-modify-write: a statement that reads a register, changes some bits and writes the whole register back. A bit-field
+    write, the assignment to one field as in `i2c.I2CSTR.SCD = 1`, is one.
+plain write: a write that does not belong to a read-modify-write.
+span: a part of the firmware to which the firmware gave a name.
+party: a unit or an external device that can pull a wire low.
+program image: firmware that is a linked program for the F28335. Other firmware is written in Python.
 poll: a read of a register in a loop that waits for a change of the register. The simulation skips most polls of a long
     wait, and a recording contains only the first and the last of them.
 pass: one execution of the body of such a loop.

@@ -3,9 +3,9 @@
     CLEARABLE --> ClearedRegister --> ModifiesOfPlace: cleared flags, by whether firmware had read them
                         '-- Flag: its last rise
 
-Changes and writes of a register must be passed in the order of their records. Reads must be passed in their own order,
-and each read after the write that belongs to it. Only counts by place are kept, so memory does not grow with the run,
-unless ticks are kept.
+A `ClearedRegister` receives the records of one register. Changes of its flags and writes must arrive in the order of
+their records, and so must the reads. A read that belongs to a read-modify-write must arrive after its write. Only
+counts by place are kept, so memory does not grow with the run, unless the ticks of clearings are kept.
 """
 
 # core: compiled
@@ -23,7 +23,7 @@ from .register_maps import is_status, one_clears
 
 
 class Clearable(NamedTuple):
-    """A register with flags that are cleared by writing 1. status: True if hardware sets any of its flags."""
+    """A register with flags that are cleared by writing 1. status: True if it is a status register (`is_status`)."""
 
     name: str
     flags: tuple[Field, ...]
@@ -37,7 +37,7 @@ CLEARABLE = {
     if (flags := one_clears(register))
 }
 CLEARABLE_FLAGS = {(Kind.FLAG, f"{of.name}.{flag.name}") for of in CLEARABLE.values() for flag in of.flags}
-NEVER_YET = -1  # used in place of a record's number if there is no record yet
+NEVER_YET = -1  # in place of the number of a record: there has been no such record
 
 
 @final
@@ -46,7 +46,8 @@ class Modify:
 
     number: the number of the record of the write.
     tick: the tick of the write.
-    rose: for each flag, the number of the record of its last rise before the write.
+    written: the value that was written to the register.
+    rose: for each flag, the number of the record of its last rise before the write; NEVER_YET if it never rose.
     cleared: mask of the flags that the write cleared.
     """
 
@@ -62,7 +63,7 @@ class Modify:
 
 @final
 class Flag:
-    """A flag of a register. rose: the number of the record of its last rise."""
+    """A flag of a register. rose: the number of the record of its last rise; NEVER_YET if it never rose."""
 
     __slots__ = ("mask", "name", "register", "rose")
 
@@ -75,10 +76,10 @@ class Flag:
 
 @final
 class Cleared:
-    """Count of the times that flags were cleared.
+    """Count of the clearings of one or more flags.
 
-    first: the tick at which a flag was cleared first; NO_TIME if none was cleared.
-    ticks: the ticks at which flags were cleared; None if ticks are not kept.
+    first: the tick of the first clearing; NO_TIME if there was none.
+    ticks: the ticks of all clearings; None if ticks are not kept.
     """
 
     __slots__ = ("count", "first", "ticks")
@@ -104,13 +105,14 @@ class Cleared:
 
 @final
 class FlagOfPlace:
-    """A flag of a register in the read-modify-writes of one place.
+    """What the read-modify-writes of one place did to one flag.
 
     rose: number of times that the flag rose between the read and the write. If ticks are not kept, only the times
         at which the write then cleared the flag are counted.
-    between: the writes that cleared the flag after it rose between the read and the write.
-    along: the writes that cleared the flag, which the read had returned as 1, in statements that do not name the flag.
-    unseen: the writes in `along` before which the firmware had not read the flag since its last rise.
+    between: clearings of a flag that rose between the read and the write.
+    along: clearings of a flag that the read had returned as 1, by a statement that does not name the flag.
+    unseen: the clearings in `along` before which the firmware had not read the flag since its last rise. Reads that
+        belong to the read-modify-writes of this place do not count.
     """
 
     __slots__ = ("along", "between", "rose", "unseen")
@@ -124,11 +126,7 @@ class FlagOfPlace:
 
 @final
 class FieldRead:
-    """The last read of a field.
-
-    field: the name of the field; "" for the whole register.
-    number: the number of the record of the read.
-    """
+    """The last read of a field. field: "" for the whole register. number: the number of the record of the read."""
 
     __slots__ = ("field", "number")
 
@@ -153,7 +151,7 @@ class FieldReads:
                 read.number = number
                 return
         for read in self._reads:
-            if read.field == field:  # equal names may be different string objects
+            if read.field == field:  # the same name as another string object, which `is` does not find
                 read.field, read.number = field, number
                 return
         read = FieldRead()
@@ -167,14 +165,14 @@ class FieldReads:
 
 @final
 class ModifiesOfPlace:
-    """The read-modify-writes of one place in the firmware.
+    """The read-modify-writes of one register at one place in the firmware.
 
-    flags: one entry for each flag of the register, in the same order.
-    count: number of writes.
-    proven: bits that were written as 1 although they were read as 0.
-    always: bits that every write set to 1.
-    last_reads: the last read of each field in these read-modify-writes.
-    named: names of the fields that the statements at this place assign.
+    flags: one entry for each flag of the register, in the order of `ClearedRegister.flags`.
+    count: number of read-modify-writes.
+    proven: mask of the bits that were at least once written as 1 although they had been read as 0.
+    always: mask of the bits that every write set to 1.
+    last_reads: the last read of each field by these read-modify-writes.
+    named: names of the fields that the statements at this place assign; empty if they assign the whole register.
     """
 
     __slots__ = ("always", "count", "flags", "last_reads", "named", "proven")
@@ -188,7 +186,13 @@ class ModifiesOfPlace:
         self.named: set[str] = set()
 
     def meant(self, flags: list[Flag]) -> set[str]:
-        """Return the names of the flags that firmware may have intended to clear here."""
+        """Return the names of the flags that firmware may have intended to clear here.
+
+        These are the fields that its statements name. If they name none, these are the flags in `proven`; if there are
+        none of these either, the flags in `always`.
+
+        flags: the flags of the register.
+        """
         if self.named:
             return self.named
         ones = {flag.name for flag in flags if self.always & flag.mask}
@@ -199,8 +203,8 @@ class ModifiesOfPlace:
 class ClearedRegister:
     """A register with flags that are cleared by writing 1, and the effects of read-modify-writes on these flags.
 
-    status: True if hardware sets any flag of the register.
-    last: the write of the last read-modify-write of the register.
+    status: True if it is a status register (`is_status`).
+    last: the write of the last read-modify-write of the register; None if there was none.
     last_reads: the last read of each field, without the reads that belong to a read-modify-write.
     places: a dictionary from a place in the firmware to its read-modify-writes.
     keeps_ticks: True to keep the ticks at which flags were cleared, and to count flags that rose between read and write
@@ -223,7 +227,8 @@ class ClearedRegister:
     def last_read(self, flag: Flag, place: Text) -> int:
         """Return the record number of the last read of this flag, by its own name or in a read of the whole register.
 
-        The value that was read does not matter. Reads that belong to read-modify-writes at `place` do not count.
+        The value that was read does not matter. Reads that belong to read-modify-writes at `place` do not count. The
+        result is NEVER_YET if there was no read.
         """
         last: int = self.last_reads.last(flag.name)
         other: ModifiesOfPlace
@@ -233,7 +238,7 @@ class ClearedRegister:
         return last
 
     def flag_changed(self, flag: Flag, number: int, tick: int, value: int, cause: int) -> None:
-        """Process the record of a flag that rises or falls."""
+        """Process the record of a flag that rises (value 1) or falls (value 0)."""
         if value:
             flag.rose = number
             return
@@ -242,7 +247,7 @@ class ClearedRegister:
             last.cleared |= flag.mask
 
     def written(self, number: int, tick: int, value: int, place: Text) -> Modify:
-        """Process the record of a write that belongs to a read-modify-write."""
+        """Process the record of a write that belongs to a read-modify-write. Return the argument `made` of `judge`."""
         made = Modify()
         made.number, made.tick, made.written, made.cleared, made.place = number, tick, value, 0, place
         made.rose = [flag.rose for flag in self.flags]
@@ -252,13 +257,13 @@ class ClearedRegister:
     def judge(self, number: int, value: int, field: Text, made: Modify | None) -> None:
         """Process a read of the register. Calls must be in the order of the reads.
 
-        If a write belongs to the read, the flags that this write cleared are counted at the place of the write.
-        `ModifiesOfPlace.meant` decides later which of these flags the firmware intended to clear.
+        If the read is the first half of a read-modify-write, the flags that the write cleared are counted at the place
+        of the write. `ModifiesOfPlace.meant` decides later which of these flags the firmware intended to clear.
 
         number: the number of the record of the read.
         value: the value that was read.
         field: the name of the field that was read; "" for the whole register.
-        made: the write that belongs to the read; None for a read without a write.
+        made: the write of the same read-modify-write; None if the read does not belong to one.
         """
         if made is None:
             self.last_reads.add(field, number)

@@ -41,7 +41,7 @@ class ClockHistory(NamedTuple):
     def of_distances(self, ticks: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int64]:
         """Convert distances in ticks to the nearest numbers of cycles.
 
-        at: for each distance, the tick whose clock is used for the conversion.
+        at: for each distance, a tick; the clock in effect at this tick is used.
         """
         periods = np.array([float(period) for period in self.periods])
         cycles: NDArray[np.int64] = (ticks / periods[self._now(at)] + 0.5).astype(np.int64)
@@ -71,7 +71,7 @@ class ClockHistory(NamedTuple):
 
     @property
     def _firsts(self) -> list[int]:
-        """The number of the first cycle of each clock."""
+        """For each clock, the number of its first cycle."""
         found = [0]
         for begin, end, period in zip(self.begins, self.begins[1:], self.periods, strict=False):
             found.append(found[-1] + round((end - begin) / period))

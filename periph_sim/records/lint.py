@@ -1,4 +1,6 @@
-"""Lints: checks of what firmware did in a recorded run. The functions in `lints/` are found automatically.
+"""Lints: checks of what firmware did in a recorded run.
+
+Every function in `lints/` that has the decorator `finds` is a lint.
 
 Run --each lint--> faulty accesses --> findings, one for each place and fault --> text, JSON
 """
@@ -26,6 +28,7 @@ class Fault(NamedTuple):
     """Faulty accesses of one unit, all with the same kind of fault.
 
     rows: the rows of these accesses, in order. A fault without rows is not reported.
+    text: what is wrong with these accesses.
     source: the section of the manual that gives the violated rule.
     """
 
@@ -48,7 +51,7 @@ Faults: TypeAlias = "Callable[[Run, Options], Iterator[Fault]]"
 class Lint(NamedTuple):
     """A rule that recorded accesses can violate.
 
-    says: a sentence that describes the faults that the lint finds.
+    says: a phrase that describes the faults that the lint finds.
     faults: the function that yields the faults of a run.
     """
 
@@ -77,9 +80,9 @@ class Finding:
 
 
 def finds(says: str) -> Callable[[Faults], Faults]:
-    """Return a decorator that registers a function as a lint. The name of the lint has "-" in place of "_".
+    """Return a decorator that registers a function as a lint. `flag_wiped` becomes the lint "flag-wiped".
 
-    says: a sentence that describes the faults that the lint finds.
+    says: a phrase that describes the faults that the lint finds.
     """
 
     def register(faults: Faults) -> Faults:
@@ -91,7 +94,7 @@ def finds(says: str) -> Callable[[Faults], Faults]:
 
 @cache
 def all_lints() -> dict[str, Lint]:
-    """Return a dictionary from a name to the lint of this name, in the order of the names."""
+    """Return a dictionary from the names of all lints to the lints, in the order of the names."""
     modules_with("finds", lints.__name__, lints.__path__)
     return dict(sorted(_LINTS.items()))
 
@@ -117,14 +120,14 @@ def accesses(run: Run, way: str, register: Register) -> Iterator[Group]:
 def held(run: Run, group: Group, register: Register, name: str) -> NDArray[np.bool_]:
     """Return, for each access of a group, True if a field of the same module was 1 just before the access.
 
-    register, name: the register of the module and the name of its field.
+    register, name: the register with the field, and the name of the field.
     """
     found: NDArray[np.bool_] = run.values(group.unit, group.module, register, register[name], group.rows) == 1
     return found
 
 
 def text(run: Run, findings: list[Finding]) -> str:
-    """Return the findings as text, each with its place, source, lint and first time. The last line has the total."""
+    """Return the findings as text: for each its place, source, lint, count and first time; at the end, the total."""
     lines = []
     for f in findings:
         times = "once" if f.count == 1 else f"{f.count} times, first"

@@ -1,12 +1,12 @@
 """Reconstruction of skipped polls next to a change, from the recorded passes of a wait.
 
 A pass is one execution of the body of a polling loop. A recording contains only the first and the last passes of a
-skipped wait; the time between them is a gap in the recording. All passes are equally long, so the skipped polls are on
-a grid in time that the passes before the gap define. If the first read after the gap is on this grid, the gap is taken
-for a skipped wait.
+skipped wait; the time between them is a gap in the recording. All passes are equally long, so the skipped polls follow
+each other at a constant period, which the passes before the gap show. If the first read after the gap fits this period,
+the gap is taken for a skipped wait, and the polls on both sides of a change are reconstructed.
 
     first pass, . . . . . . [change] . , last pass
-                        ^before    ^after
+                          ^before    ^after
 """
 
 from __future__ import annotations
@@ -23,22 +23,22 @@ Number = TypeVar("Number", np.int64, np.bool_)
 
 SHORTEST_PASS, LONGEST_PASS = 4, 400  # minimum and maximum cycles of a pass of a polling loop
 MOST_READS = 3  # maximum number of reads of one register in a pass
-# A length of a pass is accepted if a large enough share of the recorded passes is a multiple of the length: more than
-# PASSES_AGREE for passes with one read, more than MORE_AGREE for passes with several reads. In addition, at least
-# GAPS_AGREE of the gaps that contain a change must fit the length.
+# The most frequent length of the recorded passes is accepted if most passes are a multiple of it: more than
+# PASSES_AGREE of them for passes with one read, more than MORE_AGREE for passes with several reads. In addition, at
+# least GAPS_AGREE of the changes must be in gaps that fit this length.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
-# If no pass was recorded, the greatest common divisor of the gaps is taken as the length of a pass. This needs at least
-# FEW_GAPS gaps.
+# If no pass was recorded, the loop is assumed to have one read, and the greatest common divisor of the gaps is taken as
+# the length of a pass. This needs at least FEW_GAPS gaps.
 FEW_GAPS = 3
 
 
 class Polls(NamedTuple):
     """The reconstructed polls next to changes in skipped waits.
 
-    before: for each change, the tick of the last poll before the change; -1 if this poll was recorded.
-    after: for each change, the tick of the first poll at or after the change; -1 if this poll was recorded.
+    before: for each change, the tick of the last skipped poll before it in the same gap; -1 if there is none.
+    after: for each change, the tick of the first skipped poll at or after it in the same gap; -1 if there is none.
     changes: the rows of these changes.
-    unplaced: the indices of the reads before those skipped waits whose polls could not be reconstructed.
+    unplaced: for each gap with a change whose polls could not be reconstructed, the index of the read before the gap.
     """
 
     before: Rows
@@ -53,7 +53,8 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
     reads: rows of the reads of one register at one place.
     waits: for each read, True if it and the next read in `reads` belong to the same wait.
     changes: rows of the changes to consider.
-    looking: for each read, True if it read the fields that changed. Only polls by these reads are returned.
+    looking: for each read, True if it read the fields that changed. A loop may also have reads of other fields; the
+        polls of these reads are not returned.
     """
     clock = run.clock(unit)
     begins = clock.numbers(run.table.tick[reads])  # in cycles, because a cycle need not be a whole number of ticks

@@ -1,10 +1,11 @@
-"""Time between the firmware's reads of status registers and changes of the fields that they read, for each place.
+"""Time between the firmware's reads of status registers and changes of the fields that were read, for each place.
 
     reads, skipped polls  --> distance to the nearest change, in cycles --> closest, histogram by decades
     read-modify-writes    --> flags that rose between read and write, flags cleared unintentionally
 
 A read of one field, as in `i2c.I2CSTR.XRDY == 1`, is compared with changes of that field. A read of the whole register,
 as in `i2c.I2CSTR.all` or in the read-modify-write `i2c.I2CSTR.SCD = 1`, is compared with changes of all its fields.
+Changes that an access of the firmware itself makes are left out.
 """
 
 from __future__ import annotations
@@ -48,11 +49,12 @@ class PlaceRaces:
     reads: number of recorded reads.
     polls: number of reads that were reconstructed from skipped waits.
     unplaced: number of skipped waits that contain a change, but whose polls could not be reconstructed.
-    before: the read that was the fewest cycles before a change.
-    after: the read that was the fewest cycles after a change.
-    histogram: for each decade, the number of reads whose distance to the nearest change, in cycles, is in this decade.
-    alone: number of reads that could not be compared with a change, because only the firmware itself changes the fields
-        that they read, or nothing changes them.
+    before: the read that was the fewest cycles before a change; None if no read was before a change.
+    after: the read that was the fewest cycles after a change; None if no read was after a change.
+    histogram: for each of the DECADES classes of distances, the number of reads and polls whose distance to the nearest
+        change is in this class.
+    alone: number of reads without a change to compare them with: nothing but the firmware itself changes the fields
+        that they read.
     """
 
     unit: str
@@ -84,20 +86,20 @@ class Races:
 
     @property
     def lost(self) -> int:
-        """Number of times that a read-modify-write cleared a flag before the firmware had read the flag as 1."""
+        """Number of times that a read-modify-write cleared a flag that the firmware had not read since it rose."""
         return sum(modify.lost for modify in self.modifies)
 
     @property
     def along(self) -> int:
-        """Number of times that a read-modify-write, meant for another flag, also cleared a flag that was read as 1."""
+        """Number of times that a read-modify-write of another field cleared a flag, because it wrote back a 1."""
         return sum(flag.along for modify in self.modifies for flag in modify.flags)
 
 
 def races(run: Run, register: str | None = None) -> Races:
     """Return the races of one register or field, such as "I2C-A.I2CSTR", or of all status registers.
 
-    The places are in the order of their smallest distance. Raise NotInRun if the register does not exist or the
-    firmware never accessed it.
+    The places are in the order of their smallest distance between a read and a change. Raise NotInRun if the register
+    does not exist or the firmware never accessed it.
     """
     chosen = groups_of(run, register)
     reads = [(group, f, place) for group, f in chosen if group.way == "R" for place in _reads_by_place(run, group)]
@@ -107,7 +109,7 @@ def races(run: Run, register: str | None = None) -> Races:
 
 
 def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
-    """Return (cycles, ticks, unplaced). Raise NotInRun as `races` does.
+    """Return (cycles, ticks, unplaced) for the reads of a register, as in `races`. Raise NotInRun as `races` does.
 
     cycles: the distance of each read or reconstructed poll to the nearest change. Reads are left out if the run has no
         change to compare them with.
@@ -134,8 +136,8 @@ class _Reads(NamedTuple):
 
     looked_at: for each read, the name of the field that was read, as an index into the names in the table of the run.
         For a read of the whole register, it is the index of the name "", or -1 if the table does not have this name.
-    waits: for each read, True if the read and the next one belong to the same wait. This is the case if the firmware
-        makes no other access in between, or only reads that belong to the same loop (`_loops_of_an_image`).
+    waits: for each read, True if the read and the next read at this place belong to the same wait. This is the case if
+        the routine makes no access in between, or only reads that belong to the same loop (`_loops_of_an_image`).
     """
 
     place: str
@@ -147,7 +149,7 @@ class _Reads(NamedTuple):
 def _reads_by_place(run: Run, group: Group) -> Iterator[_Reads]:
     """Yield the reads of each place.
 
-    The read of a read-modify-write counts as a read of the whole register, because the write writes all of it back.
+    The read of a read-modify-write counts as a read of the whole register, because the whole register is written back.
     """
     table = run.table
     rows, following = run.in_order(group.unit)
@@ -190,7 +192,7 @@ def _loops_of_an_image(run: Run, unit: str, reads: Rows, nexts: Rows) -> NDBool:
 
 
 def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
-    """Return the rows at which the fields changed. Changes that an access of the unit made at once are left out."""
+    """Return the rows at which the fields changed, except changes that an access of the unit made in the same tick."""
     of = [run.changes(group.unit, group.module, group.register, each) for each in fields]
     rows = np.sort(np.concatenate(of))
     others: Rows = rows[~np.isin(run.made_by(rows), run.in_order(group.unit)[0])]
@@ -203,8 +205,8 @@ class _Side(NamedTuple):
     In one object, either all reads are paired with the next change or all are paired with the previous change.
 
     ticks: the tick of each read or poll.
-    distances: the number of ticks between each read and the change paired with it; NEVER if there is no such change.
-    changes: for each read, the row of the change paired with it.
+    distances: the number of ticks between each read and its change; NEVER if there is no such change.
+    changes: for each read, the row of its change; meaningless if the distance is NEVER.
     """
 
     ticks: Rows
@@ -221,7 +223,7 @@ class _Beside(NamedTuple):
     before: each read with the next change after the read.
     after: each read with the last change before the read.
     ticks: the tick of each read or reconstructed poll.
-    nearest: the distance in ticks from each read or poll to the nearest change.
+    nearest: the distance in ticks from each read or poll to the nearest change; NEVER if there is no change.
     reads: number of recorded reads.
     polls: number of reconstructed polls.
     unplaced: number of skipped waits whose polls could not be reconstructed.
@@ -310,6 +312,7 @@ def _closest(run: Run, unit: str, side: _Side, way: int) -> NearMiss | None:
     """Return the read that is closest to its change; None if no read has a change.
 
     If several reads are equally close, the earliest of them is returned.
+
     way: 1 if the changes in `side` follow the reads, -1 if they precede the reads.
     """
     if not len(side.distances) or int(side.distances.min()) == NEVER:

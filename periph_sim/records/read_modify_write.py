@@ -71,10 +71,10 @@ class LostFlag:
 
     rose: number of times that the flag rose between the read and the write.
     lost_between: number of times that the flag rose between the read and the write, and the write cleared it.
-    along: number of times that the read returned the flag as 1 and the write cleared it, though the firmware intended
-        to clear another flag.
-    unseen: number of the times in `along` at which the firmware had not read the flag after its last rise. A read that
-        named another field of the register does not count.
+    along: number of times that the read returned the flag as 1 and the write cleared it, although the firmware intended
+        to clear only other flags.
+    unseen: how many of the times in `along` the firmware had not read the flag since its last rise. Only reads of
+        this flag or of the whole register count, and not those of the read-modify-writes of this place.
     lost: the ticks at which the flag was cleared before the firmware had read it after its last rise, in order.
     cleared: the ticks at which the flag was cleared unintentionally, whether the firmware had read it or not.
     """
@@ -95,12 +95,13 @@ class LostFlag:
 
 @dataclass(frozen=True)
 class ReadModifyWrite:
-    """The read-modify-writes of one place.
+    """The read-modify-writes of one register at one place.
 
     count: number of read-modify-writes.
     meant: the flags that the firmware named, or that it certainly intended to clear.
     doubt: the flags that every write set to 1, if the recording does not show which of them the firmware intended to
         clear; else empty.
+    flags: the flags that rose between a read and its write, or that were cleared unintentionally.
     """
 
     unit: str
@@ -113,15 +114,15 @@ class ReadModifyWrite:
 
     @property
     def lost(self) -> int:
-        """Number of times that a flag was cleared before the firmware had read it."""
+        """Number of times that a flag was cleared before the firmware had read it after its last rise."""
         return sum(flag.lost_between + flag.unseen for flag in self.flags)
 
 
 def modifies_of(run: Run, groups: Iterable[Group]) -> tuple[ReadModifyWrite, ...]:
-    """Return the read-modify-writes of several groups, one object for each place.
+    """Return the read-modify-writes of several groups, one object for each register and place.
 
-    The places at which the most flags were lost come first. Registers without a field that is cleared by writing 1 are
-    left out.
+    The places at which flags were lost most often come first. Registers without a field that is cleared by writing 1
+    are left out.
     """
     found = []
     for group in groups:
@@ -183,8 +184,7 @@ def _of_place(register: ClearedRegister, unit: str, name: str, place: str) -> Re
 def _lost(name: str, found: FlagOfPlace, other: bool) -> LostFlag:
     """Return the counts of a flag at a place.
 
-    other: True if the firmware intends to clear only other flags at this place, so that clearing this flag is a
-        mistake.
+    other: True if the firmware intends to clear only other flags here. If it is False, `along` and `unseen` are 0.
     """
     between, along, unseen = (found.between.ticks or [], found.along.ticks or [], found.unseen.ticks or [])
     if not other:

@@ -1,5 +1,8 @@
 """Formatting of records as text, and decoding of the values of BUS records.
 
+The value of a BUS record with a byte is the byte, shifted left by one; its lowest bit is the bit after the byte, 1 for
+NACK. Examples of a record's kind, `what` and value, and of its text:
+
 BUS address 0x1A1   "controller: 0x68 W NACK (gyroscope)"
 BUS byte 0x22       "controller: 0x11 ACK (gyroscope)"
 FLAG I2CSTR.SDIR 1  "I2C-A.I2CSTR.SDIR set"
@@ -45,7 +48,7 @@ def bus_byte(record: Record) -> BusByte | None:
 
 
 def on_the_bus(record: Record) -> str:
-    """Return a BUS or FRAME record as text without its party and purpose: "START", "0x68 R ACK", "0x55", "frame"."""
+    """Return a BUS or FRAME record as text without its party and its own text: "START", "0x68 R ACK", "0x55"."""
     if record.kind is Kind.FRAME:
         return (
             "frame" if record.what == "begin" else record.what if record.what in PAIR_PARTS else f"0x{record.value:02X}"
@@ -55,15 +58,15 @@ def on_the_bus(record: Record) -> str:
 
 
 def happened(record: Record) -> str:
-    """Return a record as text without unit, time and place in the firmware: "I2C-A.I2CSTR.SDIR set"."""
+    """Return a record as text without its unit, time and place in the firmware: "I2C-A.I2CSTR.SDIR set"."""
     return _SAID[record.kind](record)
 
 
 def happened_where(record: Record) -> str:
     """Return a record as text with its unit: "dsp.I2C-A.I2CSTR.SDIR set", "dsp: SCIRXINTA entered at sci_received:76".
 
-    If the record has a place in the firmware, the text ends with this place. A FLAG record has a place only if it is
-    about a variable.
+    If the record has a place in the firmware, the text ends with this place. Of the FLAG records, only changes of
+    variables have one.
     """
     said = happened(record)
     if record.kind is Kind.FLAG:

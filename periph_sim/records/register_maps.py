@@ -31,7 +31,7 @@ def yields_data(name: str) -> bool:
 
 
 def is_status(register: Register) -> bool:
-    """Return True if the register has a flag: a field of one bit that hardware changes."""
+    """Return True if the register has a field of one bit that is read-only or is cleared by writing 1."""
     return any(f.msb == f.lsb and (f.cpu is CpuAccess.R or f.on_write is OnWrite.ONE_CLEARS) for f in register.fields)
 
 
@@ -41,4 +41,4 @@ def one_clears(register: Register) -> tuple[Field, ...]:
 
 
 MODIFY = 4  # maximum number of cycles between the read and the write of a read-modify-write
-OVERTAKEN = 3  # the write of a read-modify-write is one of the next OVERTAKEN accesses after its read
+OVERTAKEN = 3  # the write of a read-modify-write is among this number of accesses that follow its read

@@ -70,7 +70,8 @@ class CycleLength(NamedTuple):
 class Run:
     """An open recording of a run.
 
-    `read` raises NotInRun for a file that is no recorded run, and BadCapture for a file that cannot be decoded.
+    `read` raises NotInRun if the file cannot be read or is no recorded run, and BadCapture if it cannot be decoded.
+
     sysclk: SYSCLKOUT in Hz; None to use the frequency that the recording shows, or 150 MHz if it shows none.
     """
 
@@ -119,7 +120,7 @@ class Run:
         return self._rows[key]
 
     def remembered(self, name: str, make: Callable[[], Rows]) -> Rows:
-        """Return the result of `make`, which is called once for each name."""
+        """Return the result of `make` at the first call with this name. Later calls return the same object."""
         if name not in self._remembered:
             self._remembered[name] = make()
         return self._remembered[name]
@@ -128,7 +129,7 @@ class Run:
         return next(self.table.records(np.array([row])))
 
     def row_of(self, number: int) -> int | None:
-        """Return the row of the record with this number; None if it was not recorded."""
+        """Return the row of the record with this number; None if it was not recorded, or if the number is 0."""
         row = int(np.searchsorted(self.table.number, number))
         return row if number and row < len(self.table) and int(self.table.number[row]) == number else None
 
@@ -142,6 +143,7 @@ class Run:
     def last(self, rows: Rows, tick: int, before: int | None = None) -> int | None:
         """Return the last of these rows that is not later than `tick`; None if there is none.
 
+        rows: rows in the order of their ticks.
         before: if it is given, only rows before row `before` are considered.
         """
         place = int(np.searchsorted(self.table.tick[rows], tick, "right"))
@@ -158,7 +160,7 @@ class Run:
 
     @cached_property
     def units(self) -> dict[str, tuple[str, ...]]:
-        """The names of each unit's modules, including the modules that every unit has."""
+        """A dictionary from each unit to the names of its modules, including the modules that every unit has."""
         return {
             unit: (*(module for module in modules if not module.startswith("pin:")), *PART.in_every_unit)
             for unit, modules in self.table.modules.items()
@@ -179,7 +181,7 @@ class Run:
         return self.last(self.changes(unit, module, register, f), int(self.table.tick[row]), row)
 
     def values(self, unit: str, module: str, register: Register, f: Field, rows: Rows) -> Rows:
-        """Return the value of a field just before each of these rows."""
+        """Return the value of a field just before each of these rows; before its first change, the reset value."""
         changes = self.changes(unit, module, register, f)
         before = np.searchsorted(changes, rows) - 1
         held = np.append(self.table.value[changes], f.reset)  # the last item (index -1) is the value after reset
@@ -257,7 +259,7 @@ class Run:
         return self.rows(Kind.ACCESS, unit, f"{way} {module}.{register}")
 
     def looking_at(self, reads: Rows, f: Field) -> Rows:
-        """Return the reads that named field `f`, and the reads of the whole register."""
+        """Return the rows of `reads` that read field `f` by its name or read the whole register."""
         about = np.array([name in ("", f.name) for name in self.table.names["field"]], bool)
         found: Rows = reads[about[self.table.columns["field"][reads]]]
         return found
@@ -273,7 +275,8 @@ class Run:
     def clock(self, unit: str = "") -> ClockHistory:
         """Return the history of SYSCLKOUT of a unit, or of the first unit if no unit has this name.
 
-        If `sysclk` was given, or if the recording has no clocks, the history is one clock, as in `cycles`.
+        If `sysclk` was given, or if the recording has no clocks, the history has one clock for the whole run, with the
+        length of a cycle that `cycles` returns.
         """
         if self._sysclk is None and self._clocks:
             return self._clocks.get(unit) or next(iter(self._clocks.values()))
@@ -281,15 +284,15 @@ class Run:
 
     @property
     def counts_alike(self) -> bool:
-        """True if all units have the same clock, or no clock is known."""
+        """True if the same clock is used for all units: `sysclk`, or equal clocks in the recording, or none there."""
         return self._sysclk is not None or len(set(self._clocks.values())) <= 1
 
     @cached_property
     def cycles(self) -> CycleLength:
         """The length of a SYSCLKOUT cycle.
 
-        It comes from the first known of these: `sysclk`, the last clock in the recording, the ticks of the accesses. If
-        none of them is known, it is the length of a cycle at 150 MHz.
+        It is taken from the first known of these: `sysclk`, the last clock of the first unit in the recording, the
+        greatest common divisor of the times between accesses. If none is known, it is the length at 150 MHz.
         """
         if self._sysclk is not None:
             return CycleLength(self.per_second / self._sysclk, f"SYSCLKOUT {_mhz(self._sysclk)}, as given")

@@ -1,7 +1,7 @@
 """Parsing of questions about a run: a signal and a time, as "I2CA.I2CSTR.XRDY@12.345ms", or accesses to a register.
 
-Without the name of a unit, a signal must be one that only one unit has, and a register is that of every unit. Hyphens
-and case matter only if several names differ in nothing else.
+The unit may be left out of a name: the name of a signal must then fit only one unit, and the name of a register means
+the registers of all units. Hyphens and case matter only if several names differ in nothing else.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..f28335.memory.ram import MEMORY
 from .register_maps import is_status, registers_of
 from .run import Group, NotInRun, Run
 
-COARSEST = Fraction(1, 10**6)  # in seconds; a time typed with a coarser last digit always means its exact tick
+COARSEST = Fraction(1, 10**6)  # in seconds; if the last digit of a time counts more, the time is taken as exact
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,8 @@ class RecordedSignal:
     """A field, a wire, a span, an interrupt or a variable.
 
     unit: the unit that has the signal; "" for a wire.
-    where, what: the place and the thing in the records of the signal.
+    where, what: `Record.where` and `Record.what` in the records of the signal.
+    module, register, field: "" and None if the signal is not a field.
     """
 
     kind: Kind
@@ -42,7 +43,7 @@ class RecordedSignal:
 
 
 def asked(run: Run, question: str) -> tuple[RecordedSignal, int]:
-    """Return the signal and the tick that a question names. Raise NotInRun if the run does not have them."""
+    """Return the signal and the tick of a question, as NAME@TIME. Raise NotInRun if the run does not have them."""
     name, at, time = question.rpartition("@")
     if not at or not name.strip():
         raise NotInRun(f"{question!r}: expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us")
@@ -70,7 +71,7 @@ def named(run: Run, name: str) -> RecordedSignal:
 
 
 def subjects(run: Run) -> list[RecordedSignal]:
-    """Return all signals of a run."""
+    """Return all signals of a run: every field of its modules, and the other signals that have at least one record."""
     found = []
     for unit, modules in run.units.items():
         for module in modules:
@@ -97,9 +98,8 @@ def subjects(run: Run) -> list[RecordedSignal]:
 def _tick(run: Run, text: str, subject: RecordedSignal) -> int:
     """Return the tick that a time in a question means.
 
-    If a change of the signal is displayed as this time, the result is the tick of that change, because displayed times
-    are rounded: the exact tick of the change differs slightly from the typed time. A time typed to a digit coarser than
-    COARSEST always means its exact tick.
+    Reports show rounded times. Therefore, if the time of a change of the signal rounds to the typed time, the result is
+    the tick of this change. If the last digit of the time counts more than COARSEST, the time is taken as exact.
     """
     try:
         at = seconds(text)
@@ -119,7 +119,7 @@ def _tick(run: Run, text: str, subject: RecordedSignal) -> int:
 
 
 def _last_digit(text: str) -> Fraction:
-    """Return the value of one unit in a time's last digit, in seconds: 1e-10 for "26730.2667us"."""
+    """Return by how many seconds a time grows if its last digit grows by one: 1e-10 for "26730.2667us"."""
     number = text.strip()[: len(text.strip()) - len(text.strip().lstrip("0123456789._"))]
     zeros = re.sub(r"\d", "0", number)
     return seconds(f"{zeros[:-1]}1{text.strip()[len(number) :]}") if zeros[-1:] == "0" else Fraction(1)
@@ -145,7 +145,7 @@ def _folded(name: str) -> str:
 
 
 def groups_of(run: Run, register: str | None) -> list[tuple[Group, Field | None]]:
-    """Return the groups of accesses to a register or field, each with the field; None: the whole register.
+    """Return the groups of accesses to a register, each with the chosen field; None in its place means all fields.
 
     Raise NotInRun if the firmware never accessed the register.
 

@@ -1,17 +1,19 @@
 """Search from a record back to its causes. Each link states whether it was recorded or inferred.
 
-A recording has the causes of what chips do: the access or edge that changed a flag or moved a pin. If the chip filters
-or samples its inputs, the recorded cause is the last input that passed the filter. Other causes are inferred from the
-order of the records: the action of a party before an edge of a wire, the request for an interrupt, and most causes of
-accesses. A look is a read that is not the first half of a read-modify-write.
+A recording states the causes of what the hardware does: the access or edge that changed a flag or a pin. If a module
+filters or samples its inputs, the recorded cause is the last input that passed the filter. Other causes are inferred
+from the order of the records: the action of a party before an edge of a wire, the request for an interrupt, and most
+causes of accesses. A look is a read that is not the first half of a read-modify-write.
 
     cause of a write: of the earlier looks in the same routine, the look that saw the newest change;
-                      if there is no look, the entry of the service routine
+                      if there is no look, the entry of the service routine;
+                      in the main program, the change of a flag that the write only wrote back
     cause of a read:  the last change of the fields that were read;
                       if they had not changed before, the entry of the service routine
 
-The result also has records that are shown beside the cause of an access: the read of the write's own read-modify-write,
-the change of a flag that the write only wrote back, later looks, and service routines that delayed the firmware.
+Some records are no cause of an access, but are shown beside its cause: the read that belongs to the same
+read-modify-write, the change of a flag that the write only wrote back, later looks, and service routines that delayed
+the firmware.
 """
 
 from __future__ import annotations
@@ -31,8 +33,8 @@ from ..register_maps import register_of
 from ..run import Rows, Run
 
 RECORDED, INFERRED = "recorded", "inferred"
-MOST_LOOKS = 8  # the search before a write ends after this number of reads at different places or of different fields
-MOST_ACCESSES = 10_000  # the search for reads before a write covers at most this number of accesses of the routine
+MOST_LOOKS = 8  # maximum number of looks before a write that are considered as its cause
+MOST_ACCESSES = 10_000  # maximum number of accesses of the routine that are searched for looks before a write
 MOST_ROUTINES = 3  # maximum number of service routines shown as delays of the firmware; the longest are chosen
 SEEN = "the last change of what it read"
 NEWEST = "the read before it that saw the newest change"
@@ -44,8 +46,8 @@ class Link(NamedTuple):
     known: RECORDED or INFERRED, the source of the relation; "" for the record whose causes are searched.
     because: the relation, as a phrase.
     aside: True if the record is only additional information and not the cause. The search does not continue from it.
-    of: the row of the related record; -1 in the first link, and in a link that `causes` returns if the related
-        record is the one that was passed to `causes`.
+    of: the row of the other record. It is -1 in the first link, which has no relation. In the results of `causes`, -1
+        means the record that was passed to `causes`.
     """
 
     row: int
@@ -59,8 +61,8 @@ class Link(NamedTuple):
 def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
     """Return links to the cause of an access and to the records that are shown beside it. The last link is the cause.
 
-    If the last link is `aside`, no cause was found. An access of the main program has no cause if neither a change nor
-    an earlier read explains the access.
+    If the list is empty or its last link is `aside`, no cause was found. This happens only in the main program, if
+    neither a change nor an earlier read explains the access.
 
     flag: the last change of a field that the search has passed on its way back to this access; None if there is none.
     """
@@ -112,8 +114,10 @@ def accesses_before(run: Run, row: int, record: Record) -> Rows:
 
 
 def _beside(run: Run, look: int) -> list[Link]:
-    """Return links to a look that came after the cause of a write, to the change that the look saw, and to service
-    routines that delayed the firmware between the change and the look. All these links are shown beside the cause.
+    """Return links to one of the later looks, which came between the cause of a write and the write.
+
+    The links lead to the look, to the change that the look saw, and to the service routines that delayed the firmware
+    between this change and the look. All of them are `aside`.
     """
     record = run.record(look)
     changed = change_seen(run, look, record)
@@ -125,7 +129,7 @@ def _beside(run: Run, look: int) -> list[Link]:
 
 
 def change_seen(run: Run, row: int, record: Record) -> int | None:
-    """Return the row of the last change before a read that the read could see; None if there is none.
+    """Return the row of the last change that a read could see; None if there is none, or if the register is unknown.
 
     A read that names a field sees changes of that field; any other read sees changes of the whole register.
     """
@@ -137,7 +141,10 @@ def change_seen(run: Run, row: int, record: Record) -> int | None:
 
 
 def looked_at(record: Record) -> tuple[str, Register | None, tuple[Field, ...]]:
-    """Return the module, the register (None if it is unknown) and the accessed fields of an access."""
+    """Return the module, the register and the fields of an access: the field that it names, or all fields.
+
+    If the register is unknown, it is None, and there are no fields.
+    """
     module, _, name = record.what[2:].partition(".")
     register = register_of(module, name)
     if register is None:
@@ -148,8 +155,8 @@ def looked_at(record: Record) -> tuple[str, Register | None, tuple[Field, ...]]:
 def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
     """Return links to the ends of the service routines that delayed `record`.
 
-    These routines ended between the rows `after` and `before`. Only the MOST_ROUTINES longest are returned, the
-    last one first.
+    These routines interrupted the routine of `record` and ended between the rows `after` and `before`. Only the
+    MOST_ROUTINES longest are returned, the last one first.
 
     record: the delayed record: an access, or the entry of another service routine.
     """
@@ -174,9 +181,10 @@ def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[L
     """Return links to the read half of a write's read-modify-write and, if it applies, to an earlier change of a flag.
 
     The list is empty if the write does not belong to a read-modify-write.
+
     flag: the last change of a field that the search has passed on its way back to this write; None if there is none. If
-        the write only wrote back this field as the read half had read it, the result has a link to the change that the
-        read half saw.
+        the write only wrote this field back (`handed_back`), the result ends with a link to the earlier change of the
+        field that the read half saw.
     """
     read = read_modify_writes(run, record.where).read_of(row)
     if read is None:
@@ -194,9 +202,12 @@ def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[L
 
 
 def handed_back(write: Record, read: int, flag: Record) -> Field | None:
-    """Return the field that `flag` changed, if the write only wrote back the value that had been read; else None.
+    """Return the field that `flag` changed, if the write only wrote the field back as it had been read; else None.
 
-    read: the value that the read half of the read-modify-write returned.
+    If the field is cleared by writing 1, a 1 must have been written back, because a 0 has no effect. Any other field
+    must be one that the firmware did not name in the write.
+
+    read: the value of the register that the read half of the read-modify-write returned.
     """
     module, register, _ = looked_at(write)
     name, _, field = flag.what.partition(".")
@@ -251,7 +262,7 @@ def end_of_walk(run: Run, steps: Sequence[Link], depth: int) -> str:
 def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> list[Link]:
     """Return links to the cause of a record and to the records that are shown beside it.
 
-    If the cause is known, the last link is the cause.
+    The last link is the cause. If the list is empty or its last link is `aside`, the cause is not known.
 
     flag: the last change of a field that the search has passed on its way back to this record; None if there is none.
     """
@@ -268,7 +279,7 @@ def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> li
 
 
 def _recorded(run: Run, record: Record) -> list[Link]:
-    """Return a link to the cause that the record names."""
+    """Return a link to the cause that the record names; no link if it names none."""
     found = run.row_of(record.cause)
     if found is None:
         return []
@@ -279,9 +290,10 @@ def _recorded(run: Run, record: Record) -> list[Link]:
 
 
 def _request(run: Run, row: int, record: Record) -> list[Link]:
-    """Return a link to the request that set a PIEIFR flag.
+    """Return a link to the request that set a PIEIFR flag; no link if the record is of another kind.
 
-    The request is the rise of the module's flag that came last before the PIEIFR flag, within MAX_REQUEST_CYCLES.
+    The request is the last rise of a module's flag that can request this interrupt. If it is more than
+    MAX_REQUEST_CYCLES cycles before the record, no link is returned.
     """
     unit, _, owner = record.where.rpartition(".")
     register, _, line = record.what.partition(".")
@@ -305,7 +317,8 @@ def _request(run: Run, row: int, record: Record) -> list[Link]:
 def _of_interrupt(run: Run, row: int, record: Record) -> list[Link]:
     """Return links from the entry of a service routine to its PIEIFR flag and to the service routines that delayed it.
 
-    If the record is the end of a service routine, return a link to the entry of this routine.
+    If the record is the end of a service routine, return a link to the entry of this routine. If no change of the
+    PIEIFR flag is recorded, return a link to the cause that the record names.
     """
     if not record.value or record.what not in LINES:
         return _recorded(run, record)
@@ -319,7 +332,7 @@ def _of_interrupt(run: Run, row: int, record: Record) -> list[Link]:
 
 
 def _of_party(run: Run, row: int, record: Record) -> list[Link]:
-    """Return a link to the last action of the party that pulled or released the wire."""
+    """Return a link to the last BUS or FRAME record of the party that pulled or released the wire."""
     party = mover(run, row, record)
     rows = np.sort(np.concatenate([run.rows(kind, party) for kind in (Kind.BUS, Kind.FRAME)]))
     found = run.last(rows, record.tick, row)
@@ -331,8 +344,7 @@ def _of_party(run: Run, row: int, record: Record) -> list[Link]:
 
 
 def holders(run: Run, row: int, record: Record) -> tuple[str, ...]:
-    """Return the parties that pull the wire low after this record. For a rising edge, return the parties that pulled
-    the wire low until this edge.
+    """Return the parties that pull the wire low after this record; for a rising edge, those that did so before.
 
         EDGE fell "controller"   HOLD "controller, dsp.SCLA"   HOLD "dsp.SCLA"   EDGE rose
         the controller pulls     the unit pulls it low, too    the unit alone still pulls
@@ -359,10 +371,10 @@ def wire_rows(run: Run, wire: str) -> Rows:
 
 
 def causes_of_hold(run: Run, row: int, record: Record) -> list[Link]:
-    """Return a link to the record from which on all parties named in `record` have held the wire low.
+    """Return a link to the earlier record since which all parties named in `record` have held the wire low.
 
-    Return no link if one of these parties began to hold the wire with `record` itself, because the cause of `record`
-    then explains the state of the wire.
+    Return no link if one of these parties began to pull with `record` itself: the cause of `record` then explains the
+    level of the wire.
     """
     ours = set(_named(record.text))
     joined = row

@@ -32,17 +32,18 @@ SKIPPED = (
 class Answer:
     """The value of a signal at an instant, with its causes and effects: the answer to a question such as "SDA@3us".
 
-    value: the value of the signal; None if it is not known, as for a wire before its first edge.
-    since: the tick from which the signal had the value; 0 if the signal never changed before.
-    back: the record that gave the value, then its causes. If the signal is a wire and low, `back` begins with the
-        last record at which the set of parties that hold the wire low changed.
-    pulled_by: the parties that first pulled the wire low; empty if the wire is not low.
-    held_by: the parties that hold the wire low at the tick of the question; empty if the wire is not low.
-    effects: the records whose cause is the record that gave the value.
-    reader: the first recorded read of the field after the field had taken the value.
-    reads: number of recorded reads of the field before the next change of the field.
-    changed: the next change of the signal.
-    ends: the reason why `back` ends.
+    tick: the instant of the question.
+    value: the value of the signal; None if it is not known, as for a variable before its first recorded change.
+    since: the tick from which the signal had the value; 0 if the signal had not changed before.
+    back: the record that gave the value, then its causes; empty if the signal had not changed before. For a wire that
+        is low, `back` begins with the last record at which the set of parties that hold the wire low changed.
+    pulled_by: the parties that first pulled the wire low; empty if the signal is not a wire that is low.
+    held_by: the parties that hold the wire low at `tick`; empty if the signal is not a wire that is low.
+    effects: the first records, at most EFFECTS, whose cause is the record that gave the value.
+    reader: the first recorded read of the field between the change to the value and the next change; None if none.
+    reads: number of recorded reads of the field between these two changes.
+    changed: the next change of the signal after `tick`; None if there is none.
+    ends: a phrase that says why `back` ends; "" if `back` is empty.
     """
 
     run: Run
@@ -63,7 +64,7 @@ class Answer:
 def why(run: Run | Path | str, question: str, depth: int = DEPTH) -> Answer:
     """Return the answer to a question such as "I2C-A.I2CSTR.XRDY@12.345ms".
 
-    Raise NotInRun if the name is unknown or the time is outside the run.
+    Raise NotInRun if the name is unknown or ambiguous, if the time is outside the run, or if the file is no recording.
 
     run: a recorded run, or its file.
     depth: maximum number of causes that are followed back.
@@ -103,7 +104,7 @@ def _value(run: Run, subject: RecordedSignal, rows: Rows, row: int | None) -> in
     """Return the value that the signal has from the change in `row` on.
 
     If `row` is None, return the value before the first change: the reset value of a field, the level of a wire, or 0
-    for a span or interrupt. Return None if this value is not known.
+    for a span or interrupt. Return None for a variable, because its first value is not recorded.
     """
     if row is not None:
         return int(run.table.value[row])
@@ -112,7 +113,7 @@ def _value(run: Run, subject: RecordedSignal, rows: Rows, row: int | None) -> in
     if subject.kind is Kind.EDGE:
         return 1 - int(run.table.value[rows[0]] != 0) if len(rows) else None
     if subject.kind is Kind.FLAG:
-        return None  # the first value of a variable is not known
+        return None
     return 0
 
 
@@ -130,7 +131,7 @@ def _step(run: Run, row: int) -> Link:
 
 
 def text(answer: Answer) -> str:
-    """Return an answer as text: the value and its start, its meaning, its causes, and later reads and changes."""
+    """Return an answer as text: the value, what the field means, the causes, the effects, the next read and change."""
     run, subject = answer.run, answer.subject
     lines = [f"{subject.name} at {run.at(answer.tick)}: {_value_text(answer)}"]
     register, f = subject.register, subject.field
@@ -194,7 +195,7 @@ def said(run: Run, step: Link) -> str:
 
 
 def _with_source(words: str) -> str:
-    """Return the text. If it ends with a section of the manual, lines are not broken at the spaces in this section."""
+    """Return the text so that no line is broken within the section of the manual at its end, if there is one."""
     what, bracket, source = words.partition(" [")
     return f"{what} {together(f'[{source}')}" if bracket else words
 

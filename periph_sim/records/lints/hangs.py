@@ -19,16 +19,19 @@ LONGEST_PASS = 4  # maximum number of reads in one pass of a loop
 
 @finds("a place that polls registers for longer than --bound, or to the end of the run without ever getting past")
 def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield reads of a place that polls one register for longer than the bound, or until the run ends.
+    """Yield the first reads of waits that are longer than `options.bound`, or that never end.
 
-    A wait contains no access other than the polls. A loop that repeats several reads in the same order is judged in the
-    same way, unless one of the reads removes data, as a read of SCIRXBUF does: such a loop makes progress. The rows of
-    a fault are the first reads of its waits.
+    A wait is a polling loop: one read, or up to LONGEST_PASS reads in the same order, at least twice in a row without
+    another access of the same routine. A loop of several reads does not count if one of them removes data, as a read of
+    SCIRXBUF does: such a loop makes progress. A single read is no wait, since the firmware may have continued
+    without the register.
 
-    Skipped polls are not recorded, so a wait lasts from its first recorded read to the next access of the same routine
-    elsewhere, or to the end of the run. Computations without an access count as waiting. A single read is no wait,
-    since the firmware may have continued without the register. A wait that is cut off by the end of the run is a fault,
-    however short, if no earlier wait at its place has ended.
+    Skipped polls are not recorded. Therefore a wait lasts from its first recorded read to the next other access of its
+    routine, including computations before this access. If there is none, the wait lasts to the end of the run in the
+    main program, and to its last recorded read in a service routine.
+
+    A wait of the main program that is cut off by the end of the run is a fault, however short, if the main program has
+    never got past this loop.
     """
     table = run.table
     bound = int(options.bound * run.per_second)
@@ -38,7 +41,8 @@ def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
         ids = what.astype(np.int64) << 32 | table.columns["text"][rows]
         is_read = np.array([name.startswith("R ") for name in table.names["what"]], bool)[what]
         takes = np.array([reads_take(name[2:]) for name in table.names["what"]], bool)[what]
-        # `found` maps the reads of a loop to (first row, length in ticks, True if the end of the run cuts it off).
+        # `found` maps the reads of a loop to its waits: (index of the first read in `rows`, length in ticks, True if
+        # the end of the run cuts the wait off).
         found: dict[tuple[int, ...], list[tuple[int, int, bool]]] = {}
         for reads in range(1, LONGEST_PASS + 1):
             for begin, last in _again_and_again(ids, is_read & ~takes if reads > 1 else is_read, following, reads):
@@ -68,7 +72,11 @@ def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
 def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> Iterator[tuple[int, int]]:
     """Yield the first and last index of each stretch in which a series of `reads` reads occurs at least twice in a row.
 
-    A stretch is within one routine. A stretch in which a shorter series of reads repeats is left out.
+    A stretch is within one routine. It is left out if the series itself consists of repetitions of a shorter series.
+
+    ids: for each access, a number that is the same for accesses of the same register at the same place.
+    is_look: for each access, True if it is a read that may belong to a wait.
+    following: for each access, the row of the next access of its routine; -1 for the last one.
     """
     if len(ids) < 2 * reads:
         return
@@ -78,7 +86,7 @@ def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> 
     turns = np.flatnonzero(np.diff(np.concatenate(([0], again.astype(np.int8), [0]))))
     for start, end in zip(turns[::2].tolist(), turns[1::2].tolist(), strict=True):
         begin, last = start - reads, end - 1
-        parts = [part for part in range(1, reads) if reads % part == 0]  # possible lengths of a pass that repeats
+        parts = [part for part in range(1, reads) if reads % part == 0]  # possible lengths of a shorter series
         if end - start >= reads and not any(
             (ids[begin : begin + reads - part] == ids[begin + part : begin + reads]).all() for part in parts
         ):
@@ -90,7 +98,10 @@ TEXT = "{} is served, and PIEACK bit {} is not written afterwards: no interrupt 
 
 @finds("a service routine after which PIEACK is never written for its group")
 def group_not_acknowledged(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield entries of service routines after which PIEACK is never written for their group, which blocks the group."""
+    """Yield entries of service routines after which PIEACK is never written for their group, which blocks the group.
+
+    The entry of a routine that is still running at the end of the run is no fault.
+    """
     for unit in run.units:
         acknowledges = run.accesses_of(unit, "W", "PIE", PIEACK.name)
         for vector, (group, _) in LINES.items():

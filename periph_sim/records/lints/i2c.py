@@ -31,14 +31,16 @@ SDIR_WIPED = (
 def flag_wiped(run: Run, options: Options) -> Iterator[Fault]:
     """Yield writes of I2CSTR that clear a flag of the current transfer although firmware has not read it since it rose.
 
+    Examples:
         i2c.I2CSTR.SCD = 1       writes back every 1 that it read, and so clears SDIR if it was 1
-        i2c.I2CSTR.all = 0xFFFF  clears everything
+        i2c.I2CSTR.all = 0xFFFF  clears every flag that is cleared by writing 1
 
     These writes are no fault:
-    - a plain write that sets only bits of flags that writing 1 clears; it is considered intentional
-    - clearing the flag that a bit-field write names, or a flag left from an earlier transfer
-    - clearing a flag after the STOP
-    - clearing ARDY, which only says that registers may be loaded
+    - a plain write of 1 to nothing but flags that writing 1 clears; it is considered intentional
+    - a bit-field write that clears the flag that it names
+    - a write that clears a flag left from an earlier transfer
+    - a write after the STOP of the transfer
+    - a write that clears ARDY, which only says that registers may be loaded
     """
     table = run.table
     for group in accesses(run, "W", I2CSTR):
@@ -68,8 +70,8 @@ def flag_wiped(run: Run, options: Options) -> Iterator[Fault]:
 def stale_flag(run: Run, options: Options) -> Iterator[Fault]:
     """Yield reads during a transfer that see a flag which rose before this transfer began.
 
-    Firmware that waits for the flag then takes an old event for a new one. Only reads of one flag by its name are
-    judged; recordings of Python firmware contain such reads.
+    Firmware that waits for the flag then takes an old event for a new one. The flags are SCD, RRDY, ARDY and NACK. Only
+    reads of a single flag are judged: reads by name in Python firmware, and a TBIT or a masked AND in a program image.
     """
     table = run.table
     for group in accesses(run, "R", I2CSTR):
@@ -92,14 +94,16 @@ def stale_flag(run: Run, options: Options) -> Iterator[Fault]:
 def xrdy_alone(run: Run, options: Options) -> Iterator[Fault]:
     """Yield writes of a slave that takes XRDY = 1 for a read request: it loads I2CDXR although no master reads from it.
 
-    XRDY is also 1 while the module is idle, so firmware must read SDIR or AAS as well. Outside FIFO mode, a
-    slave's write of I2CDXR is a fault if the last read of XRDY before the write showed XRDY = 1 and SDIR = 0, and SDIR
-    was still 0 at the write. Firmware that checks SDIR would not have written. Only reads of XRDY or of the whole
-    register since the previous write of I2CDXR count.
+    XRDY is also 1 while the module is idle, so firmware must read SDIR or AAS as well. A slave's write of I2CDXR is a
+    fault if the last read of XRDY before the write showed XRDY = 1 and SDIR = 0, and SDIR was still 0 at the write:
+    firmware that checks SDIR would not have written. A read of the whole register is also a read of XRDY.
 
-    A write without an earlier read of XRDY is no fault of this kind. A write is also no fault if the firmware then
-    becomes master (its next write of I2CMDR has MST = 1). If the firmware itself cleared SDIR after the module was
-    addressed, the finding names the place that cleared SDIR.
+    These writes are no fault:
+    - a write without a read of XRDY since the previous write of I2CDXR
+    - a write after which the firmware becomes master: its next write of I2CMDR has MST = 1
+    - a write in FIFO mode, in the free data format, or while the module is disabled (IRS = 0)
+
+    If the firmware itself cleared SDIR after the module was addressed, the finding names the place that did so.
     """
     for group in accesses(run, "W", I2CDXR):
         reads = run.accesses_of(group.unit, "R", group.module, I2CSTR.name)
@@ -123,7 +127,7 @@ def xrdy_alone(run: Run, options: Options) -> Iterator[Fault]:
 def _sdir_wiped_by(run: Run, group: Group) -> Rows:
     """Return, for each access, the row of the firmware's write that cleared SDIR after the module was addressed.
 
-    It is -1 if no write of the firmware did this.
+    The row is -1 if the last change of SDIR before the access was not such a write.
     """
     value = run.table.value
     changes = run.changes(group.unit, group.module, I2CSTR, I2CSTR["SDIR"])
@@ -160,9 +164,9 @@ def receive_register_early(run: Run, options: Options) -> Iterator[Fault]:
 
 @finds("I2CDRR never read though RRDY rose")
 def receive_register_unread(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield one access for each module whose received bytes the firmware never reads.
+    """Yield one access for each module that received a byte (RRDY rose) although the firmware never reads I2CDRR.
 
-    It is the first read that returned RRDY = 1. If there is no such read, it is the first access of the unit.
+    The access is the first read of I2CSTR that returned RRDY = 1. If there is none, it is the first access of the unit.
     """
     for unit, modules in run.units.items():
         for module in (module for module in modules if module.startswith("I2C")):
@@ -180,7 +184,8 @@ def receive_register_unread(run: Run, options: Options) -> Iterator[Fault]:
 def transmit_register_overwritten(run: Run, options: Options) -> Iterator[Fault]:
     """Yield writes of I2CDXR that overwrite a byte of the same transfer which the module has not taken yet (XRDY = 0).
 
-    FIFO mode is not judged, because XRDY does not show there whether a byte can be taken.
+    FIFO mode is not judged, because XRDY does not show there whether the module can take a byte. A disabled module
+    (IRS = 0) is not judged either.
     """
     for group in accesses(run, "W", I2CDXR):
         before = np.append(-1, group.rows[:-1])
@@ -220,9 +225,9 @@ def prescaler_while_enabled(run: Run, options: Options) -> Iterator[Fault]:
 
 @finds("IRS cleared in mid-transfer: as slave that is addressed (AAS = 1), or as master, with BB = 1")
 def reset_in_transfer(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield writes of IRS = 0 while the module takes part in a transfer.
+    """Yield writes of IRS = 0 during a transfer (BB = 1) in which the module is master or addressed slave (AAS = 1).
 
-    The byte in progress is lost, and an external master then reads 0xFF.
+    The byte in progress is lost. An external master that reads from the module then reads 0xFF.
     """
     for group in accesses(run, "W", I2CMDR):
         enabled = held(run, group, I2CMDR, "IRS")

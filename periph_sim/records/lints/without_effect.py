@@ -48,9 +48,12 @@ def read_only(run: Run, options: Options) -> Iterator[Fault]:
 def without_effect(run: Run, options: Options) -> Iterator[Fault]:
     """Yield writes that have no effect on this chip: TRX and I2CCNT as slave, STT and STP while the module is in reset.
 
-    TRX sets the direction of a master and of the free data format; the direction of a slave comes from the address.
-    I2CCNT does not limit a slave-receiver. For a slave-transmitter the manual is ambiguous (option `cnt_in_slave_tx`).
-    A write that a later use as master may need is no fault.
+    TRX sets the direction of a master and of the free data format; the direction of a slave comes from the R/W bit of
+    the address byte. Only bit-field writes of TRX are judged. I2CCNT does not limit a slave-receiver. For a
+    slave-transmitter, the manual is ambiguous (option `cnt_in_slave_tx`).
+
+    A write of TRX or I2CCNT is no fault if the module becomes master before the next change of TRX or the next write of
+    I2CCNT, because the master uses the value.
     """
     for group in run.accesses:
         if group.way != "W":
@@ -76,10 +79,10 @@ def _of_mode(run: Run, group: Group) -> Iterator[Fault]:
 
 
 def _as_slave(run: Run, group: Group, until: Rows, chosen: Bools | bool = True) -> Rows:
-    """Return the chosen writes that were made while the module was slave, if it stayed slave afterwards.
+    """Return the writes that were made while the module was slave, if it did not become master before row `until`.
 
-    until: for each write of the group, the row up to which the module must stay slave.
-    chosen: for each write of the group, True if it is chosen; or True for all.
+    until: for each write of the group, a row.
+    chosen: for each write of the group, True if it may be returned; or True for all.
     """
     rises = run.rises(group.unit, group.module, I2CMDR, MST)
     master_before = np.searchsorted(rises, until) > np.searchsorted(rises, group.rows)

@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
 
 class RecordingWriter:
-    """Base class of the formats of recordings. A module lists its formats in FORMATS.
+    """Base class of the writers of recordings, one for each format. Each module has its writers in `FORMATS`.
 
-    SUFFIX: the end of the names of its files.
+    SUFFIX: the end of the names of the files, such as ".psr".
     MODE: "w" for text, "wb" for bytes.
     KINDS: the kinds of records that the format needs.
     write: the method that is called with each record.
-    sink: the RecordSink that receives the records instead of `write`; None if the writer needs Record objects.
+    sink: the RecordSink that receives the records instead of `write`; None if `write` receives them.
     clocks: the history of SYSCLKOUT of each unit. It is set only just before `close` is called.
     """
 
@@ -62,13 +62,13 @@ class EndedAt(Protocol):
 
 @cache
 def recording_formats() -> dict[str, type[RecordingWriter]]:
-    """Return the formats that the modules of this package define, by suffix."""
+    """Return the writers that the modules of this package define, as a dictionary from suffixes."""
     found = modules_with("FORMATS", __name__, __path__).values()
     return {one.SUFFIX: one for module in found for one in module.FORMATS}
 
 
 def format_of(path: Path) -> type[RecordingWriter] | None:
-    """Return the format whose suffix, such as `.perfetto.json`, ends the name of the file; None if there is none."""
+    """Return the writer of the format whose suffix, such as ".perfetto.json", the file has; None if there is none."""
     name = path.name.casefold()
     return next((found for suffix, found in recording_formats().items() if name.endswith(suffix)), None)
 
@@ -77,11 +77,11 @@ def format_of(path: Path) -> type[RecordingWriter] | None:
 def recording(path: Path | None, modules: dict[str, tuple[str, ...]]) -> Iterator[tuple[Subscribe, EndedAt]]:
     """Yield two functions for the recording of one run.
 
-    The first function takes the recorder and the timebase of a scene, and subscribes the file to the records of this
-    scene. The second function must be called at the end of the run, with the last tick and the clocks of the units.
+    The first function takes the recorder and the timebase of a scene; from then on, the records of this scene are
+    written. The second function must be called at the end of the run, with the last tick and the clocks of the units.
 
     path: the file of the recording; if it is None, the functions do nothing.
-    modules: for each unit, the names of its modules and of its named pins.
+    modules: for each unit, the names of its modules and of its named pins, as in `RecordingWriter`.
 
     Raise BadRecording if the suffix is unknown or the file cannot be written.
     """
@@ -108,7 +108,7 @@ def rewrite(table: RecordTable, path: Path) -> None:
     """Write a recorded run in the format that the suffix of `path` selects, as `run --record` would have written it.
 
     Raise BadRecording if the suffix is unknown, if the file cannot be written, or if a nanosecond is not a whole number
-    of ticks.
+    of ticks: this is true of every recorded run.
     """
     per_second = table.per_second
     with _opened(path) as (chosen, file):
@@ -132,7 +132,7 @@ def _close(writer: RecordingWriter, tick: int, clocks: Clocks) -> None:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[tuple[type[RecordingWriter], IO[Any]]]:
-    """Yield the format and the open file, which appears at `path` only if no error occurs."""
+    """Yield the writer's class for `path`, and the open file, which appears at `path` only if no error occurs."""
     from ...traces.capture.capture import BadCapture
     from ...traces.formats import atomic_write
 

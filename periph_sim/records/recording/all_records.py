@@ -18,10 +18,10 @@ VERSION = 2  # version of the .jsonl format
 
 
 class PsrWriter(RecordingWriter):
-    """Writer of .psr: the whole run as typed arrays, one per column, in a zip file. `traces/formats/psr.py` has the
-    layout.
+    """Writer of .psr: the whole run in a zip file, as one typed array for each column.
 
-    The arrays grow by 44 bytes per record, and are written when the run is over.
+    `traces/formats/psr.py` describes the layout. The arrays are kept in memory, 44 bytes per record, and written when
+    the run is over.
     """
 
     SUFFIX, MODE = ".psr", "wb"
@@ -40,9 +40,9 @@ class PsrWriter(RecordingWriter):
 class JsonlWriter(RecordingWriter):
     """Writer of .jsonl: one JSON array per line with number, tick, kind, where, what, value, text, cause and field.
 
-    The first line has the version, the number of ticks per second and the names of the columns. The value of an address
-    or byte on the bus, or of a byte of a UART frame, is text: "0x21 R ACK", "0x11 ACK", "0x55". The value of a START,
-    a STOP or the start of a frame is null.
+    The first line has the version, the number of ticks per second and the names of the columns. In BUS and FRAME
+    records, the value of an address or a byte is text: "0x21 R ACK", "0x11 ACK", "0x55". The value of a START, a STOP
+    or the start of a frame is null.
     """
 
     SUFFIX = ".jsonl"

@@ -1,14 +1,14 @@
 """A run as tracks for ui.perfetto.dev or chrome://tracing, as JSON in the Trace Event Format.
 
-    records --> process "dsp":        threads "firmware" and "interrupts", slices that nest; notes
+    records --> process "dsp":        threads "firmware" and "interrupts" with nested slices; thread "notes"
                 process "dsp.I2C-A":  a counter for each register field that changed
                 process "bus":        transfers with their bytes, decoded from SCL and SDA;
                                       BUS and FRAME records of each party
-                process "wires":      a counter for each wire, 0 or 1
+                process "wires":      a counter for each wire that changed, 0 or 1
 
 `ts` is in microseconds with three decimals, rounded down to a nanosecond, the resolution of the viewers. `args.tick` of
-slices and instants is the exact time in ticks; `otherData.ticks_per_second` has their rate. Counters have no other
-arguments, since a viewer would draw each of them.
+slices and instants is the exact time in ticks, and `otherData.ticks_per_second` is the number of ticks per second.
+Counters have no argument `tick`, since a viewer would draw it as another counter.
 
 Source: Trace Event Format (Google, 2016), sections on duration, instant, counter and metadata events.
 """
@@ -83,7 +83,7 @@ class PerfettoWriter(RecordingWriter):
         self._file.write("\n]}\n")
 
     def _transfers(self, now: int) -> None:
-        """Write the transfers and bytes that the independent decoder finds on SCL and SDA up to the tick `now`."""
+        """Write the transfers and bytes that the decoder of captures finds on SCL and SDA up to the tick `now`."""
         if not {"SCL", "SDA"} <= set(self._edges):
             return
         length = now + 1
@@ -159,9 +159,11 @@ def _title(transfer: i2c.Transfer) -> str:
 
 
 def _byte(byte: i2c.Byte, place: int) -> str:
-    """Return a byte as text: `0x68 W ACK` for the first byte of a phase, `0x1D ACK` for other bytes.
+    """Return a byte as text: `0x68 W ACK` for the first byte after a START, `0x1D ACK` for other bytes.
 
     For a byte that is cut off, the text has only its bits.
+
+    place: the number of bytes since the START.
     """
     if byte.value is None:
         return "cut off: " + "".join(str(bit.value) for bit in byte.bits)

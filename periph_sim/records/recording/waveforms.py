@@ -1,4 +1,4 @@
-"""Waveform files of a run: .vcd, .fst and .sr. All of them show these signals:
+"""Waveform files of a run: .vcd, .fst and .sr. They show these signals (.sr: all except registers and their fields):
 
     EDGE   wires.SCL                     a wire: SCL, SDA, RX, TX, each named pin, and any other wire that changes
     FLAG   dsp.I2C_A.I2CSTR              a whole register of an I2C or SCI module
@@ -7,8 +7,8 @@
     SPAN   dsp.span.model                1 while the span lasts
            bus.I2C.busy, address, ...    state of the bus, decoded from SCL and SDA when the run is over
 
-A file must name its signals before their changes, and only the whole run shows which interrupts and spans occur.
-Therefore all changes are kept until the run is over, at 16 bytes each.
+A file must name its signals before their changes, but only at the end of a run is it known which interrupts and spans
+occurred. Therefore all changes are kept in memory until then, at 16 bytes each.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ WIRES = ("SCL", "SDA", "RX", "TX")
 MAPS = {"I2C": I2C_MAP, "SCI": SCI_MAP}
 
 RATES = [Fraction(mhz * 10**6) for mhz in (100, 50, 20, 10, 5, 2, 1)]  # sample rates of .sr files, in Hz
-MOST_SAMPLES = 1 << 28  # 2.7 s at 100 MHz; packing this number of samples takes two to three seconds
+MOST_SAMPLES = 1 << 28  # of an .sr file: 2.7 s at 100 MHz; to compress this number of samples takes 2 to 3 s
 PICOSECONDS = 10**12
-# SAID has the names of the text signals in .fst files, whose values are texts such as "0x68 R ACK" and "0x55".
+# SAID maps a kind of record to a signal of .fst files whose values are texts, such as "0x68 R ACK" or "0x55".
 SAID = {Kind.BUS: "bus.I2C.text", Kind.FRAME: "bus.UART.text"}
 
 Numbers = NDArray[np.int64]
@@ -86,7 +86,7 @@ class Signal:
 
 
 class RunSignals:
-    """The signals of a run. `write` adds records; `signals`, `lines` and `bits` return the result."""
+    """The signals of a run. `write` adds a record to them; `signals`, `lines` and `bits` return them."""
 
     def __init__(self, timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
         """modules: for each unit the names of its modules, as `I2C-A`, and of its named pins, as `pin:MODEL`."""
@@ -171,7 +171,7 @@ def _bus_state(lines: Capture) -> list[Signal]:
     """Return signals of the I2C bus, decoded from SCL and SDA.
 
     `busy` is 1 from START to STOP. `address`, `data`, `ack` and `nack` are 1 during these parts of a transfer. `read`
-    is the R/W bit, and `byte` is the last byte.
+    is the R/W bit of the last address. `byte` is the last byte, from its begin on; an address byte has the R/W bit.
     """
     table = i2c_table(lines, 0, 1)
     begins = table.kind == Row.START
@@ -212,11 +212,12 @@ class VcdWriter(WaveformWriter):
     """VCD for GTKWave, Surfer, sigrok and scripts: wires, bus state, registers and their fields, interrupts, spans.
 
     Chosen:
-    - Registers are single bits, `I2CSTR[15]` to `I2CSTR[0]`: sigrok up to 0.5.2 reads nothing after a change of a
-      vector, and readers such as vcdvcd find no changes of strings. `.fst` has vectors and texts.
-    - Times are in nanoseconds, rounded up if they are not whole. At 150 MHz a tick is 1/3 ns, which no timescale
-      divides. With picoseconds sigrok does not finish, since it makes a sample for each unit of time. `.psr` is exact,
-      and `.fst` has picoseconds.
+    - Registers are written as single bits, `I2CSTR[15]` to `I2CSTR[0]`, and there are no texts. Reasons: sigrok up to
+      0.5.2 reads nothing after a change of a vector, and readers such as vcdvcd find no changes of strings. `.fst` has
+      vectors and texts.
+    - Times are in nanoseconds, rounded up if they are not whole. At 150 MHz a tick is 1/3 ns, which is not a multiple
+      of any timescale of VCD. In picoseconds, sigrok would not finish, since it makes a sample for each unit of time.
+      `.psr` has exact times, and `.fst` has picoseconds.
     """
 
     SUFFIX = ".vcd"
@@ -226,8 +227,7 @@ class VcdWriter(WaveformWriter):
 
 
 class SrWriter(WaveformWriter):
-    """sigrok session for PulseView and sigrok-cli: wires, bus state, interrupts and named spans of the firmware, as an
-    analyser would show them.
+    """sigrok session for PulseView and sigrok-cli: wires, bus state, interrupts and spans of the firmware.
 
     The file has the first 64 signals of one bit, wires first, without fields of registers. Its sample rate is the
     highest of `RATES` with which the file has at most `MOST_SAMPLES` samples.
@@ -244,15 +244,15 @@ class SrWriter(WaveformWriter):
 
 
 def rate_for(seconds: Fraction) -> Fraction:
-    """Return the sample rate of an .sr file, in Hz, for a run of this length."""
+    """Return the sample rate of an .sr file, in Hz, for a run of this length; if all of RATES are too high, the lowest."""
     return next((rate for rate in RATES if seconds * rate <= MOST_SAMPLES), RATES[-1])
 
 
 class FstWriter(WaveformWriter):
     """FST for GTKWave and Surfer: registers as vectors, and the bytes on bus and UART as text.
 
-    The file is small and quick to open. The library that writes it comes with the extra `fst`. Times are in
-    picoseconds, rounded down from ticks.
+    The file is small and quick to open. The library that writes it is installed with `periph_sim[fst]`. Times are in
+    picoseconds, rounded down.
     """
 
     SUFFIX, MODE = ".fst", "wb"

@@ -25,8 +25,8 @@ from .core.output_encoding import substitute_unencodable
 
 MISTAKE, FAULT = 2, 3  # exit statuses for incorrect usage or input, and for an internal error
 CLOSED_PIPE = 141  # exit status that shells report for a process ended by SIGPIPE; 0 and 1 would be a verdict
-CANNOT_WRITE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # errors of an output that has no room
-COMPLETING = "_PERIPH_SIM_COMPLETE"  # environment variable by which a shell requests completion, see click
+CANNOT_WRITE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # error numbers of a full disk, a quota or a file size limit
+COMPLETING = "_PERIPH_SIM_COMPLETE"  # environment variable with which a shell asks click for completions
 LONGEST_MESSAGE = 2000  # maximum number of characters of an error message, enough for a path and a few quotes
 
 ROOT = Path(__file__).parent

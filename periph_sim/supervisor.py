@@ -217,7 +217,7 @@ _stopped_at = float("-inf")
 
 
 def _interrupt(number: int, _: FrameType | None) -> None:
-    """Raise KeyboardInterrupt, but only once for a signal and its forwarded copy."""
+    """Handle a signal: raise KeyboardInterrupt, but only once for a signal and its forwarded copy."""
     global _stopped_at
     before, _stopped_at = _stopped_at, time.monotonic()
     if _stopped_at - before > REPEATED:

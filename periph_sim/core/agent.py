@@ -43,7 +43,7 @@ class Agent:
 
 @final
 class Call(Agent):
-    """An agent that calls a function, for events that are too rare to need their own class."""
+    """An agent that calls a function at its event. Rare events use it, so that they need no class of their own."""
 
     STATE = State("action", made=True)
 
@@ -83,7 +83,7 @@ class SampledParty:
 
     due: how the party will be notified: NOT_DUE, REQUESTED or BY_WIRE.
     plain: True if the party is notified by a call of `agent.sampled`; False if it is notified by a call of `deliver`.
-    following: the party that is notified after this party.
+    following: of the parties that requested a sample, the one that is notified next; None for the last party.
     """
 
     __slots__ = ("agent", "due", "following", "levels", "plain", "rank")
@@ -113,12 +113,12 @@ class SampledParty:
 
 
 class Shortcut:
-    """A sequence of events that is skipped: its final state was set in one step, without running the events."""
+    """A sequence of events that is skipped: the state after the events was set in one step, without running them."""
 
     __slots__ = ()
 
     def materialize(self) -> None:
-        """Undo the step, and run the skipped events up to now, so that the present state is as without the shortcut."""
+        """Undo the step, and run the skipped events up to now. The state is then the same as without the shortcut."""
         raise NotImplementedError
 
 

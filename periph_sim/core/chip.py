@@ -30,7 +30,9 @@ class Note(NamedTuple):
 
     code: "duty" if firmware does what the manual forbids, "lost" if data or a request was lost, "unknown" if the
         behaviour of silicon is not known, "overflow" if a result of fixed-point arithmetic does not fit.
-    joint: a text, or "". All notes with the same text are reported as one note: this text, and a list of their members.
+    source: the document and section on which the note is based.
+    joint: the text of a joint note, or "". All notes with the same code, source and `joint` are reported as one note:
+        the text `joint` with a list of their members.
     member: the item that this note adds to the list.
     """
 
@@ -54,7 +56,7 @@ def joined(notes: Iterable[tuple[int, Note]]) -> list[tuple[int, Note]]:
 
 
 class WriteOrigins(Protocol):
-    """Numbers of the records of writes to a chip, with which an edge at an output is traced to the write of its data.
+    """Numbers of the records of writes to a chip. They trace an edge at an output to the write of the output's data.
 
     mark: the number of the record of the next write. The caller sets it before the write.
     out_mark: the number of the record of the write whose data the outputs carry now; 0 if there is none.
@@ -105,7 +107,7 @@ class Chip:
     def wake(self, now: int) -> int:
         """Advance to the cycle `next_wake`. Return what the owner must update, as `pins` does.
 
-        It is not called in a chip without timers, whose `next_wake` is always NEVER.
+        It is not called for a chip without timers, whose `next_wake` is always NEVER.
         """
         return NO_CHANGE
 

@@ -9,7 +9,7 @@ from typing import Any, get_type_hints
 
 
 def own_annotations(kind: type) -> Mapping[str, Any]:
-    """Return the annotations of a class, not resolved. Python 3.14 stores a function in place of the annotations."""
+    """Return the annotations of a class; types may still be text. Python 3.14 stores a function in their place."""
     if sys.version_info >= (3, 14):
         from annotationlib import Format, get_annotations
 

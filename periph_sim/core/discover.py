@@ -13,7 +13,7 @@ PLUGINS = re.compile(rb"^\s*plugins\s*=", re.MULTILINE)
 
 
 def has_plugins(folder: Path) -> bool:
-    """Return True if a pyproject.toml in this folder or above may name plugins. Files are searched, but not parsed."""
+    """Return True if a pyproject.toml in this folder or above has a line `plugins =`. The files are not parsed."""
     files = (above / "pyproject.toml" for above in (folder.resolve(), *folder.resolve().parents))
     return any(file.is_file() and PLUGINS.search(file.read_bytes()) for file in files)
 

@@ -27,7 +27,7 @@ def expected(kind: Any, found: object) -> str:
         return limits_of(arguments[1]) if is_of_kind else expected(arguments[0], found)
     if origin in UNIONS:
         there = [one for one in arguments if one is not NoneType]
-        # The members that accept the Python type of `found` and have limits are described, or else all members.
+        # If any members of the union have the Python type of `found` and limits, only these members are described.
         alike = [one for one in there if get_origin(one) is Annotated and type(found) is get_args(one)[0]]
         return ", or ".join(expected(one, found) for one in alike or there)
     if origin is tuple and ... not in arguments:

@@ -1,4 +1,4 @@
-"""Recorder of register fields: it reads a chip's registers after each input, and records the fields that changed.
+"""Recorder of register fields: it reads a chip's registers after each input, and records the changed fields.
 
 An input takes effect some cycles after it was given. The cause of a change is the input that took effect last.
 """
@@ -203,7 +203,7 @@ class FlagRecorder:
         return moved
 
     def record(self, cycle: int, waiting: WaitingInputs) -> None:
-        """Record the fields that have changed by `cycle`."""
+        """Record the fields that have changed by `cycle`, and each new data word even if it equals the previous one."""
         if self._recorder.cause:
             waiting.last_cause = self._recorder.cause
         loaded = 0
@@ -225,7 +225,7 @@ class FlagRecorder:
 
 
 def watched_registers(chip: Chip, recorder: Recorder, name: str) -> list[WatchedRegister]:
-    """Return the registers of a chip with fields that a subscriber wants. name: the name of the module."""
+    """Return the registers of a chip that a subscriber to FLAG records needs. name: the name of the module."""
     subjects = recorder.subjects(Kind.FLAG)
     wanted = [r for r in chip.MAP if subjects is None or f"{name}.{r.name}" in subjects]
     return [WatchedRegister(register, recorder, name) for register in wanted]

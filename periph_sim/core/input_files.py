@@ -16,8 +16,8 @@ from typing import BinaryIO
 
 from .phrases import nearest
 
-NOTED = "periph_sim.input"  # the audit event for an input, which another program may have read, such as a compiler
-TEMPORARY = "periph_sim_compiled_"  # the beginning of the names of temporary folders, whose files are no inputs
+NOTED = "periph_sim.input"  # name of the audit event for an input file, also for one that only a compiler reads
+TEMPORARY = "periph_sim_compiled_"  # how the names of temporary folders begin; files in these folders are no inputs
 MOST = 1 << 24  # maximum size, in bytes, of a file that is read as a whole
 
 _read: set[tuple[int, int]] | None = None  # device and inode of each file; None while no command runs

@@ -43,11 +43,11 @@ from .state import State
 TIMER, PADS, CHIP, CPU, PROBE = range(5)
 _AFTER_ALL = PROBE + 1  # a number above those of all phases of a tick
 
-STORM = 100_000  # maximum number of events in one tick; if there are more, they are considered an endless loop
+STORM = 100_000  # maximum number of events, or of settling steps, in one tick; more are considered an endless loop
 
 
 class SimulationStuck(Exception):
-    """Error: events cause further events in the same tick without end."""
+    """Error: events cause further events, or wires change each other, without end in the same tick."""
 
 
 @final
@@ -58,7 +58,7 @@ class Kernel:
     events: the number of events that were run.
     nested_owner: the agent whose nested loop runs events now; None for the outer loop.
     released: set by an event to make the nested loop return, because the wait of its owner is over.
-    outer_loop: the event loop that runs when no agent runs a nested one.
+    outer_loop: the coroutine of the event loop that runs when no agent runs a nested one. It is set by agents.
     fault: an exception that an event in a nested loop raised. It does not belong to the firmware that blocks there, so
         the outer loop raises it again.
     """
@@ -79,17 +79,17 @@ class Kernel:
         self._sampling: SampledParty | None = None  # the first of the parties that requested a sample
         self._settling = False  # True while the wires take their levels
         self._phase = TIMER  # the phase of the event that was started last
-        self._horizon = start
+        self._horizon = start  # the tick at which the present `run_until` ends
         self._bound = start  # the present loop runs all events before this time
         self._bound_rank = 0  # the present loop also runs the events at `_bound` whose rank is below this
-        self._at = -1  # the time of the event that was started last
+        self._at = -1  # the time of the event that the present loop started last; -1 before its first event
         self._in_this_tick = 0  # number of events that were started in the present tick, not counting the first of them
         self._queue = EventQueue()
         self._stop = False
         self._ranks = 0
 
     def rank(self) -> int:
-        """Return a new rank. Within an instant, wires settle and parties sample in the order of their ranks."""
+        """Return a new rank. Within a tick, wires settle and parties sample in the order of their ranks."""
         self._ranks += 1
         return self._ranks
 
@@ -142,7 +142,8 @@ class Kernel:
     def quiet_until(self) -> int:
         """Return the first tick at which a party other than the calling CPU may act.
 
-        The result is at most the tick after the end of this run.
+        The result is at most the tick after the end of this run. It is `now` if the run is about to stop or if wires
+        have not settled.
         """
         if self._unsettled is not None or self._sampling is not None or self._stop:
             return self.now
@@ -167,7 +168,7 @@ class Kernel:
         wire.following, before.following = after, wire
 
     def request_sample(self, party: SampledParty) -> None:
-        """Notify `party` of its levels when the wires have settled: once, even if this is called several times."""
+        """Notify `party` of its levels when the wires have settled: once, even after several requests."""
         if party.due:
             return
         party.due = REQUESTED
@@ -315,5 +316,5 @@ class Kernel:
         self._queue.put_back(events)
 
     def restored(self) -> None:
-        """Discard unsettled wires and requested samples, because the state of a restored snapshot is settled."""
+        """Discard unsettled wires and requested samples, because snapshots contain settled states only."""
         self._unsettled = self._sampling = None

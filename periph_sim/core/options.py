@@ -31,6 +31,7 @@ Value = str | int | bool
 def choice(*values: Value, question: str, registers: str = "") -> Any:
     """Return a field whose value is one of `values`; the first is the default.
 
+    question: the open question, for docs and messages.
     registers: the names of the registers that the answer concerns, separated by blanks; "" if there is none.
     """
     about = {"values": values, "question": question, "registers": registers}
@@ -38,7 +39,10 @@ def choice(*values: Value, question: str, registers: str = "") -> Any:
 
 
 def number(default: int, least: int, most: int, *, unit: str, question: str, registers: str = "") -> Any:
-    """Return a field whose value is a whole number from `least` to `most`. The other arguments are as of `choice`."""
+    """Return a field whose value is a whole number from `least` to `most`. unit: the unit of this number, for messages.
+
+    question, registers: as for `choice`.
+    """
     about = {"least": least, "most": most, "unit": unit, "question": question, "registers": registers}
     return dataclasses.field(default=default, metadata=about)
 
@@ -70,7 +74,7 @@ class TextOption(Option):
         return answer
 
     def matches(self, answer: str) -> BoolOption:
-        """Return a BoolOption of the same name. It is True if this option has the value `answer`."""
+        """Return a BoolOption of the same name. Its value is True if this option's value is `answer`."""
         return BoolOption(self.name, self._answer == answer)
 
 

@@ -33,8 +33,8 @@ class Kind(Enum):
     FLAG = "flag"  # hardware or an access changed a register field
     IRQ = "irq"  # an interrupt is requested, entered or left
     SPAN = "span"  # a part of the firmware to which the firmware gave a name begins (value 1) or ends (value 0)
-    BUS = "bus"  # an event on a bus: START, address, byte, ACK, STOP
-    FRAME = "frame"  # a UART frame on the wire
+    BUS = "bus"  # an event on an I2C bus: START, address, byte, NACK, STOP, or a line is stuck low
+    FRAME = "frame"  # an event on a UART line: a frame begins, ends or is invalid; a byte is sent; drivers collide
     NOTE = "note"  # a note for the user: firmware broke a rule of the manual, data was lost, or behaviour is unknown
     WAIT = "wait"  # firmware begins (value 1) or ends (value 0) a wait: what = the fields that it polls, or IDLE
     HOLD = "hold"  # the set of parties that pull a wire has changed, and the wire stays low: text = the pulling parties
@@ -103,10 +103,13 @@ class RecordSink:
         raise NotImplementedError
 
     def places(self, tag: int) -> int:
-        """Return for which accesses the sink needs the place in the firmware, because finding a place takes much time.
+        """Return for which accesses the sink needs the place in the firmware.
 
-        NOWHERE: for no access. EVERYWHERE: for all accesses. OF_MODIFIES: for accesses that may belong to a
-        read-modify-write; these are all accesses except reads of a single field.
+        Finding a place takes much time, so it is only done where a sink needs it.
+        NOWHERE: for no access.
+        OF_MODIFIES: for accesses that may belong to a read-modify-write; these are all accesses except reads of a
+            single field.
+        EVERYWHERE: for all accesses.
         """
         return EVERYWHERE
 
@@ -270,8 +273,9 @@ class Recorder:
 
         A listener or a sink receives only the topics for which its `tag_of` returns a tag.
         only: a dictionary from a kind to the needed subjects: wires for EDGE and FRAME; registers for FLAG and ACCESS,
-            with unit and module ("dsp.I2C-A.I2CSTR"). The party may also receive subjects that others need.
-        things: the pairs of kind and thing that the party needs; `tag_of` is not called for others.
+            with unit and module ("dsp.I2C-A.I2CSTR"). None, or a kind that is not in it, means all subjects. The party
+            may also receive subjects that others need.
+        things: the pairs of kind and thing that the party needs; `tag_of` is not called for others. None means all.
         """
         for kind in kinds:
             self._parties[kind].append((party, things))
@@ -332,7 +336,10 @@ class Recorder:
         return topic
 
     def carried(self, action: Callable[[], None]) -> Callable[[], None]:
-        """Return a function that calls `action` with the present cause, even if `cause` has changed before the call."""
+        """Return a function that calls `action` with the present cause, even if `cause` has changed before the call.
+
+        If there is no present cause, return `action` itself.
+        """
         return partial(self._under, self.cause, action) if self.cause else action
 
     def _under(self, cause: int, action: Callable[[], None]) -> None:

@@ -13,8 +13,8 @@ from types import ModuleType
 HOMES = {
     "firmware model": "periph_sim.imu.firmware_model",  # implements `scene.unit.FirmwareModel`
     "host frames": "periph_sim.imu.host_frames",  # implements `devices.host_frames.HostFrames`
-    "plugins": "periph_sim.scene.plugins",  # defines `known_formats`, the capture formats of plugins
-    "sensors": "periph_sim.imu.sensors",  # defines `SENSORS`, a dictionary from a name in the key `order` to a sensor
+    "plugins": "periph_sim.scene.plugins",  # defines the function `known_formats`, which finds plugins' capture formats
+    "sensors": "periph_sim.imu.sensors",  # defines the dictionary `SENSORS`, from names in the key `order` to sensors
 }
 
 
@@ -24,7 +24,10 @@ def registered(what: str) -> ModuleType:
 
 
 def lazy_names(package: str, homes: Mapping[str, tuple[str, ...]]) -> Callable[[str], object]:
-    """Return a function for the `__getattr__` of a package. homes: for each module, the names that it defines."""
+    """Return the function `__getattr__` of a package, which imports a module when one of its names is first used.
+
+    homes: for each module, the names that it defines.
+    """
     places = {name: module for module, names in homes.items() for name in names}
 
     imported: dict[str, ModuleType] = {}  # maps a name that the package offers to the imported module that defines it

@@ -235,15 +235,15 @@ class Register(Struct, frozen=True, dict=True):
         return new | set_now & hard, written & strobe
 
     def decode(self, value: int) -> str:
-        """Return a value as text with its fields; zero fields are left out."""
+        """Return a value and its fields as text, after the register's name; fields that are 0 are left out."""
         return f"{self.name}={value:#06x} ({self.fields_in(value) or 'all zero'})"
 
     def fields_in(self, value: int) -> str:
-        """Return the fields of a value as text; zero fields are left out."""
+        """Return the fields of a value as text; fields that are 0 are left out."""
         return " ".join(f"{f.name}={f.extract(value):#x}" for f in self.fields if f.extract(value))
 
     def named(self, value: int) -> NamedByte:
-        """Return the name of a register of eight bits and the fields of its value."""
+        """Return the name of a register of eight bits and, if it has several fields, the fields of its value."""
         return NamedByte(self.name, self.fields_in(value) if len(self.fields) > 1 else "")
 
 

@@ -97,7 +97,7 @@ class _Plan:
                 self._assigned.append((target, attribute, value))
 
     def _value(self, name: str, current: Any, time: Time) -> Any:
-        """Return the object to assign for the snapshot's value of this name. current: the attribute's present value."""
+        """Return the object to assign for the snapshot's value of this name. current: the scene's present object."""
         value = self._values[name]
         match value:
             case Foreign(kind):

@@ -67,13 +67,13 @@ class Sampler(SampledParty):
         self._kernel = kernel
         self._recorder = recorder
         self.agent = agent if isinstance(agent, Agent) else _WatcherAgent(agent)
-        self.plain = True  # True while changes of the lines cannot have a record as their cause
+        self.plain = True  # True while no line can have a recorded cause; `Recorder.cause` is then not set
         self._lines: list[_Line] = []  # lines set by `listen` or `put`, the lowest first
         self._put_under = 0  # the number of the record that caused the last `put`
         self._seen = levels  # the levels at the last notification; not used while `plain` is True
 
     def listen(self, line: int, wire: Wire) -> None:
-        """Connect this line to a wire. Raise ValueError if the number of the line is too large."""
+        """Connect this line to a wire instead of its former wire or level. Raise ValueError if `line` is too large."""
         if line >= MAX_PARTIES:
             raise ValueError(f"wire {wire.name} would be line {line}; a sampler has lines 0 to {MAX_PARTIES - 1}")
         self._leave(line).wire = wire
@@ -101,7 +101,7 @@ class Sampler(SampledParty):
         self.due = NOT_DUE
 
     def request_sample(self) -> None:
-        """Request a call in this instant, even if no line changes."""
+        """Request a call of `agent.sampled` at the end of this phase, even if no line changes."""
         self._kernel.request_sample(self)
 
     def deliver(self, now: int) -> None:
@@ -115,7 +115,7 @@ class Sampler(SampledParty):
         recorder.cause = outer
 
     def _record_causes(self) -> None:
-        """Start to set `Recorder.cause` at each notification. `_seen` is needed to find the changed lines."""
+        """Set `Recorder.cause` at each notification from now on. `_seen` is needed to find the changed lines."""
         if self.plain:
             self.plain = False
             self._seen = self.levels
@@ -151,7 +151,7 @@ class Sampler(SampledParty):
 
 
 def watch(wires: Sequence[Wire], watcher: Agent | Watcher) -> Sampler:
-    """Call `watcher(tick, levels)` whenever any of these wires has changed; bit i is wire i.
+    """Return a sampler that calls `watcher(tick, levels)` when any of these wires has changed; bit i is wire i.
 
     If `watcher` is an agent, its `sampled` is called. Raise ValueError if there are no wires.
     """

@@ -110,7 +110,10 @@ class Fixed(NamedTuple):
 
 
 class Foreign(NamedTuple):
-    """An object of a class that declares no state."""
+    """An object that is not stored and cannot be restored, such as one of a class that declares no state.
+
+    kind: the name of its class; for a method or an inner function, the qualified name.
+    """
 
     kind: str
 
@@ -257,7 +260,7 @@ class _Collector:
         """Collect an object that has just been named.
 
         An object without declared state is stored as `Foreign` and loses its name. An object in a linked list is stored
-        in the same way if its declared state is not complete, because the place of an object in the list may change.
+        in the same way unless its class declares `made`, because the place of an object in the list may change.
         """
         kind = type(value)
         state = state_of(kind)
@@ -281,6 +284,7 @@ class _Collector:
         """Collect a method or a function.
 
         A method is stored as a reference to its owner, which gets a name if it has none. A function is stored by name.
+        An inner function with a closure, and a method whose owner cannot be stored, become `Foreign`.
         """
         owner = getattr(value, "__self__", None)
         if owner is None or isinstance(owner, ModuleType):

@@ -33,7 +33,7 @@ _NO_PINS: list[Pin] = []  # shared by all outputs that are not connected, so it 
 
 
 class PinReleaseGate:
-    """Decides whether the pin of a chip's first output is released when the chip sets this output to 1, or later."""
+    """Decides whether the pin of a chip's first output is released at once when the chip sets this output to 1."""
 
     __slots__ = ()
 
@@ -117,12 +117,12 @@ class Socket(Agent):
         self.inputs = Sampler(kernel, recorder, self, sum(BITS[: len(chip.INPUTS)]))
         self.marks: WriteOrigins | None = chip.marks
         self.out_delay = 0  # cycles from an output of the chip to its pin
-        self.before: Callable[[int], None] | None = None  # called before each access with its cycle, to update the chip
+        self.before: Callable[[int], None] | None = None  # called with the cycle before each CPU access; updates the chip
         self.on_peek: Callable[[int, int], int] | None = None  # called with (cycle, offset) in place of `chip.peek`
         self.after: Callable[[int], None] | None = None  # called with the cycle when readable values may have changed
         self.on_held: Callable[[int, int], None] | None = None  # called with (cycle, mask) when `Chip.held` changes
         self._held = 0
-        self.release: PinReleaseGate | None = None  # decides when pins of output 0 are released; without it, at once
+        self.release: PinReleaseGate | None = None  # may delay the release of the pins of output 0
         self.watchers: list[ChipObserver] = []
         self.on_watch: Callable[[], None] | None = None  # called when `watchers` has changed
         self.notes: list[tuple[int, Note]] = []
@@ -216,7 +216,7 @@ class Socket(Agent):
         self.publish(cycle)
 
     def given(self, cycle: int) -> None:
-        """Note that `Recorder.cause` is the cause of the chip's actions from `cycle` on."""
+        """Store `Recorder.cause` as the cause of the chip's actions from `cycle` on, until the next input."""
         self.waiting.add(cycle, self._recorder.cause)
 
     def _woken(self) -> None:
@@ -319,11 +319,11 @@ class Socket(Agent):
             pin.wire.pull(pin.mask, level)
 
     def shows_output(self) -> bool:
-        """Return True if the pins were set to the chip's present outputs."""
+        """Return True if the chip's present outputs were passed on to the pins, which take them after `out_delay`."""
         return self._out == self.chip.out
 
     def accept_output(self) -> None:
-        """Note that the pins have the chip's present outputs. The caller sets the levels of the wires."""
+        """Treat the chip's present outputs as passed on to the pins. The caller sets the levels of the wires."""
         self._out = self.chip.out
 
     def present_cause(self) -> int:

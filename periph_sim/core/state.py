@@ -1,4 +1,4 @@
-"""Declared state: each class lists once the attributes that its future depends on.
+"""Declared state: each class lists once the attributes that determine the future behaviour of its objects.
 
     class Receiver:
         STATE = State("word level", cycles="_start due")

@@ -90,7 +90,7 @@ HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000, "GHz": 1_000_000_000}
 
 
 def share(value: object) -> Fraction:
-    """Return the share, from 0 to 1, in a text such as "40 %".
+    """Return the share, from 0 to 1, in a text such as "40 %". A Fraction is returned unchanged.
 
     Raise ValueError for other values. The message states what to write.
     """
@@ -107,9 +107,9 @@ def share(value: object) -> Fraction:
 
 
 def duration(value: object) -> Fraction:
-    """Return the seconds in a text such as "250 us".
+    """Return the seconds in a text such as "250 us". A Fraction is returned unchanged.
 
-    Raise ValueError for other values. The message states what to write.
+    Raise ValueError for other values and for negative times. The message states what to write.
     """
     if isinstance(value, Fraction):
         return value
@@ -176,7 +176,7 @@ def _range(text: str) -> Spread:
 
 
 def frequency(value: object, usual: str = "kHz") -> Fraction:
-    """Return the hertz in a text such as "100 kHz".
+    """Return the hertz in a text such as "100 kHz". A Fraction is returned unchanged.
 
     usual: the unit in the error message for a small number without a unit.
 
@@ -212,7 +212,7 @@ def _no_unit(value: object, unit: str) -> str:
 
 
 def hex_bytes(value: object) -> bytes:
-    """Return the bytes of "1d 00 ff" or of a list of numbers from 0 to 255."""
+    """Return the bytes of "1d 00 ff" or of a list of numbers from 0 to 255. Raise ValueError for other values."""
     if isinstance(value, bytes):
         return value
     try:

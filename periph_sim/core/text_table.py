@@ -29,9 +29,10 @@ def text_table(
 ) -> list[str]:
     """Return the lines of a table: titles, a rule, and the rows.
 
-    right: the columns of numbers, whose cells are never broken. A cell may contain several lines. Cells are broken
-    between words, and within words only if the table would be wider than `width` otherwise.
-    names: columns of names, which users search for or copy; their words are broken last.
+    A cell may contain several lines. Cells are broken between words, and within words only if the table would be wider
+    than `width` otherwise.
+    right: the indices of the right-aligned columns of numbers, whose cells are never broken.
+    names: the indices of the columns of names, which users search for or copy; their words are broken last.
     """
     head, *body = table_rows(titles, rows, right, width, names)
     return [*head, *(line for row in body for line in row)]

@@ -42,7 +42,7 @@ Rounding = Literal["exact", "down", "up", "nearest"]
 
 
 class TimeError(ValueError):
-    """A time that is not a whole number of ticks, or a text that is not a time."""
+    """Error: a text that is no time, a time that is too long or no whole number of ticks, or an invalid frequency."""
 
 
 def round_ratio(value: Fraction, rounding: Rounding) -> BigInt:
@@ -88,7 +88,10 @@ class Timebase:  # core: python
         self.per_ns = self.per_second // GHZ
 
     def ticks(self, length: Fraction | str, rounding: Rounding = "exact") -> int:
-        """Return a length of time in ticks. Raise TimeError if the number is not whole and `rounding` is "exact"."""
+        """Return a length of time, in seconds or as text with a unit, in ticks.
+
+        Raise TimeError if it is too long, or if the number of ticks is not whole and `rounding` is "exact".
+        """
         value = seconds(length) if isinstance(length, str) else length
         return self.fitting(round_ratio(value * self.per_second, rounding))
 
@@ -122,7 +125,7 @@ class Timebase:  # core: python
         return Fraction(ticks, self.per_second)
 
     def show(self, ticks: int) -> str:
-        """Return a time in ticks as text: in us or ms with three decimals, or in s with six decimals."""
+        """Return ticks as text: below 10 ms in us and below 10 s in ms, with three decimals; else in s, with six."""
         us = Fraction(ticks * 1_000_000, self.per_second)
         if abs(us) < 10_000:
             return f"{float(us):.3f} us"
@@ -132,7 +135,7 @@ class Timebase:  # core: python
 def days(length: Fraction) -> str:
     """Return a length of time as text for messages: in days, or in seconds if the length is below one day.
 
-    Numbers below 100,000 are rounded down to a tenth, others to three digits.
+    Numbers below 100,000 are rounded down to a tenth. Others are rounded to three significant digits.
     """
     value, unit = (length / DAY, "d") if length >= DAY else (length, "s")
     return f"{float(Fraction(floor(value * 10), 10)):g} {unit}" if value < 100_000 else f"{float(value):.3g} {unit}"
@@ -210,7 +213,7 @@ class Clock:
         return self._cycle0 - whole * self._den - (left - whole * num) * self._den // num
 
     def _wide_ticks(self, cycles: BigInt) -> BigInt:
-        """Return a number of cycles in ticks. It is computed with Python's integers: products may exceed 64 bits."""
+        """Return the length of some cycles in ticks, computed with Python's integers: products may exceed 64 bits."""
         num, den = self._exact
         return cycles * num // den
 

@@ -1,6 +1,6 @@
 """A block without garbage collection, for code that makes many lasting objects.
 
-With garbage collection, Python would search for garbage after every 700 new objects, and find none.
+With garbage collection, Python would search the new objects for garbage again and again, and find none.
 """
 
 from __future__ import annotations

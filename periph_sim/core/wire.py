@@ -30,7 +30,7 @@ class TooManyParties(ValueError):
 class Wire(Settleable):
     """A line with a pull-up and the parties on it.
 
-    cause: the number of the record of the last edge.
+    cause: the number of the record of the last edge; 0 if no edge was recorded.
     recorded: True if the edges of this wire are recorded.
     pulling: mask of the parties that pull it low in the settled state; bit i is party i.
     attached: the number of parties.
@@ -84,7 +84,7 @@ class Wire(Settleable):
         return Pin(self, BITS[place])
 
     def watch_pulls(self, agent: Agent, line: int = 0) -> None:
-        """Call `agent.pulled(line, ...)` in each instant in which the set of pulling parties changes."""
+        """Call `agent.pulled(line, ...)` each time that this wire settles with a different set of pulling parties."""
         self._add_pull_watch(PullWatch(agent, line, None))
 
     def notify_on_pulls(self, sampler: SampledParty) -> None:
@@ -192,7 +192,7 @@ class Wire(Settleable):
         self._pulled_under = self._released_under = 0
 
     def jump(self, pulling: int) -> None:
-        """Set the mask of the pulling parties without records and notifications, because a shortcut skips the edges."""
+        """Set the pulling parties and the level without records and notifications: a shortcut skips the edges."""
         self._pulling = self.pulling = pulling
         level = 0 if pulling else 1
         if level != self.level:
@@ -263,7 +263,7 @@ class Wire(Settleable):
             self._watches = watch.following
         else:
             before.following = watch.following
-        if sampler.due == BY_WIRE:  # the wire has changed and no longer notifies the sampler
+        if sampler.due == BY_WIRE:  # the level has changed, and from now on this wire cannot notify the sampler
             sampler.due = NOT_DUE
             self.kernel.request_sample(sampler)
 

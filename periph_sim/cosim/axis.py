@@ -16,7 +16,9 @@ UNITS = {12: "1ps", 13: "100fs", 14: "10fs", 15: "1fs"}
 class Axis:
     """Converter between the steps of a simulator and the ticks of a session.
 
-    begin: the step at which the session's time begins. Raise OutsideError if a step is longer than a tick.
+    begin: the step at which the session's time begins.
+
+    Raise OutsideError if a step is longer than a tick.
     """
 
     def __init__(self, steps_per_second: int, ticks_per_second: int, begin: int = 0) -> None:

@@ -128,7 +128,7 @@ class F28335:
         self._end = self.session.scene.timebase.ticks(case.duration, "up")
         self._result: Result | None = None
         self.wakes = 0  # number of times that the timer has fired
-        self._due = NEVER  # the tick for which the timer is set
+        self._due = NEVER  # the tick for which the timer is set; NEVER if it is not set
         self._step = 0  # the step in which the timer fires
         self._timer: Any = None
         self._failed = Event()

@@ -3,7 +3,8 @@
     from periph_sim.firmware import Dsp, Duration, start_i2c, start_pie
 
 Terms of this package:
-case: a TOML file that describes a scene. It gives a program the modules and settings of its unit.
+unit: one F28335 with its program.
+case: a TOML file that describes the units, their wires and the other parties. It gives each program its settings.
 to start a module: to switch on its clock, set up its pins and write its registers, as TI's example code does.
 """
 

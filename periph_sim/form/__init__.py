@@ -7,12 +7,22 @@ The core is the part of the package that is compiled from Python to C by Cython,
 
 A build stores one digest of all sources from which it was made. A build is ignored in two cases:
 
-- A source has changed since the build. Compiled code therefore always matches the sources.
-- The size of its library has changed. Loading a truncated library would end the process without a message.
+- A source, or the version of Python, has changed since the build. Compiled code therefore always matches the sources.
+- Its library is missing or has another size. Loading a truncated library would end the process without a message.
 
 The digest is calculated only if the size or the modification time of a source differs from the value in the build.
-PERIPH_SIM_FORM=interpreted ignores every build. PERIPH_SIM_FORM=hard uses the test build of `make core HARD=1`, and
-PERIPH_SIM_FORM=FOLDER/ the build in that folder. Any other value, or a missing folder, ends the process with a message.
+
+The environment variable PERIPH_SIM_FORM selects the build. Without it, or with the value `compiled`, the build of
+`make core` is used. `interpreted` ignores every build. `hard` uses the test build of `make core HARD=1`. A path with a
+slash, such as `build/mine/`, uses the build in that folder. Any other value, or a missing folder, ends the process with
+a message.
+
+Terms of this package:
+.pxd file: declares to Cython the C types of the classes and functions of one module.
+cimport: Cython's import of a C type or C function from the .pxd file of another module.
+directive: a setting of Cython, for a whole module or for one class or function.
+mark: a comment `# core: ...` at a class or function (`sources`).
+greenlet: a coroutine with its own C stack, of the Python package `greenlet`; firmware runs in greenlets.
 """
 
 from __future__ import annotations
@@ -49,7 +59,7 @@ note = ""  # the reason why an existing build is ignored; "" if no build is igno
 
 
 def stamps(package: Path, modules: Sequence[str]) -> list[list[int]]:
-    """Return [size, modification time] of the source files of these modules and of the files of `periph_sim.form`."""
+    """Return [size, modification time in ns] for each source of these modules and each file of `periph_sim.form`."""
     sources = [f"{package}{os.sep}{module.replace('.', os.sep)}.py" for module in modules]
     own = Path(__file__).parent
     found = [os.stat(path) for path in (*sources, *(f"{own}{os.sep}{name}" for name in sorted(os.listdir(own))))]
@@ -76,7 +86,7 @@ def source_of(package: Path, module: str) -> Path:
 
 
 def symbol(module: str) -> str:
-    """Return the name of a module in the C library. It contains the whole path, because file names are not unique."""
+    """Return the name of a module in the C library, made from its whole path, because file names are not unique."""
     return module.replace(".", "__")
 
 

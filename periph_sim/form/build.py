@@ -72,8 +72,8 @@ SANITIZERS = "-fsanitize=address,undefined"  # `c_checks` checks the array indic
 class BuildSettings(NamedTuple):
     """Settings of a build.
 
-    directives: Cython directives that are added to DIRECTIVES or replace them.
-    flags: flags of the C compiler. "{folder}" stands for the folder in which it runs.
+    directives: Cython directives that are added to DIRECTIVES or replace entries of DIRECTIVES.
+    flags: flags of the C compiler. "{folder}" stands for the folder in which the compiler runs.
     link: flags of the linker.
     """
 
@@ -97,7 +97,7 @@ HARD = BuildSettings(
 )
 # The function that builds tracebacks becomes `cold`. The compiler then separates error handling from other code.
 PROTOTYPE, COLD = re.compile(r"^static void __Pyx_AddTraceback\b", re.MULTILINE), r"__attribute__((cold)) \g<0>"
-# PASSED_ON matches C code that converts a method of a compiled class to a Python object, for example for a callback.
+# PASSED_ON matches C code in which a C method is converted to a Python object, for example to be used as a callback.
 PASSED_ON = re.compile(r"__Pyx_CFunc_\w+_to_py_\w*\([^;\n]*->(?:__pyx_base\.)*(\w+)\);")
 SORTED = "-Wl,--sort-section=name"  # places the C functions of all modules before their Python wrappers
 OBJECTS = "objects"
@@ -228,7 +228,7 @@ def link(modules: list[str], folder: Path, cc: str, kind: BuildSettings = NORMAL
 
 
 def types_of(module: str, folder: Path) -> dict[str, str]:
-    """Return the .pxd texts of a module and of all modules on which it depends, by module.
+    """Return a dictionary from names of modules to .pxd texts: of a module and of all modules whose types it uses.
 
     folder: the folder of the prepared sources and their .pxd files.
     """
@@ -270,7 +270,7 @@ def fingerprint(
 
 
 def last_build(built: Path) -> dict[str, str]:
-    """Return the fingerprints of the object files in the existing build, by module."""
+    """Return a dictionary from the modules with an object file in the existing build to these files' fingerprints."""
     try:
         found = json.loads((built / MANIFEST).read_text("utf-8"))["modules"]
         return {module: made_of for module, made_of in found.items() if (built / OBJECTS / f"{module}.o").is_file()}
@@ -291,7 +291,7 @@ def needed(prefixes: Sequence[str], sources: Sources) -> list[str]:
 
 
 def note_stamps(built: Path, written: list[list[int]]) -> None:
-    """Update sizes and times of the sources in the manifest, because a source may be saved again with equal content."""
+    """Update the sources' sizes and times in the manifest, because a source may be saved again with equal content."""
     manifest = json.loads((built / MANIFEST).read_text("utf-8"))
     if manifest["stamps"] != written:
         anew = built / f"{MANIFEST}.new"
@@ -308,9 +308,9 @@ def build(
     *,
     keep: bool = True,
 ) -> None:
-    """Compile the marked modules. If all succeed, replace the build in the folder `built`.
+    """Compile the modules that `prefixes` select. If all succeed, replace the build in the folder `built`.
 
-    keep: do nothing if the folder has a build of the same modules that matches the sources.
+    keep: True to compile nothing if the folder has a build of the same modules that matches the sources.
     """
     sources = Sources(package)
     cc, modules, last = compiler(), needed(prefixes, sources), last_build(built)

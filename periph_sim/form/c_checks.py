@@ -43,7 +43,7 @@ BEGIN = "/* Module declarations from "  # Cython writes this comment before the 
 
 
 def arrays_of(pxds: Iterable[str]) -> dict[str, int]:
-    """Return the lengths of the arrays that these .pxd files declare, by the arrays' names.
+    """Return a dictionary from the names of the arrays that these .pxd files declare to their lengths.
 
     Raise ValueError if two arrays with the same name have different lengths.
     """

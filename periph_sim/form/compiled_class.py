@@ -49,6 +49,7 @@ class Function(NamedTuple):
     kind: "cpdef" if Python and C can call it, "cdef" if only C can call it, "def" if it stays a Python function.
     arguments: a dictionary from the name of an argument to the pair (its type, True if it has a default).
     variables: a dictionary from the name of an annotated local variable to its type.
+    result: the type of the result.
     marks: the words in the comment `# core:` of the function.
     """
 
@@ -109,7 +110,7 @@ class Class:
 
     @cached_property
     def known(self) -> dict[str, Type]:
-        """The types of attributes, by name, if an annotation or the first value determines the type."""
+        """The types of the attributes whose type an annotation or the first assigned value determines, by name."""
         inherited = {name for base in self.bases for name in (*base.known, *base.defined)}
         found: dict[str, Type] = {}
         # The property is set before it is complete, because the value of an attribute may use other attributes.

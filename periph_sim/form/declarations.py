@@ -50,7 +50,7 @@ def used_by(sources: Sources, module: str) -> set[str]:
 
 
 class Writer:
-    """Writer of one module's declarations. needed: the names to cimport from other modules, by module."""
+    """Writer of one module's declarations. needed: for each other module, the names to cimport from it."""
 
     def __init__(self, source: Source) -> None:
         self.source = source

@@ -20,7 +20,7 @@ from subprocess import run
 from . import BUILT, PACKAGE, VARIABLE
 from .build import NORMAL, BuildSettings, NoBuild, build, compiler, jobs, status_of
 
-RELATIVE = "-fprofile-prefix-path={folder}"  # gcc names the files of counts without the folder of the compilation
+RELATIVE = "-fprofile-prefix-path={folder}"  # gcc leaves this folder out of the names of the files with counts
 # Code that no run has executed is optimized as in an ordinary build, because other cases may execute it.
 PARTIAL = "-fprofile-partial-training"
 

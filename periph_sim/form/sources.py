@@ -1,12 +1,13 @@
 """C types of a package's modules, derived from the annotations in their sources.
 
 A module is compiled if it has the line `# core: compiled`. A class in it is compiled if it has no decorator other than
-`@final` and no base that is not compiled. An attribute has the type of its annotation. Without an annotation, it has
-the type of the first assigned value whose type can be derived.
+`@final` and at most one base, which is compiled, too. An attribute has the type of its annotation. Without an
+annotation, it has the type of the first assigned value whose type can be derived.
 
 By default, Python and C can call a function (cpdef). Only C can call it (cdef) if its name begins with an underscore or
 is missing in the `__all__` of its module. It stays a Python function (def) if Cython cannot compile it as a C function,
-or if it is used as an object. `c_types` and the following comments express what ordinary annotations cannot:
+or if a method or a private function is used as an object, for example as a callback. `c_types` and the following
+comments express what ordinary annotations cannot:
 
     class Event:  # core: freelist 16                   keeps up to 16 deleted objects for reuse
     class Span:  # core: python                         stays a Python class
@@ -296,7 +297,7 @@ class Source:
 
     @cached_property
     def called_on_others(self) -> set[str]:
-        """The names of methods that the module calls on objects other than `self`."""
+        """The names of methods that the module calls on objects other than `self`. These methods are never cdef."""
         calls = (node.func for node in walked(self.tree) if isinstance(node, ast.Call))
         return {one.attr for one in calls if isinstance(one, ast.Attribute) and ast.unparse(one.value) != "self"}
 

@@ -29,9 +29,9 @@ def is_own(target: ast.expr) -> bool:
 
 
 def read_names(tree: ast.AST, owner: str) -> set[str]:
-    """Return the names that are read but not called.
+    """Return the names of variables, or of the attributes of one variable, that are read but not called.
 
-    owner: the name of a variable whose attributes are searched; "" to search for variables.
+    owner: the name of the variable with the attributes; "" to search for variables.
     """
     called = {id(node.func) for node in walked(tree) if isinstance(node, ast.Call)}
     read = [one for one in walked(tree) if isinstance(getattr(one, "ctx", None), ast.Load) and id(one) not in called]
@@ -41,7 +41,7 @@ def read_names(tree: ast.AST, owner: str) -> set[str]:
 
 
 def pairs(node: ast.Assign) -> Iterator[tuple[ast.expr, ast.expr | None]]:
-    """Yield (target, value) for each target of an assignment. The value is None if an expression is unpacked."""
+    """Yield (target, value) for each target of an assignment. The value is None if one expression is unpacked."""
     for target in node.targets:
         if not isinstance(target, ast.Tuple):
             yield target, node.value

@@ -164,7 +164,8 @@ def kinds() -> dict[str, FaultKind]:
 class Repeated:
     """Calls `strike` at each time of `when`.
 
-    next_at: the tick of the next call, or of the last one after all calls are made. Only this call is scheduled.
+    next_at: the tick of the next call; after the last call, the tick of the last call. Only one call is scheduled at a
+        time.
     """
 
     STATE = State("_place _strike _number", ticks="next_at")

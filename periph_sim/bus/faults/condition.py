@@ -58,7 +58,7 @@ class Condition(SdaPuller):
         if not self._armed or rise != self._rise or not self._scl.level:
             return
         others = len(self._sda.held_by()) > self._pulls
-        if others:  # another party holds SDA low, because the bit is 0 or because it makes a START
+        if others:  # another party holds SDA low: the bit is 0, or the party makes a START
             return
         self._armed = False
         self._pull(not self._stop)

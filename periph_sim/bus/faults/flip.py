@@ -37,7 +37,7 @@ class Flip(SdaPuller):
             self._pull(True)
 
     def pulled(self, line: int, now: int, pulling: int) -> None:
-        """Release SDA when the last other party releases it while SCL is high, so that its STOP is not hidden."""
+        """End the pull if the sender of a bit that is 0 releases SDA while SCL is high: its STOP is not hidden."""
         if self._pulls and self._scl.level and not self._is_one and self._alone():
             self._pull(False)
 

@@ -70,7 +70,10 @@ class CycleTimes(BitTimes):
 
 
 class BitParty(Agent):
-    """Base of parties on SCL and SDA that can enter their state after the first seven bits of a byte in one step."""
+    """Base of parties on SCL and SDA that can enter their state after the first seven bits of a byte in one step.
+
+    In the methods, `shown` is the byte that SDA shows, with a 0 in each bit in which any party pulls SDA.
+    """
 
     __slots__ = ()
 
@@ -93,23 +96,23 @@ class BitParty(Agent):
     def separates(self, fall: int, moved: int) -> bool:
         """Return True if the party samples a fall of SCL and a later change of SDA by another party separately.
 
-        If it saw both in one sample, as a chip does in one cycle of its clock, the bits could not be skipped.
+        If a party takes both in one sample, as a chip does in one cycle of its clock, no bits are skipped.
         fall, moved: the ticks of the fall and of the change.
         """
         return True
 
     def byte(self) -> int:
-        """Return the byte that the party shifts out; 0xFF if it leaves SDA released."""
+        """Return the byte that the party shifts out; 0xFF if the party leaves SDA released."""
         return ONES
 
     def keeps_bus(self, shown: int) -> bool:
-        """Return False if the party loses arbitration during a byte for which the lines show `shown`."""
+        """Return False if the party, as a master, loses arbitration during the byte `shown`."""
         return True
 
     def set_bit_position(self, shown: int, bit: int, fell: int) -> None:
         """Enter the state after the first `bit` bits of a byte, where `bit` is 0 or 7.
 
-        shown: the byte that the lines show. fell: the tick of the last fall of SCL.
+        fell: the tick of the last fall of SCL.
         """
 
     def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
@@ -120,7 +123,7 @@ class BitParty(Agent):
 
 
 class BitSkip(Shortcut):
-    """Skips bits on one bus.
+    """The shortcut that skips the first seven bits of bytes on one bus.
 
     passed: number of bytes of which seven bits were skipped.
     """
@@ -165,17 +168,18 @@ class BitSkip(Shortcut):
         self._since = NO_TIME  # the tick at which the skipped bits began
         self._fell = NO_TIME
         self._shown = ONES
-        self._steady = BitTimes()
+        self._steady = BitTimes()  # the edges of SCL in the last byte for which `skips` was called
         self._times = self._steady  # the edges of SCL in this byte
         self._ends = 0  # the tick at which the skipped bits end
         self._eighth: Event | None = None
         self._tag = 0
 
     def skips(self, low: int, high: int, hold: int, tag: int) -> bool:
-        """Skip seven bits and return True, or return False if they are observable.
+        """Skip seven bits and return True. Return False if they are observable, or if `materialize` is running them.
 
-        The controller calls this when it is about to release SCL for the first bit. After a skip its `act(tag)` is
-        called at the eighth rise of SCL. low, high, hold: times of the controller, in ticks, as in `BusTiming`.
+        The controller calls this when it is about to release SCL for the first bit. After a skip, the controller's
+        `act(tag)` is called at the tick of the eighth rise of SCL.
+        low, high, hold: times of the controller, in ticks, as in `BusTiming`.
         """
         now, controller = self._kernel.now, self._controller
         assert controller is not None
@@ -190,10 +194,10 @@ class BitSkip(Shortcut):
         return True
 
     def skips_for(self, party: BitParty, times: BitTimes, fell: int, ends: int) -> bool:  # core: C only
-        """Skip seven bits and return True, or return False if they are observable.
+        """Skip seven bits and return True. Return False if they are observable, or if `materialize` is running them.
 
-        party: the party that clocks the bus. It has a clock of its own.
-        ends: the tick at which the skip ends. The party acts by itself at this tick.
+        party: the party that clocks the bus, at times that are cycles of the party's own clock.
+        ends: the tick at which the skip ends. The party itself schedules its next action for this tick.
         fell: the tick of the last fall of SCL.
         """
         if self._since == self._kernel.now:
@@ -250,7 +254,7 @@ class BitSkip(Shortcut):
         self._kernel.shortcut = self._scl.shortcut = self._sda.shortcut = shortcut
 
     def _byte_on_lines(self, controller: BitParty, low: int, high: int, hold: int, each: bool) -> int:
-        """Return the byte that the lines will show, or -1 if no bits of it can be skipped."""
+        """Return the byte that SDA will show, or -1 if bits of this byte cannot be skipped."""
         scl, sda = self._scl, self._sda
         if self._kernel.shortcut is not None or not scl.quiet() or not sda.quiet():
             return -1

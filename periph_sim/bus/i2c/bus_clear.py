@@ -26,7 +26,8 @@ class BusClear:
 
     masks: the masks of the controller on SCL and SDA.
     times: the low, high and hold time in ticks, as in `BusTiming`.
-    done: called with (clocks, free) after the STOP. clocks: the number of clocks made. free: True if SDA is high.
+    done: called with (clocks, free) after the attempt of a STOP. clocks: the number of clocks that were made. free:
+        True if SDA is high, so that the STOP was made.
     """
 
     STATE = State("_clocks")
@@ -53,7 +54,7 @@ class BusClear:
         self._look()
 
     def _look(self) -> None:
-        """At the end of a high phase, make another clock or the STOP."""
+        """At the end of a high phase of SCL, begin another clock or the STOP."""
         if not self._scl.level:  # another party holds SCL low
             self._kernel.call_at(self._kernel.now + self._high, self._look)
         elif self._sda.level or self._clocks == MOST_CLOCKS:

@@ -32,7 +32,7 @@ from .transfer import BusTiming, Phase, Transfer
 # Tags of the controller's events. Each names the next step of a transfer; STUCK checks for a stuck line.
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
 
-OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that an observer of the wires cannot report
+OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that only the controller itself can report
 ADDRESS = -1  # in place of a data byte's number, if the byte is an address
 NO_BYTE = 1 << 30  # in place of a data byte's number, if a STOP or repeated START is next
 
@@ -136,7 +136,7 @@ class I2cController(BitParty):
         self._stuck_after = stuck_after
         self._on_stuck = on_stuck
         self._next: Event = kernel.event(self)  # the event of the next step of a transfer
-        self._guard: Event | None = None  # the event that reports a line held too long
+        self._guard: Event | None = None  # the scheduled check for a stuck line; None if no check is scheduled
         self._sda_level = 1
         self._rising = False  # True if SCL is released and has not risen yet
         self._high = timing.high  # the next high time of SCL
@@ -148,8 +148,8 @@ class I2cController(BitParty):
         self._phase_index = 0
         self._stretch = 0  # the longest clock stretch in the present phase, in ticks
         self._wanted = 0  # number of data bytes to transfer in the phase
-        self._acks: list[bool] = []  # the acknowledges of the data bytes so far
-        self._got = bytearray()  # the data bytes read so far
+        self._acks: list[bool] = []  # for each data byte of the phase so far, True if it was acknowledged
+        self._got = bytearray()  # the data bytes read so far in the phase
         self._byte = 0  # the byte that is sent, or 0xFF while receiving
         self._bit = 0  # number of the bit in the byte: 0 to 7, or 8 for the ACK
         self._in = 0  # the value of the bits of this byte that were sampled so far
@@ -192,6 +192,8 @@ class I2cController(BitParty):
         """Start a transfer as soon as the bus has been free long enough.
 
         done: called with the transfer at its STOP, or earlier if the transfer is lost.
+
+        Raise ValueError if the controller is making a transfer already.
         """
         if self.busy:
             raise ValueError(f"{self.who}: asked for transfer {transfer.name!r} while {self._transfer.name!r} runs")
@@ -323,7 +325,7 @@ class I2cController(BitParty):
 
     def _byte_end(self, ack: bool) -> None:
         phase = self._phase
-        refused = not ack and (self._index < 0 or not self._receiving)  # the NACK that ends a read is no refusal
+        refused = not ack and (self._index < 0 or not self._receiving)  # a NACK by this controller ends a read as usual
         if self._index < 0:
             phase.acked = ack
             self._mark("address", self._in << 1 | (not ack))

@@ -30,7 +30,7 @@ class When:
     access: the R/W bit of the phase, or None for both.
     share: the probability that the rule applies if the other conditions hold; drawn from `random`.
     after: the first tick at which the rule applies.
-    until: the tick from which on it no longer applies; None for no end.
+    until: the tick from which on the rule no longer applies; None for no end.
     """
 
     STATE = State("random")
@@ -91,7 +91,7 @@ def flip(random: Random, bit: int | None, value: int) -> int:
 
 
 class DisturbedTarget:
-    """A target whose answers are changed by rules. It is also its own `Reply` to the present phase."""
+    """A target whose answers are changed by rules. Its `answer` returns this object itself as the `Reply`."""
 
     STATE = State("_target _rules _reply _access")
 
@@ -160,7 +160,7 @@ def _strike(rules: Sequence[Rule]) -> None:
 
 
 def cut_power(kernel: Kernel, side: TargetSide, target: Target, at: int, until: int | None) -> None:
-    """Switch the target off at tick `at`, and on again at tick `until` unless it is None."""
+    """Switch the target off at tick `at`, and on again at tick `until`; if `until` is None, the target stays off."""
     kernel.call_at(at, lambda: side.power(False))
 
     def come_back() -> None:

@@ -69,7 +69,7 @@ class FilteredBus:
             self.settle(now)
 
     def settle(self, now: int) -> None:
-        """Apply the last change of SDA, with its original tick, if it has lasted for the time of the filter."""
+        """Apply the last change of SDA, with its original tick, if the new level has lasted for the filter time."""
         level = self._lines >> 1
         if level == self._sda_seen or now - self._sda_moved < self._filter:
             return

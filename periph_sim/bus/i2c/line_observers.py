@@ -3,7 +3,7 @@
     SCL, SDA --BusRecorder--> START, address, byte, NACK, STOP, as a controller agent records them; number of bytes
     one wire --StuckWatch---> stuck
 
-They make it possible to check time limits on a bus whose master is firmware or a replayed capture, because such a
+With these observers, time limits can be checked on a bus whose master is firmware or a replayed capture, because such a
 master reports nothing itself.
 
 Source: UM10204 sections 3.1.4 to 3.1.10. SMBus specification section 3.1.1.3 for the default of 25 ms (tTIMEOUT) after
@@ -56,10 +56,7 @@ class BusRecorder(BitParty):
             self._record(event, busy)
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """Return False if bits of an incomplete byte were received, because the master was reset in mid-byte.
-
-        The parameters, which are not needed here, are those of `BitParty.ready`.
-        """
+        """Return False after an incomplete byte, as when the master was reset in mid-byte. No parameter is used."""
         return not self.stream.bits
 
     def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
@@ -85,7 +82,7 @@ class BusRecorder(BitParty):
 
 
 class StuckWatch(BitParty):
-    """Calls `on_stuck` with a wire, and makes a BUS record, each time that the wire stays low for `limit` ticks.
+    """Calls `on_stuck(wire)`, and makes a BUS record, each time that the wire has been low for `limit` ticks.
 
     bit_skip: the shortcut that skips bits on the wire's bus, or None.
     """
@@ -124,7 +121,7 @@ class StuckWatch(BitParty):
             self._guard()
 
     def _guard(self) -> None:
-        """Schedule the check for a stuck wire. At most one is scheduled, even if the wire changes often."""
+        """Schedule the check for a stuck wire. At most one check is scheduled, even if the wire changes often."""
         self._guarded = True
         self._kernel.call_at(self._fell + self._limit, self._look)
 

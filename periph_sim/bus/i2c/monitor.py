@@ -30,7 +30,7 @@ from .transfer import Phase, Transfer
 class I2cMonitor(BitParty):
     """Reconstructs the transfers on one bus.
 
-    on_transfer: called with each transfer at its STOP.
+    on_transfer: called with each transfer at its STOP; not called if no address byte was complete.
     names: a dictionary from addresses to the names of transfers with these addresses.
     filter: the minimum length, in ticks, of a level of SDA; shorter levels are ignored.
     """

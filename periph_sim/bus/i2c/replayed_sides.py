@@ -61,7 +61,7 @@ class I2cPlayer:
         self._lines = watch([scl], self._on_scl)
 
     def held(self, now: int) -> int:
-        """Return the ticks for which others have held SCL low since the player released it; 0 if SCL is not held."""
+        """Return the ticks since the player's release of SCL, while another party holds SCL low; otherwise 0."""
         return 0 if self.waiting_since == NO_TIME else now - self.waiting_since
 
     def play(self, moves: Sequence[Move], done: Callable[[], None]) -> None:
@@ -101,6 +101,7 @@ class I2cPlayer:
 class Answer:
     """Answer to a START with an address.
 
+    ack: True if the address is acknowledged.
     data: the bytes that are sent in a read; 0xFF follows them.
     acks: the acknowledges of written bytes; further bytes are acknowledged.
     stretches: triples (byte, bit, ticks) as in `target_side.Reply`.

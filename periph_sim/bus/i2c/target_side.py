@@ -23,7 +23,7 @@ from ...core.wire import Wire
 from .bit_skip import ONES, SKIPPED_BITS, BitParty
 from .line_events import EVENTS, FALL, IDLE, RISE, SCL, SDA, START
 
-# What the target is doing. NOT_MEANT: it is not addressed, or the bus is idle.
+# What the target is doing. NOT_MEANT: nothing, because it is not addressed or the bus is idle.
 NOT_MEANT, RECEIVES_ADDRESS, RECEIVES_DATA, SENDS_DATA = range(4)
 
 # Tags of events: DRIVE changes the level of SDA, LET_GO releases SCL.
@@ -36,7 +36,7 @@ class Reply(Protocol):
     """Reply to a START with its address.
 
     stretches: triples (byte, bit, ticks). SCL is held low for `ticks` after the fall that precedes the bit. Byte -1 is
-        the address. Of the address only bit 8, the ACK, can be stretched, because there is no reply before.
+        the address. Of the address only bit 8, the ACK, can be stretched, because there is no reply before it.
     """
 
     @property
@@ -115,7 +115,7 @@ class TargetSide(BitParty):
         self._out = 0xFF
         self._byte = 0  # number of the present data byte
         self._refused = False  # True if the controller's last acknowledge in a read was a NACK
-        self._level = 1  # the next level of SDA
+        self._level = 1  # the level to which the target drives SDA, after the hold time
         self._on_end = on_end
         self._taken = False  # True if the address of the present phase was acknowledged
         self._held_until = 0
@@ -165,7 +165,7 @@ class TargetSide(BitParty):
                 self.hold_clock(ticks)
 
     def hold_clock(self, ticks: int) -> None:
-        """Hold SCL low for the next `ticks`. Only `answer` and the reply may call it, just after a fall of SCL."""
+        """Hold SCL low for the next `ticks`. Only `answer` and the reply may call this, just after a fall of SCL."""
         self._scl.drive(0)
         self._held_until = max(self._held_until, self._kernel.now + ticks)
         self._kernel.schedule(self._kernel.now + ticks, self, LET_GO)

@@ -17,7 +17,7 @@ from ...core.time import NO_TIME
 
 
 class BusTiming(Struct, frozen=True):
-    """Actual times of a controller, not limits, in ticks. filter: levels of SDA shorter than this are ignored."""
+    """The times of a controller in ticks. filter: levels of SDA that are shorter than this time are ignored."""
 
     low: int  # from the fall of SCL to its release
     high: int  # from the rise of SCL to its fall

@@ -65,9 +65,9 @@ class Burst:
     name: str = ""
 
     def edges(self, start: int) -> tuple[list[int], int]:
-        """Return the ticks of the edges of a burst that begins at tick `start`, and the end of its last stop bit.
+        """Return the ticks of the edges of a burst that begins at tick `start`, and the tick of the burst's end.
 
-        The first edge is a fall.
+        The first edge is a fall. The burst ends with its last stop bit or with the end of the break.
         """
         if self.low:
             return [start, start + self.low], start + self.low
@@ -84,7 +84,7 @@ class Burst:
         return edges, int(at)
 
     def over_by(self, ticks: int) -> int:
-        """Return the number of characters that have ended `ticks` after the start of the burst."""
+        """Return the number of characters of the burst that are over `ticks` after its start."""
         at = Fraction(0)
         for number, character in enumerate(self.characters):
             at += self.bit * len(character.levels(self.form))

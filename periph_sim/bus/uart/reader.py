@@ -32,7 +32,7 @@ Line = Callable[[], tuple[Fraction, UartFormat]]
 
 
 class Heard(NamedTuple):
-    """A frame that was read. begin, end: ticks.
+    """A frame that was read. begin, end: the ticks at which it begins and ends.
 
     good: True if the parity is right and the stop bits are high.
     address: the address bit, in formats that have one.
@@ -46,8 +46,10 @@ class Heard(NamedTuple):
 
 
 class UartReader(Agent):
-    """Reads the frames on one line and calls `on_begin` and `on_end`.
+    """Reads the frames on one line.
 
+    on_begin: callbacks with the tick of each start bit.
+    on_end: callbacks with each frame that was read.
     line: called at each start bit; returns the exact length of a bit in ticks, and the format of the frames.
     """
 
@@ -175,7 +177,7 @@ class UartCounter(Agent):
         self._lasted = self._taken = 0
         self._begun_at = NO_TIME
         self._over_at = 0  # the tick at which the last stop bit of the last character ends
-        self._free_at = 0  # the tick in the middle of the last stop bit; a later fall is a start bit
+        self._free_at = 0  # the tick of the middle of the last stop bit; a fall from then on is a start bit
         watch([wire], self)
 
     def sampled(self, now: int, levels: int) -> None:

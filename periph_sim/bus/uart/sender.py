@@ -45,7 +45,7 @@ class EdgeSender(Agent):
         """Called when the last edge has been made."""
 
     def make(self, edges: list[int]) -> None:
-        """Make edges at these ticks, which are listed with the last one first. The first edge is a fall."""
+        """Make edges at these ticks. The list begins with the latest edge. The earliest edge is a fall."""
         self._edges = edges
         self._then(edges[-1])
 
@@ -72,7 +72,7 @@ class EdgeSender(Agent):
 
 @lru_cache(maxsize=16)
 def _known_edges(frame_format: UartFormat) -> dict[int, list[int]]:
-    """Return the cache of a format, which `send` fills: for each byte, the numbers of bits that begin with an edge."""
+    """Return the cache of a format, which `send` fills: for each byte, the indices of bits that begin with an edge."""
     return {}
 
 

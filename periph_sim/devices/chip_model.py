@@ -16,10 +16,10 @@ from typing import Any, final
 class ModelOutput:
     """The register bytes of the emulated chips after one run of a `ChipModel`, each computed on first use.
 
-    model: the model; None before the first run, when all bytes are 0.
-    state: the state from which the next run of the model continues.
-    inputs: the results of the run from which `ChipModel.data_of` computes the bytes.
-    overflows: number of fixed-point results of the run, and of the bytes computed so far, that wrapped or saturated.
+    model: the model that was run; None before the first run, when all bytes are 0.
+    state: the state with which the next run of the model begins.
+    inputs: the intermediate results of the run. `ChipModel.data_of` computes the bytes from them.
+    overflows: number of fixed-point results that wrapped or saturated, in the run and in the bytes computed so far.
     """
 
     def __init__(self, model: ChipModel | None, state: Any, inputs: Any, overflows: int = 0) -> None:
@@ -55,11 +55,14 @@ class ChipModel:
         """Run the model once with the values of the last host frame, and return the result.
 
         number: the number of the run, from 0.
-        values: the values; None before the first frame. Such a run does not change the state for the next run.
+        values: the values; None before the first frame. A run without values does not change the state.
         before: the result of the previous run.
         """
         raise NotImplementedError
 
     def data_of(self, address: int, shown: ModelOutput) -> bytes:
-        """Compute the register bytes of one chip from `shown.inputs`, and add the overflows to `shown.overflows`."""
+        """Return the register bytes of one chip, computed from `shown.inputs`.
+
+        The number of overflows in this computation is added to `shown.overflows`.
+        """
         raise NotImplementedError

@@ -19,6 +19,7 @@ T = TypeVar("T")
 class FrameSource(Protocol):
     """A function from the number of a frame to its values, which are sampled from a motion.
 
+    motion: the motion.
     beyond: for each value, by name, the number of frames so far in which it was out of range.
     """
 
@@ -32,8 +33,8 @@ class HostFrames(Protocol):
     """The Python module that defines the frames of a [host].
 
     FRAME_BYTES: the length of a frame.
-    PARTS: the values of a frame by name, each as x, y and z.
-    ADDRESSES: the I2C addresses of the chips that `data` knows.
+    PARTS: a dictionary from the name of each part of a frame to the slice of its three values.
+    ADDRESSES: the I2C addresses that `data` accepts.
     """
 
     FRAME_BYTES: int
@@ -44,19 +45,25 @@ class HostFrames(Protocol):
         """Return the dataclass of [host.encoding]."""
 
     def motion_settings(self) -> Mapping[str, type[object]]:
-        """Return the dataclass of each kind of [host.motion]."""
+        """Return a dictionary from the name of each kind of [host.motion] to the dataclass of its settings."""
 
     def encoding_of(self, given: dict[str, object]) -> Any:
-        """Return the encoding of the frames, which has a `byte_order`.
+        """Return the encoding of the frames, an object with the attribute `byte_order`.
 
-        Raise BadSetting with the name of the setting if one is wrong.
+        Raise BadSetting, with the name of the setting, if a setting in `given` is invalid.
         """
 
     def frames_of(self, given: dict[str, object], encoding: Any, first: Fraction, period: Fraction) -> FrameSource:
-        """Return the frames of the motion in `given`. Raise BadSetting with the name of the setting if one is wrong."""
+        """Return the frames of the motion with the settings `given`.
+
+        first: the time of the motion, in seconds, that frame 0 describes.
+        period: the time between two frames in seconds.
+
+        Raise BadSetting, with the name of the setting, if a setting is invalid.
+        """
 
     def ramp(self, number: int) -> tuple[int, ...]:
-        """Return the values of a frame if the host has no motion."""
+        """Return the values of frame `number` of a host without a motion."""
 
     def encode(self, values: tuple[int, ...], byte_order: ByteOrder = "little") -> bytes:
         """Return the bytes of a frame. Raise OverflowError if a value does not fit."""
@@ -65,14 +72,14 @@ class HostFrames(Protocol):
         """Return the values of a frame from its bytes, low byte first."""
 
     def shown(self, values: Sequence[T]) -> Mapping[str, Sequence[T]]:
-        """Return, for each chip by name, the three values of a frame that its registers contain as x, y and z.
+        """Return a dictionary from the name of each chip to the x, y and z of its registers, taken from a frame.
 
         This holds for firmware that copies the values of a frame to the registers. Firmware with a `ChipModel`
         computes the registers from the values instead.
         """
 
     def data(self, address: int, values: tuple[int, ...]) -> bytes:
-        """Return the register bytes of the chip with this address if they contain the values of a frame."""
+        """Return the register bytes of the chip with this address after firmware has copied the values of a frame."""
 
 
 def host_frames() -> HostFrames:

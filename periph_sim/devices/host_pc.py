@@ -29,7 +29,7 @@ PacedBy = Literal["schedule", "pause"]
 
 
 class HostSchedule(msgspec.Struct, frozen=True):
-    """The times at which the host sends frames, in ticks.
+    """The times at which the host sends frames. Times are in ticks.
 
     first: the time from the start of the run to the first frame.
     period: the exact period of the frames.
@@ -39,9 +39,10 @@ class HostSchedule(msgspec.Struct, frozen=True):
     frames: number of frames; None for no end.
     paced_by: "schedule": frame n is due n periods after frame 0. "pause": a frame is due one period after the previous
         frame began, as in a program that sleeps after each frame; so delays accumulate.
-    silent: spans (begin, end) in which no frame begins; a frame may begin at `end`.
-    twice: numbers of the frames that are sent again as soon as they are over.
-    starts: the ticks at which the frames begin; None if they follow from the other attributes.
+    silent: spans (begin, end) of ticks. A frame that would begin in a span, from `begin` to just before `end`, is
+        left out.
+    twice: numbers of the frames that are sent again immediately after their end.
+    starts: the ticks at which the frames begin; None if `first`, `period` and `jitter` determine these ticks.
     """
 
     first: int
@@ -59,14 +60,16 @@ class HostSchedule(msgspec.Struct, frozen=True):
 class Host(Agent):
     """An agent that sends the frames of a schedule.
 
-    sent: functions called with (number, values, end of the last stop bit) after each frame, also after the repetition
-        of a frame.
+    frames, bytes: the numbers of frames and bytes that it has begun to send.
+    late: the number of frames that were left out because the previous frame was still being sent.
+    sent: functions called with (number, values, tick at which the last stop bit ends) at the end of each frame, also of
+        a repeated frame.
     """
 
     STATE = State("_peer _number _sending _again _once_more _random", ticks="_due_next _due")
 
     _sending: tuple[int, tuple[int, ...], bytes]  # number, values and bytes of the frame in progress
-    _again: bool  # the frame in progress will be sent again
+    _again: bool  # True if the frame in progress will be sent again
 
     def __init__(
         self,
@@ -77,11 +80,15 @@ class Host(Agent):
         encode: Callable[[tuple[int, ...]], bytes],
         seed: int = 0,
     ) -> None:
-        """values: a function from the number of a frame to its values. encode: a function from values to bytes."""
+        """Build the host, and schedule its first frame.
+
+        values: a function from the number of a frame to its values.
+        encode: a function from values to bytes.
+        """
         self.who = peer.who
         self.frames = 0
         self.bytes = 0
-        self.late = 0  # number of frames that were not sent, because the previous one was still being sent
+        self.late = 0
         self.sent: list[Callable[[int, tuple[int, ...], int], None]] = []
         self._kernel = kernel
         self._peer = peer
@@ -94,7 +101,8 @@ class Host(Agent):
         self._pause = int(self._period // 1)
         self._by_schedule: bool = schedule.paced_by == "schedule" and schedule.starts is None
         self._number = 0
-        # `_due` has the tick at which each frame was due, but only that of the first frame if `due` can calculate them.
+        # `_due` has the ticks at which the frames so far were due. If `due` calculates these ticks from the period,
+        # `_due` has only the first of them.
         if schedule.starts:
             self._first = schedule.starts[0]
         self._due: array[int] = array("q", [self._first])
@@ -117,10 +125,11 @@ class Host(Agent):
         return self._due[number]
 
     def frame_at(self, tick: int) -> Fraction:
-        """Return the number of the frame that is due at a past tick, with a fraction for ticks between two frames.
+        """Return the number of the frame that is due at a past tick, with a fraction between two frames.
 
-        The number is negative before frame 0 is due. After the last frame so far, the next one is assumed to be due one
-        period later.
+        The fraction is the time since the frame was due, as a part of a period: 2.5 is half a period after frame 2 was
+        due. If frame 3 is due more than a period after frame 2, the result is 3 for the rest of this time. Before frame
+        0 is due, the result is negative.
         """
         period = self._period
         if self._by_schedule or tick < self._first:

@@ -7,7 +7,8 @@
         def on_read(self): ...           return the next byte to send
         def on_stop(self): ...           called at a STOP, but not at a repeated START
 
-on_write or on_read, or both, must exist. If a hook returns a wrong value, the error message names the line of the hook.
+on_write or on_read, or both, must exist. A device without on_write does not acknowledge its address for a write, and a
+device without on_read not for a read. If a hook returns a wrong value, the error message names the line of the hook.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ from .targets import PlainReply, TargetContext
 class DevicePin:
     """A wire of the case that the device reads and drives with an open drain.
 
-    While a device is attached to a wire, no bits of a byte or frame are skipped on this wire. So `level` is always the
-    present level.
+    level: the present level of the wire. While a device is attached to a wire, every edge of this wire is simulated,
+        and no byte or frame is applied in a single step. So `level` is right at every instant.
     """
 
     def __init__(self, wire: Wire, who: str) -> None:
@@ -86,7 +87,7 @@ class DeviceBus:
             raise Misuse(str(error)) from None
 
     def note(self, text: str) -> None:
-        """Add a sentence to the notes of the run."""
+        """Add a sentence to the notes of the run, which its report lists."""
         self._place.note(Note("device", str(text), self._place.who))
 
     def _ticks(self, length: str) -> int:
@@ -141,7 +142,7 @@ class PythonTarget(PlainReply):
             self._call("on_stop")
 
     def _acked(self, name: str, argument: object) -> bool:
-        """Call a hook and return whether its result means ACK: True or None. False means NACK."""
+        """Call a hook, and return True for ACK: the hook returned True or None, or the device has no such hook."""
         value = self._call(name, argument)
         if value is not None and not isinstance(value, bool):
             raise self._wrong(name, value, "True or False")

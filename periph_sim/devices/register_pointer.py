@@ -22,8 +22,8 @@ from .targets import PlainReply
 class RegisterPointer(PlainReply):
     """The target of a chip. `answer` returns this object itself as the reply.
 
-    now: returns the time in ticks.
-    touched: called after each access.
+    now: a function that returns the time in ticks.
+    touched: a function that is called after each access to a register.
     """
 
     STATE = State("chip _number _used")
@@ -33,8 +33,8 @@ class RegisterPointer(PlainReply):
         self.chip = chip
         self._now = now
         self._touched = touched
-        self._number = 0  # the pointer as it was last set; after an access, the register that was accessed
-        self._used = False  # True if the register `_number` was accessed, so that the pointer is the register after it
+        self._number = 0  # the pointer as set by a write; after an access, the number of the accessed register
+        self._used = False  # True after an access to register `_number`: the pointer is then the register after it
 
     @property
     def pointer(self) -> int:
@@ -42,11 +42,15 @@ class RegisterPointer(PlainReply):
         return self.chip.following(self._number) if self._used else self._number
 
     def named(self, value: int, before: int | None) -> NamedByte:
-        """Return the name and the meaning of the next byte. before: the previous byte of the burst, if there is one."""
+        """Return the name and the meaning of the byte that is transferred next.
+
+        value: the byte.
+        before: the previous byte of the burst; None if this byte is the first.
+        """
         return self.chip.named(self.pointer, value, before)
 
     def answer(self, address_byte: int) -> RegisterPointer | None:
-        """Return this object if the chip is addressed and acknowledges; else None."""
+        """Return this object if the byte addresses the chip and the chip acknowledges; else None."""
         if address_byte >> 1 != self.chip.address or not self.chip.begin(self._now()):
             return None
         return self

@@ -3,11 +3,11 @@
     start-up requests, schedule --> rounds of requests --> I2cController --> transfers --> values, checks, reports
 
 A request writes a register pointer, with a STOP or a repeated START after it, and reads `count` bytes of one chip. All
-requests of one period are a round. A round is due in every period. If the previous round is still running then, the new
-round is not made and counts as missed.
+requests of one period are a round. A round is due in every period. If a round is due while the previous round is still
+running, the new round is left out and counts as missed.
 
-Before the first round the sensor head can set up its chips as their drivers do: read identifications, and write rates,
-ranges and modes.
+Before the first round, the sensor head can set up its chips as drivers do: with start-up requests that read
+identifications, and write rates, ranges and modes.
 
 Source: section 3.4.2 and Figure A.2 (order, period) of the dissertation in CITATION.cff.
 """
@@ -27,7 +27,7 @@ from ..core.kernel import Kernel
 from ..core.state import State
 from .sensor_rounds import Request, Round, Schedule
 
-# Tags of events: the chips are set up, a round is due, the next transfer begins.
+# Tags of events: the start-up requests begin, a round begins, the next transfer begins.
 SET_UP, ROUND, NEXT = range(3)
 
 
@@ -35,10 +35,11 @@ class SensorHead(Agent):
     """An agent that makes the start-up requests and then the rounds of requests with a controller.
 
     missed: number of missed rounds.
-    on_transfer: functions called at the end of each transfer.
-    on_round: functions called at the end of each round.
-    on_due: functions called with the time at which a round is due.
-    on_missed: functions called with the time at which a missed round was due.
+    rounds: number of completed rounds, without the start-up.
+    on_transfer: functions called with each transfer at its end, start-up included.
+    on_round: functions called with each round at its end, without the start-up.
+    on_due: functions called when a round begins or is missed, with the tick at which the round was due.
+    on_missed: functions called when a round is missed, with the tick at which the round was due.
     """
 
     STATE = State("_number _round _left _random", ticks="_due")
@@ -57,7 +58,7 @@ class SensorHead(Agent):
         self.who = controller.who
         self.controller = controller
         self.missed = 0
-        self.rounds = 0  # number of completed rounds
+        self.rounds = 0
         self.on_transfer: list[Callable[[Transfer], None]] = []
         self.on_round: list[Callable[[Round], None]] = []
         self.on_due: list[Callable[[int], None]] = []
@@ -79,7 +80,7 @@ class SensorHead(Agent):
 
     @property
     def at_rest(self) -> bool:
-        """True while no round is in progress."""
+        """True while neither a round nor the start-up is in progress."""
         return self._round is None
 
     def act(self, tag: int) -> None:

@@ -17,13 +17,15 @@ BIG, LITTLE = struct.Struct(">3h"), struct.Struct("<3h")
 
 
 class Request(Struct, frozen=True):
-    """A request to one chip. Without a pointer, data to write and a count, only the address is sent.
+    """A request to one chip: a write, a read, or a write and then a read.
 
-    name: the name of its transfers in records.
-    pointer: the register pointer that is written first; None to write none.
-    write: bytes that are written after the pointer.
-    count: number of bytes that are read.
-    expect: the bytes that the read should return; None to accept any.
+    If there is nothing to write and nothing to read, only the address is sent.
+
+    name: the name of the request's transfers in records.
+    pointer: the register pointer that is written first; None for no pointer.
+    count: the number of bytes that are read.
+    write: the bytes that are written after the pointer.
+    expect: the bytes that the read should return; None to accept any bytes.
     """
 
     name: str
@@ -34,7 +36,11 @@ class Request(Struct, frozen=True):
     expect: bytes | None = None
 
     def transfers(self, by_stop: bool) -> list[Transfer]:
-        """Return the transfers of the request. With `by_stop` the write and the read are two transfers, else one."""
+        """Return the transfers of the request.
+
+        by_stop: True for a STOP between write and read, which are then two transfers; False for a repeated START in one
+            transfer.
+        """
         head = b"" if self.pointer is None else bytes([self.pointer])
         phases: list[Phase] = []
         if head or self.write or not self.count:
@@ -51,8 +57,9 @@ class ChipData(Struct, frozen=True):
 
     pointer: the address of the first data register.
     big: True if the high byte comes first.
-    lsb_per_unit: the number of LSB in one `unit` after `startup`.
-    count: number of data bytes that are read.
+    lsb_per_unit: the number of LSB in one `unit`, with the range that `startup` selects.
+    unit: the physical unit of the values.
+    count: the number of data bytes that are read.
     order: the axes (0: x, 1: y, 2: z) in the order of their registers.
     overflow: the value that marks a result as invalid; None if there is none.
     startup: requests that set up the chip before the first round.
@@ -86,7 +93,10 @@ def driver(name: str, address: int, who: tuple[int, str], writes: tuple[tuple[in
 
 
 def register_bytes(chip: ChipData, xyz: Sequence[Any]) -> bytes:
-    """Return the six bytes of three values in the chip's order. Raise OverflowError if a value does not fit 16 bits."""
+    """Return the six bytes of the chip's data registers for the values x, y, z.
+
+    Raise OverflowError if a value does not fit 16 bits.
+    """
     first, second, third = chip.order
     try:
         return (BIG if chip.big else LITTLE).pack(int(xyz[first]), int(xyz[second]), int(xyz[third]))
@@ -100,7 +110,7 @@ def known_sensors() -> Mapping[str, ChipData]:
 
 
 class Schedule(Struct, frozen=True):
-    """The times at which the rounds of a sensor head begin, in ticks.
+    """The times at which the rounds of a sensor head begin. Times are in ticks.
 
     first: the time from the start of the run to the first round.
     period: the exact period of the rounds.
@@ -108,7 +118,7 @@ class Schedule(Struct, frozen=True):
     jitter: the maximum delay of each round, uniformly distributed.
     rounds: number of rounds; None for no end.
     ahead: the time before `first` at which the chips are set up, if there are start-up requests.
-    starts: the ticks at which the rounds begin; None if they follow from the other attributes.
+    starts: the ticks at which the rounds begin; None if `first`, `period` and `jitter` determine these ticks.
     """
 
     first: int
@@ -127,7 +137,7 @@ class Round(Struct):
     due: the tick at which the round was due.
     start: the tick at which it began.
     end: the tick of its last STOP.
-    nacked: number of transfers with an address that was not acknowledged.
+    nacked: number of transfers that failed, because an address was not acknowledged or arbitration was lost.
     transfers: number of transfers.
     """
 

@@ -1,7 +1,7 @@
 """The true values during a run: the x, y and z that each chip's registers should contain at an instant, in LSB.
 
     frames of the host --LineBetweenFrames--> Truth --> the measure "value error"
-    model of the firmware, motion -------------> Truth
+    motion, model of the firmware -------------> Truth
 
 Times are seconds from the instant at which the host's first frame is due. If firmware copies the values of frames to
 the registers, the truth is a straight line from each frame's values to the next. If firmware has a model of the chips,
@@ -25,7 +25,7 @@ class Truth(Protocol):
     """The true values. They do not depend on what the firmware does during the run."""
 
     def at(self, seconds: Fraction) -> Mapping[str, Axes]:
-        """Return a dictionary from chips to x, y and z in LSB.
+        """Return a dictionary from the name of each chip to x, y and z in LSB.
 
         seconds: the time since the first frame was due; negative before this frame.
         """
@@ -35,6 +35,7 @@ class LineBetweenFrames:
     """Linear interpolation between the values of successive frames; before frame 0 is due, the values of frame 0.
 
     Values are 16-bit and wrap around: from 32767 to -32768 is a step of 1. The interpolation takes the shorter way.
+
     frame: a function from the number of a frame to its values.
     period: seconds from one frame to the next.
     shown: a function that distributes the values of a frame to the chips, as `HostFrames.shown` does.

@@ -1,7 +1,7 @@
 """Models of sensor chips, independent of kernel, wires and files.
 
-Each file of this folder that defines CHIP, the class of a chip, is one `model` of [chip.NAME]. The files are found
-automatically.
+Each file of this folder that defines CHIP, the class of a chip, is a model. Its file name, without .py, is a value of
+the key `model` in the [chip.NAME] tables of a case. The files are found automatically.
 """
 
 from __future__ import annotations
@@ -15,5 +15,5 @@ from ...core.discover import modules_with
 
 @cache
 def chip_models() -> Mapping[str, type[Any]]:
-    """Return a dictionary from the names of files to the classes of chips, all subclasses of `RegisterChip`."""
+    """Return a dictionary from the name of each model to the class of the chip, a subclass of `RegisterChip`."""
     return {name: module.CHIP for name, module in modules_with("CHIP", __name__, __path__).items()}

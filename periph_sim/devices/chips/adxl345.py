@@ -105,7 +105,7 @@ DEPTH = 32
 HELD = DEPTH + 1  # maximum number of samples that can be read: those of the FIFO and one at the filter's output
 
 
-BYPASS, FIFO = 0, 1  # values of FIFO_CTL.Mode; modes 2 (stream) and 3 (trigger) drop the oldest samples
+BYPASS, FIFO = 0, 1  # values of FIFO_CTL.Mode; 2 is stream and 3 is trigger
 
 
 class Fifo:
@@ -126,7 +126,7 @@ class Fifo:
         self.mode = BYPASS
         self.samples = 0  # FIFO_CTL.Samples, the watermark
         self.overrun = False
-        self._unread = False  # True if in bypass mode the output register is unread
+        self._unread = False  # True in bypass mode if the sample in the output register was not read yet
         self._waiting: deque[bytes] = deque()
         self._overrun_when_filled = overrun_when_filled
 
@@ -144,7 +144,10 @@ class Fifo:
         return self.entries >= self.samples
 
     def set_up(self, mode: int, samples: int) -> None:
-        """Apply a write of FIFO_CTL. Bypass empties the FIFO; the other modes keep its contents."""
+        """Apply a write of FIFO_CTL. Bypass empties the FIFO; the other modes keep its contents.
+
+        A change of the mode clears Overrun.
+        """
         if mode == BYPASS:
             self._waiting.clear()
         if mode != self.mode:
@@ -152,7 +155,10 @@ class Fifo:
         self.mode, self.samples = mode, samples
 
     def push(self, sample: bytes) -> None:
-        """Add a new sample from the filter."""
+        """Add a new sample from the filter.
+
+        If the FIFO is full, FIFO mode drops the new sample, and the modes stream and trigger drop the oldest sample.
+        """
         if self.mode == BYPASS:
             self.overrun |= self._unread
             self.output, self._unread = sample, True
@@ -165,7 +171,11 @@ class Fifo:
         self.overrun |= len(self._waiting) >= DEPTH if self._overrun_when_filled else lost
 
     def latch(self) -> bytes:
-        """Return the sample for a burst of reads. The whole sample counts as read, even if the burst reads a part."""
+        """Remove the oldest sample from the FIFO and return it for a burst of reads.
+
+        If the FIFO is empty, return the sample in the output register. The whole sample counts as read, even if the
+        burst reads only some of its bytes.
+        """
         if self._waiting:
             self.output = self._waiting.popleft()
         self._unread = self.overrun = False
@@ -175,9 +185,9 @@ class Fifo:
 ADDRESSES = (0x53, 0x1D)  # I2C addresses with the pin SDO/ALT ADDRESS low and high
 LSB_PER_G = 256
 OFFSETS_PER_G = 64  # number of LSB of an offset register in one g: 15.6 mg/LSB
-TURN_ON = Fraction(11, 10_000)  # seconds from the start to the first sample, in addition to one period
+TURN_ON = Fraction(11, 10_000)  # delay of the first sample after Measure is set, in seconds, in addition to one period
 LAST = 0x39
-UNMODELLED = 0x7C  # events of INT_ENABLE: taps, activity, inactivity, free fall
+UNMODELLED = 0x7C  # bits of INT_ENABLE whose events are not modelled: taps, activity, inactivity, free fall
 
 
 class Adxl345Options(Answers):
@@ -218,7 +228,7 @@ class Adxl345(RegisterChip):
         self.fifo = Fifo(self.options.overrun_in_fifo.unrecorded() == "when_filled")
         self._clock: Clock | None = None  # clock of the samples; None in standby and sleep
         self._taken = 0  # number of periods of `_clock` whose samples were taken
-        self._latched: bytes | None = None  # the sample that the present burst reads
+        self._latched: bytes | None = None  # the sample that the present burst reads; None before its first data byte
 
     @property
     def rate(self) -> Fraction:
@@ -258,7 +268,9 @@ class Adxl345(RegisterChip):
         due = self._clock.cycle_after(now)
         new = range(self._taken, due)
         self._taken = max(due, self._taken)
-        most = 2 * 33  # enough to set Overrun; all older samples (in FIFO mode: all newer ones) are lost
+        # 66 samples fill the FIFO and set Overrun. In FIFO mode, all later samples are dropped. In the other modes,
+        # only the newest samples remain. So the other samples need not be calculated.
+        most = 2 * 33
         if len(new) > most:
             new = new[:most] if self.fifo.mode == FIFO else new[-most:]
         for number in new:
@@ -319,7 +331,10 @@ class Adxl345(RegisterChip):
             self.note("unknown", "SELF_TEST is set; this model adds no force", f"{SHEET} DATA_FORMAT")
 
     def _start(self, now: int) -> None:
-        """Restart after a change of Measure or Sleep. The first sample, if any, comes after one period and 1.1 ms."""
+        """Start or stop sampling after a change of Measure or Sleep.
+
+        The chip samples while Measure is set and Sleep is clear. The first sample comes after one period and 1.1 ms.
+        """
         self._clock, self._taken = None, 0
         if self.get("POWER_CTL", "Measure") and not self.get("POWER_CTL", "Sleep"):
             self._clock = self.beats(self.after(now, 1 / self.rate + TURN_ON), self.rate)

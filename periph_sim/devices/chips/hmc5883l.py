@@ -21,7 +21,7 @@ from .register_chip import RegisterChip, Source, byte_register, nearest
 
 SHEET = "HMC5883L data sheet"
 MAP_SECTION = f"{SHEET}, register list"
-# DATA has the data registers in their order: x, z, y, each with the high byte first.
+# The data registers in the order of their addresses: x, z, y, each with the high byte first.
 DATA = ("DXRA", "DXRB", "DZRA", "DZRB", "DYRA", "DYRB")
 
 MAP = RegisterMap(
@@ -41,15 +41,15 @@ MAP = RegisterMap(
 
 
 ADDRESSES = (0x1E,)
-LSB_PER_GAUSS = (1370, 1090, 820, 660, 440, 390, 330, 230)  # for each value of GN, the number of LSB in one gauss
-# RATES has the output rates in Hz, by DO; 7 is reserved.
+LSB_PER_GAUSS = (1370, 1090, 820, 660, 440, 390, 330, 230)  # for each value of CRB.GN, the number of LSB in one gauss
+# For each value of CRA.DO, the output rate in Hz. The value 7 is reserved.
 RATES = tuple(Fraction(rate) for rate in ("0.75", "1.5", "3", "7.5", "15", "30", "75", "75"))
 LEAST, MOST, OVERFLOW = -2048, 2047, -4096
 BIAS = (Fraction("1.16"), Fraction("1.16"), Fraction("1.08"))  # bias of the self-test in gauss on x, y, z
 BUS_READY = Fraction(200, 10**6)
 ANALOG_READY = Fraction(50, 1000)
 SINGLE = Fraction(6, 1000)
-WRITING = Fraction(250, 10**6)  # seconds for which RDY is low when data are placed in the registers
+WRITING = Fraction(250, 10**6)  # seconds for which RDY is low after new data were placed in the registers
 CONTINUOUS, ONE = 0, 1  # values of Mode.MD
 
 
@@ -62,7 +62,7 @@ class Hmc5883lOptions(Answers):
 
 
 class Hmc5883l(RegisterChip):
-    """The chip, whose registers `RegisterPointer` connects to a bus. Registers that do not exist read 0."""
+    """The chip, whose registers `RegisterPointer` connects to a bus. Addresses without a register read 0."""
 
     STATE = State("_clock _taken _to_read _gains _unread _mode_unwritten _idle_by_itself", ticks="_placed _analog")
     MAP = MAP
@@ -87,9 +87,9 @@ class Hmc5883l(RegisterChip):
         self._taken = 0
         self._placed = powered  # tick at which data were last placed in the registers
         self._unread = False
-        # `_to_read` has the data registers that have not been read since data were last placed in them.
+        # The data registers that were not read since new data were last placed in the registers.
         self._to_read: set[str] = set(DATA)
-        # `_gains` has GN for the next measurement and, if there are two entries, for the later ones.
+        # CRB.GN for the next measurement. A second entry, if there is one, is GN for all later measurements.
         self._gains = [self.get("CRB", "GN")]
         self._mode_unwritten = True
         self._idle_by_itself = False
@@ -109,13 +109,17 @@ class Hmc5883l(RegisterChip):
         return "overflow" if word == OVERFLOW else super().quantity(word)
 
     def following(self, number: int) -> int:
-        """Return the next register: 0x03 after 0x08, and 0x00 after 0x0C."""
+        """Return the register after `number`: 0x03 after 0x08, 0x00 after 0x0C, and otherwise `number` + 1."""
         return {0x08: 0x03, 0x0C: 0x00}.get(number, super().following(number))
 
     # Measurements -------------------------------------------------------------------
 
     def _start(self, now: int) -> None:
-        """Restart after a write of Mode, or of CRA in continuous mode. A measurement in progress is lost (Modes)."""
+        """Start or stop measuring, according to Mode.MD. A measurement in progress is lost (data sheet, Modes).
+
+        The chip calls this method after a write of Mode, after a change of the output rate in continuous mode and, by
+        option, at power-on.
+        """
         self._clock, self._taken = None, 0
         begin = max(now, self._analog)
         mode = self.get("Mode", "MD")
@@ -140,9 +144,12 @@ class Hmc5883l(RegisterChip):
             self._measured(self._clock.tick(due - 1), number, 1 / self.rate)
 
     def _measured(self, end: int, number: int, over: Fraction) -> None:
-        """Store the data of the last of `number` measurements, which took `over` seconds and ended at tick `end`.
+        """Store the data of the last of `number` measurements that ended since the previous call.
 
         While Status.LOCK is set, the data registers keep their values.
+
+        end: the tick at which the last measurement ended.
+        over: the time in seconds over which the last measurement took its samples.
         """
         del self._gains[: min(number, len(self._gains)) - 1]
         gain = LSB_PER_GAUSS[self._gains[0]]
@@ -158,7 +165,10 @@ class Hmc5883l(RegisterChip):
         self._placed, self._unread, self._to_read = end, True, set(DATA)
 
     def _average(self, end: int, over: Fraction) -> list[float | Fraction]:
-        """Return the mean of 1, 2, 4 or 8 samples (CRA.MA), plus the self-test bias (CRA.MS)."""
+        """Return the mean of 1, 2, 4 or 8 samples (CRA.MA), plus the self-test bias (CRA.MS), in gauss.
+
+        end, over: as for `_measured`.
+        """
         number = 1 << self.get("CRA", "MA")
         step = self.timebase.ticks(over, "down") // number
         samples = [self.source(end - step * back) for back in range(number)]

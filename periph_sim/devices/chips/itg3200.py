@@ -1,6 +1,8 @@
-"""ITG-3200 gyroscope: registers, samples of rates in degrees a second, temperature and flags.
+"""ITG-3200 gyroscope: registers, samples of rates in degrees per second, temperature and flags.
 
-    Source (deg/s) --F_int / (SMPLRT_DIV + 1)--> 14.375 LSB, saturation --> GYRO_XOUT_H ..., INT_STATUS
+    Source (deg/s) --sampled at F_int / (SMPLRT_DIV + 1)--> 14.375 LSB per deg/s, saturation --> GYRO_XOUT_H ...
+
+F_int is the internal sample rate, 1 or 8 kHz.
 
 Not modelled:
 - the INT pin and external clocks
@@ -113,12 +115,12 @@ class Itg3200(RegisterChip):
         self.options = options or Itg3200Options()
         self.temperature = temperature
         self._clock: Clock | None  # clock of samples; None while asleep
-        self._taken: int  # number of samples that were due so far; only the last one was stored
+        self._taken: int  # number of samples of `_clock` that were due so far; the registers have only the last of them
         self._awake: int  # tick at which the gyroscopes have started up
         self._settled: int  # tick at which the clock source is ready
-        self._ready_shown: bool  # True if INT_STATUS has shown that the clock source is ready
-        self._shown = dict.fromkeys(SHOWN, 0)  # contents of the data registers
-        self._burst: dict[str, int]  # contents of the data registers when the burst began
+        self._ready_shown: bool  # True if INT_STATUS.ITG_RDY was set since the clock source was last started
+        self._shown = dict.fromkeys(SHOWN, 0)  # contents of the temperature and data registers
+        self._burst: dict[str, int]  # `_shown` as it was when the present burst began
         self._scale_known = True  # True if FS_SEL was 3 when the last sample was taken
         self._ad0 = ADDRESSES.index(address)
         self._identify()
@@ -126,7 +128,7 @@ class Itg3200(RegisterChip):
 
     @property
     def rate(self) -> Fraction:
-        """Sample rate in Hz (section on SMPLRT_DIV): it is divided from 8 kHz if DLPF_CFG is 0, else from 1 kHz."""
+        """Sample rate in Hz: 8 kHz if DLPF_CFG is 0, else 1 kHz, divided by SMPLRT_DIV + 1 (section on SMPLRT_DIV)."""
         internal = 1000 if self.get("DLPF_FS", "DLPF_CFG") else 8000
         return Fraction(internal, self.get("SMPLRT_DIV") + 1)
 
@@ -171,7 +173,7 @@ class Itg3200(RegisterChip):
                 self.put("INT_STATUS", "RAW_DATA_RDY", 1)
 
     def _sample(self, tick: int) -> None:
-        """Store the values at this tick in the data registers."""
+        """Store the values at this tick in the data registers. An option decides what an axis in standby shows."""
         self._show("TEMP_OUT", nearest((self.temperature(tick) - 35) * 280) - 13200)
         scale = self.lsb_per_unit
         self._scale_known = self.get("DLPF_FS", "FS_SEL") == 3
@@ -243,7 +245,10 @@ class Itg3200(RegisterChip):
         self._start(now)
 
     def _start(self, now: int) -> None:
-        """Start the gyroscopes unless SLEEP is set. They need 50 ms, and the first sample follows one period later."""
+        """Start the gyroscopes, or stop sampling if SLEEP is set.
+
+        The gyroscopes start up for 50 ms. The first sample follows one period later.
+        """
         self._clock = None
         if not self.get("PWR_MGM", "SLEEP"):
             self._settled, self._ready_shown = self.after(now, PLL_SETTLING), False
@@ -254,7 +259,7 @@ class Itg3200(RegisterChip):
         self._clock, self._taken = self.beats(self.after(begin, 1 / self.rate), self.rate), 0
 
     def _identify(self) -> None:
-        """Set WHO_AM_I and the address according to pin AD0."""
+        """Set bit 0 of WHO_AM_I, and the address, according to pin AD0."""
         self.address = ADDRESSES[self._ad0]
         self.put("WHO_AM_I", "BIT0", self._ad0 if self.options.who_am_i_bit_0.unrecorded() == "ad0" else 0)
 

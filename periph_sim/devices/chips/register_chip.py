@@ -32,7 +32,7 @@ class RegisterChip:
     address: seven bits.
     stored: the stored values by register number.
     notes: the notes since the owner last cleared the list.
-    touched: names of the options that have decided a value that was read, or the chip's behaviour on the bus.
+    touched: names of the options that have affected a value that was read, or the chip's behaviour on the bus.
     powered: the tick at which the supply was switched on.
     ready: given as a delay in seconds from `powered`; stored as the tick from which the chip acknowledges its address.
     """
@@ -47,7 +47,7 @@ class RegisterChip:
     UNIT = ""  # the physical unit of x, y and z
 
     def __init_subclass__(cls) -> None:
-        """Take over a method `catch_up`, the name of `advance_to` in the last release, with a warning."""
+        """Use a subclass's method `catch_up` as `advance_to`, with a warning: this was its name in the last release."""
         super().__init_subclass__()
         former = vars(cls).get("catch_up")
         if former is not None and "advance_to" not in vars(cls):
@@ -68,11 +68,14 @@ class RegisterChip:
     # Called by RegisterPointer ------------------------------------------------
 
     def begin(self, now: int) -> bool:
-        """Begin a burst when the chip is addressed. Return False if the chip does not acknowledge its address yet."""
+        """Begin a burst when the chip is addressed at tick `now`. Return True if the chip acknowledges its address."""
         return now >= self.ready
 
     def read(self, now: int, number: int) -> int:
-        """Read the register with this number, with all effects of the read."""
+        """Return the value of the register with this number, and apply the effects of the read.
+
+        A reserved register reads 0, and a note is added.
+        """
         self.advance_to(now)
         register = self.MAP.at(number)
         if register is None:
@@ -81,7 +84,10 @@ class RegisterChip:
         return self.on_register_read(now, register)
 
     def write(self, now: int, number: int, value: int) -> None:
-        """Write the register with this number, with all effects of the write."""
+        """Write the register with this number, and apply the effects of the write.
+
+        A write of a reserved or read-only register has no effect but a note.
+        """
         self.advance_to(now)
         register = self.MAP.at(number)
         if register is None:
@@ -102,7 +108,7 @@ class RegisterChip:
     def named(self, number: int, value: int, before: int | None) -> NamedByte:
         """Return the name and the meaning of a byte that is written to or was read from a register.
 
-        before: the previous byte of the burst, if this register was accessed after another one.
+        before: the previous byte of the burst; None if this byte is the first.
         """
         register = self.MAP.at(number)
         if register is None:
@@ -116,7 +122,7 @@ class RegisterChip:
         return register.named(value)
 
     def quantity(self, word: int) -> str:
-        """Return the quantity in a data word at the present scale, with its unit."""
+        """Format the quantity in a data word, at the present scale, with its unit."""
         return f"{float(word / self.lsb_per_unit):.4g} {self.UNIT}"
 
     # Implemented by each chip ---------------------------------------------------------

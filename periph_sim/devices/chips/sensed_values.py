@@ -20,7 +20,8 @@ def held(ticks: Sequence[int], rows: Sequence[Sequence[float | Fraction]]) -> So
 
     ticks: a list or int64[n].
     rows: a list of (x, y, z), or float64[n, 3].
-    Raise ValueError if the ticks do not rise.
+
+    Raise ValueError if the ticks do not rise, there are none, or their number differs from the number of rows.
     """
     if len(ticks) != len(rows) or not len(ticks):
         raise ValueError(f"{len(ticks)} times for {len(rows)} rows; each row needs one, and there must be one at least")
@@ -33,7 +34,11 @@ def held(ticks: Sequence[int], rows: Sequence[Sequence[float | Fraction]]) -> So
 def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) -> Source:
     """Return a source that changes with a host's frames.
 
-    It gives `values(n)` from tick first + n * period on, and zeros before tick `first`.
+    The source gives `values(n)` from tick first + n * period on, and zeros before tick `first`.
+
+    first: the tick at which frame 0 is due.
+    period: the number of ticks between two frames.
+    values: a function from the number of a frame to x, y, z.
     """
     kept, axes = -1, ZERO  # number and values of the last frame, because a chip takes several samples during a frame
 
@@ -51,7 +56,7 @@ def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) ->
 
 def scaled(source: Source, lsb_per_unit: Fraction) -> Source:
     """Return the source with its values converted exactly from LSB to the chip's physical unit."""
-    kept: Sequence[float | Fraction] | None = None  # the last values of `source`; `axes` has them converted
+    kept: Sequence[float | Fraction] | None = None  # the last values of `source`; `axes` has the converted values
     axes: Sequence[Fraction] = ZERO
 
     def at(tick: int) -> Sequence[Fraction]:

@@ -4,9 +4,9 @@ Each file of this folder that defines MODELS is one family of devices. The files
 
     MODELS                           the names that `model` can have in [device.NAME]
     Settings                         a `Table` with the keys of this family
-    build(model, settings, place)    a function that returns the target; BadDevice for contradictory settings
+    build(model, settings, place)    a function that returns the target; raises BadDevice for contradictory settings
 
-A target may use everything in its `TargetContext`, such as the time and the wires. No other module depends on a
+`place` is a `TargetContext`, through which the target reads the time and drives wires. No other module depends on a
 family.
 """
 
@@ -33,7 +33,7 @@ from ...core.wire import Wire
 class BadDevice(ValueError):
     """Error: the settings of a device are contradictory, or a file that they name is invalid.
 
-    place: the keys and list indices that lead to the wrong setting in the table of the device.
+    place: the path of the invalid setting in the device's table: keys and list indices, such as ("register", 2, "at").
     """
 
     def __init__(self, what: str, *place: str | int) -> None:
@@ -45,15 +45,15 @@ class BadDevice(ValueError):
 class TargetContext:
     """The environment of a new target.
 
-    who: the target's name on wires.
-    address: 7 bits; None if the case does not define it.
+    who: the name under which the target drives wires.
+    address: the 7-bit address; None if the case does not define it.
     ticks: a function that converts seconds to ticks.
     start: the tick at which the run begins.
-    folder: the folder to which relative paths refer.
+    folder: the folder of the case, to which the paths in settings are relative.
     random: the target's own random generator.
     wire: a function that returns the wire with a name, and raises ValueError if there is no such wire.
-    hold_clock: called with a number of ticks to hold SCL low.
-    note: adds a note to the notes of the run.
+    hold_clock: a function that holds SCL low for a number of ticks.
+    note: a function that adds a note to the notes of the run.
     """
 
     STATE = State("random")
@@ -75,7 +75,7 @@ class TargetContext:
 
 
 class PlainReply:
-    """Base of replies that acknowledge the address and never stretch the clock."""
+    """Base of a target's replies that acknowledge the address and never stretch the clock."""
 
     ack = True
     stretches: Stretches = ()
@@ -92,13 +92,13 @@ class Family(Protocol):
 
 @cache
 def families() -> Mapping[str, Family]:
-    """Return the family of each model, by the model's name."""
+    """Return a dictionary from the name of each model to the module that defines it."""
     modules = modules_with("MODELS", __name__, __path__).values()
     return {model: cast(Family, module) for module in modules for model in module.MODELS}
 
 
 def address_among(place: TargetContext, model: str, possible: tuple[int, ...]) -> int:
-    """Return the device's address, by default the first possible one. Raise BadDevice for an impossible address."""
+    """Return the device's address, by default the first in `possible`. Raise BadDevice if it is not in `possible`."""
     address = possible[0] if place.address is None else place.address
     if address not in possible:
         can = ", ".join(f"{one:#04x}" for one in possible)

@@ -3,11 +3,12 @@
     START, address+W, word address (1 or 2 bytes), data ... STOP --> the page's buffer is stored: busy for write_time
                                                                       |  page 0x20 to 0x3f  |
                                                   data at 0x3e, 0x3f, 0x20, 0x21: never beyond the page
-    START, address+R, data ...                 --> from the last address on, wrapping from the end of the memory to 0
+    START, address+R, data ...                 --> from the address pointer on, which wraps from the memory's end to 0
 
-While it is busy, the memory does not acknowledge its address (acknowledge polling). 24C04, 24C08 and 24C16 use the
-device address for the upper bits of the word address. A write without a STOP, or one that ends in the middle of a byte,
-is not stored.
+The address pointer is the word address that was last written. It advances with each data byte. While the memory is
+busy, it does not acknowledge its address, so a master can poll for the acknowledge. 24C04, 24C08 and 24C16 use the
+device address for the upper bits of the word address. A write without a STOP, or a write that ends in the middle of a
+byte, is not stored.
 
 Source: Microchip DS20001709 (24LC02B), DS21708 (24LC04B), DS21710 (24LC08B), DS20002213 (24LC16B), DS21072 (24LC32A),
 DS20001189 (24LC64), DS20001191 (24LC128), DS20001203 (24LC256), DS20001754 (24LC512); Atmel doc0180 (AT24C02 to 16).
@@ -59,7 +60,7 @@ PARTS = {
     "512": Part(65536, 128, 2, 1),
 }
 MAKES = ("24c", "24lc", "24aa")
-WITHOUT_PINS = ("24lc", "24aa")  # makes whose devices of at most 16 Kbit ignore A0 to A2, and so have 8 addresses
+WITHOUT_PINS = ("24lc", "24aa")  # makes whose parts of up to 16 Kbit ignore A0 to A2, and so respond to 8 addresses
 MODELS = tuple(f"{make}{size}" for size in PARTS for make in MAKES)
 
 
@@ -76,7 +77,7 @@ def blocks_of(model: str) -> int:
 
 
 def _split(model: str) -> tuple[str, str]:
-    """Split a model's name into make and size."""
+    """Split a model's name into its make and the key of `PARTS`: "24lc64" into "24lc" and "64"."""
     make = next(make for make in MAKES if model.startswith(make) and model.removeprefix(make) in PARTS)
     return make, model.removeprefix(make)
 
@@ -134,7 +135,7 @@ class Eeprom(PlainReply):
         self._pointer = 0
         self._begin: int  # first address of the present write
         self._buffer: dict[int, int] = {}
-        self._written: int  # number of data bytes of this write, including those that a later byte has overwritten
+        self._written: int  # number of data bytes received in this write, including bytes that later bytes replaced
         self._busy_until = 0
 
     def answer(self, address_byte: int) -> Eeprom | None:
@@ -209,14 +210,14 @@ def build(model: str, settings: Settings, place: TargetContext) -> Eeprom:
 
 
 IMAGES = (".bin", ".hex")
-MOST = 1 << 24  # maximum number of bytes, larger than all serial memories
+MOST = 1 << 24  # maximum number of bytes in an Intel HEX file, more than any serial memory has
 DATA, END, SEGMENT, LINEAR = 0, 1, 2, 4  # kinds of records in Intel HEX; records of start addresses are ignored
 
 
 def image(path: Path) -> bytes:
     """Read the contents of a memory from a .bin file, or from a .hex file in Intel's format, with 0xFF in its gaps.
 
-    Raise ValueError, whose message is one sentence with the file and its line.
+    Raise ValueError, whose message names the file and, in a .hex file, the line.
     """
     try:
         data = read_input(path)
@@ -248,7 +249,7 @@ def _intel_hex(path: Path, text: str) -> bytes:
 
 
 def _record(where: str, line: str) -> tuple[int, int, bytes]:
-    """Parse a line ":LLAAAATT data CC" to (kind, address, data)."""
+    """Parse a line ":LLAAAATT data CC" to (kind, address, data). Raise ValueError, with `where`, if it is invalid."""
     try:
         raw = bytes.fromhex(line.removeprefix(":"))
     except ValueError:

@@ -5,8 +5,8 @@
 
 The value of a register is latched when its first byte is read, and stored when its last byte is written, so all bytes
 belong to one value. The pointer keeps its value after STOP and repeated START. With the keys `updates` and `every`, the
-device changes its registers by itself. These updates are applied at the next access. Only a device with an interrupt
-pin schedules an event for each update.
+device changes its registers by itself. These updates are applied at the next access. A device with an interrupt pin
+also schedules an event for each update, so that its pin changes in time.
 """
 
 from __future__ import annotations
@@ -47,10 +47,13 @@ class Feed:
 
     def __init__(self, ticks: Sequence[int], values: Sequence[int], period: int) -> None:
         self._ticks, self._values, self._period = ticks, values, period
-        self._taken = 0  # number of updates so far
+        self._taken = 0  # number of updates that `advance` has returned so far
 
     def advance(self, now: int) -> tuple[int, int]:
-        """Return the number of updates that have become due since the last call, and the value of the last update."""
+        """Return the number of updates that have become due since the last call, and the value of the last update.
+
+        The value is 0 if updates add `step`, or if no update has become due yet.
+        """
         due = bisect_right(self._ticks, now)
         if self._period and due:
             due = (now - self._ticks[0]) // self._period + 1
@@ -147,7 +150,7 @@ class RegisterDevice(PlainReply):
         self.values = {table.name: table.reset for table in self._settings.registers}
         self._pointer = 0
         self._byte = 0  # index of the next byte in the register, if the pointer counts registers
-        # The value of which some bytes were transferred: name of the register, value, index of the next byte.
+        # The register whose bytes are being transferred: its name, its value, and the index of the next byte.
         self._taken: tuple[str, int, int] | None = None
         self._show()
 
@@ -221,7 +224,7 @@ class RegisterDevice(PlainReply):
     # The pointer -------------------------------------------------------------------
 
     def _cell(self) -> tuple[RegisterTable | None, int]:
-        """Return the register at the pointer, and the index of its next byte."""
+        """Return the register at the pointer, or None if there is none, and the index of the register's next byte."""
         table, index = self._cells.get(self._pointer, (None, 0))
         return table, index + self._byte
 
@@ -230,7 +233,10 @@ class RegisterDevice(PlainReply):
         return 8 * (last - index if self._settings.byte_order == "big" else index)
 
     def _move_on(self, table: RegisterTable | None) -> None:
-        """Advance the pointer after a byte of this register; None for a byte without a register."""
+        """Advance the pointer after the transfer of a byte.
+
+        table: the register to which the byte belongs; None if the pointer is at no register.
+        """
         settings = self._settings
         if settings.pointer_counts == "registers" and table is not None:
             self._byte += 1
@@ -256,7 +262,7 @@ class RegisterDevice(PlainReply):
                     self.values[table.sets.register_name] |= table.sets.bits
 
     def _plan(self) -> None:
-        """Schedule an event for the next update."""
+        """Schedule an event for the next update of any register, if there is one."""
         due = [tick for tick in (feed.next_due() for feed in self._feeds.values()) if tick is not None]
         if due:
             self._place.kernel.call_at(max(min(due), self._place.kernel.now), self._updated)
@@ -267,7 +273,7 @@ class RegisterDevice(PlainReply):
         self._plan()
 
     def _show(self) -> None:
-        """Drive the interrupt pin, if there is one: active while a bit that [device.NAME.interrupt] names is set."""
+        """Drive the interrupt pin, if there is one. It is active while any bit of [device.NAME.interrupt] is set."""
         if self._interrupt is not None:
             interrupt, pin = self._interrupt
             pending = bool(self.values[interrupt.register_name] & interrupt.bits)

@@ -5,9 +5,10 @@
     START, 0x6F+W, 00 30, SC MN HR DT MO YR DW Y2K, STOP     the time, from the STOP on
     START, 0x6F+W, 00 30, START, 0x6F+R, SC MN ...           the time as it was when the read began
 
-Alarms and control registers, 0x00 to 0x17, are non-volatile. After a write of them the device does not acknowledge its
-address for `write_time`, and RWEL becomes 0. A write wraps around in a group of eight registers; a read wraps from 0x3F
-to 0. Alarms and control registers are stored, but have no effect. The memory at address 0x57 is another device.
+The alarm and control registers, 0x00 to 0x17, are non-volatile. After a write of these registers, the device does not
+acknowledge its address for `write_time`, and RWEL becomes 0. These registers are stored, but have no effect. A write
+wraps around in a group of eight registers; a read wraps from 0x3F to 0. The EEPROM that these chips have at address
+0x57 is not part of this model.
 
 Source: Renesas FN8231 (ISL12026), FN8098 (X1226): clock/control registers, status register, page write.
 """
@@ -27,7 +28,7 @@ from . import BadDevice, PlainReply, TargetContext, address_among
 
 __all__ = ["MODELS", "Settings", "build"]
 
-MIL, PM = 0x80, 0x20  # bits of HR: 24-hour format; afternoon in the 12-hour format, in which 12 is the first hour
+MIL, PM = 0x80, 0x20  # bits of HR: 24-hour format; PM in the 12-hour format, in which 12 comes before 1
 
 
 class BadTime(ValueError):
@@ -65,7 +66,7 @@ def registers_of(time: CalendarTime) -> bytes:
 
 
 def time_in(registers: bytes) -> CalendarTime:
-    """Return the time in eight registers. Raise BadTime if they contain no valid time."""
+    """Return the time in the registers SC MN HR DT MO YR DW Y2K. Raise BadTime if they contain no valid time."""
     second, minute, hour, day, month, year, weekday, century = registers
     whole_day = bool(hour & MIL)
     hours = _number("HR", hour & ~(MIL if whole_day else PM))
@@ -154,9 +155,9 @@ class Rtc(PlainReply):
         self._place = place
         self._second = place.ticks(duration("1 s")) * SECONDS_PER_PPM // (SECONDS_PER_PPM + settings.ppm)
         self._stored = bytearray(SIZE)
-        self._raw = bytes(len(CLOCK))  # contents of the time registers if they have no valid time
+        self._raw = bytes(len(CLOCK))  # contents of the time registers while the clock is stopped
         self._why_none = ""  # why the time that was written last is invalid; otherwise ""
-        # `_running` is a time and the tick at which it was valid; None while the clock is stopped.
+        # A time, and the tick at which the clock had this time; None while the clock is stopped.
         self._running: tuple[CalendarTime, int] | None = None
         self._failed = settings.time is None
         if settings.time is not None:
@@ -165,7 +166,7 @@ class Rtc(PlainReply):
         self._forget()
 
     def _forget(self) -> None:
-        """Clear the state that the battery does not back up."""
+        """Clear the state that is lost without supply, even with a battery."""
         self._latches = 0
         self._pointer = 0
         self._begin: int  # first register of the present write
@@ -230,7 +231,10 @@ class Rtc(PlainReply):
             self._write(buffer)
 
     def _unlock(self, value: int) -> None:
-        """Apply a write of the status register: 0x02 sets WEL, 0x06 sets RWEL if WEL is already set, 0 clears both."""
+        """Apply a write of the status register.
+
+        0x02 sets WEL, 0x06 sets RWEL if WEL is already set, and 0 clears both. Other writes have no effect but a note.
+        """
         if value == WEL | RWEL and self._latches & WEL:
             self._latches = WEL | RWEL
         elif value in (0, WEL):
@@ -266,7 +270,10 @@ class Rtc(PlainReply):
         return registers_of(time.later((self._place.kernel.now - since) // self._second))
 
     def _set(self, written: dict[int, int]) -> None:
-        """Write these time registers. The other time registers keep their present values."""
+        """Write these time registers. The other time registers keep their present values.
+
+        If the registers then contain no valid time, the clock stops.
+        """
         registers = bytearray(self._clock())
         for at, value in written.items():
             registers[at - CLOCK.start] = value

@@ -31,8 +31,9 @@ class WatchContext:
     ticks: a function that converts seconds to ticks.
     start: the first tick of the run.
     tolerance: the tolerance in ticks.
-    on_deviation: called with a deviation and its tick.
-    refute: called with the reason why the run fails, and the tick at which it fails.
+    on_deviation: a function that is called with each deviation in ticks, which is 0 or more, and the tick at which the
+        deviating edge, period or on-time begins.
+    refute: a function that is called if the run fails, with the reason and the tick.
     """
 
     wire: str
@@ -43,7 +44,7 @@ class WatchContext:
     refute: Callable[[str, int], None]
 
     def at(self, tick: int) -> str:
-        """Return a tick as text, in seconds from the start of the run."""
+        """Format a tick as a time in seconds from the start of the run."""
         return f"{(tick - self.start) / self.ticks(Fraction(1)):.6f} s"
 
 
@@ -57,7 +58,10 @@ class WireWatcher(Protocol):
         """Handle the end of the run."""
 
     def missing(self) -> str:
-        """Return why no deviation was measured, or "". Called after `finish`, and only if there was no deviation."""
+        """Return the reason why no deviation was measured; "" if no reason is known.
+
+        This method is called after `finish`, and only if there was no deviation.
+        """
 
 
 class Family(Protocol):
@@ -71,5 +75,5 @@ class Family(Protocol):
 
 @cache
 def watchers() -> Mapping[str, Family]:
-    """Return a dictionary from kinds of watchers to the modules of this folder that define them."""
+    """Return a dictionary from each kind of watcher to the module of this folder that defines this kind."""
     return {module.KIND: cast(Family, module) for module in modules_with("KIND", __name__, __path__).values()}

@@ -4,7 +4,7 @@
             |-- period --|
             |-on-|
 
-If the LED does not begin to blink, or stops, the run fails.
+The LED is on while the wire is high. If the LED does not begin to blink, or stops, the run fails.
 """
 
 from __future__ import annotations

@@ -117,7 +117,7 @@ class Socket(Agent):
         self.inputs = Sampler(kernel, recorder, self, sum(BITS[: len(chip.INPUTS)]))
         self.marks: WriteOrigins | None = chip.marks
         self.out_delay = 0  # cycles from an output of the chip to its pin
-        self.before: Callable[[int], None] | None = None  # called with the cycle before each CPU access; updates the chip
+        self.before: Callable[[int], None] | None = None  # called before each CPU access with its cycle
         self.on_peek: Callable[[int, int], int] | None = None  # called with (cycle, offset) in place of `chip.peek`
         self.after: Callable[[int], None] | None = None  # called with the cycle when readable values may have changed
         self.on_held: Callable[[int, int], None] | None = None  # called with (cycle, mask) when `Chip.held` changes

@@ -13,8 +13,8 @@
 `CpuTime` advances the clock of the CPU and makes no accesses. `Bus` makes accesses; it takes no interrupt and advances
 no clock, but limits the time that may pass before the next posted write takes effect. `InterruptLines` wakes a sleeping
 CPU when a module requests an interrupt. `Processor` joins these parts and lets time pass between the steps of the
-program. The only call from a lower part to the program is `Program.place`, which returns the present statement for
-records and messages.
+program. The bus calls the program for one purpose: `Program.place` returns the present statement for records and
+messages.
 
 A program that had to stop is run again later, and the step for which it stopped is then complete. A read of an address
 consists of these steps:
@@ -33,12 +33,17 @@ At the boundary before the next instruction, the program makes these steps:
 
 Terms of this package:
 
+module: a peripheral of the chip, such as I2C-A or the PIE. Its `Socket` connects it with the kernel and the bus.
+cycle: one period of SYSCLKOUT. A cycle number counts the periods since power-up.
+effect of a read: what the read changes in a module, for example a flag that it clears.
 boundary: an instant between two instructions, at which an interrupt can be taken.
 to land: to take effect; a posted write lands some cycles after it was issued.
 lease: the time in which nothing except the program of this CPU can act. The class `Lease` of `polling` is
     the time for which all passes of a wait have the same result.
 wait: a loop of the program that reads values until a condition is true.
 pass: one execution of a loop, or of the instruction that RPT repeats.
+replay: a second execution of the pass in which a sleeping CPU was woken. It begins at the start of the pass. Reads
+    before the cycle of the wake-up return the values that the last executed pass has read.
 statement: the line of the firmware's source that is executed, as a `SourceLocation`.
 place: a statement, unless a class `Place` or the description of a parameter says otherwise.
 topic: all records of one kind that are about one thing, for example the reads of one register (`core.records.Topic`).

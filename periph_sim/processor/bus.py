@@ -6,8 +6,8 @@
 
 A read has its value in phase R2 of the pipeline. A write leaves the pipeline in the last phase, W, two cycles after
 R2. So a write is posted: it takes effect (lands) at the end of a later cycle, while the CPU continues. A read in the
-protected block, or of the same register, waits until the write has landed. Any other read does not wait; it returns the
-old value up to the cycle in which the write lands.
+protected block, 0x4000 to 0x7FFF, waits until all writes in this block have landed. A read outside of the block waits
+only for writes of the same register. A read that does not wait is not affected by a write that has not landed.
 
 The bus serves no interrupt and advances no clock: it returns the cycle in which an access can be made. The program
 advances to that cycle (`CpuTime.advance`, and `meet` for accesses with effects) before it makes the access.
@@ -114,14 +114,14 @@ class Bus:
         self._pf1_back_to_back_write: IntOption = options.pf1_back_to_back_write
         self._pf2_read_ws, self._pf2_write_ws = options.pf2_read_ws, options.pf2_write_ws
         self._write_lands: IntOption = options.write_lands
-        # True after the first read, and the first write, in frame 2. From then on the run depends on the wait states.
+        # True once the run depends on the option for the wait states of reads (of writes) in peripheral frame 2.
         self._read_listed = self._write_listed = False
         self._words: list[Operand | None] = []  # the 16-bit operand at each address, made at its first access
         self._pairs: list[Operand | None] = []  # the 32-bit operand at each even address
-        self._nothing: Operand = Operand.__new__(Operand)  # the entry of an address without a register
-        self._named: dict[tuple[Operand, int], Operand] = {}  # results of `naming`
-        self._posted: Posted | None = None  # the write that lands first
-        self._posted_last: Posted | None = None  # the write that lands last
+        self._nothing: Operand = Operand.__new__(Operand)  # marks addresses without a register in these two lists
+        self._named: dict[tuple[Operand, int], Operand] = {}  # results of `naming`, by operand and mask
+        self._posted: Posted | None = None  # the posted write that lands first; None if there is none
+        self._posted_last: Posted | None = None  # the posted write that lands last
         self._last_pf1_write = -NEVER
 
     # Operands ------------------------------------------------------------
@@ -254,7 +254,7 @@ class Bus:
     # Reads -----------------------------------------------------------------------
 
     def read_waits(self, operand: Operand) -> int:
-        """Return the wait states of a read that is made now."""
+        """Return the wait states of a read of this operand."""
         if operand.frame2 and not self._read_listed:
             self._read_listed = True
             self._pf2_read_ws.assume(self._core.touched)
@@ -275,14 +275,17 @@ class Bus:
         return self._recorded(at, operand, self._place() if operand.records_place() else None)
 
     def record_poll(self, at: int, operand: Operand, value: int, where: SourceLocation | None) -> None:
-        """Record a read that the caller made by `Operand.see`, with the value that it returned.
+        """Record a read that the caller has made by `Operand.see`. value: the value that `see` returned.
 
         where: the statement with the read; None if the records do not contain statements.
         """
         operand.reads.emit(self._clock.tick(at), value, where or "", operand.named)
 
     def _recorded(self, at: int, operand: Operand, where: SourceLocation | None) -> int:
-        """Record a read of an operand, then make the read and return the value. where: see `record_poll`."""
+        """Record a read of an operand, then make the read and return the value.
+
+        where: the statement with the read; None if the records do not contain statements.
+        """
         recorder = self._recorder
         outer = recorder.cause
         seen = operand.see(at)
@@ -320,7 +323,7 @@ class Bus:
     def modify(self, at: int, operand: Operand, number: int) -> None:
         """Write `number` to a bit field by one instruction that reads and writes the word with the field.
 
-        The compiler emits such instructions. Each takes the cycles of a read, and its write is posted.
+        TI's compiler emits such an instruction for a bit field. It takes the cycles of a read, and its write is posted.
         """
         where = self._place() if self._wants_place(operand) else None
         value = self._recorded(at, operand, where) if operand.recorded else self.fetch(at, operand)
@@ -384,6 +387,6 @@ class Bus:
     # Both ------------------------------------------------------------------------
 
     def _require_met(self, at: int) -> None:
-        """Raise RuntimeError if the kernel's time was not set to cycle `at` of an access with effects."""
+        """Raise RuntimeError unless the program has called `CpuTime.meet` in cycle `at`, before this access."""
         if self._time.met != at:
             raise RuntimeError(f"{self._name}: an access in cycle {at} has effects; call CpuTime.meet before it")

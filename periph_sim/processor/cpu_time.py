@@ -25,12 +25,12 @@ class CpuTime:
     """The time of one CPU, in cycles of its SYSCLKOUT.
 
     cycle: the number of cycles that have passed for this CPU.
-    lease: the end of the lease: before this cycle only the program of this CPU can act. 0 if the end is unknown.
+    lease: the end of the lease: before this cycle only the program of this CPU can act. 0 if it must be computed again.
     lands: the cycle at whose end the next posted write takes effect, and the lease ends; NEVER if there is none.
     met: the cycle of this CPU to which the kernel's time was set last.
     asleep: True if the CPU sleeps at an instruction boundary, so that an interrupt can wake it.
-    watching: True if the CPU executes passes of a wait that a sleep could replace, because passes are not skipped.
-    wakes: the cycle at which a sleeping CPU would be woken, if `watching`.
+    watching: True while the CPU executes the passes of a wait in place of a sleep, because passes must not be skipped.
+    wakes: while `watching`, the cycle at which a sleeping CPU would be woken; NEVER if no such cycle is known.
     """
 
     STATE = State("asleep watching _wake", cycles="cycle lands met wakes _wake_cycle _until", ticks="_wake_tick")
@@ -56,19 +56,20 @@ class CpuTime:
 
     @property
     def waits_for_input(self) -> bool:
-        """True if the CPU sleeps without a scheduled wake-up: only a watched register or an interrupt can wake it."""
+        """True if the CPU sleeps, or would sleep if not `watching`, and only a register or an interrupt can wake it."""
         return self.wakes == NEVER if self.watching else self.asleep and not self._wake.queued
 
     def left(self) -> int:
-        """Return the cycles from now to the last possible tick."""
+        """Return the number of cycles from now to the last tick that a run can reach."""
         return self._clock.cycle_at(LAST_TICK) - self.cycle
 
     # Advancing ---------------------------------------------------------------
 
     def advance(self, cycle: int) -> bool:
-        """Set the time to `cycle` and return True. If something else may act before, schedule a wake-up, return False.
+        """Set the time to `cycle` and return True, or schedule a wake-up at `cycle` and return False.
 
-        A cycle in the past, as in a replayed pass of a wait, is always possible.
+        The result is False if something else may act before `cycle`; the program must then stop until the wake-up. A
+        cycle in the past, as in a replayed pass of a wait, is always accepted.
         """
         if cycle >= self.lease:
             quiet = self._clock.cycle_at(self._kernel.quiet_until())
@@ -89,7 +90,7 @@ class CpuTime:
         return lease
 
     def rest(self, cycle: int) -> bool:
-        """If nothing else may act before `cycle`, set the time to it and return True; else sleep and return False.
+        """If nothing else may act before `cycle`, set the time to `cycle` and return True; else sleep and return False.
 
         The sleep ends at `cycle` or at an interrupt; if `cycle` is NEVER, only at an interrupt.
         """
@@ -131,7 +132,7 @@ class CpuTime:
         self.lease = 0
 
     def limit(self, lands: int) -> None:
-        """Limit the lease, because a posted write takes effect at the end of cycle `lands`."""
+        """Note that a posted write takes effect at the end of cycle `lands`, and end the lease there."""
         if lands < self.lands:
             self.lands = lands
         if lands < self.lease:
@@ -145,7 +146,10 @@ class CpuTime:
         self.wake_at(self.cycle)
 
     def arrive(self) -> None:
-        """Set the time of the CPU to the cycle of the wake-up that happens now."""
+        """Set the time of the CPU to the cycle of the wake-up that happens now.
+
+        The time of a sleeping CPU does not go back, and does not exceed the cycle `until` that `sleep` was given.
+        """
         self.lease = 0
         if self.asleep:
             self.asleep = False
@@ -163,7 +167,7 @@ class CpuTime:
         self._kernel.reschedule(self._wake, tick, 0)
 
     def resume_by(self, cycle: int) -> None:
-        """Schedule a wake-up at `cycle`, unless an earlier wake-up is scheduled."""
+        """Schedule a wake-up at `cycle`, unless an earlier one is scheduled. While `watching`, only update `wakes`."""
         if self.watching:
             self.wakes = min(self.wakes, cycle)
             return

@@ -64,14 +64,14 @@ class DspPlan(Struct):
     pll: the multiplier in PLLCR that the start-up code sets.
     from_boot: True if the firmware begins with the state after a reset, False if TI's start-up code has run before.
     skip_polls: True if passes of a wait that repeat the previous pass are skipped.
-    keeps_decoded: see `Engine`.
+    keeps_decoded: True if an image decodes each instruction only once, False if it decodes it at each execution.
     strict: True if the run ends when the firmware violates a rule of the manuals (a note with the code "duty").
     seed: the seed of the times that are drawn from spreads.
-    costs: the times in seconds of the first computations whose cost is a spread; times of later ones are drawn.
+    costs: the times in seconds of the first computations whose cost is a spread. The times of all later ones are drawn.
     stall_limit: seconds of host CPU time that firmware may take at one instant of simulated time; 0 if unlimited.
     pulled_down: the GPIO numbers of the pins with an external pull-down resistor.
     part: the member of the F2833x family.
-    code: the cycles of compiled code around accesses.
+    code: the cycles that Python firmware takes for the code that a C compiler would place around its accesses.
     system: answers to open questions about the CPU and system control.
     options: a dictionary from a group of options to answers to open questions about modules. If a group is missing, its
         modules use the default answers.
@@ -102,8 +102,9 @@ class Dsp(FirmwareView):
 
     resets: the number of resets since the start.
     clock_history: (tick, frequency) of each change of SYSCLKOUT.
-    note_places: a dictionary from (module, tick) to the statement that violated a rule of the manuals or lost a word.
-    lost_counts: how often each note on a lost word occurred.
+    note_places: a dictionary from (module, tick) to the statement that violated a rule of the manuals, or wrote a word
+        that was lost.
+    lost_counts: a dictionary from each note on a lost word to the number of its occurrences.
     watchdog_resets: tick and statement of each reset by the watchdog.
     on_reset: functions that are called at each reset.
     sources: the C sources that the unit runs; None for other firmware.
@@ -231,7 +232,10 @@ class Dsp(FirmwareView):
         self.memory.places[name] = ModuleRange(name, descriptor.base, descriptor.size, descriptor.frame, socket)
 
     def _noted(self, socket: Socket, cycle: int, note: Note) -> None:
-        """Keep the statement that violates a rule of the manuals or writes a word that is lost. Count lost words."""
+        """Count lost words, and keep the statement that violates a rule of the manuals or writes a word that is lost.
+
+        Unless `FirmwareNotes.placed` is True, only the statement of the first occurrence of each lost word is kept.
+        """
         is_lost_word = note.code == "lost" and "was written" in note.text
         if is_lost_word:
             self.lost_counts[note] += 1

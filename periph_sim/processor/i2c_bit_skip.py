@@ -39,13 +39,13 @@ class I2cModuleParty(BitParty):
         self._chip = chip
         self._clock = clock
         self._calm = False  # the last result of the timing check in `ready`
-        self._calm_for = -1  # a number that differs for different inputs of that check
+        self._calm_for = -1  # a number computed from the inputs of that check; if it changes, the check is repeated
         self._hz: Fraction = clock.hz  # the clock frequency at that check
         self._asking = False  # True while the module, as the master, tries to skip bits
         self._release_cause = 0  # the record that caused the release of SCL for the first skipped bit
 
     def act(self, tag: int) -> None:
-        """End the skip: release SCL for the first bit again. The byte is then transferred edge by edge."""
+        """End the skip: repeat the release of SCL for the first bit. The byte is then transferred edge by edge."""
         self._socket.reclock()
         self._socket.repeat_output(SCL_INDEX, self._release_cause)
 
@@ -71,7 +71,9 @@ class I2cModuleParty(BitParty):
         return self._clock.tick(cycle + chip.filter_width + self._socket.out_delay)
 
     def separates(self, fall: int, moved: int) -> bool:
-        """Return True if the edges are separate events, at least a module clock apart (option `unequal_arrival`).
+        """Return True if two edges are at least one period of the module clock apart (option `unequal_arrival`).
+
+        The module then samples them as separate events.
 
         fall: tick of the falling edge of SCL. moved: tick of the next change of SDA.
         """

@@ -37,9 +37,10 @@ class Operand:
     recorded: True if accesses are recorded.
     harmless: True if a read has no effect.
     steady: True if a read has no effect and the value does not change with time.
-    meets: True if an access has an effect, or the module must be updated before a read. Before such an access, the
-        kernel's time must be set to its cycle (`CpuTime.meet`).
-    looks: True if a read is one call of `Chip.see`, and no callback receives the record of the read.
+    meets: True if a read has an effect, or the module must be updated before a read. Before such a read, the kernel's
+        time must be set to its cycle (`CpuTime.meet`).
+    looks: True if the value of `Chip.see` is all that a read needs: the register has 16 bits, a read has no effect, the
+        module needs no update, and no callback receives the record of the read.
     reads, writes: the topics of the records of reads and writes; not set unless `recorded`.
     placed: True if records of reads contain the statement.
     """

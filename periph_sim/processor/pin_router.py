@@ -71,7 +71,7 @@ class Router(Agent):
         self._outputs = outputs
         self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in wires.items()}
         self._free_pins: dict[int, Pin] = {}  # the pins of pads that no peripheral drives
-        self._direct: set[str] = set()  # the signals of asynchronous pads
+        self._direct: set[str] = set()  # the input signals of peripherals that come from asynchronous pads
         self._feeds: dict[int, Port] = {}  # maps a pad with a synchroniser to the input of a peripheral that it feeds
         self.pads = Sampler(kernel, recorder, self)
         self._line = {n: line for line, n in enumerate(wires)}  # maps a pad to its line in `pads`
@@ -185,7 +185,7 @@ class Router(Agent):
         self._gpio.edges(cycle, self._levels_on_wires())
 
     def _peek(self, cycle: int, offset: int) -> int:
-        """Return a word of GPIO for the present levels of all pads, without a change of the GPIO module."""
+        """Return a word of a GPIO register for the present levels of all pads. The GPIO module does not change."""
         gpio, unread = self._gpio, (self._levels_on_wires() ^ self._gpio.pads) & self._unread
         gpio.moved_before(unread)
         value = gpio.peek(cycle, offset)

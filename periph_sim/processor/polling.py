@@ -1,7 +1,9 @@
 """Waits in progress: the reads of a pass, and the time for which further passes have the same result.
 
 A wait is a loop that reads registers until a condition is true; a pass is one execution of the loop. A pass whose reads
-have no side effect has the same result until a bit that it has tested changes.
+have no side effect has the same result until a bit that it has tested changes. So the CPU can sleep in place of further
+passes. When a change wakes the CPU, the pass in progress is replayed from its start: its reads before the change return
+the values of the executed pass.
 """
 
 # core: compiled
@@ -24,7 +26,7 @@ class Poll:
     """A read in a pass.
 
     value: the words that were read.
-    before: the value that a replay of the pass returns for this read, which is the value of its first execution.
+    before: the words that this read returns in a replay if it is before the change.
     where: the statement in the firmware; None if it is not known yet.
     """
 
@@ -113,7 +115,7 @@ class Spin:
         return read.before
 
     def answer_before(self, cycle: int) -> None:
-        """Make the reads of the next pass that are before this cycle return the values of the present pass."""
+        """Prepare a replay: reads of the next pass that are before this cycle return the values of the present pass."""
         if self.made < len(self.reads):
             del self.reads[self.made :]
         read: Poll

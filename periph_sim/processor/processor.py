@@ -162,7 +162,7 @@ class Processor(Agent):
     stopped: the reason of the last stop of the program; None before the first stop.
     core: the masks, flags and timing of interrupts.
     taken: the name of the vector of the last interrupt that was taken.
-    unrequested: True if no line of the group was flagged and enabled when the last vector was fetched.
+    unrequested: True if no line of the interrupt's PIE group was flagged and enabled when its vector was fetched.
     """
 
     STATE = State(
@@ -259,7 +259,7 @@ class Processor(Agent):
         self.stops(why)
 
     def stops(self, why: Stop | None) -> None:
-        """Store why the program stops. Then set the cause of further records to that before the program was run."""
+        """Store why the program stops, and restore the cause of records to that before the kernel called `act`."""
         recorder = self._recorder
         self.stopped = why
         self._cause, recorder.cause = recorder.cause, self._outer
@@ -267,7 +267,10 @@ class Processor(Agent):
     # Steps that take time ------------------------------------------------------------
 
     def reach(self, cycle: int) -> bool:
-        """Let time pass to `cycle` without interrupts. Posted writes that land before this cycle take effect."""
+        """Let time pass to `cycle` without interrupts. Posted writes that land before this cycle take effect.
+
+        Return False if the program must stop before; see `Program.run`.
+        """
         time = self.time
         while time.lands < cycle:
             if not time.advance(time.lands):
@@ -281,7 +284,10 @@ class Processor(Agent):
         return False
 
     def rest(self, cycle: int) -> bool:
-        """Sleep until `cycle`, or until an earlier boundary at which an interrupt can be taken."""
+        """Sleep until `cycle`, or until an earlier boundary at which an interrupt can be taken.
+
+        Return True if that time has been reached in this call, False if the program must stop until the wake-up.
+        """
         now = self.time.cycle
         self._goal = 0
         return self.time.rest(min(cycle, max(now, self.core.earliest())))
@@ -296,7 +302,8 @@ class Processor(Agent):
     def take_interrupt(self, number: int) -> bool:
         """Take this interrupt at the present boundary: store the context, fetch the vector, enter the routine.
 
-        Raise InterruptFault if the stack is outside of memory.
+        Return False if the program must stop before the routine is entered; see `Program.run`. Raise InterruptFault if
+        the stack is outside of memory.
         """
         core, words = self.core, list(self.program.context())
         self._number = number
@@ -307,7 +314,10 @@ class Processor(Agent):
         return self.reach(core.ready - core.entry_cycles + core.vector_delay) and self._go_on()
 
     def iret(self) -> bool:
-        """Execute IRET: restore the context, and return to the interrupted code after 8 cycles."""
+        """Execute IRET: restore the context, and return to the interrupted code after 8 cycles.
+
+        Return False if the program must stop before these cycles have passed; see `Program.run`.
+        """
         core, cycle = self.core, self.time.cycle
         words: list[int] = list(self.bus.ram.words(self._frame(cycle, core.returning_sp), CONTEXT_WORDS))
         core.iret(cycle, words[ST1_WORD], words[IER_WORD])
@@ -381,7 +391,7 @@ class Processor(Agent):
     # Requests ------------------------------------------------------------------------
 
     def request(self, cycle: int, number: int) -> None:
-        """Receive a pulse on the interrupt line INTn at `cycle`. number: the n of INTn."""
+        """Receive a pulse on the interrupt line INTn at `cycle`, and wake a sleeping CPU. number: the n of INTn."""
         core = self.core
         core.raise_line(cycle, number)
         if self.time.asleep or self.time.watching:

@@ -6,7 +6,7 @@
 
 User code is prevented from the following:
 
-- to exit. `sys.exit` becomes an error, as does every exception that is no `Exception`. Only Ctrl-C is not changed.
+- to exit. `sys.exit` and other exceptions that are no `Exception` become errors. Ctrl-C is not changed.
 - to run forever. A call that uses more CPU time than its limit is stopped, and the message has its line.
 - to poll for long without notice. `warn` writes a sentence during the run.
 - to print twice. A case that is run again for an explanation prints nothing the second time.
@@ -67,8 +67,8 @@ class RunWatch(Protocol):
 class _Watch:
     """The guard of the process against user code that takes too much CPU time at one instant of simulated time.
 
-    A separate thread checks all user code ten times a second. Only the CPU time of the
-    thread that executes the user code counts; a loaded machine, or firmware that blocks, uses none. User code in a
+    A separate thread checks all user code ten times a second. Only the CPU time of the thread that executes the user
+    code counts, so time in which that thread blocks, or waits for a loaded machine, does not count. User code in a
     debugger is not stopped. The exception is raised in the executing thread between two bytecodes.
 
     stops: the threads in which user code was stopped; while the list is empty, `leave` need not be called.
@@ -152,7 +152,7 @@ def _cpu_seconds(thread: int) -> float:
 
 def _raise_in(thread: int, what: type[BaseException]) -> None:
     """Raise an exception in a thread at its next bytecode. It replaces a pending exception."""
-    import ctypes  # imported here, because only a stall needs it
+    import ctypes  # imported here, because it is needed only after a stall
 
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(what))
 
@@ -273,8 +273,8 @@ NO_EXIT = "user code cannot end the command; return, or raise an error, instead 
 def as_firmware_error(error: BaseException, who: str) -> FirmwareError | None:
     """Return a FirmwareError, with the place, for an error that user code has raised.
 
-    Return None if `error` must not be changed: for Ctrl-C, for a FirmwareError that contains its place, and for an
-    error of the simulation itself. who: the name of the user code.
+    Return None if `error` must not be changed: for Ctrl-C, for GreenletExit and NoProgress, which end firmware, for a
+    FirmwareError that contains its place, and for an error of the simulation itself. who: the name of the user code.
     """
     if isinstance(error, PASSES):
         return None
@@ -310,7 +310,7 @@ class UserCode:
             watch.add(self)
 
     def instant(self) -> tuple[int, int]:
-        """Return a different value in each call."""
+        """Return values that stay the same during one guarded call, and differ from those during other calls."""
         return self._calls, 0
 
     def __call__(self, function: Callable[..., Returned], *arguments: object) -> Returned:

@@ -150,8 +150,8 @@ def parse(source: str, address: int, symbols: Mapping[str, int]) -> Parsed:
 def _forms() -> Mapping[str, list[Encoding]]:
     """Return a dictionary from a mnemonic to its forms, in the order in which `parse` tries them.
 
-    Forms with fewer words come first. Of equal length, aliases come after the other forms, and then forms with fewer
-    operands come first: `MOVL P,ACC` before `MOVL loc32,ACC`.
+    Forms with fewer words come first. Among forms of equal length, aliases come last. Among the remaining ones, forms
+    with fewer operands come first: `MOVL P,ACC` before `MOVL loc32,ACC`.
     """
     forms: dict[str, list[Encoding]] = {}
     for encoding in encodings():

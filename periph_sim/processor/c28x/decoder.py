@@ -25,7 +25,7 @@ RELATIVE = frozenset(["B", "BF", "SB", "SBF", "BANZ", "BAR"])
 UNC_ENDS = frozenset(["B", "BF", "SB", "XB", "XRETC"])  # mnemonics that always jump if their condition is UNC
 ENDS = RETURNS | {"ESTOP0", "ITRAP0", "ITRAP1", "LB"}
 TMU = range(0xE270, 0xE27D)
-VCU = (0xE2, 0xE5)  # upper bytes of the first word of an instruction for the VCU
+VCU = (0xE2, 0xE5)  # values of the upper byte of the first word of an instruction for the VCU
 
 
 class Instruction(NamedTuple):
@@ -114,7 +114,7 @@ def other_unit(first: int) -> str:
 
 
 def decode_at(address: int, first: int, second: int) -> Instruction | None:
-    """Return the instruction at an address; None if its words are no instruction. first, second: see `decode`."""
+    """Return the instruction at an address; None if there is none. first, second: the word there, and the next word."""
     encoding = decode(first, second)
     return None if encoding is None else Instruction(address, first << 16 | second, encoding)
 

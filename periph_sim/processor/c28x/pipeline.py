@@ -214,8 +214,8 @@ class FetchQueue:
 
 LANE = 10  # number of bits of a lane of `Pipeline.pending`, one for each register in REGISTERS
 ONCE_EACH = 0x100401  # bit 0 of each of the three lanes
-BEHIND = 3  # number of cycles for which the next instruction waits for a written word
-STORES = 4  # number of stores that are kept; at most one is made in a cycle, and two by an instruction
+BEHIND = 3  # cycles that an instruction waits if it reads a word that the instruction directly before it writes
+STORES = 4  # number of stores that are remembered; at most one is made in a cycle, and two by an instruction
 STORES_PACKED = 1 + 3 * STORES  # length of `Pipeline.packed_stores`
 
 
@@ -288,7 +288,10 @@ class Pipeline:
             self.pending |= f.makes << 2 * LANE
 
     def wrote(self, address: int, words: int, cycle: int) -> None:
-        """Note the memory words that the current instruction writes. cycle: see `Cpu.written_in`."""
+        """Note the memory words that the current instruction writes.
+
+        cycle: the cycle of the instruction, counted from 1, in which the write passes phase D2.
+        """
         if self.enabled:
             at = self._at = self._at + 1 & STORES - 1
             self._first[at], self._last[at] = address, address + words - 1

@@ -37,7 +37,7 @@ class Access(IntEnum):
     """Kinds of the items of a log. runtime.c uses the numbers of COMPUTE and READ, too."""
 
     COMPUTE = 1  # the value is the number of cycles
-    READ = 2  # the place is the offset on the host, the value contains the bytes that were read
+    READ = 2  # the place is the offset in register memory, the value contains the bytes that were read
     WRITE = 3  # the place is the address on the chip, the value is the written value
     EXECUTE = 4  # the place is the index of the instruction in `Run.assembly`
     ENTER = 5  # the value is the address of a service routine in the library
@@ -61,11 +61,14 @@ class AccessLog(NamedTuple):
 
 
 class LoggedRun(Run):
-    """A run that keeps a log. If it is given the log of an earlier run, it first makes the same accesses again.
+    """A run that keeps a log.
+
+    If it is given the log of an earlier run, it first executes the sources again up to the end of that log: each access
+    is compared with the log, which also has the values of reads. No module is accessed in that time.
 
     log: the items so far.
     computing: the cycles of the computation in progress; 0 if there is none.
-    re_executes: True while accesses are compared with those of the earlier run.
+    re_executes: True while accesses are compared with the log of the earlier run.
     """
 
     def __init__(
@@ -190,9 +193,10 @@ def log_at_rest(firmware: HostFirmware) -> AccessLog | None:
 def re_execute(firmware: HostFirmware, log: AccessLog, rest: tuple[int, int]) -> None:
     """Execute a program from its start to the end of a log. The program must not have been started yet.
 
-    Raise NotRestorable if the accesses of the program differ from those in the log.
+    Raise NotRestorable if the accesses of the program differ from those in the log. Only the states of the CPU and the
+    kernel change, not those of modules and wires.
 
-    Only the CPU of the program and the kernel change. rest: see `LoggedRun`.
+    rest: the cycle at which the log ends, and the cycles that its last computation takes after it.
     """
     processor = firmware.dsp.processor
     firmware.make_run = partial(LoggedRun, log=log, rest=rest)

@@ -60,7 +60,7 @@ BLOCKS_AT_ONCE = 64  # number of basic blocks after which time passes even witho
 LOOP_CYCLES = 1_000_000  # cycles that an endless empty loop takes at a time; service routines may interrupt them
 DELAY_PASS, DELAY_CALL = 5, 9  # cycles of a pass of the loop in DSP28x_usDelay, and of a call of this function
 ROUTINES = 0x31_0000  # first of the code addresses given to functions whose pointers are stored as vectors
-_taken: set[int] = set()  # host addresses of the registers of running programs
+_taken: set[int] = set()  # host addresses of the register memories of running programs
 POINTER = 8  # bytes of a pointer on the host
 RPT_NOP = re.compile(r"rpt\s+#(\d+)\s*\|\|\s*nop", re.IGNORECASE)
 
@@ -116,7 +116,10 @@ class Run:
     """
 
     def __init__(self, dsp: Dsp, path: Path, base: int, layout: RegisterLayout) -> None:
-        """path: the library, which no other run has loaded, so that no variables are shared. base: see `Library`."""
+        """path: the library, which no other run has loaded, so that no variables are shared.
+
+        base: the host address of the chip's word 0, where the register memory begins.
+        """
         self.dsp = dsp
         self._layout = layout
         self._place = 0  # host address of the instruction that makes the current access
@@ -190,7 +193,7 @@ class Run:
         runtime.c then leaves the C functions, and `_call` raises the exception.
 
         what: the kind of the request.
-        at, size: the number of bytes of an access, and their offset from the host address of the chip's word 0.
+        at, size: the offset of the accessed bytes in register memory, and their number.
         detail: depends on the kind: the number of the place to write, the announced bytes, a text, or a count.
         blocks: the number of basic blocks executed since the last request.
         pc: the host address of the instruction.
@@ -231,7 +234,11 @@ class Run:
         return reply
 
     def _announced(self, at: int, size: int) -> int:
-        """Return the number of the place that C code writes next; PROTECTED if only the store determines the place."""
+        """Return the number of the place that C code writes next. at, size: the bytes that gcc has announced.
+
+        Return PROTECTED if only the store instruction determines the place. runtime.c then protects these bytes, so
+        that the store causes a fault, and finds the address and the size of the store in the handler of the fault.
+        """
         if not self._layout.may_write(at, size):
             raise self._no_member(at, size)
         place = self._layout.announced(at, size)

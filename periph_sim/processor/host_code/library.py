@@ -3,9 +3,10 @@
 sources --gcc -O0, thread-sanitizer hooks--> objects --+--> library, register structures at absolute addresses
 runtime.c --gcc, no hooks----------------------------'
 
-Python calls the handler of SIGINT when a function begins, also a function that C code calls. An exception at that point
-is outside of the `try` of the function; ctypes would print and drop it. So a SIGINT that comes while C code runs is
-stored, and `leave_c` raises KeyboardInterrupt.
+SIGINT (Ctrl-C) needs care while C code runs. Python calls the handler of a signal at the start of the next Python
+function, which may be one that C code calls. An exception of the handler is then raised before the `try` of that
+function, and ctypes would print and drop the exception. So a SIGINT that comes while C code runs is stored, and
+`leave_c` raises KeyboardInterrupt.
 """
 
 from __future__ import annotations
@@ -54,13 +55,13 @@ REQUEST_HANDLER = ctypes.CFUNCTYPE(
 class Library:
     """A compiled library of C firmware, loaded into this process.
 
-    memory: the bytes of the host's memory for registers.
+    memory: the bytes of register memory.
     """
 
     def __init__(self, path: Path, base: int, on_request: RequestHandler, blocks_at_once: int) -> None:
         """path: the file, which no other object has loaded. base: the host address of the chip's word 0.
 
-        on_request: handles requests of runtime.c, see `Run`.
+        on_request: called for each request of runtime.c, with the parameters of `Run._on_request`.
         blocks_at_once: the number of basic blocks between requests.
         """
         self._path = path
@@ -221,7 +222,7 @@ ABSENT = ": No such file or directory"
 HEADER = re.compile(rf"gcc says: ([^/\\]+){ABSENT}$")
 TWICE = re.compile(r"(?m)^(\S+?):\d+: multiple definition of [`']([^']+)'; \S+?:(\S+?):\d+: first defined")
 MISSING = re.compile(r"undefined reference to [`']([^']+)'")
-ENDING = ("exit", "_exit", "_Exit", "quick_exit", "abort", "__assert_fail")  # runtime.c replaces them
+ENDING = ("exit", "_exit", "_Exit", "quick_exit", "abort", "__assert_fail")  # functions that runtime.c replaces
 OWN_DECLARATIONS = "void c28x_assembly(const char *);"
 
 
@@ -290,7 +291,7 @@ def compiled(sources: Sources, folder: Path) -> list[str]:
 def linked(objects: Sequence[str], undefined: bool, base: int, library: Path) -> Path:
     """Link objects to the file `library`, and return its path. Raise BadSources if something is missing.
 
-    undefined: see `Sources`. base: the host address of the chip's word 0.
+    undefined: True to link UBSan, which reports undefined behaviour. base: the host address of the chip's word 0.
     """
     places = [f"-Wl,--defsym={name}={base + BYTES_A_WORD * address:#x}" for name, address in SYMBOLS.items()]
     places += [f"-Wl,--defsym={name}=0" for name in COPIED]

@@ -84,7 +84,8 @@ class Place(Struct, frozen=True):
     at, size: its offset and number of bytes on the host.
     word, width: its address on the chip, and its bits there, 16 or 32.
     signed: True if the number on the host is the sign-extended number of the chip.
-    partial: True if a bit field is only a part of the word. A write of the field then begins with a read of the word.
+    partial: True if the word contains a bit field of less than 16 bits. A write of such a field begins with a read of
+        the word.
     """
 
     at: int
@@ -103,7 +104,8 @@ class RegisterLayout:
         self._numbers: dict[tuple[int, int], Place] = {}  # maps (offset, size) to a place that is no bit field
         self._fields: dict[int, Place] = {}  # maps the offset of each byte with bits of a field to its place
         self._read: dict[tuple[int, int], tuple[Place, ...]] = {}  # results of `read`
-        # Maps the offset of adjacent bit fields to their size in bytes. gcc announces a write of one as a write of all.
+        # Maps the offset of adjacent bit fields to their total size in bytes. gcc announces a write of one of these
+        # fields as a write of all.
         self._announced: dict[int, int] = {}
         self._path: list[DIE] = []  # the variable, then the members that lead to the present member
         with library.open("rb") as file:

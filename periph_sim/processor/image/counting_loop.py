@@ -32,7 +32,7 @@ from .cpu import ImageCpu
 from .memory import L0_AGAIN, L4_AGAIN, MIRROR, in_plain_ram
 from .observers import InstructionWatch
 
-MOST_TRACED = 256  # maximum number of instructions in a traced pass
+MOST_TRACED = 256  # maximum number of instructions in a trace
 COUNTERS = 9  # the first entries of `ImageCpu.state`, in which a counter can be: ACC and XAR0 to XAR7
 WORD, HALF = 1 << 16, 1 << 15
 
@@ -65,8 +65,9 @@ class NotCounting(Exception):
 class Traced(NamedTuple):
     """An instruction of a traced pass.
 
+    f: the instruction.
     at: the cycle in which the instruction was executed.
-    operand: the words of the operand of field l, the low word first; empty if no counter can be there.
+    operand: the words of the operand of field l, the low word first; empty if they cannot be counters.
     pointers: mask of the registers that form the address of the operand.
     needs: mask of the registers that the instruction needs in phase D2.
     sp: SP before and after the instruction.
@@ -156,7 +157,7 @@ def sum_of(encoding: Encoding) -> Sum | None:
 
 
 def places_of(name: str, traced: Traced) -> tuple[Place, ...]:
-    """Return the words of a named operand, the low word first; an empty tuple where no counter can be."""
+    """Return the words of a named operand, the low word first; an empty tuple if they cannot be counters."""
     if name in OPERAND:
         return traced.operand
     f = traced.f
@@ -197,7 +198,7 @@ def _address_registers(mask: int) -> Iterable[Place]:
 class RepeatedPass:
     """Evaluation of a traced pass with counters in place of values.
 
-    counters: a dictionary from each word that is a counter to its number at the present instruction of the pass.
+    counters: a dictionary from each word that is a counter to its value and step at the present instruction.
     passes: the number of further passes for which the evaluation so far is valid.
     stores: the writes to memory so far.
     """
@@ -286,7 +287,7 @@ class CountingLoop(InstructionWatch):
     )
 
     def __init__(self, cpu: ImageCpu, time: CpuTime, memory: Ram, over: Callable[[InstructionWatch], None]) -> None:
-        """over: called with this object when the trace is no longer needed."""
+        """over: called with this object when the trace is not needed, because the pass is not analysed any more."""
         self.does_more = False
         self._time = time
         self._began = time.cycle
@@ -369,7 +370,7 @@ class CountingLoop(InstructionWatch):
         return {place: Number(before[place], step) for place, step in steps.items() if step}
 
     def cut_off(self, cycles: int) -> None:
-        """Make those stores of the pass in progress at a reset that come before the reset.
+        """Make the stores of an incomplete skipped pass, which a reset has ended. Stores after the reset are not made.
 
         cycles: the number of cycles from the start of this pass to the reset.
         """

@@ -3,7 +3,8 @@
     ImageMemory --loads, stores--> Ram | Bus | UnmappedMemory
     ImageCpu    --ST1, IER, IFR--> CpuInterrupts
 
-Accesses are made in the present cycle. Before an access, `access_at` returns the cycle in which it can be made.
+Accesses are made in the present cycle. Before an access, the program calls `access_at`, which returns the cycle in
+which the access can be made.
 """
 
 # core: compiled
@@ -91,7 +92,7 @@ class ImageCpu(ImageMemory):
             delay(made)
 
     def operation_of(self, address: int, first: int, second: int) -> Operation:
-        """Return the operation that these two words encode at an address, ready to execute. Make no notes."""
+        """Return the operation that these two words encode at an address, ready to execute."""
         found = decode_at(address, first, second)
         assert found is not None
         made = operation(found)
@@ -201,7 +202,7 @@ class ImageCpu(ImageMemory):
         return tuple(self._packed)
 
     def is_as_before(self) -> bool:
-        """Return True if the state is equal to that at the last call of this method."""
+        """Return True if the result of `state` is equal to that at the last call of this method."""
         self._pack()
         same: bool = True
         for place in range(PACKED):
@@ -230,7 +231,10 @@ class ImageCpu(ImageMemory):
     # Control ------------------------------------------------------------------------
 
     def enter(self, vector: int) -> None:
-        """Execute TRAP or INTR: save the context at SP, and enter the service routine, regardless of masks."""
+        """Execute TRAP or INTR: save the context at SP, and enter the service routine, regardless of INTM and IER.
+
+        vector: the number of the vector.
+        """
         routine = self._processor.fetch_for_trap(self._time.cycle, vector)
         self.hand_over()
         context = self.context()
@@ -268,7 +272,7 @@ class ImageCpu(ImageMemory):
         ]  # fmt: skip
 
     def begin_routine(self, address: int) -> None:
-        """Enter the service routine at an address. The bit RA of RB moves to RAS."""
+        """Enter the service routine at an address. In RB, bit RAS receives the value of RA, and RA becomes 0."""
         self.timing.drain()
         self.polls.soil()
         self.polls.routines += 1

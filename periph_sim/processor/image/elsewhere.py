@@ -4,7 +4,7 @@
     PARTID           contains the number of the part
     ADC_cal          returns at once; on the chip, this routine only sets trims of the ADC
     math tables      of the boot ROM contain what TI's IQmath and fast floating-point libraries read (`rom_tables`)
-    boot ROM         otherwise reads as 0, and a note is made; a use of its routines or its version ends the run
+    boot ROM         otherwise reads as 0, and a note is made; calling it, or reading its version, is an error
     XINTF zones      are memory with the minimum of one wait state, and a note is made; XTIMING is ignored
     frames           of modules that are not modelled, or not in the unit, keep what is written, and a note is made
     stubs            are values that reads of a word return, regardless of writes
@@ -77,11 +77,11 @@ class UnmappedMemory:
         self._noted: set[str] = set()
         self.stubs: dict[int, int] = {}
         self.to_come: list[int] = []
-        self._flash = self._fetches(Content.FLASH)  # kept, because it is needed at each jump in flash
+        self._flash = self._fetches(Content.FLASH)  # the result is kept, because each jump in flash needs it
         self.set_part(PART)
 
     def set_part(self, part: Part) -> None:
-        """Use the memory map of another part of the family."""
+        """Use the memory map of this part of the family."""
         self._part = part
         self._flash_begin = part.flash.start
         self._stored[PARTID] = part.part_id
@@ -179,7 +179,7 @@ class UnmappedMemory:
         return self._waits(area.content)[0]
 
     def fetches(self, address: int) -> tuple[int, int, int]:
-        """Return (bits, first, later) of program memory at an address.
+        """Return (bits, first, later) for fetches from program memory at an address.
 
         bits: a fetch reads 2 ** bits words.
         first: the wait states of the first fetch after a jump.

@@ -38,7 +38,8 @@ class InstructionTiming:
     pipeline: computes stalls between instructions.
     queue: computes waits for fetches from memory with wait states.
     late: the additional cycles of the present instruction.
-    conflicts: False once it is known that a data access to the block of the program takes no additional cycles.
+    conflicts: False once it is known that a data access takes no additional cycles if the instruction is in the same
+        memory block.
     """
 
     STATE = State("pipeline queue conflicts late")
@@ -78,7 +79,7 @@ class InstructionTiming:
             f.cycles = self._options.push_acc_cycles.assume(self._core.touched)
 
     def stall(self, f: Operation, cpu: Cpu, cycle: int) -> int:
-        """Return the number of cycles that an instruction waits in D2; 0 for passes of RPT after the first."""
+        """Return the number of cycles that an instruction waits in D2; 0 for passes after RPT except the first."""
         if cpu.passes:
             return 0
         waits: int = 0
@@ -132,7 +133,7 @@ class InstructionTiming:
         return 0
 
     def repeats(self, count: int) -> int:
-        """Return the repeat count that RPT uses for a count in memory or a register, which may exceed RPTC."""
+        """Return the repeat count that RPT uses. count: the value of its operand, which may not fit RPTC."""
         if count <= 0xFF:
             return count
         return count & (1 << self._options.rptc_width.assume(self._core.touched)) - 1

@@ -42,7 +42,7 @@ class UnmodelledWait(NamedTuple):
     """A wait for unmodelled registers. It continues while service routines interrupt it.
 
     since: the cycle at which the wait began.
-    loop: the addresses of the first and the last instruction of its loop.
+    loop: the addresses of the first and the last instruction of its loop. The last one is the branch back.
     sp: the stack pointer in the loop.
     routines: the number of service routines that are active in the loop.
     addresses: the addresses of the unmodelled words that the loop reads.
@@ -86,7 +86,7 @@ class LoadedImage(Program):
         self._functions: FunctionMap | None = None
         self._calls: CallStack | None = None  # None if no listener observes calls
         self._recorder: Recorder | None = None  # None if waits are not recorded
-        self._waits_for = ""  # the text about the last wait in its record
+        self._waits_for = ""  # what the last recorded wait waits for
         self._watches: list[InstructionWatch] = []  # observers of instructions
         self._entry = entry
         self._at = entry  # the address of the instruction in progress; between two, of the one executed last
@@ -117,7 +117,7 @@ class LoadedImage(Program):
         return known
 
     def place_of(self, function: str) -> SourceLocation | str:
-        """Return the place of a function's first instruction, or the name of an unknown function."""
+        """Return the place of a function's first instruction, or the given name if the image has no such function."""
         found = self.functions.named(function)
         return self.place_at(found.address) if found else function
 

@@ -46,7 +46,7 @@ class ImageMemory(Engine):
     elsewhere: the words outside of RAM and of the modelled modules.
     timing: the additional cycles of instructions.
     polls: detects waits of the program.
-    watched: the observer of writes to certain words of memory; None if there is none.
+    watched: the observer of writes to variables; None if there is none.
     reads_unwritten: called with an address at the first read of a word that was not written before; None for no call.
     """
 
@@ -161,8 +161,8 @@ class ImageMemory(Engine):
     def _even(self, address: int, how: str) -> int:
         """Return the even address that a 32-bit access uses in place of the odd address `address` [SPRU430F 5.11].
 
-        Raise IllegalOperation if `address` is that of the operand in field l, because this is a mistake of the program.
-        An addressing mode that uses SP is accepted, because SP may be odd.
+        Raise IllegalOperation if `address` is that of the operand of field l, because this is a mistake of the program.
+        Addressing modes that use SP are an exception, because SP may be odd.
         how: the words "read from" or "written to", for the message.
         """
         on_stack = STACK_FIELDS <= self.field < BEHIND_STACK_FIELDS or self.field in (PUSHES, POPS)

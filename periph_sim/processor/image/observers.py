@@ -44,7 +44,7 @@ class Coverage(InstructionWatch):
     """Coverage of an image: executions of each instruction, and taken jumps.
 
     executed_at: a dictionary from the address of an instruction to the number of its executions.
-    jumped_at: a dictionary from the address of an instruction to the number of its executions that have jumped.
+    jumped_at: a dictionary from the address of an instruction to the number of its executions that ended in a jump.
     """
 
     def __init__(self) -> None:

@@ -3,10 +3,16 @@
     backward branch is repeated --> state of the CPU as before --> Lease: a watch on the registers that were read
     --> sleep --> woken: the pass in progress is replayed from its start; reads in the past return the earlier values
 
-A pass is *clean* if it changed no word of memory, wrote no register, read no register that counts or that a read
-changes, did not access interrupt masks and flags, and was not interrupted. If the registers, the pipeline and the fetch
-queue are equal before and after two clean passes of equal length, the next pass has the same result as long as the
-module registers that the pass reads keep their values. So skipping a pass does not change any cycle or bit.
+A pass is *clean* under these conditions:
+
+- It changed no word of RAM, and wrote nothing else except the key register of the watchdog.
+- It read no register that changes with time, or whose read has an effect.
+- It changed no interrupt mask (INTM, IER), and did not access IFR.
+- No interrupt was taken in it. If a listener observes calls, it made no call.
+
+If the registers, the pipeline and the fetch queue are equal before and after two clean passes of equal length, the next
+pass has the same result as long as the module registers that the pass reads keep their values. So skipping a pass does
+not change any cycle or bit.
 
 After a pass that changes a counter, in a register or in memory, further passes may change only the counters
 (`counting_loop`). Such passes are skipped in the same way, and the counters are advanced.
@@ -28,8 +34,8 @@ from ..polling import Lease, Spin
 FIRST_EXAMINED = 2  # number of passes of a loop before a pass is examined
 LONGEST = 1024  # maximum number of passes between two examined passes of a loop that is no wait
 COUNTS_FROM = 64  # number of passes before a loop is analysed for counters, which is slow
-FEWEST = 8  # minimum number of counting passes for which the program sleeps; fewer passes are executed
-TRIES = 3  # number of failed analyses after which a loop is no longer analysed
+FEWEST = 8  # minimum number of passes that only count for which the program sleeps; fewer are executed
+TRIES = 3  # number of failed analyses for counters after which a loop is not analysed again
 
 
 @final
@@ -66,7 +72,7 @@ class PollSkipper:
         self.elsewhere: list[int] = []
         self._values: list[int] = []
         self.changed: dict[int, int] = {}
-        self._failed: dict[int, int] = {}  # maps the branch of a loop to the number of failed analyses
+        self._failed: dict[int, int] = {}  # maps the branch that closes a loop to its failed analyses
         self._compared = False  # True if the state at the start of the last pass is known
         self._branch = -1
         self._spin = Spin(0)
@@ -196,19 +202,19 @@ class PollSkipper:
         self._spin.begin_pass(self._time.cycle)
 
     def note(self, operand: Operand, value: int) -> None:
-        """Note a read of a register of a module."""
+        """Note that the examined pass reads a register of a module."""
         self._spin.note(operand, value << operand.shift, None)
         self._values.append(value)
         if not operand.steady:
             self.clean = False
 
     def note_elsewhere(self, address: int, value: int) -> None:
-        """Note a read of a word that is not modelled."""
+        """Note that the examined pass reads an unmodelled word."""
         self.elsewhere.append(address)
         self._values.append(value)
 
     def restart(self) -> None:
-        """Note a write to the key register of the watchdog."""
+        """Note that the examined pass writes the key register of the watchdog."""
         self.restarts = True
         if self.counting:
             self.clean = False
@@ -220,9 +226,12 @@ class PollSkipper:
     # Sleep -------------------------------------------------------------------------
 
     def sleep(self, most: int = NEVER) -> Spin | None:
-        """Put the program to sleep until a value that it polls may differ, for at most `most` passes.
+        """Put the program to sleep until a value that it polls may differ, or for `most` passes.
 
-        Return the wait that begins. Return None, without a sleep, if the next pass may read other values.
+        An interrupt ends the sleep, too.
+
+        Return the wait that begins. Return None, without a sleep, if a posted write or an interrupt is pending, or if
+        the next pass would read other values.
         """
         time, lease, spin = self._time, self._lease, self._spin
         if time.lands < NEVER or self._core.earliest() < NEVER:
@@ -245,7 +254,7 @@ class PollSkipper:
         return spin
 
     def woken(self, now: int) -> int:
-        """End the sleep at cycle `now`, from which on the result of a pass may differ.
+        """End the sleep at cycle `now`, from which on a pass may have another result.
 
         Return the number of complete passes since the sleep began. If these were skipped, the pass in progress is
         replayed from its start, and its reads before `now` return the earlier values.

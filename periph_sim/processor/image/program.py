@@ -38,8 +38,8 @@ from .polls import FEWEST
 class ImageProgram(LoadedImage):
     """A program that executes an image.
 
-    instructions: the number of executed instructions.
-    skipped: the part of `instructions` that belongs to skipped passes, so that it was counted but not executed.
+    instructions: the number of executed instructions, with those of skipped passes.
+    skipped: the number of instructions of skipped passes.
     """
 
     STATE = State(
@@ -62,7 +62,8 @@ class ImageProgram(LoadedImage):
     ) -> None:
         """entry: the address at which execution begins.
 
-        skip_polls: True if passes of a wait that repeat the previous pass are skipped. keeps_decoded: see `Engine`.
+        skip_polls: True if passes of a wait that repeat the previous pass are skipped.
+        keeps_decoded: True if each instruction is decoded once, False if it is decoded at each execution.
         """
         super().__init__(processor, clock, image, entry, ImageCpu(processor, options, skip_polls, keeps_decoded))
         self.instructions = self.skipped = 0
@@ -71,7 +72,7 @@ class ImageProgram(LoadedImage):
         self._idle_began = False
         self._asleep_at = 0  # the tick at which the last sleep began
         self._loop_due = False  # True at the start of a pass of a loop that should be examined
-        self._back = -1  # the branch that closed the last executed pass of a wait; -1 for none
+        self._back = -1  # the address of the branch that closed the last executed pass of a wait; -1 for none
         # _counted: the number of instructions up to the start of the present pass. _pass: the number in a pass.
         self._counted = self._pass = 0
         self._unmodelled: UnmodelledWait | None = None  # the last wait that has read unmodelled words only
@@ -93,7 +94,7 @@ class ImageProgram(LoadedImage):
             self._calls.began(self._entry, self._processor.time.cycle)
 
     def kill(self, how: type[BaseException]) -> None:
-        """See `Program.kill`. A sleep ends, too, so that a later reset of registers does not wake the program."""
+        """End the program and its sleep, if any, so that a later reset of registers does not wake it. how: not used."""
         LoadedImage.kill(self, how)
         time = self._processor.time
         now = self._clock.cycle_at(time.instant()[1])
@@ -109,7 +110,7 @@ class ImageProgram(LoadedImage):
     # Turns --------------------------------------------------------------------------
 
     def run(self, until: int) -> Stop | None:
-        """See `Program.run`."""
+        """Execute instructions until the program must stop. Return the reason; see `Program.run`."""
         try:
             return self._run()
         except (IllegalOperation, InterruptFault) as error:
@@ -213,7 +214,7 @@ class ImageProgram(LoadedImage):
     def _sleeps(self) -> bool:
         """Put the program to sleep at the start of a pass that must repeat the previous ones.
 
-        Return False if the program stays awake.
+        Return False if the program stays awake. If passes must not be skipped, the sleep is only noted.
         """
         polls, passed = self.cpu.polls, self.instructions - self._counted
         self._counted = self.instructions
@@ -307,12 +308,12 @@ class ImageProgram(LoadedImage):
         return self._asleep_at if self.spin is not None or self._idle_began else None
 
     def awaited(self) -> Awaited:
-        """See `Program.awaited`."""
+        """Return a description of the wait in progress."""
         operands, loop = [] if self.spin is None else self.spin.polls, (self.cpu.pc, self._at)
         return self._awaited(loop, operands, self.cpu.polls.elsewhere)
 
     def unanswered_wait(self) -> Awaited | None:
-        """See `Program.unanswered_wait`."""
+        """Return a description of a wait that reads unmodelled registers only; None if there is none."""
         wait = self._unmodelled
         if wait is None or not wait.goes_on(self.cpu):
             return None
@@ -348,7 +349,7 @@ class ImageProgram(LoadedImage):
         return Stop.ENDED
 
     def ending(self, at: Text) -> str:
-        """See `Program.ending`."""
+        """Return the text of the note about the end of the program. at: the time of the end as text."""
         return f"ESTOP0 ended the program at {at}, in {self.place()}"
 
     # Interrupts ---------------------------------------------------------------------

@@ -115,7 +115,7 @@ class _Source:
         return evaluate(text, self.symbols, self.blocks[-1].at if self.blocks else 0)
 
     def text(self, text: str, path: str, included: str = "") -> None:
-        """Process all lines of a file. included: see `_Place`."""
+        """Process all lines of a file. text: its contents. included: its name if .include names it; otherwise ""."""
         for number, line in enumerate(text.splitlines(), 1):
             outer, self._place = self._place, _Place(path, number, included)
             with _errors_at(self._place):
@@ -296,8 +296,9 @@ def text_of(path: Path) -> str:
 def assemble_file(path: Path) -> tuple[Image, bytes]:
     """Return the image of a source file, and the bytes of its .out file. Raise BadImage with the path for an error.
 
-    If the folder has no such file, use the program of this name that is shipped with periph_sim. If the folder does
-    not exist, this is done only if it has the name of the folder of the shipped programs; another name may be mistyped.
+    If the folder has no such file, use the program of this name that is shipped with periph_sim. If the folder does not
+    exist, its name may be mistyped. So a shipped program is then used only if the folder has the name of the folder of
+    the shipped programs.
     """
     folder = path.parent
     is_there = folder.is_dir() or folder.parts[-2:] == SHIPPED.parts[-2:]

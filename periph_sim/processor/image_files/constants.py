@@ -4,9 +4,8 @@
     MOVL XAR4,#0x0085F0   XAR4 = 0x0085F0
     MOVL @0x2,XAR4        write of 0x0085F0 to 0x1C5 << 6 | 2
 
-The values of DP, SP and XAR0 to XAR7 are tracked within a function and over its forward branches, as compilers use
-them. A value from memory, from an argument or from most arithmetic is unknown. Accesses to unknown addresses
-are not found.
+The values of DP, SP and XAR0 to XAR7 are tracked within a function and over its forward branches. A value from memory,
+from an argument or from most arithmetic is unknown. Accesses to unknown addresses are not found.
 
 Source: SPRU430F chapter 5 (addresses).
 """
@@ -59,7 +58,7 @@ def accesses(
 ) -> Iterator[Access]:
     """Yield every access that has a known address.
 
-    instructions: what `sweep` yields: instructions, and the addresses of words that are none.
+    instructions: the result of `sweep`: instructions, and the addresses of words that are no instructions.
     functions: the addresses at which functions begin; no register value is known there.
     begin: the register values before the first instruction.
     """

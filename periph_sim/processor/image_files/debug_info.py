@@ -1,7 +1,7 @@
 """Functions and source lines of an image by address, from its debug data (DWARF).
 
-Functions without debug data are taken from the symbols. TI's compilers write DWARF 2 or 3. Addresses
-are run addresses in words. Unreadable debug data are left out.
+Functions without debug data are taken from the symbols. TI's compilers write DWARF 2 or 3. Addresses are run addresses
+in words. Unreadable debug data are left out.
 """
 
 from __future__ import annotations

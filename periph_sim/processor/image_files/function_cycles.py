@@ -111,7 +111,7 @@ def _word(found: Instruction, wide: bool, pages: Mapping[int, int]) -> tuple[int
     Equal keys mean equal addresses.
 
     wide: True if the operand has 32 bits.
-    pages: a dictionary from DP and SP to the number of their changes so far.
+    pages: for each of the masks DP and SP, the number of changes of this register so far.
     """
     field = found.values.get("l", 0xFF)
     if field >= 0x80:

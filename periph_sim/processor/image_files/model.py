@@ -107,7 +107,7 @@ class Image:
 
     @property
     def stack(self) -> tuple[int, int]:
-        """The address range of the stack, (start, end); (0, 0xFFFF) without a section .stack, or if it is too small."""
+        """The address range of the section .stack, (start, end); (0, 0xFFFF) if it is absent or too small."""
         of_stack = (one for one in self.sections if one.name == ".stack" and one.size >= LEAST_STACK)
         return next(((one.run, one.run + one.size) for one in of_stack), (0, 0xFFFF))
 

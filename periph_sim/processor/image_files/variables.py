@@ -33,7 +33,7 @@ OF_MEMBERS = ("DW_TAG_structure_type", "DW_TAG_union_type", "DW_TAG_class_type")
 ARRAY = "DW_TAG_array_type"
 WORDS = (1, 2)  # numbers of words that the CPU can read in one access
 DW_OP_PLUS_UCONST = 0x23
-MOST_NAMES = 64  # maximum number of typedefs and qualifiers of one type
+MOST_NAMES = 64  # maximum number of typedefs and qualifiers of one type in undamaged debug data
 STEP = re.compile(r"\.([^.\[]+)|\[(\d{1,6})\]")
 
 
@@ -100,7 +100,7 @@ def members_of(kind: DIE) -> list[str]:
 
 
 def without_qualifiers(kind: DIE) -> DIE | None:
-    """Return a type without typedefs and qualifiers; None for `void`, and if damaged debug data contain a cycle."""
+    """Return a type without typedefs and qualifiers. Return None for `void`, and for a cycle in damaged debug data."""
     for _ in range(MOST_NAMES):
         if kind.tag != "DW_TAG_typedef" and kind.tag not in QUALIFIERS:
             return kind

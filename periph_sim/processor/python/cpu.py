@@ -35,7 +35,7 @@ from .program import PythonProgram
 SLEEPS = Stop.SLEEPS
 
 MANY_READS = 1000  # after this number of reads without a write or a wait, it is checked whether a loop polls
-CYCLES_OF_A_PASS = 100  # maximum number of cycles between two reads of a loop that only polls
+CYCLES_OF_A_PASS = 100  # a loop polls if the mean time between two of its reads is shorter than this
 POLLING = Note(
     "polling",
     "a loop polls registers pass by pass, which takes long to simulate; wait with dsp.spin(lambda: CONDITION), which "
@@ -51,7 +51,8 @@ class Cpu:
     core: the masks, flags and timing of interrupts.
     program: the Python firmware.
     records_waits: True if any subscriber needs records of waits.
-    keeps_waits: True if a subscriber to records of waits or accesses may keep a reference to a wait.
+    keeps_waits: True if a subscriber to records of waits or accesses may keep a reference to a wait, so that the `Spin`
+        object of the wait must not be used again.
     """
 
     def __init__(self, processor: Processor, clock: Clock, recorder: Recorder, code: CodeCosts = BARE) -> None:
@@ -157,7 +158,7 @@ class Cpu:
     # Instructions ----------------------------------------------------------------------
 
     def instruction(self, cycles: int) -> None:
-        """Execute one instruction, or a group of instructions; an interrupt can be taken only at its end."""
+        """Execute instructions that take these cycles in total. An interrupt can be taken only after the last one."""
         time, core = self.time, self.core
         cycle = time.cycle + cycles
         if cycle >= time.lease and not self.processor.reach(cycle):
@@ -172,7 +173,7 @@ class Cpu:
             self.program.yield_turn()
 
     def run(self, cycles: int) -> None:
-        """Execute straight-line code, in which an interrupt can be taken at each cycle."""
+        """Execute code of this number of cycles without accesses. An interrupt can be taken after each cycle."""
         time, core = self.time, self.core
         end = time.cycle + cycles
         if end < time.lease and core.next_wake > end and not core.ifr and not core.owes_instruction:

@@ -24,7 +24,7 @@ from .cpu import Cpu
 from .register_view import ModulePort
 from .waits import Waits
 
-LONG = 1 << 31  # only a larger number of cycles is compared with the length of the longest possible run
+LONG = 1 << 31  # to save time, only larger numbers of cycles are compared with the length of the longest possible run
 
 
 class Span:  # core: python
@@ -53,7 +53,10 @@ class FirmwareView:
     control: SystemControl
 
     def __init__(self, name: str, seed: int, costs: Sequence[Fraction] = ()) -> None:
-        """name: the name of the unit. seed, costs: see `DspPlan`."""
+        """name: the name of the unit. seed: the seed of the times that are drawn from spreads.
+
+        costs: the times in seconds of the first computations whose cost is a spread; later times are drawn.
+        """
         self.name: str = name
         self.sockets: dict[str, Socket] = {}
         self._ports: dict[str, ModulePort] = {}
@@ -102,7 +105,7 @@ class FirmwareView:
     ) -> bool:
         """Wait as `while (!ready) if (over) break;` does. Return True if `over` has ended the wait.
 
-        pass_cycles: see `spin`.
+        pass_cycles: all cycles of one pass of the loop, as for `spin`.
         """
         if not (callable(ready) and callable(over)):
             raise _no_condition("spin_either", over if callable(ready) else ready)
@@ -155,9 +158,9 @@ class FirmwareView:
         return self._fitting(cycles, f"a time of {cycles} cycles") if cycles > LONG else cycles
 
     def _fitting(self, cycles: BigInt, what: Text) -> BigInt:
-        """Return a number of cycles, limited to the rest of the longest possible run.
+        """Return a number of cycles, or the number of cycles that remain in the longest possible run if that is less.
 
-        Raise Misuse if the number exceeds the length of a whole run.
+        Raise Misuse if the number exceeds the length of the longest possible run.
 
         what: the number and its use, for the message.
         """
@@ -178,11 +181,11 @@ class FirmwareView:
         self.cpu.processor.notes.note(self.cpu.time.cycle, Note("overflow", text, "IQmath guide V1.70"))
 
     def set_pin(self, pin: BigInt) -> None:  # core: python
-        """Set a pin by a write of its bit to the whole register GPxSET. Do nothing if the unit has no GPIO module."""
+        """Set a GPIO pin by one write of its bit to the register GPxSET. Do nothing without a GPIO module."""
         self._write_pin("SET", pin)
 
     def clear_pin(self, pin: BigInt) -> None:  # core: python
-        """Clear a pin by a write of its bit to the whole register GPxCLEAR. Do nothing without a GPIO module."""
+        """Clear a GPIO pin by one write of its bit to the register GPxCLEAR. Do nothing without a GPIO module."""
         self._write_pin("CLEAR", pin)
 
     def _write_pin(self, what: Text, pin: BigInt) -> None:

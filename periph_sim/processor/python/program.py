@@ -108,7 +108,10 @@ class PythonProgram(Program):
     # Start and end -----------------------------------------------------------
 
     def begin(self, firmware: Callable[[], None], after_main: Callable[[], None]) -> None:
-        """Prepare the program so that the next `run` calls `firmware`. after_main: called when it has returned."""
+        """Prepare the program so that the next `run` calls `firmware`.
+
+        after_main: called when `firmware` has returned and its posted writes have landed.
+        """
         self.returned_at = None
         programs = _threads.programs
         programs.begin(self)
@@ -165,7 +168,8 @@ class PythonProgram(Program):
     def run(self, until: int) -> None:
         """Give this program its turn.
 
-        The result is None. `yield_turn` reports the stop, because this call may return in another program.
+        Return None, because `yield_turn` reports the stop to the processor. This call returns only when the greenlet of
+        its caller is resumed, and another program may run before.
         """
         kernel = self._kernel
         kernel.released = True
@@ -226,7 +230,7 @@ class PythonProgram(Program):
         Program.kill(self, how)
         dying, self._greenlet = self._greenlet, None
         if dying is not None and not dying.dead:
-            dying.parent = getcurrent()  # execution continues here when the firmware ends, or has to wait
+            dying.parent = getcurrent()  # `throw` returns here when the firmware has ended, or has to wait
             self.thread = self._watched
             try:
                 dying.throw(how)
@@ -255,7 +259,10 @@ class PythonProgram(Program):
     # Places and routines ---------------------------------------------------------
 
     def place(self) -> SourceLocation | None:
-        """Return the innermost statement of the firmware; None before main begins and after it returns."""
+        """Return the innermost statement of the firmware that is executed; None before main begins.
+
+        After main has returned, return the statement of an active service routine; None if there is none.
+        """
         if self.placed is not None:
             return self.placed()
         running = self._greenlet

@@ -8,8 +8,8 @@ timer.PRD.all = 30_000_000    makes one 32-bit write of PRD and PRDH, as `all` o
 timer.PRD.half.MSW            makes a 16-bit read of PRDH
 i2c.I2CSTR.when(XRDY=1)       makes no access; returns the condition XRDY == 1 for a wait
 
-A `Port` is a register. Each register has its own subclass of `Port`, which is made once in a process and has a
-`PortField` for each name.
+A `Port` represents one register of one unit. Each register has its own subclass of `Port`, which is made once in a
+process. In this subclass, each field of the register is an attribute of the type `PortField`, and so is `all`.
 """
 
 # core: compiled
@@ -73,7 +73,7 @@ class Condition:
 
 
 class Port:
-    """One register of one module of a unit; its attributes are the names of `PortField`.
+    """One register of one module of a unit. Its attributes are descriptors of the type `PortField`.
 
     where: the name of the register, "I2C-A.I2CSTR". fields: the names of its fields. Subclasses set both.
     """
@@ -91,7 +91,7 @@ class Port:
 
     def __setattr__(self, name: str, value: int) -> None:
         if name in STATE:
-            object.__setattr__(self, name, value)  # in compiled form, these names never come here
+            object.__setattr__(self, name, value)  # the compiled class sets these attributes without this method
         else:
             self._assign(name, value)
 
@@ -119,7 +119,7 @@ class Port:
     def comparison(self, name: Text, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
         """Return the condition that compares a named field with a number, as `PortField.comparison` does.
 
-        Return None, too, if the register has no such field.
+        Return None also if the register has no such field.
         """
         found = self._fields.get(name)
         return None if found is None else found.comparison(self, number, test, where)
@@ -176,8 +176,9 @@ class PortField:
     def comparison(self, port: Port, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
         """Return the condition that compares this field with a number.
 
-        Return None if a read has effects, if its record needs a statement but `where` is None, or if the number does
-        not fit the field. test: EQUAL, UNEQUAL, BELOW or ABOVE. where: the statement in the firmware.
+        Return None if a read needs more than a call of `Chip.see` (`Operand.looks` is False), if the record of a read
+        needs a statement but `where` is None, or if the number does not fit the field. test: EQUAL, UNEQUAL, BELOW or
+        ABOVE. where: the statement in the firmware.
         """
         operand: Operand = port._operands[self.number] or self._operand(port)
         if not operand.placed:

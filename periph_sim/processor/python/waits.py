@@ -107,7 +107,7 @@ class Recogniser:
         self._program = program
         self._queries: dict[int, ConditionQuery] = {}
         self._latest: ConditionQuery | None = None  # the query that was used last
-        self._earlier: ConditionQuery | None = None  # the query that was used before; a loop often alternates two
+        self._earlier: ConditionQuery | None = None  # the query used before `_latest`; a loop often alternates two
 
     def condition(self, function: object) -> Condition | None:
         """Return the condition equivalent to a function that was seen before; None if there is none."""
@@ -242,8 +242,8 @@ class Waits:
     def _skip(self, spin: Spin) -> bool:
         """Sleep through the passes that must repeat the present pass, and prepare the replay of the pass in progress.
 
-        Return True if nothing but another value of a read can give the next pass another result. If passes are not
-        skipped, keep their reads in `Spin.last`, and return False.
+        Return True if the next pass can have another result only through another value of a read. Return False if
+        passes must not be skipped; their reads are then kept in `Spin.last`.
         """
         time, core = self._time, self._cpu.core
         if not spin.made or time.lands < NEVER or core.earliest() < NEVER:
@@ -311,7 +311,7 @@ class Waits:
         return False
 
     def _passes(self, cycle: int) -> bool:
-        """Let time pass to an instruction boundary. Return False if an interrupt may be taken there."""
+        """Let time pass to `cycle`, an instruction boundary. Return False if an interrupt may be taken there."""
         time, core = self._time, self._cpu.core
         if cycle < time.lease:
             time.cycle = cycle

@@ -72,7 +72,7 @@ def difference_ovcu(cpu: Cpu, a: int, b: int) -> int:
 
 
 def compared32(cpu: Cpu, a: int, b: int) -> None:
-    """Set N, Z and C by a - b; N is the sign of the exact difference."""
+    """Set N, Z and C by a - b. N is the sign of the exact signed difference. C is 0 after an unsigned borrow."""
     cpu.n, cpu.z, cpu.c = int(s32(a) < s32(b)), int(a == b), int(a >= b)
 
 
@@ -278,7 +278,7 @@ def MINCUL_P_loc32(cpu: Cpu, f: Operation) -> None:
 
 
 def negate(cpu: Cpu, value: int) -> int:
-    """Return -value. For the most negative value, set V, and limit the result if OVM is 1."""
+    """Return -value. For the most negative value, set V, and return the most positive one if OVM is 1, else `value`."""
     if value == SIGN32:
         cpu.v = 1
         return 0x7FFF_FFFF if cpu.ovm else SIGN32
@@ -383,7 +383,7 @@ def NOT_ACC(cpu: Cpu, f: Operation) -> None:
 
 
 def CSB_ACC(cpu: Cpu, f: Operation) -> None:
-    """Set T to the number of sign bits of ACC without the first one."""
+    """Set T to the number of equal leading bits of ACC minus one, and TC to the sign bit. Set N and Z by ACC."""
     cpu.tc = cpu.acc >> 31
     rest = cpu.acc ^ (M32 if cpu.tc else 0)
     count = 0

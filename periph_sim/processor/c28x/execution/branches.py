@@ -78,7 +78,7 @@ def LB_indXAR7(cpu: Cpu, f: Operation) -> None:
 
 
 def _call(cpu: Cpu, f: Operation, goal: int) -> None:
-    """Execute LCR: push the old RPC, and set RPC to the return address."""
+    """Execute LCR: push RPC, set RPC to the return address, and jump to `goal`."""
     cpu.push_pair(cpu.rpc & M16, cpu.rpc >> 16)
     cpu.rpc, cpu.pc = f.next, goal & CODE
 

@@ -40,8 +40,8 @@ class Operation:
     at_once: True if the write to memory leaves phase D2 in the first cycle, see `pipeline.writes_at_once`.
     jumps: True if the instruction can write PC.
     loops: True for a branch, which can close a loop; False for calls and returns.
-    late: mask of the FPU registers, and FLAGS, that are written one instruction later.
-    plain: if `execute` models late results, the function that writes all results at once; otherwise not set.
+    late: mask of the FPU registers that are written one instruction later, with the bit FLAGS for LUF and LVF.
+    plain: if `execute` writes the late results late, the function that writes all results at once; otherwise not set.
     waited: True if the instruction is in memory with wait states.
     tested: mask of the bits of the operand that TBIT or AND AX,loc16,#16 tests; 0 for other instructions.
     block, block_end: for an instruction that accesses data, the address range of the memory block that contains the

@@ -62,7 +62,10 @@ class Engine(Cpu):
         return self._decode()
 
     def after(self, f: Operation) -> Operation:
-        """Return the instruction at `pc` after f was executed. The results of the last calls are kept in f."""
+        """Return the instruction at `pc` after f was executed.
+
+        The results for the next address, and for the last jump, are kept in f, so that later calls are fast.
+        """
         if not self.keeps_decoded:
             return self.fetch()
         found = f.following

@@ -44,7 +44,7 @@ def exponent_of(bits: int) -> int:  # core: noexcept
 
 
 def width(value: int) -> int:  # core: noexcept
-    """Return the number of bits of a positive number, which has at most 63."""
+    """Return the bit length of a positive number of at most 63 bits."""
     bits = 1
     if value >> 32:
         value, bits = value >> 32, 33
@@ -60,9 +60,10 @@ def width(value: int) -> int:  # core: noexcept
 
 
 def rounded(mantissa: int, exponent: int, to_nearest: bool, sign_of_zero: int = 0) -> int:
-    """Return mantissa * 2 ** exponent as a result of this module. The mantissa has up to 62 bits.
+    """Return mantissa * 2 ** exponent as a float32, with UNDERFLOW or OVERFLOW. The mantissa has up to 62 bits.
 
-    to_nearest: True to round to nearest even, False to round towards zero. sign_of_zero: the bits of a zero result.
+    to_nearest: True to round to nearest even, False to round towards zero.
+    sign_of_zero: the bits to return for a result of 0 or an underflow: 0 or SIGN.
     """
     if mantissa == 0:
         return sign_of_zero
@@ -167,7 +168,7 @@ def order(bits: int) -> int:  # core: noexcept
 
 
 def estimate_of_inverse(bits: int) -> int:
-    """Return 1 / x to 8 bits. The chip uses a table that TI has not published, so its results may differ."""
+    """Return 1 / x with a precision of 8 bits. The chip uses an unpublished table of TI, so its results may differ."""
     sign = bits & SIGN
     if is_zero(bits):
         return sign | INFINITY | OVERFLOW
@@ -178,7 +179,7 @@ def estimate_of_inverse(bits: int) -> int:
 
 
 def estimate_of_inverse_root(bits: int) -> int:
-    """Return 1 / sqrt(x) to 8 bits; 0 for a negative number."""
+    """Return 1 / sqrt(x) with a precision of 8 bits; 0 for a negative number."""
     if is_zero(bits):
         return bits & SIGN | INFINITY | OVERFLOW
     if bits & SIGN:

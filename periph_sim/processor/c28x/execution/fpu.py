@@ -41,7 +41,7 @@ def nearest(cpu: Cpu) -> bool:
 
 
 def result(cpu: Cpu, number: int, value: int) -> None:
-    """Write a result of `float32` to RnH. Set LUF after an underflow, LVF after an overflow. number: n."""
+    """Write a result of `float32` to RnH. Set LUF if it has UNDERFLOW, LVF if it has OVERFLOW. number: the n of RnH."""
     cpu.r[number] = value & BITS
     if value & UNDERFLOW:
         cpu.stf |= LUF
@@ -50,7 +50,7 @@ def result(cpu: Cpu, number: int, value: int) -> None:
 
 
 def moved(cpu: Cpu, number: int, bits: int) -> None:
-    """Write RnH by a move. Set NF and ZF for the bits as a float, NI and ZI for the bits as an integer. number: n."""
+    """Write RnH by a move. Set NF and ZF for the bits as a float, NI and ZI for them as an integer. number: the n."""
     cpu.r[number] = bits
     flags = (NF | NI if bits & SIGN else 0) | (ZF if is_zero(bits) else 0) | (ZI if bits == 0 else 0)
     if flags & ZF:

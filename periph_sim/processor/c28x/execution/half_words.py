@@ -34,7 +34,7 @@ def difference16(cpu: Cpu, a: int, b: int) -> int:
 
 
 def compared16(cpu: Cpu, a: int, b: int) -> None:
-    """Set N, Z and C by a - b; N is the sign of the exact difference."""
+    """Set N, Z and C by a - b. N is the sign of the exact signed difference. C is 0 after an unsigned borrow."""
     cpu.n, cpu.z, cpu.c = int(s16(a) < s16(b)), int(a == b), int(a >= b)
 
 

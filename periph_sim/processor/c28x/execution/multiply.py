@@ -176,7 +176,10 @@ def XMACD_P_loc16_ind_pma(cpu: Cpu, f: Operation) -> None:
 
 
 def dual(cpu: Cpu, address: int) -> None:
-    """Add the product of the upper halves of two words of 32 bits to ACC, and the product of the lower halves to P."""
+    """Load XT with the operand. Add the product of the upper halves of XT and of program memory at `address` to ACC.
+
+    Add the product of the lower halves to P. Both products are shifted by PM.
+    """
     cpu.xt = cpu.read32()
     factor = program32(cpu, address)
     upper, lower = s16(cpu.xt >> 16) * s16(factor >> 16), s16(cpu.xt & 0xFFFF) * s16(factor & 0xFFFF)

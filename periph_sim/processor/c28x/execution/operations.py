@@ -56,7 +56,7 @@ def operation(instruction: Instruction) -> Operation:
 
 
 def form_of(encoding: Encoding) -> Operation:
-    """Return an operation with the properties that all operations of a form share. Each form has one, made once.
+    """Return an operation with the properties that all operations of a form share. It is made once for each form.
 
     Raise KeyError if no function executes the form.
     """

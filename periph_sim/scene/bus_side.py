@@ -28,12 +28,13 @@ SPIKE = Fraction(50, 10**9)  # seconds; the monitor ignores shorter pulses on SD
 class BusSide:
     """The transfers and rounds of a scene's bus.
 
-    asked: the requests of the master; None if they are not known.
-    spike: a number of ticks; the monitor ignores shorter pulses on SDA.
+    asked: the requests of the master and their schedule; None if they are not known.
+    spike: the monitor ignores pulses on SDA that are shorter than this number of ticks.
     before: callbacks that receive each transfer before all other subscribers.
     monitor: the monitor of the wires; None before the first use of `rounds`, and in scenes without a bus.
     wire_bytes: number of bytes in all transfers that were passed to `count`.
-    nacked: number of transfers passed to `count_nacked` that were not acknowledged, without polls of an EEPROM.
+    nacked: number of transfers passed to `count_nacked` that were not acknowledged. ACK polling of an EEPROM does not
+        count.
     bit_skip: the object that simulates seven bits of a byte in one step; None if each bit is simulated.
     """
 
@@ -62,12 +63,12 @@ class BusSide:
 
     @property
     def period(self) -> int:
-        """Number of ticks between the due times of two successive rounds; 0 if there are no rounds."""
+        """Number of ticks, rounded down, between the due times of two rounds; 0 if the requests are not known."""
         return 0 if self.asked is None else int(self.asked.period // 1)
 
     @property
     def starts(self) -> Sequence[int]:
-        """The due times of the rounds if the case lists them; else empty."""
+        """The ticks at which the rounds are due, if the case lists them; else empty."""
         return () if self.asked is None else self.asked.starts or ()
 
     def count(self, transfer: Transfer) -> None:
@@ -76,7 +77,10 @@ class BusSide:
         self.count_nacked(transfer)
 
     def count_nacked(self, transfer: Transfer) -> None:
-        """Count a transfer in `nacked` if it was not acknowledged, unless it only polls whether an EEPROM is ready."""
+        """Count a transfer in `nacked` if it was not acknowledged.
+
+        If the case has `ack_polling`, a write of only the address polls whether an EEPROM is ready and does not count.
+        """
         first = transfer.phases[0]
         polls = self.asked is not None and self.asked.ack_polling and not first.read and not first.data
         self.nacked += not transfer.acked and not polls

@@ -18,7 +18,7 @@ from .case.wiring import Wiring
 
 
 class CaseTicks(Struct, frozen=True):
-    """Converter of the times of a case to ticks. start: the tick at which the run begins."""
+    """Converter of the times of a case, which are in seconds, to ticks. start: the tick at which the run begins."""
 
     case: Case
     timebase: Timebase
@@ -39,18 +39,21 @@ class CaseTicks(Struct, frozen=True):
         return self._fitting((2 * count + parts) // (2 * parts), length)
 
     def starts(self, name: Literal["rounds", "frames"]) -> tuple[int, ...] | None:
-        """Return the ticks of a list of starts in [inputs]; None if the case has no such list."""
+        """Return the ticks at which the rounds or frames start that [inputs] lists; None if it has no such list."""
         inputs = self.case.inputs
         times = None if inputs is None else getattr(inputs, name)
         return None if times is None else tuple(self.start + self.ticks(time) for time in times)
 
     def serial_tick(self, at: Fraction, ppm: Fraction) -> int:
-        """Return the tick of a time `at` of [serial], which [inputs] may shift. ppm: as for `ticks`."""
+        """Return the tick of a time `at` of [serial], delayed by `sends_later` of [inputs]. ppm: as for `ticks`."""
         inputs = self.case.inputs
         return self.start + self.ticks(at, ppm) + (0 if inputs is None else self.ticks(inputs.sends_later))
 
     def exact_ticks(self, length: Fraction, ppm: Fraction) -> Fraction:
-        """Return the exact number of ticks of a length in seconds. ppm: as for `ticks`."""
+        """Return the exact number of ticks of a length in seconds. ppm: as for `ticks`.
+
+        Raise BadCase if the number of ticks is too large.
+        """
         exact = Fraction(*self._ticks(length, ppm))
         self._fitting(int(exact), length)
         return exact
@@ -65,7 +68,7 @@ class CaseTicks(Struct, frozen=True):
             raise self.case.mistake(str(error), *place) from None
 
     def _ticks(self, length: Fraction, ppm: Fraction) -> tuple[int, int]:
-        """Return a length in ticks as the numerator and the denominator of a fraction."""
+        """Return a length in seconds as a number of ticks: the numerator and the denominator of the exact fraction."""
         clock = 1_000_000 * ppm.denominator
         return length.numerator * self.timebase.per_second * clock, length.denominator * (clock + ppm.numerator)
 
@@ -84,7 +87,7 @@ class SceneContext(CaseTicks, frozen=True):
 
 
 def _places(table: object, length: Fraction) -> Iterator[tuple[str | int, ...]]:
-    """Yield the place of each value in the tables of a case that equals `length`."""
+    """Yield, for each value in the tables of a case that equals `length`, the keys that lead to this value."""
     children: list[tuple[str | int, object]] = []
     if isinstance(table, Struct):
         children = [(name, getattr(table, name)) for name in table.__struct_fields__ if not name.startswith("_")]
@@ -100,7 +103,7 @@ def _places(table: object, length: Fraction) -> Iterator[tuple[str | int, ...]]:
 
 
 class SceneWires(dict[str, Wire]):
-    """The wires of a scene by name. Each is made at its first use, so a scene has only the wires that it needs."""
+    """The wires of a scene by name. `wire` makes a wire at its first use, so a scene has only the wires it needs."""
 
     def __init__(self, kernel: Kernel, recorder: Recorder) -> None:
         self._kernel = kernel

@@ -2,8 +2,8 @@
 
     Case --head_plan--> HeadPlan, shared by all scenes of the case --build_head--> SensorHead of one scene
 
-The head counts its times by its own clock, which has an error of `ppm`. The low and high times of SCL are rounded to
-the nearest tick. The times of rounds are not, so rounds do not drift from this clock, however long the run is.
+The head counts its times by its own clock, which has an error of `ppm` parts per million. The low and high times of SCL
+are rounded to the nearest tick. The period of the rounds is not rounded, so rounds do not drift from this clock.
 """
 
 from __future__ import annotations
@@ -39,8 +39,9 @@ class HeadPlan(Struct, frozen=True):
 
     requests: the requests of each round.
     startup: the requests before the first round, which set up the chips.
+    timing: the low, high, set-up and hold times of SCL and SDA, in ticks.
     schedule: the times at which the head begins rounds.
-    asked: the transfers that these requests make on the bus, and their schedule.
+    asked: the transfers on the bus that result from `requests` and `startup`, and their schedule.
     stuck_after, clear_after: durations in ticks; `I2cController` describes them.
     """
 
@@ -54,15 +55,15 @@ class HeadPlan(Struct, frozen=True):
 
 
 def skips_bits(context: SceneContext) -> bool:
-    """Return True if seven bits of an I2C byte may be simulated in one step.
+    """Return True if the first seven bits of each I2C byte may be simulated in one step.
 
-    The optimization must be on, and the edges of the bus must not be recorded.
+    This is an optimization. The case must not disable it, and the edges of SCL and SDA must not be recorded.
     """
     return context.optimizes(BITS) and not (context.wire("SCL").recorded or context.wire("SDA").recorded)
 
 
 def head_plan(scale: CaseTicks) -> HeadPlan:
-    """Return the plan of a case's [controller]. Raise BadCase for requests that cannot be made."""
+    """Return the plan of a case's [controller]. Raise BadCase for invalid requests or times."""
     table = scale.case.controller
     assert table is not None
     requests = _requests(scale.case, table, "controller")
@@ -142,9 +143,9 @@ def build_head(
 
 
 def rounds_of(context: SceneContext, table: RoundsTable) -> MasterSchedule:
-    """Return the requests in [rounds]. The master that makes them is not simulated as an agent.
+    """Return the requests in [rounds], which a unit or an outside party makes, and their schedule.
 
-    Raise BadCase for a wrong request.
+    Raise BadCase for an invalid request.
     """
     requests = _requests(context.case, table, "rounds")
     transfers = _transfers(requests, table.pointer_by == "STOP")
@@ -166,7 +167,7 @@ def _transfers(requests: list[Request], by_stop: bool) -> tuple[Transfer, ...]:
 
 
 def _sensors(case: Case, table: Controller | RoundsTable) -> Mapping[str, ChipData]:
-    """Return the known sensors by name.
+    """Return the sensors that requests can name, by name.
 
     Plugins that are installed as packages are searched only if the table names a sensor that is otherwise unknown.
     """
@@ -197,9 +198,9 @@ MODULE = "I2C-A"
 
 
 def bit_skip_of(context: SceneContext, controller: I2cController | None, units: Mapping[str, Dsp]) -> BitSkip:
-    """Return the object that simulates seven bits of a byte on SCL and SDA in one step.
+    """Return the object that simulates the first seven bits of a byte on SCL and SDA in one step.
 
-    controller: the agent that drives SCL; None if a unit is the master and drives SCL.
+    controller: the agent that drives SCL as the master; None if a unit is the master.
     """
     from ..bus.i2c.bit_skip import BitSkip
     from ..bus.i2c.skipping_controller import SkippingController
@@ -208,7 +209,7 @@ def bit_skip_of(context: SceneContext, controller: I2cController | None, units: 
     bit_skip = BitSkip(context.kernel, context.wire("SCL"), context.wire("SDA"), controller, modules)
     for dsp in units.values():
         if MODULE in dsp.sockets:
-            from ..processor.i2c_bit_skip import party_of  # only scenes with an I2C module import it
+            from ..processor.i2c_bit_skip import party_of  # imported here, because only some scenes have an I2C module
 
             socket = dsp.sockets[MODULE]
             modules[socket] = party_of(socket, dsp.clock, bit_skip, clocks=controller is None)

@@ -76,7 +76,10 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
 def nothing_comes(
     dsp: Dsp, modules: list[str], may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]
 ) -> str:
-    """Return a phrase that says why these modules will not change; "" if one of them may change."""
+    """Return a phrase that says why no event of these modules and no wire will end a wait; "" if one may end it.
+
+    modules: the modules on whose events the end of the wait depends.
+    """
     wires = {wire.name: wire for module in modules for wire in wires_into(dsp, module)}
     for wire in wires.values():
         others = [who for who in wire.parties() if not who.startswith(f"{dsp.name}.")]
@@ -94,7 +97,11 @@ def nothing_comes(
 
 
 def polls_for_input(dsp: Dsp) -> bool:
-    """Return True if firmware will poll an input without end, in a run in which the simulator skips no polls."""
+    """Return True if firmware polls without a timeout, and only an input from outside the CPU can end its polls.
+
+    A further pass of the wait would read the values of the previous pass, and no write or interrupt is pending. This is
+    for runs in which the simulator executes every poll. If it skips polls, `CpuTime.waits_for_input` is True instead.
+    """
     spin, time = dsp.program.spin, dsp.processor.time
     waits = spin is not None and spin.ends == NEVER and spin.unchanged(time.cycle)
     return waits and time.lands == NEVER and dsp.core.earliest() == NEVER
@@ -141,7 +148,7 @@ def outputs(dsp: Dsp) -> list[str]:
 
 
 def signals_behind(dsp: Dsp, spin: Spin) -> list[str]:
-    """Return the names of the modules on whose events the end of a wait depends."""
+    """Return the names of the modules whose events may end a wait: the polled modules, and those that interrupt."""
     read = list(dict.fromkeys(poll.place.name for poll in spin.polls))
     if "PIE" in read:
         return list(dsp.sockets)
@@ -149,7 +156,7 @@ def signals_behind(dsp: Dsp, spin: Spin) -> list[str]:
 
 
 def waking(dsp: Dsp) -> list[str]:
-    """Return the modules of the unit whose interrupts IER and PIEIER enable."""
+    """Return the names of the unit's modules whose interrupts IER and PIEIER enable."""
     ier = dsp.core.ier
     enabled = [
         name
@@ -164,7 +171,7 @@ def waking(dsp: Dsp) -> list[str]:
 def wires_into(dsp: Dsp, module: str) -> list[Wire]:
     """Return the wires that a module can read.
 
-    They are the wires of its input pins and of the pins that belong to no module. A module without inputs reads no
+    These are the wires of its input pins and of the pins that belong to no module. A module without inputs reads no
     wires, and a module that can read any pin reads all wires of the unit.
     """
     wires, part = dsp.plan.wires, dsp.plan.part
@@ -205,7 +212,10 @@ def _instant(scene: Scene, tick: int) -> str:
 def _may_move(scene: Scene, stuck: set[str], wire: Wire, parties: list[str]) -> bool:
     """Return True if one of these parties may still change the wire, or if an event is due within SETTLED.
 
-    Stuck units, chips and devices that only answer, and a controller that waits within a round cannot change the wire.
+    stuck: the units whose waits cannot end, as far as known. These units do not change the wire.
+
+    If no event is due, a controller that waits within a round does not change the wire. Chips and devices change SCL or
+    SDA without the master only if they hold the wire and an event is due.
     """
     coming = scene.kernel.next_time()
     if coming <= scene.kernel.now + scene.timebase.ticks(SETTLED):

@@ -24,10 +24,9 @@ if TYPE_CHECKING:
 
 
 KINDS = (Kind.TRANSFER, Kind.ROUND, Kind.RECEIVER, Kind.DATA, Kind.BUS)
-# A subscriber that needs records of these names needs a `HeldRecords`, a `ByteRecords` or an `AgeRecords`.
-OF_UNITS = {"held alone", "unfinished"}
-OF_BYTES = {"wrong bytes", "bytes compared", "expected byte"}
-OF_MODELS = {"model age", "model run"}
+OF_UNITS = {"held alone", "unfinished"}  # names of the records that a `HeldRecords` makes
+OF_BYTES = {"wrong bytes", "bytes compared", "expected byte"}  # names of records that a `ByteRecords` makes
+OF_MODELS = {"model age", "model run"}  # names of the records that an `AgeRecords` derives from spans of firmware
 
 
 class DerivedRecords:
@@ -37,7 +36,10 @@ class DerivedRecords:
     """
 
     def __init__(self, recorder: Recorder) -> None:
-        """Subscribe to records of firmware. Create this object after all other subscriptions and before the units."""
+        """Subscribe to the spans of firmware if the ages of model data are needed.
+
+        Create this object after all other subscriptions and before the units.
+        """
         self._recorder = recorder
         self._named = {kind: recorder.named_things(kind) for kind in KINDS}
         self._transfers: TransferRecords | None = None
@@ -80,7 +82,7 @@ class DerivedRecords:
                 StuckWatch(scene.wires[name], limit, scene.stuck.report, scene.bus.bit_skip)
 
     def finish(self, scene: Scene) -> None:
-        """Record transfers that the end of the run cuts off, and the number of bytes that could not be judged."""
+        """At the end of the run, record the transfer that is cut off and the number of bytes that were not judged."""
         now, monitor = scene.kernel.now, scene.bus.monitor
         if self._transfers is not None and monitor is not None:
             unfinished = None if scene.case.controller is not None else monitor.open_transfer
@@ -130,7 +132,8 @@ MODEL_PIN = "MODEL"  # name, in a case, of the pin that is high while the firmwa
 def _origins_of(scene: Scene) -> Origins:
     """Return an object that finds the host frame from which the bytes of a read come.
 
-    Raise BadCase if the firmware has sensor models, but the case has no MODEL pin or does not set their arithmetic.
+    Raise BadCase if the firmware has sensor models, but the case has no MODEL pin, or if the firmware's settings do not
+    determine the arithmetic of the models.
     """
     from ..core.sampler import watch
     from ..devices.host_frames import host_frames

@@ -1,6 +1,6 @@
 """A user's own device: the class `Device` of a Python file becomes a target on the bus.
 
-The file is imported like a firmware file: in a package of its own, together with the files beside it that it imports.
+The file is imported like a firmware file: in a package of its own, with the files of the same folder that it imports.
 """
 
 from __future__ import annotations
@@ -22,10 +22,12 @@ CLASS = "Device"
 
 
 def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: TargetContext) -> PythonTarget:
-    """Return the target that the class `Device` of a Python file defines, with its address.
+    """Return the I2C target that the class `Device` of a Python file defines, at the address in `table`.
 
-    Raise BadCase if the file cannot be loaded, or if its class or its settings are wrong. Raise
-    FirmwareStalled if the code in the file does not return in time.
+    place: gives the device access to the scene.
+
+    Raise BadCase if the file cannot be loaded, or if its class or its settings are wrong. Raise FirmwareStalled if the
+    code in the file takes more CPU time than `stall_limit` of the case.
     """
 
     def mistake(what: str, *key: str | int) -> Exception:

@@ -52,7 +52,7 @@ class NoteLog:
 class DeviceOnBus:
     """A device on the bus.
 
-    target: the I2C target that the device's model built. The disturbances in the device's table are not part of it.
+    target: the I2C target that the device's model built, without the stretches and faults in the device's table.
     """
 
     STATE = State("target log")
@@ -83,7 +83,10 @@ class DeviceOnBus:
 
 
 def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Target) -> TargetSide:
-    """Connect a target to SCL and SDA, with the disturbances in its table. Return the object that drives the wires."""
+    """Connect a target to SCL and SDA, with the stretches and faults in `table`.
+
+    Return the object through which the target drives the wires.
+    """
     scl, sda = context.wire("SCL"), context.wire("SDA")
     sides: list[TargetSide] = []
 
@@ -139,7 +142,7 @@ def build_devices(context: SceneContext, known: Mapping[str, Wire], taken: Mappi
     known: a dictionary from names to wires of the scene.
     taken: a dictionary from the address of a sensor chip to its name.
 
-    Raise BadCase for an impossible device.
+    Raise BadCase for an invalid device, or for one whose name or address another party has.
     """
     case = context.case
     devices: dict[str, DeviceOnBus] = {}

@@ -23,10 +23,10 @@ MODULE_RESET = ".IRS"  # suffix in the name of the wire that represents a unit's
 
 
 def wire_of(context: SceneContext, known: dict[str, Wire], units: Mapping[str, Dsp], name: str) -> Wire:
-    """Return the wire with this name that faults can disturb. Raise ValueError if there is no such wire.
+    """Return the wire `name`, which a fault disturbs. Raise ValueError if there is no such wire.
 
-    known: a dictionary from a name to a wire of the scene. A wire that represents XRS or IRS of a unit is made when it
-        is first needed, and added to this dictionary.
+    known: a dictionary from a name to a wire of the scene. A wire for the reset pin XRS or the bit IRS of a unit is
+        made when a fault first names it, and added to this dictionary.
     """
     unit_name, _, _ = name.rpartition(".")
     if name not in known and name.endswith((RESET, MODULE_RESET)):
@@ -47,7 +47,7 @@ def wire_of(context: SceneContext, known: dict[str, Wire], units: Mapping[str, D
 
 
 def build_faults(context: SceneContext, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> list[Repeated]:
-    """Return an agent for each fault. Raise BadCase for an impossible fault."""
+    """Return an agent for each [[fault]] table. Raise BadCase for an invalid table."""
     wires = partial(wire_of, context, dict(known), units)
     faults: list[Repeated] = []
     for entry, table in enumerate(context.case.fault):
@@ -82,7 +82,7 @@ IRS = I2CMDR["IRS"].mask
 
 
 class ModuleReset:
-    """Reset of an I2C module by a wire: I2CMDR.IRS is 0 while the wire is low, and restored when the wire rises."""
+    """Reset of a unit's I2C-A by a wire: a fall of the wire clears I2CMDR.IRS, and a rise restores the bit."""
 
     STATE = State("_was_on")
 

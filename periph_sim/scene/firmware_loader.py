@@ -1,8 +1,8 @@
 """Loading of firmware: files are imported by path or by the name of a shipped program, with checked settings.
 
-Each file is a module in a package of its own with a unique name. So a repository's own `firmware/` does not conflict
-with the shipped one, nor do files of the same name in two folders. `from .other import f` finds other.py beside the
-file, or else the shipped program of that name, so a copy of a shipped program runs from any folder.
+Each file is a module in a package of its own with a unique name. So two files of the same name in different folders do
+not conflict, nor does a user's file with a shipped program. `from .other import f` finds other.py beside the file, or
+else the shipped program `other`. So a copy of a shipped program runs from any folder.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def shipped_module(name: str) -> ModuleType:
 def module_of_file(path: Path) -> ModuleType:
     """Import a firmware file and return its module.
 
-    The files that it imports are imported again, so that edits of these files take effect.
+    The files that this file imports with a leading dot are imported again, so that edits of these files take effect.
     """
     path = note_input(path).resolve()
     package = _packages.setdefault((path, get_ident()), f"{PREFIX}{next(_numbers)}")
@@ -87,8 +87,9 @@ def imported(
 ) -> T:
     """Return the result of `load`, which imports user code. Raise `refused(sentence)` if the import fails.
 
-    what: the subject of the sentence. folder: the folder of the imported file. passes: classes of errors that are
-    raised unchanged.
+    what: the subject of the sentence, such as "firmware 'a.py'".
+    folder: the folder of the imported file.
+    passes: classes of exceptions that are raised unchanged.
     """
     try:
         return load()
@@ -99,7 +100,7 @@ def imported(
 
 
 def existing(path: Path, what: str, refused: Callable[[str], Exception]) -> Path:
-    """Return the path of a file of user code. Raise `refused(why)` if there is no such file. what: the kind of file."""
+    """Return `path` unchanged. Raise `refused(why)` if there is no such file. what: the kind of file, for messages."""
     if path.is_file():
         return path
     missing = f"{str(path)!r} is not a regular file" if path.exists() else f"there is no {what} {str(path)!r}"
@@ -107,7 +108,10 @@ def existing(path: Path, what: str, refused: Callable[[str], Exception]) -> Path
 
 
 def why_not_loaded(error: BaseException, folder: Path) -> str:
-    """Return why a file of user code cannot be loaded, with the line and the fix. folder: the folder of the file."""
+    """Return why a file of user code cannot be loaded, as a phrase with the line or the fix.
+
+    error: the exception that the import raised. folder: the folder of the file.
+    """
     if isinstance(error, SyntaxError):
         return f"line {error.lineno}: {error.msg}"
     if not isinstance(error, ModuleNotFoundError):
@@ -128,7 +132,10 @@ def _make_package(name: str, folders: list[Path]) -> None:
 
 
 class _Source(SourceFileLoader):
-    """Loader that uses no bytecode files. They would hide edits made within one second, and fill the user's folder."""
+    """Loader of Python files that reads and writes no bytecode files.
+
+    A bytecode file would hide edits that are made within one second, and would be written to the user's folder.
+    """
 
     def get_code(self, fullname: str) -> CodeType:
         return _code_of(read_input(Path(self.path)), self.path)
@@ -136,7 +143,7 @@ class _Source(SourceFileLoader):
 
 @lru_cache(maxsize=64)
 def _code_of(source: bytes, path: str) -> CodeType:
-    """Return the compiled code of a file. It is cached, because each scene imports the file again."""
+    """Return the compiled code of a file, from a cache, because each scene imports the file again."""
     return _Source("", path).source_to_code(source, path)
 
 
@@ -165,7 +172,9 @@ sys.meta_path.insert(0, _FirmwareFinder())
 class Firmware(Struct, frozen=True):
     """A program: its main function, and the dataclass of its settings if the program has settings.
 
-    replay: the names of the settings that a replay may set from a capture, which the module lists in `REPLAY`.
+    main: the function that runs the program, called with the unit and its settings.
+    settings: the dataclass `Settings` of the program; None if there is none.
+    replay: the names in the module's list `REPLAY`: settings that a replay may set to values from a capture.
     """
 
     name: str
@@ -179,7 +188,10 @@ class BadFirmware(ValueError):
 
 
 class BadSetting(ValueError):
-    """Error: the firmware rejects a setting. name: the name of the setting; "" if several do not fit together."""
+    """Error: a setting of firmware, a device or a fault is wrong.
+
+    name: the name of the setting; "" if several settings do not fit together.
+    """
 
     def __init__(self, what: str, name: str) -> None:
         super().__init__(what)
@@ -187,7 +199,7 @@ class BadSetting(ValueError):
 
 
 def load_firmware(name: str) -> Firmware:
-    """Return a program. name: the name of a shipped program, or the path of a .py file.
+    """Return a Python program. name: the name of a shipped program, or the path of a .py file.
 
     Raise BadFirmware if the program cannot be loaded.
     """
@@ -217,11 +229,11 @@ def _module_of(name: str) -> ModuleType:
     raise BadFirmware(f"there is no firmware {name!r}; {did_you_mean(name, names)}")
 
 
-_loaded_once = lru_cache(maxsize=64)(_loaded)  # for shipped programs
+_loaded_once = lru_cache(maxsize=64)(_loaded)  # used for shipped programs, which do not change during a process
 
 
 def _replay_settings(name: str, module: ModuleType) -> tuple[str, ...]:
-    """Return the names in a module's `REPLAY`. Raise BadFirmware if any of them is not the name of a setting."""
+    """Return the names in a module's `REPLAY`; () if it has none. Raise BadFirmware for a name that is no setting."""
     given: object = getattr(module, "REPLAY", ())
     kind = getattr(module, "Settings", None)
     known = [*keys_of(kind)] if inspect.isclass(kind) and is_dataclass(kind) else []
@@ -236,7 +248,7 @@ def _replay_settings(name: str, module: ModuleType) -> tuple[str, ...]:
 
 
 def run_main(firmware: Firmware, dsp: Dsp, settings: object) -> None:
-    """Call the main function. Raise Misuse if it returns a value, because the returned value would have no meaning."""
+    """Call the main function. Raise Misuse if the function returns a value, because nothing would use this value."""
     came = firmware.main(dsp, settings)  # type: ignore[func-returns-value]
     if came is not None:
         raise Misuse(f"main, {defined_at(firmware.main)}, returned {came!r}; firmware returns nothing")
@@ -256,7 +268,7 @@ def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
 
 
 def filled(kind: type[T], given: dict[str, object], who: str) -> T:
-    """Return an object of the dataclass `kind` with the given values. Raise BadSetting for a wrong value.
+    """Return an object of the dataclass `kind` with the given values. Raise BadSetting for a wrong name or value.
 
     who: the owner of the settings, such as "firmware imu_hil", for messages.
     """

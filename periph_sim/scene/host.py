@@ -31,7 +31,7 @@ HostPlan = tuple[HostSchedule, Fraction]  # the schedule of a [host], and the le
 
 
 def host_plan(scale: CaseTicks) -> HostPlan:
-    """Return the plan of a case's [host]. Raise BadCase for a time that is too long."""
+    """Return the plan of a case's [host]. Raise BadCase for a time with too many ticks."""
     table = scale.case.host
     assert table is not None
 
@@ -57,14 +57,15 @@ def host_plan(scale: CaseTicks) -> HostPlan:
 class HostAgent:
     """The host of a scene, with the frames that it sends and the true values of the chips.
 
-    frames: source of the frames of a motion; None if the host has no motion.
+    model: the model with which firmware computes the data of emulated chips; None if these chips return the values of
+        frames.
+    frames: the source of the frames; None if the host has no [host.motion], so that the frames contain a ramp.
     values: a function from the number of a frame to the values in this frame.
     truth: the values that chips should measure; None if they are not known.
-    model: the model with which firmware computes the data of chips; None if chips return the values of frames.
     """
 
     def __init__(self, context: SceneContext, table: HostTable, plan: HostPlan, model: FirmwareModel | None) -> None:
-        """Build the sender and its frames. Raise BadCase for an impossible motion or encoding."""
+        """Build the sender and its frames. Raise BadCase for an invalid [host.motion] or [host.encoding]."""
         schedule, bit = plan
         self._context = context
         self._period = table.period

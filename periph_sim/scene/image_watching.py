@@ -20,7 +20,10 @@ from .case.unit_table import Unit
 
 
 def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgram, recorder: Recorder) -> None:
-    """Add the observers to a program before its first instruction. Raise BadCase for a name that the image lacks."""
+    """Add the observers to a program before its first instruction.
+
+    Raise BadCase if the image lacks a variable in `unit.memory`, or the section of the stack that a budget needs.
+    """
     if recorder.wants(Kind.SPAN):
         program.add_call_listener(FunctionSpans(recorder, name, program.place_of))
     if recorder.wants(Kind.WAIT):
@@ -53,6 +56,6 @@ def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgr
 
 
 def variable_value(dsp: Dsp, name: str) -> int:
-    """Return the present value of a variable that a budget names."""
+    """Return the present value of a variable. A budget must name this variable, so that it is observed."""
     assert isinstance(dsp.program, ImageProgram) and dsp.program.cpu.watched is not None
     return dsp.program.cpu.watched.values[name]

@@ -70,7 +70,7 @@ class MeasuredParts:
         value = socket.peek(cycle, register.offset)
         if register.width == 32:
             value |= socket.peek(cycle, register.offset + 1) << 16
-        chip.touched.intersection_update(touched)  # the measure's read is no use of an option
+        chip.touched.intersection_update(touched)  # a read by a measure does not count as a use of an option
         return register[field_name].extract(value)
 
     def ticks_per_second(self) -> int:

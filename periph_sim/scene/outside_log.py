@@ -1,8 +1,10 @@
-"""The log of a session: the levels and bytes from the outside parties, instant by instant.
+"""The log of a session: the levels that the outside party drives and the bytes that it sends, instant by instant.
+
+Each line is a JSON value; the first line is the head of the log. `tick` counts from the start of the session.
 
 {"format": "periph-sim outside", "version": 1, "case": ..., "ticks_per_second": ..., "wires": [...],
  "file": ..., "set": [...]}             if the case has a file: its path from the log's folder, and its changes
-{"serial": "RX"}                        from the next instant on, this wire is driven by bytes, not by levels
+{"serial": "RX"}                        from the next instant on, the outside party sends bytes on this wire
 [tick, {"SCL": 0}, ["RX"]]              an instant: new levels of wires; wires on which a byte begins, if there are any
 {"end": tick}                           the end of the session; if missing, the end is one tick after the last instant
 """
@@ -54,7 +56,7 @@ class Instant(NamedTuple):
 
     levels: the new levels of the wires that the outside party changes.
     sent: a dictionary from a wire to the number of bytes that begin on the wire. The number 0 means that no byte begins
-        yet, but that bytes drive the wire after this instant.
+        at this tick, but the outside party sends bytes on the wire from now on.
     """
 
     tick: int
@@ -63,7 +65,10 @@ class Instant(NamedTuple):
 
 
 class LogReader:
-    """Reader of a session's log. Raise BadLog if the file is not the log of a session, or is damaged."""
+    """Reader of a session's log.
+
+    The constructor and `instants` raise BadLog if the file is not the log of a session, or is damaged.
+    """
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -140,7 +145,7 @@ class LogReader:
         return Instant(tick, levels, dict.fromkeys(begun, 1))
 
     def _line(self) -> object:
-        """Return the value in the next line. Return None at the end, and for an incomplete last line."""
+        """Return the JSON value in the next line; None at the end of the file, and for an incomplete last line."""
         try:
             text = self._file.readline(LONGEST_LINE)
             if len(text) == LONGEST_LINE:
@@ -187,7 +192,7 @@ class LoggedOutside(Agent):
     """Outside party that drives the wires as recorded in the log of a session.
 
     start: the tick of the scene that corresponds to tick 0 of the log.
-    on_sent: a callback that receives a wire and the number of bytes that begin on it.
+    on_sent: a callback that receives a wire and the number of bytes that begin on this wire.
     unfinished: a sentence that says what is missing at the end of the log; "" if nothing is missing.
     """
 

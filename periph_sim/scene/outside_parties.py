@@ -1,6 +1,6 @@
 """Replacement of parties of a case by the outside party that its table [outside] describes.
 
-    outside party drives  it replaces      budgets that are still judged
+    outside party drives  replaced table   budgets that are still judged
     SDA and SCL           [controller]     those on rounds, requests and bytes
     RX                    [host]           those that do not need the host's frames
 
@@ -38,8 +38,8 @@ def drives_bus(outside: OutsideTable) -> bool:
 def as_driven(case: Case) -> Case:
     """Return a case without the parties that its table [outside] replaces.
 
-    Budgets that need a replaced party are left out. `replaced` of the case has a sentence for each replaced party,
-    which names these budgets. Raise BadCase for a budget that would also be wrong without [outside].
+    Budgets that need a replaced party are left out. For each replaced party, `Case.replaced` has a sentence that names
+    these budgets. Raise BadCase for a budget that would also be wrong without [outside].
     """
     outside, controller = case.outside, case.controller
     assert outside is not None
@@ -58,7 +58,8 @@ def as_driven(case: Case) -> Case:
 def with_outside(case: Case, wires: tuple[str, ...]) -> Case:
     """Return the case for an outside party that drives `wires` instead of the wires in the table [outside].
 
-    Raise BadCase if [outside] has replaced a party, but `wires` do not replace it: the party would be missing.
+    Raise BadCase if [outside] has replaced a party and `wires` lack a wire of this party, because nothing would then
+    drive that wire.
     """
     for party, lines in (("controller", BUS), ("host", frozenset(("RX",)))):
         if party in case._replaced and not lines.issubset(wires):
@@ -135,7 +136,7 @@ def check_outside(case: Case, wires: Mapping[str, Wire]) -> None:
 
 
 def not_run(case: Case) -> BadCase:
-    """Return the error for a run of a case that needs an outside party, because a run has no outside party."""
+    """Return the error for a plain run of a case whose [outside] has no log, so that nothing drives its wires."""
     assert case.outside is not None
     wires = " and ".join(case.outside.wires)
     what = (

@@ -1,6 +1,6 @@
 """The RS-485 pairs of a scene with their transceivers and notes, built from [[transceiver]] tables.
 
-Equal notes are combined into one note, with the time of the first one and their count.
+Equal notes are combined into one note, which has the time of the first occurrence and the number of occurrences.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class Pairs:
 
     sci_line: a function that takes a unit and a module, and returns the line function of this SCI. A line function
         returns the bit length and the format with which a party sends now.
-    outside: a dictionary from a party that drives a pair, but is not an SCI, to its line function.
+    outside: a dictionary from a party that drives a pair, but is not an SCI, to the party's line function.
     """
 
     def __init__(self, context: SceneContext, sci_line: Callable[[str, str], Line]) -> None:
@@ -37,13 +37,14 @@ class Pairs:
             self._add(one, sci_line(one.sci.unit, one.sci.module))
 
     def of(self, unit: str, module: str) -> Transceiver | None:
-        """Return the transceiver of an SCI; None if it has none."""
+        """Return the transceiver of an SCI; None if the SCI has none."""
         return self._transceivers.get((unit, module))
 
     def lines(self) -> Mapping[str, Line]:
         """Return a dictionary from the wire of a pair to a line function.
 
-        The line function returns the bit length and the format of the party that drives the pair now.
+        The line function returns the bit length and the format of the party that drives the pair now. If no party
+        drives the pair, the function returns those of the pair's first SCI.
         """
         return {name: partial(self._line, pair) for name, pair in self._pairs.items()}
 

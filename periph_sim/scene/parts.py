@@ -46,7 +46,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> ModuleType:
-    """Import and return a part's module. It becomes an attribute of this module, so this is done once."""
+    """Import the module of a part, and store it as an attribute so that later accesses do not call this function."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module = globals()[name] = import_module(f".{name}", __package__)

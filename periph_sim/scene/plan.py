@@ -29,8 +29,8 @@ class ScenePlan:
     """The plan of one case.
 
     case: the case without the parties that its [outside] replaces.
-    before: the plan of an earlier case, of which this case is a changed copy, or None. If both cases have the same
-        budgets, the plans of the budgets are reused, because making them takes longer than making all other parts.
+    before: if this case is a copy of another case with changed keys, the plan of the other case; else None. If both
+        cases have the same budgets, the plans of the budgets are reused, because making them takes much time.
     """
 
     def __init__(self, case: Case, before: ScenePlan | None = None) -> None:
@@ -76,10 +76,13 @@ class ScenePlan:
 
     @property
     def limits(self) -> tuple[BudgetPlan, ...]:
-        """The plans of the budgets, made again whenever `scope` is read again. Raise BadCase for an invalid budget."""
+        """The plans of the budgets. They are made again at each access if `scope` is read again at each access.
+
+        Raise BadCase for an invalid budget.
+        """
         if self._limits is None or self._names_of_files:
             for name in self.case.unit:
-                self.unit(name)  # reports a misspelled module where it is written, not where a budget names it
+                self.unit(name)  # raises BadCase for a misspelled module of the unit, before budgets that name it do
             before = None if self._names_of_files else self._before
             self._limits = self._limits_as(before) or limit_plans(self.ticks, self.scope)
         return self._limits
@@ -96,7 +99,7 @@ class ScenePlan:
             return ()
 
     def unit(self, name: str) -> DspPlan:
-        """Return the plan of a unit. Raise BadCase for an unknown part, module or option."""
+        """Return the plan of a unit. Raise BadCase for an unknown part, module or option, or a wrong answer."""
         if name not in self._units:
             self._units[name] = parts.unit.unit_plan(self.ticks, name)
         return self._units[name]
@@ -108,7 +111,7 @@ class ScenePlan:
 
     @cached_property
     def host(self) -> HostPlan:
-        """The schedule of the [host]."""
+        """The schedule of the [host], and the length of a bit on RX. Raise BadCase for a time with too many ticks."""
         return parts.host.host_plan(self.ticks)
 
 

@@ -1,11 +1,11 @@
-"""Plugins: modules of users that define chips, devices and more, which cases and commands can name like shipped ones.
+"""Plugins: Python modules of users that define chips, devices and more. Cases can name them like shipped definitions.
 
     [tool.periph-sim] plugins = ["barometer.py"] --.
     entry points of the group `periph_sim` ---------+--> modules --by what they define--> chips, sensors, devices, ...
 
-A module is not registered by a call, but recognized by the attributes in `DEFINES`. A file is imported like a firmware
-file: in a package of its own, together with the files beside it that it imports. Entry points are searched only for a
-name that neither periph_sim nor the project defines, since the search takes longer than many runs.
+The attributes of a module decide what it defines (see `DEFINES`). A file is imported like a firmware file: in a package
+of its own, with the files of the same folder that it imports. Entry points are searched only for a name that neither
+periph_sim nor the project defines, because the search takes longer than many runs.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 GROUP = "periph_sim"  # name of the group of entry points that are plugins
-STALL_LIMIT = 10.0  # maximum seconds of the import of a plugin
+STALL_LIMIT = 10.0  # maximum CPU time of the import of a plugin, in seconds
 
 
 class DefinitionKind(Struct, frozen=True):
@@ -45,13 +45,16 @@ class DefinitionKind(Struct, frozen=True):
 
 
 class Plugin(Struct, frozen=True):
-    """A module of a user. name: the name of its file or of its entry point."""
+    """A module of a user. name: the name of its file without suffix, or of its entry point."""
 
     name: str
     module: ModuleType
 
     def place(self, attribute: str) -> str:
-        """Return the place at which the module defines an attribute, such as "line 7 of barometer.py"."""
+        """Return the place at which the module defines an attribute, such as "line 7 of barometer.py".
+
+        If the line cannot be found, return the name of the file.
+        """
         import ast
 
         file = Path(self.module.__file__ or self.name)
@@ -94,7 +97,7 @@ def known(folder: Path, attribute: str, shipped: Mapping[str, T], names: Iterabl
 
 
 def sensors_of(case: Case, names: Iterable[str] = ()) -> Mapping[str, ChipData]:
-    """Return the sensors that a case may name in `order`. names: the sensors that it names there."""
+    """Return the sensors that the requests of a case can name, by name. names: the sensors that the requests name."""
     return known(case.folder, "SENSORS", known_sensors(), names)
 
 
@@ -141,7 +144,7 @@ def _sensors(plugin: Plugin) -> Mapping[str, ChipData]:
 
 
 def _project_plugins(folder: Path) -> list[Plugin]:
-    """Return the plugins in `[tool.periph-sim]`. Raise BadCase if any of them cannot be loaded."""
+    """Return the plugins in `[tool.periph-sim]` of the folder's project. Raise BadCase if a plugin cannot be loaded."""
     project = project_of(folder)
     found = []
 
@@ -170,7 +173,7 @@ def _module(path: Path, changed: int, size: int) -> ModuleType:
 
 @cache
 def _installed_plugins() -> tuple[Plugin, ...]:
-    """Return the plugins of installed distributions. Raise BadCase if any of them cannot be loaded."""
+    """Return the plugins that installed packages declare as entry points. Raise BadCase if one cannot be loaded."""
     from importlib.metadata import entry_points
 
     found = []

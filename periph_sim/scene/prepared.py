@@ -31,16 +31,16 @@ if TYPE_CHECKING:
 
 Program = Callable[[Any, Any], None]
 
-MOST_PLANS = 16  # maximum number of plans of changed cases that are kept for later use, as by a sweep
+MOST_PLANS = 16  # maximum number of plans of changed cases that are kept, for runs with the same changes
 
 
 class PreparedScene:
     """A case from which many scenes are built.
 
     case: a case from `load` or `make_case`, or the path of a file, which is read once.
-    changes: "key=value" texts applied to the file for all runs.
+    changes: "key=value" texts applied to the file for all runs; not allowed with a Case.
 
-    Raise BadCase if the file cannot be read. `scene` and `run` raise it if the file is not a valid case.
+    Raise BadCase if the file cannot be read. `scene` and `run` raise BadCase if the file is not a valid case.
     """
 
     def __init__(self, case: Case | str | Path, changes: Sequence[str] = ()) -> None:
@@ -55,7 +55,7 @@ class PreparedScene:
             self._file = CaseFile(case, changes)
 
     def plan(self, changes: Sequence[str] = ()) -> ScenePlan:
-        """Return the plan of the case to which these changes are applied. Raise BadCase if it cannot be run."""
+        """Return the plan of the case to which these changes are applied. Raise BadCase if this case is not valid."""
         if self._file is None:
             _refuse_changes(changes)
         elif changes:

@@ -8,7 +8,8 @@
     tolerance = 1                           number of cycles by which times may differ from a baseline
     plugins = ["barometer.py"]              Python files that define chips, sensors and more: see `plugins`
 
-Paths are relative to the folder of the file. A pyproject.toml without this table is ignored, even if it is not valid.
+Paths are relative to the folder of the pyproject.toml. A pyproject.toml without this table is ignored, even if the file
+is not valid TOML.
 """
 
 from __future__ import annotations
@@ -77,6 +78,8 @@ class Project(Struct, frozen=True):
     def baseline(self, case: Path) -> Path | None:
         """Return the path of a case's baseline; None for the default, baselines/NAME.json beside the case.
 
+        The default applies if the project sets no folder of baselines, or if the case is not among the project's cases.
+
         The folder of baselines has the same sub-folders as the folder of cases, so that two cases of the same name have
         different baselines.
         """
@@ -97,12 +100,12 @@ def project_of(folder: Path) -> Project:
         if settings is not None:
             return Project(above, settings)
         if not is_searched(above):
-            break  # files in a virtual environment belong to no project
+            break  # files in a virtual environment or a hidden folder do not belong to the project around it
     return Project(folder.resolve())
 
 
 def _settings(file: Path) -> Settings | None:
-    """Return the settings in a file; None if the file does not exist or has no table for periph-sim."""
+    """Return the settings in a file; None if the file cannot be read or has no table `[tool.periph-sim]`."""
     try:
         data = read_input(file)
     except OSError:

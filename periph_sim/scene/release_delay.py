@@ -1,4 +1,4 @@
-"""Delay between a write of I2CDXR and the release of SCL, if an I2C-A holds SCL low until this write.
+"""Delay between a write of I2CDXR and the release of SCL, for an I2C-A that holds SCL low until this write.
 
 The delay has three parts: the copy from I2CDXR to I2CXSR, which takes no time if BCM = 1; the set-up time of SDA before
 SCL; and the delay of the pin. The parts are counted in cycles of the module clock or of SYSCLKOUT.
@@ -27,8 +27,8 @@ class ReleaseDelay:
         self._socket = socket
         self._setup: int = i2c.sda_setup_before_scl_release.unrecorded()
         self._pin: int = system.gpio_out_delay.unrecorded()
-        self._touched: frozenset[str] = frozenset()  # the options that the chip had used before the last `_look`
-        self._writes = -1  # the number of writes of the chip's registers at the last call of `_look`
+        self._touched: frozenset[str] = frozenset()  # the options that the module had used before the last `_look`
+        self._writes = -1  # the number of writes of the module's registers at the last call of `_look`
         self._cycles = 0  # the delay in cycles, computed by the last call of `_look`
 
     def ticks(self, written: int) -> int:
@@ -51,7 +51,7 @@ class ReleaseDelay:
             self._touched = frozenset(touched)
         prescaler, emdr = chip.peek(now, I2CPSC), chip.peek(now, I2CEMDR)
         if len(touched) != len(self._touched):
-            touched.intersection_update(self._touched)  # reads by a measure are no use of an option
+            touched.intersection_update(self._touched)  # reads by a measure do not count as uses of options
         module = ((prescaler & IPSC) >> IPSC_PLACE) + 1
         copy = 0 if emdr & BCM else module
         self._cycles = copy + max(1, self._setup * module) + self._pin

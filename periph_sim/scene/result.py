@@ -27,15 +27,20 @@ SKIPPED = "polls_skipped"
 class Result:
     """The result of a run.
 
+    verdict: "pass", "fail", or "not judged" if the case has no budgets.
     wall_s: seconds of real time of the run, without the time to build the scene.
+    wire_bytes: number of complete bytes on the I2C bus, including addresses.
     bytes_skipped: number of I2C bytes whose first seven bits were simulated in one step.
-    sci_bytes: number of characters that other parties sent to SCIs of units.
+    sci_bytes: number of characters that the host, the parties in [serial] and an outside party sent to SCIs of units.
     sci_bytes_sent: number of characters that SCIs of units sent.
     sci_errors: number of characters that SCIs of units received with each kind of error; empty without an SCI.
     estimated: names of the units that run C sources. The cycles between the accesses of these units are estimated.
     stuck: sentences about lines that stayed low, and about firmware that waits for an event that cannot occur.
-    wrong: the number of wrong bytes that were read, by place, such as "gyroscope byte 0".
-    ends: for each unit that runs an image, what the image does at the end, unless `stuck` or a note says that.
+    wrong: the number of wrong bytes that were read, by place, such as "gyroscope byte 0". It is empty unless a budget
+        compares bytes.
+    first_wrong: a sentence about the first read with a wrong byte; "" if there is none.
+    ends: a sentence for each unit with an image that says what the image does at the end of the run. Units whose image
+        has ended, and units in `stuck`, have none.
     """
 
     case: str
@@ -130,7 +135,7 @@ def unknowns(scene: Scene) -> list[str]:
 
 
 def touched_sets(scene: Scene) -> Iterator[set[str]]:
-    """Yield the sets in which the units and chips of a scene collect the names of `unknowns`."""
+    """Yield the sets in which the units and chips of a scene collect the names of the options that they use."""
     for dsp in scene.units.values():
         yield dsp.core.touched
         yield from (socket.chip.touched for socket in dsp.sockets.values())
@@ -183,7 +188,7 @@ def notes_of(scene: Scene) -> list[str]:
 
 
 def _late_parties(scene: Scene) -> list[str]:
-    """Return notes on a controller and a host that begin only after the case ends."""
+    """Return a note for a controller or host whose first round or frame is due after the end of the case."""
     case, timebase = scene.case, scene.timebase
     end = timebase.show(timebase.ticks(case.duration, "nearest"))
     return [
@@ -195,7 +200,7 @@ def _late_parties(scene: Scene) -> list[str]:
 
 
 def _missed_rounds(scene: Scene) -> list[str]:
-    """Return a note on rounds that the controller could not begin, unless a budget judges them."""
+    """Return a note on the number of missed rounds of the controller; none if a budget limits this number."""
     head, table = scene.head, scene.case.controller
     judged = any(part.budget.measure == "missed rounds" for limit in scene.limits for part in limit.parts)
     if head is None or table is None or not head.missed or judged:
@@ -211,7 +216,7 @@ def _missed_rounds(scene: Scene) -> list[str]:
 
 
 def unwired_pins(dsp: Dsp) -> list[str]:
-    """Return notes on modules that GPxMUX, at the end of the run, connects to pins without a wire."""
+    """Return a note for each module with a signal that GPxMUX, at the end of the run, connects only to unwired pins."""
     gpio, part = cast("Gpio", dsp.sockets["GPIO"].chip), dsp.plan.part
     notes = []
     for module in dsp.sockets:

@@ -60,12 +60,14 @@ NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
 class Scene:
     """A built scene. Deleting it terminates its firmware.
 
-    case: the case, or its plan if several scenes are built from it.
-    subscribe: a function that is called while the scene is built, so that recorders can subscribe before anything runs.
+    case: the case, or the case's plan if several scenes are built from the plan.
+    subscribe: a function that is called with the recorder of the records and the timebase while the scene is built. It
+        can subscribe to records before anything runs.
     programs: a dictionary from a unit to firmware that is given as a Python function. For this unit, the key `firmware`
         in the case is then only a name.
     keep_values: True to keep all values of measures that have a series of values, for `BudgetJudge.values`.
-    sources: a dictionary from a sensor chip to its input as a function of the tick, which replaces the case's `values`.
+    sources: a dictionary from a sensor chip to a function of the tick that returns the chip's input; it replaces the
+        key `values` of the chip's table.
     restorable: True to log the accesses of C sources, so that `restore` need not run the scene from its start.
     """
 
@@ -123,7 +125,7 @@ class Scene:
         self.truth: Truth | None = None
         self.model: FirmwareModel | None = None  # the model with which firmware computes the data of chips
         self.frames: FrameSource | None = None  # source of the host's frames; None if it has no motion
-        self._counter: BusRecorder | None = None  # counts bytes on the wires; None if the sensor head counts them
+        self._counter: BusRecorder | None = None  # counts bytes on the wires; None if `bus` counts the head's bytes
         self.bus = BusSide(case, self.wires, self.timebase.ticks(SPIKE, "nearest"))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
         self.log_ends_early = ""  # a sentence if the log in [outside] is cut off before its end; else ""
@@ -142,7 +144,7 @@ class Scene:
         self.keeps_logs = restorable and parts.state.keep_logs(self)
         self._build_targets(context, sources or {})
         outside = case.outside
-        shared = outside is not None and parts.outside_parties.drives_bus(outside)  # outside parties are on the bus
+        shared = outside is not None and parts.outside_parties.drives_bus(outside)  # an outside party is on the bus
         if case.controller is not None:
             self.head = self.stuck.head = parts.controller.build_head(
                 context, case.controller, plan.head, self.stuck.report
@@ -203,7 +205,9 @@ class Scene:
     # Building the scene ------------------------------------------------------------------
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """Raise BadCase if a budget needs a part that this scene does not have: it could never be broken.
+        """Raise BadCase if a budget needs a part, a table of [serial] or a motion that this scene does not have.
+
+        Such a budget could never be broken.
 
         entry: the index of the budget in the case. limit: the judge of the budget, or of one of its conditions.
         """
@@ -240,7 +244,7 @@ class Scene:
             taken = {address: name for name, chip in self.chips.items() for address in chip.addresses}
             try:
                 self.devices = parts.devices.build_devices(context, self.wires, taken)
-            except FirmwareStalled as stalled:  # the code of a user's device stalled, so the run ends at its first tick
+            except FirmwareStalled as stalled:  # the code of a user's device did not return, so nothing can run
                 self.stalled = str(stalled)
         if self.case.strict:
             for name, log in self.note_logs().items():
@@ -282,10 +286,12 @@ class Scene:
     def run(self, duration: Fraction | None = None, progress: Callable[[float], None] | None = None) -> Result:
         """Run for `duration` seconds, or for the case's duration if it is None, and return the result.
 
-        progress: called with the fraction of the run that is done.
+        progress: called up to a hundred times, with the fraction of the run that is done.
 
-        Raise BadCase, before anything runs, if the run would have too many ticks, or if outside parties drive the
-        case and there is no log. The replay of a log ends like the session: before the events of the last tick.
+        If the case has a log in [outside], the run ends like the session: before the events of its last tick.
+
+        Raise BadCase, before anything runs, if the run would have too many ticks, or if the case has an [outside]
+        without a log.
         """
         outside = self.case.outside
         if outside is not None and outside.log is None:
@@ -335,8 +341,9 @@ class Scene:
         are `restorable`, C sources are first executed with the values in logs of their accesses. The scene then runs
         only from shortly before the snapshot, and budgets begin there.
 
-        Raise NotRestorable, with nothing changed, if the snapshot is from another scene, or if the accesses of C
-        sources differ from those in their logs. Raise it also if the state after the run differs from the snapshot.
+        Raise NotRestorable, with nothing changed, if the case, a program or the records are not equal, if this scene
+        has run already, or if the accesses of C sources differ from those in their logs. Raise NotRestorable also if
+        the state after the run differs from the snapshot.
         """
         parts.state.restore_scene(self, snapshot)
 
@@ -363,7 +370,7 @@ class Scene:
         return result_of(self, length, self._wall)
 
     def clocks(self) -> Mapping[str, Sequence[tuple[int, Fraction]]]:
-        """Return a dictionary from a unit to pairs (first tick, SYSCLKOUT in Hz), a pair for each new frequency."""
+        """Return, for each unit, pairs (tick, SYSCLKOUT in Hz from then on): at the start and at each change."""
         return {name: unit.clock_history for name, unit in self.units.items()}
 
     def typical(self) -> list[Verdict]:

@@ -30,7 +30,7 @@ RXRDY, OE = SCI_MAP["SCIRXST"]["RXRDY"].mask, SCI_MAP["SCIRXST"]["OE"].mask
 
 
 class SciMonitor(ChipObserver):
-    """Observer of an SCI. After each input of the chip, it reads the receiver's registers and makes the records."""
+    """Observer of an SCI. After each input that may change registers, it reads the receiver's registers and records."""
 
     STATE = State("_words _waiting _overrun")
 

@@ -51,9 +51,9 @@ def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
 def _own_measures(case: Case) -> dict[str, str]:
     """Return the texts of the user's own measures, by name.
 
-    The measures are in [measures] of the case and in the file of `measures_from`. Example: `"late rounds" = "count of
-    record round missed"`. They are checked as far as possible without a scene. Raise BadCase, with file and line, for
-    an invalid measure.
+    The measures are in [measures] of the case and in the file that the key `measures_from` names. Example: `"late
+    rounds" = "count of record round missed"`. The measures are checked as far as possible without a scene. Raise
+    BadCase, with file and line, for an invalid measure.
     """
     from ..timing.measures.factory import check_measure
     from .case.toml_file import read
@@ -80,7 +80,7 @@ def _own_measures(case: Case) -> dict[str, str]:
 
 
 def _mistake(case: Case, source: Source, name: str, what: str) -> BadCase:
-    """Return an error about the measure of this name, in the case or in the file of `measures_from`."""
+    """Return an error about the measure `name`, with its place in the case or in the file `source`."""
     if name in case.measures:
         return case.mistake(what, "measures", name)
     return BadCase(f"{source.where((name,))}: {name}: {what}")
@@ -114,7 +114,10 @@ class _ImageNames:
         return self._variables.find(name)
 
     def function(self, name: str) -> str:
-        """Return the name of a function, or the address of code that belongs to no function, such as code in ROM."""
+        """Return `name` unchanged if it names a function, or is an address such as "0x3ff4a2".
+
+        An address names code that belongs to no function, such as code in ROM. Raise ValueError for any other name.
+        """
         if name not in self._functions and not ADDRESS.fullmatch(name):
             raise ValueError(f"the image has no function {name!r}; {did_you_mean(name, self._functions)}")
         return name

@@ -31,9 +31,10 @@ class ChipOnBus:
     STATE = State("pointer log")
 
     def __init__(self, context: SceneContext, name: str, make: Callable[[int], RegisterChip], powered: int) -> None:
-        """Make the chip. powered: the tick at which its supply was switched on, possibly before the run.
+        """Make the chip.
 
-        make: a function from such a tick to a new chip.
+        make: a function that takes the tick at which the chip's supply is switched on, and returns a new chip.
+        powered: the tick for the first call of `make`, possibly before the run.
         """
         self.log = NoteLog(context, name)
         self._kernel = context.kernel
@@ -71,7 +72,7 @@ def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipO
 
     source: the input of the chip; None if the key `values` in the case is the input.
 
-    Raise BadCase for an impossible chip.
+    Raise BadCase for an invalid chip, or for one whose name or address another party has.
     """
     case, timebase = context.case, context.timebase
     table = case.chip[name]
@@ -128,7 +129,11 @@ def _address(case: Case, name: str, table: ChipTable) -> int:
 
 
 def _source(table: ValueTable, lsb_per_unit: Fraction, start: int, ticks: Callable[[Fraction], int]) -> Source:
-    """Return the source of the chip's values. Times are counted from the start of the run."""
+    """Return a chip's input as a function from a tick to x, y and z in the chip's physical unit.
+
+    table: the input in the case; its times count from the tick `start`.
+    lsb_per_unit: the number of LSB in one physical unit, for input that is in LSB.
+    """
     if table.ramp is not None:
         sent = host_frames()
         part = sent.PARTS[table.ramp]

@@ -1,11 +1,11 @@
-"""State of a scene: a snapshot of its modules by name, which is restored into a scene of the same case.
+"""State of a scene: a snapshot of the states of its parts by name. It can be restored in a scene of the same case.
 
     Scene --modules_of--> {"dsp.SCI-A": socket, "SDA": wire, ...} --take--> Snapshot --restore--> Scene
 
-Measures, and attributes that only reports read, are not in a snapshot. Python firmware and C sources keep part of their
-state on a stack, so their scenes are run up to the time of the snapshot, and then compared with the snapshot. This run
-begins at the start of the scene, or, if C sources keep logs of their accesses, at a checkpoint: an earlier snapshot
-with these logs.
+A snapshot does not contain measures, nor attributes that only reports read. Python firmware and C sources keep part of
+their state on a stack. Their scenes are therefore not assigned a state, but run up to the time of the snapshot, and
+then compared with the snapshot. This run begins at the start of the scene, or at a checkpoint if C sources keep logs of
+their accesses. A checkpoint is an earlier snapshot with these logs.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ if TYPE_CHECKING:
 
 NO_PART = ("name", "about", "duration", "budget", "breaks")  # keys of a case that do not affect the state
 DIGEST = 8  # length of a digest, in bytes
-WINDOWS = 10_000  # number of windows in a second; the checkpoint of a run is searched in the last window of the run
+WINDOWS = 10_000  # number of windows in a second of simulated time; the checkpoint of a run is in its last window
 
 
 def state_of_scene(scene: Scene) -> Snapshot:
-    """Return the state of a scene between two runs. Wires settle first, as they would in the next run."""
+    """Return the state of a scene that is not running. Before, pending changes of wires take effect."""
     scene.kernel.settle()
     taken = take_snapshot(modules_of(scene), scene.kernel.now, scene.recorder.number, tuple(_identity(scene)))
     return taken._replace(base=scene.checkpoint)
@@ -52,8 +52,9 @@ def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
     snapshot has a checkpoint and the scene is restorable, C sources are first executed up to the checkpoint with the
     values in the logs of their accesses, and the scene is run only from there.
 
-    Raise NotRestorable, with nothing changed, if the snapshot is from another scene, or if the accesses of C sources
-    differ from those in their logs. Raise it also if the state after the run differs from the snapshot.
+    Raise NotRestorable, with nothing changed, if the case, a program or the records are not equal, if the scene has run
+    already, or if the accesses of C sources differ from those in their logs. Raise NotRestorable also if the state
+    after the run differs from the snapshot.
     """
     if scene.kernel.events or scene.kernel.now != scene.start:
         raise NotRestorable("the scene has run already; restore the snapshot into one that has just been built")
@@ -114,9 +115,10 @@ def _unit_modules(name: str, dsp: Dsp, cycle: int, keys: Mapping[type, Keyed]) -
 
 
 def _samplers(scene: Scene) -> dict[int, Sampler]:
-    """Return a dictionary from a sampler's rank, its place in the order in which parties sample, to the sampler.
+    """Return the samplers, which pass settled levels of wires to parties, by rank.
 
-    All scenes of a case make their samplers in the same order, so a rank identifies a sampler in a saved state.
+    The rank is the place of a sampler in the order in which samplers are notified. All scenes of a case make their
+    samplers in the same order, so a rank identifies a sampler in a saved state.
     """
     found = [listener for wire in scene.wires.values() for listener in wire.listeners()]
     for dsp in scene.units.values():
@@ -130,7 +132,10 @@ def _samplers(scene: Scene) -> dict[int, Sampler]:
 
 
 def keep_logs(scene: Scene) -> bool:
-    """Make C sources log their accesses. Return False for a scene without C sources or with Python firmware."""
+    """Make all C sources of a scene log their accesses, and return True.
+
+    If a unit of the scene runs Python firmware, or no unit runs C sources, do nothing and return False.
+    """
     from ..processor.host_code.access_log import LoggedRun
 
     if not all(dsp.sources is not None or isinstance(dsp.program, ImageProgram) for dsp in scene.units.values()):
@@ -142,10 +147,10 @@ def keep_logs(scene: Scene) -> bool:
 
 
 def run_to_checkpoint(scene: Scene, until: int) -> None:
-    """Run to an instant in the last window before `until` (see WINDOWS) at which the logs of all C sources can end.
+    """Run to the first instant in the last window before `until` at which the logs of all C sources can end.
 
-    The state at this instant becomes the scene's checkpoint, unless a part of it cannot be restored. If there is no
-    such instant, there is no checkpoint.
+    WINDOWS gives the length of the window. The state at this instant becomes the scene's checkpoint, unless a part of
+    the state cannot be restored. If there is no such instant, `scene.checkpoint` does not change.
     """
     from ..processor.host_code.access_log import log_at_rest
 
@@ -163,7 +168,7 @@ def run_to_checkpoint(scene: Scene, until: int) -> None:
 
 
 def _restore_checkpoint(scene: Scene, checkpoint: Snapshot) -> None:
-    """Restore a checkpoint, unless a part of the scene cannot be restored.
+    """Restore a checkpoint. Do nothing if the scene has a part that cannot be restored.
 
     Raise NotRestorable, with nothing changed, if the accesses of C sources differ from their logs.
     """
@@ -226,9 +231,9 @@ def _identity(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _recorded(recorder: Recorder) -> Iterator[object]:
-    """Yield, for each kind of records, its name, True if the kind is recorded, and its recorded subjects.
+    """Yield, for each kind of records, its name, whether it is recorded, and the recorded subjects (None: all).
 
-    Modules keep additional state for records, so snapshots are equal only if these choices are equal.
+    Modules keep additional state for records, so snapshots are equal only if the same records are made.
     """
     for kind in RECORDED:
         subjects = recorder.subjects(kind)

@@ -1,4 +1,4 @@
-"""Lines of the bus that stay low: a sentence for each reported wire, and whether the run hangs.
+"""Lines of the bus that stay low: a sentence for each report of such a line, and whether the run hangs.
 
 controller agent, or StuckWatch if there is none --wire--> StuckLines --> sentences
 """
@@ -40,7 +40,10 @@ class StuckLines:
             self._wire, self._after_rounds = wire, self.head.rounds
 
     def hangs(self) -> bool:
-        """Return True if a party other than the controller still holds the last reported line, in the same round."""
+        """Return True if the controller still waits in the round of the last report while another party holds the line.
+
+        Return False if there is no controller agent.
+        """
         wire, head = self._wire, self.head
         if wire is None or head is None or head.at_rest or head.rounds != self._after_rounds:
             return False
@@ -67,6 +70,8 @@ def waits(what: str, where: SourceLocation | None, since: str) -> str:
     """Return a phrase that says for what firmware waits, where, and since when.
 
     what: a phrase that names what the firmware waits for; "" if the firmware is in a loop that nothing ends.
+    where: the place of the wait; shown only if it is an instruction of an image.
+    since: the time at which the wait began, as text.
     """
     at = f" at {where}" if isinstance(where, InstructionLocation) else ""
     return f"{f'waits for {what}' if what else 'is in an endless loop'}{at} since {since}"

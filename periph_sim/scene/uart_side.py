@@ -3,8 +3,9 @@
 [host], [serial] --> RX, or a pair --transceiver--> RX --> SCI --> SciMonitor: records of its receiver
 TX of an SCI, pairs --> UartMonitor, UartCounter: frames, characters
 
-A frame is read with the rate and format of its sender: those of the host, or the settings of the SCI whose TX is on the
-wire. If no sender is known, it is read with the settings of the SCI whose RX is on the wire.
+A frame, which is one UART character here, is read with the rate and format of its sender. These are the settings in
+[host] or [serial], or the register settings of the SCI whose TX is on the wire. If no sender is known, a frame is read
+with the register settings of the SCI whose RX is on the wire.
 """
 
 from __future__ import annotations
@@ -53,9 +54,9 @@ class UartSide:
         self._wires = wires
         self._pairs: Pairs | None = None
         self._lines: dict[str, Line] = {}  # maps a wire to the function that returns its rate and format
-        self._own: Mapping[tuple[str, str], Line] = {}  # for each (unit, module), the SCI's rate and format
+        self._own: Mapping[tuple[str, str], Line] = {}  # maps (unit, module) to the function for the SCI's settings
         self._counters: dict[str, UartCounter] = {}
-        self._counted: dict[str, int] = {}  # maps a wire to the number of characters from the outside party
+        self._counted: dict[str, int] = {}  # maps a wire to the number of characters decoded from its levels
         self._sent: dict[str, int] = {}
         if self._scis:
             from .uart_lines import sci_line
@@ -95,9 +96,9 @@ class UartSide:
         return counted + sum(self._sent.values()) + (0 if self._serial is None else self._serial.characters)
 
     def count(self, wires: Collection[str]) -> None:
-        """Decode and count the characters on those of these wires that lead to an SCI.
+        """Start to decode and count the characters that the outside party sends to SCIs.
 
-        wires: the wires that the outside party drives.
+        wires: the wires that the outside party drives. Wires that lead to no SCI are ignored.
         """
         for name in dict.fromkeys(sci.rx for sci in self._scis if sci.rx in wires):
             self._counter(name).on_character.append(partial(self._came, name))
@@ -112,7 +113,8 @@ class UartSide:
     def sent(self, wire: str, count: int) -> None:
         """Add `count` characters that the outside party sends on a wire as bytes, and not as levels.
 
-        Characters that are decoded from the levels of this wire then no longer count, so that none is counted twice.
+        From then on, `characters` does not include the characters decoded from the levels of this wire, so that no
+        character counts twice.
         """
         self._sent[wire] = self._sent.get(wire, 0) + count
 
@@ -137,7 +139,7 @@ class UartSide:
         return [cast("Sci", self._units[sci.unit].sockets[sci.module].chip) for sci in self._scis]
 
     def notes(self) -> list[str]:
-        """Return notes on unequal rates, on errors on RS-485 pairs, and on sends that never began."""
+        """Return notes on unequal rates, on errors on RS-485 pairs, and on sends and replies of [serial]."""
         notes = [] if self._pairs is None else self._pairs.notes()
         for sci in self._scis:
             from .uart_lines import rate_register
@@ -152,15 +154,15 @@ class UartSide:
         return notes + ([] if self._serial is None else self._serial.notes())
 
     def finish(self, now: int) -> None:
-        """Detect the last characters at tick `now`, the end of the run."""
+        """Let the counters report the last characters. now: the tick at which the run ends."""
         for counter in self._counters.values():
             counter.finish(now)
 
     def record_receivers(self) -> None:
         """Start recording the waiting words and losses of SCIs' receivers, and the characters on their RX lines.
 
-        A character makes one record for each SCI on its line. The tick of the record is that of the start bit. But the
-        record is made only when the next character begins or the run ends, because `UartCounter` reports it then.
+        A character makes one record for each SCI on its line. The tick of the record is that of the start bit. The
+        record is made later, when the next character begins or the run ends: `UartCounter` reports a character then.
         """
         from .sci_monitor import SciMonitor
 

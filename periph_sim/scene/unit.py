@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 class FirmwareModel(Protocol):
-    """Interface of the model with which firmware computes the data of chips."""
+    """Interface of the model with which firmware computes the data of the sensor chips that it emulates."""
 
     def check(self, case: Case, unit: str) -> None:
         """Raise BadCase if the case does not meet the requirements of the model."""
@@ -47,7 +47,10 @@ class FirmwareModel(Protocol):
         """Return the model of the bytes that the unit should send; None if the settings do not determine them."""
 
     def truth(self, motion: Any, first: Fraction) -> Truth:
-        """Return the true values during a motion. first: the time in the motion at which frame 0 is due, in seconds."""
+        """Return the values that ideal chips would measure during a motion of the host.
+
+        first: the time in the motion at which frame 0 is due, in seconds.
+        """
 
     def attitude(self, readings: Mapping[str, Sequence[float]]) -> list[float] | None:
         """Return roll, pitch and yaw in degrees; None if the readings do not suffice to compute them.
@@ -57,7 +60,10 @@ class FirmwareModel(Protocol):
 
 
 def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
-    """Return the plan of a unit of a case, without its wires. Raise BadCase for an unknown part, module or option."""
+    """Return the plan of a unit of a case, without its wires.
+
+    Raise BadCase for an unknown part, module or option, or for an option with a wrong answer.
+    """
     case = ticks.case
     unit = case.unit[name]
     part = part_named(unit.part)
@@ -104,10 +110,11 @@ def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
 def build_unit(
     context: SceneContext, name: str, plan: DspPlan, program: Firmware | None
 ) -> tuple[Dsp, Firmware, FirmwareModel | None]:
-    """Return a unit, its started firmware, and the model with which the firmware computes the data of chips, or None.
+    """Return a unit, its started firmware, and the firmware's model of sensor chips (None if it has none).
 
-    program: the firmware to use in place of the case's firmware, or None. Raise BadCase if the firmware cannot be
-    loaded or its settings are wrong.
+    program: the firmware to use in place of the case's firmware, or None.
+
+    Raise BadCase if the firmware cannot be loaded or its settings are wrong, or if too many pins have wires.
     """
     case, unit = context.case, context.case.unit[name]
     wires = {pin: context.wire(wire) for pin, wire in context.wiring.pins[name].items()}

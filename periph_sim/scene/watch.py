@@ -1,4 +1,6 @@
-"""Watchers of wires, built from [watch.NAME] tables; each passes deviations to a measure.
+"""Watchers of wires, built from [watch.NAME] tables. A watcher compares the edges of its wire with expected times.
+
+It passes the deviations to a measure:
 
 Wire --edges--> Edges | Blink | ... --deviations--> WatchedWire, a measure
 """
@@ -22,7 +24,7 @@ from .case.model import Case
 def watcher_of(
     case: Case, wires: Mapping[str, Wire], timebase: Timebase, start: int, measure: WatchedWire
 ) -> WireWatcher:
-    """Return a measure's watcher, connected to its wire. Raise BadCase for an impossible watcher."""
+    """Return a measure's watcher, connected to its wire. Raise BadCase if its [watch.NAME] is missing or invalid."""
     name = measure.name
     if name not in case.watch:
         entry = next(n for n, budget in enumerate(case.budget) if budget.measure.endswith(f":{name}"))

@@ -1,1 +1,3 @@
-"""Outside parties on the lines of a scene's SCIs, from the tables [[serial.send]] and [[serial.expect]]."""
+"""The parties of the table [serial], which send to a scene's SCIs ([[serial.send]]) and expect replies from them
+([[serial.expect]]).
+"""

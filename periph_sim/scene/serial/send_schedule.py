@@ -35,7 +35,10 @@ class EventTrigger(EventMeasure):
 
 
 class TextTrigger:
-    """Trigger that calls `happened(tick)` at the end of each occurrence of a text. Occurrences do not overlap."""
+    """Trigger that calls `happened(tick)` at the end of each occurrence of a text among the received characters.
+
+    Occurrences do not overlap. A character with an error is not part of any text.
+    """
 
     STATE = State("_came")
 
@@ -60,7 +63,7 @@ BEHIND = "its time is after the end of the run"
 class Send:
     """The bursts of one entry of [[serial.send]]. A burst sends the characters of the entry once, or one break.
 
-    ppm: error of the clock by which the times of the entry are counted.
+    ppm: error of the clock by which the times of the entry are counted, in parts per million.
     on_begin: callbacks that receive the tick at which a burst begins.
     on_end: callbacks that receive the tick at which a burst ends.
     """
@@ -82,7 +85,7 @@ class Send:
         self._ppm = ppm
         self._most = table.times if table.times is not None else None if table.period is not None else 1
         self._asked = 0
-        self._due = NO_TIME  # the tick at which the first burst is due
+        self._due = NO_TIME  # the tick at which the first burst was due; NO_TIME until then
         if table.at is not None:
             self.happened(context.serial_tick(table.at, ppm))
 
@@ -92,7 +95,7 @@ class Send:
         return self._burst.edges(0)[1]
 
     def why_never(self) -> str:
-        """Return the reason why no burst has begun, as a phrase."""
+        """Return the reason why no burst has begun, as a phrase. Call this only if no burst has begun."""
         busy = self._sender.busy_with
         if not self._asked:
             return self.why_unasked()
@@ -105,8 +108,8 @@ class Send:
     def happened(self, tick: int) -> None:
         """Start the bursts for a trigger at tick `tick`.
 
-        If the entry has the key `period`, only the first trigger counts. Otherwise, as many triggers count as the key
-        `times` allows.
+        If the entry has the key `period`, only the first trigger counts. Otherwise, the key `times` limits the number
+        of triggers that count; without `times`, only the first trigger counts.
         """
         if (self._asked and self._table.period is not None) or self._asked == self._most:
             return

@@ -38,7 +38,7 @@ from .send_schedule import EventTrigger, Send, TextTrigger
 WHO = "serial"  # name of a party of [serial] in records and messages
 IDLE_BITS = 11  # number of idle bits before a block in idle-line mode: ten, plus one because clocks differ
 JUDGES = "a budget on 'unsolicited replies' judges them"
-OFF = Fraction(5, 100)  # share by which an SCI may send faster than the nominal rate
+OFF = Fraction(5, 100)  # maximum relative amount by which an SCI may send faster than the nominal rate
 
 
 class SerialSide:
@@ -90,15 +90,15 @@ class SerialSide:
 
     @property
     def characters(self) -> int:
-        """The number of characters that were sent."""
+        """The number of characters that the parties of [serial] have sent."""
         return sum(sender.characters for sender in self._senders.values())
 
     def lines(self) -> Mapping[str, Line]:
-        """Return a dictionary from a wire to a function that returns the bit length and the format of its sender."""
+        """Return a dictionary from a wire to a function that returns the bit length and format of the wire's sender."""
         return {wire: self._line_of(sender) for wire, sender in self._senders.items()}
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        """Add the measure of a reply. Return the expected reply, and a function that returns why it was never due."""
+        """Add the measure of a reply. Return the expected reply, and a function that says why no reply was ever due."""
         names = [expect.name for expect in self._table.expect]
         number = names.index(reply.name)
         self._replies[number].append(reply)
@@ -107,8 +107,9 @@ class SerialSide:
     def on_unsolicited(self, measure: Unsolicited) -> tuple[Callable[[tuple[int, ...]], str], Callable[[], str]]:
         """Add a measure of unsolicited characters.
 
-        measure: counts the characters after one send, or, without a name, those of all SCIs in [serial]. The measure
-        for notes counts only characters of SCIs from which replies are expected.
+        A measure with a name counts the characters after the send of this name. A measure without a name counts the
+        characters of all SCIs in [serial]. The measure for notes, `_unasked`, counts only characters of SCIs from which
+        replies are expected.
 
         Return a function that returns characters as text, and one that returns why the send never began.
         """
@@ -121,7 +122,7 @@ class SerialSide:
         for sci in dict.fromkeys(scis):
             numbers = [number for number, one in enumerate(table.expect) if named(one.from_) == sci]
             if measure is self._unasked and len({self._line(table.expect[number]) for number in numbers}) > 1:
-                continue  # replies with different formats: one reply would be misread with the format of another
+                continue  # the replies of this SCI have different formats, so no format can read all characters
             self._listen(sci, expected.get(sci), partial(self._unexpected, measure, sci, numbers))
         if measure.name:
             self._silences.append((scis[0], measure))
@@ -137,7 +138,7 @@ class SerialSide:
     def notes(self) -> list[str]:
         """Return notes on sends that never began, and on characters that no entry of [[serial.expect]] expects.
 
-        Sends and characters that a verdict reports already are left out.
+        Sends and characters about which a budget gives a verdict are left out.
         """
         judged = {expect.after_send for expect in self._table.expect}
         judged |= {send.name for send in self._table.send if send.expect is not None}
@@ -249,7 +250,8 @@ class SerialSide:
         elif table.at is not None:
             tick = self._context.serial_tick(table.at, self._table.ppm)
             self._context.kernel.call_at(tick, lambda: self._happened("expect", number, tick))
-        # `within` must be long enough for a reply that begins together with the data it answers.
+        # A reply may begin together with the send that it answers. So its characters must fit into `within` plus the
+        # duration of the send.
         count = len(self._expected(number).characters)
         takes = count * self._table.form(table).length * self._table.bit(table)
         may, echo = table.within, ""
@@ -303,9 +305,10 @@ class SerialSide:
             reply.character(frame.begin, frame.end, frame.value, frame.good)
 
     def _unexpected(self, measure: Unsolicited, sci: SciLines, expects: list[int], frame: Heard) -> None:
-        """Pass a character to a measure of unsolicited characters, unless it belongs to a reply.
+        """Pass a character to a measure of unsolicited characters, unless the character belongs to a reply.
 
-        The measure for notes also ignores characters that a silence forbids, because a verdict reports them.
+        expects: the indices of the expected replies of this SCI. The measure for notes also ignores the characters
+        after a send with `expect = "nothing"`, because a verdict reports them.
         """
         begin = frame.begin
         reported = any(reply.last == begin for number in expects for reply in self._replies[number])
@@ -329,7 +332,7 @@ class SerialSide:
     # Reading lines ------------------------------------------------------------------------
 
     def _listen(self, sci: SciLines, entry: SerialEntry | None, callback: Callable[[Heard], None]) -> None:
-        """Call `callback` with each frame that an SCI sends, read with the rate and format of `entry`.
+        """Call `callback` at the end of each frame that an SCI sends, read with the rate and format of `entry`.
 
         On a pair, only frames that begin while the SCI's driver is on are frames of this SCI.
         """

@@ -157,7 +157,7 @@ def run_command() -> None:
             _drop_output()
         sys.exit(status if isinstance(status, int) else 0)
     except click.ClickException as error:
-        if completing:  # the line is unfinished, and a message would be printed into it
+        if completing:  # the user is still typing the command line, and a message would be printed into it
             sys.exit(0)
         from io import StringIO
 

@@ -178,7 +178,7 @@ def _wait(worker: int, reader: int, names: int, mask: Iterable[int], name: str, 
                 os.unlink(file)
     if os.WIFSIGNALED(how):
         by = os.WTERMSIG(how)
-        if said.startswith(f"{worker} ".encode()) and by in _numbers(STOPPING):  # the worker was about to exit
+        if said.startswith(f"{worker} ".encode()) and by in _numbers(STOPPING):  # it was about to exit with this status
             os._exit(int(said.split()[1]))
         _die_by(by, name, complete)
     status = os.WEXITSTATUS(how)

@@ -96,7 +96,7 @@ class SampledParty:
     following: SampledParty | None
 
     def notify(self, now: int) -> None:
-        """Pass the settled levels to the party, and clear `due`."""
+        """Pass the settled levels to the agent, and clear `due`."""
         self.due = NOT_DUE
         if self.plain:
             self.agent.sampled(now, self.levels)

@@ -71,7 +71,7 @@ class Chip:
 
     INPUTS: the names of the bits of the input levels, the lowest bit first.
     OUTPUTS: the names of the bits of `out`, the lowest bit first.
-    Bit i of `requests` and of `held` represents interrupt i in the module's descriptor.
+    Bit i of `requests` and of `held` represents interrupt number i of the module.
     """
 
     STATE = State("out held requests loaded writes filter_width", cycles="next_wake")
@@ -151,4 +151,7 @@ class Chip:
         return False
 
     def set_lspclk(self, now: int, divider: int, phase: int) -> None:
-        """Set the LSPCLK of a chip that runs on it. LSPCLK rises in each cycle n with n % divider == phase."""
+        """Set LSPCLK from cycle `now` on. LSPCLK rises in each cycle n with n % divider == phase.
+
+        Nothing happens in a chip that does not run on LSPCLK.
+        """

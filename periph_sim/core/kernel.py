@@ -220,7 +220,7 @@ class Kernel:
     def run_until(self, time: int) -> None:
         """Run all events up to and including tick `time`.
 
-        Afterwards `now` is `time`, or the tick of the event that called `stop`.
+        Afterwards `now` is `time`, or the tick of the event that called `stop`. Raise ValueError if `time` is past.
         """
         if time < self.now:
             raise ValueError(f"cannot run until t={time}, because it is already t={self.now}")

@@ -94,7 +94,7 @@ class Listener:
 
 
 class RecordSink:
-    """A subscriber to whole records that does not need Record objects."""
+    """A subscriber that needs all fields of each record, but no Record object."""
 
     __slots__ = ()
 

@@ -142,7 +142,10 @@ class _Plan:
         return current
 
     def _new(self, name: str, kind: str) -> Any:
-        """Return a new object of a class, whose attributes are not set yet. The class must declare `made` in STATE."""
+        """Return a new object of a class; its attributes are not set yet.
+
+        Raise NotRestorable if the class does not declare in STATE that its attributes are complete (`State.made`).
+        """
         cls = _class_of(kind)
         state = state_of(cls)
         if state is None or not state.made:

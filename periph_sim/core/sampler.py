@@ -1,4 +1,4 @@
-"""Parties that sample wires. In each instant, a party is notified at most once, with the levels of all its lines."""
+"""Parties that sample wires. Each time wires settle, a party is notified at most once, with all its lines' levels."""
 
 # core: compiled without checks for None
 
@@ -52,8 +52,8 @@ class Sampler(SampledParty):
     """The lines that one party samples: bit i of `levels` is line i.
 
     A line is a wire (`listen`) or has a level that the owner sets (`put`).
-    agent: the agent whose `sampled` is called with the tick and `levels`, once in each instant in which any line
-        changes. During this call, `Recorder.cause` is the cause of the change of the lowest line that changed.
+    agent: the agent whose `sampled` is called with the tick and `levels`, once after each settling that changes any
+        line. During this call, `Recorder.cause` is the cause of the change of the lowest line that changed.
     """
 
     STATE = State("levels plain agent _seen _lines", records="_put_under")

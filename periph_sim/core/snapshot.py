@@ -337,7 +337,7 @@ def _chained(first: Any) -> Iterator[Any]:
 
 
 def _item_differences(name: str, here: Any, there: Any) -> dict[str, tuple[object, object]]:
-    """Return the differing items of two containers of the same length, or the whole containers otherwise."""
+    """Return the items in which two plain containers of equal kind and length differ; of other values, both values."""
     both = isinstance(here, PlainContainer) and isinstance(there, PlainContainer)
     if not both or here.kind != there.kind or here.kind == "Random" or len(here.items) != len(there.items):
         return {name: (here, there)}

@@ -109,7 +109,7 @@ class F28335:
         if before_reset not in (None, 0, 1):
             raise OutsideError(f"before_reset is {before_reset!r}; expected 0 or 1, the level of lines that are x or z")
         self._before_reset = before_reset or 0
-        self._waiting = set() if before_reset is None else set(read)  # the lines that have not been 0 or 1 yet
+        self._waiting = set() if before_reset is None else set(read)  # lines that have not been 0 or 1 yet
         if begin:  # the levels are not checked at time 0, because initial blocks have not run yet
             for name, signal in read.items():
                 if name not in self._waiting:

@@ -93,7 +93,8 @@ def simulate(
     folder: the folder for build files, logs and waves.
     tests: a regular expression; only the tests with a matching name are run.
 
-    Raise AssertionError if a test failed, and OutsideError if something is missing or cannot be built.
+    Raise AssertionError if a test failed or no test was run, and OutsideError if something is missing or cannot be
+    built.
     """
     lack = missing(simulator)
     if lack:

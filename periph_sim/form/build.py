@@ -218,7 +218,7 @@ def leave_out_checks_of_self() -> None:
 
 def link(modules: list[str], folder: Path, cc: str, kind: BuildSettings = NORMAL) -> None:
     """Link the object files in `folder` to one library. Raise NoBuild with the linker's output if linking fails."""
-    names = ("-undefined", "dynamic_lookup") if sys.platform == "darwin" else ()  # the names of Python itself
+    names = ("-undefined", "dynamic_lookup") if sys.platform == "darwin" else ()  # lets Python's symbols be found later
     command = [*cc.split(), "-shared", *names, *kind.link, *(f"{module}.o" for module in modules), "-o", LIBRARY]
     for more in ([SORTED], []):  # the second attempt is for linkers that do not support SORTED
         done = run([*command, *more], cwd=folder, capture_output=True, text=True, check=False)

@@ -19,7 +19,7 @@ from .sources import Source, Sources
 LOCALS = {"long long": "longlong", "unsigned int": "uint", "int": "int", "bint": "bint"}
 # RAISES maps a C result type to its declared error value, which a function returns if it has raised an exception.
 # Without error values, the caller of a C function would have to ask Python after each call if an exception was raised.
-# A function without a result has the C type `bint`, so that it can return an error value. Otherwise, it returns False.
+# A function without a result has the C type `bint`: it returns False, or the error value after an exception.
 RAISES = {VOID: " except -1", "bint": " except -1", INTEGER: " except? PERIPH_SIM_RAISED"}
 RAISED = '''\
 cdef extern from *:

@@ -1,7 +1,7 @@
 """Check that the C code that Cython writes obeys the directives of its .pxd file.
 
-    @cython.final            the type is no base type
-    @cython.freelist(16)     the deallocator keeps objects while there are fewer than 16
+    @cython.final            no class can be derived from this class
+    @cython.freelist(16)     the deallocator keeps up to 16 deleted objects for reuse
     @cython.locals(at=...)   the function declares this variable with this C type
     trashcan (every class)   a deallocator that releases other objects uses Python's trashcan, and so no recursion
 

@@ -54,7 +54,7 @@ def pairs(node: ast.Assign) -> Iterator[tuple[ast.expr, ast.expr | None]]:
 def own_assignments(method: ast.FunctionDef) -> Iterator[tuple[str, ast.expr | None, int]]:
     """Yield (name, value, line) for each assignment to an attribute of `self`.
 
-    The value is None if it is unpacked, or if the attribute is the target of a `for` loop.
+    The value is None if one expression is unpacked, or if the attribute is the target of a `for` loop.
     """
     for node in walked(method):
         if isinstance(node, ast.Assign):

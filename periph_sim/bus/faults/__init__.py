@@ -69,7 +69,7 @@ class When:
 class SdaPuller(Agent):
     """Base of the faults that pull SDA low during one clock of SCL. `arm` requests the next disturbance.
 
-    Subclasses define `sampled`, which is called with the level of SCL after each change.
+    Subclasses define `sampled`, which is called with the new level of SCL after each change of SCL.
     """
 
     STATE = State("_armed _pulls")

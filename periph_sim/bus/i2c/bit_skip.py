@@ -7,7 +7,8 @@
 During the first seven bits of a byte only the levels of the lines change: flags, FIFOs, interrupts and the ACK change
 at the eighth rise of SCL or later. So these bits are unobservable unless edges are recorded, a party holds a line, or a
 party acts in mid-byte. If edges are recorded or a party may hold a line, no bit is skipped. If firmware acts in
-mid-byte or any party pulls a line, the skipped events are first run up to now, in their order (`materialize`).
+mid-byte or any party pulls a line, the skipped events are first run up to now, in their order (`materialize`). The byte
+on SDA (`shown`) has a 0 in each bit in which any party pulls SDA.
 
     SCL  _|~|_|~|_ ... _|~|_      numbers of the edges in `BitTimes`:
           0   1         7         rises; number 7 belongs to the eighth bit
@@ -70,10 +71,7 @@ class CycleTimes(BitTimes):
 
 
 class BitParty(Agent):
-    """Base of parties on SCL and SDA that can enter their state after the first seven bits of a byte in one step.
-
-    In the methods, `shown` is the byte that SDA shows, with a 0 in each bit in which any party pulls SDA.
-    """
+    """Base of parties on SCL and SDA that can enter their state after the first seven bits of a byte in one step."""
 
     __slots__ = ()
 
@@ -106,19 +104,20 @@ class BitParty(Agent):
         return ONES
 
     def keeps_bus(self, shown: int) -> bool:
-        """Return False if the party, as a master, loses arbitration during the byte `shown`."""
+        """Return False if the party, as a master, loses arbitration during a byte. shown: the byte on SDA."""
         return True
 
     def set_bit_position(self, shown: int, bit: int, fell: int) -> None:
         """Enter the state after the first `bit` bits of a byte, where `bit` is 0 or 7.
 
-        fell: the tick of the last fall of SCL.
+        shown: the byte on SDA. fell: the tick of the last fall of SCL.
         """
 
     def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
         """Called when the skipped bits are over and SCL is about to rise for the eighth bit.
 
         Parties that only listen change their state here. All other parties change their state in `set_bit_position`.
+        shown: the byte on SDA. times: the ticks of the edges of SCL.
         """
 
 

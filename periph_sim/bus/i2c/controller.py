@@ -46,8 +46,8 @@ class I2cController(BitParty):
         the bus or for the rise of SCL, `on_stuck` is called with the stuck line.
     clear_after: a time in ticks, or 0 for never, as on buses with other controllers. If SCL stays high for this time
         while a START is blocked, because SDA is low or a STOP is missing, the controller clears the bus.
-    gives_up: True if a NACK of a written byte ends the transfer with a STOP; otherwise its next phase follows. A NACK
-        of the address always ends the transfer.
+    gives_up: True if a NACK of a written byte ends the transfer with a STOP; False if the transfer then continues with
+        its next phase. A NACK of the address always ends the transfer.
     """
 
     STATE = State(

@@ -1,7 +1,7 @@
 """A transfer on an I2C bus: the request to a controller, and its result afterwards.
 
 BusTiming                 a controller's clocking
-Transfer --> Phases       START to STOP, divided by STARTs
+Transfer --> Phases       START to STOP, divided by repeated STARTs
 """
 
 # core: compiled
@@ -132,7 +132,7 @@ class Transfer:
 
     @property
     def wire_bytes(self) -> int:
-        """The number of bytes on the wire, addresses included."""
+        """The number of bytes on the wire so far. An address counts from its START on, a data byte from its ACK bit."""
         count = 0
         for phase in self.phases:
             if phase.start_at != NO_TIME:

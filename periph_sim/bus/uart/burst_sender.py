@@ -84,7 +84,7 @@ class Burst:
         return edges, int(at)
 
     def over_by(self, ticks: int) -> int:
-        """Return the number of characters of the burst that are over `ticks` after its start."""
+        """Return the number of characters that have ended by `ticks` after the start of the burst."""
         at = Fraction(0)
         for number, character in enumerate(self.characters):
             at += self.bit * len(character.levels(self.form))

@@ -84,7 +84,7 @@ class WaitingInputs:
             self._take_first()
 
     def cause_at(self, cycle: int) -> int:
-        """Remove the inputs that have taken effect by `cycle`, and return the number of the last one's record."""
+        """Return the number of the record of the last input that took effect by `cycle`. These inputs are removed."""
         while self._first is not None and self._first.cycle <= cycle:
             self.last_cause = self._first.cause
             self._take_first()

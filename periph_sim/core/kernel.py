@@ -89,7 +89,7 @@ class Kernel:
         self._ranks = 0
 
     def rank(self) -> int:
-        """Return a new rank. Within a tick, wires settle and parties sample in the order of their ranks."""
+        """Return a new rank. Wires settle, and parties that requested a sample are notified, in the order of rank."""
         self._ranks += 1
         return self._ranks
 

@@ -2,9 +2,9 @@
 
     start(0x68, read=False)   write(0x3B)        start(0x68, read=True)      read(ack=False)      stop()
     SDA --|__ A6..A0 W [ack]  D7..D0 [ack]    --|__ A6..A0 R [ack]        [D7..D0] N            __|--
-    SCL is held low between calls, as real adapters do
+    Between the calls of a transfer, the controller holds SCL low, as real adapters do.
 
-Every call advances the session by its duration on the wires. This includes the time for which others hold SCL low.
+Every call advances the session by the time that it takes on the wires, stretching of SCL by other parties included.
 
 Source: UM10204 sections 3.1.4 to 3.1.10 and Table 10.
 """
@@ -145,7 +145,8 @@ class Master:
     def clear(self) -> bool:
         """Free SDA if a target holds it low: send nine clock pulses and a STOP. Return True if both lines are high.
 
-        A transfer in progress is aborted. Source: UM10204 section 3.1.16.
+        A transfer in progress is aborted. If another party holds SCL low, no pulses are sent. Source: UM10204 section
+        3.1.16.
         """
         self.let_go()
         if not self._session.level("SCL"):
@@ -160,7 +161,7 @@ class Master:
         return all(self._session.level(line) for line in LINES)
 
     def let_go(self) -> None:
-        """Release both lines at once, without a STOP."""
+        """Release both lines in the next tick, without a STOP."""
         session = self._session
         session.apply(session.now, dict.fromkeys(LINES, 1))
         session.advance(session.now + 1)
@@ -169,7 +170,8 @@ class Master:
     def transfer(self, address: int, data: Sequence[int] = b"", count: int = 0) -> bytes | None:
         """Write `data` to an address, and then read `count` bytes after a repeated START. Either part may be empty.
 
-        If both are empty, only the address is sent. Return the bytes that were read; None after a NACK of the target.
+        If both are empty, only the address is sent. Return the bytes that were read, b"" if `count` is 0; None after a
+        NACK of the target.
         """
         if type(count) is not int or count < 0:
             raise OutsideError(f"count {count!r}: expected the number of bytes to read, 0 or more")
@@ -221,7 +223,7 @@ class Master:
         self._move("SCL", 0)
 
     def _move(self, line: str, level: int, due: int = 0) -> None:
-        """Move a line at tick `due`, or now if that is past, and advance to the next tick."""
+        """Move a line at tick `due`, or now if that is past. Then advance to the tick after the move."""
         session = self._session
         at = max(due, session.now)
         session.apply(at, {line: level})

@@ -18,8 +18,9 @@ from .errors import OutsideError
 class LogWriter:
     """Writer of a log.
 
-    An existing file is replaced only by `begin`, when time begins to pass. A session that fails earlier leaves the file
-    unchanged. From then on, each line is written at once, so that the log is complete even if the process is killed.
+    The session calls `begin` when its time begins to pass. Only then is an existing file replaced: a session that fails
+    earlier leaves it unchanged. After `begin`, each line is written at once, so that the log is complete even if the
+    process is killed.
 
     Raise OutsideError for a file that cannot be written, and for a file from which the case was read.
     """
@@ -41,7 +42,7 @@ class LogWriter:
         self._waiting: list[object] | None = [{**head, "wires": wires, **file}]
 
     def begin(self) -> None:
-        """Write the lines that were collected so far. The session calls this when its time begins to pass."""
+        """Write the lines that were collected so far. Later calls do nothing."""
         if self._waiting is not None:
             if self._path.is_file():  # devices and pipes cannot be truncated
                 self._file.truncate(0)
@@ -50,7 +51,7 @@ class LogWriter:
                 self._write(value)
 
     def serial(self, wire: str) -> None:
-        """Write that a serial line drives this wire in all later instants."""
+        """Write that a `SerialLine` drives this wire from now on."""
         self._write({"serial": wire})
 
     def instant(self, tick: int, levels: Mapping[str, int], begun: Sequence[str] = ()) -> None:

@@ -3,12 +3,16 @@
     events of the kernel                                          --+--> first tick at which pins of the case may move
     edges from `put`, not applied yet: at once, or after a filter --'
 
-An I2C module that is not a master receives an edge after its noise filter, and an SCI receives it after its
-synchroniser. An I2C module does not answer in the middle of a byte. It states the number of further SCL edges to which
-it will not answer. The number is valid if all pulses pass the filter and SDA changes only while SCL is low. All other
-listeners are assumed to answer at once. Firmware moves a pin when one of its writes arrives at a register.
+A case answers when one of its pins pulls a line low or releases it. These rules give the earliest tick:
 
-Up to this tick, a simulator that uses a session and moves no line itself can run without the session.
+- An I2C module that is not a master receives an edge after its noise filter, and an SCI receives it after its
+  synchroniser.
+- An I2C module does not answer in the middle of a byte. It states the number of further SCL edges to which it will not
+  answer. The number is valid if all pulses pass the filter and SDA changes only while SCL is low.
+- All other listeners are assumed to answer at once.
+- Firmware moves a pin only when one of its writes arrives at a register.
+
+An external simulator that uses a session can run on its own up to this tick, as long as it moves no line.
 """
 
 # core: compiled
@@ -155,7 +159,7 @@ class Reaction(Agent):
             self._weigh(tick, line, level)
 
     def _listeners(self) -> None:
-        """Update the listeners, because firmware may have changed the routing of pins."""
+        """Update the lists of the modules that listen to the lines, because firmware may have rerouted pins."""
         version: int = 0
         wire: Wire
         for wire in self._wires:
@@ -182,7 +186,7 @@ class Reaction(Agent):
             self._scl, self._sda = (scl.pop(), sda.pop()) if len(scl) == len(sda) == 1 else ("", "")
 
     def _first_event(self) -> int:
-        """Return the first tick at which an event may move a pin. Unobservable wake-ups of modules do not count."""
+        """Return the first tick at which a scheduled event may move a pin, by `_effect`; NEVER if none will."""
         due = NEVER
         event = self._events()
         while event is not None and event.time < due:

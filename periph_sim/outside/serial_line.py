@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .session import Session
 
 PARITIES = {"n": "none", "o": "odd", "e": "even", "m": "none", "s": "none"}
-NINTH = {"m": 1, "s": 0}  # the ninth bit of each byte: the SCI's address bit
+NINTH = {"m": 1, "s": 0}  # mark and space parity: the level of the bit after the data, which is the SCI's address bit
 PORT = re.compile(r"sci-?([abc])", re.IGNORECASE)
 
 Wrong = Literal["", "parity", "stop"]
@@ -38,12 +38,12 @@ LAST = Fraction(1, 10)
 class SerialLine:
     """The other end of one SCI's lines.
 
-    rx: the name of the wire RX.
+    rx: the name of the wire that is the SCI's RX.
     received: number of bytes received from the SCI.
     wrong: number of received bytes with a wrong parity, stop or address bit.
-    waiting: number of bytes in the queue.
+    waiting: number of bytes in the queue, whose edges have not been scheduled.
     sent: number of bytes whose edges have been scheduled.
-    broken: True during a break, and if a break will begin after the waiting bytes.
+    broken: True during a break on RX, and if a break will begin after the waiting bytes.
     """
 
     def __init__(self, session: Session, rx: str, tx: str, baud: int, form: str) -> None:
@@ -52,7 +52,8 @@ class SerialLine:
         self.wrong = self.sent = self.received = 0
         self.waiting = 0
         self._got = bytearray()
-        # An entry is (bytes, wrong bit, ninth bit), or the level that begins (0) or ends (1) a break on RX.
+        # An entry is (bytes, name of the bit to send wrong, ninth bit), or the level to which RX moves to begin (0) or
+        # to end (1) a break.
         self._queue: deque[tuple[bytes, Wrong, int] | int] = deque()
         self._place = 0  # index of the next byte in the first entry of `_queue`
         self._begins: deque[int] = deque()  # ticks of the future start bits that are already scheduled
@@ -84,7 +85,10 @@ class SerialLine:
         return Fraction(self._session.ticks_per_second, baud), UartFormat(bits, PARITIES[parity], stop, parity in NINTH)
 
     def write(self, data: bytes, wrong: Wrong = "") -> None:
-        """Append bytes to the queue. wrong: "parity" or "stop" to send this bit of each byte with the wrong level."""
+        """Append bytes to the queue. wrong: "parity" or "stop" to send this bit of each byte with the wrong level.
+
+        Raise OutsideError if `data` is of another type, or if the format has no parity bit that could be wrong.
+        """
         if not isinstance(data, bytes | bytearray | memoryview):
             raise OutsideError(f"{data!r} is not of type bytes; write b'abc' or 'abc'.encode()")
         if wrong not in WRONG:
@@ -97,13 +101,16 @@ class SerialLine:
             self.waiting += len(data)
 
     def hold_break(self, on: bool) -> None:
-        """Begin (True) or end (False) a break after the waiting bytes. Written bytes also end a break."""
+        """Begin (True) or end (False) a break after the waiting bytes. A later `write` also ends the break."""
         if on != self.broken:
             self.broken = on
             self._queue.append(0 if on else 1)
 
     def send_break(self, length: str) -> None:
-        """Pull RX low now for a duration such as "1 ms". Raise OutsideError if bytes are waiting."""
+        """Pull RX low now for a duration such as "1 ms".
+
+        Raise OutsideError if bytes are waiting or the last frame has not ended.
+        """
         session = self._session
         if self._queue or self._free_at() > session.now:
             raise OutsideError("a break cannot begin: bytes are on their way; advance first")
@@ -116,6 +123,7 @@ class SerialLine:
         """Assign the line to another client. Return the number of discarded bytes of the previous client.
 
         Waiting bytes are kept if they take at most a tenth of a second, because a program may end just after a write.
+        Otherwise they are discarded, and a break of the previous client ends.
         """
         lasts = self.waiting * self._format.length * self._bit
         if lasts <= LAST * self._session.ticks_per_second:
@@ -135,7 +143,7 @@ class SerialLine:
         return got
 
     def feed(self, until: int) -> None:
-        """Schedule the edges of all frames that begin before tick `until`. The session then advances to this tick."""
+        """Schedule the edges of all frames that begin before tick `until`. Call this before advancing to this tick."""
         parts = self._parts
         while self._queue:
             begin = self._begin()
@@ -157,7 +165,7 @@ class SerialLine:
                 self._place = 0
 
     def next_begin(self) -> int:
-        """Return the tick at which the queue moves RX next; NEVER if the queue is empty."""
+        """Return the tick at which the first entry of the queue may move RX; NEVER if the queue is empty."""
         return self._begin() // self._parts if self._queue else NEVER
 
     def _begin(self) -> int:

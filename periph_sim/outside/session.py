@@ -52,7 +52,7 @@ class Change(NamedTuple):
 
 @final
 class OutsidePins(Agent):
-    """The pins of the outside on the wires.
+    """The pins of the outside on the wires. Times are in ticks of the kernel.
 
     on_instant: a function that is called for each tick in which the outside moves lines, with the tick and the levels
         of these lines.
@@ -76,12 +76,12 @@ class OutsidePins(Agent):
     def put(self, at: int, name: Text, level: int) -> None:
         """Schedule a move of a line at tick `at`, which must not be past.
 
-        If a line is moved several times in one tick, only the last call has an effect.
+        If there are several moves of a line for one tick, only the last one has an effect.
         """
         self._put.setdefault(at, {})[name] = level
 
     def plan(self) -> None:
-        """Schedule the kernel's event for the first move. Call this just before time advances."""
+        """Schedule the kernel's event for the earliest move. Call this just before time advances."""
         if self._put:
             self._event = self._kernel.schedule(min(self._put), self)
 
@@ -105,7 +105,7 @@ class OutsidePins(Agent):
         pin.drive(level)
 
     def held(self, name: Text) -> int:
-        """Return 0 if the case pulls the line low, else 1."""
+        """Return 0 if any party of the case pulls the line low, else 1."""
         wire: Wire
         pin: Pin
         wire, pin = self._wires[name], self._pins[name]
@@ -232,8 +232,8 @@ class Session:
     def next_output(self) -> int | None:
         """Return a tick before which no pin of the case moves unless the outside moves a line; None if none ever moves.
 
-        The outside moves lines by `apply` and by writes to a serial line. If bytes are waiting for a serial line, the
-        returned tick is at most that of their first start bit.
+        The outside moves lines by `apply` and by writes to a serial line. If bytes wait in the queue of a serial line,
+        the returned tick is not later than the next start bit.
         """
         self._open()
         due = self._reaction.due()
@@ -290,9 +290,12 @@ class Session:
         return self._master
 
     def serial(self, port: Text, baud: BigInt = 115_200, form: Text = "8n1") -> SerialLine:
-        """Create the other end of an SCI's lines. port: the SCI, for example "scia", "SCI-A" or "dsp.SCI-A".
+        """Create the other end of an SCI's lines, which sends and receives bytes.
 
         Raise OutsideError if there is no such SCI, its RX does not lead outside, or its other end exists already.
+
+        port: the SCI, for example "scia", "SCI-A" or "dsp.SCI-A".
+        form: data bits, parity and stop bits, such as "8n1".
         """
         name, line = serial_line(self, port, baud, form)
         if name in self._serial:

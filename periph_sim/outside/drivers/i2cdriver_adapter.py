@@ -1,19 +1,22 @@
 """The serial protocol of an I2CDriver, without a port. The client's bytes become transfers, and answers are returned.
 
     client --'s' 0xD0, 0xC0 0x00, 'p' ...--> I2cDriver --start, write, stop--> Master --> SDA, SCL
-           <--report: '0' | lost, timeout, ACK----
+           <--reports, bytes----------------------
 
-The I2CDriver is an adapter with a serial port for a PC (i2cdriver.com). Its programs run unmodified. Its commands, and
-their effects or answers:
+The I2CDriver is an adapter with a serial port for a PC (i2cdriver.com). Programs for it run unmodified. Its commands,
+and their effects or answers:
 
     s ADDRESS+R/W    START: report              e BYTE    the same byte             ?   status, 80 characters
     0xC0+n-1 DATA    n bytes written: report    1, 4      100, 400 kHz              J   introspection, 80 characters
     0x80+n-1         n bytes, the last NACKed   u MASK    pull-ups, stored          c   capture until any byte
-    a N              n bytes, all ACKed         x         bus reset: '0', SDA, SCL  b   lines set, until '@'
+    a N              N bytes, all ACKed         x         bus reset: lines          b   lines set, until '@'
     r DEV REG N      register read, with STOP   d         112 reports of a scan     m   monitor until any byte
     p                STOP                       i         lines released            f   'X' (display, not modelled)
     _                restart, as at power-on
     any other byte   nothing
+
+A report is the byte 0x30 plus 1 for ACK, 2 for a time-out, and 4 for lost arbitration. The answer `lines` is the byte
+0x30 plus 1 if SCL is high, and 2 if SDA is high. N = 0 means 256.
 
 Source: the I2CDriver's firmware (github.com/jamesbowman/i2cdriver, firmware/main.fs and capture.fs).
 
@@ -76,7 +79,7 @@ class I2cDriver:
         self.next_client()
 
     def next_client(self) -> None:
-        """Discard the command that a client has begun and not completed, and end its capture."""
+        """Discard the command that the previous client has not completed, and end its capture."""
         self._service.close()
         self._service = self._serve()
         next(self._service)

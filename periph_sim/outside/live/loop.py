@@ -17,13 +17,13 @@ from typing import Any, Protocol
 from ..session import Session
 from .pacing import Pacer
 
-STEP = "1 ms"  # simulated time of a step, which is the maximum delay of a byte
+STEP = "1 ms"  # simulated time of a step; a byte waits at most this long for the next transfer by a door
 
 
 class Door(Protocol):
     """A connection between a session and clients, which the loop serves between steps.
 
-    `files` returns the files whose input the loop waits for.
+    `files` returns the numbers of the files whose input the loop waits for.
     """
 
     def files(self) -> Sequence[int]: ...
@@ -47,7 +47,7 @@ class Loop:
         self._stopped = True
 
     def run(self, until: int | None = None) -> None:
-        """Run until tick `until`, or until stopped."""
+        """Run until tick `until` or until `stop` is called; if `until` is None, until `stop` is called."""
         session = self._session
         while not self._stopped and (until is None or session.now < until):
             due = session.now + self._step
@@ -60,7 +60,7 @@ class Loop:
         self._turn()
 
     def _wait(self, due: int) -> None:
-        """Wait until the clock reaches the end of the step, tick `due`. Meanwhile, doors transfer bytes that arrive."""
+        """Wait until tick `due`, the end of the step, is due. Meanwhile, the doors transfer bytes that arrive."""
         left = self._pacer.wait(due)
         while left > 0 and not self._stopped:
             files = [file for door in self._doors for file in door.files()]

@@ -51,7 +51,10 @@ class Pacer:
         self._origin: float | None = None
 
     def wait(self, tick: int) -> float:
-        """Return the seconds until this tick is due; 0 if it is due already. Pacing begins with the first call."""
+        """Return the seconds until this tick is due; 0 if it is due already, and always at full speed.
+
+        The first call defines its tick as due at once; the due times of all other ticks follow from it.
+        """
         if not self._per_second:
             return 0.0
         now = self._clock()

@@ -40,7 +40,7 @@ FOREVER = 3600  # limit in simulated seconds for a read without time-out at full
 
 
 class _Queue:
-    """A door between a session and a client in another thread of this process.
+    """A door between a session and the client, which is code of this process and usually in another thread.
 
     line: the serial line of the session; None after the end of the session.
     came: bytes from the line that the client has not read.
@@ -51,8 +51,8 @@ class _Queue:
     def __init__(self, line: SerialLine) -> None:
         self.line: SerialLine | None = line
         self._to_line = bytearray()
-        # The changes of the line's settings that the next call of `turn` makes: (number of bytes in `_to_line` to write
-        # before the change, function that makes the change).
+        # The changes of the line's settings that the next call of `turn` makes. An entry is (number of bytes of
+        # `_to_line` that are written before the change, function that makes the change).
         self._requests: list[tuple[int, Callable[[SerialLine], None]]] = []
         self.came = Backlog()
         self.changed = threading.Condition()
@@ -115,8 +115,8 @@ class Serial(SerialBase):  # type: ignore[misc]
     pacer: the pacer of the session, which measures the lateness.
     lost: number of discarded bytes from the SCI. At most a megabyte is kept until the client reads it.
 
-    A write blocks for at most `write_timeout` while a megabyte waits for the line. `set=...` in a URL changes a key of
-    the case, and may be repeated.
+    While a megabyte waits for the line, a write blocks, for at most `write_timeout`. `set=...` in a URL changes a key
+    of the case, and may be repeated.
     """
 
     is_open: bool
@@ -259,7 +259,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         return len(sent)
 
     def flush(self) -> None:
-        """Wait until all written bytes have left the queue to the line."""
+        """Wait until no written byte waits any more. The frame of the last byte may not have ended yet."""
         self._must_be_open()
         self._wait_until(lambda: not self._queue.waits(), None)
 
@@ -268,11 +268,14 @@ class Serial(SerialBase):  # type: ignore[misc]
         self._queue.read(len(self._queue.came))
 
     def reset_output_buffer(self) -> None:
-        """Do nothing, because written bytes cannot be withdrawn from a line."""
+        """Do nothing, because bytes cannot be taken back from the line's queue."""
         self._must_be_open()
 
     def _wait_until(self, over: Callable[[], bool], timeout: float | None) -> None:
-        """Wait until `over` returns True. timeout: the maximum time in seconds; simulated seconds if pace=0."""
+        """Wait until `over` returns True, at most `timeout` seconds of real time, or simulated seconds if pace=0.
+
+        timeout: None for no limit. If pace=0, the limit is then FOREVER.
+        """
         if self._thread is not None:
             with self._queue.changed:
                 self._queue.changed.wait_for(lambda: over() or self._failed, timeout)
@@ -308,7 +311,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         self._queue.hold_break(self._break_state)
 
     def send_break(self, duration: float = 0.25) -> None:
-        """Send a break after all written bytes. duration: seconds; simulated seconds if pace=0."""
+        """Send a break after all written bytes. duration: in seconds of real time; in simulated seconds if pace=0."""
         self.flush()
         if self._thread is not None:
             super().send_break(duration)

@@ -1,11 +1,12 @@
-"""A serial line over TCP, by RFC 2217. A client on this computer sends, receives, and sets the rate and format.
+"""A serial line over TCP, by RFC 2217. A client sends and receives bytes, and sets the rate and format of the line.
 
     client, rfc2217://127.0.0.1:4000 --TCP--> PortManager --bytes--> SerialLine --bits--> RX
                                               baud, format, break --^
 
-pyserial's PortManager implements Telnet. There is one client at a time. A second client is rejected by a message with
-the name of the first client. A client that sends invalid Telnet is disconnected; its earlier bytes are kept. A program
-without RFC 2217, such as netcat, uses the line with its present rate and format.
+pyserial's PortManager implements Telnet. There is one client at a time. A second client receives a message with the
+address of the first client and is disconnected. A client that sends invalid Telnet is disconnected, too, but its
+earlier bytes are still sent. A program without RFC 2217, such as netcat, uses the line with its present rate and
+format.
 
 Source: RFC 2217; RFC 854; pyserial 3.5, serial.rfc2217.PortManager.
 """
@@ -32,7 +33,8 @@ class Rfc2217Door:
     """TCP server for one serial line. Raise OutsideError if the port is in use or pyserial is missing.
 
     port: the TCP port; 0 for any free port.
-    notify: callback that receives a sentence when a client comes or goes.
+    address: the address at which the server listens. By default, only clients on this computer can connect.
+    notify: callback that receives a sentence when a client connects, is rejected or disconnects.
     """
 
     def __init__(
@@ -123,7 +125,7 @@ class ClientDisconnected(Exception):
 
 
 class Client:
-    """The connection to a client. It separates the data from the Telnet commands in the received bytes."""
+    """The connection to a client, which separates data and Telnet commands in the received bytes."""
 
     def __init__(
         self, connection: socket.socket, name: str, line: SerialLine, port: ManagedPort, manager_of: Any
@@ -238,7 +240,7 @@ class ManagedPort:
     rts = dtr = True
 
     def __init__(self, line: SerialLine, baud: int, form: str, door: Rfc2217Door) -> None:
-        self.before: Callable[[], None] = lambda: None  # called before each Telnet command
+        self.before: Callable[[], None] = lambda: None  # called before each change of rate, format or break
         self._line = line
         self._door = door
         self._baud = baud
@@ -296,4 +298,4 @@ class ManagedPort:
         self._door.back.clear()
 
     def reset_output_buffer(self) -> None:
-        """Do nothing, because written bytes cannot be withdrawn from a line."""
+        """Do nothing, because bytes cannot be taken back from the line's queue."""

@@ -346,6 +346,7 @@ def _of_party(run: Run, row: int, record: Record) -> list[Link]:
 def holders(run: Run, row: int, record: Record) -> tuple[str, ...]:
     """Return the parties that pull the wire low after this record; for a rising edge, those that did so before.
 
+    The records of a wire in order, for example:
         EDGE fell "controller"   HOLD "controller, dsp.SCLA"   HOLD "dsp.SCLA"   EDGE rose
         the controller pulls     the unit pulls it low, too    the unit alone still pulls
     """

@@ -244,7 +244,7 @@ class SrWriter(WaveformWriter):
 
 
 def rate_for(seconds: Fraction) -> Fraction:
-    """Return the sample rate of an .sr file, in Hz, for a run of this length; if all of RATES are too high, the lowest."""
+    """Return the sample rate of an .sr file, in Hz: the first of RATES that is low enough for the run, or the last."""
     return next((rate for rate in RATES if seconds * rate <= MOST_SAMPLES), RATES[-1])
 
 

@@ -2,8 +2,8 @@
 
     edges --the last 1 << 14 are kept--> those in the last round --> for each wire: its first level and its edges
 
-Without rounds in the case, the waveform shows the last transfer. Without a bus, it shows the serial lines up to their
-last edge.
+A round is one execution of a controller's periodic list of requests. Without rounds in the case, the waveform shows the
+last transfer. Without a bus, and before the first round or transfer has ended, it shows the 2 ms before the last edge.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ....scene.scene import Scene
 
 KEPT = 1 << 14  # number of edges that are kept, of all wires together; a round of 27 bytes has 800
 MARGIN = 20  # microseconds that are shown before and after the round
-SERIAL = 2000  # length of a waveform of serial lines, in microseconds
+SERIAL = 2000  # length of a waveform without a round or transfer, in microseconds
 
 Span = tuple[int, int, str]  # start and end of the waveform in ticks, and its title
 
@@ -38,7 +38,7 @@ class WaveLine(TypedDict):
 
 
 class Wave(TypedDict):
-    """A waveform. at_s: its start in seconds since the start of the run. length: its length in microseconds."""
+    """A waveform. at_s: its start, in seconds since the start of the run. length: in microseconds."""
 
     title: str
     at_s: float

@@ -74,7 +74,11 @@ class Lateness(TypedDict):
 class StatusSnapshot(TypedDict):
     """The state of a session for display.
 
-    rates: counts per simulated second. The entry "pace" is the number of simulated seconds per second of real time.
+    where: the address at which clients reach the session.
+    rates: the increase of each of `totals`, except "waiting", per simulated second. The entry "pace" is the number of
+        simulated seconds per second of real time. Empty in the first snapshot.
+    flags: the status flags that are set, such as "dsp.SCI-A.SCIRXST.FE".
+    said: the latest messages about clients.
     over: True if the session has ended.
     """
 
@@ -96,7 +100,7 @@ class StatusSnapshot(TypedDict):
 class Status:
     """Maker of snapshots of a session.
 
-    where: the address for clients.
+    where: the address at which clients reach the session.
     line: the serial line; None if the session is connected to a bus.
     wave: the source of the waveform; None if no waveform is displayed.
     """
@@ -134,7 +138,7 @@ class Status:
             wave.listen(scene)
 
     def say(self, sentence: str) -> None:
-        """Add a message about a client that connects or disconnects."""
+        """Add a message about a client or port, such as that a client has connected."""
         self._said.append(sentence)
 
     def snapshot(self, over: bool = False) -> StatusSnapshot:
@@ -226,7 +230,7 @@ class Status:
 
 
 class Board:
-    """The latest snapshot and its number, counted from 1. A slow reader misses snapshots; the writer never waits."""
+    """The latest snapshot and its number, counted from 1. A slow reader misses snapshots; `put` never waits for it."""
 
     def __init__(self) -> None:
         self._changed = threading.Condition()

@@ -127,7 +127,10 @@ class Bus:
     # Operands ------------------------------------------------------------
 
     def operand(self, place: ModuleRange, register: Register, words: int, field: Field | None = None) -> Operand:
-        """Return the operand of some words of a register, or of a field. words: LOW, HIGH or BOTH."""
+        """Make the operand of some words of a register, or of a field.
+
+        place: the module with the register. words: LOW, HIGH or BOTH. field: None for whole words.
+        """
         names, subjects = (register.name, register.upper), self._subjects
         recorded = self._records_access and (subjects is None or any(name in subjects for name in names))
         operand = Operand(place, register, words, field, self._waits, recorded)
@@ -187,7 +190,10 @@ class Bus:
         return found
 
     def named(self, address: int, words: int, field: Text) -> Operand:
-        """Return the operand of the register at an address. words: LOW, HIGH or BOTH. field: its name, or ""."""
+        """Return the operand of the register at an address.
+
+        words: LOW, HIGH or BOTH. field: the name of the field in these words; "" for whole words.
+        """
         found = self.at(address + 1 if words == HIGH else address, 32 if words == BOTH else 16)
         return self.naming(found, found.register[field].mask >> found.shift) if field else found
 
@@ -361,7 +367,7 @@ class Bus:
         self._notes.note(cycle, Note("duty", text, "SPRUFB0D section 7.2"))
 
     def land(self) -> None:
-        """Let the write that lands first take effect, in its cycle."""
+        """Let the first posted write take effect. The time must be the cycle in which it lands."""
         first = self._posted
         assert first is not None
         self._posted = after = first.following

@@ -186,7 +186,7 @@ class CpuTime:
             self.wake_at(self._wake_cycle)
 
     def stop(self) -> None:
-        """Cancel the scheduled wake-up, and forget posted writes. Call this method when the program has ended."""
+        """End a sleep, and cancel the scheduled wake-up. Call this method when the program has ended."""
         self._kernel.cancel(self._wake)
         self.lands = NEVER
         self.asleep = self.watching = False

@@ -104,7 +104,8 @@ class Dsp(FirmwareView):
     clock_history: (tick, frequency) of each change of SYSCLKOUT.
     note_places: a dictionary from (module, tick) to the statement that violated a rule of the manuals, or wrote a word
         that was lost.
-    lost_counts: a dictionary from each note on a lost word to the number of its occurrences.
+    lost_counts: a dictionary from each note on a lost word, for example in a full transmit FIFO, to the number of its
+        occurrences.
     watchdog_resets: tick and statement of each reset by the watchdog.
     on_reset: functions that are called at each reset.
     sources: the C sources that the unit runs; None for other firmware.

@@ -60,7 +60,7 @@ class FirmwareNotes:
         notes.clear()
 
     def note(self, cycle: int, note: Note) -> None:
-        """Count and record a note."""
+        """Count and record a note. If `strict`, raise FirmwareError for the code "duty"."""
         tick = self._clock.tick(cycle)
         self.raise_if_strict(note, self._name, max(tick, self._kernel.now))
         if note not in self.counts:

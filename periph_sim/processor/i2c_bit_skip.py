@@ -25,7 +25,7 @@ from ..core.wire import Pin
 from ..f28335.i2c.module import I2c
 from ..f28335.i2c.register_map import SCL
 
-MARGIN = 2  # cycles added to each required distance, since an edge between two cycles is sampled at the later cycle
+MARGIN = 2  # cycles added to each required time, since an edge between two cycles is sampled at the later cycle
 SCL_INDEX = 0  # index of SCL among the outputs of the module
 
 

@@ -170,7 +170,10 @@ class Router(Agent):
         return levels
 
     def _pass_pads(self, cycle: int, levels: BigInt, exact: bool = True) -> BigInt:
-        """Pass the levels of the monitored pads to the GPIO module, and return the mask of those that have changed."""
+        """Pass the levels of the monitored pads to the GPIO module, and return the mask of those that have changed.
+
+        exact: True if they changed at the SYSCLKOUT edge of this cycle, False if they changed before this edge.
+        """
         gpio = self._gpio
         levels = levels & ~self._unread | gpio.pads & self._unread
         moved = levels ^ gpio.pads

@@ -26,7 +26,7 @@ class Poll:
     """A read in a pass.
 
     value: the words that were read.
-    before: the words that this read returns in a replay if it is before the change.
+    before: in a replay, the words that this read returns if it is made before the change.
     where: the statement in the firmware; None if it is not known yet.
     """
 
@@ -92,7 +92,10 @@ class Spin:
         self.held_up = 0
 
     def take_length(self, cycle: int) -> None:
-        """Set `bare`. Call this method when the reads of the present pass are complete. cycle: the present cycle."""
+        """Set `bare` from the time that the present pass has taken. Call this method after the last read of the pass.
+
+        cycle: the present cycle.
+        """
         place: int
         for place in range(self.made):
             read: Poll = self.reads[place]

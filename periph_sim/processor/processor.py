@@ -55,7 +55,7 @@ CODE_ADDRESS = 0x3F_FFFF  # mask of the bits of a vector that the CPU uses
 
 
 class Stop(Enum):
-    """Reason why a program has stopped. The processor runs the program again at the requested cycle."""
+    """Reason why a program has stopped. Unless it has ended, the processor runs it again at the next wake-up."""
 
     WAITS = "something else may act before the cycle that it has to reach"
     SLEEPS = "it sleeps at an instruction boundary"
@@ -65,7 +65,7 @@ class Stop(Enum):
 class Awaited(NamedTuple):
     """A description of a wait in progress.
 
-    what: the registers or words that the wait reads.
+    what: the registers or words that the wait reads, as text.
     unanswered: why an unmodelled register that the wait reads does not change, and how the case can answer its reads;
         "" if this does not apply.
     memory: True if the wait reads no register, so that only a service routine can end it.
@@ -85,7 +85,7 @@ class Program:
 
     spin: the wait in progress; None if there is none.
     polls_skipped: the number of passes of waits that were skipped.
-    returned_at: the cycle at which main has returned; None if it has not returned.
+    returned_at: the cycle at which main has returned, or an image has executed ESTOP0; None before.
     """
 
     STATE = State("spin polls_skipped", cycles="returned_at")
@@ -97,7 +97,7 @@ class Program:
 
     @property
     def finished(self) -> bool:
-        """True if main has returned."""
+        """True if main has returned, or an image has executed ESTOP0."""
         return self.returned_at is not None
 
     def run(self, until: int) -> Stop | None:
@@ -138,7 +138,7 @@ class Program:
         raise NotImplementedError
 
     def context(self) -> Sequence[int]:
-        """Return the 14 words that an interrupt saves, in the order of `frame_of`; the processor sets ST1 and IER."""
+        """Return the 14 words that an interrupt saves, in their order on the stack; the processor sets ST1 and IER."""
         return NOTHING_SAVED
 
     def restore(self, words: Sequence[int]) -> None:
@@ -391,7 +391,10 @@ class Processor(Agent):
     # Requests ------------------------------------------------------------------------
 
     def request(self, cycle: int, number: int) -> None:
-        """Receive a pulse on the interrupt line INTn at `cycle`, and wake a sleeping CPU. number: the n of INTn."""
+        """Receive a pulse on the interrupt line INTn at `cycle`. number: the n of INTn.
+
+        Wake a sleeping CPU when the interrupt can be taken, or when it ends IDLE.
+        """
         core = self.core
         core.raise_line(cycle, number)
         if self.time.asleep or self.time.watching:

@@ -90,7 +90,7 @@ def is_ours(file: str) -> bool:
 
 
 def is_helper(file: str) -> bool:
-    """Return True for the start-up code that firmware imports, such as `start_i2c`."""
+    """Return True if this file has start-up code that firmware imports, such as `start_i2c`."""
     return file.startswith(FIRMWARE_ROOMS[0])
 
 

@@ -4,12 +4,12 @@
     guard(function, ...)        returns the result; raises FirmwareError, or FirmwareStalled if the call takes too long
     with output_muted(): ...    drops the output of user code in a run that repeats an earlier run
 
-User code is prevented from the following:
+The guard has these effects:
 
-- to exit. `sys.exit` and other exceptions that are no `Exception` become errors. Ctrl-C is not changed.
-- to run forever. A call that uses more CPU time than its limit is stopped, and the message has its line.
-- to poll for long without notice. `warn` writes a sentence during the run.
-- to print twice. A case that is run again for an explanation prints nothing the second time.
+- User code cannot exit. `sys.exit` and other exceptions that are no `Exception` become errors. Ctrl-C is not changed.
+- User code cannot run forever. A call that uses more CPU time than its limit is stopped, and the message has its line.
+- User code cannot poll for long unnoticed. `warn` writes a sentence during the run.
+- User code cannot print twice. A case that is run again for an explanation prints nothing the second time.
 
 `periph_sim.supervisor` detects exits without an exception, such as `os._exit`, from another process.
 """
@@ -178,7 +178,7 @@ watch = _Watch()
 FIRMWARE_VIEW = (
     str(Path("processor", "python", "register_view.py")),
     str(Path("processor", "python", "firmware_view.py")),
-)  # files that raise errors about wrong names in the firmware
+)  # files of the simulation that raise errors about wrong names in firmware
 
 
 class FirmwareError(Exception):
@@ -194,7 +194,7 @@ class FirmwareStalled(FirmwareError):
 
 
 class FirmwareLost(FirmwareStalled):
-    """Raised if compiled code cannot continue, for example at an illegal instruction. The run has failed."""
+    """Raised if an image or C code cannot continue, for example at an illegal instruction. The run has failed."""
 
 
 class InterruptFault(FirmwareError):

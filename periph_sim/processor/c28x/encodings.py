@@ -54,7 +54,7 @@ class Encoding:
     repeated: the cycles of N + 1 executions after RPT, minus N; 0 if the instruction cannot be repeated.
     latency: "2p" if the result is available one instruction later; "2p/1" or "2p/2p" for two parallel instructions,
         one latency for each; "" if the result is available at once.
-    depends: the status bits that change the effect.
+    depends: the status bits on which the effect depends, as a text.
     reads, writes: the names of the registers and memory that are read and written. A name may end with the phase of the
         pipeline: "SP@D2".
     flags: the flags that are written, as a text.

@@ -120,7 +120,7 @@ def addressing(field: int) -> int:
 
 DEPTH = 4  # largest number of blocks in the fetch queue
 QUEUE_PACKED = 6 + DEPTH  # length of `FetchQueue.packed_queue`
-LONG_AGO = 1 << 7  # cycles; a time longer ago than this has no effect, since the queue is filled within 4 * 17 cycles
+LONG_AGO = 1 << 7  # number of cycles; an earlier event has no effect, since the queue is filled within 4 * 17 cycles
 
 
 @final
@@ -215,7 +215,7 @@ class FetchQueue:
 LANE = 10  # number of bits of a lane of `Pipeline.pending`, one for each register in REGISTERS
 ONCE_EACH = 0x100401  # bit 0 of each of the three lanes
 BEHIND = 3  # cycles that an instruction waits if it reads a word that the instruction directly before it writes
-STORES = 4  # number of stores that are remembered; at most one is made in a cycle, and two by an instruction
+STORES = 4  # number of stores that are remembered; an instruction makes at most two, and at most one in a cycle
 STORES_PACKED = 1 + 3 * STORES  # length of `Pipeline.packed_stores`
 
 

@@ -167,7 +167,10 @@ class Run:
         return found
 
     def _call(self, address: int) -> None:
-        """Run the C function at a host address to its end. Raise FirmwareLost if the host signals a fault."""
+        """Run the C function at a host address to its end.
+
+        Raise the exception that `_on_request` has kept, or FirmwareLost if the host signals a fault.
+        """
         enter_c()
         how = self.library.run(address)
         raised, self._raised = self._raised, None
@@ -250,7 +253,10 @@ class Run:
         return number
 
     def _stored(self, at: int, size: int) -> Place:
-        """Return the place that the store after the announcement for these bytes writes."""
+        """Return the place that the current store writes. at, size: the bytes that gcc has announced for it.
+
+        Raise FirmwareLost if there is no such place, or if runtime.c cannot decode the store.
+        """
         further, stored = self._stores[self._place]
         if stored > LARGEST:
             raise FirmwareLost(

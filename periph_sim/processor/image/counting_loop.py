@@ -94,7 +94,10 @@ class Number(NamedTuple):
 
 
 def passes_within(number: Number, size: int) -> int:
-    """Return the number of further passes in which a number reaches no multiple of `size`; 0 if it is one now."""
+    """Return the number of further passes in which a number reaches no multiple of `size`; 0 if it is one now.
+
+    Return NEVER if the step is 0.
+    """
     value, step = number
     if not step:
         return NEVER

@@ -130,7 +130,10 @@ class UnmappedMemory:
         return self._frames[address] if address < FRAMES_END else self._stored.get(address, ERASED)
 
     def write(self, cycle: int, address: int, value: int) -> bool:
-        """Write a word. Return True if its memory keeps the value, False if the write is ignored."""
+        """Write a word. Return True if its memory keeps the value, False if the write is ignored.
+
+        Raise IllegalOperation if the word does not exist, or for a command of the flash.
+        """
         known: int = self._states[address] if address < FRAMES_END else 0
         if known & SEEN and (self._core.eallow or not known & PROTECTED):
             self._frames[address] = value

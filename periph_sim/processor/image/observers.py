@@ -97,7 +97,8 @@ class Frame:
     """An active function.
 
     first, end: the range of its addresses; `end` is the address after its last word.
-    return_to: the address after its call.
+    return_to: the address after its call, or of the instruction that its interrupt delayed; NOWHERE for the first
+        function.
     since: the tick at which the function began.
     """
 

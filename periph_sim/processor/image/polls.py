@@ -112,7 +112,8 @@ class PollSkipper:
     def is_repeatable(self) -> bool:
         """Return True, at the start of a pass, if the previous pass was examined and clean.
 
-        The caller then compares the states and calls `repeats`.
+        The caller then compares the states and calls `repeats`. If the previous pass was not examined, begin to examine
+        the present pass. If it was not clean, examine the loop later.
         """
         if self.tracking and self.clean:
             return True
@@ -149,7 +150,7 @@ class PollSkipper:
     # Passes that count -------------------------------------------------------------
 
     def may_count(self) -> bool:
-        """Return True, at the start of a pass, if it should be analysed for counters.
+        """Begin to analyse the pass that begins now for counters. Return False if it is not worth the time.
 
         Call this method if the previous pass was not repeatable.
         """

@@ -60,7 +60,7 @@ def accesses(
 
     instructions: the result of `sweep`: instructions, and the addresses of words that are no instructions.
     functions: the addresses at which functions begin; no register value is known there.
-    begin: the register values before the first instruction.
+    begin: the register values before the first instruction; None if all are unknown.
     """
     known = begin or Known()
     waiting: dict[int, Known] = {}  # maps the target of a forward branch to the values known there

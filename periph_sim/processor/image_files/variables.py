@@ -224,7 +224,10 @@ class Variables:
                     self._types[known] = kind
 
     def find(self, name: str) -> Variable:
-        """Return the variable with a name. Raise BadVariable if there is none. name: see the module's description."""
+        """Return the variable with a name. Raise BadVariable if there is none.
+
+        name: "x", "x.member", "x[3]", an address such as "0x9042", or one of these followed by "-long".
+        """
         short = name.removesuffix(LONG)
         found = self._found(short)
         area = area_at(found.address)

@@ -238,7 +238,7 @@ class PythonProgram(Program):
                 self._end_watch()
 
     def release(self) -> None:
-        """Run the `finally` blocks of the firmware in no simulated time, and ignore their errors.
+        """End the program: run the `finally` blocks of the firmware in no simulated time, and ignore their errors.
 
         Only the thread that has begun the program can do this. Any other thread adds the program to the `leftovers` of
         that thread.

@@ -242,8 +242,8 @@ class Waits:
     def _skip(self, spin: Spin) -> bool:
         """Sleep through the passes that must repeat the present pass, and prepare the replay of the pass in progress.
 
-        Return True if the next pass can have another result only through another value of a read. Return False if
-        passes must not be skipped; their reads are then kept in `Spin.last`.
+        Return True after a sleep if the next pass can have another result only through another value of a read.
+        Otherwise return False. If passes must not be skipped, keep their reads in `Spin.last`, and do not sleep.
         """
         time, core = self._time, self._cpu.core
         if not spin.made or time.lands < NEVER or core.earliest() < NEVER:
@@ -275,8 +275,9 @@ class Waits:
     def _repeats(self, spin: Spin) -> bool:
         """Execute the reads of the next pass while they return the values of the last pass.
 
-        Return True if all reads do. Otherwise the caller must call the condition from the start of the pass; the reads
-        that are complete then return the same values again.
+        Return True if all reads do. Return False at the first other value, or at a boundary at which an interrupt may
+        be taken. The caller must then call the condition from the start of the pass; the reads that are complete return
+        the same values again.
         """
         time, cpu = self._time, self._cpu
         cycle: int

@@ -294,7 +294,7 @@ class Cpu(Registers):
         return self.load32(self.sp)
 
     def push_pair(self, low: int, high: int) -> None:  # core: C only
-        """Push two words one by one, so that SP may be odd."""
+        """Push two words one by one, `low` first, so that SP may be odd."""
         self.push16(low)
         self.push16(high)
 

@@ -92,7 +92,7 @@ def ASR_AX_T(cpu: Cpu, f: Operation) -> None:
 
 
 def left64(cpu: Cpu, shift: int) -> None:
-    """Shift ACC:P left by 0 to 63, in two halves of 32 bits."""
+    """Shift ACC:P left by 0 to 63, in two halves of 32 bits, and set C, N and Z."""
     acc, p = cpu.acc, cpu.p
     cpu.c = 0 if not shift else acc >> 32 - shift & 1 if shift <= 32 else p >> 64 - shift & 1
     if shift < 32:
@@ -111,7 +111,7 @@ def LSL64_ACC_P_T(cpu: Cpu, f: Operation) -> None:
 
 
 def right64(cpu: Cpu, shift: int) -> None:
-    """Shift ACC:P right logically by 0 to 63, in two halves of 32 bits."""
+    """Shift ACC:P right logically by 0 to 63, in two halves of 32 bits, and set C, N and Z."""
     acc, p = cpu.acc, cpu.p
     cpu.c = 0 if not shift else p >> shift - 1 & 1 if shift <= 32 else acc >> shift - 33 & 1
     if shift < 32:

@@ -1,10 +1,14 @@
 """Captures: file formats, decoders, compliance checks, comparison and drawing.
 
-The decoders share no code with the chip models and the agents, because tests check those with the decoders.
+Tests check the models of chips, and the simulated devices on their buses, with the decoders. So the decoders share no
+code with these.
 
 Terms of this package:
 
-position: a time in a capture, as a whole number of samples or of ticks of the file's time stamps.
+position: a time in a capture, as a whole number of samples or of ticks.
+tick: the unit of the time stamps of a file that states times and no samples.
+channel, line: a channel is the recording of a line (a wire).
+rise, fall: a rising or falling edge.
 span: a range of positions. In a known span, the levels of all lines in question are known.
 condition: a START, repeated START or STOP on an I2C bus.
 phase: the part of an I2C transfer from a START or repeated START to the next condition.

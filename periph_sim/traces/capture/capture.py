@@ -116,7 +116,10 @@ class Channel:
         return replace(self, edges=self.edges[ends[(ends - begins) & 1 == 0]])
 
     def cut(self, span: Span) -> Channel:
-        """Return the line within a span. Positions are unchanged; `initial` is the level at the start of the span."""
+        """Return the line within a span. Positions are unchanged; `initial` is the level at the start of the span.
+
+        The result has no spans with unknown levels, even if this channel has some.
+        """
         first, last = np.searchsorted(self.edges, [span.begin + 1, span.end])
         initial = self.initial ^ (int(first) & 1)
         return Channel(self.name, self.index, initial, self.edges[first:last])
@@ -211,8 +214,10 @@ def channel_of_states(name: str, index: int, at: Positions, states: Levels, leng
     """Build a Channel from positions and the state of the line from each position on: 0, 1 or UNKNOWN.
 
     Positions may repeat but never decrease. The last of several states at one position counts, and a state that equals
-    the previous state is ignored. A span in which the level is unknown has no edges: the level before the span is
-    assumed throughout. If the capture begins with such a span, it is the level after the span.
+    the previous state is ignored. Before the first position, the level is unknown.
+
+    A span in which the level is unknown has no edges: the level before the span is assumed throughout. For a span at
+    the beginning, the level after the span is assumed, or 1 if the level is never known.
     """
     if len(at):
         last = np.append(at[1:] != at[:-1], True)
@@ -271,7 +276,7 @@ def gaps(capture: Capture, *channels: Channel) -> list[Span]:
 
 
 def gap_notes(capture: Capture, *channels: Channel) -> list[str]:
-    """Return a list with a note on the spans in which a channel is unknown; an empty list if there are none."""
+    """Return a list with a note on the spans in which any of the channels is unknown; empty if there are none."""
     found = gaps(capture, *channels)
     if not found:
         return []

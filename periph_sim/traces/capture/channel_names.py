@@ -19,7 +19,7 @@ from .capture import Capture, Channel
 
 
 def channels_named(capture: Capture, line: str) -> list[Channel]:
-    """Return the channels named `line`; if there are none, the channels with this word in their names.
+    """Return the channels named `line`, such as "scl"; if there are none, the channels with this word in their names.
 
     Case and scopes (`tb.bus.scl`) are ignored. `Channel 0 (SDA)`, `24LC515 SCL` and `i2c_scl` have the word; `SCL2` and
     `MISCL` do not.
@@ -39,7 +39,7 @@ class Named(NamedTuple):
     """The buses of a capture.
 
     i2c: SCL and SDA of each I2C bus.
-    uart: the lines whose names contain RX or TX.
+    uart: the lines with the word RX or TX in their names.
     left_over: the SCL and SDA lines without a partner.
     """
 
@@ -50,7 +50,7 @@ class Named(NamedTuple):
 
 class _Line(NamedTuple):
     line: str
-    key: Key  # the scope, the other words of the name, and the number of the line
+    key: Key  # the scope, the words of the name except that of `line`, and the digits in that word, as 2 in SCL2
     channel: Channel
 
 

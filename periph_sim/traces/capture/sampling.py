@@ -27,7 +27,8 @@ from .capture import MOST_DIGITS, BadCapture, Capture, Channel, Positions, Span
 
 MOST_POSITION = 1 << 62
 FASTEST_ANALYSER = 10**10  # a rate in samples per second that no logic analyser exceeds
-LONGEST_PAUSE = 1 << 26  # maximum length of a pause in samples (0.7 s at 100 MHz) that is accepted without a check
+# Maximum length in samples (0.7 s at 100 MHz) of a pause, which is a time without edges, that is always accepted.
+LONGEST_PAUSE = 1 << 26
 
 
 def resampled(capture: Capture, rate: Fraction) -> Capture:

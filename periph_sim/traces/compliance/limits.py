@@ -108,7 +108,7 @@ LIMITS: tuple[Limit, ...] = (
 )
 
 LIMIT = {limit.symbol: limit for limit in LIMITS}
-SPIKES_TO = 2  # pulses of up to this multiple of tSP count as spikes; spikes longer than tSP break the limit
+SPIKES_TO = 2  # pulses of up to this multiple of the maximum of tSP count as spikes; if over the maximum, they fail
 
 
 NS = 10**9
@@ -134,19 +134,19 @@ class Resolution:
         return positions * NS / self.rate
 
     def surely_at_least(self, ns: int) -> int:
-        """Return the smallest number of positions that is certainly `ns` or more."""
+        """Return the smallest measured number of positions whose true time is certainly `ns` or more."""
         return ceil(ns * self.rate / NS) + self.slack
 
     def surely_at_most(self, ns: int) -> int:
-        """Return the largest number of positions that is certainly `ns` or less."""
+        """Return the largest measured number of positions whose true time is certainly `ns` or less."""
         return floor(ns * self.rate / NS) - self.slack
 
     def surely_below(self, ns: int) -> int:
-        """Return the largest number of positions that is certainly less than `ns`."""
+        """Return the largest measured number of positions whose true time is certainly less than `ns`."""
         return self.surely_at_most(ns) if self.slack else ceil(ns * self.rate / NS) - 1
 
     def surely_above(self, ns: int) -> int:
-        """Return the smallest number of positions that is certainly more than `ns`."""
+        """Return the smallest measured number of positions whose true time is certainly more than `ns`."""
         return self.surely_at_least(ns) if self.slack else floor(ns * self.rate / NS) + 1
 
 

@@ -15,16 +15,16 @@ Rules:
 - A bit is a high phase of SCL that contains no condition. The ninth bit of each byte is its ACK. Only bits are measured
   as tHIGH or as part of a period. tSU;STA and tSU;STO are measured from a rise of SCL to the first condition after this
   rise.
-- tHD;DAT, tSU;DAT, tVD;DAT and tVD;ACK are measured between START and STOP. Only in low phases before a bit are tVD;DAT
-  and tVD;ACK measured, and the maximum of tHD;DAT applied.
+- tHD;DAT, tSU;DAT, tVD;DAT and tVD;ACK are measured between START and STOP. tVD;DAT and tVD;ACK are measured, and the
+  maximum of tHD;DAT is applied, only in low phases before a bit.
 - The controller causes conditions and edges of SCL. The protocol determines the driver of each bit: after R/W = 1, the
   target drives the data bytes and the controller their ACKs; all other bytes are driven by the controller and their
   ACKs by the target. A falling edge of SDA is caused by the driver of the next bit. A rising edge is caused by the
   driver of the previous bit, which releases SDA. The controller causes the fall of SDA before a STOP.
 - No time is measured across a span in which the level of a line is unknown.
-- Spikes are removed first, as by the filter of an I2C input: a level that lasts no longer than a spike may last is
-  removed, and the other edges keep their places. If an edge rings, its last change counts. The text `SPIKE` in `limits`
-  states which pulses are spikes.
+- Spikes are removed first, as by the filter of an I2C input: a level that is no longer than the longest spike is
+  removed, and the other edges keep their positions. If an edge rings, its last change counts. The text `SPIKE` in
+  `limits` states which pulses are spikes.
 """
 
 from __future__ import annotations
@@ -136,7 +136,7 @@ class Measures:
     times: a dictionary from the symbol of each limit that a capture can show to its measured times.
     starts: the number of STARTs and repeated STARTs.
     shared: the positions at which both lines change. The order of the two edges at such a position is unknown.
-    coarse: True if the mode allows pulses of SCL that are shorter than a sample.
+    coarse: True if the mode allows high or low phases of SCL that are shorter than a sample.
     blind: True if `coarse` is True and a level of SCL lasts only one sample. Shorter levels were possibly missed.
     """
 
@@ -148,7 +148,9 @@ class Measures:
 
 
 def measure(capture: Capture, scl: str | int, sda: str | int, mode: Mode, resolution: Resolution) -> Measures:
-    """Measure all times of a capture. The mode determines which pulses are spikes and which low phases are stretched.
+    """Measure all times of a capture.
+
+    mode: determines which pulses are spikes, and which low phases are stretched.
 
     Raise LookupError if a channel is missing.
     """
@@ -248,7 +250,7 @@ class _Part:
         after_start = np.concatenate((np.zeros(1, np.bool_), is_start))[:-1]
         before = np.concatenate((np.full(1, -1, np.int64), conditions))[:-1]
         rise = _pick(self.rises, np.searchsorted(self.rises, conditions) - 1)
-        rise = np.where(rise > before, rise, -1)  # -1 if another condition is between the rise and this one
+        rise = np.where(rise > before, rise, -1)  # -1 if SCL did not rise since the previous condition
         fall = _pick(self.falls, np.searchsorted(self.falls, conditions))
         behind = np.append(conditions[1:], np.iinfo(np.int64).max)[: len(conditions)]
         held = is_start & (fall >= 0) & (fall < behind)

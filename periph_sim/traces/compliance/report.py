@@ -56,7 +56,7 @@ class Row:
     least, most: the shortest and the longest measured time, in positions; None if nothing was measured.
     failed: the number of times that fail.
     undecided: the number of times that are undecidable.
-    excused: the number of times that exceed the maximum, but to which the maximum does not apply.
+    excused: the number of times that exceed the maximum, or may exceed it, but to which the maximum does not apply.
     unsure: the number of times that are beyond the limit, but undecidable, because the limit may not apply to them.
     worst: the worst occurrences, at most PLACES, in order from the worst.
     """
@@ -82,7 +82,7 @@ def row_of(limit: Limit, measures: Measures, mode: Mode, resolution: Resolution)
         return Row(limit, bounds, 0, None, None, Verdict.NOT_IN_CAPTURE)
     if bounds == Bounds():
         return Row(limit, bounds, 0, None, None, Verdict.NO_LIMIT)
-    # A pulse that is shorter than a sample is missed if it lies between two samples.
+    # True if pulses may be missing in the capture: one that is shorter than a sample can lie between two samples.
     hidden = measures.blind or (limit.symbol == "tSP" and resolution.period > (bounds.most or 0))
     if found is None or not len(found.lengths):
         return Row(limit, bounds, 0, None, None, Verdict.UNDECIDABLE if hidden or measures.coarse else Verdict.NOT_SEEN)

@@ -76,8 +76,9 @@ class I2cBits(NamedTuple):
 
     at      int64   the rising SCL
     value   uint8   the level of SDA at the rising SCL
-    low     int64   length of the low phase before the rise, including stretching; -1 if it began before the capture
-    high    int64   length of the high phase after the rise; -1 if it ends after the capture
+    low     int64   length of the low phase before the rise, including stretching; -1 if the capture, or its known part,
+                    begins within this phase
+    high    int64   length of the high phase after the rise; -1 if the capture, or its known part, ends within it
     """
 
     at: Positions
@@ -183,7 +184,7 @@ def _table(edges: I2cEdges) -> I2cTable:
 
 
 def bit_counts(edges: I2cEdges) -> Counts:
-    """Return for each START the number of bits up to the next condition; 0 for a STOP."""
+    """Return for each condition the number of bits between a START and the next condition; 0 for a STOP."""
     counts = np.diff(edges.seen, append=len(edges.rises))
     partial = counts[:-1] % BITS
     counts[:-1] += OF_COUNTED[partial] - partial
@@ -304,7 +305,7 @@ def _empty(rows: int) -> I2cTable:
 
 LONG = Fraction(3, 2)  # a low phase is long if it exceeds this multiple of the median
 SLOWEST, FASTEST = 100, 5_000_000  # possible rates of SCL in Hz; Ultra Fast-mode (UM10204) has up to 5 MHz
-FEWEST = 9  # minimum number of rises of SCL for a judgement: one byte
+FEWEST = 9  # minimum number of rises of SCL (one byte) for a check of the rate
 
 
 class LongLows(NamedTuple):

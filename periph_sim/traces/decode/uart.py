@@ -69,7 +69,7 @@ def sample_points_of(line: Line, width: Fraction, step: int = 1, vote: bool = Fa
     """
     places = (Fraction(3, 8), HALF, Fraction(5, 8)) if vote else (HALF,)
     bits = range(_checked_bits(line))
-    # The first sample at or after each place. Places are measured from half a sample before the first low sample.
+    # Places are in bits. They are counted from half a sample before the first low sample, and rounded up to a sample.
     return [tuple(step * ceil((bit + place) * width / step - HALF) for place in places) for bit in bits]
 
 

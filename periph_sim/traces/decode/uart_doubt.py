@@ -29,16 +29,18 @@ from .uart_line import Line
 
 # Receivers of 8n1 sample the stop bit 9.5 bits after the start edge, so at this difference they are half a bit off.
 TOLERANCE = Fraction(1, 20)
-FEWEST = 3  # minimum number of misread frames, and of frames at the other rate
-MISREAD = 0.15  # minimum share of misread frames
+# Misread frames are evidence against the stated rate under these conditions:
+FEWEST = 3  # minimum number of misread frames at the stated rate, and minimum number of frames at the other rate
+MISREAD = 0.15  # minimum share of misread frames among the frames at the stated rate
 BETTER = 0.25  # maximum share of misread frames at the other rate, relative to the share at the stated rate
 OFF_GRID = 0.3  # a frame is misread if a falling edge is more than OFF_GRID bits and half a sample off whole bits
 FARTHEST = 0.45  # upper limit, in bits, of OFF_GRID plus half a sample; it matters if there are few samples per bit
-LIKELY = 0.3  # minimum certainty of the guess
-# If the stated rate is four times the true rate, nearly all low pulses are longer than LONGER bits. If the stated rate
-# is right, no low pulse of a frame is longer than ten bits. Then only pulses of four and eight bits are whole bits at a
-# quarter of the rate. These are two lengths, so more lengths prove that the stated rate is wrong. If the stated rate
-# is a fraction of the true rate, most low pulses are shorter than SHORTER bits, and many of them are in one frame.
+LIKELY = 0.3  # minimum certainty of the guessed rate (`Guess.sure`)
+# If the stated rate is four times the true rate, nearly all low pulses are longer than LONGER bits. This can also occur
+# at the right rate, but then low pulses of a frame have at most ten bits, and only those of four and eight bits are
+# whole bits at a quarter of the rate. So if pulses at the other rate have more than two lengths, the stated rate is
+# wrong. If the stated rate is a fraction of the true rate, most low pulses are shorter than SHORTER bits, and many of
+# them are in one frame.
 LONGER, SHORTER = 3.5, 0.5
 # The rate is doubtful if at most NEARLY_NONE of the low pulses are below LONGER, or at least MOST are below SHORTER.
 NEARLY_NONE, MOST = 0.05, 0.5

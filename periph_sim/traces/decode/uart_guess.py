@@ -165,9 +165,9 @@ def _only_longer(line: Line, than: Line) -> bool:
 def _bit_time(pulses: Pulses, step: int) -> tuple[float, float] | None:
     """Return the length of a bit in positions, and the average distance of the pulses from whole bits, in bits.
 
-    The shortest frequent pulse is assumed to be one, two, three or four bits long. The first of these lengths at which
-    all pulses fit whole bits well is used; if there is none, the length with the best fit. The shortest pulse is longer
-    than one bit if each low bit in the capture has another low bit next to it.
+    The shortest frequent pulse is assumed to be one, two, three or four bits long. It is longer than one bit if each
+    low bit in the capture has another low bit next to it. The first of these lengths is used at which the pulses fit
+    whole bits well on average; if there is none, the length with the best fit.
 
     Return None if no pulse is at least two positions long.
 

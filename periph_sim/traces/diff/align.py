@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 MOST_EDITS = 200
-STRIDE = 16  # number of items in the first comparison; each later comparison has four times as many
+STRIDE = 16  # number of items that `equal_from_start` compares at first; each later comparison has four times as many
 
 
 class Run(NamedTuple):

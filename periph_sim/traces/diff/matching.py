@@ -176,8 +176,10 @@ class Pairing:
     def _block(self, a: Sequence[Group], b: Sequence[Group]) -> Iterator[Pair]:
         """Pair the events of groups that are not equal.
 
-        First the single events are aligned. The result is used if the number of pairs of equal events is at least half
-        of the number of all other pairs. Otherwise similar groups are paired.
+        If A and B have the same number of groups, and corresponding groups have events of the same classes in the same
+        order, events are paired in this order. Otherwise, if there are at most FEW_EVENTS events, single events are
+        aligned. The result is used if the number of pairs of equal events is at least half of the number of all other
+        pairs. Otherwise, similar groups are paired.
         """
         if len(a) == len(b) and all(shape(one) == shape(other) for one, other in zip(a, b, strict=True)):
             for one, other in zip(a, b, strict=True):

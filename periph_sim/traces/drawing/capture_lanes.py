@@ -32,8 +32,8 @@ def wire_lanes(
 
     columns: the number of columns of the diagram. If a bit is narrower than a column, the lane of bytes shows whole
         phases of transfers. If a byte is narrower than a column, there is no lane of bytes.
-    expected: the expected values of wrong bytes. The key of a byte has the position of its START, and its place after
-        the address, from 0.
+    expected: the expected values of wrong data bytes. The key of a byte is (position of the last START or repeated
+        START before the byte, number of data bytes between the address and the byte).
     """
     lanes: list[Lane] = []
     names = [channel.name for channel in capture.channels]

@@ -2,7 +2,7 @@
 
     section | one interface per bus | packet, packet, ...
 
-Only three types of blocks and two options are used, so no library is needed.
+Only three types of blocks and three types of options are used, so no library is needed.
 
 Source: IETF draft-ietf-opsawg-pcapng; LINKTYPE_I2C_LINUX (209) and LINKTYPE_USER0 (147) of the list of link types at
 tcpdump.org.

@@ -7,12 +7,13 @@ A file is a zip whose members are .npy arrays, so that `numpy.load` can open the
     head.npy     UTF-8 bytes of a JSON object: format, version, ticks_per_second, end, names, topics, modules, clocks,
                  capture
     number.npy   tick.npy    the differences from the previous record; for the first record the values themselves
-    topic.npy    indices into `topics` of the head; a topic is three indices into `names`, of kind, where and what
+    topic.npy    indices into `topics` of the head. A topic is three indices, into the lists "kind", "where" and "what"
+                 of `names`
     value.npy    text.npy    cause.npy   field.npy
 
-The type of each array is the smallest of int8, int16, int32 and int64 that holds its numbers. `text` and `field` are
-indices into `names`, so each string is stored once. `ticks_per_second` is a whole number, a fraction as text
-("100000000/3"), or null.
+The type of each array except the head is the smallest of int8, int16, int32 and int64 that holds its numbers. `text`
+and `field` are indices into their lists in `names`, so each string is stored once. `ticks_per_second` is a whole
+number, a fraction as text ("100000000/3"), or null.
 
 A capture is stored as one "edge" record for each edge, in which `where` is the number of the channel; `capture` in the
 head contains all other data of the capture. If a run is read as a capture, each wire that changed at least once is a

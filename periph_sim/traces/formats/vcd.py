@@ -147,8 +147,8 @@ class _Reader:
         self._names: list[tuple[str, Line]] = []
         self._lines: dict[bytes, list[Line]] = {}  # maps each identifier to its bits, most significant bit first
         self._now = 0
-        self._timed = False  # True if a `#` was read
-        self._moved = False  # True if a change was read after the last `#`
+        self._timed = False  # True if a time (`#`) was read
+        self._moved = False  # True if a change was read after the last time
 
     def read(self, rate: Fraction | None) -> Capture:
         try:

@@ -1,9 +1,10 @@
-"""The workers of a Dask cluster as an executor: the other way to run parts of a command than `processes`.
+"""Executor that makes the calls of a command on the workers of a Dask cluster, in place of a pool of `processes`.
 
     command --submit--> ClusterExecutor --> Dask scheduler --> Dask workers --> processes (see `cluster_worker`)
 
-If a worker ends, Dask sends the parts that it had not finished to other workers. Errors of the cluster itself raise
-ClusterError; everything else is as in a pool of processes: also BrokenProcessPool, if firmware ends its process.
+If a worker ends, Dask repeats its unfinished calls on other workers. If the cluster itself fails, the calls raise
+ClusterError. Otherwise they behave as in a pool of processes: for instance, a call raises BrokenProcessPool if firmware
+ends its process.
 """
 
 from __future__ import annotations
@@ -32,9 +33,10 @@ from .processes import DIED, processes
 CONNECT = 10  # seconds within which a scheduler must answer at the beginning
 LOST = 30.0  # seconds without an answer of the scheduler, or without any worker, after which a command stops
 LOGGERS = ("distributed", "distributed.client", "tornado", "tornado.application", "asyncio")
-LOOK = 1.0  # seconds between two looks at the cluster
+LOOK = 1.0  # seconds between two checks of the cluster
 
-# The call that a worker makes, as a text: a Dask worker ends if it receives a function that it cannot import.
+# The call that a worker makes, as source text, because a Dask worker ends if it receives a function that it cannot
+# import.
 CALL = "__import__('periph_sim.interfaces.reports.cluster_worker', fromlist=['run_part']).run_part(*arguments)"
 GONE = "does not answer any more"
 
@@ -43,13 +45,13 @@ T = TypeVar("T")
 
 
 class ClusterError(InputError):
-    """Error: a cluster cannot be used, or no longer. The message is one sentence."""
+    """Error for a cluster that cannot be used, or can no longer be used. The message is one sentence."""
 
 
 class ClusterExecutor(Executor):
     """An executor whose calls are made by the workers of a Dask cluster.
 
-    client: a Client of Dask, which has no types here, because Dask is an optional dependency.
+    client: a `Client` of Dask. Its type is Any, because Dask is an optional dependency.
     address: the address of the scheduler, for messages.
     """
 
@@ -61,8 +63,9 @@ class ClusterExecutor(Executor):
         self._dask = client.get_executor(pure=False)
         self._address = address
         self._lock = Lock()
-        # Maps calls without a result to futures of Dask. They are dropped as soon as the result has come: Dask would
-        # repeat a part if its worker ends later.
+        # A dictionary from each call without a result to its future of Dask, or to None while the call is being sent.
+        # An entry is removed when the result is there, because Dask repeats even a finished call if its worker ends
+        # while the future of Dask still exists.
         self._pending: dict[Future[Any], Future[Reply] | None] = {}
         self._lost = ""  # the reason why the cluster can no longer be used
         self._closed = Event()
@@ -74,7 +77,7 @@ class ClusterExecutor(Executor):
         return self._submit(fn, args, is_alone=False)
 
     def submit_alone(self, fn: Callable[..., T], /, *args: object) -> Future[T]:
-        """Start a call in a process of its own."""
+        """Start a call in a new process, which makes no other call."""
         return self._submit(fn, args, is_alone=True)
 
     def cancel(self) -> None:
@@ -118,8 +121,8 @@ class ClusterExecutor(Executor):
             sent.cancel()
 
     def _settle(self, future: Future[Any], sent: Future[Reply]) -> None:
-        """Set the result of a call. Dask calls this method in a thread of its own."""
-        if future.done():  # it was cancelled, and its part with it
+        """Set the result of a call from its future of Dask. Dask calls this method in one of its own threads."""
+        if future.done():  # the call was cancelled, and so was `sent`
             return
         if sent.cancelled():
             self._lose(GONE)
@@ -158,7 +161,10 @@ class ClusterExecutor(Executor):
         return f"a worker of the Dask scheduler at {self._address} cannot run this command ({_reason(error)}); {fix}"
 
     def _look(self) -> None:
-        """Look regularly whether the scheduler answers and has workers, until the executor is closed."""
+        """Check regularly that the scheduler answers and has workers, until the executor is closed.
+
+        If it does not answer, or has had no worker for LOST seconds, give the cluster up.
+        """
         worked_at = monotonic()
         while not self._closed.wait(LOOK):
             try:
@@ -174,7 +180,10 @@ class ClusterExecutor(Executor):
                 return
 
     def _lose(self, reason: str) -> None:
-        """Let all calls without a result, and all later ones, raise ClusterError."""
+        """Give the cluster up: all calls without a result, and all later calls, raise ClusterError.
+
+        reason: the end of the message.
+        """
         with self._lock:
             if self._lost or self._closed.is_set():
                 return
@@ -197,7 +206,7 @@ def connected(address: str) -> AbstractContextManager[ClusterExecutor]:
 
 @contextmanager
 def _connected(address: str) -> Iterator[ClusterExecutor]:
-    import_module("distributed")  # sets the levels of its loggers
+    import_module("distributed")  # this import sets the levels of loggers, so it comes before the loop
     for name in LOGGERS:
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     try:
@@ -227,7 +236,7 @@ def _client(address: str) -> Any:
             made.set_exception(error)
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # about other versions of Dask
+        warnings.simplefilter("ignore")  # warnings about differing versions of Dask
         Thread(target=make, name="periph-sim cluster connection", daemon=True).start()
         try:
             return made.result(CONNECT + 1)
@@ -242,7 +251,10 @@ def _reason(error: BaseException) -> str:
 
 @contextmanager
 def worker_pool(jobs: int, cluster: ClusterExecutor | None) -> Iterator[Executor]:
-    """Yield the cluster, or a pool of `jobs` processes if there is none. No call goes on after the block."""
+    """Yield the cluster, or a pool of `jobs` processes if `cluster` is None.
+
+    At the end of the block, calls that have not begun are cancelled.
+    """
     if cluster is None:
         with processes(jobs) as pool:
             yield pool

@@ -1,12 +1,12 @@
-"""Execution of parts of a command by a worker of a Dask cluster, in a process that the worker starts for the command.
+"""Execution of calls of a command by a worker of a Dask cluster, in a process that the worker starts for the command.
 
     Dask worker --request--> process with the folder of the command --> the function --reply--> Dask worker
 
-The process is to the worker what a process of `processes` is to the command: it has run nothing before this command,
-so it reads all files of the case anew, and if firmware ends it, the worker goes on. A worker that is started with a
-nanny is a daemon of `multiprocessing`, which may start no processes by this module; hence the pipes.
+The process has run nothing before this command, so it reads all files of the case anew. If firmware ends the process,
+the worker continues. `multiprocessing` cannot start this process, because a Dask worker with a nanny is a daemon
+process of `multiprocessing`, which must not have children. Therefore `subprocess` starts it and connects it by pipes.
 
-An unused process is ended after IDLE seconds. A process ends itself when its worker ends, even by SIGKILL.
+A process without a request for IDLE seconds is ended. A process ends itself when its worker ends, even by SIGKILL.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from signal import SIG_DFL, SIGINT, signal
 from threading import Lock, Thread, Timer
 from typing import Any, BinaryIO
 
-PREFIX = "PERIPH_SIM_"  # the begin of the names of environment variables that are those of the command
-IDLE = 10.0  # seconds after which an unused process is ended
+PREFIX = "PERIPH_SIM_"  # environment variables whose names begin with it have the values that they have in the command
+IDLE = 10.0  # seconds without a request after which a process is ended
 BEGIN = (
     "import os, pickle, sys; requests = os.fdopen(os.dup(0), 'rb'); sys.path = pickle.load(requests); "
     "from periph_sim.interfaces.reports.cluster_worker import serve; serve(requests)"
@@ -33,7 +33,13 @@ CUT_OFF = (OSError, EOFError, pickle.UnpicklingError)  # errors of a pipe to a p
 
 
 class Kind(Enum):
-    """Kinds of replies: the function has returned or raised an error, its process has ended, or cannot be used."""
+    """Kinds of replies.
+
+    RESULT: the function has returned.
+    ERROR: the function has raised an error.
+    DIED: the process has ended before it replied.
+    REFUSED: the process cannot be started, or its versions differ from those of the command.
+    """
 
     RESULT = "result"
     ERROR = "error"
@@ -41,7 +47,7 @@ class Kind(Enum):
     REFUSED = "refused"
 
 
-Reply = tuple[Kind, bytes]  # the kind, and the pickled result, the pickled error, or a sentence in UTF-8
+Reply = tuple[Kind, bytes]  # the kind; the pickled result or error, a sentence in UTF-8 if refused, or b"" if died
 
 
 @dataclass(frozen=True)
@@ -51,8 +57,8 @@ class Session:
     name: a unique name.
     folder: the current folder of the command.
     environment: the environment variables of the command whose names begin with PREFIX.
-    python: the version of Python.
-    package: the digest of periph_sim.
+    python: the version of Python that runs the command.
+    package: the digest of the command's periph_sim.
     """
 
     name: str
@@ -66,7 +72,7 @@ class Session:
 
 
 class _Process:
-    """A process for the requests of a session. Raise OSError if it cannot be started."""
+    """A process for the requests of a session. The constructor raises OSError if the process cannot be started."""
 
     def __init__(self, session: Session) -> None:
         others = {name: value for name, value in os.environ.items() if not name.startswith(PREFIX)}
@@ -81,7 +87,7 @@ class _Process:
         self._first = pickle.dumps(sys.path) + pickle.dumps(session)
 
     def request(self, payload: bytes) -> Reply:
-        """Send a request and wait for the reply."""
+        """Send a request and wait for the reply, which has kind DIED if the process ends before."""
         requests, replies = self._popen.stdin, self._popen.stdout
         assert requests is not None and replies is not None
         try:
@@ -116,7 +122,7 @@ def run_part(sent: bytes, payload: bytes, is_alone: bool) -> Reply:
     """Execute a request of a session in a process, and return the reply.
 
     sent: the pickled session.
-    payload: the pickled function and its arguments.
+    payload: the function and its arguments, pickled as one tuple.
     is_alone: True to use a new process, which serves no other request.
     """
     session: Session = pickle.loads(sent)
@@ -214,5 +220,5 @@ def _pickled(error: Exception) -> bytes:
         found: Any = pickle.dumps(error)
         pickle.loads(found)
         return bytes(found)
-    except Exception:  # the class of the error takes other arguments than those of the error
+    except Exception:  # for example, the class of the error requires arguments that the pickled error does not contain
         return pickle.dumps(RuntimeError(f"{type(error).__name__}: {error}"))

@@ -3,6 +3,9 @@
     chosen phases --parts--> worker processes --> results, in the order of the phases --> windows, worst values
                                                   '--saved--> coverage file --continue--> the parts that are missing
 
+A phase is the time, in cycles, from a reference point to the start of a frame, round or send. A window is a range of
+phases at which the same budget is broken, or the firmware fails.
+
 The result does not depend on the number of processes, because the parts do not depend on it.
 """
 
@@ -38,7 +41,8 @@ class Coverage:
     choice: how they were chosen.
     depends: everything that the results depend on.
     seconds: the estimated CPU time of all runs, if nothing fails.
-    found: the results of the parts that are finished, of which there are `finished`.
+    found: the results of the finished parts.
+    finished: the number of finished parts.
     windows: the windows at which budgets are broken, or the firmware fails.
     stopped: the reason why phases are missing; "" if all were run.
     """
@@ -84,7 +88,10 @@ class Coverage:
         )
 
     def continue_from(self, saved: CoverageFile) -> bool:
-        """Take the results of a coverage file, and return True, if it has the same phases and dependencies."""
+        """Continue from a coverage file: take its results, and return True.
+
+        If its phases or its dependencies differ from those of this coverage, change nothing, and return False.
+        """
         if saved.choice != self.choice or saved.dependencies != self.depends:
             return False
         self.found, self.finished = saved.found, saved.finished
@@ -93,15 +100,15 @@ class Coverage:
 
     @property
     def is_whole(self) -> bool:
-        """True if all phases of a period may be run."""
+        """True if the phases were chosen from all phases of a period (see `choose`)."""
         return self.choice.bounds == (0, self.choice.count - 1)
 
 
 def choose(job: Job, step: int, only: tuple[Fraction, Fraction] | None) -> Coverage:
-    """Return a coverage that has only run a few phases, for an estimate of its time.
+    """Return a coverage without results. A few of its phases are run to estimate the time.
 
     step: the distance of phases that are not near a write, in cycles.
-    only: the phases to run, from the first to the last time in seconds; None for all of a period.
+    only: the times, in seconds, between which phases are chosen; None for all phases of a period.
     """
     with files_read() as read:
         case = CoveredCase(job)
@@ -120,7 +127,7 @@ def choose(job: Job, step: int, only: tuple[Fraction, Fraction] | None) -> Cover
 
 def _estimated_time(case: CoveredCase, chosen: Sequence[int]) -> float:
     tried = chosen[: 1 if case.phases.is_one_a_run else TRIED]
-    case.run(tried[:1], case.case.seed)  # imports what the first run needs
+    case.run(tried[:1], case.case.seed)  # not timed, because the first run also imports modules
     began = process_time()
     case.run(tried, case.case.seed)
     return (process_time() - began) / len(tried) * len(chosen)
@@ -135,8 +142,8 @@ def run_coverage(
 ) -> None:
     """Run the parts that are not finished, and add their results.
 
-    After Ctrl-C, or if a worker process dies or the cluster is lost, the coverage contains the finished parts and the
-    reason.
+    After Ctrl-C, or if a worker process dies or the cluster is lost, the coverage contains the results of the
+    finished parts, and `stopped` contains the reason.
 
     jobs: number of worker processes.
     save_to: the coverage file, which is written every SAVED_EVERY seconds and at the end; None for no file.
@@ -168,7 +175,7 @@ def run_coverage(
 
 
 def save(coverage: Coverage, path: Path) -> None:
-    """Write the coverage file, completely or not at all. One that was stopped does not replace a complete one."""
+    """Write the coverage file, completely or not at all. An incomplete coverage does not replace a complete one."""
     saved = coverage.saved()
     if not saved.is_complete and _has_complete_coverage(path):
         return
@@ -188,7 +195,7 @@ def _has_complete_coverage(path: Path) -> bool:
 def _results(
     coverage: Coverage, parts: Sequence[list[int]], jobs: int, cluster: ClusterExecutor | None
 ) -> Iterator[Covered]:
-    """Yield the results of the parts in their order. Each part has its own seed, so that other values are drawn."""
+    """Yield the results of the parts in order. Each part has its own seed, so that it draws other random values."""
     job, first = coverage.job, coverage.case.case.seed + coverage.finished
     if jobs == 1 and cluster is None:
         for number, part in enumerate(parts):

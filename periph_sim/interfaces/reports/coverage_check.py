@@ -2,8 +2,8 @@
 
     coverage file --phases, seed--> runs --> values now --compared with the saved ones--> state, findings
 
-The runs are made whatever has changed since. The other phases of the file are not run, so the result says nothing about
-them.
+The runs are repeated even if the case or its firmware has changed. The other phases of the file are not run, so the
+result says nothing about them.
 """
 
 from __future__ import annotations
@@ -34,8 +34,9 @@ RENEW = "prove --save renews it"
 class CoverageCheck:
     """The result of checking a coverage file.
 
-    state: "changed" if there are findings about values; otherwise "incomplete" or "out of date" if the file is so;
-        otherwise "as saved". "unreadable" for a file that is no coverage, "not run" if the check was stopped before.
+    state: "changed" if there are findings about values; otherwise "incomplete" or "out of date" if the file is in this
+        state; otherwise "as saved". "unreadable" for a file that is no coverage, "not run" if the check was stopped
+        before.
     report: what the file says about its case.
     values: the number of worst values that were compared.
     findings: for each difference, the name of the budget, or None for the whole case, and a sentence. Budgets that are
@@ -54,7 +55,10 @@ class CoverageCheck:
 
 
 def without_runs(file: Path, state: State, text: str) -> CoverageCheck:
-    """Return the result for a file whose runs cannot be made. It has a finding, unless the check was stopped."""
+    """Return the result for a file whose runs cannot be made.
+
+    text: the reason as a sentence. It is a finding unless the state is "not run".
+    """
     findings = () if state == "not run" else ((None, text),)
     return CoverageCheck(file, state, PhasesReport(text, "", {}), 0, findings)
 
@@ -111,7 +115,7 @@ def _other_phases(file: CoverageFile, covered: CoveredCase) -> str:
 def _findings(
     file: CoverageFile, covered: CoveredCase, path: Path, tolerance: int | Tolerance
 ) -> Iterable[tuple[str | None, str]]:
-    """Yield the findings. Each distinct run is made once, though several budgets can have their worst value in it."""
+    """Yield the findings. Budgets whose worst values occurred in the same run share one repeated run."""
     runs: dict[tuple[tuple[int, ...], int], list[Verdict]] = {}
     for worst in file.found.worst.values():
         runs.setdefault((worst.phases, worst.seed), []).append(worst.verdict)
@@ -171,7 +175,7 @@ def _ticks_per_second(covered: CoveredCase) -> Fraction:
 
 
 def _ticks(covered: CoveredCase, tolerance: int | Tolerance) -> Fraction:
-    """Convert a tolerance to ticks. Its cycles are those of the first unit, as for a baseline."""
+    """Convert a tolerance to ticks. Cycles are SYSCLKOUT cycles of the case's first unit, as for a baseline."""
     unit = next(iter(covered.case.unit.values()))
     given = Cycles(Fraction(tolerance)) if isinstance(tolerance, int) else tolerance
     return in_seconds(given, Fraction(unit.oscclk) * unit.pll / 2) * _ticks_per_second(covered)

@@ -16,9 +16,9 @@ class PhasesReport(Struct, frozen=True):
     """Summary of a coverage file.
 
     line: a sentence about the file as a whole.
-    count: the number of phases that were run, and that of a period, as text.
-    worst: a dictionary from budgets to the worst value at these phases and the phase as text. It is empty if the file
-        does not match the case, or is not complete.
+    count: the number of phases that were run and the number of phases of a period, as text.
+    worst: a dictionary from each budget to its worst value at these phases, and its phase as text. It is empty if the
+        file does not match the case, or is not complete.
     """
 
     line: str
@@ -27,7 +27,10 @@ class PhasesReport(Struct, frozen=True):
 
 
 def phases_report(case: Path) -> PhasesReport | None:
-    """Return what the coverage file of a case says, or why it says nothing now; None if there is no file."""
+    """Return the summary of a case's coverage file; None if there is no file.
+
+    If the file cannot be read, the summary has only a line with the reason.
+    """
     try:
         found = current(case)
     except BadCoverage as error:
@@ -36,7 +39,7 @@ def phases_report(case: Path) -> PhasesReport | None:
 
 
 def report_of(path: Path, file: CoverageFile, differences: Sequence[str]) -> PhasesReport:
-    """Return what a coverage file says. differences: a phrase for each dependency that has changed."""
+    """Return the summary of a coverage file. differences: a phrase for each dependency that has changed."""
     count = f"{file.run_count:,} of {file.choice.count:,} phases"
     if differences:
         more = f" and {len(differences) - 1} more" if len(differences) > 1 else ""

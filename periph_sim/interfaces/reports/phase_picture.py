@@ -28,7 +28,7 @@ def picture(coverage: Coverage) -> str:
 
 
 def _boxes(coverage: Coverage, windows: list[Window]) -> list[Box]:
-    """Return a box for each window; two for a window that contains the end of the period."""
+    """Return a box for each window; two boxes for a window that continues from the end of the period to its start."""
     phases, found = coverage.case.phases, []
     for window in windows:
         pieces = [(window.first, window.last)]

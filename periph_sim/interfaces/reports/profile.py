@@ -31,7 +31,7 @@ PlaceOf = Callable[[str, str], str]  # a function from a unit and a function's n
 
 
 def text(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: PlaceOf, every: bool = False) -> str:
-    """Format a table of 80 columns for each unit. every: True to show all functions that were called."""
+    """Format a table of 80 columns for each unit. every: True to show all called functions, not only LONGEST_TEXT."""
     lines: list[str] = []
     for unit, profile in profiles.items():
         found = profile.functions()

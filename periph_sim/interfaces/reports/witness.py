@@ -27,7 +27,11 @@ DIGITS = 12  # decimals of a second; more if a tick is shorter than a picosecond
 def witness_file(coverage: Coverage, worst: Worst, case: Path, changes: Sequence[str], folder: Path) -> Path:
     """Write the case in which a budget has its worst value, run it, and return its path.
 
+    worst: the worst value of the budget, and the run in which it occurs.
     case, changes: the case of the coverage as the user gave it.
+    folder: the folder of the new file.
+
+    Raise BadCapture if the file cannot be written.
     """
     _, tree = read(case, "case")
     for change in changes:
@@ -66,7 +70,7 @@ def _part_of_name(coverage: Coverage, budget: str) -> str:
 
 
 def _covered(budgets: list[Tree], names: Collection[str]) -> list[Tree]:
-    """Return the budgets with these names, without percentiles, so that each shows the value of its coverage."""
+    """Return the budgets with these names, without percentiles, because a coverage judges only the worst value."""
     kept = [budget for budget in budgets if budget["name"] in names]
     return [{key: value for key, value in budget.items() if key not in PER_MILLE} for budget in kept]
 

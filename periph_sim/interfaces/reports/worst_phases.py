@@ -22,7 +22,7 @@ class WorstAtPhase(NamedTuple):
     """The worst occurrence of a budget at the phases of a coverage file.
 
     text: a line that names the phase, or the phases of the run that has the value.
-    explained: its explanation; None if it has no instant.
+    explained: the explanation of the occurrence; None if it has no instant.
     phases, seed: the run in which it occurs, as in `Worst`.
     """
 
@@ -36,8 +36,8 @@ class WorstAtPhase(NamedTuple):
 def worst_at_phases(case: Path, verdicts: Sequence[Verdict]) -> dict[str, WorstAtPhase]:
     """Return a dictionary from the names of budgets to their worst occurrences at the phases of the coverage file.
 
-    It has only budgets whose value there is nearer to the limit than the value in `verdicts`. It is empty if no
-    coverage file matches the case.
+    It contains only budgets whose value in the file is nearer to the limit, or farther beyond it, than the value in
+    `verdicts`. It is empty if no complete coverage file matches the case.
     """
     saved = current(case)
     if saved is None or saved[1] or not saved[0].is_complete:

@@ -186,7 +186,7 @@ def _cycles(of: Baseline, ticks: int | None, nothing: str) -> str:
 
 
 def number_text(value: int | None, unit: str) -> str:
-    """Format a number that is not a time; percentages and values in LSB are stored in millionths."""
+    """Format a figure that is not a time. unit: "%" for millionths of a whole, "LSB" for millionths of an LSB."""
     if value is None:
         return "none"
     if unit == "%":

@@ -39,7 +39,7 @@ def start_coverages(
 
 
 def _or_finding(case: Path, wait: Callable[[], CoverageCheck]) -> Callable[[], CoverageCheck]:
-    """Return `wait`, but with a result with a finding if the process of the runs dies."""
+    """Return a function that calls `wait`. If the process of the runs has died, it returns a result with a finding."""
     from ..coverage_check import without_runs
 
     def result() -> CoverageCheck:

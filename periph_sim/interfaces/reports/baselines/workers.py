@@ -51,7 +51,7 @@ def workers(jobs: int | None, calls: int, cluster: ClusterExecutor | None = None
 
         yield here
         return
-    gc.collect()  # deletes earlier scenes here: their firmware must not be stopped by a thread of the pool
+    gc.collect()  # deletes earlier scenes now, because a thread of the pool must not stop their firmware
     with ThreadPoolExecutor(min(jobs or os.cpu_count() or 1, calls)) as threads:
 
         def there(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:

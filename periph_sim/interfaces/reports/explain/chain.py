@@ -121,7 +121,7 @@ class Chain:
     typical_holds: bool = True
     more: tuple[Part, ...] = ()
     assumed: tuple[str, ...] = ()
-    blame: Part | None = None  # the cause of an occurrence without length: an activity, an access or a note
+    blame: Part | None = None  # the cause if it follows from a record: an activity, an access or a note; else None
 
     @property
     def blamed(self) -> Part | None:
@@ -277,8 +277,8 @@ def relative(file: Path) -> Path:
 def in_order(*steps: Iterable[Step]) -> tuple[Step, ...]:
     """Return the steps of several sources in order of time, each once.
 
-    If the text of one step is the beginning of the texts of other steps at the same place and tick, only the step with
-    the longest text is kept.
+    If the text of one step is the beginning of the texts of other steps with the same place, tick and length, only the
+    step with the longest text is kept.
     """
     together: list[Step] = []
     for step in (step for some in steps for step in some):

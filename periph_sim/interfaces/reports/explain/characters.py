@@ -69,7 +69,7 @@ def characters(window: Window) -> list[Character]:
 
 
 def _bits(window: Window, wire: str, begin: int, end: int) -> tuple[Bit, ...]:
-    """Return the bits of a character; none if the format of the line is unknown or gives another length."""
+    """Return the bits of a character; () if the format of the line is unknown or gives a character another length."""
     if wire not in window.formats:
         return ()
     bit, form = window.formats[wire]

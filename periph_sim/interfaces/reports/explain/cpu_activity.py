@@ -81,6 +81,8 @@ def polled(what: str) -> str:
 def timeline(window: Window, unit: str, begin: int, end: int, kinds: Collection[Kind] = tuple(DOING)) -> list[Stretch]:
     """Return the activities of a unit's CPU between two ticks of the window, without gaps.
 
+    The middle of a long occurrence, for which no records were kept, has the activity UNKNOWN.
+
     kinds: the kinds of records that begin an activity. The remaining time is other code.
     """
     moves = [r for r in _up_to(window, unit, end) if r.tick < end and r.kind in kinds]

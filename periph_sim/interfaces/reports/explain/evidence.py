@@ -35,7 +35,7 @@ class Evidence:
     """Queries of the records around an occurrence.
 
     window: the window of the occurrence.
-    unit: the unit whose firmware and flags the queries are about.
+    unit: the unit whose firmware and flags the queries are about; by default the first unit with firmware records.
     """
 
     def __init__(self, window: Window, case: Case, unit: str | None = None) -> None:

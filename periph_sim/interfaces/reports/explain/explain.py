@@ -326,8 +326,8 @@ def _explained(case: Case, window: Window, usual: Window | None) -> Explained:
 def _reaching(window: Window, chain: Chain) -> Window:
     """Return the window with the texts of the steps of its explanation, and with a larger picture.
 
-    The picture of an instant is extended to all steps that are near enough. The picture of a reply is extended to the
-    first step.
+    The picture of an instant is extended to steps around the instant, the nearest first, up to a width of REACH bits.
+    The picture of a reply is extended to the first step.
     """
     begin, end = window.drawn
     if window.verdict.measure.startswith(REPLY) and chain.steps:

@@ -125,7 +125,7 @@ def refusing(evidence: Evidence, tick: int) -> list[Step]:
 
 
 def is_master(evidence: Evidence, tick: int) -> bool:
-    """Return True if the unit's module is the master at a tick. Other parties then answer the bytes that it sends."""
+    """Return True if the unit's module is the master at a tick. Its bytes are then acknowledged by other parties."""
     return evidence.last_set(tick, "I2CMDR.MST") is not None
 
 

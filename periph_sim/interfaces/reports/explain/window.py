@@ -281,7 +281,7 @@ class _Keeper:
         self._seen[thing] = record
 
     def expect(self, record: Record) -> None:
-        """Add a record of an expected byte."""
+        """Add a record of an expected byte. Its value is the byte's position in the read times 256, plus the byte."""
         place, value = divmod(record.value, 256)
         self._expected[I2C_BUS, record.tick, place] = value
 

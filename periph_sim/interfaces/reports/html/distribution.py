@@ -1,7 +1,7 @@
 """The distribution of a budget's values, and its plot.
 
-All bins have the same width and begin at whole multiples of it, so the bins of two runs coincide if their width is
-the same.
+All bins have the same width and begin at whole multiples of this width. So the bins of two runs coincide if both have
+the same width.
 
     counts   |    _        :            :
     (log)    |  _| |_      :      //    :

@@ -51,7 +51,7 @@ class OverTime:
     end: the end of the run, in ticks from the start of the run.
     limits: key and value of each limit.
     which: the key of the limit that the verdict names.
-    violations: instant and value of the first MOST violations, in order of time.
+    violations: instant and value of the first MOST violations (values beyond a limit), in order of time.
     violation_count: the number of all violations.
     count: the number of all values.
     """

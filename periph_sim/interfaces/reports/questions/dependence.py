@@ -10,7 +10,7 @@ from ....timing.verdict import SEEN, Verdict, figure
 from ..sweep.runs import Row
 from .explore import Exploration, is_stuck
 
-RUN = "(the run)"  # in place of a budget's name: whether the run can be made, and firmware does not get stuck
+RUN = "(the run)"  # the name under which it is reported that a run is stuck or cannot be made
 NOT_MADE, STUCK = "cannot be made", "stuck"
 
 
@@ -48,7 +48,7 @@ class Dependence:
 
 
 def dependences(explored: Exploration) -> list[Dependence]:
-    """Return each budget of a case, and RUN if a run is stuck or cannot be made."""
+    """Return a Dependence for each budget of the case. If a run is stuck or cannot be made, the first one is RUN."""
     default, attempts = explored.default, explored.attempts
     found = [_of_budget(number, explored) for number in range(len(default.budgets))]
     words = [(number, *_of_run(attempt.row)) for number, attempt in enumerate(attempts)]

@@ -6,10 +6,10 @@ answers that break nothing alone, two at a time --> a run with both, if
     their questions are related (`Question.is_related`), or
     the second question is touched only with the first answer
 
-An answer *breaks* something if a budget that passes in the case as it is does not pass with it, or if firmware gets
-stuck or the run cannot be made. It is not tried in pairs, because its question must be decided in any case. An answer
-that changes nothing alone is tried in pairs. Three answers at once are never tried. A question that is touched only in
-a pair, or only with an answer that breaks something, is not varied; `Exploration.not_varied` names it.
+An answer *breaks* something if a budget passes in the case as it is but not with this answer, if firmware gets stuck,
+or if the run cannot be made. Such an answer is not tried in pairs, because its question must be decided in any case.
+The other answers are tried in these pairs. Three answers at once are never tried. A question that is touched only in a
+pair, or only with an answer that breaks something, is not varied; `Exploration.not_varied` names it.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ Bars = Callable[[str], AbstractContextManager[Callable[[float], None] | None]]
 class Attempt:
     """A run.
 
-    answers: its other answers; none for the case as it is.
-    row: its result, or the reason why it could not be made.
+    answers: the other answers of the run; empty for the case as it is.
+    row: the result of the run, or the reason why the run could not be made.
     """
 
     answers: tuple[Answer, ...]
@@ -128,12 +128,15 @@ def touched_by(row: Row) -> set[str]:
 
 
 def is_stuck(row: Row) -> bool:
-    """Return True if the run failed because its firmware got stuck, or could not be made."""
+    """Return True if a run could not be made, or if it failed because its firmware got stuck."""
     return isinstance(row, str) or (row.verdict == FAIL and bool(row.stuck))
 
 
 def breaks(default: Result, row: Row) -> bool:
-    """Return True if a budget passes in the case as it is and not in `row`, or if only `row` is stuck."""
+    """Return True if a budget passes in the case as it is but not in `row`, or if `row` is stuck and the case is not.
+
+    default: the result of the case as it is. row: the result of a run with other answers.
+    """
     if isinstance(row, str) or is_stuck(row) > is_stuck(default):
         return True
     return any(one.passed and not other.passed for one, other in zip(default.budgets, row.budgets, strict=True))

@@ -1,9 +1,9 @@
 """The first difference between two runs of a case: the first edge, access, flag or interrupt that is not in both.
 
 Both runs are repeated side by side, a slice at a time. Until they differ, their records are equal, so only the records
-of the present slice are kept. After the first records that are not equal, the n-th record of a topic is compared with
-the n-th record of the same topic in the other run. So an event that comes later is described as later, and not as
-missing.
+of the present slice are kept. From the first records that are not equal, the n-th record with the same `kind`,
+`where` and `what` is compared with the n-th such record of the other run. So an event that comes later is described as
+later, and not as missing.
 """
 
 from __future__ import annotations
@@ -24,8 +24,9 @@ from .explore import Attempt
 
 KINDS = (Kind.EDGE, Kind.ACCESS, Kind.FLAG, Kind.IRQ)
 MOST_EXPLAINED = 20  # maximum number of runs whose first difference is searched
-SLICE = Fraction(1, 1000)  # in seconds; a record that is missing this long in the other run counts as missing
-Occurrence = tuple[Kind, str, str, int]  # kind, place, thing and number of a record
+# Length of a slice in seconds. An event counts as missing if it is not in the next slice of the other run either.
+SLICE = Fraction(1, 1000)
+Occurrence = tuple[Kind, str, str, int]  # kind, where, what, and number of a record among those with the same three
 
 
 class Event(NamedTuple):
@@ -37,7 +38,11 @@ class Event(NamedTuple):
 
 
 class FirstDifference(NamedTuple):
-    """An event that differs: in the run to compare with, and with the other answers; None in a run without it."""
+    """An event that differs between two runs.
+
+    base: the event in the run that is compared with; None if it does not occur there.
+    other: the event in the run with one more answer; None if it does not occur there.
+    """
 
     base: Event | None
     other: Event | None
@@ -75,8 +80,12 @@ def first_differences(
 ) -> dict[int, FirstDifference | None]:
     """Return the first difference of each run in which the verdict of a budget differs, at most MOST_EXPLAINED.
 
-    A run with one other answer is compared with the case as it is, a run with two with the run that has only the first.
-    length: the duration of each run in seconds. The result is a dictionary from the numbers of the runs.
+    A run with one other answer is compared with the case as it is. A run with two other answers is compared with the
+    run that has only the first of them.
+
+    length: the duration of each run in seconds.
+
+    The result is a dictionary from the numbers of runs, as in `Departure`; None for a run without a difference.
     """
     numbers = sorted({departure.number for one in found for departure in one.departures})
     prepared = PreparedScene(file, changes)

@@ -82,7 +82,7 @@ def _difference(found: FirstDifference | None, answers: int) -> str:
 
 
 def as_json(explored: Exploration, found: Sequence[Dependence], differences: Differences) -> dict[str, object]:
-    """Convert the report to JSON. The first of `runs` is the case as it is, and a number of a run is an index of it."""
+    """Convert the report to JSON. Numbers of runs are indices of `runs`; run 0 is the case as it is."""
     return {
         "case": explored.default.case,
         "simulated_s": explored.default.simulated_s,

@@ -282,7 +282,10 @@ def _check_sent(firmware: Mapping[str, Firmware]) -> None:
 
 
 def row_batches(job: Job, texts: Texts, executor: Executor | None, jobs: int) -> Iterator[list[Row]]:
-    """Execute the runs. Yield lists of rows, in the order of the runs. jobs: the number of processes, of 1 this one."""
+    """Execute the runs. Yield lists of rows, in the order of the runs.
+
+    jobs: the number of worker processes if `executor` is None. With 1, all runs are made in this process.
+    """
     size = AT_A_TIME if len(texts) > FEW else 1
     parts = [texts[first : first + size] for first in range(0, len(texts), size)]
     if isinstance(executor, ClusterExecutor):

@@ -128,6 +128,7 @@ def with_history(
     scene: the scene of the run that had the divergences.
     origin: the tick at which the capture begins.
     after: the number of ticks after a divergence for which its history is shown.
+    unit, role: the unit with the firmware, and its role.
     again: a function that repeats the run.
 
     The tick of a divergence is that of the replayed event, or that of the captured event if the replay has none. If

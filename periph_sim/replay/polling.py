@@ -121,7 +121,7 @@ class PolledCapture:
         sources = [Transfer(rest, self._captured.stop, None), *self.left]
         phases = [(skipped, place) for skipped, one in enumerate(sources) for place in range(len(one.phases))]
         if not is_addressed(sources[phases[-1][0]].phases[phases[-1][1]]):
-            phases.pop()  # the capture ends within an address
+            phases.pop()  # the last phase is ignored, because the capture ends within its address
         for skipped, place in phases:
             phase = sources[skipped].phases[place]
             if _value(phase) != poll.bytes[0].value or not (phase.bytes[0].acked or is_poll(phase)):
@@ -142,7 +142,7 @@ class PolledCapture:
     def _continue_at(self, number: int, source: Transfer, place: int) -> None:
         """Replace the end of the last transfer, from the ACK bit of phase `number` on, by that of a captured transfer.
 
-        source: the captured transfer. place: the index of its phase from whose ACK bit on it is used.
+        source: the captured transfer, which is used from the ACK bit of its phase `place` on.
         """
         current = self.transfers[-1]
         poll, phase = current.phases[number], source.phases[place]

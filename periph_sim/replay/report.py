@@ -113,7 +113,7 @@ class Comparison:
 
 
 def kind_of(words: str) -> str:
-    """Return BYTE, ACK or EVENT: the kind of a divergence in which only the value of this event is wrong."""
+    """Return BYTE for the text of an address, data byte or word, ACK for ACK or NACK, and EVENT for any other event."""
     if words in CONDITIONS or words.startswith("cut off"):
         return EVENT
     return ACK if words in ("ACK", "NACK") else BYTE
@@ -204,8 +204,8 @@ class Report:
         bound is the time of the earliest ACK after a NACK; without such an ACK, the list is empty.
     captured_events, captured_transfers: numbers of events and transfers in the whole capture.
     transfers: number of replayed transfers.
-    captured_errors: number of UART frames with a framing or parity error in the capture, without breaks and frames with
-        a glitch.
+    captured_errors: number of UART frames with a framing or parity error in the capture, without breaks and ambiguous
+        frames.
     errors: UART: for FE and PE, the number of words that the firmware read with this flag; for other flags, how often
         the flag was set.
     ambiguous: number of events that are not judged, because receivers may read them in different ways.
@@ -238,11 +238,12 @@ class Report:
     ambiguous: int = 0
     filled: list[str] = field(default_factory=list)
     unjudged: str = ""
-    loop: str = "closed"  # closed loop or open loop
+    loop: str = "closed"  # closed or open
     role: str = "slave"  # I2C: role of the F28335, slave or master
     divergences: list[Divergence] = field(default_factory=list)
     tolerance_us: float = 0.0
-    addresses: list[str] = field(default_factory=list)  # I2C: of the firmware as slave, or of the targets of a master
+    # I2C: the addresses of the firmware if it is slave; the addresses of the targets if the firmware is master.
+    addresses: list[str] = field(default_factory=list)
     nacks: int = 0
     refusals: int = 0
     captured_refusals: int = 0

@@ -127,7 +127,7 @@ def tolerance_of(given: Fraction | None, rate: Fraction, scene: Scene) -> Fracti
 
 STEP = Fraction(25, 1000)  # simulated seconds between two progress reports
 TAIL = Fraction(1, 10_000)  # seconds for which the wires are observed after the last move
-PATIENCE = Fraction(200, 1000)  # maximum seconds for which SCL may be held low; an SHT21 stretches for up to 85 ms
+PATIENCE = Fraction(200, 1000)  # default of `patience` in seconds; for comparison, an SHT21 stretches for up to 85 ms
 BYTE = 9  # number of bits in a byte, with the ACK bit
 LONG = Fraction(3, 2)  # a low phase is a stretch or a pause if it is longer than the usual one times this factor
 HOLD = Fraction(300, 10**9)  # data hold time, in seconds, of targets that agents play: UM10204 Table 11

@@ -50,7 +50,7 @@ def purpose_of(byte: int) -> str:
     return "10-bit" if high >= 0x78 else ""
 
 
-# EVENTS has the names of events. OF_I2C is in the order of `I2cRowKind`.
+# The names of events of I2C, in the order of `I2cRowKind`. EVENTS has the names of events of all protocols.
 OF_I2C = ("start", "repeated start", "address", "address low", "data", "ack", "nack", "stop", "cut")
 OF_SPI = ("select", "word", "deselect")
 EVENTS = (*OF_I2C, "frame", "break", "rejected start", *OF_SPI)
@@ -164,7 +164,7 @@ def grouped(rows: Rows, silence: Sequence[int | None]) -> tuple[Rows, NDArray[np
         part = select(rows, rows.bus == bus)
         if quiet is None:
             first = (part.event == START) | (part.event == SELECT)
-            first[:1] = True  # the chip select of an SPI bus may be asserted before the capture begins
+            first[:1] = True  # an SPI transfer may begin before the capture, so that it has no row "select"
         else:
             first = np.concatenate(([True], part.at[1:] - np.maximum.accumulate(part.end)[:-1] > quiet))[: len(part.at)]
         parts.append(part)

@@ -27,7 +27,7 @@ SCL, SDA = 1, 2
 BITS = 9  # number of bits of a byte with its ACK
 
 NOTHING, FALL, RISE, START, STOP = range(5)
-KINDS = 7  # mask of the events above
+KINDS = 7  # mask for one of these five events, without the flag BYTE
 BYTE = KINDS + 1  # flag of an event that ends a byte: a START or STOP in the ninth pulse of SCL, or the fall after it
 BYTE_OVER = FALL + BYTE
 

@@ -140,7 +140,10 @@ def bits_of(edges: I2cEdges) -> I2cBits:
 
 
 def i2c_edges(capture: Capture, scl: str | int, sda: str | int, glitch: int = 0) -> Iterator[I2cEdges]:
-    """Yield the edges of each span in which both lines are known."""
+    """Yield the edges of each span in which both lines are known.
+
+    glitch: pulses of SCL or SDA that are shorter than this number of positions are removed first.
+    """
     clock, data = capture.channel(scl), capture.channel(sda)
     for span in capture.known(clock, data):
         yield edges_of(clock.cut(span).without_glitches(glitch), data.cut(span).without_glitches(glitch))
@@ -234,7 +237,7 @@ def _bytes(seen: Counts, count: Counts, values: NDArray[np.uint8]) -> _Bytes:
 
     kind = np.where(whole, np.uint8(I2cRowKind.DATA), np.uint8(I2cRowKind.CUT))
     kind[head] = I2cRowKind.ADDRESS
-    tens = np.flatnonzero(head & (value & 0xF9 == 0xF0) & acked)  # address bytes 11110xx with R/W = 0
+    tens = np.flatnonzero(head & (value & 0xF9 == 0xF0) & acked)  # address bytes 11110xx with R/W = 0 and a ninth bit
     tens = tens[np.append(kind, I2cRowKind.CUT)[tens + 1] == I2cRowKind.DATA]
     tens = tens[values[begin[tens] + 8] == 0]
     kind[tens + 1] = I2cRowKind.ADDRESS_LOW
@@ -337,7 +340,7 @@ def long_lows(capture: Capture, scl: Channel, sda: Channel, glitch: int = 0) -> 
 def impossible_rate(capture: Capture, scl: str | int) -> str:
     """Return a message if the clock rate of SCL shows that the capture's rate is wrong; otherwise "".
 
-    The message is also "" if SCL has too few edges.
+    The message is also "" if SCL has too few edges, or if the capture has no rate.
 
     Raise LookupError if the channel is missing.
     """

@@ -36,7 +36,7 @@ USUAL = (
     *(2_000_000, 2_500_000, 3_000_000, 3_500_000, 4_000_000, 6_000_000, 8_000_000, 12_000_000),
 )
 # A measured rate is rounded to a usual baud rate if the relative difference is at most NEAR.
-# Receivers tolerate a difference of 2.5 %. The error of a short capture is 1 %.
+# Transmitters can be off by 2.5 %, which receivers tolerate, and the measurement of a short capture by another 1 %.
 NEAR = 0.035
 
 # Shapes in order of preference. The first shape that decodes without errors, and with enough values, is chosen.

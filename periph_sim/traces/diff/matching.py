@@ -157,7 +157,7 @@ def class_of(kind: str) -> str:
 T = TypeVar("T")
 Pair = tuple[Event | None, Event | None]  # an event of A and an event of B; None for a missing event
 FEW_EVENTS = 5_000  # maximum number of events that are aligned one by one, regardless of their groups
-FEW_GROUPS = 60  # maximum number of groups in each capture if every group of A is compared with every group of B
+FEW_GROUPS = 60  # every group of A is compared with every group of B if this takes at most FEW_GROUPS**2 comparisons
 
 
 class Pairing:

@@ -128,7 +128,10 @@ class Rows:
         return np.array(times, object if self._last > MOST_INT64 else np.int64)
 
     def states(self, index: int) -> Levels:
-        """Return the state of one channel in each row in which the level of any channel changes."""
+        """Return the state of one channel in each row in which the level of any channel changes.
+
+        index: the number of the channel's column, counted from 0 without the column of times.
+        """
         return np.array([levels[index] for levels in self._levels], np.uint8)[np.frombuffer(self._kept, np.uint32)]
 
     def line_of(self, which: int) -> int:

@@ -2,9 +2,10 @@
 
     record of a topic --> Columns.keep --> RecordTable: one numpy array per column, each string once in a table
 
-A topic is a combination of kind, where and what. A record takes 53 bytes in the table. It takes only 44 bytes during
-the run, because the number of its topic replaces kind, where and what. Collected records are stored in blocks of fixed
-length, so that no object is created for a record and no record is moved.
+Three fields of a record say what it is about: `kind`, such as an access to a register; `where`, the wire, unit or
+module; and `what`, such as the register. A topic is a combination of these three. A record takes 53 bytes in the table.
+It takes only 44 bytes during the run, because the number of its topic replaces the three fields. Collected records are
+stored in blocks of fixed length, so that no object is created for a record and no record is moved.
 """
 
 # core: compiled

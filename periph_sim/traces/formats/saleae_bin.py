@@ -131,7 +131,7 @@ class _Grid:
 
 def _channel(path: Path, grid: _Grid, index: int, chunks: list[Chunk], length: int, notes: list[str] | None) -> Channel:
     """Read the channel of one file. A note on damage is added to `notes`; if `notes` is None, raise BadCapture."""
-    parts: list[tuple[Positions, Levels]] = []  # positions, and the state from each position on
+    parts: list[tuple[Positions, Levels]] = []  # for each chunk and gap: positions, and the state from each position on
     known_to = 0
     with path.open("rb") as file:
         for chunk in chunks:

@@ -44,13 +44,15 @@ wait: a loop of the program that reads values until a condition is true.
 pass: one execution of a loop, or of the instruction that RPT repeats.
 replay: a second execution of the pass in which a sleeping CPU was woken. It begins at the start of the pass. Reads
     before the cycle of the wake-up return the values that the last executed pass has read.
+modify: a write of a bit field by one instruction, which reads and writes the word with the field.
 statement: the line of the firmware's source that is executed, as a `SourceLocation`.
 place: a statement, unless a class `Place` or the description of a parameter says otherwise.
 topic: all records of one kind that are about one thing, for example the reads of one register (`core.records.Topic`).
 spread: a range of times, from which each computation draws one (`core.table.Spread`).
 port: in `python`, an object for accesses to a register; in `pin_router`, an input or output of a module.
 note: a remark on the firmware, for example on an access that violates a rule of the manuals.
-frame: a peripheral frame, which is a range of registers with the same wait states; in `image`, a called function.
+frame: a peripheral frame, which is a range of registers with the same wait states. In `image.observers`, a frame is an
+    active function on the call stack.
 open question: a behaviour that the manuals do not state. An option selects the answer; its method `assume` returns the
     answer and notes that the run depends on it.
 """

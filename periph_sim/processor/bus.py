@@ -72,7 +72,7 @@ class Bus:
     free_from: from this cycle on, a read in the protected block does not wait for a write.
     free_of: a dictionary from the address of a register outside of the protected block to the cycle from which on a
         read of this register does not wait for a write.
-    issued_at: while a posted write lands, the statement that issued the write, None if unknown; otherwise None.
+    issued_at: the statement that issued the posted write that lands now; None if it is unknown, or if no write lands.
     """
 
     STATE = State("ram _posted_last issued_at", cycles="free_from free_of _last_pf1_write", chains="_posted")

@@ -56,7 +56,7 @@ class CpuTime:
 
     @property
     def waits_for_input(self) -> bool:
-        """True if the CPU sleeps, or would sleep if not `watching`, and only a register or an interrupt can wake it."""
+        """True if the CPU sleeps, or would sleep if not `watching`, and only a register or interrupt can wake it."""
         return self.wakes == NEVER if self.watching else self.asleep and not self._wake.queued
 
     def left(self) -> int:

@@ -46,7 +46,7 @@ class Spin:
     pass_cycles: the cycles of a whole pass; None to compute them from the reads, their tests and the branch back.
     ends: the cycle at which the wait times out; NEVER if it has no timeout.
     made: the number of reads so far in the present pass.
-    reads: the reads of the present pass in their order, then those of earlier passes that the pass has not replaced.
+    reads: the reads of the present pass in their order. Entries after the first `made` are left from earlier passes.
     pure: True if the present pass has made no write and no read with a side effect, and was not delayed by an interrupt
         or a stall.
     bare: True if only the reads of the present pass and their tests have taken time.

@@ -195,7 +195,7 @@ class Processor(Agent):
         self._clock = clock
         self._records_irq = recorder.wants(Kind.IRQ)
         self._number = 0  # the number of the interrupt that is being taken
-        # For each active service routine, the innermost last: the vector, and the record that was the cause before.
+        # For each active service routine, the innermost last: its vector, and the cause of records before it began.
         self._causes: list[tuple[str, int]] = []
         self._recorder = recorder
         self._program: Program | None = None
@@ -225,7 +225,7 @@ class Processor(Agent):
         self._forget()
         if self._program is not None:
             self._program.kill(how)
-            self._forget()  # again, because the program may have made requests while it ended
+            self._forget()  # again, because the program may have made accesses while it ended
 
     def _forget(self) -> None:
         """Cancel the wake-up, the posted writes and the pending step of the program."""

@@ -79,7 +79,7 @@ class _Watch:
         self._cpus: WeakSet[RunWatch] = WeakSet()
         self._lock = Lock()
         self._thread: Thread | None = None
-        self._stopping = False  # True from the last check of stalled user code until its exception is pending
+        self._stopping = False  # True while `_stop` checks stalled user code a last time and raises its exception
         self._stopped: set[int] = set()  # threads with a pending or raised exception
 
     def add(self, cpu: RunWatch) -> None:
@@ -91,7 +91,7 @@ class _Watch:
                 self._thread.start()
 
     def leave(self, thread: int) -> None:
-        """Catch a pending exception of the calling thread, which no longer executes user code.
+        """Catch a pending NoProgress of the calling thread, which no longer executes user code.
 
         This method uses no lock: an exception between the acquisition and the `with` block would leave it locked.
         """

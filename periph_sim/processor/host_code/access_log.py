@@ -34,7 +34,10 @@ VALUE = (1 << PLACE) - 1
 
 
 class Access(IntEnum):
-    """Kinds of the items of a log. runtime.c uses the numbers of COMPUTE and READ, too."""
+    """Kinds of the items of a log. For each kind, a comment explains the parts place and value of an item.
+
+    runtime.c uses the numbers of COMPUTE and READ, too.
+    """
 
     COMPUTE = 1  # the value is the number of cycles
     READ = 2  # the place is the offset in register memory, the value contains the bytes that were read

@@ -103,7 +103,7 @@ class RegisterLayout:
         """Raise BadLayout if a member has no certain place."""
         self._numbers: dict[tuple[int, int], Place] = {}  # maps (offset, size) to a place that is no bit field
         self._fields: dict[int, Place] = {}  # maps the offset of each byte with bits of a field to its place
-        self._read: dict[tuple[int, int], tuple[Place, ...]] = {}  # results of `read`
+        self._read: dict[tuple[int, int], tuple[Place, ...]] = {}  # results of `read`, by offset and size
         # Maps the offset of adjacent bit fields to their total size in bytes. gcc announces a write of one of these
         # fields as a write of all.
         self._announced: dict[int, int] = {}

@@ -2,13 +2,13 @@
  *
  * gcc's thread sanitizer calls a function of this file before each access. Before a read, Python stores the value of
  * the register in memory. The call before a write only announces the bytes, so the written value is passed to Python
- * with the next event. Structures of registers are in memory as the host's gcc lays them out; Python knows the place of
- * each member on the chip.
+ * at the next call of this file. Structures of registers are in memory as the host's gcc lays them out; Python knows
+ * the address of each member on the chip.
  *
  * gcc announces a write of a bit field as a write of all adjacent fields. If these belong to several words, or overlap
- * a number, the memory is protected until the store, and the handler of the fault finds what is written. It executes
- * the load before the store with zeros in memory, and again with ones; the bits that are equal in both stores are those
- * of the field. Then it executes load and store with the real values. */
+ * a number, the memory is protected until the store, and the handler of the fault determines what is written. It
+ * executes the load before the store with zeros in memory, and again with ones; the bits that are equal in both stores
+ * are those of the field. Then it executes load and store with the real values. */
 
 #define _GNU_SOURCE /* REG_RIP */
 #include <pthread.h>
@@ -26,43 +26,45 @@
 enum { READ, ANNOUNCED, WRITE, TOUCHED, TIME, ASSEMBLY, DELAY, ENDS };
 enum { ENDED, UNWOUND, FAULT, LOOPS };
 
-#define BYTES 0x40000u /* of registers: four for each word */
-#define STACK_BYTES 0x100000 /* more than any memory of the chip */
-#define LARGEST 8      /* bytes of an access */
+#define BYTES 0x40000u /* of register memory: four for each word of the chip */
+#define STACK_BYTES 0x100000 /* limit of the stack; more than any memory of the chip */
+#define LARGEST 8      /* maximum number of bytes of an access */
 #define BLOCK_CYCLES 6 /* as in firmware.py */
-#define LOGGED_COMPUTE UINT64_C(1) /* of access_log.py */
+#define LOGGED_COMPUTE UINT64_C(1) /* kinds of log items, as in access_log.py */
 #define LOGGED_READ UINT64_C(2)
-#define STRANGE 9      /* in place of the bytes of a store */
-#define STUB_PAGE 0x380000u /* ADC_cal is called there, and returns at once */
+#define STRANGE 9      /* result of `stored` for an instruction that is no MOV */
+#define STUB_PAGE 0x380000u /* host page with a return instruction, since firmware may call ADC_cal by its address */
 #define PAGE 4096u
-#define TICK_US 20000 /* of processor time: so often it is looked whether an empty loop runs */
+#define TICK_US 20000 /* microseconds of processor time between two checks for an endless empty loop */
 #define QUIET_TICKS 3
 
-/* Returns UNWINDS, or for ANNOUNCED and TOUCHED which place is written, or PROTECTED. */
+/* Handles a request in Python. Returns UNWINDS if Python has raised an exception. Otherwise returns, for ANNOUNCED and
+ * TOUCHED, the number of the place that is written, or PROTECTED if only the store determines it; else NO_PLACE. */
 typedef int (*asked_t)(int what, uint32_t at, uint32_t size, uint64_t detail, uint64_t blocks, uint64_t pc);
 enum { UNWINDS = -1, NO_PLACE, PROTECTED };
 
 static asked_t asked;
 static unsigned char *registers;
-static uint64_t blocks, blocks_at_once = UINT64_MAX; /* constructors run before anybody asks */
+static uint64_t blocks, blocks_at_once = UINT64_MAX; /* constructors run before c28x_begin sets a limit */
 static uint64_t times_asked;
-static int pending; /* which place is written; NO_PLACE if none is */
+static int pending; /* number of the place whose written value is not passed yet; NO_PLACE if there is none */
 static uint64_t pending_pc;
 static uint32_t protected_at, protected_size; /* announced bytes; size 0 if nothing is protected */
-static enum { BEGINS, ZEROS, ONES } phase;    /* of finding what is stored there */
-static sigjmp_buf *way_out; /* of the firmware that runs now; none while Python runs */
-static pthread_t runner;    /* the thread that runs it: way_out is on its stack */
+static enum { BEGINS, ZEROS, ONES } phase;    /* of the search for the bits that the store writes there */
+static sigjmp_buf *way_out; /* where the firmware that runs now is left; NULL while Python runs */
+static pthread_t runner;    /* the thread that runs this firmware: way_out is on its stack */
 static const int SIGNALS[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL};
 #define SIGNAL_COUNT (sizeof SIGNALS / sizeof *SIGNALS)
 static struct sigaction before[SIGNAL_COUNT];
 static long page_size;
-static const char *stack; /* its end as the firmware began */
+static const char *stack; /* stack pointer when the firmware began */
 
 int c28x_signal;
 uint64_t c28x_fault_at, c28x_fault_pc;
-int c28x_numbers[BYTES][LARGEST + 1]; /* places that are written as they are announced, by offset and size */
+int c28x_numbers[BYTES][LARGEST + 1]; /* by offset and size of an announced write: its place, if Python has stored it */
 
-/* `for (;;);` has no piece of code that gcc would announce: nothing but a service routine can happen any more. */
+/* Handles a timer signal. In `for (;;);` gcc inserts no call of this file, so this handler leaves the loop. Python then
+ * lets time pass, in which service routines can run. */
 static void ticked(int number) {
     static uint64_t seen_blocks, seen_asked;
     static int quiet;
@@ -80,7 +82,7 @@ static void ticked(int number) {
     }
 }
 
-/* It stays, and does nothing while Python runs. */
+/* Installs the handler of the timer signal, which stays installed, and does nothing while Python runs. */
 static void catch_ticks(void) {
     struct sigaction mine;
     memset(&mine, 0, sizeof mine);
@@ -104,11 +106,13 @@ static void leave_signals(void) {
     for (size_t i = 0; i < SIGNAL_COUNT; i++) sigaction(SIGNALS[i], &before[i], NULL);
 }
 
-/* The log of an earlier run, which this one repeats up to its end, and the number of its next item: access_log.py */
+/* The log of an earlier run, which this run executes again up to its end, and the index of the next item (see
+ * access_log.py). */
 const uint64_t *c28x_log;
 uint64_t c28x_log_next, c28x_log_end;
 
-/* Whether the log answers without Python: the time of code, and a read of one member. */
+/* Answers a request from the log, without Python. Returns 1 if it has, and 0 if Python must handle the request. The log
+ * answers requests to let time pass, and reads of one member, if they equal the next items. */
 static int is_answered(int what, uint32_t at, uint32_t size) {
     uint64_t next = c28x_log_next, item;
     int64_t value;
@@ -164,7 +168,8 @@ static int register_offset(const void *address, uint32_t *at) {
     return offset < BYTES;
 }
 
-/* The store of an instruction that has faulted, and its value: its bytes, 0 if it is a load, STRANGE if it is no MOV. */
+/* Returns the number of bytes that an instruction stores that has faulted; 0 for a load, STRANGE if it is no MOV. Sets
+ * *value to the value that a MOV from a register stores. */
 static uint32_t stored(const ucontext_t *context, uint64_t *value) {
 #if defined(__x86_64__)
     static const int REGISTERS[] = {REG_RAX, REG_RCX, REG_RDX, REG_RBX, REG_RSP, REG_RBP, REG_RSI, REG_RDI,
@@ -176,12 +181,12 @@ static uint32_t stored(const ucontext_t *context, uint64_t *value) {
     if (*code == 0x66) size = 2, code++;
     if ((*code & 0xF0) == 0x40) rex = *code++;
     if (rex & 8) size = 8;
-    *value = (uint64_t)held[REGISTERS[(code[1] >> 3 & 7) + (rex & 4 ? 8 : 0)]]; /* of MOV to memory from a register */
+    *value = (uint64_t)held[REGISTERS[(code[1] >> 3 & 7) + (rex & 4 ? 8 : 0)]]; /* source of MOV */
     if (*code == 0x88 || *code == 0xC6) return 1;
     return *code == 0x89 || *code == 0xC7 ? size : STRANGE;
 #else
     (void)context, (void)value;
-    return 0; /* Python refuses sources that would need it */
+    return 0; /* RegisterLayout rejects sources that need this function on other hosts */
 #endif
 }
 
@@ -191,7 +196,7 @@ static void find_field(unsigned char with) {
     protect(PROT_READ);
 }
 
-/* A load or store in the bytes that are protected. */
+/* Handles a fault of a load or store in the protected bytes. */
 static void touched(uint32_t at, ucontext_t *context) {
     static ucontext_t at_load;
     static uint64_t with_zeros;
@@ -222,7 +227,7 @@ static void touched(uint32_t at, ucontext_t *context) {
 
 static void caught(int number, siginfo_t *info, void *context) {
     uint32_t at;
-    if (!way_out || !pthread_equal(pthread_self(), runner)) { /* not the firmware's: as without this handler */
+    if (!way_out || !pthread_equal(pthread_self(), runner)) { /* firmware has not caused it */
         signal(number, SIG_DFL);
         return;
     }
@@ -245,7 +250,7 @@ static void reads(const void *address, uint32_t size, int is_volatile, void *pc)
     if (register_offset(address, &at)) {
         tell_pending();
         ask(READ, at, size, 0, (uint64_t)(uintptr_t)pc);
-    } else if (is_volatile) { /* somebody waits for what a service routine writes */
+    } else if (is_volatile) { /* the firmware may wait for a variable that a service routine writes */
         tell_pending();
         ask(TIME, 0, 0, 0, (uint64_t)(uintptr_t)pc);
     }
@@ -285,10 +290,10 @@ HOOKS(16)
 void __tsan_read_range(void *a, unsigned long size) { reads(a, (uint32_t)size, 0, PC); }
 void __tsan_write_range(void *a, unsigned long size) { writes(a, (uint32_t)size, PC); }
 void __tsan_init(void) {}
-/* Functions of the C library that would end the process of the simulator: build.py has the linker replace them. */
+/* Functions of the C library that would end the process of the simulator: library.py makes the linker replace them. */
 static void ends(const char *how, void *pc) {
     tell_pending();
-    ask(ENDS, 0, 0, (uint64_t)(uintptr_t)how, (uint64_t)(uintptr_t)pc - 1); /* nothing needs to follow the call */
+    ask(ENDS, 0, 0, (uint64_t)(uintptr_t)how, (uint64_t)(uintptr_t)pc - 1); /* - 1, since no code follows the call */
 }
 
 #define ENDING(name) \
@@ -314,7 +319,7 @@ void __tsan_func_entry(void *pc) {
 }
 void __tsan_func_exit(void) { tell_pending(); }
 
-/* Every piece of code without a branch in it begins so: loops without any access let time pass, too. */
+/* gcc inserts a call of this function at the start of each basic block, so that loops without accesses take time. */
 void __sanitizer_cov_trace_pc(void) {
     tell_pending();
     if (++blocks >= blocks_at_once) ask(TIME, 0, 0, 0, (uint64_t)(uintptr_t)PC);
@@ -325,50 +330,50 @@ void c28x_assembly(const char *text) {
     ask(ASSEMBLY, 0, 0, (uint64_t)(uintptr_t)text, (uint64_t)(uintptr_t)PC);
 }
 
-/* DELAY_US of the headers calls it: 5 cycles a pass. */
+/* The macro DELAY_US of TI's headers calls this function. A pass of its loop takes 5 cycles. */
 __attribute__((weak)) void DSP28x_usDelay(unsigned long passes) {
     tell_pending();
     ask(DELAY, 0, 0, passes, (uint64_t)(uintptr_t)PC);
 }
 
-/* It sets trims of the ADC, which nothing models. */
+/* On the chip, this function sets trims of the ADC, which are not modelled. */
 __attribute__((weak)) void ADC_cal(void) {}
 
-/* Words of OTP and flash: passwords of an erased chip, and which chip it is. */
+/* Words of flash and OTP: the passwords of an erased chip, and the number of the part. */
 __attribute__((weak)) unsigned CsmPwl[8] = {0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF};
 __attribute__((weak)) unsigned PartIdRegs[1] = {0x00EF};
 
-/* 0 if the registers have their place. */
+/* Maps register memory at `base`. Returns 0, or 1 if this address is not free. */
 int c28x_begin(uint64_t base, asked_t who, uint64_t at_once) {
     void *page = (void *)(uintptr_t)STUB_PAGE;
     const struct itimerval tick = {{0, TICK_US}, {0, TICK_US}};
     asked = who;
     blocks_at_once = at_once;
     page_size = sysconf(_SC_PAGESIZE);
-    catch_ticks(); /* first: a tick that nobody catches ends the process */
+    catch_ticks(); /* before the timer starts, because a signal without a handler ends the process */
     setitimer(ITIMER_VIRTUAL, &tick, NULL);
     registers = mmap((void *)(uintptr_t)base, BYTES, PROT_READ | PROT_WRITE,
                      MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED_NOREPLACE, -1, 0);
     if (registers != (void *)(uintptr_t)base) return 1;
     page = mmap(page, PAGE, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED_NOREPLACE, -1, 0);
-    if (page == (void *)(uintptr_t)STUB_PAGE) { /* else another unit has put it there */
+    if (page == (void *)(uintptr_t)STUB_PAGE) { /* otherwise another unit has mapped the page */
         memset(page, 0xC3, PAGE); /* RET */
         mprotect(page, PAGE, PROT_READ | PROT_EXEC);
     }
     return 0;
 }
 
-/* last: no other program runs in this process. */
+/* last: 1 if no other program runs in this process. */
 void c28x_end(int last) {
     const struct itimerval none = {{0, 0}, {0, 0}};
     if (last) setitimer(ITIMER_VIRTUAL, &none, NULL);
     munmap(registers, BYTES);
 }
 
-/* Calls a function of the firmware, main or a service routine. Says how it ended. */
+/* Calls a function of the firmware: main or a service routine. Returns how it ended. */
 int c28x_run(void (*entry)(void)) {
     sigjmp_buf here, *outer = way_out;
-    int place = pending; /* of what it interrupts */
+    int place = pending; /* of the code that the function interrupts */
     uint64_t pc = pending_pc;
     pending = NO_PLACE;
     runner = pthread_self();

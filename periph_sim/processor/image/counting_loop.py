@@ -212,7 +212,7 @@ class RepeatedPass:
         self.stores: list[Store] = []
 
     def step(self, traced: Traced) -> None:
-        """Evaluate the next instruction. Raise NotCounting if the instruction reads a counter and is no `Sum`."""
+        """Evaluate the next instruction. Raise NotCounting if it reads a counter, but does not compute a `Sum`."""
         if any(place in self.counters for place in _address_registers(traced.pointers)):
             raise NotCounting
         done = sum_of(traced.f.encoding)

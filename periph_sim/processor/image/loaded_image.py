@@ -89,7 +89,7 @@ class LoadedImage(Program):
         self._waits_for = ""  # what the last recorded wait waits for
         self._watches: list[InstructionWatch] = []  # observers of instructions
         self._entry = entry
-        self._at = entry  # the address of the instruction in progress; between two, of the one executed last
+        self._at = entry  # address of the instruction in progress, or of the last executed instruction
         self._unwritten: set[str] = set()  # names of the functions that have read unwritten memory
         self.cpu.reads_unwritten = self.read_unwritten
 
@@ -235,7 +235,7 @@ class LoadedImage(Program):
 
 
 def fields_of(register: Register, mask: int) -> str:
-    """Return the names of the fields with bits of a mask, joined by "+"; "all" for a full mask or without a field."""
+    """Return the names of the fields with bits of a mask, joined by "+"; "all" for all bits, or if no field has any."""
     if mask == ALL:
         return "all"
     return "+".join(field.name for field in register.fields if field.mask & mask) or "all"
@@ -254,7 +254,7 @@ def mask_of(first: int, words: tuple[int, ...]) -> int:
 
 
 def _instructions(first: int, words: tuple[int, ...]) -> Iterator[Instruction]:
-    """Yield the instructions in these words. The last word can only be the second word of an instruction."""
+    """Yield the instructions in these words. The last word is used only as the second word of an instruction."""
     for found in sweep(first, words):
         if isinstance(found, int) or found.address >= first + len(words) - 1:
             return

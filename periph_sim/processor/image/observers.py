@@ -168,8 +168,8 @@ class CallStack:
     def on_return(self, pc: int, cycle: int) -> None:
         """Update the frames after a return, or a jump out of the innermost function, to `pc`.
 
-        If a frame has this return address, the frame ends. Otherwise the innermost function is replaced by the function
-        at `pc`, unless `pc` is inside the innermost function.
+        If a frame has the return address `pc`, this frame and all frames inside it end. Otherwise the innermost
+        function is replaced by the function at `pc`, unless `pc` is inside the innermost function.
         """
         for place in range(len(self.frames) - 1, -1, -1):
             if self.frames[place].return_to == pc:

@@ -73,7 +73,7 @@ class ImageProgram(LoadedImage):
         self._asleep_at = 0  # the tick at which the last sleep began
         self._loop_due = False  # True at the start of a pass of a loop that should be examined
         self._back = -1  # the address of the branch that closed the last executed pass of a wait; -1 for none
-        # _counted: the number of instructions up to the start of the present pass. _pass: the number in a pass.
+        # _counted: the number of instructions up to the start of the present pass. _pass: the instructions of a pass.
         self._counted = self._pass = 0
         self._unmodelled: UnmodelledWait | None = None  # the last wait that has read unmodelled words only
         self._counting: CountingLoop | None = None  # set while a pass is traced, or counting passes are skipped
@@ -125,7 +125,7 @@ class ImageProgram(LoadedImage):
             self._woken(time.cycle)
         if cpu.ended:
             return self._ended()
-        f: Operation | None = None  # the last instruction of this turn
+        f: Operation | None = None  # the last instruction that was begun in this call
         while True:
             if self._ready is not None:
                 f, self._ready = self._ready, None
@@ -282,7 +282,7 @@ class ImageProgram(LoadedImage):
         if time.wakes <= time.cycle:
             woken = time.wakes
             self._woken(woken)
-            if back >= 0 and woken < time.cycle:  # woken in the pass that has just ended
+            if back >= 0 and woken < time.cycle:  # the wake-up was in the pass that has just ended
                 self._loop_due = self.cpu.polls.again(back, time.cycle)
 
     def _woken(self, cycle: int) -> None:

@@ -36,11 +36,11 @@ def words() -> tuple[int, ...]:
 
 def _fixed_point() -> Iterator[int]:
     yield from _scaled(_sines(math.pi), 30)
-    yield from (0x4000_0000, 1, 0, WORD - 1, 0, 0, WORD)  # 2.0 in Q29; rounding and limits of the quotient
+    yield from (0x4000_0000, 1, 0, WORD - 1, 0, 0, WORD)  # 2.0 in Q29; constants to round and limit the quotient
     quotients = [256 / (128.5 + n) for n in MANTISSAS]
     yield from _scaled((0, *quotients, *(-one for one in reversed(quotients))), 29)
     yield from _scaled((1.5,), 30)
-    yield from (0x8000, 0, 0xFFFF_0000, 0x7FFF)  # rounding and limit of the square root
+    yield from (0x8000, 0, 0xFFFF_0000, 0x7FFF)  # constants to round and limit the square root
     yield from _scaled((1, 0.5, math.sqrt(0.5), 0), 30)
     yield from _scaled((math.sqrt(256 / (128.5 + n)) for n in MANTISSAS), 30)
     yield from _scaled((2,), 29)
@@ -49,7 +49,7 @@ def _fixed_point() -> Iterator[int]:
     yield from _scaled(_arctangents(), 30)
     for q in reversed(FORMATS):
         half = 1 << q - 1
-        yield from (half, 0, WORD, half - 1, 0, -half)  # rounding and limits of a product
+        yield from (half, 0, WORD, half - 1, 0, -half)  # constants to round and limit a product
     for q in FORMATS:
         low = max(-q * math.log(2), LOWEST / (1 << q))
         yield from _scaled((math.log((2**31 - 1) / (1 << q)), low), q)

@@ -112,7 +112,7 @@ class FirmwareView:
         return self.waits.spin_either(ready, over, self._pass("spin_either", pass_cycles))
 
     def _pass(self, what: Text, cycles: BigInt | None) -> BigInt | None:
-        """Return the cycles of a pass, or None if none are given. Raise Misuse if the number is impossible."""
+        """Return the cycles of a pass; None if none are given. Raise Misuse unless the number is an integer above 0."""
         if cycles is None:
             return None
         if type(cycles) is not int or cycles < 1:

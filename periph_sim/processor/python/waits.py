@@ -110,7 +110,7 @@ class Recogniser:
         self._earlier: ConditionQuery | None = None  # the query used before `_latest`; a loop often alternates two
 
     def condition(self, function: object) -> Condition | None:
-        """Return the condition equivalent to a function that was seen before; None if there is none."""
+        """Return the condition equivalent to a function. Return None if there is none, or at the first wait for it."""
         if type(function) is not FunctionType:
             return None
         code = function.__code__

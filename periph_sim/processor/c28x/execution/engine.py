@@ -44,7 +44,7 @@ class Engine(Cpu):
         self.left = 0
         self.keeps_decoded = True
         self._decoded: list[list[Operation | None] | None] = [None] * PAGES
-        self._code = [0] * PAGES  # 1 if a page has decoded instructions
+        self._code = [0] * PAGES  # for each page: 1 if it has decoded instructions
 
     def step(self) -> int:
         """Execute one instruction, or one pass of a repeated instruction. Return the cycles of the manual's table."""

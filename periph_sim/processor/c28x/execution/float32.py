@@ -1,7 +1,7 @@
 """Arithmetic of the FPU on float32 bits, with rounding, underflow and overflow.
 
-An exact integer result is rounded once, to nearest even or towards zero. Denormal operands and results are 0, NaN is
-treated as infinity, and an overflow gives infinity. A result has the float32 in bits 31:0, and may have the bit
+The exact result, an integer, is rounded once, to nearest even or towards zero. Denormal operands and results are 0, NaN
+is treated as infinity, and an overflow gives infinity. A result has the float32 in bits 31:0, and may have the bit
 UNDERFLOW or OVERFLOW above them. Source: SPRUEO2A section 2.3; details that it does not specify are chosen here.
 """
 
@@ -125,13 +125,13 @@ def to_integer(bits: int, least: int, most: int, nearest: bool = False) -> int:
     nearest: True to round to nearest even, False to round towards zero.
     """
     exponent = exponent_of(bits)
-    if exponent > 8:  # the size is 2 ** 32 or more, or infinity
+    if exponent > 8:  # the absolute value is 2 ** 32 or more, or infinity
         return least if bits & SIGN else most
     mantissa = mantissa_of(bits)
     size = -mantissa if mantissa < 0 else mantissa
     if exponent >= 0:
         size <<= exponent
-    elif exponent < -MANTISSA_BITS:  # the size is less than a half
+    elif exponent < -MANTISSA_BITS:  # the absolute value is less than 1/2
         size = 0
     else:
         half = TOP >> TOP_BIT + 1 + exponent

@@ -34,7 +34,7 @@ LONGEST_PAUSE = 1 << 26
 def resampled(capture: Capture, rate: Fraction) -> Capture:
     """Return the capture at `rate` samples per second, with a note on lost pulses.
 
-    Raise BadCapture if the capture has no rate.
+    Raise BadCapture if the capture has no rate, or if it would have more than MOST_POSITION samples.
     """
     if capture.rate is None:
         raise BadCapture(

@@ -28,7 +28,7 @@ def check(
 
     exact: how time stamps are interpreted; see `resolution_of`.
 
-    Raise LookupError if a channel is missing, and ValueError if the capture has no rate.
+    Raise LookupError if a channel is missing, and ValueError if the capture has no rate or the mode is unknown.
     """
     mode = Mode(mode)
     resolution = resolution_of(capture, exact)

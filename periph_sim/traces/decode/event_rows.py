@@ -97,8 +97,9 @@ def no_rows() -> Rows:
 def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
     """Return the rows of an I2C table.
 
-    The detail of a complete or cut byte is its direction, and also the purpose if the address is reserved. If a
-    repeated START is followed by a 10-bit address with R/W = 1, the value of the address row has all ten bits.
+    The detail of a complete or cut byte is its direction; that of a reserved address is also its purpose. A 10-bit
+    address with R/W = 1 after a repeated START has one byte. If the other byte was sent earlier in the same transfer,
+    the value of the address row has all ten bits.
 
     bus: the number of the bus.
     """

@@ -105,7 +105,7 @@ def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = Fals
 
     rate, salvage: see the module docstring.
 
-    Raise BadCapture, with the problem and a remedy, if the file cannot be read.
+    Raise BadCapture, with the problem and a remedy, if the file cannot be read; ValueError if `rate` is not positive.
     """
     path = note_input(Path(path))
     suffix = "/" if isdir(path) else path.suffix.casefold()
@@ -149,7 +149,7 @@ def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -
     rate: the rate to which the capture is resampled first. If the rate is None and the format has only samples, the
         capture is resampled to the lowest rate that loses no edge.
 
-    Raise BadCapture, without creating a file, if the capture cannot be written.
+    Raise BadCapture, without creating a file, if the capture cannot be written; ValueError if `rate` is not positive.
     """
     path = Path(path)
     writer = _writer_of(path)

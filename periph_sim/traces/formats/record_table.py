@@ -127,13 +127,19 @@ class RecordTable:
         return np.flatnonzero(wanted)
 
     def texts(self, column: str, rows: NDArray[np.int64] | None = None) -> list[str]:
-        """Return for each of the rows its string in a column, which is `kind`, `where`, `what`, `text` or `field`."""
+        """Return the strings of some rows in a column, which is `kind`, `where`, `what`, `text` or `field`.
+
+        rows: the numbers of the rows; None for all.
+        """
         places = self.columns[column] if rows is None else self.columns[column][rows]
         names = self.names[column]
         return [names[place] for place in places.tolist()]
 
     def records(self, rows: NDArray[np.int64] | None = None) -> Iterator[Record]:
-        """Yield the rows as records. Columns are converted in pieces, so that a long run is not copied as a whole."""
+        """Yield some rows as records. Columns are converted in pieces, so that a long run is not copied as a whole.
+
+        rows: the numbers of the rows; None for all.
+        """
         chosen = np.arange(len(self)) if rows is None else rows
         where, what, text, fields = (self.names[name] for name in ("where", "what", "text", "field"))
         kinds = [Kind(name) for name in self.names["kind"]]

@@ -79,7 +79,10 @@ def write(capture: Capture, path: Path) -> tuple[str, ...]:
 
 
 def _positions(rows: Rows, rate: Fraction | None) -> tuple[Positions, Fraction]:
-    """Return the position of each time, counted from the first row, and the number of positions per second."""
+    """Return the position of each time, counted from the first row, and the number of positions per second.
+
+    Raise BadCapture if a time is between two samples of `rate`, or if a position exceeds 64 bits.
+    """
     times, decimals = rows.times(), rows.decimals
     while decimals > LEAST_DECIMALS and not (times % 10).any():
         times, decimals = times // 10, decimals - 1

@@ -82,7 +82,7 @@ class Archive:
     members: a dictionary from names to members.
     notes: notes on what could not be read, if `salvage` is True.
 
-    Raise BadCapture if the file is no zip archive.
+    Raise BadCapture if the file is no zip archive, or if its directory is damaged and `salvage` is False.
     """
 
     def __init__(self, path: Path, what: str, salvage: bool = False) -> None:
@@ -258,7 +258,10 @@ def ini_keys(text: str, section: str) -> dict[str, str]:
 
 
 def samplerate_of(path: Path, place: str, text: str | None, rate: Fraction | None, notes: list[str]) -> Fraction | None:
-    """Return `rate` or, if `rate` is None, the samplerate in `text`. Add a note and return None if both are missing."""
+    """Return `rate` or, if `rate` is None, the samplerate in `text`. Add a note and return None if both are missing.
+
+    Raise BadCapture, with `place` as the place in the file, if `text` is no rate.
+    """
     if rate:
         return rate
     try:

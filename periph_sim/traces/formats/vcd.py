@@ -82,7 +82,10 @@ def write_to(file: IO[str], capture: Capture, scope: tuple[str, ...] = (SCOPE,))
 
 
 def timescale_of(capture: Capture) -> tuple[str, Fraction, list[str]]:
-    """Return the timescale, such as `10 ns`, its ticks per second, and a list with a note if times must be rounded."""
+    """Return the timescale, such as `10 ns`, its ticks per second, and a list with a note if times must be rounded.
+
+    Raise BadCapture if the capture has no rate, or a rate that is too high.
+    """
     decimals, exact = decimals_for(capture, 0, ROUNDED_TO, ", or a whole number of femtoseconds a sample")
     unit, size = next((unit, size) for unit, size in SECONDS.items() if size >= decimals)
     scale = f"{10 ** (size - decimals)} {unit}"
@@ -94,7 +97,11 @@ def timescale_of(capture: Capture) -> tuple[str, Fraction, list[str]]:
 
 
 def channel_names(capture: Capture) -> list[str]:
-    """Return names that VCD can hold: blanks are replaced, no part between dots is empty, and all names differ."""
+    """Return names that VCD can hold, in the order of the channels.
+
+    Blanks, and a `$` at the beginning of a part, are replaced by `_`. A name with an empty part between dots is
+    replaced by `channel_` and the index. If several names are equal, numbers are appended to all except the first.
+    """
     names: list[str] = []
     for channel in capture.channels:
         parts = [re.sub(r"\s+|^\$", "_", part.strip()) for part in channel.name.split(".")]

@@ -1,8 +1,21 @@
-"""Coverage of a case's free phase: chosen starts of a frame, a round or a send are run, and failures become windows.
+"""Coverage of a case's free phase: runs of a case at many phases, and the ranges of phases at which a budget breaks.
 
-    case --phases--> runs in which each start comes a phase later than the one before --figures--> worst values
+    case --phases--> runs in which each start has the next phase ---> worst values of the budgets
                      failures --windows--> first and last phase, each with a neighbour that held
 
-Nothing here proves that a budget holds for ever: the runs begin in the states that they happen to reach, and the other
+Terms of this package:
+
+start: the begin of a frame of the host, of a round of the controller, or of a send of the table [serial].
+moved starts: the starts whose times a coverage chooses, in place of the schedule of the case.
+period: the time between two moved starts at the same phase, such as a round.
+phase: the time by which a moved start comes after the begin of its period, or a send after its time in the case, as a
+    number of cycles. It is free, because nothing fixes it: the devices have independent clocks.
+cycle: a SYSCLKOUT cycle of the fastest unit.
+run with one phase alone: a run in which all moved starts have the same phase.
+to fail: a run fails if a budget is broken, if firmware hangs, or if an error ends the run. A phase fails if a run with
+    this phase alone fails; otherwise, it holds.
+window: a range of phases that fail.
+
+Nothing here proves that a budget always holds: the runs begin in the states that they happen to reach, and the other
 free inputs of the case take the values that it draws for them.
 """

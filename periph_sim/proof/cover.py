@@ -1,10 +1,11 @@
 """Coverage of a list of phases: long runs, and short runs around each failure.
 
-    phases 0, 1, ... 511 --one run, a phase a round--> holds: all 512 phases are covered
-                           '--fails--> shorter runs find the round; runs with one phase only find the end of the window
+    phases 0, 1, ... 511 --one run, a new phase in each round--> it holds: all 512 phases are covered
+                           '--it fails--> shorter runs find the round in which it begins to fail;
+                                          runs with one phase alone find the end of the window
 
-A window is a range of phases at which a budget is broken in a run with this phase alone. Within a window, one of APART
-phases is run; the first and the last phase of the window, and the neighbours outside, are always run.
+Within a window, only every APART-th of the given phases is run. The first and the last phase of the window, and the
+neighbours outside, are always run.
 """
 
 from __future__ import annotations
@@ -18,14 +19,15 @@ from msgspec.structs import replace
 from ..timing.verdict import Verdict
 from .stretch import CoveredCase, Job, Outcome
 
-APART = 16  # distance of the phases that are run within a window, in given phases
-REPORTED = 3  # the last phases of a failing run that may have caused the failure: it can be noticed later
+APART = 16  # within a window, every APART-th of the given phases is run
+REPORTED = 3  # number of last phases of a run that may have caused a failure, because it can be noticed rounds later
 
 
 class Worst(Struct, frozen=True):
-    """The value of a budget that is nearest to its limit.
+    """The value of a budget that is nearest to its limit, as a verdict.
 
-    phases: the phases of the run that had this value, and of each period before.
+    phases: the phases of the run that had this value, in order.
+    seed: the seed of this run.
     """
 
     verdict: Verdict
@@ -34,7 +36,10 @@ class Worst(Struct, frozen=True):
 
 
 class Drifting(Struct, frozen=True):
-    """Failures in a run whose phase increases from `first` to `last`, which runs with one phase alone do not have."""
+    """Failures of a run whose phase increases from `first` to `last`, though runs with one phase alone hold.
+
+    names: the names of what failed.
+    """
 
     names: frozenset[str]
     first: int
@@ -44,12 +49,14 @@ class Drifting(Struct, frozen=True):
 class Covered(Struct):
     """The results of some phases.
 
-    held: the phases at which nothing failed.
-    failed: a dictionary from a phase to the names of what failed in a run with this phase alone.
-    drifting: failures that occur only while the phase drifts, in the order of the phases.
+    held: the given phases at which nothing failed, in a run of several phases or in a run with the phase alone.
+    failed: a dictionary from each phase of which a run with this phase alone was made to the names of what failed in
+        it; an empty set if it held.
+    drifting: failures that occur only in runs whose phase increases, in the order of the phases.
     worst: a dictionary from the name of a budget to its worst value.
     judged: a dictionary from the name of a budget to the number of runs that judged it.
     reasons: a dictionary from the name of a failure that is no broken budget to a sentence about it.
+    runs: number of runs.
     """
 
     held: list[int]
@@ -61,7 +68,7 @@ class Covered(Struct):
     runs: int = 0
 
     def add(self, other: Covered) -> None:
-        """Add the results of the phases that follow."""
+        """Add the results of other phases, which must come after the phases of this object."""
         self.held += other.held
         self.failed |= other.failed
         self.drifting += other.drifting
@@ -76,7 +83,10 @@ class Covered(Struct):
         return Covered([], self.failed, self.drifting, self.worst, self.judged, self.reasons, self.runs)
 
     def judge(self, new: Worst) -> None:
-        """Keep a value if it is nearer to its limit than the one so far, or as near in a shorter run."""
+        """Keep a value if it is nearer to its limit than the kept one, or equally near and of a run with fewer phases.
+
+        A broken limit is nearer than any other.
+        """
         old = self.worst.get(new.verdict.name)
         if old is None or _is_worse(new, old):
             self.worst[new.verdict.name] = new
@@ -96,10 +106,10 @@ def nothing() -> Covered:
 
 
 class Coverer:
-    """Runs phases of a case.
+    """Runner of phases of a case.
 
-    seed: the seed of all values that are drawn.
-    found: results to which those of this object are added.
+    seed: the seed of all random values of the runs.
+    found: the results; those that were passed to the constructor, if any, with the new ones added.
     """
 
     def __init__(self, case: CoveredCase, seed: int, found: Covered | None = None) -> None:
@@ -123,7 +133,11 @@ class Coverer:
         return self.found
 
     def _failing(self, phases: Sequence[int]) -> int:
-        """Find where a failing run begins to fail, and the window there. Return the number of phases that are done."""
+        """Find the first window of a run that fails. Return the number of phases at its begin whose results are known.
+
+        phases: the phases of the run. The shortest part of it, from its begin, that fails is searched. If one of the
+        last phases of this part fails alone, the window begins there. Otherwise the failure is one of a drifting phase.
+        """
         length = _first_true(lambda count: bool(self._run(phases[:count]).failures), 1, len(phases))
         suspects = range(max(0, length - REPORTED), length)
         begin = next((place for place in suspects if self.status(phases[place])), None)
@@ -141,17 +155,20 @@ class Coverer:
         return _first_true(lambda place: place == limit or not self.status(phases[place]), broken + 1, limit)
 
     def repeat(self, phase: int) -> None:
-        """Run a phase alone, so that its values have the shortest run."""
+        """Run a phase alone, so that worst values at this phase name the run with this phase alone."""
         self._run([phase])
 
     def status(self, phase: int) -> frozenset[str]:
-        """Return what fails in a run with this phase alone."""
+        """Return the names of what fails in a run with this phase alone, which is made only once for each phase."""
         if phase not in self.found.failed:
             self.found.failed[phase] = self._run([phase]).failures
         return self.found.failed[phase]
 
     def _run(self, phases: Sequence[int]) -> Outcome:
-        """Run phases. The values of a run of several phases count only if nothing failed, because a failure goes on."""
+        """Run phases, and add the values of the budgets to the results.
+
+        If a run of several phases fails, its values are not added, because a failure affects the later phases, too.
+        """
         outcome = self._case.run(phases, self._seed)
         if len(phases) == 1 or not outcome.failures:
             self._count(outcome, phases)
@@ -166,7 +183,10 @@ class Coverer:
 
 
 def _first_true(is_true: Callable[[int], bool], low: int, high: int) -> int:
-    """Return the least number from `low` to `high` for which `is_true` is true. It is true for `high`."""
+    """Return the least number from `low` to `high` for which `is_true` is true, by bisection.
+
+    `is_true` must be true for all numbers above this one. It is assumed to be true for `high`, and is not called there.
+    """
     while low < high:
         middle = (low + high) // 2
         if is_true(middle):
@@ -177,12 +197,12 @@ def _first_true(is_true: Callable[[int], bool], low: int, high: int) -> int:
 
 
 class Window(Struct, frozen=True):
-    """A range of phases at which a budget is broken, or the firmware fails.
+    """A range of phases at which a budget is broken, or the run fails in another way.
 
     name: the name of the budget or of the failure.
     first, last: the first and the last phase. `first` is above `last` if the window contains the end of the period.
-    run: number of phases within the window that were run; each of them fails.
-    is_closed: True if the phases before `first` and after `last` were run, and hold.
+    run: number of phases within the window that failed in a run with this phase alone. The others were not run alone.
+    is_closed: True if the phase before `first` and the phase after `last` were run alone, and hold.
     """
 
     name: str
@@ -195,8 +215,8 @@ class Window(Struct, frozen=True):
 def windows_of(found: Covered, status: Callable[[int], frozenset[str]], bounds: tuple[int, int]) -> list[Window]:
     """Return the windows of all failures, in the order of the phases.
 
-    found: the results of all phases. `status` adds to `found.failed`.
-    status: returns what fails in a run with one phase alone.
+    found: the results of all phases.
+    status: the method `Coverer.status`, which adds more results to `found.failed`.
     bounds: the first and the last phase that may be run.
     """
     names = sorted({name for failures in found.failed.values() for name in failures})
@@ -208,9 +228,10 @@ def windows_of(found: Covered, status: Callable[[int], frozenset[str]], bounds: 
 
 
 def _merged(windows: Iterable[Window]) -> list[Window]:
-    """Return the windows with those of one name that overlap or are equal made into one.
+    """Return the windows after joining those that have the same name and overlap.
 
-    They are the same window if a phase within it held in a run in which the phase increases.
+    A phase that held in a run of several phases separates two groups of failing phases. If this phase fails in a run
+    with it alone, both groups lead to the same window, or to windows that overlap.
     """
     found: list[Window] = []
     for one in sorted(windows, key=lambda each: (each.name, each.first, each.last)):
@@ -225,9 +246,13 @@ def _merged(windows: Iterable[Window]) -> list[Window]:
 
 
 def joined_at_end(windows: Sequence[Window], count: int, status: Callable[[int], frozenset[str]]) -> list[Window]:
-    """Return the windows of a whole period, in which a window at its end and one at its begin are one window.
+    """Return the windows of a whole period as a circle, because phase 0 follows the last phase.
 
-    count: the number of phases of the period. status: returns what fails in a run with one phase alone.
+    A window at the end of the period and a window of the same name at its begin become one window. If there is only one
+    of them, `is_closed` also depends on the phase at the other end of the period.
+
+    count: the number of phases of the period.
+    status: the method `Coverer.status`.
     """
     found = []
     begins = {one.name: one for one in windows if not one.first and one.last < count - 1}
@@ -247,7 +272,7 @@ def joined_at_end(windows: Sequence[Window], count: int, status: Callable[[int],
 
 
 def _groups(name: str, found: Covered) -> Iterable[list[int]]:
-    """Yield lists of phases at which `name` fails, without a phase between them at which it holds."""
+    """Yield lists of successive known phases at which `name` fails. Phases at which it holds separate the lists."""
     held: Mapping[int, bool] = dict.fromkeys(found.held, False)
     flags = {**held, **{phase: name in failures for phase, failures in found.failed.items()}}
     group: list[int] = []
@@ -279,9 +304,13 @@ def _window(
 
 
 def _extended(fails: Callable[[int], bool], phase: int, step: int, end: int) -> int:
-    """Return the end of a window, seen from a phase in it. step: 1 or -1, the direction to `end`.
+    """Return the last failing phase of a window, in the direction of `end`.
 
-    A phase beside the window can have held in a run in which the phase increases, and fail in a run of its own.
+    The phase next to the end that was found may have held only in a run of several phases. If it fails alone, the
+    window goes on, and its end is searched in growing steps, until the next phase holds alone or `end` is reached.
+
+    phase: a phase in the window.
+    step: 1 or -1, the direction from `phase` to `end`.
     """
     width = 1
     while phase != end and fails(phase + step):
@@ -293,7 +322,7 @@ def _extended(fails: Callable[[int], bool], phase: int, step: int, end: int) -> 
 
 @lru_cache(maxsize=1)
 def _case_of(job: Job) -> CoveredCase:
-    """Return the case of a job. A worker process runs many parts of one job, so it reads the case once."""
+    """Return the case of a job. The last result is kept, because a worker process runs many parts of one job."""
     return CoveredCase(job)
 
 

@@ -1,8 +1,9 @@
 """The file of a coverage: coverage/NAME.json beside the case, with the results and everything they depend on.
 
-    Covered, Window --write--> file --read--> the results again, for the parts that are missing, and for other commands
+    Covered, Window --write--> file --read--> the same results, for other commands, or to continue a coverage
 
-A file whose parts are not all finished belongs to a coverage that was stopped, and can be continued.
+The phases of a coverage are run in parts. If a file does not have the results of all parts, the coverage was stopped
+and can be continued.
 """
 
 from __future__ import annotations
@@ -31,13 +32,11 @@ class BadCoverage(InputError):
 class Choice(msgspec.Struct, frozen=True):
     """The phases that a coverage runs.
 
-    moved: the starts that move.
-    start_up: True if only the first of them moves through the start-up.
-    count: the number of phases.
-    cycle_ps: the length of a cycle.
+    moved, start_up, rounds: as in `Phases`.
+    count: the number of all phases, `Phases.count`.
+    cycle_ps: the length of a cycle in picoseconds.
     chosen, near: number of phases that were chosen, and of those that are near a write.
-    step: the distance of the others, in cycles.
-    rounds: number of starts in a run with one phase alone.
+    step: the distance between the other chosen phases, in cycles.
     bounds: the first and the last phase that may be run.
     digest: the digest of the chosen phases.
     """
@@ -54,16 +53,17 @@ class Choice(msgspec.Struct, frozen=True):
     digest: str
 
     def time(self, phase: int) -> str:
-        """Return a phase as a time, to a tenth of a nanosecond, so that each cycle has a text of its own."""
+        """Return a phase as a time in ms, to a tenth of a nanosecond, so that the texts of all phases are different."""
         return f"{phase * self.cycle_ps / 10**9:.7f} ms"
 
 
 class CoverageFile(msgspec.Struct, frozen=True, kw_only=True):
     """The contents of a coverage file.
 
+    case: the name of the case.
     finished, parts: the number of parts that are finished, and of all parts.
     run_count: the number of different phases that were run.
-    held: pairs (first, after the last) of indices of chosen phases that held; `found.held` is empty.
+    held: the chosen phases that held, as ranges of their indices (`to_ranges`). `found.held` is empty.
     windows: the windows; empty until all parts are finished.
     """
 
@@ -84,7 +84,7 @@ class CoverageFile(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def text_of(file: CoverageFile) -> str:
-    """Format a coverage as JSON with sorted keys and sets."""
+    """Return the text of a coverage file: JSON with sorted keys and sets, so that equal contents have equal texts."""
     tree = msgspec.to_builtins(file, order="sorted")
     return json.dumps(tree, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
 
@@ -109,7 +109,7 @@ def digest_of(phases: Sequence[int]) -> str:
 
 
 def to_ranges(held: Sequence[int], chosen: Sequence[int]) -> list[tuple[int, int]]:
-    """Return the indices in `chosen` of the phases in `held`, as ranges (first, after the last)."""
+    """Return the indices in `chosen` of the phases in `held`, as ranges (first index, index after the last)."""
     place = {phase: index for index, phase in enumerate(chosen)}
     found: list[tuple[int, int]] = []
     for index in sorted(place[phase] for phase in held if phase in place):
@@ -121,12 +121,12 @@ def to_ranges(held: Sequence[int], chosen: Sequence[int]) -> list[tuple[int, int
 
 
 def from_ranges(ranges: Sequence[tuple[int, int]], chosen: Sequence[int]) -> list[int]:
-    """Return the phases of these ranges of indices in `chosen`."""
+    """Return the phases whose indices in `chosen` are in these ranges, which `to_ranges` has returned."""
     return [phase for first, after in ranges for phase in chosen[first:after]]
 
 
 def current(case: Path) -> tuple[CoverageFile, list[str]] | None:
-    """Return the coverage file of a case, and what has changed since it was written; None if there is no file.
+    """Return the coverage file of a case, with a phrase for each dependency that has changed since; None if no file.
 
     Raise BadCoverage for a file that cannot be read.
     """

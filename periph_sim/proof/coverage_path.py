@@ -1,4 +1,4 @@
-"""The place of a case's coverage file. This module imports nothing, so that looking for a file costs nothing."""
+"""The path of a case's coverage file. This module imports hardly anything, so that looking for a file is fast."""
 
 from __future__ import annotations
 

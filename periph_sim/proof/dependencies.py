@@ -3,8 +3,8 @@
     runs of a case --files_read--> the files that were opened --dependencies--> their digests
     digests --differences--> sentences about what has changed since
 
-The files are those that this process opens or a C compiler includes, the source files of imported modules, and the
-files that the case names. The compiler itself is not among the dependencies.
+The files are those that this process opens, those that a C compiler includes, the source files of imported modules, and
+the files that the case names. The compiler itself is not among the dependencies.
 """
 
 from __future__ import annotations
@@ -62,7 +62,10 @@ class Dependencies(Struct, frozen=True):
 
 @contextmanager
 def files_read() -> Iterator[set[str]]:
-    """Yield a set that receives the paths of all files that are opened for reading in this block."""
+    """Yield a set that receives the paths of all files that this process opens for reading within the block.
+
+    It also receives the files that a C compiler includes.
+    """
     global _read
     if not _hooks:
         _hooks.append(_note)
@@ -86,8 +89,10 @@ def _note(event: str, arguments: tuple[object, ...]) -> None:
 def dependencies(folder: Path, paths: Iterable[str | Path]) -> Dependencies:
     """Return the dependencies of a result. Raise ValueError, with a sentence, for a file that cannot be read again.
 
+    The result does not name single files of Python, of installed packages and of this package.
+
     folder: the folder of the case.
-    paths: the files that were read. Files of Python, of installed packages and of this package are left out.
+    paths: the files that were read. The files of imported modules are added.
     """
     scripts = ("__main__", "__mp_main__")  # the command periph-sim, whose path differs in each installation
     modules = [module for name, module in tuple(sys.modules.items()) if name not in scripts]
@@ -144,7 +149,7 @@ def _digest_of(path: Path) -> str:
 
 @lru_cache(maxsize=1)
 def package_digest() -> str:
-    """Return the digest of the source files of this package."""
+    """Return the digest of the source files and data files of this package."""
     found = blake2b(digest_size=DIGEST)
     for folder, folders, files in os.walk(PACKAGE):
         folders[:] = sorted(name for name in folders if name not in ("compiled", "__pycache__"))

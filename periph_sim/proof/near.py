@@ -1,12 +1,12 @@
-"""Choice of the phases to run: each cycle near the firmware's writes, and steps in between.
+"""Choice of the phases to run: every cycle near the firmware's writes, and steps of several cycles elsewhere.
 
-    interrupt requests of a frame at phase p:   p + delay          (the delays are observed in a few rounds)
-    writes of registers in a round:             -----w---w--w-----
-    phases at which a request is near a write:  --fffffffffffff---  run cycle by cycle
+    interrupts of a frame at phase p:             p + delay          (the delays are observed in a few rounds)
+    writes of registers in a round:               -----w---w--w-----
+    phases at which an interrupt is near a write: --fffffffffffff---  run cycle by cycle
 
-An interrupt within a wait, or within a computation, delays nothing else as long as it ends before the next event, so
-neighbouring phases have the same order of events there. Near a write, one cycle can change the order. The choice of
-phases is not part of any claim: a report states which phases were run.
+An interrupt within a wait or a computation has no other effect if its service routine ends before the next event. So
+neighbouring phases have the same order of events there. Near a write, a difference of one cycle can change the order.
+The choice of phases is not part of any claim: a report states which phases were run.
 """
 
 from __future__ import annotations
@@ -19,18 +19,19 @@ from ..core.time import Timebase
 from ..scene.scene import Scene
 from .stretch import RUN_ERRORS, CoveredCase
 
-BEFORE, AFTER = 400, 60  # cycles before and after a write in which a request is near
-MAX_NEAR = 100_000  # maximum number of near phases: some firmware writes registers at each edge of the bus
-OBSERVED = 8  # number of rounds that are observed, with phases at equal distances
-SAME = 400  # maximum difference, in cycles, of the delays from a frame's start to the same request in different rounds
+BEFORE, AFTER = 400, 60  # an interrupt is near a write if it comes at most so many cycles before or after the write
+MAX_NEAR = 100_000  # maximum number of phases near a write: some firmware writes registers at each edge of the bus
+OBSERVED = 8  # number of rounds with a frame that are observed; their phases are evenly spaced
+SAME = 400  # delays of interrupts in two rounds that differ by fewer cycles are those of the same interrupt
 WRITE = "W "  # the beginning of the text of an access that writes
 
 
 class Observed:
-    """The accesses and interrupts of a few rounds. Times are cycles of `Phases`.
+    """The writes and interrupts of a few rounds. Times are cycles of `Phases`.
 
-    writes: the writes of registers, counted from the time from which a phase is counted.
-    delays: the delays from the start of a frame to the interrupts that follow it in each observed round.
+    writes: for each write of a register, the time since the start of its round.
+    delays: the times from the start of a frame to the service routines that are entered after it in every observed
+        round.
     """
 
     def __init__(self, covered: CoveredCase) -> None:
@@ -57,7 +58,7 @@ class Observed:
         recorder.subscribe([Kind.ACCESS, Kind.IRQ], self._records.append)
 
     def near(self, count: int) -> set[int]:
-        """Return the phases, of `count`, at which an interrupt request of a frame is near a write."""
+        """Return the phases at which an interrupt of a frame is near a write. count: number of phases of a period."""
         found: set[int] = set()
         for write in self.writes:
             for delay in self.delays:
@@ -66,9 +67,10 @@ class Observed:
 
 
 def chosen_phases(covered: CoveredCase, step: int, bounds: tuple[int, int]) -> tuple[list[int], int]:
-    """Return the phases to run, in ascending order, and how many of them were chosen because they are near a write.
+    """Return the phases to run, in ascending order, and how many of them are near a write.
 
-    If more than MAX_NEAR phases are near a write, only the step counts, and 0 is returned.
+    Phases near a write are chosen only if the frames of a case with rounds move. If there are more than MAX_NEAR of
+    them, none is chosen, and the number is 0.
 
     step: the distance between the other phases, in cycles.
     bounds: the first and the last phase that may be run. Both are chosen.

@@ -4,13 +4,14 @@
     frames        F0-------F1-------F2--
               |-p-|
 
-If a case has a host and a controller, the frames move, and the rounds keep the schedule of the case. Frames of a longer
-period than that of the rounds move in each k-th round only, so that no frame comes earlier than the case says. If a
-case has only one of them, its starts move, and a phase is counted from the time at which the start would be due without
-jitter. If a case has only a [serial] table, all its times `at` move together, by one phase in each run.
+If a case has a host and a controller, the frames move, and the rounds keep the schedule of the case. If the period of
+the frames is longer than that of the rounds, only each k-th round has a frame, so that frames do not come more often
+than in the case. If a case has only a host or only a controller, its starts move, and a phase is counted from the time
+at which the start would be due without jitter. If a case has only a [serial] table, all its times `at` are later by the
+phase, and each run has one phase.
 
-In a coverage of the start-up, a phase is the time of the first frame or round, and the others follow in periods. The
-last phase is at the time of the first round in the case, or after a period if there are no rounds.
+In a coverage of the start-up, a phase is the time from the start of the run to the first moved start; the others follow
+in periods. The phases end at the time of the case's first round, or after a period if the case has no rounds.
 """
 
 from __future__ import annotations
@@ -24,17 +25,19 @@ from ..scene.case.inputs_table import InputsTable
 from ..scene.case.model import BadCase, Case
 from ..scene.plan import ScenePlan
 
-ROUNDS = 41  # the default of `rounds`: an SCI at 115200 baud meets a round of 20 ms in the same way after 41 rounds
+# The default of `rounds`. At 115200 baud, an SCI samples every 41 cycles of LSPCLK. Therefore its sampling instants
+# have the same position in a round of 20 ms, which is 750,000 of these cycles, only in every 41st round.
+ROUNDS = 41
 REPEATED = 2  # number of times that the last phase of a run is repeated: an age looks back two rounds
-WARM_UP = 3  # number of periods before the first start that is moved: the firmware has started, and a wait recurs
-NEARLY = Fraction(1, 20)  # part of a round by which the period of the frames may differ from that of the rounds
-SERIAL_SPAN = Fraction(1, 1000)  # seconds by which the times of [serial] move, because they need not have a period
+WARM_UP = 3  # minimum number of periods before the first moved start, in which the firmware starts
+NEARLY = Fraction(1, 20)  # part of a round by which the frames' period may be shorter or longer than k rounds
+SERIAL_SPAN = Fraction(1, 1000)  # seconds over which the times of [serial] are moved, because they need no period
 
 Moved = Literal["frames", "rounds", "sends"]
 
 
 class Grid(NamedTuple):
-    """Due times. first: the tick of the first one. period: the exact number of ticks between two of them."""
+    """The begins of the periods. first: the tick of the first one. period: the exact number of ticks between two."""
 
     first: int
     period: Fraction
@@ -50,8 +53,8 @@ class Phases:
     start_up: True to move the first start through the start-up, instead of all starts through a period.
     moved: the starts that move: frames of the host, rounds of the controller, or sends of [serial].
     cycle: the length of a cycle of the fastest unit at its nominal clock, in ticks. Phases are counted in such cycles.
-    count: number of phases, which is the number of cycles in a period.
-    warm_up: number of periods before the first start that is moved.
+    count: number of phases: the cycles in a period; with `start_up` and a controller, those before the first round.
+    warm_up: number of periods before the first moved start. At this start, budgets with `after` are already judged.
     """
 
     def __init__(self, plan: ScenePlan, start_up: bool = False, rounds: int = ROUNDS) -> None:
@@ -95,7 +98,10 @@ class Phases:
         return self._grid.due(self.warm_up + number * self._rounds_per_frame)
 
     def starts(self, phases: Sequence[int]) -> list[int]:
-        """Return the ticks of moved starts with these phases, one in each period after the warm-up."""
+        """Return the ticks of moved starts with these phases, one in each period after the warm-up.
+
+        In a coverage of the start-up, the first start has the first phase, and the others follow in periods.
+        """
         if self.start_up:
             first = self._start + phases[0] * self.cycle - self._grid.first
             return [first + self._grid.due(number * self._rounds_per_frame) for number in range(len(phases))]
@@ -104,8 +110,8 @@ class Phases:
     def inputs(self, phases: Sequence[int]) -> tuple[InputsTable, Fraction]:
         """Return a table [inputs] with moved starts of these phases, and the duration of the run in seconds.
 
-        The last phase is repeated, so that the run contains what its first start causes later. A phase alone has
-        `rounds` starts.
+        The last phase is repeated REPEATED times, so that the run is long enough for late effects of its first
+        occurrence. If there is only one phase, it has `rounds` starts.
         """
         if self.moved == "sends":
             (phase,) = phases
@@ -117,8 +123,8 @@ class Phases:
         return (InputsTable(frames=times[:-1]) if self.moved == "frames" else InputsTable(rounds=times[:-1])), end
 
     def cycles_after_due(self, tick: int) -> int:
-        """Return the number of cycles from the last due time to a tick."""
-        number = int((tick - self._grid.first) / self._grid.period) + 1  # due times are rounded down
+        """Return the number of cycles from the begin of the period that contains a tick to this tick."""
+        number = int((tick - self._grid.first) / self._grid.period) + 1  # the number of this period or a later one
         while self._grid.due(number) > tick:
             number -= 1
         return (tick - self._grid.due(number)) // self.cycle
@@ -126,7 +132,8 @@ class Phases:
     def between(self, first: Fraction, last: Fraction) -> tuple[int, int]:
         """Return the first and the last phase between two times in seconds.
 
-        Raise BadCase if there is none. Times after the period are allowed only for sends, which need no period.
+        Phases after the last one of the period are left out, except for sends, which need no period. Raise BadCase if
+        there is no phase between these times.
         """
         low = -(-first * self._per_second // self.cycle)
         high = last * self._per_second // self.cycle
@@ -141,7 +148,7 @@ class Phases:
     def phase_at(self, phases: Sequence[int], at: float) -> int:
         """Return the phase of the last moved start at or before a time, in a run with these phases.
 
-        at: seconds from the start of the run. Before the first moved start, the first phase is returned.
+        If there is no such start, return the first phase. at: seconds from the start of the run.
         """
         tick = self._start + round(at * self._per_second)
         number = sum(start <= tick for start in self.starts(phases))
@@ -152,7 +159,7 @@ class Phases:
 
 
 def moved_starts(case: Case) -> Moved:
-    """Return which starts of a case move. Raise BadCase if none is free, or if other inputs would move as well."""
+    """Return which starts of a case move. Raise BadCase if none is free, or if other inputs would have to move, too."""
     if not case.unit:
         raise case.mistake("there is no firmware to cover; give it a [unit.NAME]", "unit")
     if case.fault:
@@ -188,7 +195,7 @@ def _rounds_per_frame(case: Case) -> int:
 
 
 def _grid(plan: ScenePlan) -> Grid:
-    """Return the times from which phases are counted."""
+    """Return the begins of the periods, from which phases are counted."""
     start = plan.ticks.start
     if plan.case.controller is not None:
         return Grid(start + plan.head.schedule.first, Fraction(plan.head.schedule.period))

@@ -1,9 +1,9 @@
-"""Runs of a case with given phases, one phase in each period: the only place where coverage runs anything.
+"""Runs of a case with given phases, one phase in each period.
 
     phases 100, 101, 102 --[inputs]--> Scene --run--> Outcome: verdicts, and the names of what failed
 
-Such a run is an ordinary run of the case, judged as `periph-sim run` judges it, except that budgets are left out whose
-figures describe a whole run: percentiles, shares of time, and counts of which some are allowed.
+Such a run is an ordinary run of the case, judged as `periph-sim run` judges it. Limits that make sense only for a whole
+run are left out: those of percentiles, of shares of time, and of counts above 0.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ from .phases import ROUNDS, Phases
 
 STUCK = "stuck"  # the name of a failure in which firmware waits for ever, or a line stays low
 PERCENTILE = "a percentile describes all occurrences of a run"
-ENDED = "ended by an error"  # the name of a failure in which firmware raised an error
+ENDED = "ended by an error"  # the name of the failure of a run that was ended by one of RUN_ERRORS
 
-RUN_ERRORS = (FirmwareError, SimulationStuck, NoSuchAddress)  # errors that end a run with a sentence about it
+RUN_ERRORS = (FirmwareError, SimulationStuck, NoSuchAddress)  # errors of a run whose message is a sentence for users
 
 
 class Job(Struct, frozen=True):
-    """The case of a coverage, which can be sent to another process.
+    """The case of a coverage, in a form that can be sent to another process.
 
-    file: its path.
-    changes: as for `--set`.
+    file: the path of the case.
+    changes: changes of keys of the case, as in the option `--set`.
     start_up, rounds: as for `Phases`.
     """
 
@@ -50,7 +50,7 @@ class Outcome(Struct, frozen=True):
     """The outcome of a run.
 
     verdicts: the verdicts of the covered budgets; empty if the run was ended by an error.
-    failures: the names of the broken budgets, STUCK or ENDED.
+    failures: the names of the broken budgets, and STUCK or ENDED if the run failed in this way.
     reasons: a dictionary from the name of each failure that is not a broken budget to a sentence about it.
     """
 
@@ -60,10 +60,13 @@ class Outcome(Struct, frozen=True):
 
 
 class CoveredCase:
-    """A case without the budgets that cannot be covered, and its free phase. Raise BadCase for a case without one.
+    """A case without the budgets that cannot be judged at single phases.
 
+    phases: the phases of the case.
     left_out: a dictionary from the names of budgets and inputs that are not covered to the reason.
     runs: the number of runs so far.
+
+    Raise BadCase if the case has no free phase, or no budget is left.
     """
 
     def __init__(self, job: Job) -> None:
@@ -99,7 +102,7 @@ class CoveredCase:
         return Scene(ScenePlan(case, self._plan))
 
     def run(self, phases: Sequence[int], seed: int) -> Outcome:
-        """Run the case with these phases and return the outcome. seed: the seed of all values that are drawn."""
+        """Run the case with these phases and return the outcome. seed: the seed of all random values."""
         self.runs += 1
         try:
             result = self.scene(phases, seed).run()
@@ -129,7 +132,7 @@ def without_percentiles(budget: Budget) -> Budget:
 
 
 def _why_left_out(plan: BudgetPlan) -> str:
-    """Return the reason why a budget says nothing about a part of a run; "" if it does."""
+    """Return the reason why a budget cannot be judged at single phases; "" if it can."""
     measure = plan.make()
     limits = {key: limit for key, limit in plan.limits.items() if key not in PER_MILLE}
     if not limits:

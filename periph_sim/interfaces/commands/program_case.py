@@ -124,7 +124,7 @@ class Caller(NamedTuple):
 
 
 class LoopCalls(CallListener):
-    """The active functions, the outermost first, with the functions that they have called."""
+    """Listener that keeps the active functions, the outermost first, and the functions that each has called."""
 
     def __init__(self) -> None:
         self.callers: list[Caller] = []
@@ -206,8 +206,8 @@ def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> W
     """Return the case of a program.
 
     program: the keys of the case that name the program.
-    comments: comments that precede those about the run at the top of the case.
-    notes: notes for the user that precede those about the run.
+    comments: the first comments at the top of the case; comments about the run follow.
+    notes: the first notes for the user; notes about the run follow.
     """
     name = re.sub(r"[^\w.-]", "_", Path(abspath(path)).stem)  # abspath replaces "." and ".." by the folder's name
     target = Path(f"{name}.toml")

@@ -52,7 +52,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_load_initial_conftests(early_config: pytest.Config) -> Iterator[None]:
-    """Start the child process (see `_begin`) of a session with cases before its conftest.py is loaded."""
+    """If the session has cases, start its child process (see `_begin`) before conftest.py is loaded."""
     if not _in_tests and early_config.getini(CASES) and "PYTEST_XDIST_WORKER" not in os.environ:
         _begin(early_config)
     return (yield)

@@ -122,7 +122,7 @@ class CaseItem(pytest.Item):
 class CoverageItem(CaseItem):
     """A test that the worst values of the case's coverage file are as saved. Their runs are made again.
 
-    A file that is out of date or incomplete does not fail; a section of the report says so.
+    A file that is out of date or incomplete does not make the test fail; a section of the report says so.
     """
 
     def runtest(self) -> None:

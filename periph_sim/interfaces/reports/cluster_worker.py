@@ -23,7 +23,7 @@ from signal import SIG_DFL, SIGINT, signal
 from threading import Lock, Thread, Timer
 from typing import Any, BinaryIO
 
-PREFIX = "PERIPH_SIM_"  # environment variables whose names begin with it have the values that they have in the command
+PREFIX = "PERIPH_SIM_"  # the process has the command's environment variables whose names begin with it
 IDLE = 10.0  # seconds without a request after which a process is ended
 BEGIN = (
     "import os, pickle, sys; requests = os.fdopen(os.dup(0), 'rb'); sys.path = pickle.load(requests); "
@@ -87,7 +87,7 @@ class _Process:
         self._first = pickle.dumps(sys.path) + pickle.dumps(session)
 
     def request(self, payload: bytes) -> Reply:
-        """Send a request and wait for the reply, which has kind DIED if the process ends before."""
+        """Send a request and wait for the reply, which has kind DIED if the process ends before it replies."""
         requests, replies = self._popen.stdin, self._popen.stdout
         assert requests is not None and replies is not None
         try:

@@ -38,7 +38,7 @@ class Coverage:
     """A coverage and its results so far.
 
     chosen: the phases to run, in ascending order.
-    choice: how they were chosen.
+    choice: how the phases were chosen.
     depends: everything that the results depend on.
     seconds: the estimated CPU time of all runs, if nothing fails.
     found: the results of the finished parts.

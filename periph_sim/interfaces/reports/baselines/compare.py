@@ -17,7 +17,7 @@ from .files import Baseline, Figures
 
 NOTES = ("events", "polls_skipped")
 EARLIER = ("byte_level", "sci_frames", "sci_frames_passed")  # counts that only earlier versions wrote to baselines
-NOT_EARLIER = ("SCI bytes from units",)  # counts that the versions with the counts in EARLIER did not write
+NOT_EARLIER = ("SCI bytes from units",)  # counts that are not in baselines with counts in EARLIER
 CHAIN = "chain"
 BUS_BYTES = "bus bytes"
 MOST_MOVED = 3  # maximum number of moved accesses that are shown for a case

@@ -9,8 +9,8 @@ evidence    queries of these records: phases on the bus, accesses, flags, CPU ac
 findings    the records at both ends of the occurrence (`Ends`), and findings from the records around an instant
   |
 explain     steps: events in order of time, with the causes of both ends
-            parts: the time between the ends, divided into that of the bus, of parties that hold SCL, of hardware, and
-                   of firmware
+            parts: shares of the time between the ends, which the bus, parties that hold SCL, hardware, and firmware
+                   took
   |
 chain       the explanation as data, as text and as JSON                            (`Chain`)
 picture, reports/html    pictures of the occurrence

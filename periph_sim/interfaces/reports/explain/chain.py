@@ -67,7 +67,7 @@ def place_of(where: str) -> FirmwarePlace | None:
 class Step:
     """One event of an explanation.
 
-    at: the time of the event, in ticks from the beginning of the occurrence.
+    at: the time of the event, in ticks from the verdict's instant (see `Window.at`).
     length: the duration of the event in ticks; None for an instant.
     """
 
@@ -238,8 +238,9 @@ def _table(rows: list[tuple[str, str, str]]) -> list[str]:
 def as_json(chain: Chain) -> dict[str, object]:
     """Convert to JSON, with times in us.
 
-    A step has the keys at_us and what and, if it has a duration, length_us. A part has the keys what, length_us and
-    count. Steps and parts with a place also have the keys function and line and, if known, file and pc.
+    A step has the keys at_us (counted from the verdict's instant), what and, if it has a duration, length_us. A part
+    has the keys what, length_us and count. Steps and parts with a place also have the keys function and line and, if
+    known, file and pc.
     """
     return {
         "steps": [

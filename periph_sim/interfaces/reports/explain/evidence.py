@@ -141,7 +141,10 @@ class Evidence:
         return change, cause if cause.kind is Kind.ACCESS and cause.tick == change.tick else change
 
     def last_set(self, tick: int, field: str) -> Record | None:
-        """Return the last change of a field of the I2C module up to a tick; None if the field is 0 at this tick."""
+        """Return the last change of a field of the I2C module up to a tick.
+
+        Return None if this change cleared the field, or if the field has not changed.
+        """
         change = self.last(tick, Kind.FLAG, f"{self.unit}.{I2C}", field)
         return change if change is not None and change.value else None
 
@@ -158,7 +161,7 @@ class Evidence:
 
     @cached_property
     def phases(self) -> list[RecordedPhase]:
-        """All phases of transfers that begin in the window."""
+        """All phases of transfers whose START or repeated START is in the window."""
         found: list[RecordedPhase] = []
         records = [r for r in self.window.records if r.kind is Kind.BUS]
         starts = [i for i, r in enumerate(records) if r.what in ("START", "repeated START")]
@@ -343,7 +346,7 @@ class Evidence:
         """Return steps for the firmware's activities between two ticks.
 
         These are all spans, the first service routine with the flag that requested it, other service routines that are
-        long and, if `waits` is True, waits that are long. At most MOST activities are included.
+        long (see SMALL) and, if `waits` is True, waits that are long. At most MOST activities are included.
         """
         least = (end - begin) * SMALL
         found = [one for one in episodes(self.window, self.unit, begin, end) if waits or one.doing != "wait"]

@@ -253,7 +253,7 @@ class _Keeper:
 
     @property
     def awaits_bytes(self) -> bool:
-        """True if the expected bytes of a wrong read are not known yet, because they are recorded at its STOP."""
+        """True if the expected bytes of a wrong read are not known yet. They are recorded at the STOP of the read."""
         known = {tick for _, tick, _ in self._expected}
         return any(one.verdict.measure == WRONG_BYTES and one.begin not in known for one in self._wanted)
 

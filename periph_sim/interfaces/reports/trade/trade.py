@@ -141,8 +141,9 @@ def trade(
 ) -> Trade:
     """Run and compare all rows, which are the choices for one case.
 
-    All rows are run for half of `length` seconds and for `length` seconds. If the errors of a row differ between the
-    two, all rows are also run for twice `length` seconds.
+    All rows without a recording are run for half of `length` seconds and for `length` seconds. If the errors of a row
+    differ between the two, these rows are also run for twice `length` seconds. Then the errors of rows with a recording
+    and the CPU times of all rows are measured.
 
     make: a function that returns the case with the changes in a list of texts "key=value".
     max_error_s: the maximum error of times in the recommended row.

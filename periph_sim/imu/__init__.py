@@ -5,6 +5,9 @@ Terms of this package:
 the dissertation: the work in CITATION.cff, whose IMU emulator the models reproduce. Sections, equations, figures and
     tables without another source are its own.
 host frame: the message of 12 bytes, with attitude and acceleration, that a host sends to the emulator.
+case: the TOML file of a simulation. [host] and [controller] are tables of it.
+phi, theta, psi: roll, pitch and yaw, the attitude angles. phi', theta', psi' are their derivatives.
+p, q, r: the body rates, which are the rates of rotation about the axes x, y, z of the body.
 Ts: the time between two samples of the models.
 matrix S: the matrix with scale and cross-axis sensitivity that converts a quantity to LSB.
 arithmetic: the kind of numbers in which the models calculate: float64, float32 or a Q format.
@@ -13,6 +16,7 @@ count: a 16-bit value in a host frame; a count of 1 is, for example, 1e-4 rad.
 emulator: firmware that calculates the codes of the chips from host frames.
 round: one execution of the requests that a controller repeats periodically.
 truth: the motion of the body, without errors of sensors.
-as built: the gyroscope's rates are the derivatives of the attitude angles, as in the dissertation's section 4.3.2.
-corrected: the gyroscope's rates are the body rates of the dissertation's appendix B.
+reference: the models in float64, with which the models in other kinds of arithmetic are compared.
+as built: the gyroscope measures the derivatives of the attitude angles, as in the dissertation's section 4.3.2.
+corrected: the gyroscope measures the body rates, as in the dissertation's appendix B.
 """

@@ -57,8 +57,8 @@ def estimate(
     """Return the attitude at each sample as a quaternion (see `rotations`), float64[n, 4].
 
     seconds: the time of each sample, float64[n], increasing.
-    gyro, accel, mag: samples in deg/s, g and gauss, float64[n, 3]. A sample of accel or mag that is zero or NaN (an
-        overflow) is skipped.
+    gyro, accel, mag: samples in deg/s, g and gauss, float64[n, 3]. The filter ignores a sample of mag that is zero or
+        NaN (an overflow). If a sample of accel is zero or NaN, the filter ignores accel and mag of this sample.
     field: the north, east and down components of the magnetic field at the body; only its direction counts.
     variances: the variances of gyro, accel and mag that the filter assumes. The variance of gyro is in (rad/s)^2; the
         variances of accel and mag refer to vectors that are scaled to length 1.
@@ -87,7 +87,10 @@ def estimate(
 
 
 def errors(estimated: ArrayLike, truth: ArrayLike) -> AttitudeErrors:
-    """Return the errors of estimated attitudes. Both arguments are quaternions, float64[n, 4]."""
+    """Return the errors of estimated attitudes. Both arguments are quaternions, float64[n, 4].
+
+    Raise NoAttitude if their shapes are different.
+    """
     one, other = np.atleast_2d(estimated), np.atleast_2d(truth)
     if one.shape != other.shape or one.shape[1] != 4:
         raise NoAttitude(f"estimate {one.shape} and truth {other.shape} must both be n quaternions")
@@ -96,7 +99,10 @@ def errors(estimated: ArrayLike, truth: ArrayLike) -> AttitudeErrors:
 
 
 def _at_rest(accel: Floats, mag: Floats, field: Floats) -> Floats:
-    """Return the attitude of a resting body as a quaternion, float64[4]."""
+    """Return the attitude of a resting body as a quaternion, float64[4], from one sample of accel and mag.
+
+    Raise NoAttitude if the sample is not usable, or if gravity and field are parallel.
+    """
     if not _usable(accel) or not _usable(mag):
         raise NoAttitude("the first sample has no usable accel and mag; omit it, or give start")
     for down, magnetic in ((accel, mag), (np.array([0.0, 0.0, 1.0]), field)):
@@ -112,7 +118,10 @@ def _usable(vector: Floats) -> bool:
 
 
 def _checked(seconds: ArrayLike, gyro: ArrayLike, accel: ArrayLike, mag: ArrayLike) -> tuple[Floats, ...]:
-    """Check samples. Return (seconds, gyro in rad/s, gravity in g, mag), all float64 and of the same length."""
+    """Return (seconds, gyro in rad/s, the direction of gravity, mag) as arrays float64 of the same length.
+
+    The direction of gravity is -accel. Raise NoAttitude if a shape or a number is invalid.
+    """
     times = np.asarray(seconds, np.float64)
     if times.ndim != 1 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         raise NoAttitude("seconds must be one rising row of numbers")

@@ -1,6 +1,6 @@
-"""Description of firmware that calculates the sensors of an IMU, for a scene: a `scene.unit.FirmwareModel`.
+"""Model of firmware that calculates the sensors of an IMU. A scene uses it as a `scene.unit.FirmwareModel`.
 
-settings with sensors, arithmetic, noise_seed --firmware_model--> ImuFirmware
+firmware's settings with sensors, arithmetic, noise_seed --firmware_model--> ImuFirmware
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class ImuFirmware:
         self._noise_seed: Any = getattr(settings, "noise_seed", None)
 
     def check(self, case: Case, unit: str) -> None:
-        """Raise BadCase unless the period in the parameters is the period at which this firmware runs the models.
+        """Raise BadCase unless the models' Ts is the period, in the case, at which this firmware runs the models.
 
         The firmware runs the models once per host frame if the setting `models_run` is "frame" or the case has no
         rounds; otherwise once per round.
@@ -61,7 +61,7 @@ class ImuFirmware:
         return model_codes(self.parameters, self._arithmetic, self._noise_seed)
 
     def truth(self, motion: Motion, first: Fraction) -> MotionTruth:
-        """Return the true readings of a motion.
+        """Return the readings that ideal sensors would give during a motion.
 
         first: the instant of the motion, in seconds, that frame 0 describes.
         """
@@ -81,7 +81,7 @@ class ImuFirmware:
 
 
 def firmware_model(settings: object) -> ImuFirmware | None:
-    """Return the model of firmware with these settings; None if the setting `sensors` is no set of IMU parameters."""
+    """Return the model of firmware with these settings; None if the setting `sensors` is not an ImuParameters."""
     sensors: object = getattr(settings, "sensors", None)
     return ImuFirmware(sensors, settings) if isinstance(sensors, ImuParameters) else None
 
@@ -91,10 +91,10 @@ def _less(values: Sequence[float], bias: Sequence[float]) -> list[float]:
 
 
 class MotionTruth:
-    """The readings that sensors without noise or rounding would make of the true motion, calculated in float64.
+    """The readings that sensors without noise or rounding would give during the true motion, calculated in float64.
 
-    The readings contain no noise for two reasons: noise is not a property of the body, and the timing of the firmware
-    determines which sample of the noise a read contains, while the truth must not depend on this timing.
+    The readings contain no noise, because noise is not a property of the body. Besides, which sample of the noise a
+    read contains depends on the timing of the firmware, and the truth must not depend on this timing.
 
     imu: the parameters of the sensors.
     first: the instant of the motion, in seconds, that frame 0 describes.
@@ -109,7 +109,7 @@ class MotionTruth:
 
     @cached_property
     def at(self) -> Callable[[Fraction], Mapping[str, Axes]]:
-        """The function from a time, in seconds after frame 0 is due, to the readings of each chip in LSB.
+        """A function from a time, in seconds after frame 0 is due, to the readings of each chip in LSB.
 
         The function is created when this property is first used, since few runs need it.
         """
@@ -130,7 +130,7 @@ def resting_attitude(
     `attitude`.
 
     accel, mag: x, y, z of the sample, in any unit.
-    field: the components of the magnetic field at the body; only north and east are used.
+    field: the north, east and down components of the magnetic field, in any unit; only north and east are used.
     """
     x, y, z = (-value for value in accel)
     roll, pitch = atan2(y, z), atan2(-x, hypot(y, z))

@@ -1,6 +1,6 @@
 """Encoding of a host frame's six values, attitude and acceleration, as signed 16-bit counts.
 
-    motion --sampled--> rad, g --/ value of one count--> counts --if beyond 16 bits--> refuse, saturate or wrap
+    motion --sampled--> rad, g --divided by the value of one count--> counts --> refuse, saturate or wrap beyond 16 bits
 
 The dissertation does not define the encoding (section 3.4.1), so each of its properties is a setting.
 """
@@ -35,7 +35,8 @@ class Encoding:
 
     phi, theta, psi: the angle of one count in rad.
     ax, ay, az: the acceleration of one count in g.
-    beyond: the treatment of a value that does not fit 16 bits.
+    byte_order: the order of the two bytes of a count.
+    beyond: the treatment of a value that does not fit 16 bits. "refuse" raises BadMotion.
     """
 
     phi: Angle = 1e-4
@@ -58,7 +59,7 @@ class Encoding:
         return self.phi, self.theta, self.psi, self.ax, self.ay, self.az
 
     def counts(self, values: Sequence[float]) -> Frame:
-        """Convert six values in rad and g to counts. Return the counts and the names of values that do not fit 16 bits.
+        """Convert six values in rad and g to counts. Return the counts, and the names of values that exceed 16 bits.
 
         Counts are rounded to nearest, and halves to even. If `beyond` is "refuse", raise BadMotion for the first value
         that does not fit.
@@ -91,7 +92,7 @@ class MotionFrames:
         self.beyond: Counter[str] = Counter()
         self.motion = motion
         self._encoding = encoding
-        # In units of 1 / _scale seconds, `first` and `period` are whole numbers.
+        # `_first` and `_period` are whole numbers in units of 1 / `_scale` seconds.
         self._scale = lcm(first.denominator, period.denominator)
         self._first, self._period = (int(length * self._scale) for length in (first, period))
         self._counted = 0

@@ -1,6 +1,7 @@
 """The frames that a [host] sends: six signed 16-bit values, three angles and three accelerations.
 
-    [host.motion], [host.encoding] or a ramp --> values of frame n --> bytes, and the values in the chips' registers
+    [host.motion] and [host.encoding], or a ramp --> values of frame n --> bytes
+                                                                       --> values in the registers of the chips
 
 The dissertation does not define the encoding; low byte first is our choice. Nothing in a frame marks its start.
 """
@@ -38,7 +39,7 @@ ADDRESSES = frozenset(BY_ADDRESS)
 def ramp(number: int) -> tuple[int, ...]:
     """Return the values of frame `number` of a host without a motion.
 
-    The values do not repeat for minutes, so that values on the bus identify their frame.
+    The values do not repeat for 65536 frames, so that values on the bus identify their frame.
     """
     return tuple((number * step + start + 0x8000) % 0x10000 - 0x8000 for step, start in RAMP)
 
@@ -57,7 +58,10 @@ def decode(data: bytes) -> tuple[int, ...]:
 
 
 def shown(values: Sequence[T]) -> dict[str, Sequence[T]]:
-    """Return a dictionary from a chip's name to the values of a frame that are copied to its registers (see SHOWN)."""
+    """Return a dictionary from a chip's name to the three values that are copied to its registers (see SHOWN).
+
+    values: the six values of a frame.
+    """
     return {name: values[PARTS[part]] for name, part in SHOWN.items()}
 
 

@@ -1,4 +1,4 @@
-"""The host unit as a separate program, which sends the values of a flight or of datagrams to a serial port.
+"""The host unit, a separate program that sends the values of a flight or of datagrams to a serial port, as frames.
 
     flight.csv --motion--> MotionFrames --.
                                            +--> frame n, n periods after the first --> port
@@ -154,8 +154,11 @@ def send_frames(
 
     Between frames, the function reads from the port. If the port is simulated, reading also advances its time.
 
+    A UdpFrames source has no frame before its first datagram. Nothing is sent in the periods until then.
+
     period: the time between two frames in seconds.
-    pacer: the object that waits until a frame is due, and measures how late frames are. Its ticks are nanoseconds.
+    pacer: the object that tells the time until a frame is due, and records how late frames are. Its ticks are
+        nanoseconds.
     frames: the maximum number of frames; None for no limit.
     """
     sent = SentCounts()

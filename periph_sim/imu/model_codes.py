@@ -1,6 +1,6 @@
-"""Register bytes that a controller should read from firmware that calculates them from a host frame with sensor models.
+"""Register bytes that a controller should read from an emulator.
 
-    six int16 --> attitude (1e-4 rad), acceleration (1e-3 g) --> Imu in the firmware's arithmetic --> bytes, by address
+    host frame --> attitude (1e-4 rad), acceleration (1e-3 g) --> Imu in the firmware's arithmetic --> bytes, by address
 
 The bytes have the order that the controller expects (see `sensors`). So firmware with another byte order is detected as
 wrong.
@@ -24,7 +24,7 @@ from .numeric import arithmetic_names as named
 from .numeric.q import Q
 from .sensors import SENSORS
 
-REMEMBERED = 16  # number of cached results; firmware, the check of its output and several scenes use the same cache
+REMEMBERED = 16  # number of cached results; firmware, the check of its output and several scenes share the cache
 BY_ADDRESS = {chip.address: (name, chip) for name, chip in SENSORS.items()}
 
 
@@ -43,7 +43,7 @@ class ModelCodes(ChipModel):
 
     def __init__(self, parameters: ImuParameters, arithmetic: str, noise_seed: int | None = None) -> None:
         self._model = Imu(named.scalar(arithmetic), parameters)
-        # True if numpy's warnings must be turned off, since numpy warns of a division by zero, which float32 allows.
+        # True for float32, which allows a division by zero. Numpy warns of it, so its warnings must be turned off.
         self._warns = arithmetic == "float32"
         self._noise = None if noise_seed is None else ImuNoise(parameters, noise_seed)
         self._remembered = lru_cache(REMEMBERED)(self._computed)
@@ -53,10 +53,11 @@ class ModelCodes(ChipModel):
     def run(self, number: int, values: tuple[int, ...] | None, before: ModelOutput) -> ModelOutput:
         """Return the result of run `number` of the models. The first run has number 0.
 
-        If `before` is `at_rest`, there is no earlier attitude, so the rates are zero. The results of the last runs are
-        cached.
+        If `before.state` is the state at rest, there is no earlier attitude, so the rates are zero. The results of the
+        last runs are cached.
 
-        values: the values of the host frame; None if no frame has arrived.
+        values: the values of the last host frame; None if no frame has arrived, so that the models calculate with
+            zeros.
         before: the result of the previous run.
         """
         shown: ModelOutput = self._remembered(number, values, before)
@@ -118,9 +119,11 @@ def model_codes(parameters: ImuParameters, arithmetic: str, noise_seed: int | No
 
 
 def _rounded(a: Q, near: list[tuple[float, float]] | None) -> list[Any] | None:
-    """Convert noise values to a Q format. Return None if an error might change the number to which a value is rounded.
+    """Convert approximate noise values to a Q format.
 
-    near: approximate values, each with its maximum error. If it is None, the result is None, too.
+    Return None if the error of a value might change the number to which it is rounded, or if `near` is None.
+
+    near: the approximate values, each with its maximum error.
     """
     if near is None:
         return None

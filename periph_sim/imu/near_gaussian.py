@@ -19,10 +19,10 @@ FEW = 8  # number of values of a block that are calculated
 NEAR = 1e-12  # maximum error of a value; the error of an edge is a thousandth of NEAR
 
 LAYERS = 256
-OUTERMOST = 3.6541528853610088  # edge of the outermost layer
+OUTERMOST = 3.6541528853610088  # edge of the outermost layer of the curve, beyond which the tail begins
 AREA = 0.00492867323397465  # area of each layer
 STEPS = 1 << 52  # number of places in a layer
-UNSURE = 1 << 14  # number of steps inside an edge that give no value, about 1000 times the error of the edge
+UNSURE = 1 << 14  # number of places next to an edge that give no value, about 1000 times the error of the edge
 
 WORD = (1 << 64) - 1
 # Multipliers of Philox 4x64 (Salmon et al., SC11). WEYL is added to the key after each round.
@@ -33,7 +33,9 @@ ROUNDS = 10
 
 @lru_cache(maxsize=64)  # Nine axes use one block each, and several scenes may use the same blocks.
 def first_of(key: int, block: int) -> tuple[float | None, ...]:
-    """Return the first FEW values of a block. A value that needs more than one word is None, like all values after it.
+    """Return the first FEW values of a block of 1024 values (see `noise`).
+
+    A value for which numpy might need more than one word is None. All values after it are None, too.
 
     key: the key of a stream.
     block: the number of the block.
@@ -46,7 +48,7 @@ def first_of(key: int, block: int) -> tuple[float | None, ...]:
 
 
 def philox(key: int, counter: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
-    """Return the four random words of 64 bits that belong to a key of 128 bits and a counter of four words."""
+    """Return the four random words of 64 bits that Philox 4x64 generates for a key of 128 bits and a counter."""
     a, b, c, d = counter
     low, high = key & WORD, key >> 64
     for _ in range(ROUNDS):
@@ -67,9 +69,10 @@ def _value(word: int) -> float | None:
 
 @cache
 def _layers() -> list[tuple[float, float]]:
-    """Return, for each layer, its edge and the number of its steps up to the edge of the next narrower layer.
+    """Return, for each layer, its edge, and the number of its places up to the edge of the next narrower layer.
 
-    Places within these steps are certainly under the curve. Layer 0 is wider, because it includes the tail.
+    These places are certainly under the curve. Layer 0 is wider than the curve at OUTERMOST, because it includes the
+    tail.
     """
     height = exp(-0.5 * OUTERMOST * OUTERMOST)
     edges = [OUTERMOST]

@@ -58,7 +58,7 @@ class Gaussian:
         return joined[begin : begin + count]
 
     def near(self, number: int) -> float | None:
-        """Return value `number` with an error of at most NEAR; None if only numpy can calculate the value."""
+        """Return value `number` with an error of at most NEAR, without numpy; None if this is not possible."""
         block, place = number // BLOCK, number % BLOCK
         return first_of(self.key, block)[place] if place < FEW and number >= 0 else None
 
@@ -108,7 +108,7 @@ class AxisNoise:
         ]
         self._step = terms.random_walk * sqrt(period)
         self._walk = Gaussian(seed, f"{stream}/random walk")
-        self._walked = (0, 0.0)  # the number of a sample, and the sum of the steps before it
+        self._walked = (0, 0.0)  # the number of the sample after the last calculated one, and the random walk there
         self._block: int | None = None  # number of the block whose samples `_kept` contains
         self._kept: list[float] = []
 
@@ -129,7 +129,7 @@ class AxisNoise:
         return self._kept[place]
 
     def near(self, number: int) -> tuple[float, float] | None:
-        """Return an approximation of sample `number` and its maximum error; None if only numpy can calculate it."""
+        """Return an approximation of sample `number` and its maximum error, without numpy; None if not possible."""
         white = None if self._octaves or self._step else self._white.near(number)
         return None if white is None else (white * self._white_sigma, NEAR * self._white_sigma)
 
@@ -174,7 +174,10 @@ def _phase(octave: Gaussian, k: int) -> int:
 
 
 def _hold(octave: Gaussian, k: int, number: int) -> int:
-    """Return the index of the value of the stream `octave` at sample `number`. Octave k uses each value 2**k times."""
+    """Return the index of the value of `octave` that is used at sample `number`.
+
+    octave: the stream of octave k, of which each value is used for 2**k samples.
+    """
     return (number + _phase(octave, k)) >> k
 
 
@@ -200,7 +203,7 @@ class ImuNoise:
     def near(self, number: int) -> list[tuple[float, float]] | None:
         """Return approximations of the nine values of sample `number`, each with its maximum error.
 
-        Return None if only numpy can calculate one of the values.
+        The approximations are calculated without numpy. Return None if this is not possible for all values.
         """
         found = []
         for axis in chain(*self._sensors):

@@ -92,9 +92,10 @@ def _value(source: Source, place: Place, parameter: Parameter, value: Any) -> An
 
 
 def _numbers(value: Any, unit: str, bare: bool) -> tuple[list[float], float]:
-    """Parse a value. Return its numbers, and the factor that converts them to `unit`.
+    """Parse the value of a key. Return its numbers, and the factor that converts them to `unit`.
 
-    bare: True if a number without a unit is accepted.
+    value: a text such as "-3.1, 3.6, 0.04 deg/s", a number, or a list of numbers.
+    bare: True if numbers without a unit are accepted.
 
     Raise ValueError, whose message is a phrase, if a number or the unit is invalid.
     """

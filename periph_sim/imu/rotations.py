@@ -55,7 +55,10 @@ def matrices(attitudes: ArrayLike) -> Floats:
 
 
 def angle_between(a: ArrayLike, b: ArrayLike) -> Floats:
-    """Return the angle between the attitudes in each row of `a` and `b`, float64[n] in radians, from 0 to pi."""
+    """Return the angle of the rotation from each attitude in `a` to the one in `b`, float64[n] in rad, 0 to pi.
+
+    a, b: quaternions, float64[n, 4].
+    """
     one, other = (np.atleast_2d(np.asarray(q, np.float64)) for q in (a, b))
     apart = np.linalg.norm(one - other, axis=1)
     against = np.linalg.norm(one + other, axis=1)

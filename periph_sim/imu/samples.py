@@ -2,7 +2,7 @@
 
     SensorHead --transfers--> SampleLog --> Samples: seconds, gyro, accel, mag
 
-The scales are those that the drivers in `sensors.SENSORS` set up.
+The scales are those that the start-up requests in `sensors.SENSORS` select.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Samples:
     seconds: the times at which the rounds are due, counted from the start of the run, float64[n].
     gyro: the samples of the gyroscope in deg/s, float64[n, 3].
     accel: the samples of the accelerometer in g, float64[n, 3].
-    mag: the samples of the magnetometer in gauss, float64[n, 3]. They are NaN if the chip reported an overflow.
+    mag: the samples of the magnetometer in gauss, float64[n, 3]. Values that the chip reported as overflows are NaN.
     """
 
     seconds: Floats
@@ -57,7 +57,8 @@ class Readings:
     def samples(self, imu: ImuParameters) -> Samples:
         """Return the readings in deg/s, g and gauss, in the body's axes.
 
-        Cross-axis sensitivity, biases and hard iron, as given by the parameters `imu`, are removed.
+        Cross-axis sensitivity, biases and hard iron, as given by the parameters `imu`, are removed. If one axis of the
+        magnetometer has an overflow, all three values of this sample are NaN.
         """
         found = {}
         for name, codes in self.codes.items():
@@ -75,14 +76,14 @@ class Readings:
 
 
 def in_units(chip: ChipData, counts: ArrayLike) -> Floats:
-    """Convert the counts of a chip, int[n, 3], to deg/s, g or gauss, float64[n, 3]. An overflow code becomes NaN."""
+    """Convert the codes of a chip, int[n, 3], to deg/s, g or gauss, float64[n, 3]. An overflow code becomes NaN."""
     raw = np.asarray(counts, np.float64)
     values = raw / float(chip.lsb_per_unit)
     return values if chip.overflow is None else np.where(raw == chip.overflow, np.nan, values)
 
 
 class SampleLog:
-    """Log of the readings that a sensor head makes after the log was created.
+    """Log of the readings that a sensor head makes after the log was created, in rounds in which all chips answered.
 
     start: the tick of time 0.
     ticks: the number of ticks per second.
@@ -107,7 +108,7 @@ class SampleLog:
         return Samples(seconds, gyro, accel, mag)
 
     def counts(self) -> dict[str, Ints]:
-        """Return a dictionary from the name of a chip to the raw counts of all samples so far, int64[n, 3]."""
+        """Return a dictionary from the name of a chip to the codes of all samples so far, int64[n, 3]."""
         return {name: np.array(counts, np.int64).reshape(-1, 3) for name, counts in self._counts.items()}
 
     def _transfer(self, transfer: Transfer) -> None:

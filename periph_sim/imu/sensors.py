@@ -19,7 +19,8 @@ SENSORS: dict[str, ChipData] = {
         big=True,
         lsb_per_unit=Fraction(115, 8),
         unit="deg/s",
-        # The driver selects the PLL of the x gyroscope, 1 kHz, a full scale of 2000 deg/s and a filter of 42 Hz.
+        # The driver selects the PLL with the x gyroscope as clock source, a sample rate of 1 kHz, a full scale of
+        # 2000 deg/s and a low-pass filter of 42 Hz.
         startup=driver("gyroscope", 0x68, (0x00, "68"), ((0x3E, 0x01), (0x15, 0x00), (0x16, 0x1B))),
     ),
     "accelerometer": ChipData(
@@ -28,7 +29,7 @@ SENSORS: dict[str, ChipData] = {
         big=False,
         lsb_per_unit=Fraction(256),
         unit="g",
-        # The driver selects 100 Hz, full resolution and a range of 2 g, and starts to measure.
+        # The driver selects a sample rate of 100 Hz, full resolution and a range of 2 g, and starts to measure.
         startup=driver("accelerometer", 0x53, (0x00, "e5"), ((0x2C, 0x0A), (0x31, 0x08), (0x2D, 0x08))),
     ),
     "magnetometer": ChipData(
@@ -39,7 +40,7 @@ SENSORS: dict[str, ChipData] = {
         lsb_per_unit=Fraction(660),
         unit="gauss",
         overflow=-4096,
-        # The driver selects 75 Hz, a range of 2.5 gauss and continuous measurement.
+        # The driver selects an output rate of 75 Hz, a range of 2.5 gauss and continuous measurement.
         startup=driver("magnetometer", 0x1E, (0x0A, "48 34 33"), ((0x00, 0x18), (0x01, 0x60), (0x02, 0x00))),
     ),
 }

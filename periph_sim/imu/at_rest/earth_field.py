@@ -40,10 +40,10 @@ YAWS = (270, 180, 90, 0)  # yaws of the turn in degrees, in the order of Figure 
 
 @dataclass(frozen=True)
 class Fit:
-    """The two interpretations of the mean of Table 5.1, which is the field H_rt plus d times the hard iron.
+    """The earth field H_rt for d = 0 and d = 1, and the values of d by least squares.
 
-    along_y, along_z: the values of d that follow by least squares from the statements about y and about z.
-    fields: the field H_rt in gauss if the mean is undisturbed (d = 0), and if it includes the hard iron (d = 1).
+    along_y, along_z: the values of d that follow from the statements of section 5.2 about y and about z.
+    fields: the field H_rt in gauss for d = 0 (the mean is undisturbed) and for d = 1 (it includes the hard iron).
     """
 
     along_y: float
@@ -52,12 +52,12 @@ class Fit:
 
     @property
     def disturbed(self) -> bool:
-        """True if d = 1 fits the two statements of section 5.2 better than d = 0."""
+        """True if the mean of `along_y` and `along_z` is nearer to d = 1 than to d = 0."""
         return self.along_y + self.along_z > 1
 
     @property
     def field(self) -> Vector:
-        """The field of the interpretation that fits the two statements of section 5.2 better."""
+        """The field H_rt in gauss for the value of d, 0 or 1, that fits the statements of section 5.2 better."""
         return self.fields[self.disturbed]
 
 
@@ -74,7 +74,12 @@ def fit(mean: Vector = MEAN, hard_iron: Vector = HARD_IRON) -> Fit:
 
 
 def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
-    """Return the field that a level body measures at each yaw without noise or rounding, in gauss, float64[n, 3]."""
+    """Return what the magnetometer of a level body measures at each yaw, in gauss, float64[n, 3].
+
+    The values include the hard iron and the limits of the converter, but no noise and no rounding.
+
+    yaws: the yaws in degrees.
+    """
     model = Imu(Float64(), imu)
     fields = []
     for yaw in yaws:
@@ -84,7 +89,7 @@ def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
 
 
 def text(imu: ImuParameters, found: Fit) -> str:
-    """Format a fit, and the turn of Figure 5.1 with the parameters `imu`."""
+    """Format a fit, and a table of `turn` with the parameters `imu` at the yaws of Figure 5.1."""
     x, y, z = found.field
     ys, zs = ([f"{abs(field[axis]):.4f}" for field in found.fields] for axis in (1, 2))
     says = [

@@ -1,6 +1,7 @@
 """Parameters of an IMU from the identified columns of a recording. A column is named after its sensor and axis.
 
-    gyroscope_x, _y, _z [deg/s] --> means, S removed --> bias;  densities, rounding removed --> noise_density
+    gyroscope_x, _y, _z [deg/s] --> three means ------> cross-axis sensitivity removed ---> bias
+                                --> three densities --> density of rounding subtracted --> noise_density
 
 With these parameters, the models have the same means at rest as the recording. The part of gravity that cross-axis
 sensitivity adds to other axes is not counted as bias.
@@ -29,9 +30,12 @@ def parameters_of_axes(
 ) -> ImuParameters:
     """Return a parameter set that is updated with the identified columns of a recording.
 
+    The rest of the magnetometer's mean, without hard iron, becomes the earth field. A slow term of the noise that does
+    not differ significantly from 0 becomes 0.
+
     axes: a dictionary from the name of a column, such as "gyroscope_x", to its identified parameters.
-    hard_iron: True if the magnetometer's bias is the difference from a recording without the disturbance, so that it is
-        the hard iron.
+    hard_iron: True if the magnetometer's bias is the difference from a recording without the disturbance, so that the
+        bias is the hard iron. False to keep the hard iron of `start`.
     start: the set to update; None for Table 4.1.
 
     Raise BadParameter if a column belongs to no sensor, an axis is missing, or a unit differs from that of the model.

@@ -1,7 +1,9 @@
 """The sensors at rest: samples, and their expected mean and variance.
 
-    Imu --> values at rest + S noise --> codes / scale --> samples    random
-    Imu --> values at rest, Gaussian over the codes --> ExpectedMoments    exact: rounding and saturation included
+    Imu --> values at rest + S * noise --> codes / scale --> samples               random
+    Imu --> values at rest --> probability of each code for Gaussian noise --> ExpectedMoments
+
+ExpectedMoments are exact: rounding and saturation are included.
 
 The models add noise just before the matrix S, which is linear. So the models are evaluated once without noise, and S
 times the noise is added to the result.
@@ -45,23 +47,30 @@ FAR = 12.0  # codes at more than this multiple of sigma from the mean are ignore
 
 @dataclass(frozen=True)
 class ExpectedMoments:
-    """Expected mean, variance and fourth central moment of the samples of one axis, in its unit, unit^2 and unit^4."""
+    """Expected mean, variance and fourth central moment of the samples of one axis.
+
+    They are in the unit of the sensor, in unit^2 and in unit^4.
+    """
 
     mean: float
     variance: float
     fourth: float
 
     def mean_error(self, samples: int) -> float:
-        """Return the standard error of the mean of a number of samples."""
+        """Return the standard error of the mean. samples: the number of samples."""
         return sqrt(self.variance / samples)
 
     def variance_error(self, samples: int) -> float:
-        """Return the standard error of the variance of a number of samples."""
+        """Return the standard error of the variance. samples: the number of samples."""
         return sqrt((self.fourth - self.variance**2 * (samples - 3) / (samples - 1)) / samples)
 
 
 def at_rest(imu: ImuParameters, samples: int, seed: int) -> dict[str, Floats]:
-    """Return a dictionary from the name of a sensor to its samples in its unit, float64[samples, 3]."""
+    """Return a dictionary from the name of a sensor to its samples in its unit, float64[samples, 3].
+
+    samples: the number of samples.
+    seed: the seed of the noise.
+    """
     noise, still = ImuNoise(imu, seed).values(0, samples), lsb_at_rest(imu)
     found = {}
     for name in SENSORS:
@@ -73,7 +82,7 @@ def at_rest(imu: ImuParameters, samples: int, seed: int) -> dict[str, Floats]:
 
 
 def lsb_at_rest(imu: ImuParameters) -> dict[str, Triple[float]]:
-    """Return a dictionary from a sensor's name to its values in LSB, without noise, saturation and rounding."""
+    """Return a dictionary from a sensor's name to x, y, z at rest in LSB, without noise, saturation and rounding."""
     model = Imu(Float64(), imu)
     zero = model.at_rest.body
     turned, body = model.motion(zero, zero)
@@ -82,9 +91,9 @@ def lsb_at_rest(imu: ImuParameters) -> dict[str, Triple[float]]:
 
 
 def expected_at_rest(imu: ImuParameters) -> dict[str, list[ExpectedMoments]]:
-    """Return a dictionary from the name of a sensor to the expectations of its three axes.
+    """Return a dictionary from the name of a sensor to the expected moments of its three axes.
 
-    Only white noise is included, because bias instability and random walk have no fixed mean.
+    Of the noise, only white noise is included, because bias instability and random walk have no fixed mean.
     """
     found = {}
     for name, means in lsb_at_rest(imu).items():
@@ -95,7 +104,10 @@ def expected_at_rest(imu: ImuParameters) -> dict[str, list[ExpectedMoments]]:
 
 
 def variances_before_rounding(sensor: Sensor, period: float) -> Floats:
-    """Return the variances of the three axes after the matrix S, in LSB squared, as caused by white noise."""
+    """Return the variances that white noise causes on the three axes after the matrix S, in LSB squared.
+
+    period: Ts in seconds.
+    """
     matrix = np.array(sensor.matrix)
     return matrix**2 @ (np.array(sensor.noise_density) / period)
 
@@ -119,7 +131,12 @@ def _of_codes(sensor: Sensor, mean: float, sigma: float) -> ExpectedMoments:
 
 
 def _upper_end(sensor: Sensor, code: int, least: int, most: int) -> float:
-    """Return the value, in LSB, up to which a converter returns this code or a lower code."""
+    """Return the value, in LSB, up to which a converter returns this code or a lower code.
+
+    The result is -inf below the lowest code, and inf for the highest code, because the converter saturates.
+
+    least, most: the converter's lowest and highest code.
+    """
     if code < least:
         return -inf
     if code >= most:

@@ -4,9 +4,9 @@ Published and expected values are shown beside the reproduced values. The deviat
 is shown in standard errors, so that a reader can see which deviations are explained by chance. The published
 values come from 10 000 samples.
 
-The dissertation's parameters can be interpreted in several ways. `readings` returns a list of interpretations. Each of
-them adds one effect to the previous one, and predicts means, which are compared with the published means. The second to
-last interpretation is the parameter set `table_5_1`, which comes with periph_sim.
+The dissertation's parameters can be interpreted in several ways. `readings` returns a list of interpretations. Each
+interpretation adds one effect to the previous one. Its expected means are compared with the published means of the
+emulator. The second to last interpretation is the parameter set `table_5_1`, which comes with periph_sim.
 """
 
 from __future__ import annotations
@@ -31,7 +31,10 @@ RATE = 50  # sample rate of the published table in Hz
 
 
 class PublishedRow(NamedTuple):
-    """Published figures of one sensor in g, deg/s or gauss. The variances of the magnetometer are printed as 0.0000."""
+    """Published figures of one sensor on x, y, z, in g, deg/s or gauss; variances in the squares of these units.
+
+    The variances of the magnetometer are printed as 0.0000.
+    """
 
     mean: Three
     three_sigma: Three
@@ -55,10 +58,11 @@ PRINTED = 1e-4 / sqrt(12)  # standard error that is caused by printing a number 
 
 @dataclass(frozen=True)
 class Figure:
-    """One number of the table, in the unit of the sensor.
+    """One figure of the table, such as the mean of one axis, in the unit of the sensor (squared for a variance).
 
     real, emulator: the published values of the real IMU and of the emulator.
-    ours, expected: the reproduced and the expected value.
+    ours: the reproduced value, calculated from samples of the models.
+    expected: the value to which `ours` tends with more samples.
     error, published_error: the standard errors of the reproduced value and of the published values.
     """
 
@@ -139,7 +143,8 @@ def readings() -> list[Interpretation]:
     """Return all interpretations, each with its differences from the published means.
 
     Table 4.1 prints biases with two decimals. The set `table_5_1` has biases with four decimals, which follow from the
-    means of the real IMU in Table 5.1. It has no hard iron, since Table 5.1 was measured away from iron (section 5.2).
+    means of the real IMU in Table 5.1. No interpretation has hard iron, since Table 5.1 was measured away from iron
+    (section 5.2).
     """
     table_4_1, table_5_1 = _each(ImuParameters(), ("magnetometer",), hard_iron=NONE), named("table_5_1")
     sets = {
@@ -217,9 +222,10 @@ def _explained(found: Sequence[Interpretation]) -> Iterator[str]:
 
 
 def _gyroscope_variances(imu: ImuParameters, rows: Sequence[AxisRow]) -> Iterator[str]:
-    """Compare the variances of the gyroscope, in which rounding is visible because noise and LSB are of similar size.
+    """Yield lines that compare the published variances of the gyroscope with those expected with and without rounding.
 
-    The published variances are calculated from 3 sigma.
+    The gyroscope's noise is of a similar size as its LSB, so that rounding is visible in its variances. The published
+    variances are calculated from the published 3 sigma, which has more digits.
     """
     three = [row for row in rows if row.sensor == "gyroscope"]
     published_ones = [(row.three_sigma.emulator / 3) ** 2 for row in three]

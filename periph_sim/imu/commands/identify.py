@@ -102,7 +102,7 @@ def identify(
 def _axes(
     file: Path, rate: str | None, expect: tuple[str, ...], undisturbed: Path | None, slow: bool
 ) -> tuple[list[IdentifiedAxis], float]:
-    """Identify every column except time. Return what was identified, and the sampling period in seconds."""
+    """Identify every column of a file except time. Return the identified columns and the sampling period in seconds."""
     from ..identification.identify import identify as identified
     from ..identification.text_report import IdentifiedAxis
 

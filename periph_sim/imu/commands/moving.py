@@ -63,7 +63,8 @@ def moving(
 def _pictures(folder: Path) -> Iterator[list[Path]]:
     """Create the folder if it is missing, and yield temporary paths for both pictures.
 
-    If the block succeeds, the pictures are moved to the folder. Otherwise, a created folder is removed.
+    If the `with` block succeeds, the pictures are moved to the folder. If it fails, the folder is removed again, if
+    this function has created it.
     """
     from ...traces.formats import atomic_write
 

@@ -53,10 +53,9 @@ class ExtremesReport:
 
     imu, seed: the parameters and the seed of the search in the working range.
     names: the names of the examined kinds of arithmetic.
-    errors: a dictionary from the name of an arithmetic to its largest errors in the working range. The reference is
-        omitted.
+    errors: a dictionary from the name of an arithmetic, except float64, to its largest errors in the working range.
     costs: a dictionary from the name of an arithmetic to its cost.
-    without_fastrts: the cost of float32 with the compiler's library in place of fastRTS.
+    without_fastrts: the cost of float32 with the compiler's library in place of TI's fastRTS library.
     findings: the behaviour of each arithmetic at each extreme.
     """
 
@@ -89,7 +88,7 @@ def report(
     seed, samples: the seed and the number of samples of the search in the working range.
     only: the names of the extremes to examine; empty for all extremes.
     imu: the parameters of the search and of the costs; None for Table 4.1. Extremes have parameters of their own.
-    tables: the memory that contains the tables of the libraries.
+    tables: the memory that contains the sine and arctangent tables of the mathematics libraries.
 
     Raise NoSuchArithmetic, DoesNotFit or InputError for an invalid name.
     """

@@ -67,7 +67,7 @@ def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Ext
 def _rolled(steps: Ints, times: int) -> Ints:
     """Return the counts of n bodies that are at rest and then roll within one sample, int64[12, n] (see `frames`).
 
-    The roll is `times` times a step. steps: the steps in counts, int64[n].
+    Body n rolls by `times` * steps[n]. steps: angles in counts, int64[n].
     """
     counts = np.zeros((12, len(steps)), dtype=np.int64)
     counts[0] = counts[3] = -(times * steps) // 2
@@ -76,9 +76,10 @@ def _rolled(steps: Ints, times: int) -> Ints:
 
 
 def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[ExtremeFinding]:
-    """Find the first time, within 30 days, at which adding Ts to the time has an error of more than half of Ts.
+    """Examine a time in seconds to which a program adds Ts at every sample, for 30 days.
 
-    The sensor models are not affected: they store no time and no sum, only one attitude and one rate.
+    Find the first time at which this addition has an error of more than half of Ts, and the time at which it has no
+    effect. The sensor models are not affected: they store no time and no sum, only the last attitude and body rates.
     """
     period = ImuParameters().period
     for name in names:
@@ -110,7 +111,7 @@ def _first_time(a: Arithmetic[Any], end: float, holds: Callable[[float], bool]) 
 
 
 def zero_period(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[ExtremeFinding]:
-    """Examine the rate of an angle if a measured Ts is 0, for a change by one count and for a constant angle."""
+    """Examine the division of an angle's change by a Ts of 0, for a change of one count and for no change."""
     for name in names:
         a = named.scalar(name)
         with np.errstate(all="ignore"):
@@ -139,7 +140,11 @@ def refused(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Extreme
 
 
 def smallest_steps(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[ExtremeFinding]:
-    """Count the accelerometer's codes that a fine ramp skips, and measure the gyroscope's step for one count."""
+    """Examine the resolution.
+
+    Count the accelerometer's codes that never occur while the acceleration rises count by count. Calculate the change
+    of the gyroscope's roll rate, in LSB, that is caused by one count of roll.
+    """
     g = int(AccelerometerParameters().full_scale / ACCELERATION)
     ramp = np.zeros((12, 2 * g + 1), dtype=np.int64)
     ramp[9] = np.arange(-g, g + 1)

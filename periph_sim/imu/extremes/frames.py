@@ -34,7 +34,7 @@ class CodesOfSamples:
 
     codes: the codes that the chips return, in LSB, float64[9, n].
     exact: the values in LSB before saturation and rounding, float64[9, n].
-    overflown: for each sample, True if an intermediate value exceeded the Q format, bool[n].
+    overflown: for each sample, True if an intermediate value exceeded the range of the Q format, bool[n].
     """
 
     codes: NDArray[np.float64]
@@ -51,7 +51,7 @@ def codes_of(name: str, imu: parameters.ImuParameters, counts: Ints) -> CodesOfS
     a = named.scalar(name)
     model = Imu(a, imu)
     with np.errstate(all="ignore"):
-        if name == "float32":  # float32 calculates an array as fast as a single number
+        if name == "float32":  # Float32 calculates all samples as one array; the others calculate sample by sample.
             codes, exact = np.array(_sample(model, counts), np.float64)
             return CodesOfSamples(codes, exact, np.zeros(counts.shape[1], np.bool_))
         rows, overflows = [], []

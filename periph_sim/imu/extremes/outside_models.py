@@ -6,10 +6,10 @@
 Each finding is measured: errors are caused, edges are counted, and runs are compared.
 
 Baud rates: an SCI samples at eight times its own rate and counts from the first low sample of each start bit, which may
-be up to one sample after the sender's fall. The SCI votes on the stop bit with samples 4 to 6 of 8, and two of these
-three samples must be in the sender's stop bit. For a fast sender, the first two samples must be before the next start
-bit. For a slow sender, the last two samples must be after the last data bit. If a bit of the sender has a length of b
-samples,
+be up to one sample after the sender's falling edge. The majority of samples 4 to 6 of 8 decides the level of the stop
+bit, so two of these three samples must be in the sender's stop bit. For a fast sender, the first two of the three must
+be before the next start bit. For a slow sender, the last two must be after the last data bit. If a bit of the sender
+has a length of b samples,
 
     fast   10 b >= 72 + 5        slow   9 b <= 72 + 4        (TI SPRUFZ5A section 1.2.7, figure 1-7)
 """
@@ -50,7 +50,7 @@ from .events import first_where
 from .sweep import EVERY, ExtremeFinding, Happens
 
 SYSCLK = 150_000_000
-ODD_CRYSTAL = 143_181_815  # SYSCLKOUT in Hz with a crystal of 28.636363 MHz and PLL 10
+ODD_CRYSTAL = 143_181_815  # SYSCLKOUT in Hz with a crystal of 28.636363 MHz, whose frequency the PLL multiplies by 5
 BAUD = 115_200
 LINES_RUN = "5 ms"
 PPM = (-100_000, -37, 37, 100_000)
@@ -63,7 +63,10 @@ Edges = list[tuple[str, int, int]]  # name of the wire, ticks after the start of
 
 
 def longest_run() -> Iterator[ExtremeFinding]:
-    """Find the longest run. Ticks end at 2^62, before a counter of a chip or the int64 of a recording overflows."""
+    """Find the shortest run that is rejected as too long, and check that a run of more than a century is rejected.
+
+    Ticks end at 2^62, before a counter of a chip or the int64 of a recording overflows.
+    """
     for name, hertz in (("150 MHz", SYSCLK), ("28.636363 MHz x 5", ODD_CRYSTAL)):
         begins = first_where(partial(_too_long, Timebase(hertz)), 1, 1e11)
         message = _why(partial(Timebase(hertz).end_of_run, 0, MORE_THAN_A_CENTURY), TimeError)
@@ -117,7 +120,7 @@ def lines_at_the_last_tick() -> Iterator[ExtremeFinding]:
 
 
 def i2c_edges(start: int) -> Edges:
-    """Return the edges of a write to an unused address, at 100 kHz, from tick `start` on."""
+    """Return the edges of an I2C write to an unused address, at 100 kHz, from tick `start` on."""
     kernel, recorder = Kernel(start), Recorder()
     scl, sda = Wire(kernel, "SCL", recorder), Wire(kernel, "SDA", recorder)
     edges = _watched(start, scl, sda)
@@ -131,7 +134,7 @@ def i2c_edges(start: int) -> Edges:
 
 
 def uart_edges(start: int) -> Edges:
-    """Return the edges of sixteen bytes at 115200 bit/s, from tick `start` on."""
+    """Return the edges of sixteen UART bytes at 115200 bit/s, from tick `start` on."""
     base, kernel, recorder = Timebase(SYSCLK), Kernel(start), Recorder()
     line = Wire(kernel, "RX", recorder)
     edges = _watched(start, line)
@@ -154,7 +157,10 @@ def _keep(edges: Edges, wire: str, start: int, tick: int, level: int) -> None:
 
 
 def noise_sums() -> Iterator[ExtremeFinding]:
-    """Check noise at sample 10^9. White noise and bias instability need no sum; only the random walk is a sum."""
+    """Check that noise is exact at sample 10^9, and compare a random walk of 2^20 samples with its exact sum.
+
+    White noise and bias instability are calculated from the number of the sample. Only the random walk is a sum.
+    """
     for name, terms in (("white", NoiseTerms(1.0)), ("bias instability", NoiseTerms(0.0, 1.0))):
         noise = AxisNoise(terms, 0.02, 1, name)
         same = noise.values(FAR - 5, 10)[5] == noise.at(FAR)
@@ -185,7 +191,7 @@ def _refusal(what: str, message: str) -> ExtremeFinding:
 
 
 def _why(tried: Callable[[], object], error: type[Exception]) -> str:
-    """Return the message of the expected error; "" if it is not raised."""
+    """Call `tried` and return the message of the expected error; "" if this error is not raised."""
     try:
         tried()
     except error as refusal:
@@ -205,9 +211,9 @@ START = 10_000  # cycle of the first start bit
 
 
 def baud_rates() -> Iterator[ExtremeFinding]:
-    """Compare the largest rate error at which an SCI receives all bytes, at every phase, with the exact limit.
+    """Compare the largest rate error of a sender at which an SCI receives all bytes with the exact limit.
 
-    The largest rate error is found by bisection.
+    The largest rate error is found by bisection. All bytes must be received at every phase between the two clocks.
     """
     for name, limit in LIMITS.items():
         good, bad = Fraction(NOMINAL), Fraction(NOMINAL) + (Fraction(1, 2) if limit > NOMINAL else -Fraction(1, 2))
@@ -225,7 +231,7 @@ def received(bit: Fraction, phase: int) -> bool:
     """Return True if an SCI receives all bytes without an error.
 
     bit: the sender's bit time, in samples of the receiver.
-    phase: the instant of the first start bit within a sample, from 0 to PHASES - 1.
+    phase: the instant of the first start bit within a sample, in units of a sample / PHASES, from 0 to PHASES - 1.
     """
     kernel, recorder, timebase = Kernel(), Recorder(), Timebase(SYSCLK)
     clock, line, sci = Clock(timebase, SYSCLK), Wire(kernel, "RX", recorder), Sci()
@@ -284,7 +290,7 @@ LEAST_ROUNDS = 4
 
 
 def imu_hil_clocks() -> Iterator[ExtremeFinding]:
-    """Run the scene imu_hil twice, with the crystals of unit and controller at opposite extremes.
+    """Run the case imu_hil.toml twice, with the crystals of unit and controller at opposite extremes.
 
     The host's bit rate follows the unit's crystal, because an SCI cannot receive with a rate error of ten percent. The
     bytes of each round are compared with the frames. The tick at which each round is due is compared with the

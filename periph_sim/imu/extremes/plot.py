@@ -1,7 +1,7 @@
-"""The trade-off of a report as SVG: error in LSB over cycles for a sample.
+"""Plot of a report of extremes as SVG: error in LSB over the cost of a sample in cycles, one point per arithmetic.
 
 Both axes are logarithmic. A bar is the range of a cost that is not a single published figure. The error is the largest
-of the nine axes in the working range. Equal reports give equal text.
+error of the nine sensor axes in the working range. Equal reports give equal text.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ LEFT, RIGHT, TOP, BOTTOM = 90, 40, 60, 80
 FONT = "Helvetica, Arial, sans-serif"
 POINT, LINE, WORD, FOUNDED, GUESSED, GRID, INK = 5, 14, 110, "#0060a8", "#c04a00", "#e2e2e2", "#333333"
 EXACT = 1e-5  # an error of 0 is drawn at this number of LSB, because a logarithmic axis has no 0
-MEASURED = 37_500  # measured time in cycles: 250 us at 150 MHz
+MEASURED = 37_500  # the time that the dissertation measured for a sample, in cycles: 250 us at 150 MHz
 
 
 def picture(report: ExtremesReport) -> str:
@@ -36,7 +36,7 @@ def picture(report: ExtremesReport) -> str:
     at = x_axis.place(MEASURED)
     page.append(svg.Line(at, TOP, at, HEIGHT - BOTTOM, stroke=INK, stroke_dasharray="4 3"))
     page.append(_words("measured: 250 us", at - 6, TOP + 14, anchor="end"))
-    taken: list[tuple[float, float]] = []  # places that are occupied by labels
+    taken: list[tuple[float, float]] = []  # positions (x, y) of the labels so far
     for name, low, high, error, guessed in points:
         x, y = x_axis.place((low * high) ** 0.5), y_axis.place(error)
         colour = GUESSED if guessed else FOUNDED

@@ -21,14 +21,14 @@ from .frames import REFERENCE, SENSORS, CodesOfSamples, Ints, codes_of
 from .working_range import Worst
 
 # "agrees": the deviation is no larger than in the working range. "exact": there is no deviation.
-# "off": the deviation is larger. "full scale": the converter returns its last code, as intended.
+# "off": the deviation is larger. "full scale": the converter returns its lowest or highest code, as intended.
 # "saturates", "wraps": a result does not fit the Q format. "NaN": a value before rounding is NaN.
 # "refused": the input is rejected with an error.
 Happens = Literal["agrees", "exact", "off", "full scale", "saturates", "wraps", "NaN", "refused"]
 
 
 def overflow_of(arithmetic: str) -> Happens:
-    """Return the effect of an overflow in the Q format with this name."""
+    """Return the effect of an overflow in the arithmetic with this name, which is a Q format."""
     return "saturates" if arithmetic.endswith("saturating") else "wraps"
 
 
@@ -39,11 +39,14 @@ EVERY = "every"  # replaces the name of an arithmetic in findings that do not de
 class ExtremeFinding:
     """The behaviour of an arithmetic at an extreme.
 
+    extreme: the name of the extreme.
     arithmetic: the name of the arithmetic, or EVERY.
     happens: the effect.
     begins: the first input with this effect, in `unit`; None if no single input causes the effect.
     worst: the largest deviation from the reference, in LSB; None if no codes were compared.
-    overflows: the first input at which an intermediate value exceeds the Q format, with or without an effect on codes.
+    note: a remark for the report; "" for none.
+    overflows: the first input at which an intermediate value exceeds the range of the Q format, in `unit`, with or
+        without an effect on codes; None if there is none.
     """
 
     extreme: str
@@ -56,7 +59,8 @@ class ExtremeFinding:
     overflows: float | None = None
 
 
-# Number of points from the ordinary to the extreme value. With fewer points, values that wrapped might look right.
+# Number of points from the ordinary to the extreme value. A coarser grid might contain only points at which codes that
+# have wrapped are right by chance.
 FIRST_GRID = 121
 GRID = 13  # number of points of each finer grid, which lies between two adjacent points of the previous grid
 ZOOMS = 4  # number of finer grids
@@ -70,7 +74,8 @@ class Sample:
     """The inputs of an arithmetic and of the reference at one value of a sweep.
 
     imu, counts: the parameters, and the counts of a sample (see `frames`), int64[12].
-    true_imu, true_counts: the parameters and the counts for the reference; None for the same parameters or counts.
+    true_imu, true_counts: the parameters and the counts for the reference; None if they are the same as `imu` or
+        `counts`.
     """
 
     imu: parameters.ImuParameters
@@ -102,8 +107,11 @@ class InputSweep:
     def find(self, arithmetic: str, worst: Worst | None) -> ExtremeFinding:
         """Find the first value of the sweep at which an arithmetic deviates from the reference.
 
-        worst: the largest errors of the arithmetic in the working range; None for the reference itself. Deviations up
-            to these errors are allowed.
+        The reference deviates from itself if its inputs differ from `true_imu` and `true_counts`. If it does not
+        deviate, the first value at which a converter is at full scale is found instead.
+
+        worst: the largest errors of the arithmetic in the working range, which are allowed; None for the reference
+            itself, for which 1 LSB is allowed.
         """
         allowed = (np.ones(9) if worst is None else worst.allowed()) + self.slack
         largest = float(_grid(self, arithmetic, self.ordinary, self.extreme, FIRST_GRID).off.max())
@@ -120,7 +128,10 @@ class InputSweep:
         return ExtremeFinding(self.name, arithmetic, happens, begins, self.unit, largest, overflows=overflows)
 
     def _first(self, arithmetic: str, holds: Callable[[Grid], Bools]) -> float | None:
-        """Return the first value of the sweep at which `holds` is true, or None. The search uses ever finer grids."""
+        """Return the first value of the sweep at which `holds` is true; None if it is false at all points.
+
+        The search uses ever finer grids. holds: a function that returns a boolean for each point of a grid.
+        """
         low, high, found = self.ordinary, self.extreme, None
         for points in (FIRST_GRID, *[GRID] * ZOOMS):
             grid = _grid(self, arithmetic, low, high, points)
@@ -149,7 +160,7 @@ class Grid:
     full: Bools
 
     def astray(self, allowed: Floats) -> Bools:
-        """Return True for points at which codes deviate by more than allowed, or a value before rounding is NaN."""
+        """Return, for each point, True if a code deviates by more than `allowed` or a value before rounding is NaN."""
         return np.logical_or((self.off > allowed[:, None]).any(axis=0), np.isnan(self.codes.exact).any(axis=0))
 
     def how(self, arithmetic: str) -> Happens:

@@ -33,7 +33,7 @@ CORRECTED = ImuParameters(gyroscope=GyroscopeParameters(rates="corrected"))
 UNWRAPPED = ImuParameters(wrap="unwrapped")
 SLOW = radians(1)  # a slow rate in rad per sample, which is 50 deg/s
 FAST = 500.0  # a fast rate in deg/s
-ONE_COUNT = 5.0  # maximum LSB of the gyroscope for one count of an angle: 4.1 LSB, and the cross-axis effect
+ONE_COUNT = 5.0  # maximum change of the gyroscope's codes for one count of an angle: 4.1 LSB, plus cross-axis effects
 
 
 def sent(attitude: Callable[[int], Attitude], acceleration: float = 0.0) -> Ints:
@@ -46,7 +46,7 @@ def sent(attitude: Callable[[int], Attitude], acceleration: float = 0.0) -> Ints
 
 
 def meant(attitude: Callable[[int], Attitude], acceleration: float = 0.0) -> Ints:
-    """Return the counts of a host whose frames have no range limit, int64[12].
+    """Return the counts of a host whose frames could hold counts of any size, int64[12].
 
     The counts are the angles of three samples, oldest first, and then the accelerations of the last sample.
 
@@ -99,7 +99,11 @@ def yaw_step(value: float) -> Sample:
 
 
 def rolling(value: float, late: float = 0.0) -> Sample:
-    """Return the sample of a roll. value: the rate in deg/s. late: the delay of the frames as a fraction of Ts."""
+    """Return the sample of a roll.
+
+    value: the rate in deg/s.
+    late: the time by which the interval between two frames exceeds Ts, as a fraction of Ts.
+    """
     step = radians(value) * AS_BUILT.period
 
     def steady(ago: int) -> Attitude:
@@ -199,7 +203,7 @@ def along_z(value: float, spherical: Spherical, vertical: float = VERTICAL) -> S
     """Return the sample of a resting body in a field with a small horizontal part.
 
     value: the horizontal part of the field in gauss.
-    spherical: the method of the arithmetic. The reference uses "four-quadrant".
+    spherical: the method that is examined (see MagnetometerParameters). The reference uses "four-quadrant".
     vertical: the vertical part of the field in gauss.
     """
     sensor = MagnetometerParameters(earth_field=(value, 0.0, vertical), hard_iron=(0.0, 0.0, 0.0))
@@ -208,7 +212,11 @@ def along_z(value: float, spherical: Spherical, vertical: float = VERTICAL) -> S
 
 
 def turned(value: float, spherical: Spherical) -> Sample:
-    """Return the sample of a resting body at a yaw in degrees, in a field that points north and down."""
+    """Return the sample of a resting body in a field that points north and down.
+
+    value: the yaw of the body in degrees.
+    spherical: as for `along_z`.
+    """
     sensor = MagnetometerParameters(earth_field=(0.3, 0.0, 0.2), hard_iron=(0.0, 0.0, 0.0))
     true = ImuParameters(magnetometer=sensor)
     counts = sent(lambda ago: (0.0, 0.0, radians(value)))
@@ -216,7 +224,11 @@ def turned(value: float, spherical: Spherical) -> Sample:
 
 
 def strong(value: float, norm: Norm) -> Sample:
-    """Return the sample of a resting body in a field with three equal components. value: its strength in gauss."""
+    """Return the sample of a resting body in a field with three equal components.
+
+    value: the strength of the field in gauss.
+    norm: the method that is examined (see MagnetometerParameters). The reference uses "squares".
+    """
     part = value / 3**0.5
     sensor = MagnetometerParameters(earth_field=(part, part, part), hard_iron=(0.0, 0.0, 0.0))
     return Sample(
@@ -227,7 +239,7 @@ def strong(value: float, norm: Norm) -> Sample:
 def lever(value: float, reversing: bool) -> Sample:
     """Return the sample of a rotating accelerometer with a lever arm.
 
-    value: the x component of the lever arm in m. The y component is half of it, and the z component its negative.
+    value: the x component of the lever arm in m. The y component is value / 2, and the z component is -value.
     reversing: True if the rotation reverses within a sample; False if it is steady.
     """
     step = radians(TURN_RATE) * ImuParameters().period

@@ -38,7 +38,7 @@ def text(report: ExtremesReport) -> str:
 
 
 def _table(rows: Rows) -> list[str]:
-    """Format rows as a table. The first row has the titles."""
+    """Format rows as a table. The first row contains the titles of the columns."""
     return text_table(rows[0], rows[1:])
 
 
@@ -127,7 +127,7 @@ def _rest(least: int, most: int) -> str:
 
 
 def as_json(report: ExtremesReport) -> dict[str, object]:
-    """Convert a report to a dictionary for JSON. `begins` is null if no single input causes the effect."""
+    """Convert a report to a dictionary for JSON. `begins` of a finding is null if no single input causes its effect."""
     return {
         "reference": REFERENCE,
         "seed": report.seed,

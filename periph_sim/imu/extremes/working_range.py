@@ -19,7 +19,7 @@ from ..host_frame import ACCELERATION, ANGLE
 from ..models import parameters
 from .frames import REFERENCE, SENSORS, Ints, codes_of
 
-LIMITS = np.array([int(pi / ANGLE), int(pi / 2 / ANGLE), int(pi / ANGLE)])  # largest roll, pitch, yaw
+LIMITS = np.array([int(pi / ANGLE), int(pi / 2 / ANGLE), int(pi / ANGLE)])  # largest roll, pitch, yaw in counts
 ROUNDS = 10  # number of refinements of the search
 
 
@@ -39,7 +39,7 @@ class Worst:
         return max(self.error.values())
 
     def allowed(self) -> NDArray[np.float64]:
-        """Return for each axis the largest difference of codes that the error before rounding can cause, float64[9]."""
+        """Return for each axis the largest difference of codes that `error`, before rounding, can cause, float64[9]."""
         return np.repeat([np.floor(self.error[name]) + 1 for name in SENSORS], 3)
 
 
@@ -62,6 +62,7 @@ def worst(
 ) -> Worst:
     """Search for the largest errors of an arithmetic.
 
+    arithmetic: the name of the arithmetic.
     samples: the number of samples drawn from the whole range.
     rate: the largest rate of an angle in deg/s.
     """

@@ -45,7 +45,10 @@ class Series:
 def series(name: str, samples: ArrayLike, period: float) -> Series:
     """Check samples and return them as a series.
 
-    Raise BadSeries if there are too few samples or more than one dimension, or if a number is not finite or too large.
+    Raise BadSeries if there are too few samples or more than one dimension, if a sample is not finite or too large, or
+    if the period is not a finite number above 0.
+
+    period: the time between two samples in seconds.
     """
     if not isfinite(period) or period <= 0:
         raise BadSeries(f"{name}: the sampling period is {period} s; expected a finite number above 0")
@@ -66,7 +69,10 @@ def series(name: str, samples: ArrayLike, period: float) -> Series:
 
 
 def lsb_of(values: Floats) -> float | None:
-    """Return the step between the values of a converter; None if values are constant or have no common step."""
+    """Return the step between the values of a converter; None if the values are not quantized.
+
+    Values count as quantized if they are not constant, have a common step, and repeat often enough (see REPEATED).
+    """
     levels = np.unique(values)
     if len(levels) < 2 or len(levels) * REPEATED > len(values):
         return None
@@ -101,7 +107,7 @@ class Allan:
 
 
 def octaves(length: int) -> list[int]:
-    """Return 1, 2, 4 ... up to half the length."""
+    """Return the powers of two, 1, 2, 4 ..., up to half of `length`, which is a number of samples."""
     return [1 << k for k in range((length // 2).bit_length())]
 
 
@@ -136,5 +142,5 @@ def _variance(sums: Floats, m: int) -> float:
     for begin in range(0, places, AT_ONCE):
         end = min(begin + AT_ONCE, places)
         change = sums[begin + 2 * m : end + 2 * m] - 2 * sums[begin + m : end + m] + sums[begin:end]
-        total += float(np.square(change, out=change).sum())  # np.dot's result would depend on its number of threads
+        total += float(np.square(change, out=change).sum())  # The result of np.dot would depend on the thread count.
     return total / (2 * places * m * m)

@@ -21,7 +21,11 @@ LEVELS = {"68 %": float(2 * ndtr(1) - 1), "95 %": 0.95}
 
 
 def interval(edf: Floats, level: float) -> tuple[Floats, Floats]:
-    """Return the factors by which a variance is multiplied to get the ends of its confidence interval."""
+    """Return the factors by which a variance is multiplied to get the lower and upper end of its confidence interval.
+
+    edf: the equivalent degrees of freedom of each variance.
+    level: the probability that the interval contains the true variance.
+    """
     tail = (1 - level) / 2
     return edf / chdtri(edf, tail), edf / chdtri(edf, 1 - tail)
 
@@ -29,7 +33,8 @@ def interval(edf: Floats, level: float) -> tuple[Floats, Floats]:
 def slopes(found: Allan) -> NDArray[np.int64]:
     """Return the type of noise at each tau: -1 (white), 0 (flicker) or 1 (random walk).
 
-    The type is the integer nearest to the slope of log(variance) over log(tau).
+    The type is the integer from -1 to 1 that is nearest to the slope of log(variance) over log(tau). If no slope can be
+    calculated, because there is only one tau or a variance is 0, the type is -1.
     """
     if len(found.taus) < 2 or not (found.variance > 0).all():
         return np.full(len(found.taus), -1)
@@ -39,7 +44,7 @@ def slopes(found: Allan) -> NDArray[np.int64]:
 
 
 def edf(found: Allan) -> Floats:
-    """Return the equivalent degrees of freedom of each variance, for the type of noise that `slopes` finds."""
+    """Return the equivalent degrees of freedom of each variance, at least 1, for the type of noise from `slopes`."""
     points = found.length + 1.0  # number of points of the phase, which is the running sum of the samples
     m = found.counts.astype(np.float64)
     white = (3 * (points - 1) / (2 * m) - 2 * (points - 2) / points) * 4 * m**2 / (4 * m**2 + 5)

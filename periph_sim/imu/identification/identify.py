@@ -4,8 +4,9 @@ The bias is the mean minus the expected value (equation 4.9). Hard iron is the m
 without the disturbance (equation 4.10). The standard error of a mean is the root of the sum of the squares of three
 parts:
 
-    white noise       the square of this part is the density divided by the duration of the recording in seconds
-    drift             the Allan deviation at long tau, if it is above the line of white noise; more samples do not help
+    white noise       the root of (density of white noise / duration of the recording in seconds)
+    drift             the Allan deviation at long tau, if it is above the line of white noise; a longer recording does
+                      not reduce this part
     quantisation      the systematic error of the mean of rounded values; large if the noise is small beside an LSB
 """
 
@@ -44,7 +45,7 @@ class Mean:
         return sqrt(self.white**2 + self.drift**2 + self.quantisation**2)
 
     def less(self, other: Mean) -> Mean:
-        """Return this mean minus an independent mean: the expected mean, or the mean without a disturbance."""
+        """Return this mean minus an independent mean. The parts of the two standard errors are added as squares."""
         return Mean(
             self.value - other.value,
             sqrt(self.white**2 + other.white**2),
@@ -54,7 +55,11 @@ class Mean:
 
 
 def mean(series: Series, found: Allan, noise: Density) -> Mean:
-    """Return the mean of a series whose Allan variances and white noise are known."""
+    """Return the mean of a series, with the parts of its standard error.
+
+    found: the Allan variances of the series.
+    noise: the density of its white noise.
+    """
     length = len(series.samples) * series.period
     return Mean(
         float(series.samples.mean()),
@@ -65,9 +70,10 @@ def mean(series: Series, found: Allan, noise: Density) -> Mean:
 
 
 def _drift(found: Allan, noise: Density) -> float:
-    """Return the largest Allan deviation at long tau if it is significantly above the line of white noise; else 0.
+    """Return the largest Allan deviation from the tau on at which drift begins; 0 if there is no drift.
 
-    A tau is long if it is above the region from which the density of white noise was calculated.
+    Drift begins at the first long tau at which the variance is significantly above the line of white noise. A tau is
+    long if it is above the region from which the density of white noise was calculated.
     """
     freedom = edf(found)
     behind = slice(noise.region.stop, int(np.count_nonzero(freedom >= LEAST_EDF)))
@@ -78,7 +84,7 @@ def _drift(found: Allan, noise: Density) -> float:
 
 
 def _quantisation(series: Series, noise: Density) -> float:
-    """Return the error of the mean of Gaussian values that are rounded to whole LSB, as RMS over all true means.
+    """Return the error that rounding causes in the mean of a series, as RMS over all true means; 0 without rounding.
 
     The RMS error follows from the first term of the Fourier series of the rounding error, whose amplitude is
     LSB / pi * exp(-2 pi**2 (sigma / LSB)**2) (Widrow and Kollar, "Quantization noise", chapter 4).
@@ -89,7 +95,7 @@ def _quantisation(series: Series, noise: Density) -> float:
     return series.lsb / pi * exp(-2 * pi**2 * variance) / sqrt(2)
 
 
-LEAST_SIGMA = 0.4  # minimum noise in LSB; with less, rounding does not simply add LSB**2 / 12 to the variance
+LEAST_SIGMA = 0.4  # minimum sigma of the noise in LSB; below, rounding does not simply add LSB**2 / 12 to the variance
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +103,8 @@ class Identified:
     """The parameters of one axis.
 
     bias: the mean minus the expected value, or minus the mean without the disturbance.
-    density: the measured density of white noise, which includes the density of rounding to LSB. If slow
-        terms are requested, the density is fitted together with them.
+    density: the measured density of white noise, which includes the density of rounding to LSB. If slow terms (bias
+        instability and random walk) are requested, the density is fitted together with them.
     slow: the fit of all terms of the noise; None if the slow terms are not requested.
     notes: warnings for the reader, as sentences.
     """
@@ -112,12 +118,15 @@ class Identified:
 
     @property
     def quantisation_density(self) -> float:
-        """The density of the noise that is caused by rounding to whole LSB: LSB**2 / 12 times the sampling period."""
+        """The density of the noise from rounding to whole LSB: LSB**2 / 12 times the period; 0 without rounding."""
         return 0.0 if self.series.lsb is None else self.series.lsb**2 / 12 * self.series.period
 
     @property
     def sensor_density(self) -> float:
-        """The density of the sensor's own noise without rounding. Models use it, because they round themselves."""
+        """The density of the sensor's own noise, without rounding, at least 0.
+
+        Parameters of the models contain this density, because the models round by themselves.
+        """
         return max(self.density.value - self.quantisation_density, 0.0)
 
 
@@ -132,11 +141,12 @@ def identify(
 ) -> Identified:
     """Identify the parameters of one axis, recorded at rest every `period` seconds.
 
-    expected: the true mean.
+    expected: the mean that a sensor without bias would have.
     undisturbed: for hard iron, samples without the disturbance; their mean replaces `expected`.
     slow: True to fit bias instability and random walk, too.
 
-    Raise BadSeries if nothing can be identified: too few samples, NaN, or a constant.
+    Raise BadSeries if nothing can be identified: too few samples, NaN, a constant, or, if `slow` is False, an Allan
+    deviation without a part of slope -1/2.
     """
     given = series(name, samples, period)
     found, noise, terms = _fitted(given, slow)

@@ -30,7 +30,7 @@ from .confidence import edf, interval, white_covariance
 
 READ_AT = 1.0  # tau in seconds at which the density is read
 LEAST_EDF_OF_SLOPE = 8.0  # minimum degrees of freedom of a variance from which a slope is determined
-LEAST_POINTS = 3  # minimum number of points for a line
+LEAST_POINTS = 3  # minimum number of points on the line of slope -1/2
 AGREE = 3.0  # a point is on a line if it differs from the line by less than this number of standard errors
 
 
@@ -40,7 +40,7 @@ class Density:
 
     value, error: the density and its standard error.
     edf: the degrees of freedom of the chi-square distribution of `value`.
-    region: the indices of the points of the curve from which the density was calculated.
+    region: the indices of the points of the Allan curve from which the density was calculated.
     at_one_second: the square of the Allan deviation at the tau nearest to 1 s, times this tau.
     """
 
@@ -51,15 +51,17 @@ class Density:
     at_one_second: float
 
     def bounds(self, level: float) -> tuple[float, float]:
-        """Return the interval that contains the true density with the probability `level`."""
+        """Return the ends of the interval that contains the true density with the probability `level`."""
         low, high = interval(np.array([self.edf]), level)
         return self.value * float(low[0]), self.value * float(high[0])
 
 
 def density(name: str, found: Allan) -> Density:
-    """Return the density of white noise from Allan variances at octaves.
+    """Return the density of white noise from Allan variances at octaves (m = 1, 2, 4 ...).
 
-    Raise BadSeries if there is no noise, or the slope at 1 s and below is not -1/2.
+    name: the name of the series, for messages.
+
+    Raise BadSeries if an Allan variance is 0, or if there is no slope of -1/2 at 1 s or below.
     """
     relative = white_covariance(found.counts, found.length)
     known = int(np.count_nonzero(2 / np.diag(relative) >= LEAST_EDF_OF_SLOPE))
@@ -83,7 +85,11 @@ def density(name: str, found: Allan) -> Density:
 
 
 def _region(scaled_variance: Floats, relative: Floats, centre: int) -> slice:
-    """Return the adjacent points around `centre` that are on a line of slope -1/2."""
+    """Return the largest range of adjacent points around the point `centre` that are on a line of slope -1/2.
+
+    scaled_variance: variance * tau of each point, which is constant on this slope.
+    relative: the relative covariances of the variances (see `white_covariance`).
+    """
     begin, end = centre, centre + 1
     grows = True
     while grows:
@@ -96,10 +102,10 @@ def _region(scaled_variance: Floats, relative: Floats, centre: int) -> slice:
 
 
 def _weights(relative: Floats, region: slice) -> Floats:
-    """Return the weights of the points of a region. Each weight follows from the uncertainty of its point alone.
+    """Return the weights of the points of a region, whose sum is 1.
 
-    Weights that also use the correlation would be optimal for white noise, but worse for noise that is not exactly
-    white.
+    Each weight follows from the uncertainty of its point alone. Weights that also use the correlation would be optimal
+    for white noise, but worse for noise that is not exactly white.
     """
     weights = 1 / np.diag(relative)[region]
     scaled: Floats = weights / weights.sum()
@@ -109,7 +115,7 @@ def _weights(relative: Floats, region: slice) -> Floats:
 def _agrees(scaled_variance: Floats, relative: Floats, begin: int, end: int, candidate: int) -> bool:
     """Return True if the point `candidate` is on the line of slope -1/2 through the points `begin` to `end` - 1.
 
-    The tolerance is AGREE standard errors, as for white noise.
+    The tolerance is AGREE standard errors, which are calculated for white noise.
     """
     region = slice(begin, end)
     weights = _weights(relative, region)
@@ -129,7 +135,7 @@ FLOOR = 2 * log(2) / pi  # the variance of the flat part divided by B squared, s
 
 @dataclass(frozen=True)
 class Term:
-    """A fitted coefficient.
+    """A fitted coefficient of the noise: N, B or K.
 
     squared: the square of the coefficient.
     squared_error: the standard error of this square.
@@ -144,13 +150,14 @@ class Term:
 
     @property
     def found(self) -> bool:
-        """True if the coefficient differs significantly from 0."""
+        """True if the square of the coefficient differs from 0 by more than two standard errors."""
         return self.squared > 2 * self.squared_error
 
     def bounds(self, errors: float) -> tuple[float, float]:
         """Return the lower and the upper bound of the coefficient.
 
-        The squares of the bounds are `errors` standard errors below and above the square of the coefficient.
+        The squares of the bounds are `errors` standard errors below and above the square of the coefficient, and at
+        least 0.
         """
         aside = errors * self.squared_error
         return sqrt(max(self.squared - aside, 0.0)), sqrt(self.squared + aside)
@@ -171,7 +178,7 @@ class SlowTerms:
 
 
 def white_part(found: Allan, terms: SlowTerms) -> Density:
-    """Return the fitted density of white noise. Its region has the points with more white noise than other noise."""
+    """Return the fitted density of white noise. Its region has the points at which white noise prevails."""
     most = int(np.count_nonzero(terms.white.squared / found.taus > found.variance / 2))
     about = int(np.abs(np.log(found.taus / READ_AT)).argmin())
     freedom = 2 * (terms.white.squared / terms.white.squared_error) ** 2
@@ -180,7 +187,7 @@ def white_part(found: Allan, terms: SlowTerms) -> Density:
 
 
 def slow_terms(found: Allan) -> SlowTerms:
-    """Fit N, B and K to Allan variances at octaves."""
+    """Fit N, B and K to Allan variances at octaves (m = 1, 2, 4 ...)."""
     used = edf(found) >= LEAST_EDF
     taus, variance, freedom = found.taus[used], found.variance[used], edf(found)[used]
     parts = np.stack([1 / taus, np.full_like(taus, FLOOR), taus / 3], axis=1)

@@ -24,7 +24,7 @@ class IdentifiedAxis:
 
 
 def table(title: str, axes: Sequence[IdentifiedAxis]) -> str:
-    """Format a title, the parameters and errors of each column, the slow terms if they were requested, and notes."""
+    """Format a title, the parameters and errors of each column, the slow terms if they were fitted, and notes."""
     lines = [title, "", *text_table(FOUND, [_found(axis) for axis in axes])]
     lines += ["", *text_table(KNOWN, [_known(axis) for axis in axes])]
     lines += ["", "Densities in the column's unit, squared, per Hz. Errors are standard errors."]
@@ -41,7 +41,7 @@ def as_json(axes: Sequence[IdentifiedAxis]) -> list[dict[str, object]]:
 
 
 def with_error(value: float, error: float) -> str:
-    """Format a value with its standard error, both rounded to the second digit of the error.
+    """Format a value with its standard error, both rounded to the second significant digit of the error.
 
     If the error is 100 or more, both are rounded to a whole number. An error of 0 is left out.
     """
@@ -65,7 +65,7 @@ def _found(axis: IdentifiedAxis) -> tuple[str, ...]:
 
 
 def _known(axis: IdentifiedAxis) -> tuple[str, ...]:
-    """Format the interval of the density, and the averaging times to which the density was fitted."""
+    """Return the column's name and, as text, the density's interval, the rounding's density and the fitted taus."""
     found = axis.found
     low, high = found.density.bounds(LEVELS["95 %"])
     taus = found.allan.taus[found.density.region]

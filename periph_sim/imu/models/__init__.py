@@ -1,1 +1,1 @@
-"""The three sensor models of the dissertation, written once for any arithmetic: equations and named parameters."""
+"""Models of gyroscope, accelerometer and magnetometer for any arithmetic: equations and named parameters."""

@@ -12,7 +12,7 @@ from .parameters import SensorParameters, Wrap
 
 T = TypeVar("T")
 
-COARSEST = 0.01  # maximum relative error of 1/Ts; every rate has the same relative error
+COARSEST = 0.01  # maximum relative error of the constant 1/Ts in an arithmetic; all rates have this relative error
 
 
 class Angles(NamedTuple, Generic[T]):
@@ -27,7 +27,7 @@ class Angles(NamedTuple, Generic[T]):
 
 
 def angles(a: Arithmetic[T], attitude: tuple[T, T, T]) -> Angles[T]:
-    """Return the sines and cosines of an attitude, which the sensors share. attitude: roll, pitch, yaw in rad."""
+    """Return the sines and cosines of an attitude. attitude: roll, pitch, yaw in rad."""
     phi, theta, psi = attitude
     return Angles(*a.sincos(phi), *a.sincos(theta), *a.sincos(psi))
 
@@ -38,15 +38,16 @@ class Derivative(Generic[T]):
         u(k), u(k-1) --> (u(k) - u(k-1)) / Ts --> phi', theta', psi' in rad/s
 
     Source: the dissertation's section 4.3.2 (y(k) = (u(k) - u(k-1)) / Ts, Ts constant) and 4.3.5 (calculated once for
-    both). "as built" uses plain differences, so that a yaw which continues from +180 to -180 degrees is a step of
-    nearly -360. "unwrapped" adds or subtracts one turn if a step of roll or yaw is longer than half a turn.
+    both).
 
-    1/Ts is a constant, as in a block with a fixed sample time. Ts = 0 has no derivative; parameters with Ts = 0 are
-    rejected, so no arithmetic ever divides by Ts.
+    1/Ts is a constant, as in a block with a fixed sample time, so no arithmetic ever divides by Ts. Parameters with
+    Ts = 0 are rejected.
 
     period: Ts in seconds.
+    wrap: "as built" for plain differences, with which a yaw that continues from +180 to -180 degrees is a step of
+        nearly -360. "unwrapped" to add or subtract one turn if a step of roll or yaw is longer than half a turn.
 
-    Raise DoesNotFit if 1/Ts is more than 1 % off in a Q format.
+    Raise DoesNotFit if a Q format cannot hold 1/Ts or holds it with an error of more than 1 %.
     """
 
     def __init__(self, a: Arithmetic[T], period: float, wrap: Wrap = "as built") -> None:
@@ -81,7 +82,7 @@ class Derivative(Generic[T]):
 class SensorEquations(Generic[T]):
     """The last blocks of every sensor, from the sensed quantity to the codes of its converter.
 
-        physical + noise --> S (scale, cross-axis) --> saturation to the converter's codes --> whole LSB
+        quantity + noise --> matrix S --> limits of the converter's codes --> rounding to whole LSB
 
     Source: equations 4.4, 4.5, 4.8 (S) and the saturation block at the end of each model in section 4.3.
     """
@@ -107,8 +108,8 @@ class Gyroscope(SensorEquations[T]):
 
         phi', theta', psi' --> p, q, r --> mounting --> deg/s --> + bias + noise + g_sens * a --> codes
 
-    Source: equation 4.5. a is the linear acceleration in g. As built, p, q, r are taken to be phi', theta', psi'
-    (section 4.3.2). Corrected, they are the body rates (appendix B):
+    Source: equation 4.5. a is the linear acceleration in g, and g_sens the sensitivity of the rates to a. As built, p,
+    q, r are taken to be phi', theta', psi' (section 4.3.2). Corrected, they are the body rates (appendix B):
 
         p = phi' - psi' sin(theta)
         q = theta' cos(phi) + psi' sin(phi) cos(theta)
@@ -207,21 +208,23 @@ class Magnetometer(SensorEquations[T]):
         H_rp = sph2cart(cart2sph(H_rm) + [0, azimuth, elevation of the board])
         code = S (H_rp + noise)
 
-    Source: equations 4.6 to 4.8. There are three methods for H_rp:
+    Source: equations 4.6 to 4.8. H_rt is the earth field in north, east, down; V is the hard iron. H_rm is the field in
+    the axes of the body, and H_rp in the axes of the board, which is inclined in the body. There are three methods for
+    H_rp:
 
     "plain" is as written in section 4.3.3: azimuth = atan(Hy/Hx) and elevation = atan(Hz/sqrt(Hx^2 + Hy^2)). Half of
     all azimuths are then off by half a turn, and 0/0 is undefined.
 
     "four-quadrant" uses atan2, which is the intended form.
 
-    "rotation" needs no angles of the field. With r = sqrt(Hx^2 + Hy^2), rho = sqrt(r^2 + Hz^2), and the azimuth a and
-    the elevation e of the board,
+    "rotation" does not calculate the azimuth and the elevation of the field. With r = sqrt(Hx^2 + Hy^2),
+    rho = sqrt(r^2 + Hz^2), and the azimuth a and the elevation e of the board,
 
         rho cos(elevation + e) = r cos e - Hz sin e        rho sin(elevation + e) = Hz cos e + r sin e
         r cos(azimuth + a) = Hx cos a - Hy sin a           r sin(azimuth + a) = Hy cos a + Hx sin a
 
-    "rotation" gives the same values as "four-quadrant". On the z axis (r = 0), the azimuth is 0 in both, because
-    atan2(0, 0) = 0.
+    "rotation" gives the same values as "four-quadrant". For a field along the z axis (r = 0), both use an azimuth of 0,
+    because atan2(0, 0) = 0.
     """
 
     def __init__(self, a: Arithmetic[T], sensor: parameters.MagnetometerParameters) -> None:
@@ -242,7 +245,7 @@ class Magnetometer(SensorEquations[T]):
         return v.transformed(self._rows, v.plus(self.on_board(seen), noise))
 
     def on_board(self, field: Triple[T]) -> Triple[T]:
-        """Return H_rp from H_rm: the field in the axes of the inclined board."""
+        """Return H_rp, the field in the axes of the board, from H_rm, the field in the axes of the body."""
         return self._turned(field) if self._spherical == "rotation" else self._by_angles(field)
 
     def _by_angles(self, field: Triple[T]) -> Triple[T]:
@@ -275,7 +278,7 @@ class Magnetometer(SensorEquations[T]):
         )
 
     def _lengths(self, field: Triple[T]) -> tuple[T, T]:
-        """Return r and rho of a field (see the class)."""
+        """Return r and rho, the lengths of a field's horizontal part and of the whole field (see the class)."""
         a, mul, (x, y, z) = self._a, self._a.mul, field
         if self._norm == "mag":
             level = a.mag(x, y)

@@ -22,7 +22,7 @@ COSTLESS = ("constant", "value")  # operations that a program does not execute a
 class Counting:
     """An arithmetic that calculates like the arithmetic `a` and counts the operations.
 
-    equations --> Counting(Q(16)) --> the numbers of Q(16), and {"mul": 113, "add": 101, "sincos": 5, ...}
+    equations --> Counting(Q(16)) --> the results of Q(16), and {"mul": 113, "add": 101, "sincos": 5, ...}
 
     counts: the number of operations of each kind since the last `pop_counts`. A vector operation is counted as its
         operations on single numbers, even if `a` implements vector operations itself.

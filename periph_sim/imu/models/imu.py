@@ -76,7 +76,7 @@ class Codes(NamedTuple, Generic[T]):
 
 
 class State(NamedTuple, Generic[T]):
-    """The values of the previous sample that the models need.
+    """The values of a sample that the models need at the next sample.
 
     attitude: roll, pitch, yaw in rad.
     body: the body rates p, q, r in rad/s.
@@ -98,7 +98,10 @@ class Imu(Generic[T]):
     """The models of the three sensors. They are stateless: `step` receives a state and returns the next state."""
 
     def __init__(self, a: Arithmetic[T], imu: parameters.ImuParameters) -> None:
-        """Raise DoesNotFit, with the part's name, if a Q format cannot hold a constant."""
+        """Build the models with the parameters `imu` in the arithmetic `a`.
+
+        Raise DoesNotFit, with the name of the sensor or "derivative", if a Q format cannot hold a constant.
+        """
         self.a = a
         zero = a.constant(0.0)
         still = (zero, zero, zero)
@@ -115,7 +118,7 @@ class Imu(Generic[T]):
         return self.a.overflows if isinstance(self.a, Q) else 0
 
     def check(self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T]) -> None:
-        """Raise NotFinite, with the axis, for a NaN or an infinity. A Q format has neither."""
+        """Raise NotFinite, with the axis, if an input is NaN or infinite. In a Q format, all numbers are finite."""
         if not isinstance(self.a, Q):
             for axis, value in zip(INPUTS, chain(attitude, acceleration, *noise), strict=True):
                 if not isfinite(cast(float, value)):
@@ -130,12 +133,12 @@ class Imu(Generic[T]):
         return turned, self.gyroscope.body_rates(self.derivative.rates(attitude, before), turned)
 
     def codes_of(self, chip: str, inputs: Inputs[T]) -> Triple[T]:
-        """Return the codes of a chip. chip: the name of a field of Codes."""
+        """Return the codes of a chip on x, y, z. chip: the name of a field of Codes."""
         equations: SensorEquations[T] = getattr(self, chip)
         return equations.converted(self.lsb_of(chip, inputs))
 
     def lsb_of(self, chip: str, inputs: Inputs[T]) -> Triple[T]:
-        """Return the values of a chip in LSB, before saturation and rounding. chip: the name of a field of Codes."""
+        """Return x, y, z of a chip in LSB, before saturation and rounding. chip: the name of a field of Codes."""
         turned, acceleration, body, body_before, noise = inputs
         if chip == "gyroscope":
             return self.gyroscope.lsb(body, acceleration, noise.gyroscope)
@@ -153,7 +156,7 @@ class Imu(Generic[T]):
         acceleration: the linear acceleration in g.
         before: the state after the previous sample.
 
-        Raise NotFinite, with the axis, for a NaN or an infinity.
+        Raise NotFinite, with the axis, if an input is NaN or infinite.
         """
         self.check(attitude, acceleration, noise)
         turned, body = self.motion(attitude, before.attitude)

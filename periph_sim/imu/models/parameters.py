@@ -1,4 +1,4 @@
-"""Parameters of the sensor models: named numbers with unit, range and source (see quantity.py).
+"""Parameters of the sensor models, each with its unit, range and source (see quantity.py).
 
 The defaults are those of Table 4.1 of the dissertation. If the dissertation gives no value, the source of the parameter
 says so and gives the reason for the chosen value.
@@ -36,7 +36,12 @@ EITHER = "not said; nearest; Table 5.1's emulated means of this sensor lie half 
 
 
 class SensorParameters(Checked, frozen=True):
-    """The parameters that each sensor has, for the matrix S and for the range and rounding of the converter's codes."""
+    """The parameters that each sensor has: for the matrix S, and for the range and rounding of the converter's codes.
+
+    scale: the number of LSB per unit.
+    cross_axis: the cross-axis sensitivity as a fraction of `scale`.
+    bits: the number of bits of a code.
+    """
 
     scale: float
     cross_axis: float
@@ -59,7 +64,10 @@ class SensorParameters(Checked, frozen=True):
 
 
 class AccelerometerParameters(SensorParameters, frozen=True):
-    """Parameters of the ADXL345 (equations 4.1 to 4.4). lever_arm: d of equation 4.3."""
+    """Parameters of the ADXL345 (equations 4.1 to 4.4).
+
+    lever_arm: d of equation 4.3, the position of the chip relative to the centre of gravity.
+    """
 
     bias: Annotated[Vector, Quantity("g", -16, 16, TABLE)] = (-0.02, 0.02, -0.00)
     noise_density: Annotated[Vector, Quantity("g^2/Hz", 0, 1, TABLE)] = (0.16e-4, 0.16e-4, 0.15e-4)
@@ -76,6 +84,7 @@ class AccelerometerParameters(SensorParameters, frozen=True):
 class GyroscopeParameters(SensorParameters, frozen=True):
     """Parameters of the ITG-3200 (equation 4.5, appendix B).
 
+    g_sens: the change of a rate per g of linear acceleration on the axis with the same name.
     mounting: for each axis of the chip, the number of the parallel body axis: 1 for x, 2 for y, 3 for z. The number is
         negative if the two axes point in opposite directions.
     rates: "as built" for the derivatives of the three angles, or "corrected" for the body rates of appendix B.
@@ -104,15 +113,15 @@ class GyroscopeParameters(SensorParameters, frozen=True):
 class MagnetometerParameters(SensorParameters, frozen=True):
     """Parameters of the HMC5883L (equations 4.6 to 4.8).
 
-    hard_iron: the constant field of magnetised parts near the chip, which is added to the earth's field (V).
-    earth_field: the earth's field if roll, pitch and yaw are 0 (H_rt).
-    board_azimuth, board_elevation: the inclination of the board, by which the field's direction is changed (Incl_PCB).
-    spherical: the method that adds the inclination to the field's azimuth and elevation (H_rp). "plain": with
+    hard_iron: the constant field of magnetised parts near the chip (V). It is added to the earth field.
+    earth_field: the earth field in the axes of a body whose roll, pitch and yaw are 0 (H_rt).
+    board_azimuth, board_elevation: the inclination of the board in the body (Incl_PCB).
+    spherical: the method that adds the inclination to the azimuth and elevation of the field (H_rp). "plain": with
         arctangents, as written in section 4.3.3. "four-quadrant": with atan2, which is the intended form. "rotation":
         with sines and cosines of the inclination only, which gives the values of "four-quadrant". The equations are in
         `chips.Magnetometer`.
     norm: the method for the length of a vector. "squares": the root of the sum of squares, as written in section 4.3.3.
-        "mag": `Arithmetic.mag` of two numbers at a time, in which no square overflows.
+        "mag": `Arithmetic.mag` of two numbers at a time, whose squares do not overflow in a Q format.
     """
 
     hard_iron: Annotated[Vector, Quantity("gauss", -8, 8, TABLE)] = (-0.16, 0.17, -0.02)
@@ -148,8 +157,8 @@ class ImuParameters(Checked, frozen=True):
     def check_period(self, runs: Fraction, what: str) -> None:
         """Raise BadParameter unless the models' period is `runs` seconds, within 0.1 %.
 
-        If the models run at another period, every rate is wrong by the ratio of the periods, and nothing else shows
-        this error.
+        If the models run at another period, every rate is wrong by the ratio of the periods. No other check detects
+        this mistake.
 
         runs: the period in seconds at which the models run.
         what: the occasion at which the models run, for the message, such as "once a round".

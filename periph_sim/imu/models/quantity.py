@@ -47,7 +47,7 @@ class Quantity(Struct, frozen=True):
 
 
 class Choice(Struct, frozen=True):
-    """Source of a parameter that selects one of several named alternatives."""
+    """Annotation of a parameter whose value is one of several names. source: the source of its default."""
 
     source: str
 
@@ -56,7 +56,7 @@ class Parameter(Struct, frozen=True):
     """One entry of a set of parameters, as declared by its annotation.
 
     kind: the type: Vector, float, int, a Literal, or a set of parameters.
-    says: the Quantity or Choice in the annotation; None if the entry is a set of parameters.
+    says: the Quantity or Choice in its annotation; None if the entry is itself a set of parameters.
     """
 
     name: str
@@ -76,7 +76,7 @@ def parameters_of(kind: type[Checked]) -> tuple[Parameter, ...]:
 
 
 class Checked(Struct, frozen=True):
-    """A set of parameters that checks itself at construction. Raise BadParameter for an invalid value."""
+    """Base of sets of parameters. The constructor raises BadParameter for an invalid value."""
 
     def __post_init__(self) -> None:
         for one in parameters_of(type(self)):
@@ -113,7 +113,7 @@ def _check_number(name: str, says: Quantity | None, number: object, whole: bool 
 
 
 def described(parameters: Checked) -> Iterator[tuple[str, object, str, str]]:
-    """Yield name, value, unit and source of every parameter of a set."""
+    """Yield name, value, unit and source of every parameter of a set, such as ("gyroscope.scale", 14.375, ...)."""
     for one in parameters_of(type(parameters)):
         value = getattr(parameters, one.name)
         if isinstance(value, Checked):

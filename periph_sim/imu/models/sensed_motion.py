@@ -23,7 +23,7 @@ STEP = 1e-4
 
 
 class SensedMotion:
-    """Exact readings of the sensors on a moving body.
+    """Exact readings of the sensors on a moving body, saturated but not rounded.
 
     imu: the parameters of the sensors.
     motion: the motion of the body, from time 0 on.
@@ -42,8 +42,8 @@ class SensedMotion:
         turned, body = self._turning(seconds)
         *_, x, y, z = self._motion.at(seconds)
         _, later = self._turning(seconds + STEP)
-        # The models calculate the derivatives of the rates from the rates of this sample and of the previous one. So
-        # the previous rates are extrapolated from the derivatives at this instant.
+        # The models calculate the derivatives of the body rates from this sample and the previous one. So the previous
+        # body rates are chosen so that the models' difference gives the derivatives at this instant.
         part = self._imu.period / STEP
         p, q, r = (now - (then - now) * part for now, then in zip(body, later, strict=True))
         inputs = Inputs(turned, (x, y, z), body, (p, q, r), noise or self._model.silence)

@@ -1,6 +1,7 @@
-"""Motions of the host: attitude and acceleration as functions of time.
+"""Motions, of which a host sends frames: attitude and acceleration as functions of time.
 
-Each file in this folder that has a function `motion` is a kind of motion, without any registration. The file defines
+Each file in this folder that has a function `motion` is a kind of motion. The files are found automatically. A file
+defines
 
     Settings             a dataclass of the keys of [host.motion], with units (`quantities`)
     motion(settings)     returns the `Motion`; raises BadMotion for invalid settings
@@ -37,14 +38,17 @@ class BadMotion(InputError):
 class Motion:
     """A motion from time 0 on.
 
-    ends: the time in seconds after which nothing changes any more; infinite if the motion continues.
+    ends: the time in seconds after which all values are constant; infinite if there is no such time.
     """
 
     ends: float
 
     @property
     def truth(self) -> Motion:
-        """The true motion of the body, which is another motion if the attitudes of this motion are coarse readings."""
+        """The true motion of the body.
+
+        It is this motion itself, unless the values of this motion are coarse readings of the true motion.
+        """
         return self
 
     def at(self, seconds: float) -> Sequence[float]:
@@ -52,7 +56,7 @@ class Motion:
         raise NotImplementedError
 
     def rates_at(self, seconds: float) -> Sequence[float]:
-        """Return the true rates of phi, theta, psi in rad/s; at a corner of the motion, the rates after the corner."""
+        """Return the true rates of phi, theta, psi in rad/s. If the rates jump at this time, return the later rates."""
         raise NotImplementedError
 
     def attitude(self, times: Floats) -> Floats:

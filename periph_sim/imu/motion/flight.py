@@ -3,8 +3,8 @@
     time [s],phi [deg],theta [deg],psi [deg],ax [g],ay [g],az [m/s^2]
 
 Angles are in rad, deg or mrad, and accelerations in g, mg or m/s^2. The columns may be in any order, and other columns
-are ignored. Roll and yaw are returned from -180 (not included) to 180 degrees, even if the file uses another range.
-The first row is at time 0 of the motion. After the last row, the values of the last row remain.
+are ignored. Angles are returned from -180 (not included) to 180 degrees, even if the file uses another range. The first
+row is at time 0 of the motion. After the last row, the values of the last row remain.
 """
 
 from __future__ import annotations
@@ -81,5 +81,5 @@ def _bad(path: Path, row: int, found: str, expected: str) -> BadMotion:
     return BadMotion(f"{path}, line {line_of_row(path, row)}: {found}; expected {expected}")
 
 
-# `motion` puts the angles of a row before the accelerations. A host frame must have the same order.
+# `motion` puts angles before accelerations in its rows. VALUES, the order of a host frame, must be the same.
 assert VALUES == ANGLES + ACCELERATIONS

@@ -18,7 +18,7 @@ class Held(Motion):
     """A motion that is constant between given times.
 
     times: one or more times in seconds, increasing.
-    rows: the six values from each time on.
+    rows: the six values from each time on, until the next time.
     """
 
     def __init__(self, times: Sequence[float], rows: Rows) -> None:
@@ -50,7 +50,7 @@ class Straight(Held):
         return self._slopes(seconds)[:3]
 
     def _slopes(self, seconds: float) -> Sequence[float]:
-        """Return the slopes of the six values; zeros before the first and after the last time."""
+        """Return the derivatives of the six values; zeros before the first and after the last time."""
         after = bisect_right(self._times, seconds)
         if not 0 < after < len(self._times):
             return (0.0,) * 6

@@ -35,9 +35,10 @@ def quantity(units: Mapping[str, float], least: float, most: float, value: objec
     """Parse a text such as "52.2 rpm" and convert it to the unit whose factor is 1.
 
     units: a dictionary from each accepted unit to its factor.
-    least, most: the limits of the converted number.
+    least, most: the inclusive limits of the converted number.
+    value: the text. A float is also accepted, as a number in the unit whose factor is 1.
 
-    Raise ValueError, whose message says what is expected, if the text is invalid.
+    Raise ValueError, whose message says what is expected, if the value is invalid.
     """
     example = " or ".join(units)
     if isinstance(value, float):  # a default value, or a value from Settings that were built in Python
@@ -59,7 +60,10 @@ def quantity(units: Mapping[str, float], least: float, most: float, value: objec
 
 
 def shown(most: float, unit: str, least: float | None = None) -> str:
-    """Format the range from `least` to `most`, or from -most to `most` if `least` is None."""
+    """Format the range from `least` to `most`, or from -most to `most` if `least` is None.
+
+    If `most` is infinite, only the lower limit is shown.
+    """
     low = -most if least is None else least
     if most == inf:
         return f"{low:g} {unit} or more"

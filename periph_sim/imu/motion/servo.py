@@ -1,6 +1,6 @@
 """Motion of the moving experiment: three servos move one after the other. Their positions are read and interpolated.
 
-    0 --fast--> +swing, hold, --slow--> -swing, hold, and so on, --fast--> 0, hold: pitch, then yaw, then roll
+    pitch: 0 --fast--> +limit, hold, --slow--> -limit, hold, and so on, --fast--> 0, hold; then yaw, then roll
 
 Dissertation section 5.3: 52.2 and 2.9 rpm, 50, 50 and 80 degrees, servos AX-18A with a resolution of 0.29 degrees. The
 positions of the servos were read over a slow serial line, and interpolated before they were sent to the emulator. The
@@ -35,8 +35,8 @@ class Settings:
     fast: the rate of motions from 0 or the negative limit to the positive limit, and of the last motion back to 0.
     slow: the rate of motions from the positive to the negative limit.
     hold: the duration of a hold after each motion.
-    swings: the number of swings of each servo.
-    resolution: the resolution of the positions; 0 for exact positions.
+    swings: the number of swings of each servo. A swing goes to the positive and then to the negative limit.
+    resolution: the step to whose multiples the positions that are read are rounded; 0 for exact positions.
     read_every: the time between two readings; 0 if positions are read continuously, so that nothing is interpolated.
     interpolate: the interpolation between readings: "straight" for a line, "hold" for the value of the last reading.
     """
@@ -54,7 +54,7 @@ class Settings:
 
 
 def path(settings: Settings) -> Straight:
-    """Return the exact motion of the servos, which is neither rounded nor sampled."""
+    """Return the true motion of the servos, without rounding to their resolution and without interpolation."""
     times, poses = [0.0], [[0.0] * 6]
 
     def go(angle: str, to: float, rate: float) -> None:
@@ -77,7 +77,7 @@ def path(settings: Settings) -> Straight:
 
 
 class Servo(Motion):
-    """The motion of the servos: the attitude that is read from the servos, and their true rates.
+    """The motion of the servos: the attitude as read from the servos and interpolated, and the true rates.
 
     The servos rotate the sensors about the sensors' own position, so there is no acceleration.
     """
@@ -117,7 +117,7 @@ class Servo(Motion):
 
 
 def motion(settings: Settings) -> Servo:
-    """Build the motion. Raise BadMotion if the resolution is impossible, or if positions would be read too often."""
+    """Build the motion. Raise BadMotion if the resolution is invalid, or if too many positions would be read."""
     if settings.resolution < 0:
         raise BadMotion(f"resolution: it is {settings.resolution:g} rad; expected 0 rad or more")
     if 0 < settings.resolution < LEAST_RESOLUTION:

@@ -37,7 +37,7 @@ class AccelerationWave(Table, frozen=True):
 
 @dataclass(frozen=True)
 class Settings:
-    """The settings of the waves. mean: the values to which the waves are added."""
+    """The settings of the motion. mean: the values to which the waves are added."""
 
     angles: tuple[AngleWave, ...] = ()
     accelerations: tuple[AccelerationWave, ...] = ()

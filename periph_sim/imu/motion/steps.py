@@ -15,7 +15,7 @@ from .quantities import LEVEL, Acceleration, Angle, Pose, Seconds, row
 
 @dataclass(frozen=True)
 class Step:
-    """A step at the time `at`, which sets the values that are not None. The others do not change."""
+    """A step at the time `at`. Values that are not None change to the given values; the others do not change."""
 
     at: Seconds
     phi: Angle | None = None

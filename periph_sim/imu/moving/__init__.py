@@ -1,8 +1,10 @@
-"""The moving experiment: emulator and real chips measure the same motion, and the same filter estimates attitudes.
+"""The moving experiment: emulator and real sensors measure the same motion, and the same filter estimates attitudes.
 
-    case --emulator--> SCI, firmware, I2C --+
-         --chips-----> ITG-3200 ... , I2C --+--> sensor head --> units --> minus known biases --> EKF --> attitudes
-         --direct----> no wires ------------+
+    emulator:     host --SCI--> firmware --I2C--> sensor head -------+
+    real sensors: ITG-3200, ADXL345, HMC5883L --I2C--> sensor head --+--> units, minus biases --> EKF --> attitudes
+
+"Real sensors" are simulated chips that sense the true motion. Both readings can also be calculated without simulated
+wires. EKF is the extended Kalman filter of `attitude`.
 
 Dissertation section 5.3 with Figures 5.4 to 5.6, and appendix B.
 """

@@ -6,9 +6,9 @@ emulator, gyroscope corrected  --EKF--> attitudes C     in degrees, one row per 
 
 EKF is the extended Kalman filter of `attitude`.
 
-The emulator's answers are older than a chip's samples, because a frame waits for the models, and the results of the
-models wait for the next round. While the body turns, this delay causes an angle error that is not due to the models. So
-the delay with which both series of attitudes fit best is reported separately.
+The emulator's readings are older than a chip's samples, because a frame waits until the models run, and the results of
+the models wait until the next round. While the body turns, this delay causes an angle error that is not due to the
+models. So the delay at which the attitudes of the real sensors fit those of the emulator best is reported separately.
 """
 
 from __future__ import annotations
@@ -72,9 +72,11 @@ def lag_between(times: Floats, late: Floats, other: Floats) -> Lag:
 
 
 def _at(instants: Floats, times: Floats, attitudes: Floats) -> Floats:
-    """Return the attitudes at some instants.
+    """Return the attitudes at the times `instants`, float64[n, 4].
 
     Quaternions are interpolated linearly and normalised, which is accurate enough for steps of a few degrees.
+
+    times, attitudes: the times and quaternions between which the function interpolates.
     """
     between = np.stack([np.interp(instants, times, column) for column in attitudes.T], axis=1)
     return np.asarray(between / np.linalg.norm(between, axis=1, keepdims=True), np.float64)
@@ -87,7 +89,8 @@ def _continuous(attitudes: Floats) -> Floats:
     return np.asarray(attitudes * signs[:, np.newaxis], np.float64)
 
 
-# Three bits for START, repeated START and STOP; nine bits for each of two addresses, a pointer and six data bytes.
+# Duration of a request in I2C bit times: START, repeated START and STOP take one each. Two addresses, the register
+# pointer and six data bytes take nine each.
 BITS_OF_REQUEST = 3 + 9 * 9
 BITS_OF_BYTE = 10  # number of bits of a character: start bit, eight data bits, stop bit
 
@@ -96,7 +99,7 @@ def computed_emulator(subject: EmulatorUnderTest, frames: Ints | None = None) ->
     """Return the readings of the emulator, calculated without wires.
 
     Run n of the models uses sample n of the noise. A run before the first frame uses zeros and does not affect later
-    runs. The rates at the first frame are zero, as in the firmware.
+    runs. The run with the first frame calculates with rates of zero, as in the firmware.
 
     frames: for each run of the models, the number of the frame that the run uses, -1 for none; the result then has one
         row per run. If it is None, the frames follow from a schedule without jitter, and the result has one row per
@@ -114,7 +117,7 @@ def computed_emulator(subject: EmulatorUnderTest, frames: Ints | None = None) ->
 
 
 def computed_sensors(subject: EmulatorUnderTest) -> Readings:
-    """Return the readings of real sensors that sample when a round is due.
+    """Return the readings of real sensors that sample when a round is due, calculated without wires.
 
     The noise of the real sensors is independent of the emulator's noise.
     """
@@ -130,8 +133,8 @@ def frames_by_schedule(subject: EmulatorUnderTest) -> Ints:
     """Return, for each round, the number of the frame whose values are read if nothing is late; -1 for no frame."""
     host, controller = subject.host, subject.controller
     request = BITS_OF_REQUEST / controller.rate + controller.gap
-    over = controller.first + 3 * request - controller.gap  # time of the end of round 0, when the models begin
-    # The time at which frame 0 ends.
+    over = controller.first + 3 * request - controller.gap  # time at which round 0 ends, and the models begin, in s
+    # The time at which frame 0 ends, in s.
     sent = host.first + (FRAME_BYTES * BITS_OF_BYTE + (FRAME_BYTES - 1) * host.gap) / host.baud
     found = [-1]
     for number in range(1, subject.rounds):
@@ -155,7 +158,7 @@ RATES: tuple[Rates, ...] = ("as built", "corrected")
 
 @dataclass(frozen=True)
 class FilteredReadings:
-    """Readings and attitudes of the real sensors or of the emulator.
+    """Readings of the real sensors or of the emulator, and the attitudes that the filter estimates from them.
 
     readings: the readings of the three chips in all rounds that were completed.
     attitudes: the attitudes that the filter estimates in the rounds of `MovingOutcome.seconds`, float64[n, 4].
@@ -184,7 +187,8 @@ class MovingOutcome:
     seconds: the due times of the rounds that were completed with real sensors and with both emulators, float64[n].
     truth: the true attitudes at these times, float64[n, 4].
     real: the estimate from the real sensors.
-    emulated: a dictionary from the kind of the gyroscope's rates to the estimate from the emulator.
+    emulated: a dictionary from the kind of the gyroscope's rates, "as built" or "corrected", to the estimate from the
+        emulator.
     bytes: the comparison of the bytes; None if the experiment had no wires.
     """
 
@@ -196,7 +200,10 @@ class MovingOutcome:
     bytes: Bytes | None
 
     def apart(self) -> dict[str, AttitudeErrors]:
-        """Return a dictionary from the name of a comparison to its errors, in the order in which reports show them."""
+        """Return a dictionary from the name of a comparison, such as "real sensors less truth", to its differences.
+
+        The comparisons have the order in which reports show them.
+        """
         found = {"real sensors less truth": errors(self.real.attitudes, self.truth)}
         for rates, one in self.emulated.items():
             found[f"emulator {rates} less truth"] = errors(one.attitudes, self.truth)
@@ -262,7 +269,11 @@ def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], Non
 
 
 def _different(came: on_wires.Emulated, computed: Readings) -> int:
-    """Return the number of bytes that were read over wires and differ from the bytes calculated without wires."""
+    """Return the number of bytes that were read over wires and differ from the bytes calculated without wires.
+
+    came: the readings over wires, one row per round.
+    computed: the calculated readings, one row per run of the models.
+    """
     found = 0
     for name, codes in came.readings.codes.items():
         apart = (codes ^ computed.codes[name][came.runs]) & 0xFFFF

@@ -1,6 +1,7 @@
 """The moving experiment over simulated wires: the codes that the sensor head reads in each round.
 
-emulator   host --SCI--> firmware --I2C--> head     chips   motion --> ITG-3200, ADXL345, HMC5883L --I2C--> head
+emulator   host --SCI--> firmware --I2C--> sensor head
+chips      motion --> ITG-3200, ADXL345, HMC5883L --I2C--> sensor head
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ from .subject import EmulatorUnderTest
 
 Progress = Callable[[float], None]
 
-# The registers of the chips before the run. They have the values that the drivers in `sensors.SENSORS` write.
+# For each sensor, its model and the contents of its registers before the run. The contents are the values that the
+# start-up requests in `sensors.SENSORS` write.
 REAL: dict[str, dict[str, Any]] = {
     "gyroscope": {"model": "itg3200", "registers": {"PWR_MGM": 0x01, "SMPLRT_DIV": 0x00, "DLPF_FS": 0x1B}},
     "accelerometer": {"model": "adxl345", "registers": {"BW_RATE": 0x0A, "DATA_FORMAT": 0x08, "POWER_CTL": 0x08}},
@@ -62,7 +64,7 @@ class ModelRuns:
         self.runs: list[int] = []
         self._sent = [-1]  # numbers of the frames that were sent; -1 before the first frame
         self._taken = 0  # number of frames that firmware has read
-        self._waiting = 0  # number of words in the FIFO
+        self._waiting = 0  # number of words in the receive FIFO
         self._begun_with: list[int] = []  # for each model run, the number of frames read when the run began
         self._ended = 0  # number of runs of the models that have ended
 
@@ -102,7 +104,7 @@ class ModelRuns:
 
 
 def emulator(subject: EmulatorUnderTest, progress: Progress | None = None) -> Emulated:
-    """Simulate the host's frames through SCI, firmware and I2C. Return what the sensor head reads."""
+    """Simulate the host, the emulator and the sensor head. Return the readings of the emulator."""
     observer = ModelRuns()
     scene = Scene(subject.case, observer.subscribe)
     observer.listen(scene)
@@ -124,7 +126,7 @@ def chips(subject: EmulatorUnderTest, progress: Progress | None = None) -> Readi
 
 
 def sources(subject: EmulatorUnderTest, ticks: int, start: int) -> dict[str, Source]:
-    """Return a dictionary from the name of a chip to the function that gives the chip's input at a tick, in its unit.
+    """Return a dictionary from the name of a chip to a function from a tick to the chip's input x, y, z in its unit.
 
     The input includes cross-axis sensitivity, bias and noise. Sample n of the noise is used from n to n + 1 periods of
     the models, because the density of the noise refers to the sample rate of the models.

@@ -23,12 +23,13 @@ from ..sensors import SENSORS
 
 @dataclass(frozen=True)
 class EmulatorUnderTest:
-    """The case of a moving experiment, and what the experiment uses of it.
+    """The case of a moving experiment, and the parts of it that the experiment uses.
 
-    unit: the name of the unit whose firmware is the emulator.
+    unit: the name of the F28335 in the case whose firmware is the emulator.
     sensors: the parameters of the emulator's sensor models.
     arithmetic: the name of the emulator's arithmetic.
     seed: the seed of the emulator's noise; None for no noise.
+    host, controller: the tables [host] and [controller] of the case.
     frames: the frames of the host.
     duration: the duration of the experiment in seconds.
     """
@@ -69,7 +70,8 @@ def subject_of(case: Case, duration: Fraction | None = None) -> EmulatorUnderTes
 
     duration: the duration of the experiment in seconds; None for the duration of the case.
     """
-    case = case.model_copy(update={"budget": (), "breaks": ()})  # The copy still knows the file for messages.
+    # The experiment uses neither budgets nor breaks. The copy still contains the name of the file, for messages.
+    case = case.model_copy(update={"budget": (), "breaks": ()})
     scene = Scene(case)
     if case.host is None or not isinstance(scene.frames, MotionFrames):
         raise case.mistake("a moving experiment needs a motion; give host.motion", "host")

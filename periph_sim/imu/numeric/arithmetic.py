@@ -20,16 +20,19 @@ Rounding = Literal["nearest", "floor", "toward zero"]
 class Arithmetic(Protocol[T]):
     """A kind of numbers and the operations on them.
 
-    No operation raises an exception for any value. Each arithmetic documents its results for special values.
+    No operation except `constant` raises an exception. Each arithmetic documents its results for special values, such
+    as overflows and divisions by 0.
 
     name: the name of the arithmetic in tables.
-    constant: the conversion of a constant, which happens when a program is compiled and takes no time when it runs.
     """
 
     name: str
 
     def constant(self, value: float) -> T:
-        """Return the number nearest to `value`."""
+        """Return the number nearest to `value`. A compiler does this conversion, so it costs no cycles at run time.
+
+        Raise DoesNotFit if a Q format cannot hold the value.
+        """
 
     def value(self, x: T) -> Any:
         """Return the value of a number of this kind as a float, or as float64[n] if T is an array."""
@@ -45,10 +48,10 @@ class Arithmetic(Protocol[T]):
     def sqrt(self, x: T) -> T: ...
 
     def mag(self, x: T, y: T) -> T:
-        """Return the square root of x**2 + y**2. The squares need not be representable in this kind of numbers."""
+        """Return the square root of x**2 + y**2. Except in float32, the squares cannot overflow."""
 
     def sincos(self, x: T) -> tuple[T, T]:
-        """Return the sine and the cosine of an angle, since all models need both."""
+        """Return the sine and the cosine of an angle."""
 
     def atan(self, x: T) -> T: ...
 
@@ -56,13 +59,13 @@ class Arithmetic(Protocol[T]):
         """Return the angle of the point (x, y), from -pi to pi."""
 
     def select_greater(self, x: T, y: T, yes: T, no: T) -> T:
-        """Return `yes` where x > y, else `no`."""
+        """Return `yes` if x > y, else `no`; for arrays, element by element."""
 
     def clamp(self, x: T, low: T, high: T) -> T:
         """Return x limited to the range from low to high."""
 
     def to_integer(self, x: T, rounding: Rounding) -> T:
-        """Round x to a whole number. The result is a count of LSB and no longer a number of this kind."""
+        """Round x to a whole number. In a Q format, the result is a plain int, which does not mean value * 2**bits."""
 
 
 class Vectors(Generic[T]):
@@ -111,7 +114,7 @@ class Vectors(Generic[T]):
         return self._a.add(mul(c, x), mul(s, y)), self._a.sub(mul(c, y), mul(s, x))
 
     def whole(self, u: Triple[T], low: T, high: T, rounding: Rounding) -> Triple[T]:
-        """Limit the numbers of u to the range from low to high, and round them to whole numbers of LSB."""
+        """Limit the numbers of u to the range from low to high, and round them to whole numbers (`to_integer`)."""
         clamp, to_integer = self._a.clamp, self._a.to_integer
         x, y, z = clamp(u[0], low, high), clamp(u[1], low, high), clamp(u[2], low, high)
         return to_integer(x, rounding), to_integer(y, rounding), to_integer(z, rounding)

@@ -33,7 +33,7 @@ def scalar(name: str) -> Arithmetic[Any]:
     if name == "float64":
         return Float64()
     if name == "float32":
-        from .float32 import Float32  # The import is here, because float32 uses numpy even for single numbers.
+        from .float32 import Float32  # This import is here, because it imports numpy, which takes long.
 
         return Float32()
     found = re.fullmatch(r"q(\d{1,3})( saturating| rounded)?", name)
@@ -42,7 +42,8 @@ def scalar(name: str) -> Arithmetic[Any]:
     bits = int(found[1])
     if found[2] is None:
         return Q(bits)
-    return RoundedQ(bits, "wrap" if found[2] == " rounded" else "saturate")  # A saturated product is also rounded.
+    # The saturating product of IQmath, IQrsmpy, also rounds.
+    return RoundedQ(bits, "wrap" if found[2] == " rounded" else "saturate")
 
 
 def library(name: str) -> Library:

@@ -1,6 +1,6 @@
 """Estimate of the cycles that a model takes, from the counts of its operations and the costs of a library.
 
-    {"gyroscope": {"mul": 15, ...}, ...} x costs --> Estimate --> total, per part, per kind, rest of a measured time
+    {"gyroscope": {"mul": 15, ...}, ...}, costs --> Estimate --> cycles in total and per part, rest of a measured time
 
 The estimate includes the operations of the equations, and loads and stores of their operands. A load or store is
 assumed to take one cycle per number, in memory without wait states; no number is assumed to stay in a register. The
@@ -24,7 +24,7 @@ from msgspec import Struct, field
 
 Tables = Literal["RAM", "boot ROM"]
 
-# A dictionary from each operation to its number of operands and results.
+# For each operation, the number of its operands and results, each of which is loaded or stored.
 OPERANDS = {
     "scaled": 2,
     "add": 3,
@@ -223,7 +223,12 @@ class Estimate(Struct, frozen=True):
         return Fraction(self.low + self.high, 2) / SYSCLK
 
     def left_of(self, measured: Fraction = MEASURED) -> tuple[int, int]:
-        """Return the range of the cycles of a measured time in seconds that the estimate does not explain."""
+        """Return the least and the most cycles of a measured time that the estimate does not explain.
+
+        A number is negative if the estimate is longer than the measured time.
+
+        measured: the measured time in seconds.
+        """
         cycles = round(measured * SYSCLK)
         return cycles - self.high, cycles - self.low
 
@@ -232,6 +237,7 @@ def estimate(counts: Mapping[str, Mapping[str, int]], library: Library, tables: 
     """Estimate the cycles of a model.
 
     counts: a dictionary from each part of the model to the number of operations of each kind.
+    tables: the memory that contains the tables of the library.
     """
     parts: dict[str, tuple[int, int]] = {}
     total: Counter[str] = Counter()

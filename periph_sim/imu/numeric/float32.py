@@ -68,7 +68,7 @@ class Float32:
         return -x
 
     def sqrt(self, x: Singles) -> Singles:
-        """Return x times the reciprocal of the root of x. The reciprocal and the product are rounded."""
+        """Return x times the reciprocal of the root of x; 0 if x is 0. The reciprocal and the product are rounded."""
         return np.where(x == 0, np.float32(0), _flushed(x * _flushed(np.reciprocal(np.sqrt(x)))))
 
     def mag(self, x: Singles, y: Singles) -> Singles:
@@ -123,12 +123,12 @@ def _comparable(x: Singles) -> Singles:
 
 
 def _step(angle: Singles) -> tuple[Any, Singles]:
-    """Return the step of the sine table for an angle, 0 to 511, and the rest of the angle after the step in radians."""
+    """Return the index of an angle in the sine table, 0 to 511, and the rest of the angle beyond this entry in rad."""
     exact = _flushed(angle * STEPS_PER_RADIAN)
     whole = np.trunc(exact)
     return _whole(np.remainder(whole, np.float32(TURN)), TURN - 1), _flushed(_flushed(exact - whole) * RADIANS_PER_STEP)
 
 
 def _whole(x: Singles, most: int) -> Any:
-    """Convert a number to an index of a table, 0 to `most`. For a NaN, the index does not matter and is 0."""
+    """Convert a number to an index of a table, 0 to `most`. For a NaN, any index is right, and 0 is returned."""
     return np.nan_to_num(np.clip(x, 0, most), nan=0.0).astype(np.intp)

@@ -1,9 +1,10 @@
-"""Fixed point as in TI's IQmath: 32-bit numbers with a given number of fraction bits, for single numbers.
+"""Fixed point as in TI's IQmath: 32-bit numbers with a given number of fraction bits, one at a time.
 
     value * 2**bits --> int32 --> add, mul, sin ... --> int32
 
-Overflows wrap, as in additions and IQmpy, or saturate, as with the overflow mode and in IQrsmpy. Products are truncated
-(IQmpy) or rounded (IQrmpy, IQrsmpy). `overflows` counts the results that did not fit and so wrapped or saturated.
+Overflows wrap, as in plain additions and IQmpy, or saturate, as in additions with the CPU's overflow mode (OVM) and in
+IQrsmpy. Products are truncated (IQmpy) or rounded (IQrmpy, IQrsmpy). `overflows` counts the results that did not fit
+and so wrapped or saturated.
 
 IQdiv, IQsqrt and IQmag always saturate. x/0 is the largest number, also for 0/0 and for negative x.
 
@@ -39,20 +40,21 @@ SIXTH = 0x2AAA  # 1/6 in Q16
 SINE = [round(value * Q30) for value in SINES]
 COSINE = [round(value * Q30) for value in COSINES]
 A0, A1, A2 = ([round(a[i] * Q30) for a in ARCTANGENT] for i in range(3))
-A0[0] = max(A0[0], 0)  # The sources shift the angle as an unsigned number, so it is not negative.
+A0[0] = max(A0[0], 0)  # The sources shift angles as unsigned numbers, so a fitted A0 below 0 is set to 0.
 
 
 def sine_and_cosine(angle: int, bits: int) -> tuple[int, int]:
     """Return the sine and the cosine of an angle in rad. All three numbers have `bits` fraction bits.
 
-    The angle is a step of the table plus a rest x. With the sine s and the cosine c of the step, the sine of the angle
-    is s + x (c + x (-s/2 - x c/6)), and the cosine is c + x (-s + x (-c/2 + x s/6)).
+    The angle is that of an entry k of the tables plus a rest x. With the sine s and the cosine c of the entry, the sine
+    of the angle is s + x (c + x (-s/2 - x c/6)), and the cosine is c + x (-s + x (-c/2 + x s/6)).
     """
-    exact: int = abs(angle) * STEPS_PER_RADIAN  # with bits + 24 fraction bits, in 62 bits
-    # Now with 32 fraction bits. Only the lower 41 bits count; without the mask, the left shift would exceed 64 bits.
+    exact: int = abs(angle) * STEPS_PER_RADIAN  # the angle in entries with bits + 24 fraction bits; fits 62 bits
+    # The angle in entries with 32 fraction bits. Only the lower 41 bits count; without the mask, the left shift would
+    # exceed 64 bits.
     exact = exact >> (bits - 8) if bits >= 8 else (exact & 0x1FF_FFFF_FFFF) << (8 - bits)
     k: int = (exact >> 32) & (TURN - 1)
-    x: int = (exact & 0xFFFFFFFF) * RADIANS_PER_STEP >> 32  # in rad with 32 fraction bits
+    x: int = (exact & 0xFFFFFFFF) * RADIANS_PER_STEP >> 32  # the rest in rad with 32 fraction bits
     s: int = SINE[k]
     c: int = COSINE[k]
     up: int = s + (x * (c + (x * ((-s >> 1) - (x * c >> 48) * SIXTH) >> 32)) >> 32) >> (30 - bits)
@@ -90,7 +92,7 @@ def root_of(square: BigInt) -> int:
 
 
 def length_of(x: BigInt, y: BigInt) -> int:
-    """Return the root of x*x + y*y, without overflow."""
+    """Return the root of x*x + y*y, rounded to nearest. The squares cannot overflow."""
     return root_of(x * x + y * y)
 
 
@@ -105,7 +107,7 @@ class DoesNotFit(InputError):
 
 
 def nearest_in(value: float, bits: BigInt) -> BigInt:
-    """Return the raw number nearest to a value. Raise DoesNotFit if the format cannot hold the value."""
+    """Return the integer nearest to value * 2**bits. Raise DoesNotFit if it exceeds 32 bits, or for NaN."""
     if isnan(value):
         raise DoesNotFit(f"nan is no number; Q{bits} has none for it")
     raw = floor(value * (1 << bits) + 0.5) if abs(value) < 1 << 40 else HIGH + 1
@@ -119,7 +121,7 @@ constant_in = lru_cache(maxsize=4096)(nearest_in)  # Scenes of one case use the 
 
 
 def factor_of(lsb: float, bits: int) -> tuple[int, int]:
-    """Return a factor of 30 bits and a shift: (count * factor) >> shift is count * lsb with `bits` fraction bits.
+    """Return a factor of 30 bits and a shift, so that (count * factor) >> shift is count * lsb in Q`bits`.
 
     A factor with `bits` fraction bits would be too coarse: 1e-4 rad is 6.55 / 2**16, which Q16 rounds to 7 / 2**16.
     """
@@ -130,8 +132,8 @@ def factor_of(lsb: float, bits: int) -> tuple[int, int]:
 class Q:
     """The arithmetic of a Q format for single numbers. T is int and means value * 2**bits.
 
-    Frequently called methods contain the limits as literals, because the look-up of names would take a tenth of their
-    time.
+    The methods that are called most contain the limits of 32 bits as literals, because looking up the names LOW and
+    HIGH would take a tenth of their time.
 
     overflows: the number of results so far that did not fit the format.
     """

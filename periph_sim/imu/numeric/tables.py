@@ -20,7 +20,7 @@ COSINES: tuple[float, ...] = tuple(cos(2 * pi * k / TURN) for k in range(TURN))
 
 
 def _parabola(low: float, high: float) -> tuple[float, float, float]:
-    """Return a0, a1, a2 with which a0 + r (a1 + a2 r) approximates atan(r) from low to high."""
+    """Return a0, a1, a2 with which a0 + r (a1 + a2 r) approximates atan(r) for r from `low` to `high`."""
     middle, half = (low + high) / 2, (high - low) / 2
     x = [middle + half * cos(pi * (2 * i + 1) / 6) for i in range(3)]
     y = [atan(at) for at in x]

@@ -1,7 +1,8 @@
 """TI's requirements on the I2C module's settings, with a "duty" note for each violation.
 
-Each limit is checked where it begins to apply: the clock and the own address when IRS becomes 1, the rate of SCL and
-the sent address at each START. Times are computed from the SYSCLKOUT that the owner sets.
+Each limit is checked when it begins to apply. For the module clock and the own address, this is when IRS becomes 1 and
+at each later change. For the rate of SCL and the sent address, it is at each START. Times are computed from the
+frequency of SYSCLKOUT that the owner sets.
 
 Source: SPRUG03B sections 1.1, 1.4, 5.7, 5.8, 5.9; SPRS439M Table 6-31.
 """
@@ -33,10 +34,10 @@ class I2cLimits:
     def __init__(self, state: I2cRegisters) -> None:
         self.sysclk_hz: Fraction = Fraction(150_000_000)
         self._state = state
-        # The last settings that had no violation are not checked again.
+        # These settings had no violation when they were last checked. They are not checked again.
         self._clock_within_tm = 0  # I2CPSC + 1 of the last setting without a violation
         self._clock_within_hz: Fraction = self.sysclk_hz  # frequency of SYSCLKOUT with that setting
-        # Last low and high cycles of SCL without a violation, and the frequency of SYSCLKOUT.
+        # (low cycles of SCL, high cycles, frequency of SYSCLKOUT) of the last setting without a violation.
         self._within = (0, 0, self.sysclk_hz)
 
     def module_clock(self) -> None:
@@ -55,7 +56,7 @@ class I2cLimits:
             )
 
     def address(self, name: str, value: int) -> None:
-        """Check I2COAR or I2CSAR."""
+        """Add a note if XA = 0 and I2COAR or I2CSAR has bits beyond the 7-bit address. name: that of the register."""
         if value & BEYOND_7_BITS and not self._state.mdr & MDR_XA:
             self._state.duty(
                 f"{name} = {value:#05x} has bits 9 to 7 set with XA = 0; expected 0 there", "SPRUG03B §5.8, §5.9"
@@ -84,7 +85,10 @@ class I2cLimits:
             self._within = given
 
     def start_commanded(self, bus_busy: bool) -> None:
-        """Check BB when STT is set. bus_busy: True during a transfer, even one that began while IRS was 0."""
+        """Add a note if I2CSTR.BB is not `bus_busy` when STT is set.
+
+        bus_busy: True during a transfer, even one that began while IRS was 0.
+        """
         shown = bool(self._state.str & STR_BB)
         if shown != bus_busy:
             self._state.duty(

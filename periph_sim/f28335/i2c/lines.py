@@ -7,10 +7,11 @@ The CPU's side is in `module`.
 Source: SPRUG03B; clock gate SPRUFB0D section 5.1.
 
 Chosen:
-- With the clock gated off the module releases both lines and ignores them; its registers keep their values.
+- While its clock is off, the module releases both lines and ignores their levels. Its registers keep their values.
 - An edge takes effect one filter width later; a pulse that is shorter than this width has no effect.
-- After a debugger halt, a slave holds SCL low from the fall that ends the present byte. With `free_slave_unit` =
-  whole_transfer, it completes the present transfer, and holds SCL low from the first fall of the next transfer.
+- After a debugger halt with FREE = 0, a slave holds SCL low from the fall that ends the present byte. With
+  `free_slave_unit` = whole_transfer, it completes the present transfer, and holds SCL low from the first fall of the
+  next transfer.
 """
 
 # core: compiled without checks for None
@@ -53,7 +54,7 @@ class I2cLines(Chip):
         self.target = I2cSlave(self.state)
         self.limits = I2cLimits(self.state)
         self.master = I2cMaster(self.state, self.limits)
-        self._timer = NEVER  # cycle of the next internal timer, as computed after the last input
+        self._timer = NEVER  # cycle of the next event that is not an edge, as computed by `_next_timer`
         self.out = self._pins = BOTH
         self.notes, self.touched = self.state.notes, self.state.touched
         self._clocked = self._suspended = False
@@ -61,7 +62,7 @@ class I2cLines(Chip):
         self.filter_width = self.state.filter_width
         self._bus_busy = False  # True between a START and a STOP, even if they came while IRS was 0
         self._frozen_pull = 0  # mask of the lines that a halted slave pulls until the CPU resumes
-        self._readable = -1  # result of `I2cRegisters.readable` after the last edge or timer; -1 after another input
+        self._readable = -1  # result of `I2cRegisters.readable` after the last edge or timer; -1 after any other input
 
     # Pins ------------------------------------------------------------------------
 
@@ -85,7 +86,7 @@ class I2cLines(Chip):
         return WAKE_CHANGED
 
     def _update_lines(self, now: int, levels: int) -> None:
-        """Apply the levels of the bus, or in loopback the module's own outputs."""
+        """Apply `levels` to the inputs: the levels of the bus or, in loopback, of the module's own outputs."""
         lines, master = self._lines, self.master
         if master.active:
             master.lines_changed(now, levels)
@@ -99,7 +100,7 @@ class I2cLines(Chip):
             self._lines_moved(now)
 
     def _lines_moved(self, now: int) -> None:
-        """Process a change after the filter; if both lines change at once, only the edge of SCL counts."""
+        """Process the filtered edges of cycle `now`. If both lines change at once, only the edge of SCL counts."""
         before, levels = self._lines.levels, self._lines.apply_due(now)
         if before & levels & SCL:
             self._bus_busy = not levels & SDA
@@ -171,7 +172,7 @@ class I2cLines(Chip):
         return self.state.code_at if self.state.code_at < timer else timer
 
     def next_output(self) -> int:
-        """Return the cycle of the next timer, or of an earlier filtered edge that does more than shift a bit."""
+        """Return the first cycle at which a timer is due, or a filtered edge does more than shift a bit."""
         return min(self._timer, self._lines.visible_due(self.silent_edges(behind_filter=True)))
 
     def silent_edges(self, behind_filter: bool = False) -> int:
@@ -183,7 +184,8 @@ class I2cLines(Chip):
         """
         if self.state.mdr & MDR_DLB or self._suspended or self.master.answers_edges():
             return -1
-        # With this option SDA can delay an edge of SCL, so that even a pulse longer than the filter width may vanish.
+        # With this option, an edge of SDA can delay an edge of SCL. So even a pulse of SCL that is longer than the
+        # filter width may vanish.
         if self._lines.unequal_arrival.unrecorded():
             return -1
         silent = self.target.silent_edges(bool(self._lines.levels & SCL))
@@ -192,7 +194,7 @@ class I2cLines(Chip):
     # Skipped bits (see `bus.i2c.bit_skip`) -----------------------------------------
 
     def waits_for_byte(self, clocks: bool) -> bool:
-        """Return True if the first bit of a byte is next, and the module only shifts bits before the eighth one.
+        """Return True if SCL is low before the first bit of a byte, and the module only shifts the first seven bits.
 
         clocks: True if this module generates SCL during the byte.
         """
@@ -206,7 +208,7 @@ class I2cLines(Chip):
         return not self.target.follows() or (self._clocked and self.target.waits_for_byte())
 
     def only_clocks_byte(self) -> bool:
-        """Return True if the module, as the master, does nothing but transfer a byte of eight bits."""
+        """Return True if the module does nothing but transfer a byte of eight bits as the master."""
         if not self._clocked or self.state.mdr & (MDR_DLB | MDR_FDF):
             return False
         return self.target.is_not_addressed() and self.master.only_clocks()
@@ -216,7 +218,7 @@ class I2cLines(Chip):
         return self.master.byte() if self.master.active else self.target.byte()
 
     def set_bit_position(self, shown: int, bit: int) -> None:
-        """Set the state that the module has when the bus has shown `bit` bits, 0 or 7, of the byte `shown`."""
+        """Set the state that the module has after `bit` bits, 0 or 7, of the byte `shown` have passed on the bus."""
         self._pins = self.master.lines = SDA if shown >> (7 - bit) & 1 else 0
         self._lines.settle(self._pins)
         self.target.set_bit_position(shown, bit)
@@ -274,7 +276,7 @@ class I2cLines(Chip):
         return True
 
     def gate(self, now: int, on: bool) -> None:
-        """Switch the module's clock: PCLKCR0.I2CAENCLK takes effect at `now`."""
+        """Switch the module's clock on or off at `now` (PCLKCR0.I2CAENCLK)."""
         self.writes += 1
         self._advance(now)
         if on != self._clocked:
@@ -285,7 +287,7 @@ class I2cLines(Chip):
         self._plan()
 
     def suspend(self, now: int, on: bool) -> None:
-        """Halt at a breakpoint (on = True) unless FREE = 1, or resume."""
+        """Halt as at a breakpoint, unless FREE = 1. If `on` is False, resume."""
         self._advance(now)
         self._suspended = on and not self.state.mdr & MDR_FREE
         if self._suspended:

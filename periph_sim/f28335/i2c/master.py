@@ -1,4 +1,4 @@
-"""The I2C module as master: executes the commands in I2CMDR bit by bit on SCL and SDA, and sets flags.
+"""The I2C module as master: executes the commands STT and STP of I2CMDR on SCL and SDA, bit by bit, and sets flags.
 
     STT --> START --> [START byte] --> address --> data --> hold, repeated START, or STOP
 
@@ -7,8 +7,8 @@
 Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
 
 Chosen:
-- SDA changes one module clock after SCL fell.
-- If the master holds SCL low for a command, a write of 1 to STT or STP is one, even if the bit was 1 already.
+- The module changes SDA one module clock after SCL fell.
+- If the master holds SCL low until a command, a write of 1 to STT or STP is a command even if the bit was 1 already.
 - With hold_scl_after_nack = false, a STOP follows a NACK automatically if STP = 1.
 - In loopback the module acknowledges itself.
 """
@@ -72,7 +72,7 @@ class I2cMaster(I2cMasterData):
     skip_release: the cycle in which SCL was released for the first bit of the byte.
     skip_fell: the cycle in which the module pulled SCL low before this release.
     skip_low: the low time of SCL in skipped bits, in cycles.
-    skip_high: the time from a release of SCL to the next fall of the output, in cycles.
+    skip_high: the time from a release of SCL until the module pulls SCL low again, in cycles.
     """
 
     STATE = State("sees_idle _waits_for_bus", cycles="_free_from")
@@ -83,11 +83,11 @@ class I2cMaster(I2cMasterData):
         self.reset()
 
     def reset(self) -> None:
-        """Release the lines and drop the transfer, as with IRS = 0."""
+        """Release the lines and abort the transfer, as IRS = 0 does."""
         self.release_lines()
         self.reset_conditions()
         self.reset_bytes()
-        self.skip_low = self.skip_high = self._skip_delay = 0  # all in cycles
+        self.skip_low = self.skip_high = self._skip_delay = 0  # times in cycles; `begin_skip` sets them
         self._in_before = self._sampled_before = self.skip_fell = self._rose_before = self.skip_release = 0
         self._waits_for_bus = False
         self._free_from = 0  # cycle from which on the bus has been free long enough for a START
@@ -192,18 +192,22 @@ class I2cMaster(I2cMasterData):
             self._meets_foreign_condition(now)
 
     def _meets_foreign_condition(self, now: int) -> None:
-        """Process a START or STOP of another device within the master's transfer, which section 2.8 does not cover."""
+        """Process a START or STOP of another device during the master's transfer.
+
+        Section 2.8 does not say what happens then, so the option foreign_start_stop decides.
+        """
         if self.state.options.foreign_start_stop.assume(self.state.touched) == "loses_arbitration":
             self.lose(now)
 
     def _start(self, now: int) -> None:
-        """Begin the START, unless the bus is taken.
+        """Begin the START. If a line is low, try again one low time later.
 
-        A START of another master that is still in the filter is not seen, so both masters continue.
+        If another master has taken the bus, the option stt_while_busy decides what happens. A START of another master
+        that has not passed the noise filter yet is not seen, so that both masters continue.
         """
         state = self.state
         if state.str & STR_BB and state.options.stt_while_busy.assume(state.touched) != "always_repeated_start":
-            self._request_bus(now)  # another master was faster
+            self._request_bus(now)  # another master has taken the bus
             return
         if not self.sees_idle:
             self._at(now + self.low(), START)
@@ -242,7 +246,7 @@ class I2cMaster(I2cMasterData):
         self._begin_byte(now, self._addresses.pop(0), 8)
 
     def _set_sda(self, now: int) -> None:
-        """Put the next bit on SDA while SCL is low, and release SCL after the low time."""
+        """Put the next bit on SDA while SCL is low, and schedule the release of SCL after the low time."""
         bit, n = self._bit, self._n
         if self._kind == RECEIVE:
             level = 1 if bit < n or self._answer_nack else 0
@@ -252,10 +256,10 @@ class I2cMaster(I2cMasterData):
         self._release_after_low(now)
 
     def fell(self, now: int) -> None:
-        """Process a fall of SCL after the filter. If another device pulled SCL low, the high phase ends early."""
+        """Process a filtered fall of SCL. If another device has pulled SCL low, the high phase ends early."""
         if not self.active or self.lines & SCL:
             return
-        if self._step == STARTED:  # this module's START was not over yet
+        if self._step == STARTED:  # SCL fell within the hold time of this module's START
             self._started(now)
         elif self._high_phase and self._after_high == FALL:
             self._fall(now)
@@ -264,7 +268,7 @@ class I2cMaster(I2cMasterData):
         self._low_from = now - self.state.filter_width
 
     def rise(self, now: int, sda: int) -> None:
-        """Sample one bit at a rise of SCL after the filter."""
+        """Sample SDA at a filtered rise of SCL. Lose arbitration if SDA is low for a bit that is sent as 1."""
         if not self.active or self._after_high != FALL:
             return
         self._sampled = sda
@@ -354,7 +358,7 @@ class I2cMaster(I2cMasterData):
         return self._bit
 
     def only_clocks(self) -> bool:
-        """Return True if the master does nothing but transfer the bits of a byte of eight bits."""
+        """Return True if the master does nothing but transfer a byte of eight bits, and waits for SCL to rise."""
         return not (self.frozen or self.halting) and self._n == SKIPPED_BITS + 1 and self.due == NEVER
 
     def byte(self) -> int:
@@ -362,15 +366,15 @@ class I2cMaster(I2cMasterData):
         return ONES if self._kind == RECEIVE else self._byte
 
     def keeps_bus(self, shown: int) -> bool:
-        """Return True if the master does not lose arbitration when the bus shows this byte."""
+        """Return True if the master does not lose arbitration when the byte on the bus is `shown`."""
         return self._kind == RECEIVE or shown == self._byte
 
     def begin_skip(self, delay: int) -> None:
-        """Store the state in which bits begin to be skipped: SCL has been released for the first bit of a byte.
+        """Store the present state, from which bits are skipped. SCL has just been released for the first bit of a byte.
 
         delay: cycles from an output of the module to its pin.
 
-        output SCL  __|~~|__|~~|_ ... _|~~|_      bit n is released at `skip_release` + n (low + high)
+        output SCL  __|~~|__|~~|_ ... _|~~|_      SCL is released for bit n at `skip_release` + n (low + high)
                       ^ bit position 0      ^ 7: the module wakes to release SCL for the eighth bit
         """
         late = self.state.options.scl_sync_cycles.assume(self.state.touched) * self.state.tm if delay else 0
@@ -379,7 +383,7 @@ class I2cMaster(I2cMasterData):
         self.skip_fell, self._rose_before, self.skip_release = self._low_from, self._rose_at, self._released_at
 
     def set_bit_position(self, shown: int, bit: int) -> None:
-        """Set the state that the master has when the bus has shown `bit` bits, 0 or 7, of the byte `shown`."""
+        """Set the state that the master has after `bit` bits, 0 or 7, of the byte `shown` have passed on the bus."""
         period = self.skip_low + self.skip_high
         self._bit = bit
         self._drive(self.byte() >> (SKIPPED_BITS - bit) & 1)

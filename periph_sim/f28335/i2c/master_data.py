@@ -1,9 +1,9 @@
-"""The bytes of the I2C master: sends addresses and I2CDXR, answers received bytes, and chooses the next action.
+"""The bytes of the I2C master: sends addresses and I2CDXR, acknowledges received bytes, and chooses the next action.
 
-    I2CDXR --> I2CXSR --> bits --ACK--> next byte, hold until one is written, repeated START, STOP
-    bits --> answer ACK or NACK --> I2CDRR, or I2CRSR if that is unread --> next byte, hold, repeated START, STOP
+    I2CDXR --> I2CXSR --> bits --ACK--> next byte, or hold SCL until I2CDXR is written, or repeated START, or STOP
+    bits --> ACK or NACK --> I2CDRR, or I2CRSR while I2CDRR is unread --> next byte, hold, repeated START, or STOP
 
-In loopback the sent byte is received a fixed time later. `master` executes commands, and samples the bits.
+In loopback the module receives the byte that it sends, a fixed time later. `master` executes commands and samples bits.
 
 Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
 """
@@ -46,8 +46,8 @@ NO_BYTE, START_BYTE, ADDRESS, SEND, RECEIVE = range(5)
 class I2cMasterData(I2cMasterLines):
     """Sending and receiving of bytes by the master.
 
-    deliver_at: the cycle at which a byte is received in loopback, or NEVER. It is 8 module clocks after the byte's last
-        bit or after the write of I2CDXR, as the option dlb_delay selects.
+    deliver_at: the cycle at which the sent byte is received in loopback, or NEVER. It is 8 module clocks after the last
+        bit of the byte or after the write of I2CDXR, as the option dlb_delay selects.
     """
 
     STATE = State(
@@ -138,16 +138,16 @@ class I2cMasterData(I2cMasterLines):
     # Sending --------------------------------------------------------------------------
 
     def _begin_byte(self, now: int, byte: int, n: int) -> None:
-        """Begin a byte of `n` bits: schedule the output of its first bit on SDA."""
+        """Begin to send or receive a byte of `n` bits: schedule the change of SDA for its first bit."""
         self._byte, self._n, self._bit = byte, n, 0
         self._answer_nack = self._nack_armed = False
         self._holds = HELD_FOR_NOTHING
         self._at(max(now, self._low_from + self.state.tm), SET_SDA)
 
     def _next_data(self, now: int) -> None:
-        """Begin the next data byte. If there is none to send, begin a STOP if RM = STP = 1; otherwise wait for a byte.
+        """Begin to receive (TRX = 0) or send (TRX = 1) the next data byte. SCL is low, and this module owns the bus.
 
-        SCL is low and this module owns the bus.
+        If there is no byte to send, begin a STOP if RM = STP = 1; otherwise hold SCL low until I2CDXR is written.
         """
         state = self.state
         if not state.mdr & MDR_TRX:
@@ -199,7 +199,7 @@ class I2cMasterData(I2cMasterLines):
             self._next_data(now)
 
     def _done(self, now: int) -> None:
-        """Choose the next action when the counter has reached 0."""
+        """Begin the STOP or repeated START that STP or STT commands at the end of the count, or wait for a command."""
         state = self.state
         if state.mdr & MDR_STP:
             self._stop(now)
@@ -211,7 +211,7 @@ class I2cMasterData(I2cMasterLines):
             self._holds = HELD_FOR_COMMAND
 
     def _refused(self, now: int) -> None:
-        """Process a NACK of the byte in progress."""
+        """Process a NACK for the address or data byte that was sent."""
         state = self.state
         state.wanted = False
         if state.options.ardy_on_nack.assume(state.touched):

@@ -1,11 +1,11 @@
-"""The I2C master on its lines: schedules falls and releases of SCL, START, repeated START and STOP.
+"""The line driver of the I2C master: schedules falls and releases of SCL, START, repeated START and STOP.
 
-    SCL low --low()--> released --others may hold it--> rises --high()--> `_after_high`: the next fall, or a condition
+    SCL low --low()--> released --others may hold SCL--> SCL rises --high()--> `_after_high`: fall of SCL or a condition
     SDA falls while SCL is high: START      SDA rises while SCL is high: STOP
 
-START, repeated START and STOP are called conditions; `master` decides when they are made. The next action is stored as
-a step and its cycle. If another device lengthens a low phase, the high phase begins later. If another device pulls SCL
-low, the high phase of this module ends at once (`I2cMaster.fell`).
+START, repeated START and STOP are called conditions. The subclasses `I2cMasterData` and `I2cMaster` decide when to make
+one. `_step` is the next action, and `due` its cycle. If another device lengthens a low phase, the high phase begins
+later. If another device pulls SCL low, the high phase of this module ends at once (`I2cMaster.fell`).
 
 Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6, 15.
 
@@ -23,19 +23,20 @@ from .limits import I2cLimits
 from .register_map import MDR_DLB, MDR_FDF, MDR_TRX, MDR_XA, SCL, SDA, STR_ARDY
 from .registers import I2cRegisters
 
-# Steps: none, release SCL, set SDA for a condition or a bit, pull SCL low, START and its end, STOP, repeated START.
+# Steps: none; release SCL; set SDA for a condition; set SDA for a bit; pull SCL low; make a START; end the START; make
+# a STOP; make a repeated START.
 NO_STEP, RELEASE, CONDITION, SET_SDA, FALL, START, STARTED, STOP, RESTART = range(9)
 
-# What the master waits for: nothing; with SCL low, a command, a byte to send, or room for a received byte; with SCL
-# high, a command.
+# HELD_...: the master holds SCL low until there is a command, a byte to send, or room for a received byte.
+# LEFT_HIGH: it leaves SCL high until there is a command. HELD_FOR_NOTHING: it does not wait.
 HELD_FOR_NOTHING, HELD_FOR_COMMAND, HELD_FOR_DATA, HELD_FOR_ROOM, LEFT_HIGH = range(5)
 
 
 class I2cMasterLines:
     """Clock generator and conditions of the master.
 
-    counter: number of bytes left in the transfer.
-    pulls: mask of the lines held low.
+    counter: number of data bytes left in the transfer, from I2CCNT.
+    pulls: mask of the lines that the master holds low.
     due: the cycle of the next step, or NEVER.
     lines: levels of SCL and SDA before the noise filter.
     """
@@ -106,7 +107,7 @@ class I2cMasterLines:
         self.due = NEVER
 
     def lines_changed(self, now: int, lines: int) -> None:
-        """Set the actual levels of the lines; an expected rise of SCL begins the high phase."""
+        """Set the levels of the lines before the filter. If SCL was released, its rise begins the high phase."""
         moved, self.lines = lines ^ self.lines, lines
         if not self.active or not moved & SCL:
             return
@@ -114,7 +115,7 @@ class I2cMasterLines:
             if self._waits_for_rise:
                 self._rose(now)
         elif self._high_phase and now - self._rose_at < self.state.filter_width:
-            self._high_phase = False  # the rise was a spike that the filter removes
+            self._high_phase = False  # SCL was high for so short a time that the filter removes this pulse
             self._waits_for_rise = True
             self.due = NEVER
 
@@ -135,7 +136,7 @@ class I2cMasterLines:
             self.halting, self.frozen = False, True
 
     def _begin_condition(self, now: int, sda: int, then: int) -> None:
-        """Prepare a repeated START or STOP while SCL is low: set SDA, and then release SCL.
+        """Prepare a repeated START or STOP while SCL is low: schedule the change of SDA to `sda`, then release SCL.
 
         One high time after SCL has risen, the step `then` follows.
         """
@@ -170,8 +171,8 @@ class I2cMasterLines:
         self._starting = False  # True from the module's START or repeated START until it is detected after the filter
         self._stopping = False  # True from the module's STOP until it is detected after the filter
         self._own_restart = False
-        # If the module reads from a 10-bit address and sends the full address first, it makes a repeated START itself.
-        # This list has the address bytes that are then sent after the repeated START; it is empty for other transfers.
+        # To read from a 10-bit address, the module sends the full address, makes a repeated START by itself, and sends
+        # the first address byte again. This list has the bytes to send after such a repeated START, else none.
         self._restart_next: list[int] = []
 
     def _latch_command(self) -> None:
@@ -214,7 +215,10 @@ class I2cMasterLines:
         self._at(now + self.high(), STARTED)
 
     def _restart(self, now: int, own: bool) -> None:
-        """Begin a repeated START. own: True if the repeated START belongs to the command in progress."""
+        """Begin a repeated START. own: False if firmware commanded it by STT; True if it is part of a longer command.
+
+        The module makes a repeated START of its own after a START byte, and when it reads from a 10-bit address.
+        """
         self._own_restart = own
         if not own:
             self._latch_command()

@@ -78,7 +78,7 @@ class I2c(I2cLines):
             looped = state.mdr & MDR_DLB
             self._write_mdr(now, value & ~(1 << 12))
             if looped and not state.mdr & MDR_DLB:
-                self._update_lines(now, self._pins)  # the pins count again now, and their next edge may come much later
+                self._update_lines(now, self._pins)  # after loopback, the present levels at the pins apply at once
         elif offset == at.IER:
             state.ier = value & 0x7F
             self.limits.fifo_enables()
@@ -100,7 +100,7 @@ class I2c(I2cLines):
         self._plan()
 
     def _write_plain(self, now: int, offset: int, value: int) -> None:
-        """Write an address, divider or count register, I2CISRC or I2CEMDR, and check TI's requirements on it."""
+        """Write a register without special effects, such as I2COAR or I2CCNT, and check TI's requirements on it."""
         state = self.state
         if offset == at.OAR:
             state.oar = value & 0x3FF
@@ -181,7 +181,7 @@ class I2c(I2cLines):
     # System reset ---------------------------------------------------------------------------
 
     def reset(self, now: int) -> None:
-        """Reset by XRS: every register takes its reset value, the clock gate is off."""
+        """Reset by XRS: every register takes its reset value, and the module's clock is off."""
 
         self.writes += 1
         self.state.reset()

@@ -24,7 +24,7 @@ from .register_map import SCL, SDA
 class I2cNoiseFilter:
     """Filter of both lines.
 
-    levels: SCL and SDA after the filter, as bits.
+    levels: mask of the levels after the filter, with the bits SCL and SDA.
     due: the cycle of the next change of `levels` that can have an effect, or NEVER. A change of SDA while SCL is low
         has no effect; it is applied with the next sample or change of SCL.
     unequal_arrival: an option. If it is True, edges of the two lines that are less than a module clock apart leave the
@@ -43,7 +43,7 @@ class I2cNoiseFilter:
         self._scl_was = self._sda_was = NEVER  # values of `_scl_due` and `_sda_due` before the last sample
 
     def sample(self, now: int, pins: int, width: int, module_clock: int) -> None:
-        """Set the levels at the pins in cycle `now`. If there are several calls in one cycle, the last one counts.
+        """Set the levels at the pins from cycle `now` on. If there are several calls in one cycle, the last one counts.
 
         width: the filter's width in cycles.
         module_clock: the period of the module clock in cycles.
@@ -81,11 +81,11 @@ class I2cNoiseFilter:
         self.due = scl if scl < sda or not self.levels & SCL else sda
 
     def scl_moves(self) -> bool:
-        """Return True if an edge of SCL is pending."""
+        """Return True if an edge of SCL is in the filter: it has come in and has not left yet."""
         return self._scl_due < NEVER
 
     def visible_due(self, silent: int) -> int:
-        """Return the cycle of the first pending change with an observable effect, or NEVER.
+        """Return the cycle at which the first edge that has an effect leaves the filter; NEVER if there is none in it.
 
         silent: how many of the next SCL edges have no effect; -1 if any of them may have one. Edges of SDA while SCL is
         low have no effect.
@@ -98,6 +98,6 @@ class I2cNoiseFilter:
         return min(first, sda) if high and scl != sda else first
 
     def settle(self, pins: int) -> None:
-        """Set both levels as if the lines had been stable for a long time."""
+        """Set both filtered levels to those at the pins, as if the lines had been stable for a long time."""
         self.levels = pins
         self._scl_due = self._sda_due = self.due = NEVER

@@ -189,7 +189,7 @@ FFTX, FFRX = 0x20, 0x21
     STR_AL,
 ) = (f.mask for f in I2CSTR.fields)
 STR_RESET = I2CSTR.reset
-STR_CLEARS = I2CSTR.mask(OnWrite.ONE_CLEARS)  # bits that a write of 1 clears; a write has no other effect
+STR_CLEARS = I2CSTR.mask(OnWrite.ONE_CLEARS)  # bits that a write of 1 clears (option `xrdy_w1c` may add XRDY)
 
 # Masks of the fields of I2CMDR.
 (

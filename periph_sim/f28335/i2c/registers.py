@@ -1,10 +1,10 @@
-"""The CPU's side of the I2C module: registers and the data path, based on flags, interrupts and FIFOs.
+"""The CPU's side of the I2C module: registers, and the data path between them and the bit engines.
 
     I2CDXR or TX FIFO --> I2CXSR --> the bit engines        bit engines --> I2CRSR --> I2CDRR or RX FIFO
     flags and I2CIER --> arbiter --> I2CISRC, I2CINT1A      FIFO levels --> I2CINT2A
 
-The bit engines are `slave` and `master`, which process SCL and SDA bit by bit. They report events with their times, so
-this side does not depend on edges.
+The base class in `requests` has the flags, interrupts and FIFOs. The bit engines `slave` and `master` process SCL and
+SDA bit by bit. They call the methods of this side with the times of events, so this side does not depend on edges.
 
 Source: SPRUG03B sections 4 (reset), 5.
 """
@@ -38,7 +38,7 @@ from .requests import I2cRequests
 
 COMMANDS = MDR_STT | MDR_STP | MDR_NACKMOD
 
-RECEIVED, SENDING = 1 << i2c_map.DRR, 1 << i2c_map.DXR  # bits of `loaded`
+RECEIVED, SENDING = 1 << i2c_map.DRR, 1 << i2c_map.DXR  # bits of `loaded`, as in `Chip.loaded`
 
 
 @final
@@ -53,7 +53,7 @@ class I2cRegisters(I2cRequests):
 
     def __init__(self, options: I2cOptions) -> None:
         super().__init__(options)
-        self.loaded = 0  # like `Chip.loaded`, for I2CDRR and I2CDXR
+        self.loaded = 0  # bits RECEIVED, SENDING: I2CDRR, I2CDXR took a value; `I2cLines` adds them to `Chip.loaded`
         self.reset()
 
     def reset(self) -> None:
@@ -64,7 +64,7 @@ class I2cRegisters(I2cRequests):
         self.bcm = self.options.bcm_reset.unrecorded() if self.options.emdr_present.unrecorded() else 1
         self.emdr_written = False
         self.tm = 1  # period of the module clock in cycles, as latched when IRS last became 1
-        self.filter_width: int = self.options.noise_filter_cycles.unrecorded()  # cycles that a level must last at a pin
+        self.filter_width: int = self.options.noise_filter_cycles.unrecorded()  # width of the noise filter in cycles
         self.dxr = self.xsr = self.drr = self.rsr = 0
         self.dxr_full = self.drr_unread = False
         self.nack_since = 0  # while I2CSTR.NACK = 1: the cycle at which it was set
@@ -72,7 +72,7 @@ class I2cRegisters(I2cRequests):
         self.dxr_behind: list[int] = []  # bytes queued after a full I2CDXR (dxr_write_while_full)
 
     def irs_reset(self, now: int) -> None:
-        """Set the status to its defaults, as IRS becomes 0; options decide what is kept."""
+        """Set I2CSTR to its reset value and drop requests because IRS becomes 0. Options decide what is kept."""
         busy = self.str & i2c_map.STR_BB
         if busy and self.options.bb_on_irs_reset.assume(self.touched) == "clear":
             busy = 0
@@ -135,9 +135,9 @@ class I2cRegisters(I2cRequests):
         return self.options.fifo_extra_stage.assume(self.touched) == "dxr_drr_behind"
 
     def copy_to_xsr(self, now: int, xrdy: bool = True) -> bool:
-        """Copy I2CDXR, or the TX FIFO's oldest byte, to I2CXSR. Return False if there is no byte.
+        """Copy I2CDXR, or the oldest byte in the TX FIFO, to I2CXSR. Return False if there is no byte.
 
-        xrdy: without FIFO mode, True to set XRDY at the copy.
+        xrdy: True to set XRDY if the copy empties I2CDXR. It has no effect in FIFO mode.
         """
         if self.fifo:
             if self._extra_stage():
@@ -177,7 +177,7 @@ class I2cRegisters(I2cRequests):
         return self.drr_unread
 
     def rrdy_rises_at(self, edge: str) -> bool:
-        """Return True if I2CRSR is copied to I2CDRR at this edge of a data byte: "fall8", "rise9" or "fall9"."""
+        """Return True if a received byte is copied to I2CDRR at this edge: "fall8", "rise9" or "fall9"."""
         return self.options.rrdy_point.assume(self.touched) == edge
 
     def store(self, now: int, shifted: int, bits: int) -> bool:
@@ -196,7 +196,7 @@ class I2cRegisters(I2cRequests):
         return True
 
     def received(self, now: int, value: int) -> None:
-        """Copy I2CRSR to I2CDRR, or to the RX FIFO."""
+        """Store a received byte in I2CDRR or the RX FIFO. A FIFO that is held in reset drops the byte."""
         if self.fifo:
             if self.rx_fifo.is_released():
                 if not self.rx_fifo:
@@ -243,8 +243,8 @@ class I2cRegisters(I2cRequests):
     def bcm_at_address(self) -> int:
         """Return the value of BCM that applies to a transfer.
 
-        This is the value last written to I2CEMDR. Before the first write it is the reset value. It is 1 if the chip has
-        no I2CEMDR.
+        This is the value last written to I2CEMDR, or its reset value before the first write. If the chip has no
+        I2CEMDR, it is 1.
         """
         if not self.emdr_written and not self.options.bcm_reset.assume(self.touched):
             return 0 if self.options.emdr_present.assume(self.touched) else 1
@@ -259,7 +259,7 @@ class I2cRegisters(I2cRequests):
                 return
         self.psc = value
 
-    # Queries of the engines and the module ----------------------------------------------
+    # Queries of the bit engines and the module ------------------------------------------
 
     def stored(self, offset: int) -> int:
         """Return the value of a register that only stores its value; 0 at an offset without such a register."""
@@ -280,7 +280,7 @@ class I2cRegisters(I2cRequests):
         return self.psc if offset == i2c_map.PSC else 0
 
     def readable(self) -> int:
-        """Return a number of 63 bits with everything that edges and timers can change and that the CPU can read."""
+        """Return a number of 63 bits that changes if an edge or timer changes anything that the CPU can read."""
         registers = self.dxr << 44 | self.code << 40 | self.drr << 32 | self.mdr << 16 | self.str
         if not self.fifo:
             return registers
@@ -292,11 +292,14 @@ class I2cRegisters(I2cRequests):
         return self.mdr & MDR_BC or 8
 
     def setup(self) -> int:
-        """Return the number of cycles from a change of SDA to the release of a held SCL: at least 1."""
+        """Return the number of cycles, at least 1, from a change of SDA to the release of SCL after a hold."""
         return max(1, self.options.sda_setup_before_scl_release.assume(self.touched) * self.tm)
 
     def nack_received(self, now: int, as_slave: bool, refused: Text) -> None:
-        """Set NACK. refused: description of the refused byte; "" if NACK is set without a refusal."""
+        """Set NACK. as_slave: True if this module sent the byte as a slave.
+
+        refused: description of the refused byte; "" if NACK is set although a general call was acknowledged.
+        """
         self.nack_as_slave = as_slave
         if not self.str & STR_NACK:
             self.nack_since, self.nack_of = now, refused

@@ -1,4 +1,4 @@
-"""The flags of the I2C module and the levels of its FIFOs, with their requests on I2CINT1A and I2CINT2A.
+"""The flags and FIFOs of the I2C module, and the interrupts I2CINT1A and I2CINT2A that they request.
 
     I2CSTR & I2CIER --> pending --event_to_isrc_delay, rank--> INTCODE, I2CINT1A --read of I2CISRC--> the next
     I2CFFTX, I2CFFRX --> FIFOs, which both FFEN and IRS enable --> TXFFINT, RXFFINT --enabled--> I2CINT2A
@@ -9,7 +9,8 @@ Chosen:
 - If a flag is cleared before the code of its request is loaded, the request is dropped.
 - In FIFO mode XRDY = 1 if the TX FIFO has room, RRDY = 1 if the RX FIFO is not empty.
 - While a reset bit holds a FIFO empty, the interrupt flag of the FIFO does not change.
-- Setting an enable bit while its flag is 1 requests the interrupt at once, even with FFEN = 0. Setting FFEN does not.
+- Setting the enable bit of a FIFO interrupt while its flag is 1 requests the interrupt at once, even with FFEN = 0.
+  Setting FFEN while flag and enable bit are 1 does not.
 """
 
 # core: compiled
@@ -23,7 +24,7 @@ from .options import I2cOptions
 from .register_map import I2C_MAP, MDR_IRS, STR_AAS, STR_XRDY
 
 SRC_AL, SRC_NACK, SRC_ARDY, SRC_RRDY, SRC_XRDY, SRC_SCD, SRC_AAS = (1 << n for n in range(7))
-# CODE_CLEARS has, for each code in I2CISRC, the flag that a read of I2CISRC with this code clears (Table 11).
+# For each code in I2CISRC, the flag that a read of I2CISRC with this code clears (Table 11).
 CODE_CLEARS = {1: SRC_AL, 2: SRC_NACK, 6: SRC_SCD}
 INT1, INT2 = 1, 2
 FFEN = I2C_MAP["I2CFFTX"]["I2CFFEN"].mask
@@ -34,7 +35,7 @@ class I2cRequests:
 
     str: I2CSTR.
     fifo: True in FIFO mode.
-    requests: mask of the lines requested since the owner last set this to 0.
+    requests: bits INT1 and INT2: I2CINT1A, I2CINT2A were requested since the owner last set this to 0.
     code: I2CISRC.INTCODE; 0 if there is none.
     code_at: the cycle at which a code is loaded into INTCODE, or NEVER.
     """
@@ -172,7 +173,7 @@ class I2cRequests:
     # FIFOs -------------------------------------------------------------------
 
     def fifo_levels(self, now: int) -> None:
-        """Update the level flags and their requests. Call after any change of a FIFO."""
+        """Update the interrupt flags of the FIFOs, and XRDY in FIFO mode. Call after any change of a FIFO."""
         on = self.fifo and self.mdr & MDR_IRS > 0
         if self.tx_fifo.watch(on and self.tx_fifo.is_released()):
             self.requests |= INT2

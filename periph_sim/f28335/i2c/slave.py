@@ -1,4 +1,4 @@
-"""The I2C module as slave: responds bit by bit to START, STOP, rise and fall, and sets flags.
+"""The I2C module as slave: responds to START, STOP and the edges of SCL, and sets flags.
 
     OFF --START--> ADDRESS --match--> RECEIVE or TRANSMIT --STOP--> OFF
                       +--no match, or NACK received--> IGNORE --START or STOP-->
@@ -7,14 +7,14 @@
     10-bit    11110AA w   AAAAAAAA   [Sr  11110AA r]
 
 A byte has n bits: 8 in an address, BC in data. `bit` counts the rises of SCL in the present byte. "Rise 8" and "fall 8"
-are the edges of its n-th pulse, "rise 9" and "fall 9" those of the acknowledge.
+are the edges of its n-th pulse, "rise 9" and "fall 9" those of the acknowledge bit.
 
 Source: SPRUG03B sections 2, 3 and 5.8, Table 1, Table 10, Figure 17.
 
 Chosen:
-- A slave that has sent a NACK continues to receive until the START or STOP.
+- A slave that has sent a NACK for a data byte continues to receive until the next START or STOP.
 - At the fall of SCL that ends a NACK, NACKSNT is set and NACKMOD is cleared.
-- With `eager_reloaded_at_address` I2CXSR is reloaded at fall 8 of a matching read address.
+- With dxr_to_xsr_copy_point = eager_reloaded_at_address, I2CXSR is reloaded at fall 8 of a matching read address.
 """
 
 # core: compiled
@@ -44,14 +44,14 @@ from .slave_data import ADDRESS, ADDRESS_LOW, IGNORE, LISTENS, OFF, RECEIVE, TRA
 
 GENERAL_CALL, START_BYTE = 0, 1
 TEN_BIT = 0b11110
-MANY = 1 << 30  # result of `silent_edges` if the transfer is for other devices: all its edges are silent
+MANY = 1 << 30  # result of `silent_edges` if the transfer is for other devices, so that no edge of SCL has an effect
 
 
 @final
 class I2cSlave(I2cSlaveData):
     """Slave side of the module.
 
-    pulls: mask of the lines held low.
+    pulls: mask of the lines that the slave holds low.
     due: the cycle of the next call of `timer`, or NEVER.
     """
 
@@ -60,7 +60,7 @@ class I2cSlave(I2cSlaveData):
         return self.phase >= LISTENS
 
     def silent_edges(self, high: bool) -> int:
-        """Return how many of the next SCL edges only shift a bit. high: SCL is high before the first of them."""
+        """Return how many of the next SCL edges do no more than shift a bit. high: True if SCL is high now."""
         phase, bit, n = self.phase, self.bit, self._n
         if phase < LISTENS:
             return MANY
@@ -68,7 +68,7 @@ class I2cSlave(I2cSlaveData):
             return 0
         if bit == n:
             return 0 if high else self._silent_answer()
-        loud = n  # number of the bit whose fall or rise has an effect
+        loud = n  # the first fall that has an effect is the one after rise number `loud`
         if phase == TRANSMIT:
             if not self._shifting or (high and not bit):
                 return 0
@@ -81,7 +81,7 @@ class I2cSlave(I2cSlaveData):
         return edges - 1 if address and self.state.options.aas_sdir_point.unrecorded() == "rise8" else edges
 
     def _silent_answer(self) -> int:
-        """Return 1 if the rise in the acknowledge slot has no effect, else 0. SCL is low before it."""
+        """Return 1 if rise 9, which is the next edge of SCL, has no effect; else 0."""
         options = self.state.options
         if self.phase == TRANSMIT:
             return 0
@@ -94,16 +94,13 @@ class I2cSlave(I2cSlaveData):
     # Skipped bits (see `bus.i2c.bit_skip`) -----------------------------------------------
 
     def waits_for_byte(self) -> bool:
-        """Return True if SCL is low before the first bit of a byte of eight bits.
-
-        Return False if anything besides edges of SCL must happen before the byte, such as a write of I2CDXR.
-        """
+        """Return True if SCL is low before the first bit of a byte of eight bits, and the slave does not hold it low."""
         if self.bit or self._n != 8 or self.due != NEVER or self.pulls & SCL:
             return False
         return self.phase != TRANSMIT or self._shifting
 
     def is_not_addressed(self) -> bool:
-        """Return True if no byte of this transfer has been for this module so far."""
+        """Return True unless the slave sends or receives a data byte, or expects the second byte of its address."""
         return self.phase in (ADDRESS, IGNORE, OFF)
 
     def byte(self) -> int:
@@ -111,7 +108,7 @@ class I2cSlave(I2cSlaveData):
         return self.state.xsr & 0xFF if self.phase == TRANSMIT else 0xFF
 
     def set_bit_position(self, shown: int, bit: int) -> None:
-        """Set the state that the slave has when the bus has shown `bit` bits, 0 or 7, of the byte `shown`."""
+        """Set the state that the slave has after `bit` bits, 0 or 7, of the byte `shown` have passed on the bus."""
         if self.phase == TRANSMIT:
             self.bit = bit
             self._drive(self.state.xsr >> (7 - bit) & 1)
@@ -168,7 +165,8 @@ class I2cSlave(I2cSlaveData):
                 self._shift = self._shift << 1 | sda
                 if bit == n:  # rise 8, at which NACKMOD is sampled
                     self._nack_armed = bool(self.state.mdr & MDR_NACKMOD)
-                    # With "rise8" the address is compared here. The use of the option is recorded at fall 8.
+                    # With aas_sdir_point = "rise8" the address is compared here. The use of the option is recorded at
+                    # fall 8.
                     compared = phase != RECEIVE and self.state.options.aas_sdir_point.unrecorded() == "rise8"
                     if compared and not self.muted and self._is_ours():
                         self._address_flags(now)
@@ -206,10 +204,10 @@ class I2cSlave(I2cSlaveData):
     # Address ------------------------------------------------------------------------
 
     def _is_ours(self) -> bool:
-        """Return True if the received byte addresses this module. This also sets `_read`."""
+        """Return True if the received byte addresses this module. Set `_read` to True if it has R/W = 1."""
         state, options = self.state, self.state.options
         byte, second = self._shift & 0xFF, self.phase == ADDRESS_LOW
-        if self.muted:  # the module sent this byte itself
+        if self.muted:  # as the master, the module itself sent this byte
             if byte != GENERAL_CALL or second:
                 return False
             self._read = False
@@ -319,7 +317,7 @@ class I2cSlave(I2cSlaveData):
             self._shift = 0
 
     def release_bus(self) -> None:
-        """End a stretch of SCL, as a write of IRS = 1 while IRS = 1 does if `irs_write1_releases_bus` is True."""
+        """End a stretch of SCL, because IRS = 1 was written again and `irs_write1_releases_bus` is True."""
         self.pulls &= ~SCL
         self._waits_for_data = self._waits_for_room = False
         self._copy_at = self._release_at = self.due = NEVER

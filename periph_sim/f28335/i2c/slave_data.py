@@ -1,8 +1,8 @@
-"""The data bytes of the I2C slave: sends I2CXSR, answers and stores received bytes, and stretches SCL.
+"""The data bytes of the I2C slave: sends I2CXSR, acknowledges and stores received bytes, and stretches SCL.
 
-    I2CDXR --copy--> I2CXSR --_send--> bit after bit --> answer of the master --> next byte, or NACK
-                        +--empty--> underflow: SCL held until I2CDXR is written (BCM = 1)
-    bits --> answer ACK or NACK --> I2CDRR, or I2CRSR if that is unread: SCL held until I2CDRR is read
+    I2CDXR --copy--> I2CXSR --_send--> bit after bit --> acknowledge bit --ACK--> next byte
+                        +--empty--> underflow: SCL held low until I2CDXR is written
+    bits --> ACK or NACK --> I2CDRR, or I2CRSR while I2CDRR is unread: SCL held low until I2CDRR is read
 
 `slave` handles START, STOP and addresses, and calls these methods for data bytes.
 
@@ -10,8 +10,8 @@ Source: SPRUG03B sections 2 and 3, Tables 1, 8, 10, Figure 17.
 
 Chosen:
 - In free data format I2CXSR is loaded at the fall of SCL after START.
-- With BCM = 0 and SCL held low, I2CDXR is copied to I2CXSR one module clock after it was written. SCL is released after
-  the setup time.
+- With BCM = 0 and SCL held low, I2CDXR is copied to I2CXSR one module clock after it was written. SCL is released when
+  the setup time of SDA has passed (option `sda_setup_before_scl_release`).
 """
 
 # core: compiled
@@ -37,14 +37,14 @@ from .register_map import (
 from .registers import I2cRegisters
 
 OFF, IGNORE, ADDRESS, ADDRESS_LOW, RECEIVE, TRANSMIT = range(6)
-LISTENS = ADDRESS  # in phases from this value on, bytes on the bus may be for this module
+LISTENS = ADDRESS  # in this phase and those with greater values, bytes on the bus may be for this module
 ONES = 0xFF
 
 
 class I2cSlaveData:
     """Data bytes of the slave.
 
-    pulls: mask of the lines held low.
+    pulls: mask of the lines that the slave holds low.
     due: the cycle of the next call of `timer`, or NEVER.
     """
 
@@ -57,12 +57,12 @@ class I2cSlaveData:
     def __init__(self, state: I2cRegisters) -> None:
         self.state = state
         self._copy_point: TextOption = state.options.dxr_to_xsr_copy_point
-        self.muted = False  # True if this module is master now, so its slave receives but does not answer
+        self.muted = False  # True while this module is the master. The slave then ignores its own address
         self._n = 8
         self._shift = self._sent = 0
         self._nack_armed = self._first_byte = False
         self._read = False  # True if R/W = 1 in the last byte that was compared with the own address
-        self._latched = 0  # latched value of I2COAR, for the values of `oar_latch` other than "live"
+        self._latched = 0  # latched value of I2COAR; not used if the option `oar_latch` is "live"
         self.reset()
 
     def _release_lines(self) -> None:
@@ -71,7 +71,7 @@ class I2cSlaveData:
         self._copy_at = self._release_at = self.due = NEVER
 
     def reset(self) -> None:
-        """Release the lines and drop the transfer, as with IRS = 0."""
+        """Release the lines and abort the transfer, as a change of IRS does."""
         self._release_lines()
         self.phase = OFF
         self.bit = 0
@@ -83,7 +83,7 @@ class I2cSlaveData:
     # Sending ------------------------------------------------------------------------
 
     def _copies_at(self, point: str) -> bool:
-        """Return True if the option dxr_to_xsr_copy_point is `point`: then I2CDXR is copied to I2CXSR there."""
+        """Return True if I2CDXR is copied to I2CXSR at `point`, a value of the option dxr_to_xsr_copy_point."""
         return self._copy_point.assume(self.state.touched) == point
 
     def _copies_at_once(self) -> bool:
@@ -98,7 +98,10 @@ class I2cSlaveData:
             state.copy_to_xsr(now)
 
     def dxr_written(self, now: int) -> None:
-        """Send or copy a byte that the CPU has written to I2CDXR."""
+        """Process a write of I2CDXR: send the byte if the slave waits for it, else copy it to I2CXSR if options say so.
+
+        With BCM = 0, a byte for which the slave waits is sent one module clock later.
+        """
         state = self.state
         if self._waits_for_data:
             if state.bcm:
@@ -121,7 +124,7 @@ class I2cSlaveData:
         self.due = min(self._release_at, self._copy_at)
 
     def timer(self, now: int) -> None:
-        """Process the event that is due at `due`."""
+        """Copy I2CDXR to I2CXSR or release SCL, whichever is due at `due`."""
         if self._copy_at <= now:
             self._copy_at = NEVER
             self._waits_for_data = False
@@ -135,8 +138,9 @@ class I2cSlaveData:
         self.due = min(self._copy_at, self._release_at)
 
     def _begin_byte(self, now: int, first: bool) -> None:
-        """Begin to send a data byte at fall 9 of an acknowledged byte, or in free data format at the fall after START.
+        """Begin to send a data byte, or hold SCL low if there is none. Call at fall 9 of an acknowledged byte.
 
+        In free data format, the first call is at the fall of SCL after START.
         first: True for the first data byte of a read.
         """
         state, options = self.state, self.state.options
@@ -196,7 +200,7 @@ class I2cSlaveData:
             self.pulls |= SDA
 
     def _answered(self, now: int, sda: int) -> None:
-        """Process rise 9 of a byte that this module has sent."""
+        """Process rise 9 of a byte that this module has sent. sda: 0 for ACK, 1 for NACK."""
         state, options = self.state, self.state.options
         if sda == 0:
             state.clear(now, STR_NACK)
@@ -233,14 +237,14 @@ class I2cSlaveData:
         return state.options.rx_overrun_policy.assume(state.touched).partition("_")[0]
 
     def _stretches(self, point: str) -> bool:
-        """Return True if SCL is held low from this point on while a received byte cannot be stored.
+        """Return True if `point` is where SCL begins to be held low while a received byte cannot be stored.
 
         point: "before_ack" or "after_fall9".
         """
         return self.state.options.rsfull_stretch_point.assume(self.state.touched) == point
 
     def _data_complete(self, now: int) -> None:
-        """Process fall 8 of a data byte."""
+        """Process fall 8 of a received data byte: send ACK, or let NACK stand, or hold SCL low; store the byte."""
         state = self.state
         if (
             self._first_byte

@@ -94,7 +94,7 @@ class I2cSlave(I2cSlaveData):
     # Skipped bits (see `bus.i2c.bit_skip`) -----------------------------------------------
 
     def waits_for_byte(self) -> bool:
-        """Return True if SCL is low before the first bit of a byte of eight bits, and the slave does not hold it low."""
+        """Return True if SCL is low before the first bit of a byte of eight bits, and the slave does not hold SCL."""
         if self.bit or self._n != 8 or self.due != NEVER or self.pulls & SCL:
             return False
         return self.phase != TRANSMIT or self._shifting

@@ -4,10 +4,10 @@
     'a' = 0x61    start 1 0 0 0 0 1 1 0 stop      edges at bits 0 1 2 6 8 9
 
 Chosen, where the manual is silent:
-- The nine bits from the first fall to the rise of the stop bit are measured in LSPCLK periods. Each edge in between
-  must be within an eighth of a bit of its nominal position.
+- The time of nine bits, from the fall of the start bit to the rise of the stop bit, is measured in LSPCLK periods. Each
+  edge in between must be within an eighth of a bit of its nominal position.
 - The character is accepted when RXD has been high for 7/8 of its stop bit. Any other character is lost.
-- During a measurement the normal receiver is off, because it would receive the edges at a wrong rate, as breaks and
+- While the detector waits for the character, the bit receiver is off. At a wrong rate it would receive breaks and
   errors.
 
 Source: TI SPRUFZ5A section 1.2.10.3, table 2-11.
@@ -27,7 +27,10 @@ PLACES = {0x41: (0, 1, 2, 7, 8, 9), 0x61: (0, 1, 2, 6, 8, 9)}
 
 @final
 class SciAutobaud:
-    """Autobaud detector. due: the cycle at which `character` is accepted, if the line stays high until then."""
+    """Autobaud detector.
+
+    due: the cycle at which `character` is accepted if the line stays high until then; NEVER if none was recognized.
+    """
 
     STATE = State("armed character nine_bits _edges", cycles="due")
 
@@ -36,7 +39,7 @@ class SciAutobaud:
         self.due = NEVER
         self.character = 0
         self.nine_bits = 0  # cycles from the first fall to the start of the stop bit
-        self._edges: list[int] = []  # cycles of falls and rises, beginning with a fall
+        self._edges: list[int] = []  # cycles of the latest falls and rises, beginning with a fall
 
     def arm(self, on: bool) -> None:
         if on != self.armed:
@@ -58,7 +61,10 @@ class SciAutobaud:
             self._compare(edges[-6:])
 
     def brr(self, divider: int, phase: int, nearest: bool) -> int:
-        """Return the baud divider for the measured length, 1 to 65535: rounded if `nearest` is True, else truncated."""
+        """Return the baud divider, 1 to 65535, for the measured length: rounded if `nearest` is True, else truncated.
+
+        divider, phase: those of LSPCLK, as in `SciClock.set_lspclk`.
+        """
         last = self._edges[-1]
         first = last - self.nine_bits
         lspclks = (last - phase) // divider - (first - phase) // divider

@@ -1,4 +1,4 @@
-"""Format of characters, derived from SCICCR, with the positions of their bits, for both directions.
+"""Format of the frames of both directions, derived from SCICCR, with the positions of their bits.
 
     start  data LSB first  [address]  [parity]  stop [stop]
 
@@ -23,10 +23,18 @@ BREAK_TICKS = {"10": 80, "9.625": 77}
 
 @final
 class SciFormat:
-    """Character format. The start bit is bit 0. Ticks are counted from the first low sample of the start bit.
+    """Format of a frame. The start bit is bit 0. Ticks are counted from the first low sample of the start bit.
 
-    Options determine where the search for a start bit begins, which samples of the stop bit vote, and when a break is
-    detected. The receiver records the use of an option when a frame depends on it.
+    stop_bit, bits: the number of the first stop bit; the number of all bits.
+    stop_at: the tick at which the first stop bit begins.
+    vote_at, voted_at: the ticks of the first and last sample that vote on the value of the stop bit.
+    due: the tick at which the word moves to SCIRXBUF.
+    hunt: the tick from which the search for the next start bit begins.
+    end: the tick at which the last stop bit ends.
+    break_at: the tick at which a break is detected.
+
+    Options determine `vote_at`, `due`, `hunt` and `break_at`. The receiver records the use of such an option when a
+    received frame depends on it.
     """
 
     STATE = State(
@@ -50,19 +58,25 @@ class SciFormat:
         self.due: int = stop + DUE[options.rxrdy_point.unrecorded()]
         self.end: int = 8 * self.bits
         self.hunt: int = stop + options.start_hunt_point.unrecorded() - 1
-        if self.address:  # erratum: the search begins at sub-sample 6 of the address bit (by option: of the parity bit)
+        if self.address:  # erratum: hunt from sub-sample 6 of the address bit or, if an option says so, the parity bit
             bit_later = self.parity and options.addrbit_hunt_with_parity.unrecorded() == "parity_bit"
             self.hunt = 8 * (1 + self.data_bits + bit_later) + 5
         counted_from = self.voted_at if options.break_count_from.unrecorded() == "last_stop_sample" else stop + 7
         self.break_at: int = counted_from + BREAK_TICKS[options.break_bits.unrecorded()]
 
     def parity_bit(self, word: int, address: int) -> int:
-        """Return the parity bit. It makes the number of ones in `word`, address bit and parity bit even (or odd)."""
+        """Return the parity bit, with which the number of ones in word, address bit and parity bit is even or odd.
+
+        The attribute `even` says which of the two.
+        """
         ones = word.bit_count() + (address if self.address else 0)
         return ones & 1 if self.even else ones & 1 ^ 1
 
     def levels(self, word: int, address: int, whole_byte: bool) -> int:
-        """Return the frame's levels as a number, with the start bit in bit 0; stop bits are ones."""
+        """Return the frame's levels as a number, with the start bit in bit 0. Stop bits are ones.
+
+        whole_byte: True if the parity is that of all eight bits of `word`, even those that are not sent.
+        """
         data = word & self.data_mask
         at = 1 + self.data_bits
         levels = data << 1

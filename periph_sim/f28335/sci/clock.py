@@ -2,9 +2,9 @@
 
     SYSCLKOUT --/divider--> LSPCLK --/(BRR + 1)--> SCICLK: tick n, n + 1, n + 2 ...
 
-Receiver and transmitter count in ticks, so a change of the rate or a stopped clock does not affect them; it changes
-only this mapping. Ticks fall on LSPCLK edges, which are at cycles = phase mod divider. Receiver and transmitter each
-have a clock. The two clocks are equal, with two exceptions: the transmitter's clock can be restarted, and after a
+Receiver and transmitter count time in ticks. If the rate changes or the clock stops, only the cycles of later ticks
+change. Ticks coincide with LSPCLK edges, which are in each cycle n with n % divider == phase. Receiver and transmitter
+each have a clock. The two clocks are equal, with two exceptions: the transmitter's clock can be restarted, and after a
 debugger halt one clock may run on until its frame is complete while the other is stopped.
 
 Chosen: the divider runs whenever the module has a clock; SW RESET does not affect it. A change of LSPCLK keeps the
@@ -37,7 +37,7 @@ class SciClock:
         self.period = 8
         self._tick = 0  # number of the tick that is at cycle `_cycle`
         self._cycle = NEVER  # cycle of tick `_tick`
-        self._left = 2  # while stopped: number of LSPCLK edges up to tick `_tick`
+        self._left = 2  # while stopped: number of LSPCLK edges from a restart up to and including tick `_tick`
 
     def passed(self, now: int) -> int:
         """Return the last tick at or before `now`."""
@@ -45,12 +45,12 @@ class SciClock:
         return self._tick - 1 if ahead < 0 else self._tick + ahead // self.period
 
     def from_cycle(self, cycle: int) -> int:
-        """Return the first tick at or after `cycle`, but not before `_tick`."""
+        """Return the first tick at or after `cycle`. The result is at least `_tick`."""
         ahead = cycle - self._cycle
         return self._tick if ahead <= 0 else self._tick - (-ahead // self.period)
 
     def at(self, tick: int) -> int:
-        """Return the cycle of a future tick; NEVER while stopped, and for a tick that no run reaches."""
+        """Return the cycle of a future tick; NEVER while the clock is stopped, or for a tick that no run reaches."""
         if tick >= NEVER or not self.running:
             return NEVER
         cycle = self._cycle + (tick - self._tick) * self.period
@@ -61,7 +61,7 @@ class SciClock:
         return now + self.divider - (now - self.phase) % self.divider
 
     def set_brr(self, now: int, brr: int, at_once: bool) -> None:
-        """Set the baud divider from the next tick on or, with `at_once`, from the next LSPCLK edge on."""
+        """Set the baud divider. It takes effect at the next tick or, if `at_once` is True, at the next LSPCLK edge."""
         self._rebase(now)
         self.brr = brr
         steps = brr + 1 if brr else 2
@@ -73,7 +73,7 @@ class SciClock:
                 self._left = steps
 
     def set_lspclk(self, now: int, divider: int, phase: int) -> None:
-        """Set the period of LSPCLK to `divider` cycles, with edges at cycles = phase mod divider."""
+        """Set the period of LSPCLK to `divider` cycles, with an edge in each cycle n with n % divider == phase."""
         was_running = self.running
         self.stop(now)
         self.divider = divider
@@ -95,7 +95,7 @@ class SciClock:
             self.running = True
 
     def restart(self, now: int) -> None:
-        """Put the next tick on the next LSPCLK edge."""
+        """Let the next tick come at the next LSPCLK edge."""
         self._rebase(now)
         if self.running:
             self._cycle = self.lspclk_after(now)
@@ -103,14 +103,14 @@ class SciClock:
             self._left = 1
 
     def reset(self, now: int) -> None:
-        """Stop, and set the baud divider to 0. LSPCLK does not change."""
+        """Stop the clock, and set the baud divider to 0. LSPCLK does not change."""
         self.stop(now)
         self.brr = 0
         self.period = 2 * self.divider
         self._left = 2
 
     def _rebase(self, now: int) -> None:
-        """Set `_tick` and `_cycle` to the first tick after `now`."""
+        """Set `_tick` and `_cycle` to the first tick after `now`, if they are not after `now` already."""
         if now >= self._cycle:
             past = (now - self._cycle) // self.period + 1
             self._tick += past

@@ -7,13 +7,15 @@
 The CPU's side in `module` configures receiver and transmitter.
 
 Chosen, where the manual is silent:
-- In loop-back the level of TXD passes the receiver's synchroniser, as the level of RXD does otherwise. The pin TXD also
-  shows the frames.
-- rx_int_extra delays every receive request that the line causes (including break and errors); a request that a CPU
-  write causes is immediate.
-- With SOFT = 1 a debugger stop waits for the end of the present frame in each direction; then the clock of this
-  direction stops. A received frame is present when its start bit was accepted. With SOFT = 0 both clocks stop at once.
-- Autobaud: the character, ABD and the new divider take effect together, after 7/8 of the stop bit.
+- In loop-back the level of TXD passes through the receiver's synchroniser in place of the level of RXD. The frames are
+  also on the pin TXD.
+- rx_int_extra delays every receive request that the line causes, including those of breaks and errors. A request that a
+  CPU access causes is immediate.
+- When the debugger halts the CPU with FREE = 0 and SOFT = 1, each direction completes its frame in progress. Then its
+  clock stops. In the receiver, a frame is in progress after its start bit was accepted. With SOFT = 0 both clocks stop
+  at once.
+- In autobaud the character is received, ABD is set and the new divider takes effect together, after 7/8 of the stop
+  bit.
 
 Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
 """
@@ -71,7 +73,7 @@ class SciLines(Chip):
         self._autobaud = SciAutobaud()
         self.filter_width = self._sync = options.rx_sync_stages.unrecorded()  # `_run_rx` records the use of the option
         self._rxd = 1
-        self._listening = False  # True if the bit receiver follows the line
+        self._listening = False  # True if the bit receiver evaluates the line
         self._rx_at = self._tx_at = NEVER  # cycles of the next events of receiver and transmitter
         self.reset(0)
 
@@ -97,7 +99,7 @@ class SciLines(Chip):
 
     @property
     def marks(self) -> SciTx:
-        """The transmitter, which stores the mark of each word (see `WriteOrigins`) until its last bit is on TXD."""
+        """The transmitter, which stores the mark of each word until the word has been sent."""
         return self._tx
 
     # Inputs: pin, time, clock, debugger -------------------------------------
@@ -114,27 +116,27 @@ class SciLines(Chip):
             self._line(now, level)
         if now > planned:
             return ANY_CHANGED
-        return PINS_CHANGED if self.next_wake != planned else NO_CHANGE  # an edge takes effect later, with a wake-up
+        return PINS_CHANGED if self.next_wake != planned else NO_CHANGE  # the edge takes effect in a later wake-up
 
     def wake(self, now: int) -> int:
         self._run(now)
         return ANY_CHANGED
 
     def gate(self, now: int, on: bool) -> None:
-        """Switch the module's clock on or off. PCLKCR0 takes effect in cycle `now`."""
+        """Switch the module's clock on or off in cycle `now` (PCLKCR0)."""
         self._run(now)
         self._gated = not on
         self._set_clocks(now, self._tx.stopping)
 
     def set_lspclk(self, now: int, divider: int, phase: int) -> None:
-        """Set the period of LSPCLK to `divider` SYSCLKOUT cycles, with edges at cycles = phase mod divider."""
+        """Set the period of LSPCLK to `divider` cycles, with an edge in each cycle n with n % divider == phase."""
         self._run(now)
         self._rx_clock.set_lspclk(now, divider, phase)
         self._tx_clock.set_lspclk(now, divider, phase)
         self._replan()
 
     def suspend(self, now: int, on: bool) -> None:
-        """Stop (True) when the debugger halts the CPU, as FREE and SOFT allow, or resume (False)."""
+        """Stop because the debugger has halted the CPU, as FREE and SOFT select. If `on` is False, resume."""
         self._run(now)
         self._suspended = on
         self._rx_stopping = False
@@ -193,7 +195,7 @@ class SciLines(Chip):
         self.next_wake = due
 
     def _replan(self) -> None:
-        """Reschedule after a change of the clocks, or of the next events of receiver and transmitter."""
+        """Compute the next wake-up after a change of the clocks or of the next events of receiver and transmitter."""
         self._plan_tx()
         self._rx_at = self._rx_clock.at(self._bits.next_tick)
         self._schedule()
@@ -258,13 +260,13 @@ class SciLines(Chip):
         self._request_rx(now)
 
     def _load_received(self) -> None:
-        """Update `loaded` if SCIRXBUF shows a new word, even one equal to the old word."""
+        """Update `loaded` if there is a new word in SCIRXBUF, even one that is equal to the old word."""
         if self._rx.loaded:
             self._rx.loaded = False
             self.loaded |= RECEIVED
 
     def _is_break_like(self, word: int, address: int) -> bool:
-        """Return True if every bit of the frame was 0. The value of the parity bit is derived from PE."""
+        """Return True if every bit of the frame was 0. word: with FE and PE, from which the parity bit is derived."""
         if word & ~PE != FE or (address and self._layout.address):
             return False
         return not self._layout.parity or bool(word & PE) != self._layout.even
@@ -281,7 +283,7 @@ class SciLines(Chip):
             self.requests |= RXINT
 
     def _watch_idle(self, now: int) -> None:
-        """Let the bit receiver report the tenth idle bit only while it can set RXWAKE."""
+        """Let the bit receiver report an idle line only while this can set RXWAKE."""
         rx = self._rx
         watch = rx.enabled and not rx.status & ST_RXWAKE and not self._layout.address
         if watch != self._bits.watch_idle:
@@ -305,9 +307,9 @@ class SciLines(Chip):
         self._replan()
 
     def _arm_receiver(self, now: int) -> None:
-        """Connect RXD to the autobaud detector if it waits for a character, or else to the bit receiver.
+        """Connect RXD to the autobaud detector if CDC = 1 and ABD = 0, else to the bit receiver.
 
-        In reset, connect RXD to neither of them.
+        While SW RESET = 0 or SCIRST = 0, connect RXD to neither of them.
         """
         listening = self._tx.running
         waits = listening and self._ffct & (CDC | ABD) == CDC

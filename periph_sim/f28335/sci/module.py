@@ -3,8 +3,8 @@
     registers --> Sci --> SciRx, SciTx, SciAutobaud and their clocks (`lines`) <--> RXD, TXD, RXINT, TXINT
 
 Chosen, where the manual is silent:
-- The clock gate is off after construction and after `reset`; LSPCLK keeps its last setting.
-- SCIRST = 0 also stops both channels in standard mode; it does not change SCIRXST.
+- The module's clock is off after construction and after `reset`. LSPCLK keeps its last setting.
+- SCIRST = 0 stops receiver and transmitter in standard mode, too. It does not change SCIRXST.
 - CDC must be written 0 before ABD requests TXINT again.
 
 Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
@@ -53,17 +53,17 @@ class Sci(SciLines):
 
     @property
     def frames_sent(self) -> int:
-        """Number of frames whose start bits have begun on TXD; resets do not clear it."""
+        """Number of frames whose start bits have begun on TXD. Resets do not clear this number."""
         return self._tx.frames
 
     @property
     def framing_errors(self) -> int:
-        """Number of characters received with a stop bit of 0; resets do not clear it."""
+        """Number of characters received with a stop bit of 0. Resets do not clear this number."""
         return self._rx.framing_errors
 
     @property
     def parity_errors(self) -> int:
-        """Number of characters received with a wrong parity bit; resets do not clear it."""
+        """Number of characters received with a wrong parity bit. Resets do not clear this number."""
         return self._rx.parity_errors
 
     # CPU access -------------------------------------------------------------

@@ -1,7 +1,7 @@
-"""Undocumented behaviours of the SCI: one field per question, the default first.
+"""Undocumented behaviours of the SCI: one field per question, with the default answer first.
 
-`SciOptions` is built from a dict of a scene file (`core.options.options_from`) or from keyword arguments, and has the
-answers for one `Sci`.
+`SciOptions` has the answers for one `Sci`. It is built from a table of a case file (`core.options.options_from`) or
+from keyword arguments.
 """
 
 from __future__ import annotations
@@ -225,7 +225,7 @@ class SciOptions(Answers):
         "next_character", "at_once", question="What a SCICCR write does to a character under way.", registers="SCICCR"
     )
 
-    # Questions that arose while the model was written.
+    # Other questions.
     clock_gate_access: TextOption = choice(
         "reads_0", "accessible", question="What a CPU access does while the module's clock is off."
     )

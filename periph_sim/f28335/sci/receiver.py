@@ -4,18 +4,19 @@
                         |
                         +--> RXRDY, FE, PE, OE, RXWAKE, RXFFST, RXFFINT, RXFFOVF --> request
 
-The bit receiver calls `deliver` at the stop bit.
+The owner calls `deliver` when the bit receiver has received a frame, during the stop bit.
 
 Chosen, where the manual is silent:
-- If RXBKINTENA = 1, every character that moves to SCIRXBUF requests RXINT, even if it overwrites an unread one.
+- In standard mode with RXBKINTENA = 1, every character that moves to SCIRXBUF requests RXINT, even if it overwrites an
+  unread one.
 - Setting an enable bit while its flag is 1 requests RXINT at once. The transmitter requests TXINT in the same way.
-- In FIFO mode RXWAKE is set by an address frame and cleared only by reading SCIRXBUF (and by the resets), in both
+- In FIFO mode an address frame sets RXWAKE. Only a read of SCIRXBUF or a reset clears it. This applies to both
   multiprocessor modes.
 - A word read from the FIFO stays in SCIRXBUF. Reads of the empty FIFO return this word if the option
   `rxfifo_read_when_empty` is "last_word".
-- Words blocked by RXFIFORESET = 0 still set their error flags.
-- RXFIFORESET does not change RXFFOVF; clearing SCIFFENA does not change RXFFINT.
-- RXFIFORESET = 0 does not stop RXFFINT: with RXFFIL = 0 an empty FIFO sets it.
+- A word that RXFIFORESET = 0 keeps out of the FIFO still sets its error flags.
+- RXFIFORESET does not change RXFFOVF. Clearing SCIFFENA does not change RXFFINT.
+- RXFIFORESET = 0 does not prevent RXFFINT: with RXFFIL = 0, even the empty FIFO sets it.
 - RXFFOVF requests RXINT only when it changes from 0 to 1.
 - BRKDT needs RXENA = 1, like all flags.
 
@@ -71,7 +72,10 @@ class SciRx:
     # From the line ----------------------------------------------------------
 
     def deliver(self, word: int, address: int, break_like: bool) -> None:
-        """Receive a complete character. break_like: True if each of its bits, including the stop bit, was 0."""
+        """Receive a character: move it to SCIRXBUF or the FIFO and set flags, as RXENA, SLEEP and options say.
+
+        word: with FE and PE. address: 1 for an address frame. break_like: True if all bits, even the stop bit, were 0.
+        """
         if not self.enabled:
             return
         self.framing_errors += word & FE > 0
@@ -101,7 +105,7 @@ class SciRx:
             self._watch_level()
 
     def line_break(self) -> bool:
-        """Receive a complete break; return True if it was accepted."""
+        """Receive a break: set BRKDT and return True. If RXENA or SLEEP prevents that, return False."""
         if not self.enabled:
             return False
         if self.sleep and self.options.brkdt_in_sleep.assume(self.touched) == "suppressed":
@@ -124,7 +128,7 @@ class SciRx:
         self.request = requested
 
     def _to_fifo(self, word: int) -> int:
-        """Add a word to the FIFO. Return the mask of OE if OE must be set, else 0."""
+        """Add a word to the FIFO. Return ST_OE if OE must be set, else 0."""
         waiting = len(self.fifo)
         overrun = 0
         if waiting and self.options.oe_in_fifo_mode.assume(self.touched) == "per_unread_word":
@@ -145,7 +149,7 @@ class SciRx:
         return ST_OE
 
     def _set_errors(self, errors: int, keep: bool = False) -> None:
-        """Set the error flags of one event.
+        """Set the error flags of one character or break, and request RXINT if RXERRINTENA = 1.
 
         keep: True to keep the flags of earlier characters, even if the option `error_flags_sticky` is False.
         """
@@ -161,7 +165,7 @@ class SciRx:
     # FIFO interrupt ---------------------------------------------------------
 
     def _watch_level(self) -> None:
-        """Set RXFFINT if RXFFST has reached RXFFIL."""
+        """Set RXFFINT if RXFFST has reached RXFFIL, and request RXINT if RXFFIENA = 1."""
         if self.fifo.watch(self.fifo_mode):
             self.request = True
 
@@ -182,7 +186,7 @@ class SciRx:
         return status
 
     def show_buffer(self) -> int:
-        """Return SCIRXBUF, without the effects of reading it."""
+        """Return the value of SCIRXBUF without the side effects of a read."""
         if not self.fifo_mode:
             return self.rxbuf & 0xFF
         if self.fifo.words:
@@ -190,7 +194,7 @@ class SciRx:
         return self.rxbuf if self.options.rxfifo_read_when_empty.assume(self.touched) == "last_word" else 0
 
     def read_buffer(self) -> int:
-        """Read SCIRXBUF as the CPU does, which removes the character."""
+        """Read SCIRXBUF as the CPU does: remove the word from the FIFO, and clear RXRDY and RXWAKE."""
         word = self.show_buffer()
         if self.fifo_mode and self.fifo.words:
             self.rxbuf = self.fifo.pop()

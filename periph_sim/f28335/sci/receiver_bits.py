@@ -6,14 +6,14 @@ Evaluation is lazy: an edge is only recorded. Start bits, votes, breaks and idle
 edges when one of them is due (`next_tick`), with the same result as sampling at every SCICLK. A tick is a sample;
 changes between two samples are not seen.
 
-Rules: Four low samples in a row are a start bit; the first of them is sub-sample 1. Every bit is the majority of its
-sub-samples 4, 5, 6. The search for the next start bit begins inside the stop bit, or in address-bit mode inside the
-address bit (erratum).
+Rules: Four low samples in a row are a start bit; the first of them is sub-sample 1. The value of every bit is the
+majority of its sub-samples 4, 5, 6. The search for the next start bit begins inside the stop bit or, in address-bit
+mode, inside the address bit (erratum).
 
 Chosen, where the manual is silent:
-- After a missing stop bit, a low level counts as a start bit only if a high level was sampled before it. An exception
-  is a start bit that the erratum's early search has already accepted. A break thus yields one character. If a high
-  level is sampled before ten bits of a break are over, the count begins again at the next missing stop bit.
+- After a missing stop bit, a low level counts as a start bit only if a high level was sampled before it. So a break
+  yields one character. An exception is a start bit that the early search of the erratum has already accepted. If a high
+  level is sampled before ten low bits of a break are over, the count begins again at the next missing stop bit.
 - Idle bits are counted from the end of the last programmed stop bit. Any low sample restarts the count, even if it is
   not part of a start bit. With exactly 80 high samples the line is idle.
 - If SW RESET is released while the line is low, four low samples are a start bit as usual.
@@ -39,8 +39,8 @@ FE = 1 << 15  # framing error, at its position in SCIRXBUF
 PE = 1 << 14  # parity error, at its position in SCIRXBUF
 
 IDLE_TICKS = 80  # length of ten bits
-SHORT_BREAK = 16  # length of two bits: a low level that lasts longer after a missing stop bit was meant as a break
-VOTE = 0b11101000  # bit n: the majority of three samples, which are the bits of the number n
+SHORT_BREAK = 16  # length of two bits: a longer low level after a missing stop bit was probably meant as a break
+VOTE = 0b11101000  # bit n: the majority of the three bits of n, each of which is a sample
 
 
 @final
@@ -73,15 +73,15 @@ class SciRxBits:
         self._level = 1  # level of the present run
         self._low_from = FAR  # first sample of a low run that may be a start bit; FAR if this run cannot be one
         self._high_from = FAR  # tick from which the ten idle bits of a high run are counted
-        self._idle_base = FAR  # no idle bit is counted before this tick
+        self._idle_base = FAR  # idle bits are counted from this tick on
         self._idle = False  # True if the line has been idle since the last frame
         self._idle_unreported = False  # True if an idle line was detected, and `step` has not returned IDLE for it yet
         self.framed = False
         self.short_break = False
         self._start = 0  # first low sample of the accepted start bit
         self._frame = layout  # the format of the present frame
-        self._missing_stop = 0  # last voting sample of the missing stop bit after which the bits of a break are counted
-        self._break_at = FAR
+        self._missing_stop = 0  # tick of the last voting sample of the missing stop bit that may begin a break
+        self._break_at = FAR  # tick at which the break is complete if the line stays low; FAR if there is no break
         self._sure = True  # True if no later edge can change `next_tick`
 
     # Inputs -----------------------------------------------------------------
@@ -93,7 +93,7 @@ class SciRxBits:
         self._line = level
         toggles = self._toggles
         if toggles and toggles[-1] >= tick:
-            toggles.pop()  # the previous level fell between two samples
+            toggles.pop()  # the previous level lasted only from one sample to the next, so it was not sampled
         else:
             toggles.append(tick)
         if self._sure:
@@ -106,7 +106,7 @@ class SciRxBits:
     def set_layout(self, tick: int, layout: SciFormat, at_once: bool) -> None:
         """Set the format of the next frames and, if `at_once` is True, of the present frame.
 
-        tick: the last tick that is over.
+        tick: the latest tick that has passed.
         """
         self.settle(tick)
         self._layout = layout
@@ -116,21 +116,21 @@ class SciRxBits:
         self.next_tick = max(self.next_tick, tick + 1)
 
     def set_watch(self, tick: int, watch: bool) -> None:
-        """Report the tenth idle bit as IDLE, or stop reporting it. tick: the last tick that is over."""
+        """Select whether `step` returns IDLE for an idle line. tick: the latest tick that has passed."""
         self.settle(tick)
-        self._idle_unreported = False  # an idle line that was detected before this call is not reported any more
+        self._idle_unreported = False  # do not report an idle line that was detected before this call
         self.watch_idle = watch
         self._plan()
 
     def settle(self, tick: int) -> None:
-        """Process the samples up to `tick`, which may accept a start bit."""
+        """Process the samples up to `tick`. If they have a start bit, a frame begins."""
         if self._break_at != FAR:
             self._end_break_on_high(tick)
         if self._open and not self.framed:
             self._hunt(tick)
 
     def open(self, tick: int) -> None:
-        """Search for a start bit from sample `tick` on."""
+        """Drop any frame in progress, and search for a start bit from sample `tick` on."""
         self.close()
         self._open = True
         self._idle = False
@@ -202,7 +202,7 @@ class SciRxBits:
                 return
 
     def _wait_for_high(self) -> None:
-        """End a complete break: no frame is in progress, and this low level is not a start bit."""
+        """End a complete break: drop a frame in progress, and accept no start bit before a high level."""
         self._drop(self._break_at)
         self._break_at = FAR
         self.framed = False
@@ -210,7 +210,7 @@ class SciRxBits:
         self._idle_base = 0
 
     def _finish(self) -> None:
-        """Complete the frame: take its votes, and continue the search."""
+        """Complete the frame: decode it from its samples, and search for the next start bit."""
         start, frame = self._start, self._frame
         stop_at = frame.stop_at
         last = stop_at + 8
@@ -258,7 +258,7 @@ class SciRxBits:
         self.word = word
 
     def _after_missing_stop(self, stop: int, start: int, frame: SciFormat) -> None:
-        """Begin to count the bits of a break, if the line is still low. Accept no start bit in this low run."""
+        """Begin to count the bits of a break, if the line is still low. Accept no start bit before a high level."""
         voted = start + frame.voted_at
         since_vote = stop >> frame.voted_at - frame.stop_at
         if self._break_at == FAR and not since_vote & 1:
@@ -279,7 +279,7 @@ class SciRxBits:
     # Scheduling -------------------------------------------------------------
 
     def _drop(self, tick: int) -> None:
-        """Apply and remove the toggles up to `tick`."""
+        """Remove the toggles up to `tick`, and set `_level` to the level after them."""
         toggles = self._toggles
         passed: int = 0
         t: int
@@ -298,7 +298,7 @@ class SciRxBits:
         self._low_from = tick
 
     def _plan(self) -> None:
-        """Compute `next_tick` from all known edges, and set `_sure` if no later edge can change it."""
+        """Compute `next_tick` from all known edges. Set `_sure` to True if no later edge can change it."""
         self._sure = True
         if not self._open:
             self.next_tick = FAR

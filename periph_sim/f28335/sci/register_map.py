@@ -1,7 +1,6 @@
 """Table of the SCI's registers: names as in C2000Ware's DSP2833x_Sci.h, offsets in words from the module's base.
 
-All three modules (0x7050, 0x7750, 0x7770) have this map. An 8-bit register reads 0 in its high byte, and ignores writes
-of it.
+All three modules (0x7050, 0x7750, 0x7770) have this map. The high byte of an 8-bit register reads 0 and ignores writes.
 
 Source: TI SPRUFZ5A chapter 2.
 """
@@ -162,7 +161,7 @@ SCI_MAP = RegisterMap(
     ),
 )
 
-# Masks of the fields of seven registers, in the order of the table; of SCIFFTX, only the first two fields.
+# Masks of the fields of seven registers, in the order of their tables above. Of SCIFFTX, only the first two are needed.
 STOPBITS, PARITY, PARITYENA, LOOPBKENA, ADDRIDLE_MODE, SCICHAR = (f.mask for f in SCI_MAP["SCICCR"].fields)
 RXERRINTENA, SWRESET, TXWAKE, SLEEP, TXENA, RXENA = (f.mask for f in SCI_MAP["SCICTL1"].fields)
 TXRDY, TXEMPTY, RXBKINTENA, TXINTENA = (f.mask for f in SCI_MAP["SCICTL2"].fields)

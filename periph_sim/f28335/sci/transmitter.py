@@ -7,12 +7,12 @@
 Times are SCICLK ticks. With the default options a word is loaded into TXSHF at the tick of its start bit.
 
 Chosen, where the manual is silent:
-- TXWAKE works in FIFO mode as in standard mode: it applies to the next word loaded.
+- TXWAKE works in FIFO mode as in standard mode: it applies to the next word that is loaded into TXSHF.
 - A word that is written less than FFTXDLY after the end of the previous word waits for the rest of FFTXDLY.
 - SCIFFENA selects whether words are sent from the FIFO or from SCITXBUF. When it changes, both keep their words.
 - Words written to the FIFO while SW RESET = 0 wait. So do words written while SCIRST = 0, if scirst_scope = "shifters".
 - If SW RESET sets TXRDY to 1, TXINT is not requested.
-- TXFIFOXRESET = 0 does not prevent TXFFINT: the FIFO is empty then, so TXFFST is not above any TXFFIL.
+- TXFIFOXRESET = 0 does not prevent TXFFINT: the FIFO is empty then, so TXFFST <= TXFFIL for every TXFFIL.
 
 Source: TI SPRUFZ5A sections 1.2.3 to 1.2.10, tables 2-4, 2-6, 2-9, 2-11.
 """
@@ -40,10 +40,11 @@ class SciTx:
     An entry of the FIFO has a word in its low eight bits, and the mark of this word in the bits above.
 
     level: level of TXD.
-    wut: TXWAKE of the word in TXSHF, called WUT in the manual. In idle-line mode an idle time is sent in its place.
+    wut: True if TXWAKE was 1 when the word in TXSHF was loaded (WUT in the manual). In address-bit mode it is then sent
+        with address bit 1; in idle-line mode an idle time is sent in its place.
     request: True if TXINT was requested since the owner last set this to False.
-    mark: the mark (see `WriteOrigins`) of the next word written to SCITXBUF, set by the owner.
-    out_mark: the mark of the word that was sent last or is being sent; 0 after a reset of the transmitter.
+    mark: the mark of the next word that is written to SCITXBUF; set by the owner.
+    out_mark: the mark of the word that is being sent or was sent last; 0 after a reset of the transmitter.
     """
 
     STATE = State(
@@ -58,7 +59,7 @@ class SciTx:
         self.options = options
         self.touched = touched
         self.frames = 0  # number of frames whose start bits have begun, since construction
-        self.lost: list[str] = []  # messages about lost words
+        self.lost: list[str] = []  # messages about lost words; the owner makes them notes and clears the list
         self.mark = 0
         self._edges: list[int] = []  # ticks of the coming edges, the last one first
         self.fifo = InterruptFifo(SCI_MAP["SCIFFTX"], False, options.fifo_int_mode, touched)
@@ -89,7 +90,7 @@ class SciTx:
         self.fifo.reset()
 
     def halt(self) -> None:
-        """Reset the state machines: words in SCITXBUF and TXSHF that were not sent are lost, and TXD becomes 1."""
+        """Stop and reset the transmitter: unsent words in SCITXBUF and TXSHF are lost, and TXD becomes 1."""
         self.running = False  # True if neither SW RESET nor SCIRST holds the transmitter in reset
         self.active = False  # True if a frame or an idle time is being sent
         self.wut = False
@@ -101,7 +102,7 @@ class SciTx:
         self._start_at = FAR  # tick of the next start bit
         self._load_at = FAR  # tick of the next load
         self._load_cycle = NEVER  # cycle of the next load, if it is not at a tick
-        self._last_end = -FAR
+        self._last_end = -FAR  # tick at which the last frame or idle time ended
         self._empty_until = 0  # cycle up to which TXEMPTY still reads 1
         self.level = 1
         self._edge_at = FAR  # tick at which the level changes next
@@ -115,14 +116,14 @@ class SciTx:
         self.replan(now)
 
     def clear_fifo(self) -> None:
-        """Empty the FIFO and clear its flag. The empty FIFO may set the flag again at once, without a request."""
+        """Empty the FIFO and clear TXFFINT. The empty FIFO may set TXFFINT again at once, without a request."""
         self.fifo.clear()
         self.fifo.watch(self.fifo_mode and not self._is_held())
 
     # Time -------------------------------------------------------------------
 
     def run(self, now: int) -> None:
-        """Process everything due up to `now`."""
+        """Process what is due at `now`: the load of a word, the end of a frame, a start bit, or an edge."""
         tick = self._clock.passed(now)
         if self.stopping and self._end <= tick:
             self._finish()
@@ -141,12 +142,12 @@ class SciTx:
         self._set_next(now)
 
     def replan(self, now: int) -> None:
-        """Reschedule the next word. Call after any change that affects it."""
+        """Reschedule the next word. Call after any change that affects when this word is sent."""
         self._plan(now)
         self._set_next(now)
 
     def resume(self, now: int) -> None:
-        """Reschedule the next word after a start or stop of the clock, for the next tick at the earliest."""
+        """Reschedule the next word after the clock was started or stopped. It begins at the next tick or later."""
         self.stopping = False
         coming = self._clock.passed(now) + 1
         self._start_at = max(self._start_at, coming)
@@ -159,7 +160,7 @@ class SciTx:
         self._end = FAR
 
     def _plan(self, now: int) -> None:
-        """Compute when the next word is loaded and when its start bit begins."""
+        """Compute when the next word is loaded and when its start bit begins; FAR and NEVER if no word can be sent."""
         if self._loaded:
             return
         planned = self._start_at
@@ -173,7 +174,7 @@ class SciTx:
             self._plan_from_idle(now)
 
     def _plan_after_frame(self, now: int) -> None:
-        """Schedule the next word after the frame that is being sent."""
+        """Schedule the next word, to be sent after the present frame or idle time."""
         if self.fifo_mode:
             self._start_at = self._load_at = self._end + self._pause()
             return
@@ -211,7 +212,7 @@ class SciTx:
         return delay * 8 if self.options.fftxdly_unit.assume(self.touched) == "bit" else delay
 
     def _load(self) -> None:
-        """Move a word to TXSHF, and TXWAKE to WUT."""
+        """Move the next word from SCITXBUF or the FIFO to TXSHF, and TXWAKE to WUT."""
         self._load_at = FAR
         self._load_cycle = NEVER
         self._loaded = True
@@ -247,7 +248,7 @@ class SciTx:
         self._plan(now)
 
     def _set_edges(self, tick: int, levels: int, bits: int) -> None:
-        """Send a frame of `bits` bits from `tick` on, bit 0 of `levels` first. The line must be at 1 before it."""
+        """Set the edges of a frame that begins at `tick` after a high level. Bit 0 of `levels` is sent first."""
         changes = levels ^ (levels << 1 | 1)
         edges = [tick + 8 * bit for bit in range(bits - 1, -1, -1) if changes >> bit & 1]
         self._edges = edges
@@ -322,12 +323,12 @@ class SciTx:
         self.replan(now)
 
     def watch_level(self) -> None:
-        """Set TXFFINT if TXFFST has fallen to TXFFIL."""
+        """Set TXFFINT if TXFFST has fallen to TXFFIL, and request TXINT if TXFFIENA = 1."""
         if self.fifo.watch(self.fifo_mode and not self._is_held()):
             self.request = True
 
     def _is_held(self) -> bool:
-        """Return True if SCIRST = 0 holds the FIFO empty and its flag at 0."""
+        """Return True if SCIRST = 0 holds the FIFO empty and its flag at 0, as the option scirst_scope selects."""
         return not self.fifo.control & SCIRST and self.options.scirst_scope.assume(self.touched) == "shifters_and_fifos"
 
     def set_enabled(self, now: int, on: bool) -> None:

@@ -1,6 +1,6 @@
 """Timer of the SPI master: computes the cycle of an event from the number of LSPCLK edges before it.
 
-    SYSCLKOUT --/divider--> LSPCLK: edges at cycles = phase mod divider --> n-th edge from now = event
+    SYSCLKOUT --/divider--> LSPCLK: an edge in each cycle n with n % divider == phase --> k-th edge from now = event
 
 Source: TI SPRUEU3 section 1.4.3; SPRUFB0D section 5.1 for LSPCLK.
 """
@@ -12,9 +12,9 @@ from ...core.state import State
 
 
 class LspclkTimer:
-    """Timer that counts LSPCLK edges to one event. Initially stopped.
+    """Timer that counts LSPCLK edges to one event. Initially its clock is stopped.
 
-    at: cycle of the event; NEVER without an event, and while the clock is stopped.
+    at: cycle of the event; NEVER if there is no event, or while the clock is stopped.
     divider: period of LSPCLK in SYSCLKOUT cycles.
     """
 
@@ -38,14 +38,14 @@ class LspclkTimer:
         self.at = NEVER
 
     def edges_to_multiple(self, now: int, edges: int) -> int:
-        """Return how many LSPCLK edges after `now` one comes whose number is a multiple of `edges`.
+        """Return which LSPCLK edge after `now` is the first whose number is a multiple of `edges`; 1 is the next edge.
 
-        LSPCLK edges are numbered in order; the edge at the cycle `phase` has the number 0.
+        LSPCLK edges are numbered in order; the edge in the cycle `phase` has the number 0.
         """
         return edges - (now - self._phase) // self.divider % edges
 
     def stop(self, now: int) -> None:
-        """Stop the clock; the event keeps its distance in LSPCLK edges."""
+        """Stop the clock. The number of LSPCLK edges that are left to the event stays the same."""
         if self.running:
             self.running = False
             if self.at < NEVER:
@@ -53,14 +53,14 @@ class LspclkTimer:
                 self.at = NEVER
 
     def start(self, now: int) -> None:
-        """Start the clock."""
+        """Start the clock. The event comes after the number of LSPCLK edges that was left when the clock stopped."""
         if not self.running:
             self.running = True
             if self._left:
                 self.plan(now, self._left)
 
     def set_lspclk(self, now: int, divider: int, phase: int) -> None:
-        """Set the period of LSPCLK and the phase of its edges, both in SYSCLKOUT cycles."""
+        """Set the period of LSPCLK to `divider` cycles, with an edge in each cycle n with n % divider == phase."""
         was_running = self.running
         self.stop(now)
         self.divider, self._phase = divider, phase % divider

@@ -8,12 +8,12 @@
     data input --> bit 0                  0           output         latch
                                           1           latch          output of the next bit
 
-The leading edge of SPICLK goes from its idle level to its active level, the trailing edge goes back. With CLK_PHASE = 1
-the first bit is at the output before the first edge (`present`).
+With CLK_PHASE = 1 the first bit is at the output before the first edge of SPICLK (`present`).
 
 Chosen, where the manual is silent:
 - A read of SPITXBUF returns the word last written, even after this word has moved to SPIDAT.
-- SPIFFENA selects the FIFOs, or SPITXBUF and SPIRXBUF alone. When it changes, SPITXBUF and the FIFOs keep their words.
+- SPIFFENA selects whether words pass through the FIFOs or through SPITXBUF and SPIRXBUF alone. When it changes,
+  SPITXBUF and the FIFOs keep their words.
 - A word read from the receive FIFO stays in SPIRXBUF.
 - While a reset bit holds a FIFO empty, the interrupt flag of the FIFO does not change.
 - Setting an enable bit while its flag is 1 requests the interrupt at once.
@@ -53,7 +53,7 @@ class SpiFifo(InterruptFifo):
 
     @property
     def accepts(self) -> bool:
-        """True if no reset holds the FIFO empty."""
+        """True if neither the FIFO's own reset bit nor SPIRST holds the FIFO empty."""
         return self.is_released() and not self._held
 
     def add(self, word: int) -> bool:
@@ -63,9 +63,9 @@ class SpiFifo(InterruptFifo):
         return added
 
     def add_received(self, word: int) -> bool:
-        """Add a word. If the FIFO is full, its oldest word is dropped first.
+        """Add a received word, unless the FIFO is held empty. If it is full, drop its oldest word and set RXFFOVF.
 
-        Return True if another word than before is now the oldest one, which the CPU reads next.
+        Return True if the oldest word, which the CPU reads next, is not the same as before.
         """
         if not self.accepts or self.add(word):
             return len(self) == 1
@@ -83,24 +83,24 @@ class SpiFifo(InterruptFifo):
         return word
 
     def update_flag(self) -> None:
-        """Set the interrupt flag if the number of words has reached the interrupt level."""
+        """Set the interrupt flag if the number of words has reached its level, and record a request in `request`."""
         self.request = self.watch(self.on and self.accepts) or self.request
 
     def write_register(self, value: int) -> None:
-        """Write SPIFFTX or SPIFFRX. The owner then applies SPIRST by `hold` and SPIFFENA by `turn`."""
+        """Write SPIFFTX or SPIFFRX. The owner then calls `hold` for SPIRST and `turn` for SPIFFENA."""
         if self.write(value) and self.on:
             self.request = True
         self.update_flag()
 
     def turn(self, on: bool) -> None:
-        """Switch FIFO mode on or off, as SPIFFENA does."""
+        """Switch FIFO mode on or off, as SPIFFENA does. Request the interrupt if flag and enable are already set."""
         if on and not self.on and self.is_requesting():
             self.request = True
         self.on = on
         self.update_flag()
 
     def hold(self, held: bool) -> None:
-        """Hold the FIFO empty with its flags at 0 (held = True, as SPIRST = 0 does), or release it."""
+        """Empty the FIFO, clear its flags and hold it so, as SPIRST = 0 does. If `held` is False, release it."""
         self._held = held
         if held:
             self.clear()
@@ -132,7 +132,7 @@ class TransmitBuffer:
 
     @property
     def waiting(self) -> bool:
-        """True if a word waits for SPIDAT."""
+        """True if a word waits to be loaded into SPIDAT."""
         return bool(self.fifo.words) if self.fifo.on else self.full
 
     def write(self, value: int, enabled: bool) -> None:
@@ -195,7 +195,7 @@ class ReceiveBuffer:
         self.request = self.loaded = False
 
     def deliver(self, word: int) -> None:
-        """Receive a complete character."""
+        """Store a received character in SPIRXBUF or the FIFO, and set flags."""
         if self.fifo.on:
             self.loaded = self.fifo.add_received(word) or self.loaded
             if self.options.status_in_fifo_mode.assume(self.touched) == "stays_0":
@@ -216,7 +216,7 @@ class ReceiveBuffer:
         return self.enables & INT_FLAG > 0 and self.options.int_request.assume(self.touched) == "every_character"
 
     def show(self) -> int:
-        """Return SPIRXBUF, without the effects of reading it."""
+        """Return the value of SPIRXBUF without the side effects of a read."""
         if self.fifo.on and self.fifo.words:
             return self.fifo.words[0]
         if self.fifo.on and self.options.rxfifo_read_when_empty.assume(self.touched) == "zero":
@@ -224,7 +224,7 @@ class ReceiveBuffer:
         return self.rxbuf
 
     def read(self) -> int:
-        """Read SPIRXBUF as the CPU does, which removes the character."""
+        """Read SPIRXBUF as the CPU does: remove the word from the FIFO, and clear INT_FLAG."""
         word = self.show()
         if self.fifo.on and self.fifo.words:
             self.rxbuf = self.fifo.take()
@@ -233,7 +233,10 @@ class ReceiveBuffer:
         return word
 
     def set_enables(self, enables: int) -> None:
-        """Set SPIINTENA and OVERRUNINTENA, which `enables` has at the positions of their flags in SPISTS."""
+        """Set SPIINTENA and OVERRUNINTENA. Setting one while its flag is 1 requests RXINT, except in FIFO mode.
+
+        enables: INT_FLAG if SPIINTENA is set, plus OVERRUN_FLAG if OVERRUNINTENA is set.
+        """
         if enables & ~self.enables & self.status and not self.fifo.on:
             self.request = True
         self.enables = enables
@@ -259,7 +262,7 @@ class SpiShifter:
 
     @property
     def busy(self) -> bool:
-        """True if SPIDAT has a character to send, or a character is in progress, so that the next one must wait."""
+        """True if SPIDAT has a character to send or a character is in progress. The next character must then wait."""
         return self.loaded or self.bits > 0
 
     @property
@@ -268,7 +271,7 @@ class SpiShifter:
         return self.bits >= self.length
 
     def load(self, word: int) -> None:
-        """Load a character to send."""
+        """Load a character to send into SPIDAT."""
         self.dat = word
         self.loaded = True
 
@@ -278,7 +281,7 @@ class SpiShifter:
             self.level = self.dat >> 15
 
     def edge(self, leading: bool, data: int) -> None:
-        """Shift at an edge of SPICLK. data: the level at the data input."""
+        """Latch or put out a bit at an edge of SPICLK, as CLK_PHASE selects. data: the level at the data input."""
         if leading == self.delayed:
             self.dat = (self.dat << 1 | data) & 0xFFFF
             self.bits += 1
@@ -286,6 +289,6 @@ class SpiShifter:
             self.level = self.dat >> 15
 
     def finish(self) -> None:
-        """End the character, complete or not. The bits shifted in so far stay in SPIDAT."""
+        """End the character, even if it is not complete. The bits that have been latched stay in SPIDAT."""
         self.bits = 0
         self.loaded = False

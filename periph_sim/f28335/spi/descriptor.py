@@ -26,6 +26,11 @@ SPI_A = ModuleDescriptor(
     interrupts=(Interrupt("SPIRXINTA", RECEIVER), Interrupt("SPITXINTA", ("SPIFFTX.TXFFINT", "SPIFFTX.TXFFIENA"))),
     inputs=("SPISIMOA", "SPISOMIA", "SPICLKA", "SPISTEA"),
     outputs=("SPISIMOA", "SPISOMIA", "SPICLKA", "SPISTEA"),
-    pins={"SPISIMOA": 54, "SPISOMIA": 55, "SPICLKA": 56, "SPISTEA": 57},  # SCI-B uses GPIO18 and 19
+    pins={
+        "SPISIMOA": 54,
+        "SPISOMIA": 55,
+        "SPICLKA": 56,
+        "SPISTEA": 57,
+    },  # at GPIO18 and 19 is SCI-B
     wires={"SIMO": "SPISIMOA", "SOMI": "SPISOMIA", "CLK": "SPICLKA", "STE": "SPISTEA"},
 )

@@ -1,28 +1,34 @@
 """Line side of the SPI module: its pins, clocks, debugger stops, requests and scheduling.
 
-    master, CLKPOLARITY = 0, two bits; h: second half of a bit, the longer one where SPIBRR + 1 is odd
+    A master sends two bits, CLKPOLARITY = 0, CLK_PHASE = 0. h: half a bit, the longer half if SPIBRR + 1 is odd.
 
-    STE    1 0 . . . . . . 1           CLK_PHASE = 0: data change with the leading edge, are latched with the trailing
-    CLK    0 . 1 . 0 . 1 . 0           edge; STE rises half a bit after the last of them
-    SIMO       b15 . . b14             CLK_PHASE = 1: data change half a bit before the leading edge and with the
-           |<h>|                       trailing edges, are latched with the leading ones; STE rises with the last edge
+    STE    1 0 . . . . . . 1
+    CLK    0 . 1 . 0 . 1 . 0
+    SIMO       b15 . . b14
+           |<h>|
+
+With CLK_PHASE = 0, data change at the leading edge and are latched at the trailing edge. STE rises half a bit after the
+last trailing edge. With CLK_PHASE = 1, data are latched at the leading edge. They change half a bit before the first
+leading edge, and at each trailing edge. STE rises at the last trailing edge.
 
 A master counts LSPCLK edges from one edge of SPICLK to the next (`LspclkTimer`); a slave follows the pins. The CPU's
 side is in `module`.
 
-`driven` is the mask of the pins that the module drives. `out` is 1 for the other pins, so that outputs joined on a
-wired-AND wire behave like push-pull outputs with enables.
+`driven` is the mask of the pins that the module drives. `out` is 1 for the other pins. So wires with several outputs,
+whose level is the AND of all outputs, have the level of the one output that is driven.
 
 Chosen, where the manual is silent:
-- A word that waits in SPITXBUF at the last edge of SPICLK follows without a gap, as a word in the FIFO does if
-  TXDLY = 0. A word that is written later begins like the first word; SPISTE stays low if it has not risen yet.
-- A slave loads the next word at the last edge of the previous word; TXDLY is for masters only.
-- An edge of SPICLK in the cycle in which SPISTE rises counts; an edge in the cycle in which it falls does not.
+- If a word waits in SPITXBUF at the last edge of SPICLK, it follows without a gap. So does a word in the FIFO if
+  TXDLY = 0. A word that is written later begins like the first word. If SPISTE has not risen yet, SPISTE stays low.
+- A slave loads the next word at the last edge of the previous word. TXDLY has an effect on masters only.
+- If SPISTE of a slave rises in the cycle of an edge of SPICLK, the edge counts. If SPISTE falls in this cycle, the edge
+  does not count.
 - SIMO and SOMI keep their last output level, which is 0 after reset.
-- A change between master and slave drops the character.
-- With SOFT = 1 a debugger stop waits for all written words, if SPICLK has already made its first edge. A slave's
-  character begins with its first latched bit.
-- In loop-back the pins of a master also show the transfer. Loop-back has no effect on a slave.
+- A change between master and slave drops the character in progress.
+- When the debugger halts the CPU with FREE = 0 and SOFT = 1, the module still sends all written words if a character is
+  in progress. For a master it is in progress from the first edge of SPICLK on, for a slave from the first latched bit
+  on. Otherwise, and with SOFT = 0, the module stops at once.
+- In loop-back the transfer is also on the pins of a master. Loop-back has no effect on a slave.
 
 Source: TI SPRUEU3 sections 1.3.2, 1.4.3, 1.5, 2.1.9 and 2.1.10; SPRS439M, SPI timing, for SPISTE of a master; SPRUFB0D
 section 5.1 for the clock gate.
@@ -49,7 +55,8 @@ PINS = ("SIMO", "SOMI", "CLK", "STE")
 RECEIVED = 1 << SPI_MAP["SPIRXBUF"].offset | 1 << SPI_MAP["SPIRXEMU"].offset
 
 
-# Events of the master's timer: none, start of a transfer, the two edges of SPICLK, end of TXDLY, SPISTE = 1.
+# Next event of the master's timer: none, start of a transfer, leading edge of SPICLK, trailing edge, end of TXDLY, rise
+# of SPISTE.
 IDLE, BEGIN, LEADING, TRAILING, DELAY, RELEASE = range(6)
 
 
@@ -58,7 +65,7 @@ class SpiLines(Chip):
 
     name: the module's name in notes.
     options: answers to open questions.
-    driven: bit i is set if OUTPUTS[i] is driven.
+    driven: bit i is 1 if the module drives OUTPUTS[i].
     """
 
     STATE = State(
@@ -90,7 +97,7 @@ class SpiLines(Chip):
         self._ccr = self._ctl = self._brr = self._ffct = self._pri = 0
         self._gated = True  # True if the module has no clock, because its bit in PCLKCR0 is 0
         self._suspended = False
-        self._finishing = False  # True if the debugger has stopped the module, but it still sends
+        self._finishing = False  # True while the module still sends words although the debugger has halted the CPU
         self._halt()
         self._shifter = SpiShifter()
         self._tx.reset()
@@ -99,7 +106,7 @@ class SpiLines(Chip):
         self._show(now)
 
     def _halt(self) -> None:
-        """Drop the character; SPICLK and SPISTE of a master become inactive."""
+        """Drop the character in progress and the one in SPITXBUF. SPICLK and SPISTE of a master become inactive."""
         self._timer.cancel()
         self._step = IDLE
         self._clk_active = False  # True if SPICLK of a master is at its active level
@@ -120,12 +127,12 @@ class SpiLines(Chip):
 
     @property
     def _enabled(self) -> bool:
-        """True if neither SW RESET nor SPIRST holds the module."""
+        """True if neither SW RESET nor SPIRST holds the module in reset."""
         return self._ccr & SPISWRESET > 0 and self._tx.fifo.control & SPIRST > 0
 
     @property
     def _halves(self) -> tuple[int, int]:
-        """LSPCLK cycles for which SPICLK is at its active level, and for which it is at its idle level."""
+        """LSPCLK cycles in a bit for which SPICLK is at its active level, and for which it is at its idle level."""
         period = self._brr + 1 if self._brr >= 3 else 4
         return period // 2, period - period // 2
 
@@ -149,13 +156,13 @@ class SpiLines(Chip):
         return ANY_CHANGED
 
     def gate(self, now: int, on: bool) -> None:
-        """Switch the module's clock on or off. PCLKCR0 takes effect in cycle `now`."""
+        """Switch the module's clock on or off in cycle `now` (PCLKCR0)."""
         self._run(now)
         self._gated = not on
         self._set_clock(now)
 
     def set_lspclk(self, now: int, divider: int, phase: int) -> None:
-        """Set the period of LSPCLK to `divider` SYSCLKOUT cycles, with edges at cycles = phase mod divider."""
+        """Set the period of LSPCLK to `divider` cycles, with an edge in each cycle n with n % divider == phase."""
         if divider not in (1, 2, 4, 6, 8, 10, 12, 14):
             raise ValueError(f"LSPCLK is SYSCLKOUT / 1, 2, 4, 6, 8, 10, 12 or 14, not / {divider}")
         self._run(now)
@@ -163,7 +170,7 @@ class SpiLines(Chip):
         self._schedule()
 
     def suspend(self, now: int, on: bool) -> None:
-        """Stop (True) when the debugger halts the CPU, as FREE and SOFT allow, or resume (False)."""
+        """Stop because the debugger has halted the CPU, as FREE and SOFT select. If `on` is False, resume."""
         self._run(now)
         was_stopped = self._is_stopped
         self._suspended = on
@@ -186,7 +193,7 @@ class SpiLines(Chip):
     # Events -----------------------------------------------------------------
 
     def _run(self, now: int) -> None:
-        """Process everything due up to `now`, in order of time; inputs of a cycle precede the timer's event."""
+        """Process everything due up to `now`, in order of time. In one cycle, inputs precede the timer's event."""
         while self.next_wake <= now:
             at = self.next_wake
             if self._inputs and self._inputs[0][0] <= at:
@@ -232,7 +239,7 @@ class SpiLines(Chip):
     # Slave --------------------------------------------------------------------
 
     def _apply_inputs(self, now: int, levels: int) -> None:
-        """Apply these levels of the pins to the shift register."""
+        """Apply the levels of the pins. A selected slave shifts at edges of SPICLK."""
         before, self._levels = self._levels, levels
         selected = not (self._is_master or before & STE or self._gated or self._is_stopped) and self._enabled
         if selected and (before ^ levels) & CLK:
@@ -252,13 +259,13 @@ class SpiLines(Chip):
         self._show(now)
 
     def _cuts(self, option: TextOption, answer: str) -> bool:
-        """Return True if a character is in progress and the option has this answer, which cuts the character off."""
+        """Return True if a character is in progress, and is cut off because `option` has the value `answer`."""
         return self._shifter.bits > 0 and option.assume(self.touched) == answer
 
     # Slave and master ---------------------------------------------------------
 
     def _clock_edge(self, leading: bool) -> bool:
-        """Shift at an edge of SPICLK, as master or slave. Return True if the character is over."""
+        """Shift at an edge of SPICLK, as master or slave. Return True if this was the last edge of the character."""
         shifter = self._shifter
         if self._is_master and self._ccr & SPILBK:
             data = shifter.level
@@ -289,7 +296,10 @@ class SpiLines(Chip):
         self._timer.plan(now, edges)
 
     def _fill(self, now: int) -> None:
-        """Load a waiting word into SPIDAT, unless SPIDAT still has a character. A master then begins a transfer."""
+        """Load a waiting word into SPIDAT if SPIDAT has no character. A master then begins a transfer.
+
+        With the option txdly_first_word = "delay", a master first waits for TXDLY.
+        """
         if not self._enabled or self._shifter.busy or not self._tx.waiting or self._step == DELAY:
             return
         if not self._is_master:
@@ -306,7 +316,7 @@ class SpiLines(Chip):
         return self._ffct * sum(self._halves) if self._tx.fifo.on else 0
 
     def _begin(self, now: int) -> None:
-        """Begin a transfer unless one is in progress."""
+        """Begin a transfer of a master, unless one is in progress."""
         if self._step in (IDLE, DELAY, RELEASE):
             aligned = self.options.start_point.assume(self.touched) == "bit_clock"
             edges = self._timer.edges_to_multiple(now, sum(self._halves)) if aligned else 1
@@ -342,7 +352,7 @@ class SpiLines(Chip):
             self._release()
 
     def _follow(self, at: int) -> None:
-        """Continue with the next character, or end the transfer."""
+        """After the last edge of a character, continue with the next word, wait for TXDLY, or end the transfer."""
         if not self._tx.waiting:
             if self._shifter.delayed:
                 self._release()

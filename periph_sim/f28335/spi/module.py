@@ -1,10 +1,10 @@
 """The SPI module as the CPU sees it: register accesses and resets. `lines` handles the pins.
 
 Chosen, where the manual is silent:
-- The clock gate is off after construction and after `reset`; LSPCLK keeps its last setting.
-- SW RESET = 0 and SPIRST = 0 do not change SPIDAT, SPIRXBUF and SPITXBUF; SPIRST = 0 does not change SPISTS.
-- Words written to the FIFO while SW RESET = 0 are sent when it is 1.
-- An SPIDAT write within a character replaces the bits that have not been shifted out.
+- The module's clock is off after construction and after `reset`. LSPCLK keeps its last setting.
+- SW RESET = 0 and SPIRST = 0 do not change SPIDAT, SPIRXBUF and SPITXBUF. SPIRST = 0 does not change SPISTS.
+- Words written to the FIFO while SW RESET = 0 are sent after it becomes 1.
+- A write of SPIDAT while a character is in progress replaces the bits that have not been shifted out yet.
 - A new character length, rate, phase or polarity takes effect at once.
 
 Source: TI SPRUEU3 chapter 2; SPRUFB0D section 5.1 for the clock gate.

@@ -1,7 +1,7 @@
-"""Open questions about the SPI: one field for each, the default first.
+"""Open questions about the SPI: one field for each, with the default answer first.
 
-`SpiOptions` is built from a dict of a scene file (`core.options.options_from`) or from keyword arguments, and has the
-answers for one `Spi`.
+`SpiOptions` has the answers for one `Spi`. It is built from a table of a case file (`core.options.options_from`) or
+from keyword arguments.
 """
 
 from __future__ import annotations

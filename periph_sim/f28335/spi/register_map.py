@@ -1,7 +1,7 @@
 """Table of the SPI's registers: names as in C2000Ware's DSP2833x_Spi.h, offsets in words from the module's base.
 
-An 8-bit register reads 0 in its high byte, and ignores writes of it. SPIPRI of the 2833x has only the two bits for
-debugger stops; TRIWIRE and STEINV are bits of later devices.
+The high byte of an 8-bit register reads 0 and ignores writes. SPIPRI of the 2833x has only the two bits for debugger
+stops; TRIWIRE and STEINV are bits of later devices.
 
 Source: TI SPRUEU3 chapter 2. Its sections are numbered like those of SPRUG72, the guide for the 280x.
 """
@@ -139,7 +139,7 @@ SPI_MAP = RegisterMap(
     ),
 )
 
-# Masks of the fields of five registers, in the order of the table; of SPIFFTX, only the first two fields.
+# Masks of the fields of five registers, in the order of their tables above. Of SPIFFTX, only the first two are needed.
 SPISWRESET, CLKPOLARITY, SPILBK, SPICHAR = (f.mask for f in SPI_MAP["SPICCR"].fields)
 OVERRUNINTENA, CLK_PHASE, MASTER_SLAVE, TALK, SPIINTENA = (f.mask for f in SPI_MAP["SPICTL"].fields)
 OVERRUN_FLAG, INT_FLAG, BUFFULL_FLAG = (f.mask for f in SPI_MAP["SPISTS"].fields)

@@ -4,8 +4,8 @@
        |                                             |
        \\--decode--> frames expected <-- compare --> words read, with SCIFFFE and SCIFFPE
 
-If a line format is given, firmware that lists `baud`, `bits`, `parity` and `stop` in `REPLAY` is set to it. Otherwise,
-the line is decoded in the format to which the firmware has set the SCI.
+If a line format is given, the capture is decoded in this format, and firmware that lists `baud`, `bits`, `parity` and
+`stop` in `REPLAY` is set to it. Otherwise, the capture is decoded in the format to which the firmware has set the SCI.
 """
 
 from __future__ import annotations

@@ -349,7 +349,7 @@ class Processor(Agent):
         return True
 
     def _fetch(self, cycle: int) -> int:
-        """Return the vector, a code address, of the interrupt that was taken, from the vector table in memory."""
+        """Return the vector of the interrupt that is taken: the code address in the vector table in memory."""
         number = self._number
         self.unrequested = number <= GROUPS and not self._pie.has_request(number)
         if number > GROUPS:
@@ -362,7 +362,7 @@ class Processor(Agent):
         return routine
 
     def fetch_for_trap(self, cycle: int, number: int) -> int:
-        """Return the vector, a code address, for TRAP or INTR from the vector table in memory."""
+        """Return the vector for TRAP or INTR: the code address in the vector table in memory.."""
         address = self._pie.cpu_vector(number)
         self.notes.move_from(cycle, self._pie.notes)
         return self._routine(cycle, address, f"the vector {number} of TRAP or INTR")

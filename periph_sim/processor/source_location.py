@@ -24,7 +24,7 @@ FIRMWARE_ROOMS = (  # folders in PACKAGE with firmware
     f"{PACKAGE}firmware{os.sep}",  # start-up code that firmware imports
     f"{PACKAGE}examples{os.sep}",  # shipped programs, which an installed package has here
 )
-STDLIB = f"{Path(os.__file__).parent}{os.sep}"  # files in this folder are not firmware
+STDLIB = f"{Path(os.__file__).parent}{os.sep}"  # files in this folder, except in INSTALLED, are not firmware
 INSTALLED = f"{STDLIB}site-packages{os.sep}"  # installed packages in STDLIB, which may be firmware
 
 

@@ -83,7 +83,7 @@ class _Watch:
         self._stopped: set[int] = set()  # threads with a pending or raised exception
 
     def add(self, cpu: RunWatch) -> None:
-        """Check this user code as long as the object exists."""
+        """Check this user code for stalls as long as the object `cpu` exists."""
         with self._lock:
             self._cpus.add(cpu)
             if self._thread is None or not self._thread.is_alive():  # a fork of the process has no such thread

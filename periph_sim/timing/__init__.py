@@ -2,11 +2,16 @@
 
 Terms of this package:
 
+record: a noted event of a run, with its kind, tick, place, thing and value (`core.records`).
 measure: a rule that takes values from the records of a run, such as the times from one event to another.
-budget: a measure with limits. Its verdict says whether a run has kept them; "refuted" means broken whatever the values.
+budget: a measure with limits. Its verdict says whether a run has kept the limits. It is refuted if an event, such as a
+    wrong reply, breaks it whatever the values are.
+joined condition: a further measure with limits, under the key `and` of a budget.
 scene: the simulated wires with all units, chips and other parties on them.
 unit: one simulated F28335 with its firmware.
-round: one execution of the list of transfers that a controller repeats periodically; it is due at its planned start.
+master: the party that controls the I2C bus: the simulated controller of the table [controller], a unit, or another
+    program. request: a write, a read, or both, that a master makes to one chip.
+round: one execution of the requests that a master repeats periodically; it is due at its planned start.
 frame: the values that the [host], a PC, sends in one message over UART. In events such as "frame TX 0x06", and in
     bursts, a frame is one UART character.
 span: a part of the firmware with a name, such as a function, whose start and end are recorded.

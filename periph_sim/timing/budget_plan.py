@@ -29,7 +29,7 @@ SIGNED = ("value", "cycles")  # units of whole numbers that may be negative
 
 
 class BadBudget(ValueError):
-    """A budget whose measure does not exist, or whose limits do not fit the measure or each other.
+    """Error: the measure of a budget does not exist, or the limits do not fit the measure or each other.
 
     The message is one sentence. place: the keys and indices that lead from the budget's table to the wrong value.
     """
@@ -43,7 +43,8 @@ class BudgetPlan(Struct, frozen=True):
     """Plan for measuring and judging one budget in a scene.
 
     text: the text of the measure, in which the names of other measures are replaced by their texts.
-    after: the key `after` of the budget, in seconds from the start of the run: earlier occurrences are left out.
+    after: the key `after` of the budget, in seconds from the start of the run; None if it is not given. Occurrences
+        that began earlier are left out.
     make: a function that returns a new measure.
     given: the limits as they are written in the table of the budget.
     limits: the same limits in ticks, millionths or counts.
@@ -103,7 +104,8 @@ def _joined(
 ) -> tuple[Budget, BudgetPlan]:
     """Return a condition under the budget's key `and` as a budget of its own, with its plan.
 
-    measure: the measure of the budget. entry: the index of the condition.
+    measure: the measure of the budget. entry: the index of the condition. Raise BadBudget unless both measures take one
+    value for each addressed phase (`Measure.occurrence`).
     """
     given = budget.also[entry]
     try:
@@ -122,7 +124,7 @@ def _joined(
 
 
 def _limit(budget: Budget, measure: Measure, timebase: Timebase, which: str, given: str | int) -> int:
-    """Return a limit as a number of ticks, millionths or counts, according to the unit of the measure.
+    """Return a limit as a whole number of ticks, millionths or counts, according to the unit of the measure.
 
     which: the key of the limit. given: the limit as written in the table: a share as "40 %", a value in LSB as 2 or
     "2.5 LSB". Raise BadBudget if the limit has another unit.

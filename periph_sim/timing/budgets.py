@@ -27,8 +27,9 @@ class _ComparedLimit(Struct, frozen=True):
     """A limit, and the measured value that is compared with it.
 
     which: the key of the limit, such as "max" or "p99".
+    limit, value, slack: in the unit of the measure. slack: the distance from the value to the limit; negative if the
+        limit is broken.
     at: the tick of the value.
-    slack: the distance from the value to the limit; negative if the limit is broken.
     """
 
     which: str
@@ -41,8 +42,8 @@ class _ComparedLimit(Struct, frozen=True):
 class Values(Struct, frozen=True, eq=False):
     """Values of one budget's measure, in the order in which they were taken.
 
-    A scene with `keep_values=True` stores them. Each value takes the memory of two int64. Measures with one number for
-    the whole run (counts, loads) have no values.
+    A scene with `keep_values=True` stores them. Each value takes 16 bytes of memory. Measures with one number for the
+    whole run (counts, loads) have no values.
 
     values: int64[n], in ticks if `unit` is "time", in millionths if it is "LSB", else counts.
     at: int64[n], the tick of each value, counted from the start of the run.
@@ -91,7 +92,7 @@ class BudgetJudge:
     def finish(self, now: int) -> None:
         """End the measures at tick `now`.
 
-        If the end of the run cuts off an occurrence, its value so far is taken only if it exceeds all complete values.
+        If the end of the run cuts off an occurrence, the value so far is taken only if it exceeds all complete values.
         """
         if self.same_as is not None:
             self._found = self.same_as._found
@@ -110,8 +111,8 @@ class BudgetJudge:
         """Return the verdict of a run that began at tick `start`.
 
         If no limit is broken, but values were measured on too few occasions, the budget is not judged, so it does not
-        pass. If the budget has joined conditions, the result is the verdict of the condition that `shown` returns, and
-        its text `found` describes all conditions.
+        pass. If the budget has joined conditions, the result is the verdict of the judge `shown`, except that the text
+        `found` describes all conditions.
         """
         if not self.joined:
             return self._judge(start)
@@ -176,10 +177,10 @@ class BudgetJudge:
         )
 
     def _can_judge(self, which: str, limit: BigInt) -> bool:
-        """Return True if the values that were measured can decide on a limit. which: the key of the limit.
+        """Return True if the measured values suffice to judge a limit. which: the key of the limit.
 
         If the end of the run cut off an occurrence, its value is only a lower bound. If all values are lower bounds,
-        they cannot decide on `min`. They can decide on `exactly` only if they exceed it.
+        they do not suffice for `min`, and for `exactly` only if the largest value exceeds the limit.
         """
         measure = self.measure
         if measure.count > measure.cut_off or not measure.series:
@@ -187,9 +188,9 @@ class BudgetJudge:
         return which not in ("min", "exactly") or (which == "exactly" and measure.worst > limit)
 
     def typical(self, start: int = 0) -> Verdict | None:
-        """Return the verdict on the least critical value, which is the one furthest from the limit.
+        """Return the verdict with the least critical value, which is furthest on the good side of the limit.
 
-        Return None if the measure has fewer than two values.
+        Return None if the measure has fewer than two values, or one number for the whole run.
         """
         part = self.shown
         measure, worst = part.measure, self.verdict(start)
@@ -202,8 +203,8 @@ class BudgetJudge:
     def values(self, start: int) -> Values | None:
         """Return the values that the measure stored, or None if there are none.
 
-        For joined conditions, return the values of the condition that the verdict shows.
-        start: the tick at which the run began.
+        For a budget with joined conditions, return the values of the judge `shown`.
+        start: the tick at which the run began; the ticks of the values count from it.
         """
         shown = self.shown
         kept = shown.measure.kept
@@ -213,7 +214,7 @@ class BudgetJudge:
         return Values(shown.measure.unit, values, at - start, shown.plan.limits)
 
     def _in_words(self, verdict: Verdict) -> str:
-        """Return the verdict as text: "age 22.153 ms at 0.025195 s (max 25 ms)"."""
+        """Return the measure, the worst value and the limit as text: "age 22.153 ms at 0.025195 s (max 25 ms)"."""
         value = f"{verdict.worst} {verdict.unit}"
         if verdict.unit == "us" and verdict.worst is not None:
             value = self._timebase.show(round(verdict.worst * self._timebase.per_second / 1_000_000))
@@ -250,10 +251,10 @@ class BudgetJudge:
 
 
 def combine(measures: list[Measure]) -> list[int]:
-    """Drop the values of joined measures at occurrences at which the first measure has no value.
+    """Drop the values that joined measures took at occurrences at which the first measure has no value.
 
         age            a   b       c    d            the first measure determines which occurrences count
-        value error    a   b   x        d   y        x and y are dropped; no value belongs to c, so nothing is proven
+        value error    a   b   x        d   y        x and y are dropped; the value at c is missing: nothing is proven
 
     Occurrences are the same if they begin at the same tick. All measures must store their values (`Measure.keep`).
     Return one number for each measure: the number of occurrences of the first measure at which this measure has no

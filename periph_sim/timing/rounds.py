@@ -6,8 +6,9 @@
 
 A transfer fulfils a request if it begins with the same address and R/W bit, and writes the same bytes. A transfer that
 matches no request belongs to no round. A round begins with its first START, or at the latest time that its schedule
-allows if the START comes later. It ends with the STOP of its last request. A round is missed if it does not begin. It
-is also missed if a request is not made: a later request, or the first request of the next round, comes in its place.
+allows if the START comes later. It ends with the STOP of its last request. If the first request comes again before the
+last one was made, the round is broken off and the next round begins. A round is missed if it does not begin, or if one
+of its requests is skipped: a later request, or the first request of the next round, is made instead.
 
 If the master is a simulated controller, its rounds are due by a fixed schedule. If the master is firmware, or a party
 in a capture, its clock is not known: a round is due one period after the start of the round before, and is missed if it
@@ -34,12 +35,13 @@ class MasterSchedule(Struct, frozen=True):
     """The requests of a master, and the times at which its rounds are due. Times are ticks.
 
     requests: the transfers of each round.
-    startup: the transfers before the first round, which are the set-up.
+    period: the time between the due times of two rounds.
+    startup: the transfers before the first round, which set up the chips.
     first: the due time of the first round; None if it is not known.
-    late: the delay after the due time that is allowed. If a round starts later, its time counts from this limit.
+    late: the allowed delay of a round after its due time. If a round starts later, its duration counts from this limit.
     rounds: the number of rounds that are due; None if rounds are due until the run ends.
     starts: the due times of all rounds; None if they follow from `first` and `period`.
-    ack_polling: True if a write of only the address polls whether a device is ready. This write is then no request.
+    ack_polling: True if a write of only the address polls whether a device is ready, so that it is not a request.
     """
 
     requests: tuple[Transfer, ...]
@@ -65,7 +67,7 @@ class Schedule:
         self._asked: MasterSchedule = asked
         self._starts: Sequence[int] | None = asked.starts
         self._is_fixed: bool = asked.first is not None
-        self._since: int = NO_TIME if asked.first is None else asked.first  # the tick from which periods are counted
+        self._since: int = NO_TIME if asked.first is None else asked.first  # the tick from which periods count
         period = Fraction(asked.period if self._is_fixed else asked.period // 1)
         assert period > 0, "a period of 0 ticks has rounds without end"
         self._ticks: BigInt = period.numerator  # number of ticks in `_periods` periods
@@ -76,7 +78,7 @@ class Schedule:
     def begins(self, start: int) -> tuple[list[int], int]:
         """Return the due times of the rounds missed since the last round, and the due time of the round that begins.
 
-        If `MasterSchedule.starts` has no further entry, another master has made the round; it is due when it begins.
+        If `MasterSchedule.starts` has no further entry, the round counts as due when it begins.
 
         start: the tick at which the round begins.
         """
@@ -138,8 +140,8 @@ class BusRounds:
     on_due: called with the due time of a round when the round is complete, broken off or missed.
     on_missed: called with the due time of a round that did not begin. If a request of a round was not made, called with
         the tick of the START of the transfer that was made in its place.
-    begun_at: a function that returns, at the end of the run, the tick of the START of an unfinished transfer; NO_TIME
-        if there is none.
+    begun_at: a function that returns the tick of the START of the transfer in progress, or NO_TIME if there is none. It
+        is called at the end of the run.
     completed: number of complete rounds so far.
     missed: number of missed rounds so far.
     """
@@ -163,7 +165,7 @@ class BusRounds:
         self._over = NO_TIME  # the tick at which the last round ended
 
     def transfer(self, transfer: Transfer) -> None:
-        """Assign a complete transfer to the set-up, to a round, or to neither."""
+        """Assign a complete transfer to the set-up of the chips, to a round, or to neither."""
         first: Phase = transfer.phases[0]
         if self._ack_polling and not first.read and not first.data:
             self._report(transfer)
@@ -191,7 +193,7 @@ class BusRounds:
     def finish(self, now: int) -> None:
         """Report the rounds that were due but did not begin before the run ended at tick `now`.
 
-        If a transfer is in progress at the end, a round has begun with it.
+        A transfer that is in progress at this time counts as the begin of a round if no round is in progress.
         """
         begun_at = self._begun_at()
         if self._schedule is not None:
@@ -210,7 +212,7 @@ class BusRounds:
         start: int = phase.start_at
         current = self._round or self._begin(start)
         made = asked_for(transfer, self._requests[place])
-        if place > self._made and current.transfers == self._made:  # a missing request, reported once per round
+        if place > self._made and current.transfers == self._made:  # the first request of this round that is missing
             self._report_incomplete(start)
         self._made = place + 1
         current.transfers += 1
@@ -242,7 +244,7 @@ class BusRounds:
         self._made, self._round = 0, None
 
     def _report_incomplete(self, start: int) -> None:
-        """Report that a request of the round was not made. start: the START of the transfer that was made instead."""
+        """Report that a request of the round was not made. start: the tick at which another transfer began instead."""
         self.missed += 1
         for callback in self.on_missed:
             callback(start)
@@ -255,10 +257,9 @@ class BusRounds:
 
 
 def asked_for(transfer: Transfer, request: Transfer) -> Transfer:
-    """Return a transfer, completed with the data of the request that it fulfils.
+    """Return a transfer with the name, the byte counts and the expected bytes of the request that the transfer fulfils.
 
-    The result has the name, the byte counts and the expected bytes of the request. Phases of the request that never
-    began are added, and received bytes beyond the requested count are removed.
+    Phases of the request that never began are added, and received bytes beyond the requested count are removed.
     """
     phases = transfer.phases[: len(request.phases)]
     place: int = 0
@@ -279,7 +280,10 @@ def asked_for(transfer: Transfer, request: Transfer) -> Transfer:
 
 
 def may_be(made: Phase, request: Transfer) -> bool:
-    """Return True if a transfer that begins with this phase may be the requested one."""
+    """Return True if a transfer that begins with the phase `made` may fulfil `request`.
+
+    The written bytes of the two need only agree up to the length of the shorter one, because a NACK ends a write.
+    """
     asked: Phase = request.phases[0]
     if made.address != asked.address or made.read != asked.read:
         return False

@@ -29,6 +29,7 @@ class Verdict:
     worst, limit, margin: in microseconds for times, percent for shares of time, LSB for values in LSB, else counts. If
         the budget has several limits, these figures are for the limit with the smallest margin.
     at_s: the time of `worst` in seconds from the start of the run.
+    count: the number of values, or the measured count.
     which: the key of the limit. For a percentile, `worst` is the value of the percentile.
     found: a text that explains the figures, such as that no event matched; "" if nothing needs to be explained.
     measured: the number of events at which a value was measured.
@@ -116,7 +117,10 @@ def in_words(value: float | int, unit: str) -> str:
 
 
 def limit(value: float | int, unit: str, which: str) -> str:
-    """Return a limit as text, exact to the nanosecond: `60 us`, `= 150`, `p99 3.4 us`. which: the key of the limit."""
+    """Return a limit as text, exact to the nanosecond: `60 us`, `= 150`, `p99 3.4 us`.
+
+    value: in the unit that `Verdict.unit` names. which: the key of the limit.
+    """
     number, blank, symbol = figure(value, unit).partition(" ")
     if symbol == "ms":
         number = f"{value / 1000:.6f}"
@@ -137,12 +141,12 @@ def duration_text(seconds: float) -> str:
 
 
 def percentile(which: str) -> str:
-    """Return the percentile of a limit's key, such as `p99.9`."""
+    """Return the name of a percentile as text, such as `p99.9` for the key `p99_9`."""
     return which.replace("_", ".")
 
 
 def instant(at_s: float | None) -> str:
-    """Return an instant as text, such as `0.005290 s`, or `-` for None."""
+    """Return an instant, in seconds from the start of the run, as text such as `0.005290 s`; `-` for None."""
     return "-" if at_s is None else f"{at_s:.6f} s"
 
 
@@ -160,7 +164,7 @@ def broken(verdict: Verdict) -> str:
 def assumes(names: Sequence[str]) -> str:
     """Return a phrase with the undocumented behaviours that a failure assumes, grouped by unit and module, or by chip.
 
-    names: the behaviours as options, such as "dsp.i2c.aas_sdir_point".
+    names: the options for these behaviours, such as "dsp.i2c.aas_sdir_point".
     """
     groups: dict[str, list[str]] = {}
     for name in names:
@@ -171,7 +175,7 @@ def assumes(names: Sequence[str]) -> str:
 
 
 def assumes_lines(names: Sequence[str]) -> list[str]:
-    """Return `assumes` as indented lines of at most 80 characters; [] without names."""
+    """Return the result of `assumes` as indented lines of at most 80 characters; [] if there are no names."""
     import textwrap  # imported here, because few runs fail
 
     text = assumes(names) if names else ""

@@ -52,7 +52,7 @@ def _length_alone(value: object) -> object:
 
 
 STRETCH = Annotated[StretchTable, Before(_length_alone, DurationRange | StretchTable)]
-# OWN maps each kind of fault to the keys that only this kind has.
+# OWN maps each kind of fault to the keys that no other kind has.
 OWN = {"nack": (), "wrong": ("value",), "flip": ("bit",), "hold": ("length", "clocks"), "off": ()}
 WHICH_BYTES = ("bytes", "access", "phases", "share")  # the keys that a fault of kind "off" does not have
 

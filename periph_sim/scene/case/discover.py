@@ -1,8 +1,8 @@
 """Search for the case files in a folder and its sub-folders.
 
-The folder may be a whole repository, with a pyproject.toml and a virtual environment in it. A TOML file is a case if it
-has a table that only cases have. A case with invalid TOML is also found, so that `check` reports it instead of ignoring
-it.
+The folder may be a whole repository that also contains a pyproject.toml and a virtual environment. A TOML file is a
+case if it has a table that only cases have. Files are not parsed, so `check` also finds a case with invalid TOML and
+reports the mistake.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ NOT_SEARCHED = frozenset({"node_modules", "__pycache__", "site-packages"})
 
 
 def is_case(path: Path) -> bool:
-    """Return True if a `.toml` file has a table that only cases have: unit, budget or controller."""
+    """Return True for a `.toml` file with a header of a table that only cases have: unit, budget or controller."""
     try:
         return path.suffix == ".toml" and MARKER.search(read_regular(path)) is not None
     except OSError:
@@ -32,7 +32,7 @@ def is_searched(folder: Path) -> bool:
 
 
 def cases_below(folder: Path) -> Iterator[Path]:
-    """Yield the case files of a folder and of its searched sub-folders (`is_searched`), in order of name."""
+    """Yield the case files of a folder and of those sub-folders for which `is_searched` is True, in order of name."""
     for above, folders, files in os.walk(folder):
         here = Path(above)
         folders[:] = sorted(name for name in folders if is_searched(here / name))

@@ -1,4 +1,4 @@
-"""Error messages for mistakes in a table. Each names the file, the line, the key, what was found, and the fix."""
+"""Error messages for mistakes in a table: sentences with the file, the line, the key, the wrong value, and the fix."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ SHOWN = 60  # maximum number of characters of a wrong value in a message
 
 
 def explain(source: Source, error: BadTable, tree: object = None, above: Place = ()) -> str:
-    """Return one sentence about the first mistake.
+    """Return one sentence about the first mistake in a table.
 
-    tree: the checked data, from which the names of entries are taken.
-    above: the keys that lead to the checked table.
+    tree: the checked table; if given, the sentence names list entries by their key `name` instead of their number.
+    above: the keys that lead from the top of the file to the checked table.
     """
     first = error.first
     place = (*above, *first.place)
@@ -33,7 +33,7 @@ def explain(source: Source, error: BadTable, tree: object = None, above: Place =
 
 
 def _header_place(source: Source, place: Place) -> str:
-    """Return the file and line of the table that lacks the key at `place`.
+    """Return, for messages, the file and the line of the table that lacks the key at `place`.
 
     If the table has no header of its own, return the line of the first header of a table inside it.
     """
@@ -41,10 +41,12 @@ def _header_place(source: Source, place: Place) -> str:
 
 
 def _where_it_is(place: Place, tree: object) -> str:
-    """Return a phrase with the header of the table that has the key missing at `place`; "" if there is none.
+    """Return a hint if a missing key is in a table with a similar name, such as "; it is in [unit.dspp]"; else "".
 
-    If the header [unit.dsp] is mistyped as [unit.dspp], its keys are in a table `dspp`. A later [unit.dsp.settings]
-    then makes a table `dsp` that has only this inner table, and lacks the keys.
+    This happens if the header [unit.dsp] is mistyped as [unit.dspp]. A later header [unit.dsp.settings] then makes a
+    second table `dsp`, which contains only `settings` and lacks the keys.
+
+    place: the keys that lead to the missing key.
     """
     *above, name, key = place if len(place) > 1 else ("", *place)
     for part in above:
@@ -56,9 +58,9 @@ def _where_it_is(place: Place, tree: object) -> str:
 
 
 def complaint(first: Mistake, above: Place = ()) -> str:
-    """Return a phrase that says what is wrong with a value, and quotes the value if it helps.
+    """Return a phrase that says what is wrong with a value. A short value is quoted.
 
-    above: the keys that lead to the checked table.
+    above: the keys that lead from the top of the file to the checked table.
     """
     if first.known is not None:
         return f"there is no such key; {did_you_mean(str(first.place[-1]), first.known)}"
@@ -73,8 +75,8 @@ def complaint(first: Mistake, above: Place = ()) -> str:
             return f"expected one table; write its header in single brackets, as in [{header}]"
         return f"{first.what}; write its header in double brackets, as in [[{header}]]"
     quoted_already = first.found is NOTHING
-    # The value is quoted only if the message of the check does not quote it, or a text in it, already.
-    # A BadCase is about a file that the value names, so its message is complete without the value.
+    # The value is not quoted if the message of the check already quotes the value or a text in the value.
+    # A BadCase here is about a file that the value names, so its message is complete without the value.
     if first.error is not None:
         quoted = [found, repr(first.found), *(repr(one) for one in tables if isinstance(one, str))]
         quoted_already |= (
@@ -108,8 +110,8 @@ def own_settings(case: Case, kind: type[Table], table: DeviceTable | WatchTable,
 def checked_options(case: Case, kind: type[T], given: dict[str, Value], *place: str) -> T:
     """Return the answers to the open questions of a chip or module. Raise BadCase for a wrong answer.
 
-    kind: the class whose fields are the questions. given: the answers in the table at `place` of the case. Each answer
-    is checked alone, so that the message has the line of the wrong answer.
+    kind: the class whose fields are the questions. given: the answers that the case chooses. place: the keys of the
+    case that lead to these answers. Each answer is checked alone, so that the message has the line of the wrong one.
     """
     for name, value in given.items():
         try:

@@ -5,8 +5,8 @@ of a unit. The settings of firmware are defined in its source, so the schema all
 
     int, Annotated[...], a `Table` ... --schema_of--> {"type": "integer"} ...
 
-The schema of each inner table is stored once, in `definitions`. Rules that a schema cannot express are checked only
-when a case is loaded.
+The schema of each inner table is stored once, in `definitions`, and referred to by name. Rules that a schema cannot
+express are checked only when a case is loaded.
 """
 
 from __future__ import annotations
@@ -53,7 +53,10 @@ PLAIN: dict[Any, Schema] = {
 
 
 def schema_of(annotation: Any, definitions: Schema) -> Schema:
-    """Return the schema of the values that a file may contain for a type. Add the type's tables to `definitions`."""
+    """Return the schema of the values that a case file may contain for a Python type.
+
+    The schemas of the tables in this type are added to `definitions`.
+    """
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
         return _annotated(arguments[0], arguments[1:], definitions)
@@ -64,7 +67,7 @@ def schema_of(annotation: Any, definitions: Schema) -> Schema:
         return {"type": PLAIN[type(arguments[0])]["type"], "enum": [*arguments]}
     if origin is tuple and arguments[1] is not ...:
         entries = [schema_of(kind, definitions) for kind in arguments]
-        # In draft 7 of JSON Schema, the schema of a tuple has the following form.
+        # This is how draft 7 of JSON Schema describes a list of fixed length with a schema for each entry.
         return {
             "type": "array",
             "minItems": len(entries),
@@ -92,14 +95,14 @@ def _annotated(kind: Any, checks: tuple[Any, ...], definitions: Schema) -> Schem
         if isinstance(check, msgspec.Meta) and "type" in schema:
             limits = {"minItems": check.min_length} if check.min_length is not None else {}
             limits |= {name: getattr(check, of) for of, name in LIMITS.items() if getattr(check, of) is not None}
-            # If a value is written as a text, such as "10 ms", a schema cannot express its numeric limits.
+            # A schema cannot express numeric limits of a value that is written as a text, such as "10 ms".
             fits = schema["type"] != "string" or ("minimum" not in limits and "maximum" not in limits)
             schema = schema | (limits if fits else {}) | (check.extra_json_schema or {})
     return schema
 
 
 def schema_of_table(kind: Any, definitions: Schema) -> Schema:
-    """Return the schema of a table: its keys, with their defaults where a file can express the default."""
+    """Return the schema of a table: its keys, with their defaults where a JSON value can express the default."""
     keys = keys_of(kind)
     about, of_keys = descriptions(kind)
     properties = {said: _property(key, definitions) for said, key in keys.items()}
@@ -119,10 +122,10 @@ def schema_of_table(kind: Any, definitions: Schema) -> Schema:
 
 
 def descriptions(kind: type) -> tuple[str, dict[str, str]]:
-    """Return the description of a table, and that of each of its keys, from the docstrings of its class and bases.
+    """Return the description of a table, and the descriptions of its keys by name, from its class and bases.
 
-    In a docstring, the description of a key is a line such as "low, high: time ...", and lines that continue it are
-    indented. The description of the table is the text above these lines.
+    In the docstring of the class, the description of a key is a line such as "low, high: time ...". Indented lines
+    continue this description. The description of the table is the text above the first key.
     """
     keys, found, about = keys_of(kind), dict[str, str](), ""
     for base in reversed(kind.__mro__):
@@ -192,7 +195,10 @@ def case_schema() -> Schema:
 
 
 def _one_of(kinds: Mapping[str, object], schemas: Schema) -> Schema:
-    """Return the schema of a table whose key `kind` decides which other keys it has."""
+    """Return the schema of a table whose key `kind` decides which other keys the table has.
+
+    kinds: the kinds, as keys of `schemas` such as "fault spike". schemas: the schemas of the other keys.
+    """
     common = {"properties": {}, "required": ["kind"]}
     choices = [_with_own_keys(common, schemas[name], "kind", [name.partition(" ")[2]]) for name in kinds]
     return {"type": "object", "anyOf": choices}

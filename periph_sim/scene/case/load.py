@@ -1,7 +1,8 @@
 """Loading of cases: TOML and `key=value` changes are read into a checked `Case`.
 
 text --> tree of TOML --> Case
-change of host.jitter --> the table [host] is read and checked again; all other tables are shared (`CaseFile`)
+change of host.jitter --> only the table [host] is read and checked again; the changed case shares all other tables
+                          with the unchanged case (`CaseFile`)
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from .model import BadCase, Case
 from .origin import SHOWN, Place, Source, texts_in
 from .toml_file import copied, text_of, tree_of
 
-WIDEST = 2**63 - 1  # largest integer: the limit of TOML and of compiled code
+WIDEST = 2**63 - 1  # the largest integer that a case may contain, because TOML and compiled code use 64 bits
 
 
 NAMES = {
@@ -43,7 +44,7 @@ class UnknownKey(BadCase):
 def load(path: Path | str, changes: list[str] | None = None) -> Case:
     """Return the case in a file, with `key=value` changes applied. Raise BadCase if the case is not valid.
 
-    Paths of firmware files are relative to the folder of the case, wherever the command was started.
+    Paths of firmware files are relative to the folder of the case, not to the current folder.
     """
     path = Path(path)
     case, changeable = _loaded(path, text_of(path, "case"), tuple(changes or ()))
@@ -53,9 +54,9 @@ def load(path: Path | str, changes: list[str] | None = None) -> Case:
 
 @lru_cache(maxsize=16)
 def _loaded(path: Path, text: str, changes: tuple[str, ...]) -> tuple[Case, list[str]]:
-    """Return a case, and the names of its fields that contain dicts or lists. `load` copies these fields.
+    """Return a case from a cache, and the names of the fields that contain dicts or lists. `load` copies these fields.
 
-    The case depends only on its path, its text and its changes, so it is checked once for all its scenes.
+    The case depends only on `path`, `text` and `changes`, so it is checked once for all scenes.
     """
     case = _checked(path, text, changes)
     fields = ((name, getattr(case, name)) for name in case.__struct_fields__)
@@ -93,7 +94,7 @@ def case_of(tree: dict[str, Any], path: Path) -> Case:
 
 
 def refusal(source: Source, error: BadTable, tree: object) -> BadCase:
-    """Return a BadCase about the mistakes in a case. tree: the tree of the case that was checked."""
+    """Return a BadCase about the first mistake in a case. tree: the tree of the case that was checked."""
     kind = BadCase if error.first.known is None else UnknownKey
     return kind(explain(source, error, tree))
 
@@ -139,10 +140,11 @@ def _check_name(source: Source, name: str, place: Place) -> None:
 
 
 def apply(tree: dict[str, object], change: str) -> Place:
-    """Set one key of a case, as in "unit.dsp.settings.model_cost=400 us". Return the place of this key.
+    """Apply a change such as "unit.dsp.settings.model_cost=400 us" to the tree of a case. Return the place of the key.
 
     The value is read as TOML. A value that is not valid TOML is a text. A number with underscores is also a text,
-    because the value of an option may be called 3_4_5. Raise BadCase if the change does not have the form KEY=VALUE.
+    because an answer to an option can look like the number 3_4_5. Raise BadCase if the change does not have the form
+    KEY=VALUE, or if it names an entry that does not exist.
     """
     key, found, value = change.partition("=")
     names = [name.strip() for name in key.split(".")]
@@ -211,7 +213,8 @@ BUDGETS = frozenset(("serial", "watch", "budget"))  # keys that decide which bud
 class CaseFile:
     """The text of a case file, from which cases with different changes are made.
 
-    The cases have tables in common, so the dicts and lists in a case must not be changed.
+    These cases share tables, so the dicts and lists in a case must not be changed.
+
     changes: the `key=value` texts that are applied to every case before its own changes.
 
     Raise BadCase if the file cannot be read.
@@ -245,7 +248,10 @@ class CaseFile:
         return tree
 
     def _changed(self, changes: Sequence[str]) -> Case | None:
-        """Return the changed case; None if a changed key is unknown or has a wrong value."""
+        """Return the changed case, of which only the changed tables are checked.
+
+        Return None if a changed key is unknown or has a wrong value.
+        """
         named = {change.partition("=")[0].partition(".")[0].strip() for change in changes}
         tree = self._tree | {key: copied(self._tree[key]) for key in named if key in self._tree}
         places = [(change, apply(tree, change)) for change in changes]

@@ -39,7 +39,7 @@ class Case(Table, frozen=True, kw_only=True):
     name: name in messages and tables
     about: description of the case
     duration: simulated time of the run
-    start: clock time at the run's begin
+    start: simulated time at the run's begin; reports count from there
     seed: seed of all random values; equal seeds give equal runs
     disable: names of optimizations to switch off, or `"all"`; they change no result
     fidelity: obsolete; accepted without effect
@@ -92,7 +92,7 @@ class Case(Table, frozen=True, kw_only=True):
         return convert(cls, tree).completed()
 
     def completed(self) -> Case:
-        """Return this case with a budget for each reply that it expects and each wire that it watches.
+        """Return this case with a budget for each expected reply, each silence after a send, and each watched wire.
 
         Raise BadTable if a table contradicts another table.
         """
@@ -140,7 +140,10 @@ class Case(Table, frozen=True, kw_only=True):
                 yield Mistake(("inputs", "costs", unit), way)
 
     def _made_budgets(self) -> Iterator[tuple[Place, Budget]]:
-        """Yield a budget for each expected reply, silence and watched wire, with the place of its table in the case."""
+        """Yield (place, budget) for each silence after a send, expected reply and watched wire.
+
+        The place is that of the table in the case from which the budget is made.
+        """
         serial = self.serial or SerialTable()
         for n, send in enumerate(serial.send):
             if send.expect is not None and send.name is not None:
@@ -168,7 +171,10 @@ class Case(Table, frozen=True, kw_only=True):
         return None if self._source is None else self._source.path
 
     def files(self) -> Iterator[Path]:
-        """Yield the case's file, the files that its texts may name, and the files that these may import or include."""
+        """Yield the case's file, and the files that texts in the case may name or that those files may use.
+
+        See `named_files`.
+        """
         if self._source is not None:
             yield self._source.path
             yield from named_files(self.folder, self._source.values)
@@ -180,7 +186,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def replaced(self) -> tuple[str, ...]:
-        """A sentence for each party of the case that an outside party replaces."""
+        """A sentence about each party of the case that an outside party replaces or is beside."""
         return tuple(self._replaced.values())
 
     @property
@@ -190,15 +196,16 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def checks_host(self) -> bool:
-        """True if the bytes that are read from known chips are compared with host frames."""
+        """True if the bytes that are read from known chips are compared with values that the host has sent."""
         rounds = self.controller or self.rounds
         return rounds is not None and rounds.check == "host"
 
     @property
     def recorded_modules(self) -> dict[str, tuple[str, ...]]:
-        """A dictionary from a unit to the entries that a recording has for it.
+        """A dictionary from a unit to the names that a recording lists for this unit.
 
-        The entries are the modules of the unit, and its wires other than SDA, SCL, RX and TX.
+        The names are the modules of the unit, and "pin:WIRE" for its wires other than SDA, SCL, RX and TX. A wire of
+        several units is listed only for the first of them.
         """
         usual = ("SDA", "SCL", "RX", "TX")
         wires = {name: dict.fromkeys(pins.values()) for name, pins in wiring_of(self).pins.items()}
@@ -213,14 +220,17 @@ class Case(Table, frozen=True, kw_only=True):
         return found
 
     def mistake(self, what: str, *place: str | int) -> BadCase:
-        """Return an error about a place in this case, with file and line if it was read from a file."""
+        """Return an error about the key at `place` in this case, with file and line if there is a file."""
         place = self._written(place)
         key = key_of(place, self._named())
         where = f"case {self.name}" if self._source is None else self._source.where(place)
         return BadCase(f"{where}: {key}: {what}")
 
     def unknown(self, kind: str, name: str, known: Iterable[str], *place: str | int) -> BadCase:
-        """Return an error about an unknown name, with similar names from `known`. kind: a noun for the named thing."""
+        """Return an error about an unknown name at `place`, with similar names from `known`.
+
+        kind: a noun for the things that have such names, such as "wire".
+        """
         return self.mistake(f"there is no {kind} {name!r}; {did_you_mean(name, known)}", *place)
 
     def line(self, *place: str | int) -> int:
@@ -228,7 +238,7 @@ class Case(Table, frozen=True, kw_only=True):
         return 0 if self._source is None else line_of(self._source.text, self._written(place))
 
     def _named(self) -> dict[str, Any]:
-        """Return the names of the case's budgets, sends and replies, in a tree with the structure of the case."""
+        """Return the names of the case's budgets, sends and replies, in a tree for `key_of`."""
         serial = self.serial or SerialTable()
         return {
             "budget": [{"name": budget.name} for budget in self._all_budgets or self.budget],
@@ -241,8 +251,8 @@ class Case(Table, frozen=True, kw_only=True):
     def _written(self, place: tuple[str | int, ...]) -> tuple[str | int, ...]:
         """Convert a place in this case to the corresponding place in its file.
 
-        The number of a budget can differ, because budgets that need a replaced party are in the file only. A budget
-        that was made for an expected reply, a silence or a watched wire has the place of the table that it comes from.
+        The index of a budget can differ, because budgets that need a replaced party are only in the file. The place of
+        a budget that was made for an expected reply, a silence or a watched wire is that of the corresponding table.
         """
         if len(place) < 2 or place[0] != "budget":
             return place

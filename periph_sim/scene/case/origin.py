@@ -18,7 +18,7 @@ class Source(Struct, frozen=True):
 
     text: the text of the file as it was read.
     changes: the `key=value` texts that were applied, each with the place that it changed.
-    values: all strings among the values of the case, after the changes; some of them name files.
+    values: all strings that are values in the case, after the changes. Some of these strings name files.
     """
 
     path: Path
@@ -62,7 +62,10 @@ def _child(tree: object, part: str | int) -> object:
 
 
 def line_of(text: str, place: Place) -> int:
-    """Return the line of a key, or of the header of its table if the key is not found; 0 if neither is in the text."""
+    """Return the number of the line with a key; if there is none, the line with the header of the key's table.
+
+    text: the text of a TOML file. place: the keys that lead to the key. Return 0 if the text has neither line.
+    """
     names = [str(part) for part in place if isinstance(part, str)]
     entry = next((part for part in place if isinstance(part, int)), 0)
     best = 0
@@ -88,7 +91,7 @@ def line_of(text: str, place: Place) -> int:
     return best
 
 
-# BESIDE maps the suffix of a source file to a pattern of the files in its folder that it may import or include.
+# BESIDE maps the suffix of a source file to a pattern of the files in the same folder that it may import or include.
 BESIDE = {".py": "*.py", ".asm": "*.inc", ".c": "*.h"}
 LONGEST = 200  # a text with at least this number of characters is not taken for the path of a file
 
@@ -105,7 +108,10 @@ def texts_in(tree: object) -> Iterator[str]:
 
 
 def named_files(folder: Path, texts: Iterable[str]) -> Iterator[Path]:
-    """Yield the files that texts may name, relative to `folder`, and the files that those may import or include."""
+    """Yield the files that texts may name, as paths in `folder`, and the files that these files may import or include.
+
+    The files need not exist, because any text may be a file name.
+    """
     for text in texts:
         if len(text) >= LONGEST or "\0" in text:
             continue

@@ -24,7 +24,7 @@ from .scalars import (
     RateError,
 )
 
-SHORTEST_ROUND = Fraction(1, 1_000_000)  # minimum period of rounds, in seconds: even a byte at 5 MHz takes longer
+SHORTEST_ROUND = Fraction(1, 1_000_000)  # minimum period of rounds, in seconds: a byte takes longer even at 5 MHz
 
 
 class RequestTable(Table, frozen=True, kw_only=True):

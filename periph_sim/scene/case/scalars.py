@@ -44,7 +44,7 @@ def _by_variable(value: object) -> object:
 
 
 def _without_direction(value: object) -> object:
-    """Return an address unchanged. Raise ValueError if it seems to contain the R/W bit."""
+    """Return an address unchanged. Raise ValueError if it is 0x80 to 0xFF, so that it seems to contain the R/W bit."""
     if type(value) is int and 0x7F < value <= 0xFF:
         hint = f"without its R/W bit, {value:#04x} is {value >> 1:#04x}"
         raise ValueError(f"expected an address of 7 bits, 0x00 to 0x7f, but it is {value:#04x}; {hint}")
@@ -52,7 +52,10 @@ def _without_direction(value: object) -> object:
 
 
 def _crystal(value: object) -> Fraction:
-    """Return the hertz in a text. Raise ValueError if they are beyond the limits of SPRS439."""
+    """Return the frequency of a crystal in hertz. Raise ValueError if it is beyond the limits of SPRS439.
+
+    value: a text with a unit, or a number.
+    """
     hertz = frequency(value, "MHz")
     if not 4_000_000 <= hertz <= 150_000_000:
         raise ValueError("expected 4 MHz to 150 MHz")

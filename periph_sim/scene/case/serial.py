@@ -200,7 +200,10 @@ class SerialTable(Table, frozen=True, kw_only=True):
 
 
 def in_words(length: Fraction) -> str:
-    """Return a duration as text for a case, in the largest unit that gives a whole number; if none does, in seconds."""
+    """Return a duration, given in seconds, as text for a case, such as "250 us".
+
+    The unit is the largest one that gives a whole number; if there is none, the unit is the second.
+    """
     symbol, number = next(
         ((symbol, length * size) for symbol, size in UNITS if (length * size).denominator == 1), ("s", length)
     )
@@ -208,10 +211,11 @@ def in_words(length: Fraction) -> str:
 
 
 def content_of(case: Case, entry: SerialEntry, bits: int, *place: str | int) -> bytes:
-    """Return the characters of an entry of [serial].
+    """Return the characters of an entry of [serial] from its key `text`, `bytes` or `file`; b"" if it has none.
 
-    Raise BadCase if a character has more than `bits` bits, if a file is empty or cannot be read, or if
-    a text cannot be encoded.
+    bits: the number of data bits of a character. place: the keys that lead to the entry, for messages.
+
+    Raise BadCase if a character has more bits, if a file is empty or cannot be read, or if a text cannot be encoded.
     """
     data, key = entry.data or b"", "bytes"
     if entry.text is not None:

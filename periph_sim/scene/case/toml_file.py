@@ -15,13 +15,13 @@ from .model import BadCase
 from .origin import SHOWN
 
 _PLACE = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)")
-_OPENS = re.compile(r"([^=\[]+=\s*)?[\[{](?!\[)")  # matches the start of a line that opens a list or a table in braces
+_OPENS = re.compile(r"([^=\[]+=\s*)?[\[{](?!\[)")  # matches the start of a line that begins a list or an inline table
 _TABLE = re.compile(r"\[[\w.\s-]+\]\s*(#.*)?$")  # matches the header of a table
 BACKSLASH = r"write \\ for a backslash, as in C:\\data"
 _NO_POINT = r"[\s.]*[\s,;:/.][\s.]*"
-_HEADER = re.compile(rf"(\[+)([\w-]+(?:{_NO_POINT}[\w-]+)+)(\]+)")  # a header whose parts may lack a point
+_HEADER = re.compile(rf"(\[+)([\w-]+(?:{_NO_POINT}[\w-]+)+)(\]+)")  # a header with wrong separators of its parts
 _NO_EQUALS = re.compile(r"([\w.-]+)(?:\s*:\s*|\s+(?![=:])|(?=[\[{\"']))([^=\s].*)")  # a key and a value without =
-_PROGRAMS = {".out": "image", ".asm": "image", ".c": "c"}  # maps a suffix to the kind of `periph-sim new`
+_PROGRAMS = {".out": "image", ".asm": "image", ".c": "c"}  # maps a suffix to the argument KIND of `periph-sim new`
 QUOTES = "'\""
 _TOO_LONG = re.compile(r"[0-9_]{4300}")  # matches an integer that is too long for Python
 
@@ -82,7 +82,7 @@ def _not_toml(text: str, error: str) -> str:
     what = _PLACE.sub("", error)
     if what.startswith("Cannot"):
         return _given_twice(lines, number)
-    if what.startswith("Unclosed"):  # the line that tomllib names may be a later header
+    if what.startswith("Unclosed"):  # tomllib may name the line of a later header; the list begins above it
         opens = (n for n in range(number, 0, -1) if _OPENS.match(lines[n - 1]) and not _TABLE.match(lines[n - 1]))
         number = next(opens, number)
     if what.startswith("Unescaped"):
@@ -124,7 +124,7 @@ def _fix(line: str) -> str:
 
 
 def _given_twice(lines: list[str], number: int) -> str:
-    """Return the message for a key or table of line `number` that the file has already, with the line to correct."""
+    """Return the message for a key or table in line `number` that an earlier line has already defined."""
     line = lines[number - 1].partition(" #")[0].strip()
     name = line.partition("=")[0].strip("[] ")
     for n, above in reversed(list(enumerate(lines[: number - 1], 1))):

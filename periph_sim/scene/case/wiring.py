@@ -4,10 +4,10 @@
     [unit.NAME] pins ------> names ------+--joined--> Wiring: GPIO number -> wire, for each unit
     [[cable]] -------------> joints -----'
 
-All I2C-A modules are on one bus, SDA and SCL. An SCI has its own lines until a cable joins them with others. The lines
-of SCI-A are RX and TX if only one unit has an SCI-A; those of SCI-B are SCI-B.RX and SCI-B.TX if only one unit has an
-SCI-B. If several units have the module, the name begins with the unit, as in left.SCI-B.RX. A wire that a cable makes
-has the name of the cable; if the cable has none, the wire has the name of the pin at which the cable begins.
+All I2C-A modules are on one bus, SDA and SCL. An SCI has its own lines unless a cable joins these lines with others. If
+only one unit has an SCI-A, its lines are RX and TX. If only one unit has an SCI-B, its lines are SCI-B.RX and SCI-B.TX.
+If several units have the module, the names begin with the unit, as in left.SCI-B.RX. The wire of a cable has the name
+of the cable; if the cable has no name, the wire has the name of the pin at which the cable begins.
 
 An RS-485 transceiver connects an SCI to a pair of wires; a pin of the unit enables its driver:
 
@@ -34,8 +34,8 @@ if TYPE_CHECKING:
     from .model import BadCase, Case
 
 
-# SIGNALS maps each module to the GPIO numbers of its signals. Wires are built in this order, the bus first, so edges
-# of one instant are recorded in this order, too.
+# SIGNALS maps each module to the GPIO numbers of its signals. Wires are built in this order, the I2C bus first, so
+# simultaneous edges are also recorded in this order.
 SIGNALS: dict[str, dict[str, int]] = {
     module.name: {name: module.pins[signal] for name, signal in module.wires.items()}
     for module in sorted(PART.modules, key=lambda one: not one.bus)
@@ -87,7 +87,7 @@ class Wiring(Struct, frozen=True):
 
 
 def wiring_of(case: Case) -> Wiring:
-    """Return the wiring of a case. Raise BadCase for an impossible cable."""
+    """Return the wiring of a case. Raise BadCase for an invalid cable or transceiver."""
     joints = _Joints()
     for unit, pin, name in _named(case):
         joints.join((unit, pin), name)
@@ -146,7 +146,7 @@ def _pins_of(modules: tuple[str, ...]) -> Mapping[int, tuple[str, str]]:
 
 
 def node_of(case: Case, text: str, *place: str | int) -> Node:
-    """Return the pin or wire that the end of a cable names. Raise BadCase if it names neither."""
+    """Return the pin or wire that a text, such as the end of a cable, names. Raise BadCase if it names neither."""
     unit, _, rest = text.partition(".")
     if unit not in case.unit:
         if text in _wire_names(case):
@@ -198,7 +198,7 @@ def _named(case: Case) -> Iterator[tuple[str, int, str]]:
 
 
 class _Joints:
-    """Groups of pins and wire names. Cables join the members of a group to one wire."""
+    """Groups of pins and wire names. The members of a group are on one wire."""
 
     def __init__(self) -> None:
         self._groups: dict[Node, list[Node]] = {}
@@ -219,7 +219,7 @@ class _Joints:
 def _check(case: Case, entry: int, group: list[Node]) -> None:
     """Raise BadCase if a cable makes a wire with two names, or a wire that two transmitters drive.
 
-    entry: the index of the cable. group: the pins and names that are now joined.
+    entry: the index of the cable. group: the pins and names on the wire of the cable.
     """
     names = [node for node in group if isinstance(node, str)]
     if len(names) > 1:
@@ -297,7 +297,7 @@ class OnPair(Struct, frozen=True):
 
 
 def on_pairs(case: Case) -> list[OnPair]:
-    """Return every SCI with a transceiver. Raise BadCase for an impossible transceiver."""
+    """Return every SCI with a transceiver. Raise BadCase for an invalid transceiver."""
     if not case.transceiver:
         return []
     wiring = wiring_of(case)
@@ -326,7 +326,10 @@ def on_pairs(case: Case) -> list[OnPair]:
 
 
 def de_pin(case: Case, entry: int) -> Pin:
-    """Return the pin that enables the driver of a transceiver. Raise BadCase if it is not a pin of exactly one unit."""
+    """Return the pin that enables the driver of a transceiver.
+
+    entry: the index of the transceiver. Raise BadCase if its key `de` does not name a pin of exactly one unit.
+    """
     text = case.transceiver[entry].de
     node = node_of(case, text, "transceiver", entry, "de")
     if isinstance(node, tuple):
@@ -339,5 +342,5 @@ def de_pin(case: Case, entry: int) -> Pin:
 
 
 def pulled_down(case: Case, unit: str) -> frozenset[int]:
-    """Return the GPIO numbers of a unit that a resistor pulls low while they are not driven."""
+    """Return the GPIO numbers of a unit's pins that a resistor at a transceiver's `de` pulls low."""
     return frozenset(one.de for one in on_pairs(case) if one.sci.unit == unit and one.table.pull == "down")

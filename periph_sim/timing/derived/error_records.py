@@ -36,7 +36,8 @@ BYTES = 6  # length of a read that carries a whole sample
 class _Chip:
     """The state of one chip, and the topics of its records.
 
-    fitted: the due tick of the frame whose true values were nearest to the chip's last read; NO_TIME before it.
+    fitted: the due tick of the frame whose true values were nearest to the chip's last read; NO_TIME before the first
+        read.
     """
 
     def __init__(self, recorder: Recorder, name: str, data: ChipData) -> None:
@@ -66,7 +67,7 @@ class ErrorRecords:
         self._left_out = NO_TIME  # the due tick of the frame that was removed last from `_due`
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
-        """Store the tick at which this host frame was due."""
+        """Store the tick at which host frame `number` was due."""
         if len(self._due) == MOST:
             self._left_out = self._due[0]
         self._due.append(self._frame_due(number))

@@ -1,4 +1,4 @@
-"""Records of the times for which one unit, and no other party, holds SCL low; one record for each transfer.
+"""Records of the time for which one unit, and no other party, holds SCL low during each transfer.
 
 thing       tick                        value
 held alone  START of each transfer      the sum of the times within the transfer, in ticks

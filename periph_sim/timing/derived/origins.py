@@ -4,8 +4,8 @@
     MODEL pin (model runs) ------+--> Origins --of(phase)--> Origin: frame, when it had ended, wanted bytes
     reads of the controller ----'
 
-The firmware emulates sensor chips, which the controller reads. An emulated chip is called a chip here. It shows a frame
-while its registers contain values of the frame.
+The firmware emulates sensor chips, which the controller reads. An emulated chip is called a chip here. A chip shows a
+frame while its registers contain the values of this frame.
 
 If the chips show the values of frames (`FrameOrigins`), a read's bytes are compared with the last 8 frames and with
 every frame since the one that the chip showed last. The measure `age` judges how old the values are.
@@ -38,10 +38,11 @@ BEFORE_ANY = -1  # used as the frame number of the values that a chip has before
 
 
 class Origin(NamedTuple):
-    """The host frame whose values a read carries.
+    """The host frame whose values a read returned.
 
-    frame: the number of the frame, the youngest if several fit; None if the bytes are the values of no frame.
-    ended: the tick at which the last stop bit of that frame ended.
+    frame: the number of the frame, the youngest if several fit; BEFORE_ANY for values from before the first frame; None
+        if the bytes are the values of no frame.
+    ended: the tick at which the last stop bit of this frame ended; NO_TIME without a frame.
     wanted: the bytes that would have been right; of several possibilities, the bytes most similar to the bytes read.
     judged: False if it is not known whether the bytes are right, because not all possible frames were compared.
     """
@@ -74,7 +75,7 @@ class FrameHistory:
         self._shown: dict[int, bytearray] = {}
 
     def add(self, number: int, values: tuple[int, ...], ended: int) -> None:
-        """Append a frame. ended: the tick at which its last stop bit ended."""
+        """Append a frame. ended: the tick at which the last stop bit of the frame ended."""
         self._numbers.append(number)
         self._ended.append(ended)
         self._format = self._format or Struct(f"<{len(values)}h")
@@ -117,7 +118,7 @@ MOST = 64  # with more chains than COMPLETE, at most this number of them is foll
 
 @final
 class Sent:
-    """A frame that the host sent. ended: the tick at which its last stop bit ended."""
+    """A frame that the host sent. ended: the tick at which the last stop bit of the frame ended."""
 
     __slots__ = ("ended", "number", "values")
 
@@ -251,9 +252,9 @@ class ModelOrigins(Origins):
         self._sent.append(Sent(number, values, tick))
 
     def model_pin(self, now: int, level: int) -> None:
-        """Handle a change of the MODEL pin. It rises when a model run begins, which may use the frames that have ended.
+        """Handle a change of the MODEL pin at tick `now`. The pin is high during a model run.
 
-        It falls when the model run is complete.
+        The model run may use any frame that has ended before the pin rises.
         """
         if level:
             self._may_take = list(self._sent)
@@ -273,7 +274,7 @@ class ModelOrigins(Origins):
         if not fitting and _fitting(self._before, address, got):
             return _nearest(
                 got, [(chain.sent, chain.shown.data(address)) for chain in self._before]
-            )  # the read began before the last model run was complete, so it returned values of the previous one
+            )  # the read began before the last model run was complete, so it returned values of the run before
         if not fitting:
             fitting = _fitting(self._anew(), address, got)
         if fitting:
@@ -306,7 +307,7 @@ class ModelOrigins(Origins):
     def _may_be(self, chain: Chain, run: ModelRun) -> list[Sent]:
         """Return the frames that `run` may have used, oldest first, if the earlier model runs used those of `chain`.
 
-        These are the last frame of the chain and all later frames in `run.sent`.
+        The result has the last frame of the chain and all later frames in `run.sent`.
         """
         least = chain.sent.number
         may_be: list[Sent] = []
@@ -351,7 +352,8 @@ def _fitting(chains: Iterable[Chain], address: int, got: bytes) -> list[Chain]:
 def _nearest(got: bytes, candidates: Iterable[tuple[Sent, bytes]]) -> Origin:
     """Return the origin of the youngest candidate whose bytes begin with `got`.
 
-    If there is none, return an origin without a frame; its `wanted` is the candidate most similar to `got`.
+    candidates: pairs of a frame and the bytes that the chip returns for the frame. If none of these bytes begin with
+    `got`, return an origin without a frame, with the most similar bytes as `wanted`.
     """
     agreeing: int
     best, agreeing = b"", -1

@@ -14,18 +14,18 @@
 
 A chip shows a frame while its registers contain values of the frame.
 
-Every read has an age. If the values are of no frame, the age counts from the frame that the chip showed last. Until a
-chip has shown a frame, the age counts from the first frame. If several frames have the same values, the age counts from
-the last of them.
+Every read has an age, unless its age is unknown. If the values are of no frame, the age counts from the frame that the
+chip showed last. Until a chip has shown a frame, the age counts from the first frame. If several frames have the same
+values, the age counts from the last of them.
 
-The model age is for firmware whose chips do not show the values of frames, but results of models that it computes from
-them. The firmware's span "model" marks each model run, which uses the last frame that ended before it began.
+The model age is for firmware that computes the values of its chips from frames with sensor models. The firmware's span
+"model" marks each model run. A model run is assumed to use the last frame that ended before the run began.
 
     thing            tick               value
     bytes asked      START of the read  number of bytes requested
     bytes compared   START of the read  number of bytes whose right values are known
     wrong bytes      START of the read  number of these bytes that are wrong
-    expected byte    START of the read  256 * place in the read, from 0, + right value; for each wrong byte
+    expected byte    START of the read  256 * index of the byte in the read + right value; for each wrong byte
     zeros            end of the run     number of bytes read as 0 from chips that never returned a host frame's values
     unknown bytes    end of the run     number of bytes that may be values of frames that were not compared with them
 """
@@ -44,7 +44,7 @@ from .transfer_records import I2C, begin_of
 
 if TYPE_CHECKING:
     from ...core.records import Topic
-    from . import origins as read_origins  # compiled code does not import a class that is named through its module
+    from . import origins as read_origins  # with an import of its classes, compiled code would import them at run time
 
 
 MODEL = "model"  # the span in which firmware computes sensor models
@@ -53,7 +53,7 @@ MODEL = "model"  # the span in which firmware computes sensor models
 class ChipTopics:
     """The topics of the records of one chip.
 
-    shown: the tick at which the frame ended whose values a read of the chip last returned; NO_TIME if there is none.
+    shown: the end, in ticks, of the frame whose values a read of the chip last returned; NO_TIME if there is none.
     """
 
     __slots__ = ("age", "model_age", "read", "shown", "unknown")
@@ -82,7 +82,7 @@ class AgeRecords(Listener):
         self._made = NO_TIME  # the end of the frame that the last complete model run used, in ticks
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
-        """Store the end of a host frame, which is at `tick`."""
+        """Store the end of a host frame. tick: the tick of this end."""
         if self._first_ended == NO_TIME:
             self._first_ended = tick
         self._last_ended = tick
@@ -158,7 +158,10 @@ class ByteRecords:
                 self._read(transfer, phase)
 
     def finish(self, now: int) -> None:
-        """Make the records "zeros" and "unknown bytes", which count bytes that could not be compared, at tick `now`."""
+        """Make the records "zeros" and "unknown bytes", which count bytes that could not be judged.
+
+        now: the tick at which the run ends.
+        """
         zeros: int = sum(self._zeros.values())
         if zeros:
             self._never_shown.emit(now, zeros)

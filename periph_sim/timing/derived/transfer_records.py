@@ -1,16 +1,18 @@
 """Records of I2C transfers and of rounds, as values that budgets measure.
 
-The records of a transfer and its phases are made when the transfer is over. Others are all parties except the master.
+The records of a transfer and its phases are made when the transfer is over. "Others" are all parties except the master.
 
-thing     tick                                                          value
-phase     START of each addressed phase, ACK polls excluded             its address
-read      START of each phase that reads                                its address
-acknowledge  SCL fall that ends the ACK slot of a read's address        0; for each read with a first data bit
-answer    SCL rise of the first data bit of a read                      0
-stretch   START of each acknowledged phase                              longest time others held SCL low, in ticks
-write end STOP of a transfer whose last phase wrote at least one byte  its address
-refused   START of a transfer whose address was not acknowledged        number of its phases
-held      release of SCL by the master, if others hold it to the end    ticks up to the end of the run
+thing        tick                                                           value
+phase        START of each addressed phase, refused ACK polls excluded      address of the phase
+read         START of each phase that reads                                 address of the phase
+acknowledge  SCL fall that ends the ACK slot of a read's address            0; for each read with a first data bit
+answer       SCL rise of the first data bit of a read                       0
+stretch      START of each acknowledged phase                               longest time others held SCL low, in ticks
+write end    STOP of a transfer whose last phase wrote at least one byte    address of this phase
+refused      START of a transfer that lost arbitration, or of which an      number of its phases
+             address was not acknowledged
+held         release of SCL by the master, if others hold SCL low until     ticks from this release to the run's end
+             the run ends
 """
 
 # core: compiled
@@ -48,8 +50,7 @@ def begin_of(transfer: Transfer, phase: Phase) -> int:
 class TransferRecords:
     """Makes the records of the transfers of one bus.
 
-    polls: True if a refused write of only the address counts as an ACK poll. False if the controller's requests can be
-        such writes.
+    polls: True if refused writes are ACK polls, which make no record "phase". False if they are requests.
     """
 
     def __init__(self, recorder: Recorder, polls: bool) -> None:
@@ -84,7 +85,8 @@ class TransferRecords:
     def finish(self, now: int, unfinished: Transfer | None, held_since: int) -> None:
         """Record the transfer that the end of the run cuts off.
 
-        unfinished: the transfer that has no STOP yet, or None. If its address was not acknowledged, this is recorded.
+        unfinished: the transfer that has no STOP yet, or None. If one of its addresses was not acknowledged, the record
+            "refused" is made.
         held_since: the tick since which parties other than the master have held SCL low; NO_TIME if none holds it low.
         """
         if unfinished is not None:
@@ -111,7 +113,8 @@ class RoundRecords:
     refused   due time of the round     number of requests whose address was not acknowledged; recorded if not 0
 
     period: the number of ticks from the due time of a round to the due time of the next round.
-    starts: the due times of all rounds, if the case lists them; else empty. `period` then applies only after the last.
+    starts: the due times of all rounds, if the case lists them; else empty. If it is not empty, `period` applies only
+        to the last round.
     """
 
     def __init__(self, recorder: Recorder, rounds: BusRounds, period: int, starts: Sequence[int] = ()) -> None:

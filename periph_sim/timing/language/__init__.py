@@ -1,1 +1,1 @@
-"""The language of budgets, in which events and measures of events are written."""
+"""The language of budgets: the syntax of events and measures in the text of a case, and its parser."""

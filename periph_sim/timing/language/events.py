@@ -54,6 +54,7 @@ class Event(Struct, frozen=True):
     """An event that the text of a measure names.
 
     kind: the first word of the event.
+    unit: the unit that the text names; "" if it names none.
     name: the wire, field, span or other thing that the event is about.
     how: the kind of change ("rise", "begin", ...), or the direction of an access.
     number: the value that the text gives; None if it gives no value.
@@ -85,7 +86,7 @@ def event_of(text: str) -> Event:
 
 
 def read_event(words: Words) -> Event:
-    """Read the next event. Raise BadEvent if the next words do not name one."""
+    """Read the next event from the words of a text. Raise BadEvent if the next words do not name an event."""
     begin = words.place
     nth = _read_nth(words)
     first = _read_one(words)
@@ -101,7 +102,10 @@ def read_event(words: Words) -> Event:
 
 
 def _read_nth(words: Words) -> int:
-    """Read an ordinal. Return its number, or -1 for "last"; 0, with nothing read, if the next word is no ordinal."""
+    """Read an ordinal such as "3rd" and return its number, or -1 for "last".
+
+    If the next word is not an ordinal, read nothing and return 0.
+    """
     for word, nth in (("first", 1), ("last", -1)):
         if words.took(word):
             return nth
@@ -122,7 +126,7 @@ def _read_one(words: Words) -> Event:
 
 
 def matcher(event: Event | str, scope: Scope) -> Matcher:
-    """Return the test for an event. Raise BadEvent if it cannot happen in this scene."""
+    """Return the test of whether a record is an event. Raise BadEvent if the event cannot happen in this scene."""
     if isinstance(event, str):
         event = event_of(event)
     found = EVENTS[event.kind][1](event, scope)
@@ -144,9 +148,9 @@ def group_of(event: Event, scope: Scope) -> Group:
 
 
 def stretch_of(name: str, scope: Scope, whose: str, hint: str = "") -> Group:
-    """Return the group of transfers or of rounds. Raise BadEvent if the scene has none.
+    """Return the group "transfer" or "round". Raise BadEvent if the scene has no bus, or no rounds.
 
-    whose, hint: the begin and the end of the text of the error.
+    name: "transfer" or "round". whose, hint: the begin and the end of the error's text.
     """
     if not (scope.rounds if name == "round" else scope.bus):
         needs = "[controller] or [rounds]" if name == "round" else "SCL and SDA"
@@ -158,7 +162,7 @@ Parts = tuple[str, str, str, int | None]
 
 
 def _read_named(expected: str, *hows: str) -> Callable[[Words], Parts]:
-    """Return a function that reads a name and one of the words `hows` after it.
+    """Return a function that reads a name and one of the words `hows` after the name.
 
     expected: a description of the name for messages.
     """

@@ -59,7 +59,7 @@ CLAUSES = {
     "measured": "measured at",  # the event at which a value was measured, if the measure does not determine this itself
     "given": "given",  # an event that must happen, or the budget is not judged
     "unless": "unless",  # an event that must not happen, or the budget is not judged
-    "unfinished": "unfinished",  # the event whose value is measured up to the end of the run, which cuts it off
+    "unfinished": "unfinished",  # an event for an occurrence that the run's end cuts off, with the value up to this end
 }
 
 
@@ -97,7 +97,7 @@ class ParsedMeasure(Struct, frozen=True):
 
 
 def is_form(text: str) -> bool:
-    """Return True if the first word of a measure's text is in FORMS. The other words are not checked."""
+    """Return True if a measure's text begins with the first word of a form. The other words are not checked."""
     return text.split(" ", 1)[0].rstrip(",") in FORMS
 
 

@@ -4,7 +4,7 @@
       |-- may_be(kind, where, what), value & mask == want   during the run
       '-- fits(record)                                      for a Record object
 
-The two tests agree for every record.
+Both tests have the same result for every record.
 """
 
 from __future__ import annotations

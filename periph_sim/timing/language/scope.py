@@ -81,7 +81,10 @@ VECTORS: dict[str, tuple[str, ...]] = {
 
 
 class BadEvent(ValueError):
-    """A text that names no event, or one that cannot happen in this scene. The message is one sentence."""
+    """Error: a text names no event or measure, or an event that cannot happen in this scene.
+
+    The message is one sentence.
+    """
 
 
 class ImageNames(Protocol):
@@ -158,7 +161,10 @@ class Scope(Struct):
         return owner, module, register, register[wanted]
 
     def vector(self, unit: str, name: str) -> str:
-        """Return `unit` if its CPU can take this interrupt; for "", the only unit that can. Else raise BadEvent."""
+        """Return `unit` if its CPU can take the interrupt `name`, or for "" the only unit that can.
+
+        Raise BadEvent if there is no such unit, or if `unit` is empty and several units can take the interrupt.
+        """
         asked = [self.unit(unit)] if unit else list(self.units)
         having = {u: [v for m in self._modules(u) for v in VECTORS.get(m, ())] for u in asked}
         found = [u for u, vectors in having.items() if name in vectors]
@@ -222,7 +228,7 @@ class Scope(Struct):
         return owner, True
 
     def places(self, unit: str) -> frozenset[str]:
-        """Return the places of a unit's records, which are the unit and its modules; those of all units for ""."""
+        """Return the places of a unit's records: the unit and its modules. For "", return the places of all units."""
         named = [self.unit(unit)] if unit else list(self.units)
         return frozenset(place for u in named for place in (u, *(f"{u}.{m}" for m in self._modules(u))))
 
@@ -238,7 +244,10 @@ class Scope(Struct):
 
 
 def scope_of_table(table: RecordTable) -> Scope:
-    """Return the scope of a recorded run. `controller` or `host` is True if any record comes from this party."""
+    """Return the scope of a recorded run.
+
+    `controller` is True if the run has a record of an event on the bus, and `host` if it has a record of a UART frame.
+    """
     kinds = set(table.texts("kind", table.rows(Kind.BUS)[:1]) + table.texts("kind", table.rows(Kind.FRAME)[:1]))
     listed = [name for modules in table.modules.values() for name in modules]
     wires = [wire for module in listed for wire in WIRES.get(module, ())]

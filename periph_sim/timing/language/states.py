@@ -81,9 +81,10 @@ def _events(words: Words) -> tuple[tuple[Event, ...], tuple[Event, ...]]:
 
 
 def _check_spelling(words: Words) -> None:
-    """Raise BadEvent if the next word resembles the first word of a state, and later words fit this state.
+    """Raise BadEvent if the next word seems to be a misspelled first word of a state.
 
-    Without this check, the mistyped word would be read as the name of a span.
+    This is so if the word resembles one in ENDS and a later word fits this state. Without this check, the misspelled
+    word would be read as the name of a span.
     """
     for state in nearest(words.next, ENDS):
         if not ENDS[state].isdisjoint(words.coming):

@@ -17,7 +17,7 @@ class Words:
         self.text = text
         self._words = WORD.findall(text)
         self.place = 0
-        # `_optional` has a value of `place`, and the words that `took` did not find there.
+        # `_optional` has a value of `place`, and the optional words that `took` looked for at this place in vain.
         self._optional: tuple[int, list[str]] = (0, [])
         if '"' in self._words or "'" in self._words:
             raise BadEvent(f"{text!r}: a quote is not closed, or nothing is in it; write for instance 'time update'")
@@ -61,7 +61,7 @@ class Words:
         return word
 
     def phrase(self, choices: list[str]) -> str:
-        """Read and return the longest of these names that comes next. A name may have several words."""
+        """Read one of these names, which may have several words, and return it. The longest name that fits is read."""
         for name in sorted(choices, key=len, reverse=True):
             count = len(name.split())
             if self._words[self.place : self.place + count] == name.split():

@@ -1,1 +1,1 @@
-"""The quantities that budgets limit; each file contains measures of one family."""
+"""The measures: quantities that budgets limit. Each file contains related measures."""

@@ -1,6 +1,6 @@
 """Bytes on an I2C bus, derived from the levels of its wires and the parties that pull them.
 
-    SCL, SDA, parties that pull them --> START, address, ACK, first bit of each byte, STOP; when others released SCL
+    SCL, SDA, parties that pull them --> START, address, ACK, first bit of each byte, STOP; release of SCL by others
 
 Only the wires are read, so a simulated controller and a unit that is the master are treated alike. All changes within
 one tick form one sample. START and STOP are changes of SDA while SCL is high before and after them.
@@ -21,9 +21,9 @@ SCL, SDA = 0, 1  # numbers of the two wires
 
 
 class BusFromWires(BitParty):
-    """Decoder of the bytes on the wires. It distinguishes the pulls of one unit, called ours, from those of the others.
+    """Decoder of the bytes on the wires. In its names, "ours" means one unit, and "others" all other parties.
 
-    unit: the name of that unit; "" for none.
+    unit: the name of this unit; "" for none.
     stream: the bytes of the transfer in progress.
 
     Subclasses override the events at the end of the class.
@@ -77,7 +77,7 @@ class BusFromWires(BitParty):
             self.settle()
 
     def settle(self) -> None:
-        """Evaluate the changes of the tick in progress, after the last of these changes."""
+        """Evaluate the changes of the tick in progress. Call this after the last of these changes."""
         if self._settled:
             return
         self._settled = True

@@ -1,8 +1,8 @@
 """Measures of events that the text of a measure names: how often they happen, and with which values.
 
-    topic  --tag_of--> tests: with which value a record of the topic is which event; made once for each topic
+    topic  --tag_of--> tests of the value: which event is a record of this topic? Made once for each topic.
     record --on_record--> event that counts immediately ------------------.
-                   '---> "last ... of transfer": decided at its end ------+--in order--> happened(place, tick, value)
+                   '---> "last ... of transfer": known when it is over ---+--in order--> happened(place, tick, value)
                                                                           '--> occasions, things that cannot be judged
 
 Events are counted in the order of their records. Of two events with the same tick, the event that was recorded first
@@ -46,7 +46,7 @@ class _QueuedEvent:
 
 
 WAITS = -1
-FOR_EACH, MEASURED_AT, GIVEN, UNLESS, UNFINISHED = range(5)  # roles of events in clauses: one for each kind of clause
+FOR_EACH, MEASURED_AT, GIVEN, UNLESS, UNFINISHED = range(5)  # the kinds of clauses, as roles of the events in them
 
 
 class Clauses(Struct, frozen=True):
@@ -61,7 +61,7 @@ NO_CLAUSES = Clauses()
 
 
 class ValueTest:
-    """Test of a record's value. It fits if `value & mask == want`, or if the alternative test `others` fits."""
+    """Test of a record's value. A value fits if `value & mask == want`, or if it fits the alternative test `others`."""
 
     __slots__ = ("mask", "others", "want")
 
@@ -80,11 +80,11 @@ class ValueTest:
 
 
 class TopicTests:
-    """Tests that show what a record of one topic means for one event of a measure.
+    """Tests that show what a record of one topic is for one event of a measure: the event, or a limit of its group.
 
     place: the index of the event in the measure.
     test: the test of whether a record is the event; None if no record of the topic can be the event.
-    groups: the groups in which the event is counted; None if every event counts.
+    groups: the groups, such as transfers, in which the event is counted; None if every event counts.
     begins, ends: the tests of whether a record begins or ends such a group; None if no record of the topic does.
     """
 
@@ -106,7 +106,7 @@ class TopicTests:
 
 
 class EventMeasure(Measure):
-    """Measure of the occurrences of an event. The form says what is measured:
+    """Measure of the occurrences of an event. The argument `form` says what is measured:
 
     count   the number of events. `worst` is that number, `worst_at` the tick of the first event. A count of 0 is a
             measured value, unless the event's name is free text, which may be misspelled. If the measure has occasions,
@@ -172,7 +172,7 @@ class EventMeasure(Measure):
         if self.spans is not None:  # all spans are needed, so that the right name can be suggested
             self._every.add(Kind.SPAN)
         self._needed: dict[Kind, frozenset[str]] = subjects_of([*matchers, *starts])
-        self._plans: list[list[TopicTests]] = []  # for each tag, the events that a record with this tag can be
+        self._plans: list[list[TopicTests]] = []  # for each tag, the tests for records with this tag
         self._names: list[str] = []  # for each tag, the name of the span; "" if the records are not about a span
 
     @property
@@ -203,7 +203,7 @@ class EventMeasure(Measure):
         return len(self._plans) - 1
 
     def _tests(self, place: int, kind: Kind, where: str, what: str) -> TopicTests | None:
-        """Return the tests of a topic for event number `place`; None if the topic has no records for the event."""
+        """Return the tests of a topic for event number `place`; None if its records are irrelevant for this event."""
         groups = self._groups[place]
         test = _test(self._all_matchers[place], kind, where, what)
         begins = ends = None
@@ -332,7 +332,7 @@ class EventMeasure(Measure):
 
     @property
     def ungiven(self) -> bool:
-        """True if nothing is proven, because the required event of a clause `given` did not happen."""
+        """True if the measure has clauses `given` and none of their events happened, so that nothing is proven."""
         return self._has_given and not self._given
 
     @property
@@ -378,9 +378,9 @@ def _test(matcher: Matcher, kind: Kind, where: str, what: str) -> ValueTest | No
 
 
 def subjects_of(matchers: Sequence[Matcher]) -> dict[Kind, frozenset[str]]:
-    """Return a dictionary from a kind of records to the subjects that the matchers need.
+    """Return a dictionary from a kind of records to the wires or registers (the subjects) that the matchers need.
 
-    A kind is left out if any matcher needs all its subjects.
+    A kind is left out if any matcher needs the records of all subjects.
     """
     needed: dict[Kind, frozenset[str]] = {}
     each = [one for m in matchers for one in m.each]

@@ -24,7 +24,7 @@ from .measure import Measure, MeasuredScene
 if TYPE_CHECKING:
     from ...devices.watchers import WireWatcher
 
-WRONG = "whose first wrong character ended at"  # explanations recognize the text about a wrong reply by these words
+WRONG = "whose first wrong character ended at"  # other code recognizes the text about a wrong reply by these words
 BAD = 0x100  # this number is added to the value of a character with a wrong parity or without a stop bit
 
 
@@ -49,7 +49,8 @@ class _Occasion(Struct):
     """One request for a reply, and the characters that were received after the request.
 
     window: the tick from which characters on the line can be part of the reply.
-    since: the tick at which the request ended, from which the reply's time counts; NO_TIME while the request is sent.
+    since: the tick at which the request ended. The reply's time counts from this tick. NO_TIME while the request is
+        being sent.
     came: the characters received so far; if `Expected.anywhere` is True, only the last of them.
     wrong_at: the tick at which the first wrong character ended; NO_TIME if there is none.
     """
@@ -71,7 +72,7 @@ class Reply(Measure):
 
     A reply that is wrong, or that never comes, has no time and breaks the budget.
 
-    last: the tick at which the last character began that belongs to a reply; NO_TIME before the first.
+    last: the tick at which the last character that belongs to a reply began; NO_TIME before the first such character.
     """
 
     STATE = State("_open", ticks="last")
@@ -121,13 +122,13 @@ class Reply(Measure):
                 one.next_send = tick
 
     def others_turn(self, tick: int) -> None:
-        """Close the replies that are wrong so far: from `tick` on, characters belong to another request's reply."""
+        """Close the replies that are wrong so far. Characters from `tick` on belong to the reply to another request."""
         for one in self._open:
             if one.wrong_at != NO_TIME and (one.ends == NO_TIME or one.ends > tick):
                 one.ends = tick
 
     def character(self, begin: int, end: int, value: int, good: bool) -> None:
-        """Handle a character on the line."""
+        """Handle a character on the line, which lasted from `begin` to `end`. good: False if it has an error."""
         expected = self._expected
         occasion = next((one for one in self._open if not self._over(one)), None)
         if occasion is None or begin < occasion.window:
@@ -257,7 +258,7 @@ class Unsolicited(Measure):
         self._until = NO_TIME  # the end of the last silence; NO_TIME before the end of the send
         self._judged = 0  # number of silences that are over, so that they are judged
         self._cut = False
-        self._answer: list[int] = []  # the first unsolicited characters, without a pause between them
+        self._answer: list[int] = []  # the unsolicited characters up to the first pause between them
         self._ended = NO_TIME  # the end of the last character in `_answer`
         self._over = False  # True if `_answer` is complete, because a character came after a pause or from another SCI
 
@@ -280,7 +281,7 @@ class Unsolicited(Measure):
     # Events from the scene ----------------------------------------------------
 
     def window(self, tick: int) -> None:
-        """Begin a silence: from `tick` on, at which the send begins, no unsolicited character may begin."""
+        """Begin a silence at `tick`, at which the send begins. From then on, no unsolicited character may begin."""
         self.others_turn(tick)
         if self._until < tick:  # otherwise, the previous silence continues
             self._since = tick
@@ -299,7 +300,10 @@ class Unsolicited(Measure):
             self._until = tick if self._until == NO_TIME else min(self._until, tick)
 
     def forbids(self, begin: int) -> bool:
-        """Return True if no unsolicited character may begin at `begin`. Only the last silence is considered."""
+        """Return True if an unsolicited character that begins at `begin` counts. Only the last silence is considered.
+
+        For a measure of the whole run, the result is always True.
+        """
         in_time = NO_TIME < self._since <= begin and (self._until == NO_TIME or begin < self._until)
         return in_time or not self.name
 
@@ -325,7 +329,7 @@ class Unsolicited(Measure):
             self.others_turn(now)
 
     def close(self, now: int) -> str:
-        """Return a sentence with the first characters; "" if none came."""
+        """Return a sentence that quotes the first unsolicited characters; "" if there are none."""
         if not self._answer:
             return ""
         came, ended = self._show(tuple(self._answer)), (self._ended - self._began) / self._per_second
@@ -339,7 +343,7 @@ class Unsolicited(Measure):
 
 
 class WatchedWire(Measure):
-    """Time between an edge of a watched wire and its expected time. A missing or wrong edge breaks the budget."""
+    """Time between an edge of a watched wire and the expected time. A missing or unexpected edge breaks the budget."""
 
     _watcher: WireWatcher
 

@@ -1,4 +1,4 @@
-"""Makers of measures. A maker is a function without arguments that returns a new measure of the kind that a text names.
+"""Makers of measures. A maker is a function without arguments that returns a new measure, as the text of a budget says.
 
 text --registry--> the sentence of that name --.
   '--------------------------------------------+--language--> ParsedMeasure --> Matchers of its events --> Maker
@@ -49,9 +49,10 @@ Maker: TypeAlias = Callable[[], Measure]
 
 
 def expanded(text: str, sentences: Mapping[str, str]) -> str:
-    """Return a measure's text in which names that the user has defined are replaced by their texts.
+    """Return a measure's text, in which a name that the user has defined is replaced by its text.
 
-    Raise BadEvent if the definition of a name contains this name, directly or through other names.
+    sentences: the texts of the user's measures by name. Raise BadEvent if the definition of a name refers to this name,
+    directly or through other names.
     """
     before, names = "", [text]
     while text in sentences or text.startswith(JITTER):
@@ -66,7 +67,7 @@ def expanded(text: str, sentences: Mapping[str, str]) -> str:
 
 
 def check_measure(name: str, sentences: Mapping[str, str]) -> None:
-    """Raise BadEvent if a name that the user defines is taken, or if its text cannot be a measure in any scene."""
+    """Raise BadEvent if a name that the user defines is taken, or if its text is not a measure in any scene."""
     if name in (*MEASURES, *PHRASES, UNSOLICITED) or is_form(name) or name.startswith((SPAN, *PREFIXES)):
         raise BadEvent(f"there is a measure {name!r} already; give this one another name")
     text = expanded(name, sentences)
@@ -156,7 +157,7 @@ def _of_sentence(sentence: Sentence, said: ParsedMeasure, scope: Scope, **given:
 
 
 def _phrase(said: ParsedMeasure, scope: Scope) -> Maker:
-    """Return the maker of a measure whose form is a key of PHRASES: it has parameters or depends on the scene."""
+    """Return the maker of a measure whose form is a key of PHRASES."""
     return _of_sentence(PHRASES[said.form], said, scope)
 
 
@@ -224,7 +225,7 @@ def _level(said: ParsedMeasure, scope: Scope) -> Maker:
 
 
 def _stack(said: ParsedMeasure, scope: Scope) -> Maker:
-    """Return the maker of the measure of the largest depth of the stack, which is recorded whenever it grows."""
+    """Return the maker of the measure of the largest stack depth. A record is made of each new largest depth."""
     text = "stack high-water"
     high = Matcher(text, Kind.FLAG, frozenset((f"{scope.image(said.unit)}.CPU",)), "stack")
     return partial(EventMeasure, high, form="value")
@@ -237,7 +238,9 @@ def _gap(said: ParsedMeasure, scope: Scope) -> Maker:
 
 
 def _latency(said: ParsedMeasure, scope: Scope) -> Maker:
-    """Return the maker of an interrupt's latency, from the rise of its PIEIFR flag to its routine or first access."""
+    """Return the maker of an interrupt's latency: from the rise of its PIEIFR flag to the entry of its service routine,
+    or to the first register access in this routine.
+    """
     unit = scope.vector(said.unit, said.name)
     if said.name not in LINES:
         raise BadEvent(f"{said.name} does not come through the PIE, so nothing records when it was asked for")
@@ -267,7 +270,7 @@ def _state(said: ParsedMeasure, scope: Scope) -> StateEvents:
 
 
 def _of_a_race(said: ParsedMeasure, scope: Scope) -> Maker:
-    """Return the maker of the measure of a race, of lost flags, or of a flag that is cleared along with others."""
+    """Return the maker of the measure of a race, of lost flags, or of one flag that is cleared along with others."""
     from .modifies import LostFlags
     from .watched_register import clearing, losing, raced
 

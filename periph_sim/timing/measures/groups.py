@@ -17,11 +17,11 @@ from ...core.time import NO_TIME
 from ..language.matcher import Group, Matcher
 from .measure import MeasuredScene
 
-PAUSE = 2  # number of character times without a frame after which a burst ends
+PAUSE = 2  # a burst ends after a pause of more than this number of character times
 
 
 class Groups:
-    """Counts an event within each group, such as a transfer, to find the n-th occurrence.
+    """Counts an event within each group, such as a transfer, to find the n-th event of the group.
 
     nth: the number of the event in each group that counts, from 1; -1 for the last event.
     inside: True while a group is in progress.
@@ -35,7 +35,7 @@ class Groups:
         self.inside = False
         self._group = group
         self.matchers: tuple[Matcher, ...] = (group.begin, group.end)
-        self._ends: bool = group.name == "interrupt"  # False if a group lasts until the next group begins
+        self._ends: bool = group.name == "interrupt"  # True if the end event ends a group; else the next group ends it
         self._seen = 0
         self._begins_round: Callable[[], bool] | None = None
         self._frame_began = self._frame_ended = NO_TIME

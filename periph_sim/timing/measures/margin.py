@@ -1,8 +1,8 @@
 """Measure of the margin of writes to I2CDXR.
 
-    SCL    ─┐___________┌─┐_        the controller releases SCL at g, when the first bit must be ready
+    SCL    ─┐___________┌─┐_        the controller releases SCL at g; the first bit of the byte must be ready then
     ACK end             g
-    write      w--------|           margin: g - w, minus the module's delay from a write to its release of SCL
+    write      w--------|           margin: g - w - d; d: delay from a write to the module's release of SCL
     late                |----w      negative: SCL is held low for this time
 
 The write of a byte is the last write before I2CDXR is copied to I2CXSR. XRDY = 1 shows that I2CDXR is empty.
@@ -37,7 +37,7 @@ class _Reads(BusFromWires):
 
 
 class Margin(Measure):
-    """Time from the write of I2CDXR to the latest tick at which this write is early enough.
+    """Time from the write of I2CDXR to the latest tick at which this write would be early enough.
 
     A write is early enough if the module releases SCL no later than the controller does. The margin is negative if the
     write came later, so that the module held SCL low. It is measured for each byte that a unit sends as a slave.

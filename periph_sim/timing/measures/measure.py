@@ -50,9 +50,9 @@ class Tally:
 
         value, tick --> cell of the value: count, first tick --> percentile
 
-    Up to `most` different values have a cell each, and percentiles are exact. With more values the cells become twice
-    as wide until half of `most` are left. A cell represents the largest value in it, so a percentile is a measured
-    value and never too small.
+    Up to `most` different values have a cell each, and percentiles are exact. If there are more different values, all
+    cells are made twice as wide until at most half of `most` cells are left. A cell represents its largest value, so a
+    percentile is a measured value and never too small.
     """
 
     def __init__(self, most: int = MOST) -> None:
@@ -86,7 +86,7 @@ class Tally:
         raise AssertionError("there is no value")
 
     def _widen(self) -> None:
-        """Make cells twice as wide until at most half of `most` are left, so that this is not needed again soon."""
+        """Make all cells twice as wide until at most half of `most` cells are left, so that this is rarely needed."""
         while len(self._cells) > self._most // 2:
             self._shift += 1
             narrow, self._cells = self._cells, {}
@@ -110,17 +110,18 @@ class Measure(Listener):
     """Base of all measures.
 
     worst, least: the largest and the smallest value.
-    worst_until: for a count of characters, the end of the first ones, which begin at `worst_at`; else NO_TIME.
+    worst_until: for a count of unsolicited characters, the end of the first of them, which begin at `worst_at`; else
+        NO_TIME.
     not_before: occurrences before this tick do not count.
     occasions: the number of times at which a value should have been measured, counted on the bus and not by the
         firmware; None if the measure does not count them.
     unit: "time" (ticks), "%" and "LSB" (millionths), or a word for the things that are counted.
     series: True if the measure takes a series of values, which has percentiles; False if it is one number for a run.
-    occurrence: the kind of thing that has a value, such as READ; "" for other kinds. A budget may join measures of the
-        same kind.
+    occurrence: READ if the measure takes one value for each addressed phase; else "". A budget can join only measures
+        with READ.
     asked: the name of the occasions, in the plural, such as "reads asked".
-    looks_back: the range of past records on which the next value can depend; one of LOOKS_BACK. STATE lists what the
-        measure remembers of these records. Values that were taken are results, not state.
+    looks_back: the range of past records on which the next value can depend; one of LOOKS_BACK. STATE lists the
+        attributes that remember these records. Attributes for values that were taken are results, not state.
     is_jitter: True if the measure takes the differences between successive values (cycle-to-cycle jitter).
     """
 
@@ -152,7 +153,7 @@ class Measure(Listener):
         self.refuted = ""  # why the budget is broken regardless of its values, such as a wrong reply; or ""
         self.refuted_at = NO_TIME
         self.refuted_until = NO_TIME
-        self.not_judged = ""  # the reason why it is not known whether all occurrences keep the limit
+        self.not_judged = ""  # the reason why it is not known whether all occurrences keep the limit; or ""
 
     @property
     def subjects(self) -> Subjects:
@@ -201,8 +202,8 @@ class Measure(Listener):
     def close(self, now: int) -> str:
         """Take the values of unfinished occurrences that exceed all complete values. A jitter takes none.
 
-        Return a phrase about these occurrences; "" if none was taken. In a longer run, their values would have grown,
-        so they do not count as the smallest value if there are complete values.
+        Such a value would have grown in a longer run. So it counts as the smallest value only if there is no complete
+        value. Return a phrase about these occurrences; "" if no value was taken.
         """
         if self.is_jitter:
             return ""
@@ -236,7 +237,7 @@ class Measure(Listener):
         self._uncompared = 1
 
     def keep(self) -> None:
-        """Store each value that follows. Distributions, and budgets with several joined conditions, need all values."""
+        """Store each value that follows. Distributions, and budgets with joined conditions, need all values."""
         self._kept = array("q"), array("q")
 
     @property
@@ -266,7 +267,7 @@ class Measure(Listener):
             self.take(value, when)
 
     def occasion(self, at: int, number: int = 1) -> None:
-        """Count `number` occasions at which a value should be measured. at: the tick that the value will have."""
+        """Count `number` occasions at which a value should be measured. at: the tick of the value."""
         if at >= self.not_before:
             assert self.occasions is not None
             self.occasions += number - self._uncompared
@@ -314,7 +315,7 @@ class MeasuredScene(Protocol):
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
         """Report sends and characters to `reply` from now on.
 
-        Return the expected reply, and a function that returns why it was never requested.
+        Return the expected reply, and a function that returns why the reply was never requested.
         """
 
     def on_unsolicited(self, measure: Unsolicited) -> tuple[Callable[[tuple[int, ...]], str], Callable[[], str]]:
@@ -327,7 +328,7 @@ class MeasuredScene(Protocol):
         """Return the wire watcher with the name of the measure. The watcher passes its results to the measure."""
 
     def rounds_at_start(self) -> Callable[[], bool]:
-        """Return a function that measures call at each START of a transfer: it returns True if a round begins."""
+        """Return a function for measures to call at a START. It returns True if this START may begin a round."""
 
     def began(self) -> int:
         """Return the tick at which the run begins."""

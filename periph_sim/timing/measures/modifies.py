@@ -8,7 +8,6 @@ A read-modify-write is judged as soon as its read is so old that no later write 
 firmware intends to clear at a place in its code are known at the end of the run. Reads without a write are dropped, and
 flags that may have been lost are counted by place, so memory does not grow with the run.
 
-The measure of lost flags counts these flags.
 
 `records/read_modify_write.py` matches reads and writes in the same way, in the recording of a whole run. Both modules
 use `records/cleared_flags.py` to judge the cleared flags.
@@ -58,7 +57,7 @@ class Access:
 
 @final
 class Recent:
-    """The accesses of a unit in the last cycles, as a linked list."""
+    """The accesses of a unit in the last cycles, as a linked list from the oldest to the newest."""
 
     __slots__ = ("newest", "oldest")
 
@@ -157,9 +156,10 @@ class Modifies(RecordSink):
         return self._registers[key]
 
     def places(self, tag: int) -> int:
-        """Return OF_MODIFIES for accesses to a judged register, which need the firmware's statement; else NOWHERE.
+        """Return OF_MODIFIES for accesses to a judged register; else NOWHERE.
 
-        The statement is needed because a write belongs to an earlier read only if the same statement made both.
+        OF_MODIFIES requests the firmware's statement of an access. It is needed because a write belongs to an earlier
+        read only if the same statement made both.
         """
         topic = self._topics[tag]
         return NOWHERE if topic.register is None or topic.flag is not None else OF_MODIFIES
@@ -276,7 +276,7 @@ class LostFlags(Measure):
 
     without a field in `watched`   flags that firmware had not read since they rose
     with a field                   this flag, whenever a read-modify-write for another flag cleared it, even if firmware
-                                   had read it; for a flag that firmware waits for later
+                                   had read the flag; for a flag that firmware reads early and waits for later
 
     `worst` is this number. `count` is the number of writes of the registers, with or without a read before; if it is 0,
     the budget is not judged. Writes without a read are assumed to clear only what they should clear.
@@ -313,7 +313,7 @@ class LostFlags(Measure):
         self.worst_at = self.least_at = gone.first
 
     def close(self, now: int) -> str:
-        # No values of unfinished occurrences are taken, as in other measures: a write is an instant, so it is complete.
+        # Other measures take values of unfinished occurrences here. A write is an instant, so it is never unfinished.
         return self.modifies.named(self.watched.field)
 
     def why_silent(self) -> str:

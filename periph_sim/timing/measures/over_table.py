@@ -3,9 +3,9 @@
     table = formats.psr.read_table(path)
     timing.between(table, "bus address 0x68 read", "access W I2C-A.I2CDXR") --> durations and starts, int64 ticks
 
-`between` passes the events in the table to the measure of `from EVENT to EVENT`. `races` and `lost_flags` give the
-results of `periph-sim races` (`records/races.py`, `records/read_modify_write.py`). The measure of races stores its
-records in such a table and evaluates them when the run is over:
+`between` measures `from EVENT to EVENT` in the table. `races` and `lost_flags` give the results of `periph-sim races`
+(`records/races.py`, `records/read_modify_write.py`). The measure `Race` of a scene stores its records in such a table
+and evaluates them when the run is over:
 
     records --RaceRecords--> records.Run, when the run is over --> distances in cycles
 """
@@ -88,10 +88,10 @@ def between(
 
 
 def rows_of(matcher: Matcher, table: RecordTable) -> NDArray[np.int64]:
-    """Return the rows at which an event happened, in order.
+    """Return the rows of the table at which an event happened, in order.
 
-    Raise BadEvent for an event that is limited to one per group, such as "last ... of transfer", which only budgets in
-    a scene can recognize.
+    Raise BadEvent for an event that counts once per group, such as "last ... of transfer". Only budgets in a scene can
+    recognize such an event.
     """
     if matcher.group is not None:
         raise BadEvent(f"{matcher.text!r}: over a recorded run every one is found; leave first, last or the number out")
@@ -135,8 +135,8 @@ class RaceRecords(Columns):
 class Race(Measure):
     """Distance, in SYSCLKOUT cycles, of each CPU read of a status register to the nearest change of the bits read.
 
-    The records are stored, and evaluated after the run like a recorded run. The simulator can skip the polls of a
-    wait. Nothing is proven if skipped polls near a change cannot be reconstructed.
+    The records are stored, and evaluated after the run like those of a recorded run. The simulator can skip the polls
+    of a wait. If skipped polls near a change cannot be reconstructed, the budget is not judged.
     """
 
     STATE = State("_kept_records")
@@ -212,7 +212,9 @@ def races(table: RecordTable, name: str, sysclk: Fraction | None = None) -> Dist
 
 
 def lost_flags(table: RecordTable, name: str = "") -> NDArray[np.int64]:
-    """Return the ticks at which read-modify-writes lost flags of a register, or of all registers if `name` is empty.
+    """Return the ticks at which read-modify-writes cleared flags of a register unintentionally.
+
+    name: the register, such as "I2C-A.I2CSTR"; "" for all registers. A flag is listed if firmware had not read it.
 
     Raise BadEvent as `races` does.
     """

@@ -8,8 +8,9 @@
          |---------|           last: each B with only the last A since the previous B; B2 has no such A
 
 If no pairing is given and another A comes before the B of the first A, it is not known which events belong together,
-so nothing is proven. With the rule `same unit`, only events of the same unit are paired. A third event is an event of
-another kind that is counted between A and B. A period is the time from an event to the next event of the same kind.
+so the budget is not judged. With the rule `same unit`, only events of the same unit are paired. A third event is an
+event of another kind that is counted between A and B. A period is the time from an event to the next event of the same
+kind.
 """
 
 # core: compiled
@@ -33,8 +34,8 @@ class _Waiting:
     """First events that wait for their second event, with the number of third events before each of them.
 
     oldest: the tick of the event that has waited longest; NO_TIME if no event waits.
-    oldest_counted: the value of `counted` when this event came.
-    since, counted_at: the ticks of all other waiting events, in order, and the values of `counted` when they came.
+    oldest_counted: the value of `counted` at the tick `oldest`.
+    since, counted_at: the ticks of all other waiting events, in order, and the values of `counted` at these ticks.
     counted: the number of third events since the last time at which no event waited.
     """
 
@@ -57,7 +58,7 @@ class _Waiting:
             self.counted_at.append(self.counted)
 
     def take_oldest(self) -> None:
-        """Remove the event that waits longest."""
+        """Remove the event that has waited longest."""
         self.oldest = NO_TIME
         if self.since:
             self.oldest, self.oldest_counted = self.since.popleft(), self.counted_at.popleft()

@@ -1,9 +1,9 @@
-"""The shipped measures: sentences of the language of budgets that have a name.
+"""The shipped measures: each has a name, and is defined by a sentence in the language of budgets (`timing/language`).
 
     name --> Sentence: its text, its cost, how far back it looks, and phrases for its verdict
 
-A sentence with parameters has them in braces; `factory` fills them in from the words of a budget. Six measures are
-classes instead, because no sentence can express them:
+Parameters of a sentence are in braces; `factory` fills them in from the words of a budget. Six measures are classes
+instead, because no sentence can express them:
 
     Margin       depends on the parties that pull the wires and on the module's own delay, which no record contains
     Race         reconstructs the polls that were skipped, for which it needs all records of a register
@@ -21,14 +21,14 @@ from msgspec import Struct
 class Sentence(Struct, frozen=True):
     """A named measure.
 
-    about: a description for the documentation; "" if the text of the measure explains it.
+    about: a description for the documentation; "" if the name of the measure needs none.
     cost: the number of records that the measure handles when timing/imu_hil_published.toml runs for 0.1 s (5 rounds).
-    looks_back: the range of past records on which the next value can depend; one of LOOKS_BACK. If the measure needs
-        records that `timing/derived` makes, the range includes the records from which they are made.
+    looks_back: the range of past records on which the next value can depend; one of LOOKS_BACK. If `timing/derived`
+        makes records for the measure, the range includes the records from which these records are made.
     asked: a noun in the plural for the events of the clause `for each`, at which a value should be measured.
     nothing: a phrase that says why nothing was measured; None if the measure finds the reason itself.
-    unproven: for a clause `given`, a phrase that says why nothing is proven if its event did not happen.
-    cut_off: a phrase that says which occurrence was not over when the run ended, for a clause `unfinished` or a pair.
+    unproven: for a clause `given`, a phrase that says why nothing is proven if the clause's event did not happen.
+    cut_off: for a clause `unfinished` or a pair, a phrase that says what was not over when the run ended.
     unknown: for each clause `unless`, a pair (noun, reason). If the event of the clause happened, the budget is not
         judged, with a reason such as "3 reads may carry other frames" from ("read", "may carry other frames").
     """

@@ -1,11 +1,11 @@
-"""Measures of the time in a state: each time, the sum of all, or their share of the run or of its busiest window.
+"""Measures of the time in a state: each such time, their sum, or their share of the run or of its busiest window.
 
     wire SCL low   ──┐______┌──────┐___┌──     each: 6 and 3      time in: 9
                        |--- W ---|             share of any W: the share in the busiest window W
 
-If the state already holds when the run begins, its start is not known. The time from the start of the run to the end of
-the state is then part of the sum, but no value of "each". If the state lasts for the whole run, its length so far is a
-value of "each".
+If the state already holds when the run begins, it is not known when it began. The time from the start of the run to the
+end of the state is then part of the sum, but not a value of "each". If the state lasts for the whole run, however, the
+length of the run is a value of "each".
 """
 
 # core: compiled
@@ -71,9 +71,11 @@ class StateEvents(Struct, frozen=True):
 class BusiestWindow:
     """Finds the window of a given length in which a state lasts longest.
 
-    A busiest window can be found among the windows that begin or end with the state or with the run. So only these
-    windows are evaluated.
-    most: the share of the state in this window, in millionths; -1 until the first window is over.
+    The largest share always occurs, among others, in a window that begins or ends together with the state or the run.
+    So only these windows are evaluated.
+
+    most: the largest share so far of the state in a window, in millionths; -1 until the first window is over.
+    begin: the tick at which this window begins.
     """
 
     STATE = State(ticks="_since _stretches _begins")
@@ -84,7 +86,7 @@ class BusiestWindow:
         self.begin = NO_TIME
         self._began = began
         self._since = NO_TIME  # the tick since which the state holds; NO_TIME if it does not hold
-        # (begin, end) of past times in the state; those that no unfinished window can overlap are removed
+        # (begin, end) of past times in the state. Times that no unfinished window can overlap are removed.
         self._stretches: deque[tuple[int, int]] = deque()
         self._begins: deque[int] = deque([began])  # the ticks at which unfinished windows begin
 
@@ -246,9 +248,10 @@ class TimeIn(EventMeasure):
             self._be_share(_millionths(self._lasted, whole) if whole else -1, now)
 
     def _be_share(self, share: int, at: int) -> None:
-        """Take the share as the only value. Take none if the share is -1, or for a span that never began.
+        """Take the share as the only value.
 
-        Such a span has a name that was not checked, and the name may be misspelled.
+        Take no value if the share is -1, or if the state is a span with an unchecked name that never began. This name
+        may be misspelled, so a share of 0 proves nothing.
         """
         self.count = int(share >= 0 and (self._entered or not self.state.free))
         self.worst = self.least = max(0, share)

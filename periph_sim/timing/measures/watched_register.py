@@ -1,6 +1,6 @@
 """The register or field that a measure of races or of lost flags names.
 
-text + Scope --raced, losing, clearing--> Watched, or BadEvent if the measure cannot be about this register
+text + Scope --raced, losing, clearing--> Watched, or BadEvent if the measure is impossible for this register
 """
 
 from __future__ import annotations
@@ -72,9 +72,9 @@ def raced(unit: str, text: str, scope: Scope) -> Watched:
 
 
 def losing(unit: str, text: str, scope: Scope) -> Watched:
-    """Return the register whose flags may be lost; all registers of the scene if none is named.
+    """Return the register whose flags may be lost; all registers of the scene if `text` is empty.
 
-    Raise BadEvent if none of its flags can be lost.
+    Raise BadEvent for a register that has no flag that writing 1 clears.
     """
     if not text:
         if not scope.units:
@@ -90,7 +90,10 @@ def losing(unit: str, text: str, scope: Scope) -> Watched:
 
 
 def clearing(unit: str, text: str, scope: Scope) -> Watched:
-    """Return the flag that a write may clear along with another flag. Raise BadEvent if writing 1 does not clear it."""
+    """Return the flag that a write may clear along with another flag.
+
+    Raise BadEvent for a flag that is not cleared by writing 1.
+    """
     owner, module, register, f = scope.field(unit, text)
     clearable = [each.name for each in one_clears(register)]
     if f.name not in clearable:

@@ -362,7 +362,7 @@ class Processor(Agent):
         return routine
 
     def fetch_for_trap(self, cycle: int, number: int) -> int:
-        """Return the vector for TRAP or INTR: the code address in the vector table in memory.."""
+        """Return the vector for TRAP or INTR: the code address in the vector table in memory."""
         address = self._pie.cpu_vector(number)
         self.notes.move_from(cycle, self._pie.notes)
         return self._routine(cycle, address, f"the vector {number} of TRAP or INTR")

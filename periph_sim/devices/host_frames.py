@@ -66,7 +66,7 @@ class HostFrames(Protocol):
         """Return the values of frame `number` of a host without a motion."""
 
     def encode(self, values: tuple[int, ...], byte_order: ByteOrder = "little") -> bytes:
-        """Return the bytes of a frame. Raise OverflowError if a value does not fit."""
+        """Return the bytes of a frame. Raise OverflowError if a value does not fit 16 bits."""
 
     def decode(self, data: bytes) -> tuple[int, ...]:
         """Return the values of a frame from its bytes, low byte first."""

@@ -71,7 +71,7 @@ class DeviceBus:
         self._place.hold_clock(self._ticks(length))
 
     def after(self, length: str, callback: Callable[[], None]) -> None:
-        """Call a function after a length such as "1 ms"."""
+        """Call a function after a length of simulated time such as "1 ms"."""
         kernel = self._place.kernel
 
         def call() -> None:

@@ -92,7 +92,7 @@ class SensorHead(Agent):
             self._set_up()
 
     def _plan(self) -> None:
-        """Schedule the next round. `_due` is the tick at which it is due."""
+        """Schedule the next round, with its jitter. `_due` is the tick at which the round is due, without jitter."""
         schedule = self.schedule
         if schedule.starts is not None:
             if self._number < len(schedule.starts):

@@ -105,7 +105,7 @@ def register_bytes(chip: ChipData, xyz: Sequence[Any]) -> bytes:
 
 
 def known_sensors() -> Mapping[str, ChipData]:
-    """Return the registered sensors, by the names that a case can use in `order`."""
+    """Return a dictionary from the name of each sensor, as used in the key `order` of a case, to its data."""
     return cast(Mapping[str, ChipData], registered("sensors").SENSORS)
 
 

@@ -79,7 +79,7 @@ def _layers() -> list[tuple[float, float]]:
     for _ in range(LAYERS - 2):
         edges.append(sqrt(-2 * log(AREA / edges[-1] + height)))
         height = exp(-0.5 * edges[-1] * edges[-1])
-    edges += [0.0]  # the innermost layer has no inner edge
+    edges += [0.0]  # the inner edge of the innermost layer
     base = AREA / exp(-0.5 * OUTERMOST * OUTERMOST)
     inside = [(outer, inner / outer * STEPS) for outer, inner in pairwise(edges)]
     return [(base, OUTERMOST / base * STEPS), *reversed(inside)]

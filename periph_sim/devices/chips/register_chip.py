@@ -160,7 +160,7 @@ class RegisterChip:
         self.stored[register.offset] = register[field_name].put(self.stored[register.offset], number)
 
     def after(self, tick: int, length: Fraction) -> int:
-        """Return the tick that is `length` seconds later, rounded up."""
+        """Return the tick that is `length` seconds later than `tick`, rounded up."""
         return tick + self.timebase.ticks(length, "up")
 
     def beats(self, first: int, rate: Fraction) -> Clock:

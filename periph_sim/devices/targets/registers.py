@@ -70,7 +70,12 @@ class Feed:
 
 
 def feed_of(table: RegisterTable, entry: int, place: TargetContext) -> Feed | None:
-    """Return the updates of a register; None if it has none. Raise BadDevice if a file is invalid."""
+    """Return the updates of a register; None if it has none.
+
+    entry: the index of the register in the case, for messages.
+
+    Raise BadDevice if a file is invalid or the times of the updates are not in order.
+    """
     if table.every is not None:
         first = table.every if table.first is None else table.first
         period = max(1, place.ticks(table.every))
@@ -90,7 +95,10 @@ def feed_of(table: RegisterTable, entry: int, place: TargetContext) -> Feed | No
 
 
 def _rows(path: Path, table: RegisterTable) -> tuple[tuple[Fraction, int], ...]:
-    """Read times and values from a file with lines such as "5 ms,0x12". A heading is skipped."""
+    """Read times in seconds and values from a file with lines such as "5 ms,0x12". A heading is skipped.
+
+    Raise ValueError, with file and line, if the file is invalid.
+    """
     try:
         lines = list(csv.reader(read_input(path).decode("utf-8").splitlines()))
     except (OSError, UnicodeDecodeError) as error:
@@ -315,7 +323,7 @@ def _known(settings: Settings, name: str, *place: str | int) -> None:
 
 
 def _check_places(settings: Settings) -> None:
-    """Reject overlapping registers, registers beyond the pointer's range, and duplicate names."""
+    """Raise BadDevice for overlapping registers, registers beyond the pointer's range, and duplicate names."""
     taken: dict[int, str] = {}
     names: set[str] = set()
     reach = 1 << 8 * settings.pointer_bytes

@@ -67,7 +67,7 @@ def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Ext
 def _rolled(steps: Ints, times: int) -> Ints:
     """Return the counts of n bodies that are at rest and then roll within one sample, int64[12, n] (see `frames`).
 
-    Body n rolls by `times` * steps[n]. steps: angles in counts, int64[n].
+    Body k rolls by `times` * steps[k]. steps: an angle in counts for each body, int64[n].
     """
     counts = np.zeros((12, len(steps)), dtype=np.int64)
     counts[0] = counts[3] = -(times * steps) // 2
@@ -99,7 +99,10 @@ def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[ExtremeFi
 
 
 def _first_time(a: Arithmetic[Any], end: float, holds: Callable[[float], bool]) -> float | None:
-    """Return the first time in seconds at which adding Ts changes the time by an amount for which `holds` is true."""
+    """Return the first time in seconds at which adding Ts changes the time by an amount for which `holds` is true.
+
+    Return None if there is no such time from 1 s to `end`.
+    """
     step = a.constant(ImuParameters().period)
 
     def at(seconds: float) -> bool:

@@ -278,7 +278,7 @@ def _finding(extreme: str, samples: list[int]) -> ExtremeFinding:
 
 
 def exact_variance(samples: list[int], m: int) -> Fraction:
-    """Return the Allan variance: half the mean square of the change between adjacent averages over m samples."""
+    """Return the exact Allan variance: half the mean square of the change between adjacent averages over m samples."""
     sums = [0, *accumulate(samples)]
     changes = (sums[i + 2 * m] - 2 * sums[i + m] + sums[i] for i in range(len(samples) - 2 * m + 1))
     return Fraction(sum(change**2 for change in changes), 2 * (len(samples) - 2 * m + 1) * m**2)

@@ -26,7 +26,7 @@ class SensedMotion:
     """Exact readings of the sensors on a moving body, saturated but not rounded.
 
     imu: the parameters of the sensors.
-    motion: the motion of the body, from time 0 on.
+    motion: the motion of the body, from time 0 on. The sensors sense its `truth`.
     """
 
     def __init__(self, imu: ImuParameters, motion: Motion) -> None:

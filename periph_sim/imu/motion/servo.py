@@ -88,7 +88,7 @@ class Servo(Motion):
         self._resolution = settings.resolution
         self._read: Straight | Held | None = None
         if settings.read_every:
-            steps = self.ends / settings.read_every  # inf if the quotient exceeds every float
+            steps = self.ends / settings.read_every  # inf if the quotient exceeds the range of a float
             if steps + 2 > MOST_READS:
                 raise BadMotion(
                     f"read_every: {steps + 2:.0f} positions in {self.ends:g} s; expected at most {MOST_READS}, "

@@ -226,7 +226,7 @@ def attitudes(subject: EmulatorUnderTest, readings: Readings) -> Floats:
 
 
 def truth(subject: EmulatorUnderTest, seconds: Floats) -> Floats:
-    """Return the true attitudes at some times, float64[n, 4]."""
+    """Return the true attitudes at the times `seconds` as quaternions, float64[n, 4]."""
     return quaternions(subject.motion.attitude(seconds))
 
 

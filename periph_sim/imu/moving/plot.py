@@ -24,7 +24,10 @@ POINTS = 1200  # maximum number of points of a line; more points would not be vi
 
 
 def attitudes(outcome: MovingOutcome, path: Path) -> None:
-    """Write the attitudes as SVG. Equal input gives an equal file."""
+    """Draw the true and the estimated attitudes, and the angles between them, as SVG.
+
+    Equal input gives an equal file.
+    """
     panels = [("truth", outcome.truth), ("real sensors", outcome.real.attitudes)]
     panels.append(("emulator", outcome.emulated["corrected"].attitudes))
     with rc_context(STYLE):
@@ -42,7 +45,10 @@ def attitudes(outcome: MovingOutcome, path: Path) -> None:
 
 
 def rates(outcome: MovingOutcome, path: Path) -> None:
-    """Write the rates about the axes of the body as SVG, in deg/s without biases. Equal input gives an equal file."""
+    """Draw the rates that the real and the emulated gyroscopes measured, as SVG. Equal input gives an equal file.
+
+    The rates are those about the axes of the body, in deg/s, without biases.
+    """
     imu = outcome.subject.sensors
     read = {"real": outcome.real.readings}
     read |= {rates: one.readings for rates, one in outcome.emulated.items()}

@@ -121,7 +121,7 @@ TAB = 8
 def say(*texts: str, style: str = "") -> None:
     """Print texts. Long lines are not wrapped, so that the output can be searched.
 
-    style: a key of CODES, which is used only on a terminal; "" for no style.
+    style: a key of CODES; "" for no style. Styles are used only if `_has_styles` returns True.
     """
     styled = bool(style) and _has_styles()
     for line in (line for text in texts for line in text.split("\n")):

@@ -52,7 +52,7 @@ STRETCHES = (Fraction(20, 1000), Fraction(100, 1000), Fraction(500, 1000), Fract
 STEP = Fraction(10, 1000)
 MOST_WORK = 1_000_000
 ACCESS_WORK = 50  # simulating one access by C sources takes as long as this number of instructions of an image
-OFTEN = 3  # number of times that something must happen to be a loop
+OFTEN = 3  # number of times that something must happen to count as repeated
 MARGIN = 10  # percent by which a limit exceeds the measured figure
 SEEN = "seen, not required"
 PORT_DATA = re.compile(r"W GPIO\.GP([ABC])(?:DAT|SET|CLEAR|TOGGLE)")
@@ -283,8 +283,7 @@ def _measures(scene: Scene, dsp: Dsp, seen: Seen, calls: LoopCalls) -> dict[str,
 def _inputs(dsp: Dsp, modules: list[str]) -> dict[str, int]:
     """Return a dictionary from wires to pins that differ from the default wiring.
 
-    These are the pins of modules if GPxMUX connects none of the usual pins, and the pins of enabled external
-    interrupts.
+    These are pins that GPxMUX connects to a module in place of the usual pin, and pins of enabled external interrupts.
     """
     gpio = cast(Gpio, dsp.sockets["GPIO"].chip)
     found: dict[str, int] = {}
@@ -371,7 +370,7 @@ def _as_seen(tree: Tree, target: Path, measures: dict[str, str]) -> list[Tree]:
         budget = {"name": name, "measure": measure, "max": "0 us", "why": SEEN}
         try:
             Scene(case_of({**tree, "budget": [budget]}, target)).close()
-        except BadCase:  # for example for the latency of an interrupt that no PIE line requests
+        except BadCase:  # for example, the latency of an interrupt that no PIE line requests cannot be measured
             continue
         found.append(budget)
     seen = Seen()

@@ -1,4 +1,4 @@
-"""`periph-sim prove CASE`: run the phases of a case, and find the windows in which budgets break."""
+"""`periph-sim prove CASE`: run a case at many phases, and find the ranges of phases in which budgets break."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ from ...proof.dependencies import package_digest
 from .cluster_worker import PREFIX, Kind, Reply, Session
 from .processes import DIED, processes
 
-CONNECT = 10  # seconds within which a scheduler must answer at the beginning
+CONNECT = 10  # seconds within which a scheduler must answer when a command connects
 LOST = 30.0  # seconds without an answer of the scheduler, or without any worker, after which a command stops
 LOGGERS = ("distributed", "distributed.client", "tornado", "tornado.application", "asyncio")
 LOOK = 1.0  # seconds between two checks of the cluster
@@ -225,7 +225,7 @@ def _connected(address: str) -> Iterator[ClusterExecutor]:
 def _client(address: str) -> Any:
     """Return a client of the scheduler at this address.
 
-    The client is made in a thread, because Dask waits without end for a server of another kind, such as one of HTTP.
+    The client is made in a thread, because Dask waits without end for a server of another kind, such as an HTTP server.
     """
     made: Future[Any] = Future()
 

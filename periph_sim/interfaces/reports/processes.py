@@ -33,7 +33,7 @@ _pools: set[ProcessPoolExecutor] = set()
 
 @contextmanager
 def processes(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """Yield a pool of `workers` processes with the current environment."""
+    """Yield a pool of `workers` processes, which have the current environment variables of this process."""
     context = get_context(SERVER if SERVER in get_all_start_methods() else "spawn")
     if context.get_start_method() == SERVER:
         context.set_forkserver_preload(IMPORTED)

@@ -10,7 +10,7 @@ from ....timing.verdict import SEEN, Verdict, figure
 from ..sweep.runs import Row
 from .explore import Exploration, is_stuck
 
-RUN = "(the run)"  # the name under which it is reported that a run is stuck or cannot be made
+RUN = "(the run)"  # the `name` of a Dependence about runs that are stuck or cannot be made, and not about a budget
 NOT_MADE, STUCK = "cannot be made", "stuck"
 
 

@@ -128,7 +128,7 @@ class Itg3200(RegisterChip):
 
     @property
     def rate(self) -> Fraction:
-        """Sample rate in Hz: 8 kHz if DLPF_CFG is 0, else 1 kHz, divided by SMPLRT_DIV + 1 (section on SMPLRT_DIV)."""
+        """Sample rate in Hz: F_int / (SMPLRT_DIV + 1). F_int is 8 kHz if DLPF_CFG is 0, else 1 kHz (see SMPLRT_DIV)."""
         internal = 1000 if self.get("DLPF_FS", "DLPF_CFG") else 8000
         return Fraction(internal, self.get("SMPLRT_DIV") + 1)
 

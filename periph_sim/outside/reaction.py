@@ -50,7 +50,7 @@ _tick = itemgetter(0)
 
 @final
 class Reaction(Agent):
-    """Calculator of the earliest answer of a scene. Times are in ticks of the kernel.
+    """Calculator of the earliest tick at which a pin of the case may move. Times are in ticks of the kernel.
 
     lines: the names of the lines that lead outside.
     """
@@ -186,7 +186,7 @@ class Reaction(Agent):
             self._scl, self._sda = (scl.pop(), sda.pop()) if len(scl) == len(sda) == 1 else ("", "")
 
     def _first_event(self) -> int:
-        """Return the first tick at which a scheduled event may move a pin, by `_effect`; NEVER if none will."""
+        """Return the first tick at which one of the scheduled events may move a pin; NEVER if none of them does."""
         due = NEVER
         event = self._events()
         while event is not None and event.time < due:
@@ -197,7 +197,7 @@ class Reaction(Agent):
     def _events(self) -> Event | None:
         """Return the kernel's first event; None if it has none. `following` leads to the later events."""
         kernel = self._kernel
-        kernel.reschedule(self._mark, kernel.now, 0)  # this is the first of all events, because past events have run
+        kernel.reschedule(self._mark, kernel.now, 0)  # before all other events, because past events have run
         event = self._mark.following
         kernel.cancel(self._mark)
         return event

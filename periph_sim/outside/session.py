@@ -143,7 +143,9 @@ class Session:
     case: a case from `load` or `make_case`, or the path of its file.
     outside: the names of the wires that lead outside; None for those in the [outside] table of the case.
     log: the path of a log of the outside's moves, from which `replay` can repeat the run.
-    subscribe, programs: as in a `Scene`.
+    subscribe: a function that is called with the recorder and the timebase while the scene is built, and can subscribe
+        to records.
+    programs: a dictionary from a unit to a Python function that is its firmware, in place of that of the case.
 
     Times are ticks (`ticks_per_second`), counted from the beginning of the case. A session is a context manager; if the
     block is left without `finish`, the log has no "end" line.

@@ -20,7 +20,7 @@ from ..timing.verdict import Verdict
 from .stretch import CoveredCase, Job, Outcome
 
 APART = 16  # within a window, every APART-th of the given phases is run
-REPORTED = 3  # number of last phases of a run that may have caused a failure, because it can be noticed rounds later
+REPORTED = 3  # a failure is caused by one of this number of last phases: it can be noticed some rounds after its cause
 
 
 class Worst(Struct, frozen=True):
@@ -272,7 +272,7 @@ def joined_at_end(windows: Sequence[Window], count: int, status: Callable[[int],
 
 
 def _groups(name: str, found: Covered) -> Iterable[list[int]]:
-    """Yield lists of successive known phases at which `name` fails. Phases at which it holds separate the lists."""
+    """Yield lists of the phases at which `name` fails. Between two lists, there are phases at which it holds."""
     held: Mapping[int, bool] = dict.fromkeys(found.held, False)
     flags = {**held, **{phase: name in failures for phase, failures in found.failed.items()}}
     group: list[int] = []

@@ -21,7 +21,7 @@ read-modify-write: a statement that reads a register, changes some bits and writ
 plain write: a write that does not belong to a read-modify-write.
 span: a part of the firmware to which the firmware gave a name.
 party: a unit or an external device that can pull a wire low.
-program image: firmware that is a linked program for the F28335. Other firmware is written in Python.
+program image: firmware that is a linked program for the F28335, in contrast to Python functions and C sources.
 poll: a read of a register in a loop that waits for a change of the register. The simulation skips most polls of a long
     wait, and a recording contains only the first and the last of them.
 pass: one execution of the body of such a loop.

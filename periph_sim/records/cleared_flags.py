@@ -151,7 +151,7 @@ class FieldReads:
                 read.number = number
                 return
         for read in self._reads:
-            if read.field == field:  # the same name as another string object, which `is` does not find
+            if read.field == field:  # equal strings can be different objects, which the loop above does not find
                 read.field, read.number = field, number
                 return
         read = FieldRead()

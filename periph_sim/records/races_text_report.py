@@ -24,7 +24,7 @@ NOTES = (
 def text(races: Races) -> str:
     """Return the report: tables of the places that read registers, flags lost by read-modify-writes, and notes.
 
-    The first place is the one whose read was closest to a change of the register.
+    The places are in the order of `Races.places`: the first one has the read that was closest to a change.
     """
     run = races.run
     if not races.places:
@@ -105,7 +105,8 @@ def _closest(races: Races, place: PlaceRaces) -> list[tuple[str, ...]]:
 
 
 def _counts(races: Races, place: PlaceRaces) -> tuple[str, ...]:
-    # `at` is None unless the firmware is a program image. For an image, the first table shows the source line.
+    # In a program image, the place has a function, a source line and an address. This table shows it without the source
+    # line, which is in the first table. For other firmware, `at` is None.
     at = parsed(place.place)
     short = place.place if at is None else f"{at.function} {at.pc:#08x}"
     return (_name(races, place), short, str(place.reads), str(place.polls), *map(str, place.histogram))

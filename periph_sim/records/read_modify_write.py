@@ -1,7 +1,7 @@
 """Read-modify-writes of a run: the read and the write of one statement, and the flags that they lose.
 
-    i2c.I2CSTR.SCD = 1     R I2CSTR, W I2CSTR: one place, one routine, one field, a few cycles apart
-                           every other flag that was read as 1 is cleared as well
+    i2c.I2CSTR.SCD = 1     reads I2CSTR, sets SCD, and writes I2CSTR a few cycles later; this also clears every other
+                           flag that was read as 1. Both accesses have the same place, routine and field.
 
 The CPU may make other accesses before the write is made, so the write need not be the next access.
 """
@@ -73,8 +73,8 @@ class LostFlag:
     lost_between: number of times that the flag rose between the read and the write, and the write cleared it.
     along: number of times that the read returned the flag as 1 and the write cleared it, although the firmware intended
         to clear only other flags.
-    unseen: how many of the times in `along` the firmware had not read the flag since its last rise. Only reads of
-        this flag or of the whole register count, and not those of the read-modify-writes of this place.
+    unseen: number of the times in `along` at which the firmware had not read the flag since its last rise. A read of
+        another field does not count as a read of the flag, nor does a read by the read-modify-writes of this place.
     lost: the ticks at which the flag was cleared before the firmware had read it after its last rise, in order.
     cleared: the ticks at which the flag was cleared unintentionally, whether the firmware had read it or not.
     """

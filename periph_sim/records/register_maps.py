@@ -41,4 +41,4 @@ def one_clears(register: Register) -> tuple[Field, ...]:
 
 
 MODIFY = 4  # maximum number of cycles between the read and the write of a read-modify-write
-OVERTAKEN = 3  # the write of a read-modify-write is among this number of accesses that follow its read
+OVERTAKEN = 3  # maximum number of accesses from the read of a read-modify-write to its write; 1: the next access

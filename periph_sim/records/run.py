@@ -284,7 +284,10 @@ class Run:
 
     @property
     def counts_alike(self) -> bool:
-        """True if the same clock is used for all units: `sysclk`, or equal clocks in the recording, or none there."""
+        """True if a duration has the same number of cycles for all units.
+
+        This is the case if `sysclk` was given, if all units have equal clocks, or if the recording has no clocks.
+        """
         return self._sysclk is not None or len(set(self._clocks.values())) <= 1
 
     @cached_property

@@ -20,7 +20,7 @@ from ..f28335.memory.ram import MEMORY
 from .register_maps import is_status, registers_of
 from .run import Group, NotInRun, Run
 
-COARSEST = Fraction(1, 10**6)  # in seconds; if the last digit of a time counts more, the time is taken as exact
+COARSEST = Fraction(1, 10**6)  # in seconds: a time given in larger steps, such as "12 ms", is taken as exact
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def _tick(run: Run, text: str, subject: RecordedSignal) -> int:
     """Return the tick that a time in a question means.
 
     Reports show rounded times. Therefore, if the time of a change of the signal rounds to the typed time, the result is
-    the tick of this change. If the last digit of the time counts more than COARSEST, the time is taken as exact.
+    the tick of this change. A time without digits of a microsecond or less (COARSEST) is taken as exact.
     """
     try:
         at = seconds(text)

@@ -26,7 +26,7 @@ from ..errors import ArbitrationLost, OutsideError
 from ..i2c_master import Master
 from ..session import Session
 
-MOST_BLOCK = 32  # maximum number of bytes of a block
+MOST_BLOCK = 32  # maximum number of data bytes of an SMBus block transfer
 POLYNOMIAL = 0x107
 
 

@@ -45,7 +45,8 @@ MOST = 64  # maximum number of data bytes of a command
 NOBODY = 0xFF  # the result of a read outside of a transfer, when no party drives SDA
 INFORMATION = 80  # number of characters of the status and the introspection, with their brackets
 A_BYTE = "10 us"  # time of a byte on the adapter's serial port, at 1 Mbaud
-START, STOP, BITS = 1, 2, 8  # tokens of a capture; BITS is the flag of a token with three of the nine bits of a byte
+# The tokens of a capture: START, STOP, or BITS plus three of the nine bits that are a byte and its acknowledge bit.
+START, STOP, BITS = 1, 2, 8
 WIRES = ("SDA", "SCL")
 
 

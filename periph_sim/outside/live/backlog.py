@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-MOST = 1 << 20  # maximum number of waiting bytes in either direction
+MOST = 1 << 20  # maximum number of bytes that wait for a client, and of bytes that wait for an SCI
 AT_ONCE = 4096  # maximum number of bytes of one read or write call
-MOST_HELD = 16 * MOST  # maximum number of bytes that `left_there` counts
+MOST_HELD = 16 * MOST  # `left_there` stops when it has discarded this number of bytes
 
 
 class Backlog:

@@ -17,7 +17,7 @@ from ..errors import OutsideError
 
 WhenLate = Literal["slip", "catch-up", "stop"]
 TOLERATED = 0.050  # lateness, in seconds, above which a step counts as late
-STEPS = (0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.010, 0.020, 0.050, 0.100, 1.0)  # upper limits, in s
+STEPS = (0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.010, 0.020, 0.050, 0.100, 1.0)  # limits of the histogram, in s
 
 
 class Pacer:
@@ -43,8 +43,8 @@ class Pacer:
         self.when_late = when_late
         self.late = self.slips = 0
         self.worst = 0.0
-        # For each class of lateness, the number of steps of the simulation. STEPS has the upper limits of the classes;
-        # the last class has no upper limit.
+        # A histogram: for each class of lateness, the number of steps of the simulation. STEPS has the upper limits of
+        # the classes; the last class has no upper limit.
         self.counts = [0] * (len(STEPS) + 1)
         self._per_second = float(ticks_per_second * pace)
         self._clock = clock

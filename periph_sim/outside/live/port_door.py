@@ -64,7 +64,7 @@ class PortDoor:
     """Passes bytes between a port and a line. Raise OutsideError if the port cannot be opened or is in use.
 
     notify: callback that receives a sentence if the port vanishes or returns.
-    unread: number of received bytes that were not read when the door was closed.
+    unread: number of bytes that the port had received, but the door had not read when it was closed.
     """
 
     def __init__(

@@ -1,7 +1,7 @@
 """pyserial's handler of `f28335://CASE?port=scia&pace=1`: a port at an SCI of a case.
 
-    client's thread --write--> queue --.                        .--> SerialLine --> RX
-                    <--read--  queue <-- loop, in its own thread      <--        TX
+    client's thread --write--> queue --> loop, in its own thread --> SerialLine --> RX
+                    <--read--- queue <--                         <--            <-- TX
 
 pace: the number of simulated seconds per second of real time. With pace=0 the loop has no thread: the session runs at
 full speed while the client reads or flushes, and the client's time-outs are in simulated time.

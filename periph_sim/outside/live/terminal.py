@@ -38,7 +38,7 @@ class Terminal(Miniterm):  # type: ignore[misc]
         except (
             SerialException,
             OSError,
-        ) as error:  # OSError: on this system, a wait for a key cannot be interrupted
+        ) as error:  # OSError: this system does not let miniterm interrupt its wait for a key
             self.failed = str(error.__context__ or error)
             self.console.write("\r\nthe session has ended; press a key\r\n")
 

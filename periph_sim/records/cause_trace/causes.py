@@ -33,8 +33,8 @@ from ..register_maps import register_of
 from ..run import Rows, Run
 
 RECORDED, INFERRED = "recorded", "inferred"
-MOST_LOOKS = 8  # maximum number of looks before a write that are considered as its cause
-MOST_ACCESSES = 10_000  # maximum number of accesses of the routine that are searched for looks before a write
+MOST_LOOKS = 8  # maximum number of earlier reads that are considered as the cause of a write
+MOST_ACCESSES = 10_000  # maximum number of earlier accesses of the routine that are searched for these reads
 MOST_ROUTINES = 3  # maximum number of service routines shown as delays of the firmware; the longest are chosen
 SEEN = "the last change of what it read"
 NEWEST = "the read before it that saw the newest change"
@@ -114,7 +114,7 @@ def accesses_before(run: Run, row: int, record: Record) -> Rows:
 
 
 def _beside(run: Run, look: int) -> list[Link]:
-    """Return links to one of the later looks, which came between the cause of a write and the write.
+    """Return links to a look that came after the cause of a write and before this write.
 
     The links lead to the look, to the change that the look saw, and to the service routines that delayed the firmware
     between this change and the look. All of them are `aside`.
@@ -290,7 +290,7 @@ def _recorded(run: Run, record: Record) -> list[Link]:
 
 
 def _request(run: Run, row: int, record: Record) -> list[Link]:
-    """Return a link to the request that set a PIEIFR flag; no link if the record is of another kind.
+    """Return a link to the request that set a PIEIFR flag; no link if the record does not set such a flag.
 
     The request is the last rise of a module's flag that can request this interrupt. If it is more than
     MAX_REQUEST_CYCLES cycles before the record, no link is returned.

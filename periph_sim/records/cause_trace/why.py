@@ -118,7 +118,10 @@ def _value(run: Run, subject: RecordedSignal, rows: Rows, row: int | None) -> in
 
 
 def _reads(run: Run, subject: RecordedSignal, after: int, until: int | None) -> Rows:
-    """Return the recorded reads of the signal's field after row `after` and before row `until`; None: no limit."""
+    """Return the recorded reads of the signal's field after row `after` and before row `until`.
+
+    If `until` is None, the reads up to the end of the run are returned. The result is empty if the signal is no field.
+    """
     if subject.register is None or subject.field is None:
         return np.empty(0, np.int64)
     rows = run.accesses_of(subject.unit, "R", subject.module, subject.register.name)

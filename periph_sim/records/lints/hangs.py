@@ -80,13 +80,13 @@ def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> 
     """
     if len(ids) < 2 * reads:
         return
-    ends_before = np.append(0, np.cumsum(following < 0))[:-1]  # number of ends of routines before each row
+    ends_before = np.append(0, np.cumsum(following < 0))[:-1]  # for each access, the number of routines that precede it
     same_routine = ends_before[reads:] == ends_before[:-reads]
     again = np.append(np.zeros(reads, bool), (ids[reads:] == ids[:-reads]) & is_look[reads:] & same_routine)
     turns = np.flatnonzero(np.diff(np.concatenate(([0], again.astype(np.int8), [0]))))
     for start, end in zip(turns[::2].tolist(), turns[1::2].tolist(), strict=True):
         begin, last = start - reads, end - 1
-        parts = [part for part in range(1, reads) if reads % part == 0]  # possible lengths of a shorter series
+        parts = [part for part in range(1, reads) if reads % part == 0]  # lengths of shorter series
         if end - start >= reads and not any(
             (ids[begin : begin + reads - part] == ids[begin + part : begin + reads]).all() for part in parts
         ):

@@ -71,7 +71,7 @@ def stale_flag(run: Run, options: Options) -> Iterator[Fault]:
     """Yield reads during a transfer that see a flag which rose before this transfer began.
 
     Firmware that waits for the flag then takes an old event for a new one. The flags are SCD, RRDY, ARDY and NACK. Only
-    reads of a single flag are judged: reads by name in Python firmware, and a TBIT or a masked AND in a program image.
+    reads of a single flag are judged, such as `i2c.I2CSTR.SCD`, or a TBIT or a masked AND of a program image.
     """
     table = run.table
     for group in accesses(run, "R", I2CSTR):

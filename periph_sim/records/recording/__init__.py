@@ -108,7 +108,7 @@ def rewrite(table: RecordTable, path: Path) -> None:
     """Write a recorded run in the format that the suffix of `path` selects, as `run --record` would have written it.
 
     Raise BadRecording if the suffix is unknown, if the file cannot be written, or if a nanosecond is not a whole number
-    of ticks: this is true of every recorded run.
+    of ticks. In every recorded run, a nanosecond is a whole number of ticks.
     """
     per_second = table.per_second
     with _opened(path) as (chosen, file):

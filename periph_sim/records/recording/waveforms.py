@@ -229,8 +229,8 @@ class VcdWriter(WaveformWriter):
 class SrWriter(WaveformWriter):
     """sigrok session for PulseView and sigrok-cli: wires, bus state, interrupts and spans of the firmware.
 
-    The file has the first 64 signals of one bit, wires first, without fields of registers. Its sample rate is the
-    highest of `RATES` with which the file has at most `MOST_SAMPLES` samples.
+    The file has the first 64 signals of one bit, wires first, without fields of registers. Its sample rate is
+    `rate_for` the length of the run.
     """
 
     SUFFIX, MODE = ".sr", "wb"
@@ -244,7 +244,10 @@ class SrWriter(WaveformWriter):
 
 
 def rate_for(seconds: Fraction) -> Fraction:
-    """Return the sample rate of an .sr file, in Hz: the first of RATES that is low enough for the run, or the last."""
+    """Return the sample rate of an .sr file for a run of this length, in Hz.
+
+    It is the highest of RATES with at most MOST_SAMPLES samples; if there is none, the lowest of RATES.
+    """
     return next((rate for rate in RATES if seconds * rate <= MOST_SAMPLES), RATES[-1])
 
 

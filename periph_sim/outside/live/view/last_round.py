@@ -22,7 +22,7 @@ KEPT = 1 << 14  # number of edges that are kept, of all wires together; a round 
 MARGIN = 20  # microseconds that are shown before and after the round
 SERIAL = 2000  # length of a waveform without a round or transfer, in microseconds
 
-Span = tuple[int, int, str]  # start and end of the waveform in ticks, and its title
+Span = tuple[int, int, str]  # start and end, in ticks, of the round or transfer that is shown, and its title
 
 
 class WaveLine(TypedDict):

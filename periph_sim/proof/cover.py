@@ -20,7 +20,7 @@ from ..timing.verdict import Verdict
 from .stretch import CoveredCase, Job, Outcome
 
 APART = 16  # within a window, every APART-th of the given phases is run
-REPORTED = 3  # a failure is caused by one of this number of last phases: it can be noticed some rounds after its cause
+REPORTED = 3  # number of phases, the last ones of the shortest failing run, that are searched for the cause
 
 
 class Worst(Struct, frozen=True):
@@ -133,10 +133,12 @@ class Coverer:
         return self.found
 
     def _failing(self, phases: Sequence[int]) -> int:
-        """Find the first window of a run that fails. Return the number of phases at its begin whose results are known.
+        """Find the first failure of a run that fails. Return how many of its phases need not be run again.
 
-        phases: the phases of the run. The shortest part of it, from its begin, that fails is searched. If one of the
-        last phases of this part fails alone, the window begins there. Otherwise the failure is one of a drifting phase.
+        The shortest failing run that begins with the same phases is searched. If one of its last REPORTED phases fails
+        alone, a window begins there, and its end is searched. Otherwise, the failure is added to `Covered.drifting`.
+
+        phases: the phases of the run.
         """
         length = _first_true(lambda count: bool(self._run(phases[:count]).failures), 1, len(phases))
         suspects = range(max(0, length - REPORTED), length)
@@ -201,7 +203,7 @@ class Window(Struct, frozen=True):
 
     name: the name of the budget or of the failure.
     first, last: the first and the last phase. `first` is above `last` if the window contains the end of the period.
-    run: number of phases within the window that failed in a run with this phase alone. The others were not run alone.
+    run: number of phases within the window that failed in a run with this phase alone.
     is_closed: True if the phase before `first` and the phase after `last` were run alone, and hold.
     """
 

@@ -1,7 +1,7 @@
 """Everything on which the result of a coverage depends: files, versions, and this package itself.
 
     runs of a case --files_read--> the files that were opened --dependencies--> their digests
-    digests --differences--> sentences about what has changed since
+    digests --differences--> phrases about what has changed since
 
 The files are those that this process opens, those that a C compiler includes, the source files of imported modules, and
 the files that the case names. The compiler itself is not among the dependencies.

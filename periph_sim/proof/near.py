@@ -19,10 +19,10 @@ from ..core.time import Timebase
 from ..scene.scene import Scene
 from .stretch import RUN_ERRORS, CoveredCase
 
-BEFORE, AFTER = 400, 60  # an interrupt is near a write if it comes at most so many cycles before or after the write
+BEFORE, AFTER = 400, 60  # limits of "near": an interrupt comes at most 400 cycles before, or 60 cycles after, a write
 MAX_NEAR = 100_000  # maximum number of phases near a write: some firmware writes registers at each edge of the bus
 OBSERVED = 8  # number of rounds with a frame that are observed; their phases are evenly spaced
-SAME = 400  # delays of interrupts in two rounds that differ by fewer cycles are those of the same interrupt
+SAME = 400  # delays in two rounds belong to the same interrupt if they differ by less than this number of cycles
 WRITE = "W "  # the beginning of the text of an access that writes
 
 
@@ -69,8 +69,8 @@ class Observed:
 def chosen_phases(covered: CoveredCase, step: int, bounds: tuple[int, int]) -> tuple[list[int], int]:
     """Return the phases to run, in ascending order, and how many of them are near a write.
 
-    Phases near a write are chosen only if the frames of a case with rounds move. If there are more than MAX_NEAR of
-    them, none is chosen, and the number is 0.
+    Phases near a write are searched only if phases are counted from the start of a round. If there are more than
+    MAX_NEAR of them, they are not chosen, and the number is 0.
 
     step: the distance between the other phases, in cycles.
     bounds: the first and the last phase that may be run. Both are chosen.

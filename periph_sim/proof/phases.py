@@ -31,7 +31,7 @@ ROUNDS = 41
 REPEATED = 2  # number of times that the last phase of a run is repeated: an age looks back two rounds
 WARM_UP = 3  # minimum number of periods before the first moved start, in which the firmware starts
 NEARLY = Fraction(1, 20)  # part of a round by which the frames' period may be shorter or longer than k rounds
-SERIAL_SPAN = Fraction(1, 1000)  # seconds by which the times of [serial] are moved at most, because they need no period
+SERIAL_SPAN = Fraction(1, 1000)  # in seconds: phases of sends go from 0 to this time, because sends need no period
 
 Moved = Literal["frames", "rounds", "sends"]
 

@@ -4,6 +4,7 @@ Terms of this package:
 unit: one simulated F28335 with its program. scene: the units, devices and wires that are simulated together.
 case: the TOML file that describes a scene.
 chip: here, the model of one module, such as an SCI: a subclass of `core.chip.Chip`.
+line side, CPU side: the parts of a chip that handle the module's pins, and the CPU's accesses to its registers.
 owner: the code that calls a chip: its socket (`core.socket`), the unit, or a test.
 wake-up: a call of the chip's method `wake`. The owner makes it at the cycle that the chip has put in `next_wake`.
 note: a message for the user, such as that firmware does what the manual forbids (`core.chip.Note`).

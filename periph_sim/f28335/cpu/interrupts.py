@@ -159,7 +159,7 @@ class CpuInterrupts:
             self.next_wake = self._coming[0][0]
 
     def wrote_pieack(self, now: int) -> None:
-        """Record that the instruction that begins now writes PIEACK, so that `clrc_intm` can warn if it comes next."""
+        """Record that the instruction that begins now writes PIEACK. `clrc_intm` adds a note if CLRC INTM comes next."""
         self._pieack_end = now + cpu_costs.SIMPLE
 
     # Entry and exit ---------------------------------------------------------------
@@ -197,7 +197,7 @@ class CpuInterrupts:
         return NEVER
 
     def enter(self, now: int, number: int) -> Context:
-        """Take this interrupt, which `next_taken` has returned, at boundary `now` and return the saved context."""
+        """Take interrupt `number`, which `next_taken` has returned, at the boundary `now`. Return the saved context."""
         self.wake(now)
         self._options.int_latency.assume(self.touched)
         self._options.vector_fetch_waits.assume(self.touched)

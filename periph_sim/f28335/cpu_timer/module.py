@@ -106,7 +106,7 @@ class CpuTimer(Chip):
         self._schedule()
 
     def gate(self, now: int, on: bool) -> None:
-        """Switch the timer's clock: PCLKCR3.CPUTIMERnENCLK takes effect at `now`."""
+        """Switch the timer's clock on or off at `now` (PCLKCR3.CPUTIMERnENCLK)."""
         self._sync(now)
         self._clocked = on
         self._schedule()

@@ -63,7 +63,7 @@ class Qualifier:
     - A change of the sampling period restarts the prescaler; a change between three and six samples keeps the samples
       already taken.
 
-    level: at first the level that all samples before `now` are taken to have; then the synchronised level.
+    level: the synchronised level. All samples before the creation are taken to have the initial level.
     period: cycles from one sample to the next.
     samples: number of equal samples in a row that changes the output.
     origin: a cycle in which a sample was taken.
@@ -170,7 +170,7 @@ class GpioInputs(GpioSettings):
     def moved_before(self, pads: BigInt) -> None:
         """Toggle the levels of these pads as if they had changed in an earlier cycle. No edge is evaluated.
 
-        With this call, registers can be peeked as they would be with these levels. A second call undoes the first one.
+        The owner can then peek at the registers as they would be with these levels. A second call undoes the first one.
         """
         self.pads ^= pads
         self._before ^= pads

@@ -27,7 +27,7 @@ BYTE_ENABLES = I2C_MAP["I2CIER"]["XRDY"].mask | I2C_MAP["I2CIER"]["RRDY"].mask
 
 @final
 class I2cLimits:
-    """Checks of the settings. sysclk_hz: the frequency of SYSCLKOUT."""
+    """Checks of the settings. Each adds a note if a limit is violated. sysclk_hz: the frequency of SYSCLKOUT."""
 
     STATE = State("sysclk_hz _clock_within_tm _clock_within_hz _within")
 
@@ -63,7 +63,7 @@ class I2cLimits:
             )
 
     def scl(self, low: int, high: int) -> None:
-        """Check the rate of SCL and its low and high times, which are given in SYSCLKOUT cycles."""
+        """Add a note if the rate of SCL, its low time or its high time is not allowed. low, high: the times in cycles."""
         given = low, high, self.sysclk_hz
         if given == self._within:
             return
@@ -106,18 +106,18 @@ class I2cLimits:
         return True
 
     def divisor(self, name: str, value: int) -> None:
-        """Check a write of I2CCLKL or I2CCLKH."""
+        """Add a note if I2CCLKL or I2CCLKH is written 0, or is written with IRS = 1. name: that of the register."""
         self.written_while_enabled(name)
         if not value:
             self._state.duty(f"{name} was written 0; expected 1 to 65535", "SPRUG03B Tables 13, 14")
 
     def fifo_enables(self) -> None:
-        """Check I2CIER after a write of it, or when FIFO mode is entered."""
+        """Add a note if I2CIER enables XRDY or RRDY in FIFO mode. Call when I2CIER or the mode has changed."""
         if self._state.fifo and self._state.ier & BYTE_ENABLES:
             self._state.duty("I2CIER enables XRDY or RRDY in FIFO mode; expected 0 there", "SPRUG03B Table 9")
 
     def loopback(self, begins: bool) -> None:
-        """Check a write of I2CMDR with DLB = 1."""
+        """Add notes on a write of I2CMDR with DLB = 1 if other bits contradict it. begins: True if DLB was 0 before."""
         if begins and not self._state.mdr & MDR_MST:
             self._state.duty("DLB was set with MST = 0; loopback needs a master", "SPRUG03B Table 5")
         if self._state.mdr & MDR_FDF:

@@ -35,7 +35,7 @@ BOTH = SCL | SDA
 
 
 class I2cLines(Chip):
-    """Line side of the I2C module."""
+    """The I2C module without the effects of register accesses: its pins, clock, timers and outputs."""
 
     STATE = State(
         "state target limits master _lines _pins _clocked _suspended _bus_busy _frozen_pull _readable",
@@ -61,7 +61,7 @@ class I2cLines(Chip):
         self._lines = I2cNoiseFilter(options.unequal_arrival.matches("one_sample"), self.touched)
         self.filter_width = self.state.filter_width
         self._bus_busy = False  # True between a START and a STOP, even if they came while IRS was 0
-        self._frozen_pull = 0  # mask of the lines that a halted slave pulls until the CPU resumes
+        self._frozen_pull = 0  # mask of the lines that the slave holds low only because the debugger has halted the CPU
         self._readable = -1  # result of `I2cRegisters.readable` after the last edge or timer; -1 after any other input
 
     # Pins ------------------------------------------------------------------------
@@ -138,7 +138,10 @@ class I2cLines(Chip):
         return self._visible_changes()
 
     def _visible_changes(self) -> int:
-        """Return ANY_CHANGED if edges or timers changed a readable register or added a note, else PINS_CHANGED."""
+        """Return ANY_CHANGED if a readable register has changed since the last call, or there is a note.
+
+        Else return PINS_CHANGED.
+        """
 
         before, self._readable = self._readable, self.state.readable()
         return PINS_CHANGED if before == self._readable and not self.notes else ANY_CHANGED
@@ -194,7 +197,7 @@ class I2cLines(Chip):
     # Skipped bits (see `bus.i2c.bit_skip`) -----------------------------------------
 
     def waits_for_byte(self, clocks: bool) -> bool:
-        """Return True if SCL is low before the first bit of a byte, and the module only shifts the first seven bits.
+        """Return True if SCL is low before the first bit of a byte, and the module will only shift the first 7 bits.
 
         clocks: True if this module generates SCL during the byte.
         """
@@ -208,7 +211,7 @@ class I2cLines(Chip):
         return not self.target.follows() or (self._clocked and self.target.waits_for_byte())
 
     def only_clocks_byte(self) -> bool:
-        """Return True if the module does nothing but transfer a byte of eight bits as the master."""
+        """Return True if the module is the master and does nothing now but transfer a byte of eight bits."""
         if not self._clocked or self.state.mdr & (MDR_DLB | MDR_FDF):
             return False
         return self.target.is_not_addressed() and self.master.only_clocks()
@@ -268,7 +271,7 @@ class I2cLines(Chip):
     # Clock, debugger, reset ----------------------------------------------------------------
 
     def set_sysclk(self, now: int, hz: Fraction) -> bool:
-        """Set the frequency of SYSCLKOUT from `now` on. Only the limits that are given in seconds depend on it."""
+        """Set the frequency of SYSCLKOUT from `now` on. It is used only for checks of limits in seconds and hertz."""
         self._advance(now)
         changed, self.limits.sysclk_hz = hz != self.limits.sysclk_hz, hz
         if changed and self.state.mdr & MDR_IRS:
@@ -287,7 +290,7 @@ class I2cLines(Chip):
         self._plan()
 
     def suspend(self, now: int, on: bool) -> None:
-        """Halt as at a breakpoint, unless FREE = 1. If `on` is False, resume."""
+        """Halt because the debugger has halted the CPU, unless FREE = 1. If `on` is False, resume."""
         self._advance(now)
         self._suspended = on and not self.state.mdr & MDR_FREE
         if self._suspended:

@@ -95,7 +95,7 @@ class I2cMaster(I2cMasterData):
     # Steps --------------------------------------------------------------------------
 
     def timer(self, now: int) -> None:
-        """Process the event that is due at `due` or `deliver_at`."""
+        """Execute the step that is due at `due` or, in loopback, receive the byte that is due at `deliver_at`."""
         if self.deliver_at <= now:
             self.deliver_at = NEVER
             self._store_byte(now, self._deliver, 8)
@@ -122,7 +122,7 @@ class I2cMaster(I2cMasterData):
             self._begin_start(now)
 
     def answers_edges(self) -> bool:
-        """Return True if an edge may make the master change a line, at once or after a timer."""
+        """Return True if an edge on the bus may cause the master to change a line, at once or later."""
         return self.active or self._waits_for_bus
 
     # Commands -----------------------------------------------------------------------
@@ -216,7 +216,7 @@ class I2cMaster(I2cMasterData):
         self._begin_start(now)
 
     def _started(self, now: int) -> None:
-        """End the START: SCL goes low and the first byte is chosen."""
+        """End the START: pull SCL low, and begin the first byte."""
         state = self.state
         mdr = state.mdr
         self._scl_low(now)
@@ -352,7 +352,10 @@ class I2cMaster(I2cMasterData):
     # Skipped bits (see `bus.i2c.bit_skip`) --------------------------------------------
 
     def released_bit(self) -> int:
-        """Return the number, 0 to 8, of the bit for which SCL has just been released; NO_BIT for a START or STOP."""
+        """Return the number of the bit for which SCL has just been released; NO_BIT for a START or STOP.
+
+        In a byte of eight bits, bit 8 is the acknowledge bit.
+        """
         if not self._waits_for_rise or self._after_high != FALL or self._kind == NO_BYTE:
             return NO_BIT
         return self._bit

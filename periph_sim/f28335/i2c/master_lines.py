@@ -168,15 +168,15 @@ class I2cMasterLines:
         """Clear the counter, the addresses and the pending conditions of the transfer."""
         self.counter = 0
         self._addresses: list[int] = []
-        self._starting = False  # True from the module's START or repeated START until it is detected after the filter
-        self._stopping = False  # True from the module's STOP until it is detected after the filter
+        self._starting = False  # True from the module's START or repeated START until this has passed the noise filter
+        self._stopping = False  # True from the module's STOP until this has passed the noise filter
         self._own_restart = False
         # To read from a 10-bit address, the module sends the full address, makes a repeated START by itself, and sends
         # the first address byte again. This list has the bytes to send after such a repeated START, else none.
         self._restart_next: list[int] = []
 
     def _latch_command(self) -> None:
-        """Latch the registers that apply to the whole transfer, at its START."""
+        """At a START, latch the registers that apply to the whole transfer: the counter and the address."""
         state = self.state
         if state.options.cnt_copy_point.assume(state.touched) == "start":
             self.load_counter()

@@ -57,7 +57,7 @@ class I2cSlaveData:
     def __init__(self, state: I2cRegisters) -> None:
         self.state = state
         self._copy_point: TextOption = state.options.dxr_to_xsr_copy_point
-        self.muted = False  # True while this module is the master. The slave then ignores its own address
+        self.muted = False  # True while this module is the master, so that it does not answer to its own address
         self._n = 8
         self._shift = self._sent = 0
         self._nack_armed = self._first_byte = False

@@ -37,7 +37,7 @@ class SciClock:
         self.period = 8
         self._tick = 0  # number of the tick that is at cycle `_cycle`
         self._cycle = NEVER  # cycle of tick `_tick`
-        self._left = 2  # while stopped: number of LSPCLK edges from a restart up to and including tick `_tick`
+        self._left = 2  # while stopped: number of LSPCLK edges that are left until tick `_tick`, at the last of them
 
     def passed(self, now: int) -> int:
         """Return the last tick at or before `now`."""
@@ -45,7 +45,7 @@ class SciClock:
         return self._tick - 1 if ahead < 0 else self._tick + ahead // self.period
 
     def from_cycle(self, cycle: int) -> int:
-        """Return the first tick at or after `cycle`. The result is at least `_tick`."""
+        """Return the first tick at or after `cycle`. For a cycle before that of tick `_tick`, return `_tick`."""
         ahead = cycle - self._cycle
         return self._tick if ahead <= 0 else self._tick - (-ahead // self.period)
 

@@ -47,7 +47,7 @@ SHORT_BREAK = (
 
 
 class SciLines(Chip):
-    """Line side of the SCI. name: the module's name in notes. options: answers to open questions."""
+    """The SCI without the effects of register accesses. name: its name in notes. options: answers to open questions."""
 
     STATE = State(
         "_layout _rx_clock _tx_clock _bits _rx _tx _autobaud _rxd _gated _suspended _rx_stopping _ccr "

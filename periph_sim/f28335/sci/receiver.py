@@ -204,7 +204,7 @@ class SciRx:
         return word
 
     def write_fifo(self, value: int) -> None:
-        """Write SCIFFRX."""
+        """Process a CPU write of SCIFFRX."""
         if self.fifo.write(value) and self.fifo_mode:
             self.request = True
         self._watch_level()

@@ -93,7 +93,7 @@ class SciRxBits:
         self._line = level
         toggles = self._toggles
         if toggles and toggles[-1] >= tick:
-            toggles.pop()  # the previous level lasted only from one sample to the next, so it was not sampled
+            toggles.pop()  # the previous level ends before its first sample
         else:
             toggles.append(tick)
         if self._sure:

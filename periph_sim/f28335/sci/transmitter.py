@@ -147,7 +147,7 @@ class SciTx:
         self._set_next(now)
 
     def resume(self, now: int) -> None:
-        """Reschedule the next word after the clock was started or stopped. It begins at the next tick or later."""
+        """Reschedule the next word after the clock was started or stopped: for the next tick or later."""
         self.stopping = False
         coming = self._clock.passed(now) + 1
         self._start_at = max(self._start_at, coming)
@@ -277,7 +277,7 @@ class SciTx:
     # From the CPU -----------------------------------------------------------
 
     def write_buffer(self, now: int, value: int) -> None:
-        """Write SCITXBUF."""
+        """Process a CPU write of SCITXBUF: the word waits there or, in FIFO mode, in the FIFO."""
         was_empty = self._is_empty()
         before = self._txbuf_mark, self.txbuf
         self._txbuf_mark, self.txbuf = self.mark, value & 0xFF
@@ -311,7 +311,7 @@ class SciTx:
             self.watch_level()
 
     def write_fifo(self, now: int, value: int) -> None:
-        """Write SCIFFTX. The owner applies SCIRST and SCIFFENA to the rest of the module."""
+        """Process a CPU write of SCIFFTX. The owner applies SCIRST and SCIFFENA to the rest of the module."""
         was_on = self.fifo_mode
         enabled_later = self.fifo.write(value)
         self.fifo_mode = self.fifo.control & SCIFFENA > 0
@@ -332,7 +332,7 @@ class SciTx:
         return not self.fifo.control & SCIRST and self.options.scirst_scope.assume(self.touched) == "shifters_and_fifos"
 
     def set_enabled(self, now: int, on: bool) -> None:
-        """Set TXENA."""
+        """Set TXENA. If it becomes 0, waiting words are sent only if the option txena_clear_drains says so."""
         if on == self.enabled:
             return
         self.enabled = on

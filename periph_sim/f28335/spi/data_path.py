@@ -276,7 +276,7 @@ class SpiShifter:
         self.loaded = True
 
     def present(self) -> None:
-        """Put out the first bit before the first edge, if CLK_PHASE = 1."""
+        """If CLK_PHASE = 1, put the first bit on the data output. Call before the first edge of SPICLK."""
         if self.delayed:
             self.level = self.dat >> 15
 

@@ -61,7 +61,7 @@ IDLE, BEGIN, LEADING, TRAILING, DELAY, RELEASE = range(6)
 
 
 class SpiLines(Chip):
-    """Line side of the SPI.
+    """The SPI without the effects of register accesses: its pins, clock, timer and outputs.
 
     name: the module's name in notes.
     options: answers to open questions.

@@ -159,7 +159,7 @@ class CpuInterrupts:
             self.next_wake = self._coming[0][0]
 
     def wrote_pieack(self, now: int) -> None:
-        """Record that the instruction that begins now writes PIEACK. `clrc_intm` adds a note if CLRC INTM comes next."""
+        """Record that the present instruction writes PIEACK. `clrc_intm` may add a note if CLRC INTM comes next."""
         self._pieack_end = now + cpu_costs.SIMPLE
 
     # Entry and exit ---------------------------------------------------------------

@@ -137,7 +137,7 @@ class PinSettings:  # core: python
 
 @lru_cache(maxsize=256)  # in each scene, the same firmware sets its pins to the same values
 def pin_settings_of(values: tuple[int, ...]) -> PinSettings:
-    """Return the settings for these register values. Units and scenes share the result."""
+    """Return the settings for these register values. Units and scenes with equal values share the result."""
     return PinSettings(values)
 
 

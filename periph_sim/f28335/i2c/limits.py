@@ -34,7 +34,7 @@ class I2cLimits:
     def __init__(self, state: I2cRegisters) -> None:
         self.sysclk_hz: Fraction = Fraction(150_000_000)
         self._state = state
-        # These settings had no violation when they were last checked. They are not checked again.
+        # The last settings that were checked without a violation. Equal settings are not checked again.
         self._clock_within_tm = 0  # I2CPSC + 1 of the last setting without a violation
         self._clock_within_hz: Fraction = self.sysclk_hz  # frequency of SYSCLKOUT with that setting
         # (low cycles of SCL, high cycles, frequency of SYSCLKOUT) of the last setting without a violation.
@@ -63,7 +63,7 @@ class I2cLimits:
             )
 
     def scl(self, low: int, high: int) -> None:
-        """Add a note if the rate of SCL, its low time or its high time is not allowed. low, high: the times in cycles."""
+        """Add a note if the rate, low time or high time of SCL is not allowed. low, high: these times in cycles."""
         given = low, high, self.sysclk_hz
         if given == self._within:
             return

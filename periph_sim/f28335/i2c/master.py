@@ -65,7 +65,7 @@ class I2cMaster(I2cMasterData):
     """Master side of the module.
 
     active: True while this module owns the bus.
-    sees_idle: True while both lines are high after the filter.
+    sees_idle: True if both lines are high after the filter. The owner sets it before each call of `timer`.
 
     Attributes for a byte whose bits are skipped (see `begin_skip`):
 

@@ -7,11 +7,13 @@
 The owner reports an edge at a pad that coincides with a SYSCLKOUT edge with exact=True and the cycle of the SYSCLKOUT
 edge as `now`. It reports an edge between two SYSCLKOUT edges with exact=False and the cycle of the later one.
 
-With QSEL = 0 (synchronised), the level inside the chip follows at the first SYSCLKOUT edge after the edge at the pad.
-With QSEL = 3 (asynchronous), it follows at the first SYSCLKOUT edge that coincides with the edge at the pad or comes
-after it. `seen_at` returns this cycle, so that the owner can pass the edge to the peripheral without a wake-up of this
-chip. With QSEL = 1 or 2 the pin has a qualifier and is called sampled. Its changes are reported in `changed`. So are
-changes of an input signal's level that new MUX or QSEL settings cause.
+A pin is synchronised with QSEL = 0, with QSEL = 3 if it is general-purpose, and in port C. Then the level inside the
+chip follows at the first SYSCLKOUT edge after the edge at the pad. A peripheral's pin with QSEL = 3 is asynchronous.
+Then the level follows at the first SYSCLKOUT edge that coincides with the edge at the pad or comes after it. `seen_at`
+returns this cycle, so that the owner can pass the edge to the peripheral without a wake-up of this chip.
+
+With QSEL = 1 or 2 the pin has a qualifier and is called sampled. Its changes are reported in `changed`. So are changes
+of an input signal's level that new MUX or QSEL settings cause.
 
 Source: SPRUFB0D section 6, PCLKCR3 in section 5.1.
 

@@ -100,7 +100,7 @@ class PinSettings:  # core: python
 
     mux: the multiplexer value of each pin, 0 to 3.
     sampled: (pin, required number of equal samples) for each pin with a qualifier.
-    asynchronous: mask of the pins without synchronisation and qualification.
+    asynchronous: mask of the pins with QSEL = 3. Those that are not general-purpose have no synchronisation.
     notes: (pin, note) for each pin with a reserved multiplexer value or a function of a module that is not modelled.
     source: for each input signal, the pin that feeds it; None if none or more than one is assigned to it.
     sink: for each output signal, the pins that it drives.

@@ -36,7 +36,7 @@ class I2cLimits:
         self._state = state
         # The last settings that were checked without a violation. Equal settings are not checked again.
         self._clock_within_tm = 0  # I2CPSC + 1 of the last setting without a violation
-        self._clock_within_hz: Fraction = self.sysclk_hz  # frequency of SYSCLKOUT with that setting
+        self._clock_within_hz: Fraction = self.sysclk_hz  # SYSCLKOUT of the last setting without a violation
         # (low cycles of SCL, high cycles, frequency of SYSCLKOUT) of the last setting without a violation.
         self._within = (0, 0, self.sysclk_hz)
 

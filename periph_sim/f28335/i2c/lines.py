@@ -175,7 +175,7 @@ class I2cLines(Chip):
         return self.state.code_at if self.state.code_at < timer else timer
 
     def next_output(self) -> int:
-        """Return the first cycle at which a timer is due or a filtered edge does more than shift a bit; NEVER if none."""
+        """Return the first cycle at which a timer is due or a filtered edge does more than shift a bit, or NEVER."""
         return min(self._timer, self._lines.visible_due(self.silent_edges(behind_filter=True)))
 
     def silent_edges(self, behind_filter: bool = False) -> int:

@@ -42,7 +42,7 @@ def replay(
 ) -> Result:
     """Run the case with the moves of lines in a log. The run has the same records as the session that wrote the log.
 
-    Raise OutsideError if the log is damaged, or if its ticks have another length than those of the case.
+    Raise OutsideError if the log is damaged, or if a tick of the log has another length than a tick of the case.
     """
     case = case if isinstance(case, Case) else load(Path(case))
     try:

@@ -209,7 +209,7 @@ class Master:
         return seen
 
     def _put_sda(self, level: int) -> None:
-        """Drive SDA when the hold time after SCL's falling edge has passed. If it has passed already, drive SDA now."""
+        """Move SDA to `level` at the end of the hold time after SCL's falling edge, or now if that time is past."""
         self._move("SDA", level, self._fell + self._hold)
 
     def _rise(self) -> None:

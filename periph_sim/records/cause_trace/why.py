@@ -157,7 +157,7 @@ def text(answer: Answer) -> str:
 
 
 def as_json(answer: Answer) -> dict[str, object]:
-    """Return the answer for JSON, with times in seconds; `back` begins with the record that gave the value."""
+    """Return the answer for JSON, with times in seconds. "set_off" has `Answer.effects`; "next_read" has the reader."""
     run, subject = answer.run, answer.subject
     register, f = subject.register, subject.field
     return {

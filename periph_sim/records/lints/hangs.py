@@ -86,7 +86,7 @@ def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> 
     turns = np.flatnonzero(np.diff(np.concatenate(([0], again.astype(np.int8), [0]))))
     for start, end in zip(turns[::2].tolist(), turns[1::2].tolist(), strict=True):
         begin, last = start - reads, end - 1
-        parts = [part for part in range(1, reads) if reads % part == 0]  # lengths of shorter series
+        parts = [part for part in range(1, reads) if reads % part == 0]  # possible lengths of the shorter series
         if end - start >= reads and not any(
             (ids[begin : begin + reads - part] == ids[begin + part : begin + reads]).all() for part in parts
         ):

@@ -42,7 +42,7 @@ class JsonlWriter(RecordingWriter):
 
     The first line has the version, the number of ticks per second and the names of the columns. In BUS and FRAME
     records, the value of an address or a byte is text: "0x21 R ACK", "0x11 ACK", "0x55". The value of a START, a STOP
-    or the start of a frame is null.
+    or the start of a frame is null. For a frame that is cut, or a collision, it is "cut" or "collision".
     """
 
     SUFFIX = ".jsonl"

@@ -248,10 +248,10 @@ def _merged(windows: Iterable[Window]) -> list[Window]:
 
 
 def joined_at_end(windows: Sequence[Window], count: int, status: Callable[[int], frozenset[str]]) -> list[Window]:
-    """Return the windows of a whole period as a circle, because phase 0 follows the last phase.
+    """Return the windows of a whole period, joined across its end, because phase 0 follows the last phase.
 
-    A window at the end of the period and a window of the same name at its begin become one window. If there is only one
-    of them, `is_closed` also depends on the phase at the other end of the period.
+    A window at the end of the period and a window of the same name at its begin become one window. If a name has only
+    one of these two windows, `is_closed` states whether the phase at the other end of the period holds, too.
 
     count: the number of phases of the period.
     status: the method `Coverer.status`.

@@ -58,7 +58,8 @@ def named(run: Run, name: str) -> RecordedSignal:
     found = (
         [s for s in known if s.name == name]
         or [s for s in known if s.name.endswith("." + name)]
-        # Other spellings come last. Otherwise, "model" would mean the wire "MODEL" and not the span "dsp.model".
+        # Names in another spelling are tried last. Otherwise, "model" would mean the wire "MODEL", not the span
+        # "dsp.model".
         or [s for s in known if _folded(s.name) == wanted]
         or [s for s in known if _folded(s.name).endswith("." + wanted)]
     )

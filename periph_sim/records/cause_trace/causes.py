@@ -34,7 +34,7 @@ from ..run import Rows, Run
 
 RECORDED, INFERRED = "recorded", "inferred"
 MOST_LOOKS = 8  # maximum number of earlier reads that are considered as the cause of a write
-MOST_ACCESSES = 10_000  # maximum number of earlier accesses of the routine that are searched for these reads
+MOST_ACCESSES = 10_000  # maximum number of earlier accesses of the routine that are searched for the cause of a write
 MOST_ROUTINES = 3  # maximum number of service routines shown as delays of the firmware; the longest are chosen
 SEEN = "the last change of what it read"
 NEWEST = "the read before it that saw the newest change"

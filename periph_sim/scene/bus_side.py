@@ -35,7 +35,7 @@ class BusSide:
     wire_bytes: number of bytes in all transfers that were passed to `count`.
     nacked: number of transfers passed to `count_nacked` that were not acknowledged. ACK polling of an EEPROM does not
         count.
-    bit_skip: the object that simulates seven bits of a byte in one step; None if each bit is simulated.
+    bit_skip: the object that simulates the first seven bits of a byte in one step; None if each bit is simulated.
     """
 
     def __init__(self, case: Case, wires: Mapping[str, Wire], spike: int) -> None:
@@ -51,7 +51,7 @@ class BusSide:
 
     @property
     def rounds(self) -> BusRounds:
-        """The rounds on the bus. The first use creates the monitor, so transfers before it are in no round."""
+        """The rounds on the bus. The first use creates the monitor, so earlier transfers are in no round."""
         if self._rounds is None:
             self._rounds = BusRounds(self.asked, self._begun_at)
             if "SCL" in self._wires:
@@ -87,7 +87,7 @@ class BusSide:
 
     @property
     def passed(self) -> int:
-        """The number of bytes of which seven bits were simulated in one step."""
+        """The number of bytes whose first seven bits were simulated in one step."""
         return 0 if self.bit_skip is None else self.bit_skip.passed
 
     def finish(self, now: int) -> None:

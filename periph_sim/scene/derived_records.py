@@ -50,7 +50,10 @@ class DerivedRecords:
             recorder.subscribe((Kind.SPAN,), self._age_records())
 
     def attach(self, scene: Scene) -> None:
-        """Attach to a scene whose parts are all built. Raise BadCase if the expected bytes cannot be determined."""
+        """Subscribe to the parts of a scene, which must all be built.
+
+        Raise BadCase if the expected bytes cannot be determined.
+        """
         named = self._named
         if named[Kind.DATA]:
             self._attach_data(scene, named[Kind.DATA])

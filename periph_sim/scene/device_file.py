@@ -24,7 +24,7 @@ CLASS = "Device"
 def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: TargetContext) -> PythonTarget:
     """Return the I2C target that the class `Device` of a Python file defines, at the address in `table`.
 
-    place: gives the device access to the scene.
+    place: the object through which the device accesses the scene.
 
     Raise BadCase if the file cannot be loaded, or if its class or its settings are wrong. Raise FirmwareStalled if the
     code in the file takes more CPU time than `stall_limit` of the case.

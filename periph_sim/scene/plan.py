@@ -81,8 +81,9 @@ class ScenePlan:
         Raise BadCase for an invalid budget.
         """
         if self._limits is None or self._names_of_files:
+            # A misspelled module of a unit is reported before the budgets that name the module, which are wrong, too.
             for name in self.case.unit:
-                self.unit(name)  # raises BadCase for a misspelled module of the unit, before budgets that name it do
+                self.unit(name)
             before = None if self._names_of_files else self._before
             self._limits = self._limits_as(before) or limit_plans(self.ticks, self.scope)
         return self._limits

@@ -65,9 +65,9 @@ class Result:
     fidelity: str = "exact"  # the only value; kept for programs that read `--json` of earlier versions
 
     def reception(self, zero: bool = False) -> list[str]:
-        """Return a phrase for each kind of error that SCIs received: `5 framing errors`.
+        """Return a phrase for each kind of error in characters that SCIs received: `5 framing errors`.
 
-        zero: True to include kinds of which there was none.
+        zero: True to include the kinds of errors that did not occur.
         """
         return [counted(count, error) for error, count in self.sci_errors.items() if count or zero]
 
@@ -143,7 +143,7 @@ def touched_sets(scene: Scene) -> Iterator[set[str]]:
 
 
 def notes_of(scene: Scene) -> list[str]:
-    """Return the notes of the run, one line each: on the case, on units, chips and devices, on rounds and on lines."""
+    """Return the notes of the run, one line each: on the case, units, chips, devices, faults, rounds and lines."""
     obsolete = [obsolete_fidelity(scene.case.fidelity)] if scene.case.fidelity else []
     lines = [*obsolete, *scene.case.replaced, *([scene.log_ends_early] if scene.log_ends_early else [])]
     for name, dsp in scene.units.items():

@@ -124,8 +124,9 @@ class Scene:
         self.host_agent: HostAgent | None = None
         self.truth: Truth | None = None
         self.model: FirmwareModel | None = None  # the model with which firmware computes the data of chips
-        self.frames: FrameSource | None = None  # source of the host's frames; None if it has no motion
-        self._counter: BusRecorder | None = None  # counts bytes on the wires; None if `bus` counts the head's bytes
+        self.frames: FrameSource | None = None  # source of the host's frames; None if the host has no motion
+        # `_counter` counts the bytes on the wires. None if only the controller agent can be master: `bus` counts then.
+        self._counter: BusRecorder | None = None
         self.bus = BusSide(case, self.wires, self.timebase.ticks(SPIKE, "nearest"))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
         self.log_ends_early = ""  # a sentence if the log in [outside] is cut off before its end; else ""
@@ -374,7 +375,10 @@ class Scene:
         return {name: unit.clock_history for name, unit in self.units.items()}
 
     def typical(self) -> list[Verdict]:
-        """Return the least critical occurrence of each budget, as verdicts. Call it after `run`."""
+        """Return the least critical occurrence of each budget, as verdicts. Call it after `run`.
+
+        Budgets with fewer than two occurrences are left out.
+        """
         found = (limit.typical(self.start) for limit in self.limits)
         return [verdict for verdict in found if verdict is not None]
 

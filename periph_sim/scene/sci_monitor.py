@@ -30,7 +30,7 @@ RXRDY, OE = SCI_MAP["SCIRXST"]["RXRDY"].mask, SCI_MAP["SCIRXST"]["OE"].mask
 
 
 class SciMonitor(ChipObserver):
-    """Observer of an SCI. After each input that may change registers, it reads the receiver's registers and records."""
+    """Observer of an SCI that makes the records. It reads the receiver's registers after each input of the SCI."""
 
     STATE = State("_words _waiting _overrun")
 

@@ -44,7 +44,10 @@ class FirmwareModel(Protocol):
         """Raise BadCase if the case does not meet the requirements of the model."""
 
     def codes(self) -> ChipModel | None:
-        """Return the model of the bytes that the unit should send; None if the settings do not determine them."""
+        """Return a model that computes the bytes that the unit should send to the controller.
+
+        Return None if the firmware's settings do not determine these bytes.
+        """
 
     def truth(self, motion: Any, first: Fraction) -> Truth:
         """Return the values that ideal chips would measure during a motion of the host.
@@ -169,7 +172,10 @@ def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Fi
 
 
 def _started_sources(case: Case, name: str, unit: Unit, dsp: Dsp) -> Firmware:
-    """Make the unit run its C sources, beginning with main. Return a Firmware object for lists of firmware."""
+    """Make the unit run its C sources, beginning with main.
+
+    Return a Firmware object that represents the sources in lists of firmware.
+    """
     from ..processor.host_code.firmware import HostFirmware
     from ..processor.host_code.library import BadSources, Sources
 

@@ -57,10 +57,14 @@ class MasterSchedule(Struct, frozen=True):
 class Schedule:
     """Due times of rounds.
 
-    If the due time of the first round is known, as for a simulated controller, round n is due n periods after it. A
-    round is missed if it has not begun when the next round is due. If the due time is not known, as for firmware or a
-    capture, a round is due one period after the start of the round before. It is missed if it has not begun half a
-    period after its due time. After the requested number of rounds, no further round is due.
+    If the due time of the first round is known, as for a simulated controller, round n is due n periods after this
+    time, with n counted from 0, or at the time that `MasterSchedule.starts` lists. A round is missed if it has not
+    begun when the next round is due.
+
+    If the due time is not known, as for firmware or a capture, a round is due one period after the start of the round
+    before. It is missed if it has not begun half a period after its due time.
+
+    After the requested number of rounds, no further round is due.
     """
 
     def __init__(self, asked: MasterSchedule) -> None:

@@ -12,7 +12,7 @@ from typing import Final, Literal
 Word = Literal["pass", "fail", "not judged"]
 
 PASS: Final = "pass"
-FAIL: Final = "fail"  # a limit is broken
+FAIL: Final = "fail"  # a limit is broken, or an event such as a wrong reply refutes the budget
 NOT_JUDGED: Final = "not judged"  # no limit is broken, but too little was measured to say that all hold
 
 SEEN: Final = "seen"  # the word for a pass: every limit held in this run

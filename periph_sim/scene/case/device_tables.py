@@ -1,4 +1,4 @@
-"""The tables [device.NAME] and [watch.NAME], whose keys depend on a model or kind, and the tables of disturbances."""
+"""The tables [device.NAME] and [watch.NAME], whose keys depend on a model or kind; tables of stretches and faults."""
 
 from __future__ import annotations
 

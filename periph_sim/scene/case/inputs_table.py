@@ -1,4 +1,4 @@
-"""The table [inputs]: values of a case's free inputs, in place of the values that its periods and spreads give."""
+"""The table [inputs]: exact times and durations that replace those which a case derives from periods and ranges."""
 
 from __future__ import annotations
 

@@ -199,7 +199,10 @@ def _not_a_value(child: object, name: str, change: str) -> object:
 
 
 def _index(table: list[object], name: str, change: str) -> int:
-    """Return the index of an entry in a list. name: the index as text, or the value of the entry's key `name`."""
+    """Return the index of an entry in a list. Raise UnknownKey if there is no such entry.
+
+    name: the index as text, or the value of the entry's key `name`.
+    """
     for i, entry in enumerate(table):
         if name == str(i) or (isinstance(entry, dict) and entry.get("name") == name):
             return i

@@ -1,4 +1,4 @@
-"""The tables of the parties around the units of a case: controller, host, sensor chips, and parties from outside."""
+"""The tables of the parties around the units of a case: controller, host, sensor chips, and outside parties."""
 
 from __future__ import annotations
 

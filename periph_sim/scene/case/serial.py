@@ -33,7 +33,7 @@ Places = tuple[Annotated[int, Meta(ge=0)], ...]
 LARGEST = 1 << 24  # maximum number of bytes of a file: at 115200 baud they take 24 minutes
 FORMAT = ("bits", "parity", "stop", "multiprocessor")
 UNITS = (("s", 1), ("ms", 10**3), ("us", 10**6), ("ns", 10**9))
-NAMES = {"data": "bytes", "low": "break"}  # names of keys in a file, for fields with other names
+NAMES = {"data": "bytes", "low": "break"}  # maps a field to its key in a file, for fields whose key has another name
 
 
 class SerialEntry(Table, frozen=True, kw_only=True):

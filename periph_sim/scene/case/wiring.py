@@ -114,7 +114,10 @@ def wiring_of(case: Case) -> Wiring:
 
 
 def sci_named(case: Case, text: str, *place: str | int) -> SciLines:
-    """Return the SCI that a text names: "dsp.SCI-A", or "SCI-A" if only one unit has it. Raise BadCase if none has."""
+    """Return the SCI that a text names: "dsp.SCI-A", or "SCI-A" if only one unit has an SCI-A.
+
+    Raise BadCase if the text does not name exactly one SCI.
+    """
     lines = {(sci.unit, sci.module): sci for sci in wiring_of(case).scis}
     unit, _, module = text.rpartition(".")
     owners = [owner for owner, its in lines if its == module]

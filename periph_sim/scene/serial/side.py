@@ -73,7 +73,7 @@ class SerialSide:
                 self._triggers[kind, number] = trigger
 
     def attach(self, context: SceneContext, pairs: Pairs) -> None:
-        """Connect senders and readers to the wires. Raise BadCase if an entry is impossible."""
+        """Connect senders and readers to the wires. Raise BadCase for an invalid entry of [serial]."""
         self._context = context
         self._pairs = pairs
         self._lines = {(sci.unit, sci.module): sci for sci in context.wiring.scis}

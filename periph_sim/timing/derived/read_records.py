@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from . import origins as read_origins  # with an import of its classes, compiled code would import them at run time
 
 
-MODEL = "model"  # the span in which firmware computes sensor models
+MODEL = "model"  # the name of the span in which firmware computes its sensor models
 
 
 class ChipTopics:

@@ -59,7 +59,7 @@ CLAUSES = {
     "measured": "measured at",  # the event at which a value was measured, if the measure does not determine this itself
     "given": "given",  # an event that must happen, or the budget is not judged
     "unless": "unless",  # an event that must not happen, or the budget is not judged
-    "unfinished": "unfinished",  # an event for an occurrence that the run's end cuts off, with the value up to this end
+    "unfinished": "unfinished",  # the event that reports an occurrence cut off by the run's end, with the value so far
 }
 
 
@@ -102,7 +102,7 @@ def is_form(text: str) -> bool:
 
 
 def near_form(text: str) -> str:
-    """Return the form whose first word resembles the first word of a text; "" if there is none."""
+    """Return the form, such as "count of EVENT", whose first word resembles that of a text; "" if there is none."""
     close = nearest(text.split(" ", 1)[0], FORMS, 0.75)
     return FORMS[close[0]] if close else ""
 

@@ -30,10 +30,10 @@ class Thing(NamedTuple):
     """A kind of derived record.
 
     needs: what the scene must contain; one of the values of `Measure.needs`.
-    unit: the unit of the record's value.
-    by_read: True if there is one record for each read phase.
-    of: the kind of name that an event may have after "of": "address" for the value of the record, "unit" for the
-        unit of the record, or "" for none.
+    unit: the unit of measurement of the record's value, as in `Measure.unit`.
+    by_read: True if there is at most one record for each addressed phase, at its START.
+    of: what an event may have after "of": "address" for an I2C address, which is the value of the record; "unit" for
+        the F28335 that the record is about; "" for nothing.
     """
 
     needs: str

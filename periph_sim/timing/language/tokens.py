@@ -38,7 +38,7 @@ class Words:
         return self._words[self.place + 1 :]
 
     def rest(self) -> str:
-        """Take all remaining words and return them."""
+        """Take all remaining words and return them as one text."""
         begin, self.place = self.place, len(self._words)
         return self.between(begin)
 
@@ -90,7 +90,10 @@ class Words:
         return unit, name
 
     def number(self, top: int) -> int | None:
-        """Read a number and return it; None, with nothing read, if the next word does not begin with a digit."""
+        """Read a number up to `top` and return it. Raise BadEvent if the number is larger.
+
+        If the next word does not begin with a digit, read nothing and return None.
+        """
         word = self.next
         if not word[:1].isdigit():
             return None

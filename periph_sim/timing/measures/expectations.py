@@ -62,7 +62,7 @@ class _Occasion(Struct):
     first: int = NO_TIME  # the tick at which the first character began
     ended: int = NO_TIME  # the tick at which the last character so far ended
     wrong_at: int = NO_TIME
-    ends: int = NO_TIME  # a wrong character that begins after this tick does not belong to the reply
+    ends: int = NO_TIME  # a wrong character that begins after this tick is not part of the reply; NO_TIME: no limit yet
     next_send: int = NO_TIME  # the tick at which the first send after the request begins
     shut: bool = False  # True after a wrong character that begins after `ends`; all later characters are ignored
 

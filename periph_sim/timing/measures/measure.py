@@ -94,7 +94,7 @@ class Tally:
                 wide = self._cells.setdefault(number >> 1, cell)
                 if wide is not cell:
                     wide.count += cell.count
-                    if cell.value > wide.value:  # equal values are in one narrow cell
+                    if cell.value > wide.value:  # the values differ, because equal values are in one narrow cell
                         wide.value, wide.at = cell.value, cell.at
 
 
@@ -242,7 +242,7 @@ class Measure(Listener):
 
     @property
     def kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
-        """(values, their ticks), both int64[count], in order; None unless `keep` was called."""
+        """The stored values and their ticks, both int64[count], in order; None unless `keep` was called."""
         if self._kept is None:
             return None
         import numpy as np  # imported here, because most runs do not need it

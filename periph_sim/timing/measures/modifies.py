@@ -8,7 +8,6 @@ A read-modify-write is judged as soon as its read is so old that no later write 
 firmware intends to clear at a place in its code are known at the end of the run. Reads without a write are dropped, and
 flags that may have been lost are counted by place, so memory does not grow with the run.
 
-
 `records/read_modify_write.py` matches reads and writes in the same way, in the recording of a whole run. Both modules
 use `records/cleared_flags.py` to judge the cleared flags.
 """
@@ -90,7 +89,7 @@ class Modifies(RecordSink):
 
     concerns: a function from (kind, place, thing) that returns True if such records are evaluated.
     is_about: a function from (kind, place, thing) that returns True if such accesses are to a register whose flags are
-        judged. Other accesses only count as passed when the read that belongs to a write is searched.
+        judged. Other accesses matter only because the number of accesses between a read and its write is limited.
     status: True if all status registers are judged, and no other registers.
     writes: the number of writes to the judged registers, with or without a read.
     recent: a dictionary from a unit to its accesses in the last cycles.
@@ -256,7 +255,10 @@ class Modifies(RecordSink):
         return "; ".join(f"{what}, {counted(count, 'time')}" for what, count in counts.items() if count)
 
     def _cleared(self, name: str) -> Iterator[tuple[str, Cleared]]:
-        """Yield, for each flag and place in the firmware, a text that names both, and how often it was cleared."""
+        """Yield, for each flag and each place in the firmware, a text that names both, and a count of lost flags.
+
+        name: as for `cleared`. The count is that of unintentional clears of the flag by a write at the place.
+        """
         for (unit, title), register in self._registers.items():
             if not register.status and self._status:
                 continue

@@ -55,8 +55,8 @@ def between(
     within a transfer or round, which ends at the START of the next transfer or round; or both: "last, same transfer".
     transfers_in_round: the number of transfers in a round; needed for "same round", because no record contains it.
 
-    Raise BadEvent if a text names no event, or an event that this run cannot contain. Raise it also if a second `begin`
-    comes before the `end` of the first one and no rule says which of them the `end` belongs to.
+    Raise BadEvent if a text names no event, or an event that this run cannot contain. Raise BadEvent also if a second
+    `begin` comes before the `end` of the first one and no rule says to which of them the `end` belongs.
     """
     said = measure_of(f"from {begin} to {end}, {rule}" if rule else f"from {begin} to {end}")
     group = said.group
@@ -200,7 +200,8 @@ class Distances(NamedTuple):
 def races(table: RecordTable, name: str, sysclk: Fraction | None = None) -> Distances:
     """Return the cycles between each read of a status register, or of one field, and the nearest change.
 
-    name: such as "I2C-A.I2CSTR" or "imu:I2C-A.I2CSTR.XRDY". sysclk: SYSCLKOUT in Hz; None if the table has its history.
+    name: the register or field, such as "I2C-A.I2CSTR" or "imu:I2C-A.I2CSTR.XRDY".
+    sysclk: SYSCLKOUT in Hz; None if the table has the history of SYSCLKOUT.
 
     Raise BadEvent if the run cannot contain this register, and NotInRun if the firmware never accessed it.
     """

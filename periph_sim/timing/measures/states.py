@@ -224,7 +224,7 @@ class TimeIn(EventMeasure):
             self.count += 1
 
     def _ends(self, at: int) -> None:
-        """End the present time in the state at tick `at`, because the state was left or the run ends."""
+        """Handle the end of the state in progress at tick `at`, because the state is left or the run ends."""
         since, self._since = self._since, NO_TIME
         if self._windows is not None:
             self._windows.ends(at)

@@ -54,7 +54,7 @@ class UartSide:
         self._wires = wires
         self._pairs: Pairs | None = None
         self._lines: dict[str, Line] = {}  # maps a wire to the function that returns its rate and format
-        self._own: Mapping[tuple[str, str], Line] = {}  # maps (unit, module) to the function for the SCI's settings
+        self._own: Mapping[tuple[str, str], Line] = {}  # maps (unit, module) to a function, as `_lines` does
         self._counters: dict[str, UartCounter] = {}
         self._counted: dict[str, int] = {}  # maps a wire to the number of characters decoded from its levels
         self._sent: dict[str, int] = {}

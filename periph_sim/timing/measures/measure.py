@@ -237,7 +237,7 @@ class Measure(Listener):
         self._uncompared = 1
 
     def keep(self) -> None:
-        """Store each value that follows. Distributions, and budgets with joined conditions, need all values."""
+        """Store all values from now on. Distributions, and budgets with joined conditions, need all values."""
         self._kept = array("q"), array("q")
 
     @property

@@ -13,7 +13,7 @@ from ..core.records import Recorder
 from ..core.state import State
 from ..core.wire import Pin, Wire
 
-PLAYER = "capture"  # name of the players on the wires
+PLAYER = "capture"  # the name under which each EdgePlayer is a party of its wire
 
 
 class EdgePlayer:
@@ -39,7 +39,7 @@ class EdgePlayer:
 
 
 class OneWayWire(Wire):
-    """A wire that only a player drives; all other parties read this wire, but drive the wire `back`.
+    """A wire that only its EdgePlayer drives. All other parties read this wire, but drive the wire `back`.
 
     back: the wire that all other parties drive; its edges are not recorded.
     """

@@ -8,7 +8,8 @@ Each file in this folder with a function `attach` is one kind of fault, and is f
     at ---- every ---- every ---- ...     `When`: times is the maximum number of faults
     |~spread~|   maximum random delay of each fault, drawn from the case's seed
 
-On a wire, the agent of a fault is a party that pulls, like any other. No other module depends on a kind of fault.
+On a wire, the agent of a fault is a party like any other: it can pull the wire low. No other module depends on a kind
+of fault.
 """
 
 from __future__ import annotations
@@ -94,18 +95,18 @@ class HeldLine:
     """A party that can hold one line low.
 
     ticks: the time for which the line is held, if `clocks` is 0.
-    clocks: the number of falls of SCL after which the line is released, or 0.
+    clocks: the number of falls of SCL after which the line is released; 0 to release it after `ticks`.
     who: the name of the party on the wire.
     """
 
     STATE = State("_left")
 
     def __init__(self, kernel: Kernel, wire: Wire, scl: Wire | None, who: str, ticks: int, clocks: int) -> None:
-        """scl: the wire SCL, or None if `clocks` is 0."""
+        """scl: the wire SCL; it can be None if `clocks` is 0."""
         self._kernel = kernel
         self._pin = wire.attach(who)
         self._ticks, self._clocks = ticks, clocks
-        self._left = 0  # number of falls of SCL until the line is released
+        self._left = 0  # number of falls of SCL until the line is released; 0 if `clocks` is 0 or the line is not held
         if clocks:
             assert scl is not None
             watch([scl], self._scl_changed)

@@ -1,7 +1,7 @@
 """A false START or STOP: SDA moves while SCL is high, in the middle of a byte.
 
     SCL  __|‾‾‾‾‾|__|‾‾‾‾‾|__        condition = "START": the next bit that is 1 is cut by a fall of SDA
-    SDA  ‾‾‾‾‾|________________      condition = "STOP": SDA is pulled low before a 1, and released during it
+    SDA  ‾‾‾‾‾|________________      condition = "STOP": SDA is pulled low before a 1, released during the 1
 
 A bit that is 0 cannot be disturbed in this way, because its sender holds SDA low. So the next bit that is 1 is
 disturbed. The idle time between two transfers, with both lines high, is not a bit.
@@ -54,7 +54,10 @@ class Condition(SdaPuller):
             self._kernel.call_at(now + self._late, partial(self._strike, rise))
 
     def _strike(self, rise: int) -> None:
-        """Make the condition, unless the bit is 0 or SCL has fallen since. Called `late` after rise number `rise`."""
+        """Make the START or STOP, unless the bit is 0, or SCL has fallen since its rise number `rise`.
+
+        Called when the time `late` has passed since that rise.
+        """
         if not self._armed or rise != self._rise or not self._scl.level:
             return
         others = len(self._sda.held_by()) > self._pulls

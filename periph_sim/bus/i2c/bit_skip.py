@@ -5,10 +5,12 @@
           ^ `skips` is called         ^ events resume here
 
 During the first seven bits of a byte only the levels of the lines change: flags, FIFOs, interrupts and the ACK change
-at the eighth rise of SCL or later. So these bits are unobservable unless edges are recorded, a party holds a line, or a
-party acts in mid-byte. If edges are recorded or a party may hold a line, no bit is skipped. If firmware acts in
-mid-byte or any party pulls a line, the skipped events are first run up to now, in their order (`materialize`). The byte
-on SDA (`shown`) has a 0 in each bit in which any party pulls SDA.
+at the eighth rise of SCL or later. So nobody observes these bits, with two kinds of exceptions:
+- Edges are recorded, or a party holds SCL low at the first bit or may stretch the clock in the byte. Then no bit of the
+  byte is skipped.
+- Firmware acts in mid-byte, or a party pulls or releases a line. Then the skipped events are first run up to now, in
+  their order (`materialize`).
+The byte on SDA (`shown`) has a 0 in each bit in which any party pulls SDA.
 
     SCL  _|~|_|~|_ ... _|~|_      numbers of the edges in `BitTimes`:
           0   1         7         rises; number 7 belongs to the eighth bit
@@ -71,19 +73,20 @@ class CycleTimes(BitTimes):
 
 
 class BitParty(Agent):
-    """Base of parties on SCL and SDA that can enter their state after the first seven bits of a byte in one step."""
+    """Base of parties on SCL and SDA whose state after the first seven bits of a byte can be set in one step."""
 
     __slots__ = ()
 
     def pulls(self, line: int) -> int:
-        """Return the party's bits in `Wire.pulling` of a line, SCL or SDA; 0 if the party never pulls this line."""
+        """Return the mask of this party on a line, SCL or SDA, as in `Wire.pulling`; 0 if it never pulls the line."""
         return 0
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
         """Return True if the party waits for the first bit of a byte and will change only SDA before the eighth bit.
 
         low, high, hold: times of the controller, in ticks, as in `BusTiming`.
-        each: True if the caller also calls `separates` for each change of SDA.
+        each: True if the caller then checks with `separates`, for each change of SDA, that no party samples the change
+            together with the fall of SCL; `hold` is then 0. If False, this method checks it, too, by means of `hold`.
         """
         return True
 
@@ -94,7 +97,7 @@ class BitParty(Agent):
     def separates(self, fall: int, moved: int) -> bool:
         """Return True if the party samples a fall of SCL and a later change of SDA by another party separately.
 
-        If a party takes both in one sample, as a chip does in one cycle of its clock, no bits are skipped.
+        A chip that is clocked may take both in one sample. The bits of the byte are then not skipped.
         fall, moved: the ticks of the fall and of the change.
         """
         return True
@@ -104,7 +107,7 @@ class BitParty(Agent):
         return ONES
 
     def keeps_bus(self, shown: int) -> bool:
-        """Return False if the party, as a master, loses arbitration during a byte. shown: the byte on SDA."""
+        """Return False if the party is a master and loses arbitration in this byte. shown: the byte on SDA."""
         return True
 
     def set_bit_position(self, shown: int, bit: int, fell: int) -> None:
@@ -159,7 +162,7 @@ class BitSkip(Shortcut):
         self._kernel = kernel
         self._scl = scl
         self._sda = sda
-        self._controller = controller  # the party that clocks this byte
+        self._controller = controller  # the party that clocks the present byte
         self._stand_in = stand_in
         self._parties: list[BitParty] = []
         self._known = False  # True if all listeners and all pins on the lines belong to `_parties`
@@ -167,8 +170,8 @@ class BitSkip(Shortcut):
         self._since = NO_TIME  # the tick at which the skipped bits began
         self._fell = NO_TIME
         self._shown = ONES
-        self._steady = BitTimes()  # the edges of SCL in the last byte for which `skips` was called
-        self._times = self._steady  # the edges of SCL in this byte
+        self._steady = BitTimes()  # the edges of SCL in the last byte that `skips` skipped
+        self._times = self._steady  # the edges of SCL in the last byte of which bits were skipped
         self._ends = 0  # the tick at which the skipped bits end
         self._eighth: Event | None = None
         self._tag = 0
@@ -239,7 +242,7 @@ class BitSkip(Shortcut):
             kernel.cancel(self._eighth)
         self._set_bit_position(0, self._fell)
         recorder = self._scl.recorder
-        outer, recorder.cause = recorder.cause, 0  # the skipped events are no effects of the present record
+        outer, recorder.cause = recorder.cause, 0  # the present record did not cause these events
         kernel.replay(self._since, controller, self._tag)
         recorder.cause = outer
 
@@ -249,11 +252,17 @@ class BitSkip(Shortcut):
         self._set_active(self)
 
     def _set_active(self, shortcut: Shortcut | None) -> None:
-        """Register `shortcut` in the kernel and both wires, which materialize it before a party pulls a line."""
+        """Register the active shortcut, or None, in the kernel and in both wires.
+
+        They materialize the shortcut before a party pulls or releases a line.
+        """
         self._kernel.shortcut = self._scl.shortcut = self._sda.shortcut = shortcut
 
     def _byte_on_lines(self, controller: BitParty, low: int, high: int, hold: int, each: bool) -> int:
-        """Return the byte that SDA will show, or -1 if bits of this byte cannot be skipped."""
+        """Return the byte that SDA will show, or -1 if bits of this byte cannot be skipped.
+
+        controller: the party that clocks the byte. low, high, hold, each: as for `BitParty.ready`.
+        """
         scl, sda = self._scl, self._sda
         if self._kernel.shortcut is not None or not scl.quiet() or not sda.quiet():
             return -1
@@ -295,7 +304,10 @@ class BitSkip(Shortcut):
         self._sda.jump(pulling)
 
     def _collect_parties(self) -> None:
-        """Set `_parties`, and set `_known` if all listeners and all pins on the lines belong to these parties."""
+        """Store the BitParty of each listener on the lines in `_parties`, and set `_known`.
+
+        `_known` becomes True if all listeners and all pins on the lines belong to these parties, otherwise False.
+        """
         scl, sda = self._scl, self._sda
         self._versions = scl.version + sda.version
         agents = {listener.agent for listener in (*scl.listeners(), *sda.listeners())}

@@ -24,10 +24,10 @@ MOST_CLOCKS = 9
 class BusClear:
     """Makes bus clears for a controller.
 
-    masks: the masks of the controller on SCL and SDA.
+    masks: the controller's masks on the wires SCL and SDA, as in `Wire.pulling`.
     times: the low, high and hold time in ticks, as in `BusTiming`.
-    done: called with (clocks, free) after the attempt of a STOP. clocks: the number of clocks that were made. free:
-        True if SDA is high, so that the STOP was made.
+    done: called with (clocks, free) after the attempt to make a STOP. clocks: the number of clocks that were made.
+        free: True if SDA is high, so that the STOP was made.
     """
 
     STATE = State("_clocks")

@@ -33,8 +33,8 @@ from .transfer import BusTiming, Phase, Transfer
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
 
 OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that only the controller itself can report
-ADDRESS = -1  # in place of a data byte's number, if the byte is an address
-NO_BYTE = 1 << 30  # in place of a data byte's number, if a STOP or repeated START is next
+ADDRESS = -1  # value of `_index` during an address byte
+NO_BYTE = 1 << 30  # value of `_index` after the last byte of a phase, when a STOP or repeated START is next
 
 
 class I2cController(BitParty):
@@ -44,8 +44,8 @@ class I2cController(BitParty):
     beside_others: True if a `BusRecorder` records the events on the wires, so the controller records only OF_AGENT.
     stuck_after: a time in ticks, or 0 for never. If SCL does not change for this time while the controller waits for
         the bus or for the rise of SCL, `on_stuck` is called with the stuck line.
-    clear_after: a time in ticks, or 0 for never, as on buses with other controllers. If SCL stays high for this time
-        while a START is blocked, because SDA is low or a STOP is missing, the controller clears the bus.
+    clear_after: a time in ticks, or 0 for never. If SCL stays high for this time while a START is blocked, because SDA
+        is low or a STOP is missing, the controller clears the bus. It is 0 on buses with other controllers.
     gives_up: True if a NACK of a written byte ends the transfer with a STOP; False if the transfer then continues with
         its next phase. A NACK of the address always ends the transfer.
     """
@@ -139,8 +139,8 @@ class I2cController(BitParty):
         self._guard: Event | None = None  # the scheduled check for a stuck line; None if no check is scheduled
         self._sda_level = 1
         self._rising = False  # True if SCL is released and has not risen yet
-        self._high = timing.high  # the next high time of SCL
-        self._high_end = BIT_END  # the tag of the event that ends the next high time of SCL
+        self._high = timing.high  # duration of the next high phase of SCL, in ticks
+        self._high_end = BIT_END  # the tag of the event at the end of the next high phase of SCL
         self._let_go_at = 0
         self._transfer = Transfer("", [])
         self._done: Callable[[Transfer], None] = lambda transfer: None
@@ -153,11 +153,11 @@ class I2cController(BitParty):
         self._byte = 0  # the byte that is sent, or 0xFF while receiving
         self._bit = 0  # number of the bit in the byte: 0 to 7, or 8 for the ACK
         self._in = 0  # the value of the bits of this byte that were sampled so far
-        self._index = NO_BYTE  # number of the data byte, or ADDRESS, or NO_BYTE
+        self._index = NO_BYTE  # number of the present data byte, from 0; or ADDRESS or NO_BYTE
         self._receiving = False
         self._gives_up = gives_up
         self._clear_after = clear_after
-        self._refused_since = NO_TIME  # the tick since which a START is due, but the bus is not free
+        self._refused_since = NO_TIME  # the tick since which a START has had to wait for the bus; NO_TIME if none waits
         masks, times = (self._scl_mask, self._sda_mask), (timing.low, timing.high, timing.hold)
         self._clear = BusClear(kernel, scl, sda, masks, times, self._cleared)
         self._bus = FilteredBus(kernel.now, timing.filter, timing.free)
@@ -325,7 +325,8 @@ class I2cController(BitParty):
 
     def _byte_end(self, ack: bool) -> None:
         phase = self._phase
-        refused = not ack and (self._index < 0 or not self._receiving)  # a NACK by this controller ends a read as usual
+        # True for a NACK by the target. A NACK by this controller is no refusal: it ends each read.
+        refused = not ack and (self._index < 0 or not self._receiving)
         if self._index < 0:
             phase.acked = ack
             self._mark("address", self._in << 1 | (not ack))

@@ -75,7 +75,10 @@ class Rule:
 
 
 def stretch(random: Random, least: int, most: int, hold_clock: Callable[[int], None]) -> None:
-    """Hold SCL low for a random time. least, most: the range of the time, in ticks."""
+    """Hold SCL low for a random time. least, most: the range of the time, in ticks.
+
+    hold_clock: the method `TargetSide.hold_clock` of the target.
+    """
     if ticks := random.randint(least, most):
         hold_clock(ticks)
 
@@ -86,7 +89,7 @@ def replaced(sent: int, value: int) -> int:
 
 
 def flip(random: Random, bit: int | None, value: int) -> int:
-    """Invert one bit of a byte. bit: its number, 7 for the first on the wire; None for a random bit."""
+    """Return the byte `value` with one bit inverted. bit: the bit's number, 7 for the first; None for a random bit."""
     return value ^ 1 << (random.randrange(8) if bit is None else bit)
 
 

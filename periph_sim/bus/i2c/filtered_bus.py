@@ -44,7 +44,8 @@ class FilteredBus:
         self.scl_moved = now
         self._filter = filter
         self._lines = IDLE
-        self._scl_seen = SCL  # the last level of SCL, before the present one, that lasted for the time of the filter
+        # The level of SCL before the present level; levels that were shorter than the filter time do not count.
+        self._scl_seen = SCL
         self._sda_moved = -filter
         self._sda_event = NOTHING  # the last change of SDA, classified as START, STOP or NOTHING
         self._sda_seen = 1  # the level of SDA after the filter
@@ -56,7 +57,7 @@ class FilteredBus:
         if (before ^ levels) & SDA:
             if before >> 1 != self._sda_seen:
                 self.settle(now)
-            # A fall of SCL that has not lasted for the time of the filter may be a spike, so SCL still counts as high.
+            # SCL has been low for less than the filter time. This may be a spike, so SCL still counts as high.
             if event == NOTHING and now - self.scl_moved < self._filter and self._scl_seen:
                 event = START if before & SDA else STOP
             self._sda_moved, self._sda_event = now, event

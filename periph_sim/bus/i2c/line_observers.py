@@ -32,7 +32,7 @@ STUCK_AFTER = Fraction(25, 1000)
 class BusRecorder(BitParty):
     """Counts the bytes on one bus, and makes BUS records if any subscriber wants them.
 
-    The text of a record is the last 7-bit address of the transfer, for example "0x68".
+    The text of a record is the last 7-bit address on the bus so far, such as "0x68"; "" for the START of a transfer.
     bytes: number of whole bytes with their acknowledge bit. Bytes that a START or STOP cuts off do not count.
     """
 
@@ -56,14 +56,14 @@ class BusRecorder(BitParty):
             self._record(event, busy)
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """Return False after an incomplete byte, as when the master was reset in mid-byte. No parameter is used."""
+        """Return False if `stream` is in the middle of a byte, for example after a reset of the master in mid-byte."""
         return not self.stream.bits
 
     def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
         self.stream.skip(shown)
 
     def _record(self, event: int, busy: bool) -> None:
-        """Record an event of the stream. busy: True if the bus was busy before it."""
+        """Make the BUS records of an event that `stream` returned. busy: True if the bus was busy before the event."""
         stream, kind = self.stream, event & KINDS
         if event == BYTE_OVER:
             first = stream.index == 0
@@ -84,7 +84,7 @@ class BusRecorder(BitParty):
 class StuckWatch(BitParty):
     """Calls `on_stuck(wire)`, and makes a BUS record, each time that the wire has been low for `limit` ticks.
 
-    bit_skip: the shortcut that skips bits on the wire's bus, or None.
+    bit_skip: the shortcut that skips bits on the wire's bus; None if no bits are skipped there.
     """
 
     STATE = State("_guarded _reported", ticks="_fell")

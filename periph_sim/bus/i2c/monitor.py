@@ -30,7 +30,8 @@ from .transfer import Phase, Transfer
 class I2cMonitor(BitParty):
     """Reconstructs the transfers on one bus.
 
-    on_transfer: called with each transfer at its STOP; not called if no address byte was complete.
+    on_transfer: called with each transfer at its STOP, or, if the master has given it up, at the next START. It is not
+        called if no address byte was complete.
     names: a dictionary from addresses to the names of transfers with these addresses.
     filter: the minimum length, in ticks, of a level of SDA; shorter levels are ignored.
     """
@@ -54,10 +55,10 @@ class I2cMonitor(BitParty):
         self._names = names
         self._start_at = NO_TIME  # the tick of a possible START, until a party that pulled SDA for it pulls SCL
         self._starting = 0  # the mask of the parties that pulled SDA for the possible START
-        self._masters_of: dict[int, tuple[int, int]] = {}  # maps `_starting` to the result of `_masters`
-        self._versions = scl.version, sda.version  # values of `Wire.version` for which `_masters_of` is valid
-        self._scl_mask = self._sda_mask = 0  # the masks of the master's pulls on the wires; 0 between transfers
-        self._pulls_scl = self._pulls_sda = False  # True while the master pulls the wire
+        self._masters_of: dict[int, tuple[int, int]] = {}  # cache of results of `_masters`, by `_starting`
+        self._versions = scl.version, sda.version  # `Wire.version` of both wires for which `_masters_of` is valid
+        self._scl_mask = self._sda_mask = 0  # the master's masks on the wires; 0 between transfers
+        self._pulls_scl = self._pulls_sda = False  # True while the master pulls this wire low
         self._began_at = NO_TIME
         self._first = True  # True if the master's next pull of SCL is part of the START
         self._let_go_at = NO_TIME  # the tick of the master's release of SCL, until SCL rises
@@ -72,7 +73,8 @@ class I2cMonitor(BitParty):
         self._stream = I2cStream()  # decoder of the master's bits and conditions
         self._filter = filter
         self._sda_at = -filter
-        self._sda_seen = 1  # the last level of SDA, before the present one, that lasted for the time of the filter
+        # The level of SDA before the present level; levels that were shorter than the filter time do not count.
+        self._sda_seen = 1
         sampler = watch([scl, sda], self)
         self._levels = sampler.levels
         for wire in (scl, sda):
@@ -155,7 +157,8 @@ class I2cMonitor(BitParty):
     def _condition(self, now: int, before: int, levels: int) -> None:
         """Detect START and STOP while SCL is high and released by the master."""
         pulled, self._pulls_sda = self._pulls_sda, bool(self._sda.pulling & self._sda_mask)
-        # The master has given up its transfer: another party made a STOP, and no clock followed for two periods.
+        # The master has given up its transfer if another party has made a STOP, and the master's last clock began more
+        # than two periods ago.
         given_up = self._ended_at != NO_TIME and now - self._pulled_at > 2 * self._clock_length
         if before & ~levels & SDA and given_up:
             self._over(self._ended_at)
@@ -213,7 +216,7 @@ class I2cMonitor(BitParty):
             self._phase.answer_at = self._rose_at
 
     def _is_answered(self) -> bool:
-        """Return True if the next byte, or the byte in progress, is the first after an acknowledged address."""
+        """Return True if the present or next byte is the first data byte after an address that was acknowledged."""
         return self._stream.index == 0 and self._stream.acked
 
     def _byte_over(self, now: int) -> None:

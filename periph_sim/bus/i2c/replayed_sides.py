@@ -43,7 +43,7 @@ class I2cPlayer:
     """Plays the moves of a controller on SCL and SDA.
 
     delay: the total time, in ticks, for which other parties have stretched the clock.
-    longest: the longest of these stretches, in ticks.
+    longest: the longest single stretch, in ticks.
     waiting_since: the tick of the player's release of SCL while another party holds SCL low; else NO_TIME.
     """
 
@@ -120,7 +120,10 @@ class Answer:
 
 
 class ScriptedTarget(TargetSide):
-    """A target that gives the answers listed for each address. hold: ticks from a fall of SCL to a change of SDA."""
+    """All targets of the replayed bus, as one party: to each address, it gives the listed answers one after the other.
+
+    hold: ticks from a fall of SCL to a change of SDA by this party.
+    """
 
     def __init__(
         self,

@@ -33,7 +33,7 @@ class SkippingController(I2cController):
         return self._scl_mask if line == SCL else self._sda_mask
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """Return True if a byte with these times passes the filter, and if no check for a stuck line is scheduled."""
+        """Return True if no check for a stuck line is scheduled, and no level is too short for the spike filter."""
         return self._guard is None and self._bus.passes(min(high, hold, low - hold))
 
     def byte(self) -> int:

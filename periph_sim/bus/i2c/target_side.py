@@ -46,7 +46,7 @@ class Reply(Protocol):
     def stretches(self) -> Stretches: ...
 
     def send_byte(self, byte: int) -> int:
-        """Return data byte number `byte` of a read, counted from 0. Called once, when its first bit is due."""
+        """Return data byte number `byte` of a read, counted from 0. Called once for each byte, before its first bit."""
 
     def receive_byte(self, byte: int, value: int) -> bool:
         """Receive data byte number `byte` of a write, counted from 0. Return True to acknowledge it."""
@@ -79,7 +79,7 @@ def _ignore(stop: bool, whole: bool) -> None:
 class TargetSide(BitParty):
     """The wire side of one target.
 
-    answer: called with the address byte, R/W included; returns the reply, or None for another target's address.
+    answer: called with each address byte, R/W included; returns the reply, or None if the target does not acknowledge.
     hold: ticks from the fall of SCL to a change of SDA by the target.
     on_end: called with (stop, whole) when a phase ends whose address was acknowledged. stop: True for a STOP, False for
         a repeated START. whole: True if the phase does not end in the middle of a byte.
@@ -228,8 +228,9 @@ class TargetSide(BitParty):
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
         """Return True if the target is not addressed, or if it waits for a first bit and has no stretches left.
 
-        The hold time of an addressed target must be at least `hold`. From the target's change of SDA to the rise of
-        SCL, at least the target's hold time must pass if `each` is True, otherwise at least `hold`.
+        For an addressed target, two conditions on the times must hold as well. Its hold time is at least `hold`. The
+        time from its change of SDA to the rise of SCL is at least `hold`; if `each` is True, it is at least its own
+        hold time instead.
         """
         if self._does == NOT_MEANT:
             return True

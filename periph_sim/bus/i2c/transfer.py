@@ -17,7 +17,7 @@ from ...core.time import NO_TIME
 
 
 class BusTiming(Struct, frozen=True):
-    """The times of a controller in ticks. filter: levels of SDA that are shorter than this time are ignored."""
+    """The times of a controller in ticks. filter: the controller ignores levels of SDA that are shorter than this."""
 
     low: int  # from the fall of SCL to its release
     high: int  # from the rise of SCL to its fall
@@ -108,7 +108,8 @@ class Phase:
 class Transfer:
     """The phases between a START and its STOP, and their results.
 
-    lost: True if arbitration was lost, or if a bus clear replaced a repeated START.
+    lost: True if the controller lost arbitration, or if it had to clear the bus before a repeated START, because the
+        STOP of the bus clear ends the transfer.
     """
 
     STATE = State("name phases lost", ticks="stop_at", made=True)

@@ -132,7 +132,10 @@ class BurstSender(EdgeSender):
         return None if self._burst is None else (self._burst.name, self._ends_at)
 
     def send(self, burst: Burst, begins: Callable[[int], None], ends: Callable[[int], None]) -> None:
-        """Send a burst as soon as the line is free. begins, ends: called with the tick of its start and of its end."""
+        """Send a burst when earlier bursts are over and the line has been idle for `Burst.idle` bits.
+
+        begins, ends: functions that are called at the start and at the end of the burst, each with the present tick.
+        """
         self._waiting.append((burst, begins, ends))
         if not self._busy:
             self._schedule_burst()

@@ -34,7 +34,7 @@ Line = Callable[[], tuple[Fraction, UartFormat]]
 class Heard(NamedTuple):
     """A frame that was read. begin, end: the ticks at which it begins and ends.
 
-    good: True if the parity is right and the stop bits are high.
+    good: True if the start bit, the parity and the stop bits are right.
     address: the address bit, in formats that have one.
     """
 
@@ -83,7 +83,7 @@ class UartReader(Agent):
         self._format = UartFormat()
         self._length = 0  # number of bits of a frame
         self._halves: list[int] = []  # ticks from a frame's start to the start of each half bit, and to the frame's end
-        self._edges: list[int] = []  # edges of the present frame, from its start bit on
+        self._edges: list[int] = []  # ticks of the edges of the present frame, the fall of its start bit first
         self._ending: Event | None = None  # the event at the end of the present frame
         watch([wire], self)
 
@@ -173,11 +173,13 @@ class UartCounter(Agent):
         self.topics = []
         self._line = line
         self._as: tuple[Fraction, UartFormat] | None = None  # bit time and format of the last character
-        # The number of ticks from the start of the last character to the end, and to the middle, of its last stop bit.
+        # Ticks from the start of the last character to the end (`_lasted`) and to the middle (`_taken`) of its last
+        # stop bit.
         self._lasted = self._taken = 0
         self._begun_at = NO_TIME
         self._over_at = 0  # the tick at which the last stop bit of the last character ends
-        self._free_at = 0  # the tick of the middle of the last stop bit; a fall from then on is a start bit
+        # The tick of the middle of the last stop bit of the last character. A fall from then on is a new start bit.
+        self._free_at = 0
         watch([wire], self)
 
     def sampled(self, now: int, levels: int) -> None:

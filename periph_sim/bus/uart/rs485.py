@@ -92,7 +92,7 @@ class Driver:
 class Transceiver:
     """One transceiver on a pair, with its lines TX, RX and DE.
 
-    line: returns the length of a bit in ticks, and the format of the frames on `tx`.
+    line: a function that returns the length of a bit in ticks, and the format of the frames on `tx`.
     hears_itself: True if the receiver stays on while the driver is on.
     at_first: the level at DE while no party drives it.
     on_cut: called with (tick, ticks) when the driver is switched off `ticks` before the end of a frame, and with
@@ -110,7 +110,7 @@ class Transceiver:
         self.line = line
         self._hears_itself = hears_itself
         self._out = rx.attach(who)
-        self._ends_at = NO_TIME  # end of the present frame
+        self._ends_at = NO_TIME  # the tick at which the present frame on TX ends; NO_TIME between frames
         self.driver.drive(tx.level)
         if at_first:
             self.driver.enable(True)

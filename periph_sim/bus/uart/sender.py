@@ -135,6 +135,8 @@ class UartSender(EdgeSender):
 
         done: a function that is called when the last edge of the burst is made, or at once if there is no data. Its
             argument is the tick at which the last stop bit ends, which is later than the last edge.
+
+        Raise ValueError if a burst is still on the wire.
         """
         if self.busy:
             raise ValueError(f"{self.who}: asked to send while a burst is still on the wire")

@@ -10,7 +10,7 @@ record: one noted event of a run (`records`). The present record is the one whos
 shortcut: a sequence of events that is skipped, because its final state was set in one step (`agent.Shortcut`).
 touched: a set with the names of the options on which the run has depended so far (`options`).
 mask: an integer in which each bit represents one thing, such as a party or a line; bit i is thing i.
-`# core:` begins a comment for the build of the compiled core. "compiled": the module is compiled to C, "without checks
-    for None" if the last words say so. "python": this class is not compiled. "freelist 16": up to 16 deleted objects
-    are kept for reuse.
+`# core:` begins a comment for the build of the compiled core (`periph_sim.form`). "compiled": the module is compiled to
+    C. "compiled without checks for None": the C code does not check if an object is None before it uses its attributes.
+    "python": this class or function stays in Python. "freelist 16": up to 16 deleted objects are kept for reuse.
 """

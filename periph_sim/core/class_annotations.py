@@ -9,7 +9,10 @@ from typing import Any, get_type_hints
 
 
 def own_annotations(kind: type) -> Mapping[str, Any]:
-    """Return the annotations of a class; types may still be text. Python 3.14 stores a function in their place."""
+    """Return the annotations of a class; types may still be text.
+
+    In Python 3.14, a class does not store its annotations, but a function that returns them.
+    """
     if sys.version_info >= (3, 14):
         from annotationlib import Format, get_annotations
 

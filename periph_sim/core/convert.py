@@ -100,7 +100,7 @@ Converter = Callable[[Any, Place, list[Mistake]], Any]
 
 
 def convert(kind: type[T], tree: object) -> T:
-    """Return a `Table` or a dataclass made from the keys in a file. Raise BadTable if they do not match the type."""
+    """Return an object of the class `kind`, made from the keys in a file. Raise BadTable if they do not match it."""
     mistakes: list[Mistake] = []
     made: T = converter_of(kind)(tree, (), mistakes)
     if mistakes:

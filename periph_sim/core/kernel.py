@@ -292,7 +292,10 @@ class Kernel:
         return True
 
     def materialize(self) -> None:
-        """Run the events that a shortcut has skipped. Call this before reading or changing an intermediate state."""
+        """Run the events up to now that a shortcut has skipped, if one is active.
+
+        Call this before reading or changing a state that a shortcut may have skipped.
+        """
         if self.shortcut is not None:
             self.shortcut.materialize()
 

@@ -125,10 +125,10 @@ def field(
 class NamedByte(NamedTuple):
     """The name and the meaning of a byte of a transfer.
 
-    register: the name of the register, or the memory address. It is the name of the device in an address byte,
-        "pointer" in a byte that selects a register, and "" if the byte has no name.
-    meaning: the fields of the register, the measured quantity, or a remark such as "reserved". It is the selected
-        register in the last byte of a pointer, and "" if the byte alone says everything.
+    register: for a data byte, the name of the register or the memory address. For an address byte, the name of the
+        device. For a byte that selects a register, "pointer". For a byte without a name, "".
+    meaning: for a data byte, the fields of the register, the measured quantity, a remark such as "reserved", or "" if
+        the name says everything. For the last byte of a pointer, the name of the selected register. Otherwise "".
     """
 
     register: str
@@ -235,15 +235,15 @@ class Register(Struct, frozen=True, dict=True):
         return new | set_now & hard, written & strobe
 
     def decode(self, value: int) -> str:
-        """Return a value and its fields as text, after the register's name; fields that are 0 are left out."""
+        """Return text such as "I2CMDR=0x0420 (MST=0x1 IRS=0x1)": name, value, and the fields that are not 0."""
         return f"{self.name}={value:#06x} ({self.fields_in(value) or 'all zero'})"
 
     def fields_in(self, value: int) -> str:
-        """Return the fields of a value as text; fields that are 0 are left out."""
+        """Return the fields of a value of this register as text; fields that are 0 are left out."""
         return " ".join(f"{f.name}={f.extract(value):#x}" for f in self.fields if f.extract(value))
 
     def named(self, value: int) -> NamedByte:
-        """Return the name of a register of eight bits and, if it has several fields, the fields of its value."""
+        """Return the NamedByte of a byte with this register's value. `meaning` is "" if the register has one field."""
         return NamedByte(self.name, self.fields_in(value) if len(self.fields) > 1 else "")
 
 

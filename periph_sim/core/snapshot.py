@@ -132,7 +132,8 @@ class Snapshot(NamedTuple):
     values: a dictionary from the name of a collected attribute or item to its value.
     logs: for each unit that runs C sources, the log of their accesses. The stack of such a program is restored by
         executing the program again with this log.
-    base: an earlier snapshot with logs, from which a run leads to this snapshot; None if there is none.
+    base: the snapshot of a checkpoint, an earlier instant of the same run; it has `logs`, and restoring can start
+        there. None if the run has no checkpoint.
     """
 
     identity: tuple[tuple[str, str], ...]

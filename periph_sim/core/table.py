@@ -227,7 +227,7 @@ def hex_bytes(value: object) -> bytes:
 
 def _text_type(pattern: str, *examples: str) -> Any:
     """Return a type for the JSON schema that editors read: a text with this pattern. The converters check the text."""
-    schema = {"pattern": pattern, "examples": [*examples]}  # `Meta(pattern=...)` would compile the pattern
+    schema = {"pattern": pattern, "examples": [*examples]}  # `Meta(pattern=...)` would compile the pattern at import
     return Annotated[str, Meta(extra_json_schema=schema)]
 
 

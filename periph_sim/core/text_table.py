@@ -75,7 +75,7 @@ def paragraph(text: str, first: str = "", then: str = "  ") -> list[str]:
 
 
 def together(text: str) -> str:
-    """Return the text with spaces at which the functions of this module do not break lines."""
+    """Return the text with each space replaced by KEPT, at which the functions of this module break no line."""
     return text.replace(" ", KEPT)
 
 

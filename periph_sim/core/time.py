@@ -26,7 +26,9 @@ DAY = 86_400
 LONGEST = 365_250 * DAY  # maximum length of time, in seconds, that a user can write: 1000 years
 MOST_TICKS = LAST_TICK  # maximum length of time in ticks
 MOST = NEVER  # maximum product that compiled code may compute, because its integers have 64 bits
-USUAL_PER_NS = 1000  # above this number of ticks per nanosecond, messages suggest a crystal of a round frequency
+# If a nanosecond has more ticks than this, messages about times that are too long suggest a crystal of a round
+# frequency, because ticks are then longer.
+USUAL_PER_NS = 1000
 
 UNITS: dict[str, Fraction] = {
     "ns": Fraction(1, GHZ),

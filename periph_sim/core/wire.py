@@ -66,7 +66,8 @@ class Wire(Settleable):
         self._watches: _Watch | None = None  # the first entry in the linked list of subscribers to the level
         self._pull_watches: PullWatch | None = None
         self._queued = False
-        self._moved = self._pulled = False  # True if the last settling changed the level or the pulling parties
+        # `_moved` is True if the last settling changed the level, `_pulled` if it changed the set of pulling parties.
+        self._moved = self._pulled = False
         # `_pulled_under` is the number of the last record that caused a pull since the wire last settled, or 0.
         # `_released_under` is the number of the last record that caused a release since the wire last settled, or 0.
         self._pulled_under = self._released_under = 0
@@ -263,7 +264,7 @@ class Wire(Settleable):
             self._watches = watch.following
         else:
             before.following = watch.following
-        if sampler.due == BY_WIRE:  # the level has changed, and from now on this wire cannot notify the sampler
+        if sampler.due == BY_WIRE:  # this wire has not notified the sampler yet, and no longer can, so the kernel does
             sampler.due = NOT_DUE
             self.kernel.request_sample(sampler)
 

@@ -8,8 +8,9 @@ The simulator calls `_changed` when a line changes. A timer calls `_woken` when 
 the session's time. Both are plain callbacks, because waking a cocotb task takes several times as long.
 
 A change of our pin is shown in the first step at or after its tick. A change of a line is applied at the tick that
-contains its step, together with the other changes of that step. If our own pin changes in the same step, the session,
-which runs the case, may be past that tick already. The change of the line is then applied one tick later.
+contains its step, together with the other changes of that step. To show a change of our own pin, the timer has to
+advance the session, which runs the case, to the tick after that change. A change of a line in the same step is then
+applied at this later tick.
 
 The session receives the resolved level of a line, which includes our own pull. So after we release a line that another
 party still holds low, the session sees no rise until that party has released it, too.
@@ -61,12 +62,13 @@ class F28335:
     scl_o, sda_o: the signals that we drive: 0 pulls the line low, 1 releases it.
     rx: the line that we read.
     tx: the line that we drive.
-    wires: pairs (read, driven) for other wires of the case, by name; either of a pair may be None.
+    wires: a dictionary from the names of other wires of the case to pairs (signal that is read, signal that is
+        driven). Either signal can be None.
     log: a file for the line changes, which `periph_sim.outside.replay` can replay.
     record: a file for the records, on the simulator's time axis.
     programs: a dictionary from the name of a unit to its firmware.
-    before_reset: the level, 0 or 1, that a line has for the case while its signal is x or z, until the signal is 0 or 1
-        for the first time. Without it, x and z are errors from the start.
+    before_reset: the level, 0 or 1, that the case sees on a line whose signal is x or z and has not been 0 or 1 yet. If
+        it is None, x and z are errors from the start.
 
     Raise OutsideError for a signal that is missing, x or z, and for a step of the simulator that is longer than a tick.
     """
@@ -109,13 +111,13 @@ class F28335:
         if before_reset not in (None, 0, 1):
             raise OutsideError(f"before_reset is {before_reset!r}; expected 0 or 1, the level of lines that are x or z")
         self._before_reset = before_reset or 0
-        self._waiting = set() if before_reset is None else set(read)  # lines that have not been 0 or 1 yet
+        self._waiting = set() if before_reset is None else set(read)  # lines to which `before_reset` still applies
         if begin:  # the levels are not checked at time 0, because initial blocks have not run yet
             for name, signal in read.items():
                 if name not in self._waiting:
                     _level(name, signal, "the beginning")
         per_second = get_sim_steps(1, "sec")
-        if begin:  # the case starts at the present simulation time, so its records show the simulator's times
+        if begin:  # the case is made to start at the present simulation time, so that its records have the same times
             case = case.model_copy(update={"start": case.start + Fraction(begin, per_second)})
         self._files = ExitStack()
         subscribe, self._ended_at = self._files.enter_context(

@@ -11,7 +11,7 @@ from ..processor.dsp import Dsp
 
 
 def start_pin(dsp: Dsp, pin: int) -> None:
-    """Make the pin with this GPIO number an output at level 0. Do nothing if the unit has no module GPIO."""
+    """Make the pin with this GPIO number an output at level 0. Do nothing if the case gives the unit no GPIO."""
     if not dsp.has("GPIO"):
         return
     gpio = dsp.module("GPIO")

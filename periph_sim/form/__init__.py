@@ -8,7 +8,8 @@ The core is the part of the package that is compiled from Python to C by Cython,
 A build stores one digest of all sources from which it was made. A build is ignored in two cases:
 
 - A source, or the version of Python, has changed since the build. Compiled code therefore always matches the sources.
-- Its library is missing or has another size. Loading a truncated library would end the process without a message.
+- The library of the build is missing or has another size than it had when it was built. Loading a truncated library
+  would end the process without a message.
 
 The digest is calculated only if the size or the modification time of a source differs from the value in the build.
 

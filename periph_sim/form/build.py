@@ -218,7 +218,7 @@ def leave_out_checks_of_self() -> None:
 
 def link(modules: list[str], folder: Path, cc: str, kind: BuildSettings = NORMAL) -> None:
     """Link the object files in `folder` to one library. Raise NoBuild with the linker's output if linking fails."""
-    names = ("-undefined", "dynamic_lookup") if sys.platform == "darwin" else ()  # lets Python's symbols be found later
+    names = ("-undefined", "dynamic_lookup") if sys.platform == "darwin" else ()  # finds Python's symbols at load time
     command = [*cc.split(), "-shared", *names, *kind.link, *(f"{module}.o" for module in modules), "-o", LIBRARY]
     for more in ([SORTED], []):  # the second attempt is for linkers that do not support SORTED
         done = run([*command, *more], cwd=folder, capture_output=True, text=True, check=False)
@@ -351,7 +351,7 @@ def build(
 
 
 def main(options: Sequence[str] = ()) -> int:
-    """Build the core. Return the exit status: 0, or 1 if the core was not compiled."""
+    """Build the core. Return the exit status: 0, also if no module had to be compiled, or 1 if the build failed."""
     prefixes, hard = [one for one in options if one != "--hard"], "--hard" in options
     built, kind = (HARD_BUILT, HARD) if hard else (BUILT, NORMAL)
     return status_of(lambda: build(PACKAGE, built, jobs(), kind, prefixes), "the core stays interpreted")

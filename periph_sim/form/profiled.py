@@ -53,12 +53,13 @@ def count(case: str, package: Path, built: Path) -> None:
 
     Raise NoBuild with the last line of the error message if the run fails.
     """
-    # gcc's library writes the counts when the process ends. The command `run` ends by `os._exit`, which skips that.
-    # -P: the package of the current folder, if there is one, must not be imported.
+    # gcc's library writes the counts when the process ends in the normal way. The command `run` ends by `os._exit`,
+    # after which no counts are written, so the function `run` is called instead.
+    # With -P, Python does not import a package of this name from the current folder.
     command = [sys.executable, "-P", "-c", f"import sys, {package.name}; {package.name}.run(sys.argv[1])", case]
     done = run(command, env={**os.environ, VARIABLE: str(built)}, capture_output=True, text=True, check=False)
     if done.returncode:
-        # A process that is ended by a signal writes no message.
+        # If a signal ends the process, there is no message, and the exit status is shown instead.
         last = (done.stderr.strip().splitlines() or [f"exit status {done.returncode}"])[-1]
         raise NoBuild(f"{case} does not run, so nothing was counted; {last}")
 

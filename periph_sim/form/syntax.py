@@ -41,7 +41,10 @@ def read_names(tree: ast.AST, owner: str) -> set[str]:
 
 
 def pairs(node: ast.Assign) -> Iterator[tuple[ast.expr, ast.expr | None]]:
-    """Yield (target, value) for each target of an assignment. The value is None if one expression is unpacked."""
+    """Yield (target, value) for each target of an assignment.
+
+    The value is None if the target is one of several for the result of one expression, as in `a, b = f()`.
+    """
     for target in node.targets:
         if not isinstance(target, ast.Tuple):
             yield target, node.value
@@ -54,7 +57,8 @@ def pairs(node: ast.Assign) -> Iterator[tuple[ast.expr, ast.expr | None]]:
 def own_assignments(method: ast.FunctionDef) -> Iterator[tuple[str, ast.expr | None, int]]:
     """Yield (name, value, line) for each assignment to an attribute of `self`.
 
-    The value is None if one expression is unpacked, or if the attribute is the target of a `for` loop.
+    The value is None if the attribute is one of several targets of one expression, as in `self.a, self.b = f()`, or the
+    target of a `for` loop.
     """
     for node in walked(method):
         if isinstance(node, ast.Assign):

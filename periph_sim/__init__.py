@@ -113,7 +113,7 @@ def __getattr__(name: str) -> object:
 
 
 class _MovedModules:
-    """Finder of modules by their names in an earlier version. names: prefixes; other names are not looked up."""
+    """Finder of modules by their names in an earlier version. names: prefixes of the names that it looks up."""
 
     def __init__(self, *names: str) -> None:
         self._names = names

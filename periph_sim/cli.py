@@ -33,7 +33,7 @@ ROOT = Path(__file__).parent
 PACKAGES = (
     "interfaces.commands",
     "imu.commands",
-)  # packages, within this package, whose files can be subcommands
+)  # packages within `periph_sim` whose files can be subcommands
 
 SECTIONS = {  # sections of the command line's help; the decorator of each command names its section
     "run": "Run cases",
@@ -190,7 +190,10 @@ def run_command() -> None:
 
 
 def is_closed_pipe(error: OSError) -> bool:
-    """Return True if the program that reads the output has ended. On Windows, the error is EINVAL and names no file."""
+    """Return True if this error means that the program that reads the output has ended.
+
+    On Windows, it is then an EINVAL without a file name.
+    """
     invalid = os.name == "nt" and error.errno == errno.EINVAL and error.filename is None
     return invalid or isinstance(error, BrokenPipeError)
 

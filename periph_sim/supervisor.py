@@ -13,8 +13,8 @@ command ends by the same signal. If the worker's standard output was closed or r
 The worker names the temporary files of its outputs by `remove_unless_complete`. The waiting process removes them if the
 worker ends before its output is complete.
 
-SIGTERM and SIGHUP raise KeyboardInterrupt in the worker, as Ctrl-C does. If the waiting process is killed, the worker
-receives SIGTERM. On Windows, which has no `fork`, the command runs without a worker.
+SIGTERM and SIGHUP raise KeyboardInterrupt in the worker, as Ctrl-C does. On Linux, the worker receives SIGTERM if the
+waiting process is killed. On Windows, which has no `fork`, the command runs without a worker.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class Completion:
 def remove_unless_complete(file: str) -> None:
     """Ask the waiting process to remove a file if the worker ends before its output is complete."""
     if _temporary_files >= 0:
-        with suppress(OSError):  # user code has closed the pipe
+        with suppress(OSError):  # user code has closed the pipe, or the pipe is full
             os.write(_temporary_files, os.fsencode(os.path.abspath(file)) + b"\0")
 
 
@@ -112,14 +112,14 @@ def split(name: str, *, strict: bool = True) -> Completion:
     """Fork. The worker returns from this function. The waiting process exits with the worker's status.
 
     name: the command's name, for messages.
-    strict: True to exit with NO_VERDICT and a message if the worker has not called `complete`. False to exit with the
-        worker's own status in this case, unless that is 0.
+    strict: what to do if the worker exits without a call of `complete`. True: exit with NO_VERDICT and a message.
+        False: exit with the worker's status if it is not 0, otherwise as for True.
     """
     for stream in (sys.stdout, sys.stderr):
         if stream is not None:
             stream.flush()
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, _numbers(FORWARDED))
-    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # if a caller has set it to be ignored, waitpid returns no status
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # if SIGCHLD were ignored, waitpid would return no status
     global _temporary_files
     reader, writer = os.pipe()
     names, _temporary_files = os.pipe()
@@ -178,7 +178,8 @@ def _wait(worker: int, reader: int, names: int, mask: Iterable[int], name: str, 
                 os.unlink(file)
     if os.WIFSIGNALED(how):
         by = os.WTERMSIG(how)
-        if said.startswith(f"{worker} ".encode()) and by in _numbers(STOPPING):  # it was about to exit with this status
+        if said.startswith(f"{worker} ".encode()) and by in _numbers(STOPPING):
+            # The worker had already reported its exit status when the signal ended it, so this status is valid.
             os._exit(int(said.split()[1]))
         _die_by(by, name, complete)
     status = os.WEXITSTATUS(how)
@@ -217,7 +218,10 @@ _stopped_at = float("-inf")
 
 
 def _interrupt(number: int, _: FrameType | None) -> None:
-    """Handle a signal: raise KeyboardInterrupt, but only once for a signal and its forwarded copy."""
+    """Handle a signal: raise KeyboardInterrupt, unless another signal came less than REPEATED seconds before.
+
+    Ctrl-C reaches the worker twice: as a signal to the process group, and as the copy from the waiting process.
+    """
     global _stopped_at
     before, _stopped_at = _stopped_at, time.monotonic()
     if _stopped_at - before > REPEATED:
@@ -230,7 +234,8 @@ def _end_with(caller: int) -> None:
         import ctypes
 
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
-        if os.getppid() != caller:  # the waiting process had ended before this call, so no signal will come
+        if os.getppid() != caller:
+            # The waiting process had ended before `prctl` was called, so Linux will not send the signal.
             os._exit(NO_VERDICT)
 
 

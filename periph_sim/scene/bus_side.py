@@ -63,7 +63,7 @@ class BusSide:
 
     @property
     def period(self) -> int:
-        """Number of ticks, rounded down, between the due times of two rounds; 0 if the requests are not known."""
+        """Number of ticks, rounded down, from one round to the next; 0 if the requests are not known."""
         return 0 if self.asked is None else int(self.asked.period // 1)
 
     @property
@@ -72,14 +72,15 @@ class BusSide:
         return () if self.asked is None else self.asked.starts or ()
 
     def count(self, transfer: Transfer) -> None:
-        """Count the bytes of a transfer by the controller agent, and call `count_nacked` with the transfer."""
+        """Add the bytes of a transfer of the controller agent to `wire_bytes`, and call `count_nacked`."""
         self.wire_bytes += transfer.wire_bytes
         self.count_nacked(transfer)
 
     def count_nacked(self, transfer: Transfer) -> None:
         """Count a transfer in `nacked` if it was not acknowledged.
 
-        If the case has `ack_polling`, a write of only the address polls whether an EEPROM is ready and does not count.
+        If [rounds] has `ack_polling = true`, a write of only the address does not count: it polls whether an EEPROM is
+        ready.
         """
         first = transfer.phases[0]
         polls = self.asked is not None and self.asked.ack_polling and not first.read and not first.data

@@ -76,7 +76,7 @@ class CaseTicks(Struct, frozen=True):
 class SceneContext(CaseTicks, frozen=True):
     """The context that each builder of a scene's parts receives.
 
-    wire: a function that returns the wire with a given name, and creates the wire at the first call.
+    wire: a function that returns the wire with a given name. If there is no such wire yet, it is created.
     wiring: the names of the wires at each unit's pins.
     """
 

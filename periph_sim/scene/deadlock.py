@@ -76,7 +76,9 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
 def nothing_comes(
     dsp: Dsp, modules: list[str], may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]
 ) -> str:
-    """Return a phrase that says why no event of these modules and no wire will end a wait; "" if one may end it.
+    """Return a phrase that says why no event of these modules and no wire will end a wait.
+
+    Return "" if an event or a wire may end the wait.
 
     modules: the modules on whose events the end of the wait depends.
     """
@@ -132,7 +134,7 @@ def takes_interrupts(dsp: Dsp) -> bool:
 
 
 def refused(dsp: Dsp, instant: Callable[[int], str]) -> str:
-    """Return a phrase that says when I2CSTR.NACK was set, and what was not acknowledged; "" if it is not set."""
+    """Return a phrase that says when I2CSTR.NACK was set, and what was not acknowledged; "" if NACK is 0."""
     state = cast("I2c", dsp.sockets["I2C-A"].chip).state
     if not state.str & STR_NACK:
         return ""
@@ -171,8 +173,8 @@ def waking(dsp: Dsp) -> list[str]:
 def wires_into(dsp: Dsp, module: str) -> list[Wire]:
     """Return the wires that a module can read.
 
-    These are the wires of its input pins and of the pins that belong to no module. A module without inputs reads no
-    wires, and a module that can read any pin reads all wires of the unit.
+    For a module with input pins, these are the wires of these pins, and of the pins that belong to no module. For a
+    module without input pins, there are none. For a module that can read any pin, these are all wires of the unit.
     """
     wires, part = dsp.plan.wires, dsp.plan.part
     inputs = part.by_name[module].inputs
@@ -212,10 +214,13 @@ def _instant(scene: Scene, tick: int) -> str:
 def _may_move(scene: Scene, stuck: set[str], wire: Wire, parties: list[str]) -> bool:
     """Return True if one of these parties may still change the wire, or if an event is due within SETTLED.
 
-    stuck: the units whose waits cannot end, as far as known. These units do not change the wire.
+    stuck: the units whose waits cannot end, as far as known.
 
-    If no event is due, a controller that waits within a round does not change the wire. Chips and devices change SCL or
-    SDA without the master only if they hold the wire and an event is due.
+    A party may change the wire, with these exceptions:
+
+    - a unit in `stuck`;
+    - a chip or device on SCL or SDA, unless it holds the wire low and an event is due;
+    - a controller that waits within a round, if no event is due.
     """
     coming = scene.kernel.next_time()
     if coming <= scene.kernel.now + scene.timebase.ticks(SETTLED):

@@ -32,11 +32,12 @@ OF_MODELS = {"model age", "model run"}  # names of the records that an `AgeRecor
 class DerivedRecords:
     """The objects that derive records in a scene.
 
-    bytes: the object that compares read bytes with expected bytes; None if no subscriber needs these records.
+    bytes: the object that compares read bytes with expected bytes; None if no subscriber needs the
+        results.
     """
 
     def __init__(self, recorder: Recorder) -> None:
-        """Subscribe to the spans of firmware if the ages of model data are needed.
+        """Subscribe to the spans of firmware if the ages of the values of sensor models are needed.
 
         Create this object after all other subscriptions and before the units.
         """
@@ -103,7 +104,10 @@ class DerivedRecords:
         return self._ages
 
     def _attach_data(self, scene: Scene, named: set[str]) -> None:
-        """Attach the objects that derive DATA records. Origins are attached first, since the other objects use them."""
+        """Attach the objects that derive DATA records.
+
+        `Origins` finds the host frame whose values a read returned. It is attached first, since the others use it.
+        """
         checks_host = scene.case.checks_host
         origins: Origins | None = None
         if "age" in named or (named & OF_BYTES and checks_host):

@@ -87,6 +87,7 @@ def imported(
 ) -> T:
     """Return the result of `load`, which imports user code. Raise `refused(sentence)` if the import fails.
 
+    refused: a class of exceptions, or a function that returns an exception.
     what: the subject of the sentence, such as "firmware 'a.py'".
     folder: the folder of the imported file.
     passes: classes of exceptions that are raised unchanged.
@@ -100,7 +101,10 @@ def imported(
 
 
 def existing(path: Path, what: str, refused: Callable[[str], Exception]) -> Path:
-    """Return `path` unchanged. Raise `refused(why)` if there is no such file. what: the kind of file, for messages."""
+    """Return `path` unchanged. Raise the exception `refused(why)` if there is no such file.
+
+    what: the kind of file, for messages.
+    """
     if path.is_file():
         return path
     missing = f"{str(path)!r} is not a regular file" if path.exists() else f"there is no {what} {str(path)!r}"

@@ -3,8 +3,8 @@
     [host.motion], if given --> values of frame n --> Host --> RX
                                 '--> Truth at a tick, by the host's own clock
 
-Frames are scheduled by the clock of the host's computer, which has an error of `ppm`. The host's serial converter has a
-crystal of its own, so the bit rate has an error of its own, `error`.
+The clock of the PC determines when frames begin; its error is `ppm`. The crystal of the PC's serial converter
+determines the bit rate; its error is `error`.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class HostAgent:
 
     model: the model with which firmware computes the data of emulated chips; None if these chips return the values of
         frames.
-    frames: the source of the frames; None if the host has no [host.motion], so that the frames contain a ramp.
+    frames: the source of the frames; None if the host has no [host.motion]. Then the frames contain a ramp.
     values: a function from the number of a frame to the values in this frame.
     truth: the values that chips should measure; None if they are not known.
     """

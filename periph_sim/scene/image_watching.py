@@ -1,4 +1,4 @@
-"""Observers of a unit's image that a case and its budgets need.
+"""Observers of a unit's image. An observer is added only if the case needs it:
 
 unit.memory             --> PresetMemory: initial values of variables
 budgets, span records   --> FunctionSpans: a span for each function

@@ -1,9 +1,10 @@
-"""The log of a session: the levels that the outside party drives and the bytes that it sends, instant by instant.
+"""The log of a session: the levels that the outside party drives, and when bytes begin, instant by instant.
 
 Each line is a JSON value; the first line is the head of the log. `tick` counts from the start of the session.
 
 {"format": "periph-sim outside", "version": 1, "case": ..., "ticks_per_second": ..., "wires": [...],
- "file": ..., "set": [...]}             if the case has a file: its path from the log's folder, and its changes
+ "file": ..., "set": [...]}             if the case has a file: the path of the file, relative to the log's folder, and
+                                        the `key=value` changes that were applied to the case
 {"serial": "RX"}                        from the next instant on, the outside party sends bytes on this wire
 [tick, {"SCL": 0}, ["RX"]]              an instant: new levels of wires; wires on which a byte begins, if there are any
 {"end": tick}                           the end of the session; if missing, the end is one tick after the last instant
@@ -253,7 +254,8 @@ def logged_outside(context: SceneContext, wires: Mapping[str, Wire]) -> LoggedOu
 def _checked(path: Path, written: int, size: int) -> str:
     """Return a sentence that says what is missing at the end of a log, or "". Raise BadLog if the log is damaged.
 
-    written, size: the modification time and the size of the file. If they are new, the file is checked again.
+    written, size: the modification time and the size of the file. If they have changed since an earlier call, the file
+        is read again; otherwise the result comes from a cache.
     """
     reader = LogReader(path)
     for _ in reader.instants():

@@ -99,7 +99,8 @@ def _judged(case: Case, driven: Case) -> Iterator[bool]:
     """Yield, for each budget of `case`, True if the budget can be judged in `driven`, which lacks a replaced party."""
     timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
     start = timebase.ticks(case.start, "nearest")
-    # This call raises BadCase for a budget that is wrong whether or not an outside party replaces a party of the case.
+    # This call is only a check: it raises BadCase for a budget that is wrong in itself. Budgets that only lack the
+    # replaced party are found below.
     limit_plans(CaseTicks(case, timebase, start), scope_of_case(case))
     rounds = case.controller or case.rounds
     lost = case.host is not None and driven.host is None

@@ -1,7 +1,8 @@
 """Settings of a repository: `[tool.periph-sim]` of the nearest pyproject.toml.
 
     [tool.periph-sim]
-    cases = ["timing", "bench/line.toml"]   cases that `check` runs without arguments; default: timing, else this folder
+    cases = ["timing", "bench/line.toml"]   cases that `check` runs without arguments; default: the folder timing, or
+                                            the folder of the pyproject.toml if there is no timing
     baselines = "ci/figures"                folder of their baselines; default: baselines/ beside each case
     guaranteed = true                       `run`, `check` and `watch` reject it, since no verdict is guaranteed yet
     jobs = 2                                number of processes of `check`

@@ -206,7 +206,7 @@ class Scene:
     # Building the scene ------------------------------------------------------------------
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """Raise BadCase if a budget needs a part, a table of [serial] or a motion that this scene does not have.
+        """Raise BadCase if a budget needs a part, a table of [serial] or a [host.motion] that this scene lacks.
 
         Such a budget could never be broken.
 
@@ -289,7 +289,7 @@ class Scene:
 
         progress: called up to a hundred times, with the fraction of the run that is done.
 
-        If the case has a log in [outside], the run ends like the session: before the events of its last tick.
+        If the case has a log in [outside], the run ends before the events of its last tick, as the session did.
 
         Raise BadCase, before anything runs, if the run would have too many ticks, or if the case has an [outside]
         without a log.

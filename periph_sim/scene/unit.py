@@ -50,9 +50,9 @@ class FirmwareModel(Protocol):
         """
 
     def truth(self, motion: Any, first: Fraction) -> Truth:
-        """Return the values that ideal chips would measure during a motion of the host.
+        """Return the values that ideal chips would measure during the motion that the host's frames describe.
 
-        first: the time in the motion at which frame 0 is due, in seconds.
+        first: the time in the motion that frame 0 describes, in seconds.
         """
 
     def attitude(self, readings: Mapping[str, Sequence[float]]) -> list[float] | None:

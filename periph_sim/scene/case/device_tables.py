@@ -22,10 +22,11 @@ class FaultTrigger(Table, frozen=True, kw_only=True):
 
     bytes: numbers of affected bytes: `[3]`; 0 is the address; all if omitted
     access: affected accesses: `"read"`, `"write"` or `"any"`
-    phases: numbers of affected phases, counted from 1 among addresses that match `access`: `[1, 4]`; all if omitted
-    share: part of these bytes that is affected, chosen at random
+    phases: numbers of affected phases: `[1, 4]`; all if omitted. A phase is a START with this address. Phases that
+        match `access` are numbered from 1
+    share: probability that each of these bytes is affected
     after: time from which bytes are affected
-    until: time up to which bytes are affected; otherwise the end of the run
+    until: time up to which bytes are affected; the end of the run if omitted
     """
 
     bytes: tuple[ByteNumber, ...] = ()

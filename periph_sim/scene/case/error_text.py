@@ -66,7 +66,8 @@ def complaint(first: Mistake, above: Place = ()) -> str:
         return f"there is no such key; {did_you_mean(str(first.place[-1]), first.known)}"
     if first.is_missing:
         return "it is missing"
-    found = str(first.found).lower() if isinstance(first.found, bool) else repr(first.found)  # as TOML spells it
+    # TOML writes true and false in lower case.
+    found = str(first.found).lower() if isinstance(first.found, bool) else repr(first.found)
     is_list = isinstance(first.found, list)
     tables = first.found if is_list else [first.found]
     if first.what in ("expected a table", LIST_OF_TABLES) and all(isinstance(one, dict) for one in tables):
@@ -75,8 +76,8 @@ def complaint(first: Mistake, above: Place = ()) -> str:
             return f"expected one table; write its header in single brackets, as in [{header}]"
         return f"{first.what}; write its header in double brackets, as in [[{header}]]"
     quoted_already = first.found is NOTHING
-    # The value is not quoted if the message of the check already quotes the value or a text in the value.
-    # A BadCase here is about a file that the value names, so its message is complete without the value.
+    # The value is not quoted if the message of the check already quotes the value or, for a list, one of its texts.
+    # If the check raised BadCase, the value names a file, and the message about this file needs no value.
     if first.error is not None:
         quoted = [found, repr(first.found), *(repr(one) for one in tables if isinstance(one, str))]
         quoted_already |= (
@@ -110,8 +111,10 @@ def own_settings(case: Case, kind: type[Table], table: DeviceTable | WatchTable,
 def checked_options(case: Case, kind: type[T], given: dict[str, Value], *place: str) -> T:
     """Return the answers to the open questions of a chip or module. Raise BadCase for a wrong answer.
 
-    kind: the class whose fields are the questions. given: the answers that the case chooses. place: the keys of the
-    case that lead to these answers. Each answer is checked alone, so that the message has the line of the wrong one.
+    kind: the class whose fields are the questions.
+    given: the answers that the case chooses. Each is checked separately, so that the message has the line of the
+        wrong answer.
+    place: the keys of the case that lead to these answers.
     """
     for name, value in given.items():
         try:

@@ -83,7 +83,7 @@ class Case(Table, frozen=True, kw_only=True):
     budget: tuple[Budget, ...] = ()
     breaks: tuple[str, ...] = ()
     _source: Source | None = None
-    _all_budgets: tuple[Budget, ...] = ()  # all budgets of the file, if some were removed from `budget`
+    _all_budgets: tuple[Budget, ...] = ()  # all budgets of the file; empty if none were removed from `budget`
     _replaced: dict[str, str] = {}  # maps each replaced party to a sentence about its replacement
 
     @classmethod
@@ -171,7 +171,7 @@ class Case(Table, frozen=True, kw_only=True):
         return None if self._source is None else self._source.path
 
     def files(self) -> Iterator[Path]:
-        """Yield the case's file, and the files that texts in the case may name or that those files may use.
+        """Yield the case's file, the files that texts in the case may name, and the files that these may import.
 
         See `named_files`.
         """
@@ -186,7 +186,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def replaced(self) -> tuple[str, ...]:
-        """A sentence about each party of the case that an outside party replaces or is beside."""
+        """A sentence about each party of the case that an outside party replaces, or that stays active beside it."""
         return tuple(self._replaced.values())
 
     @property
@@ -234,7 +234,11 @@ class Case(Table, frozen=True, kw_only=True):
         return self.mistake(f"there is no {kind} {name!r}; {did_you_mean(name, known)}", *place)
 
     def line(self, *place: str | int) -> int:
-        """Return the line of a key, or of its table, in the case's file; 0 if there is no file or no such key."""
+        """Return the line of a key in the case's file.
+
+        If the key is not written there, return the line with the header of its table. Return 0 if there is neither, or
+        no file.
+        """
         return 0 if self._source is None else line_of(self._source.text, self._written(place))
 
     def _named(self) -> dict[str, Any]:
@@ -251,8 +255,9 @@ class Case(Table, frozen=True, kw_only=True):
     def _written(self, place: tuple[str | int, ...]) -> tuple[str | int, ...]:
         """Convert a place in this case to the corresponding place in its file.
 
-        The index of a budget can differ, because budgets that need a replaced party are only in the file. The place of
-        a budget that was made for an expected reply, a silence or a watched wire is that of the corresponding table.
+        Only places of budgets differ. The index of a budget can be different in the file, because the file also has the
+        budgets that need a replaced party. A budget that was made for an expected reply, a silence or a watched wire is
+        at the place of the table of the reply, send or watch.
         """
         if len(place) < 2 or place[0] != "budget":
             return place

@@ -32,7 +32,7 @@ def _checked_names(value: object) -> object:
 
 
 def _checked_level(value: object) -> object:
-    """Return the value of the obsolete key `fidelity` as a text. Raise ValueError if OBSOLETE_LEVELS lacks a level."""
+    """Return the value of the obsolete key `fidelity` as a text. Raise ValueError for an unknown level."""
     levels = [*_levels(value)] if isinstance(value, dict) else [value]
     for level in levels:
         if isinstance(level, str) and level in removed.LEVELS:

@@ -119,5 +119,5 @@ def named_files(folder: Path, texts: Iterable[str]) -> Iterator[Path]:
         yield file
         if file.suffix in BESIDE:
             yield from file.parent.glob(BESIDE[file.suffix])
-        elif file.is_dir():  # the folder may contain headers
+        elif file.is_dir():  # the text may name a folder with C headers
             yield from file.glob("*.h")

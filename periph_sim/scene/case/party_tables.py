@@ -63,25 +63,26 @@ class Controller(Table, frozen=True, kw_only=True):
     A round that is due while the previous one runs is missed.
 
     rate: SCL frequency, up to 5 MHz
-    ppm: clock error, parts per million; rounds do not drift, SCL phases round to the nearest tick
-    low, high: SCL low and high time; otherwise half a period
+    ppm: clock error, parts per million. SCL low and high times are rounded to the nearest tick, rounds do not drift
+    low, high: SCL low and high time; half a period of `rate` if omitted
     hold: time from an SCL fall to the SDA change; at most `low`
     filter: pulses on SDA shorter than this are ignored (Fast-mode: 50 ns)
     first: time of the first round
     period: time between rounds
     jitter: largest random delay of a round; at most `period`
     gap: time between transfers of a round; at least the bus-free time
-    rounds: number of rounds; otherwise until the end
-    pointer_by: condition between pointer and read: `"repeated START"` or `"STOP"`
+    rounds: number of rounds; if omitted, rounds continue to the end of the run
+    pointer_by: what follows the register pointer before the read: `"repeated START"` or `"STOP"`
     order: known chips to read: gyroscope, accelerometer, magnetometer, or a plugin's
     request: further requests, `[[controller.request]]`
     initialise: time before `first` at which the known chips are identified and set up
-    check: `"host"`: compare known chips with the host's frames or the firmware's sensor models; the latter need
-        `pins = { MODEL = 34 }`, high while they run
-    on_nack: after a refused data byte: `"go on"` with the next phase or `"give up"` with a STOP
+    check: `"host"`: the bytes read from known chips are compared with the host's frames. If the firmware has sensor
+        models, they are compared with the models' results. Then the unit needs a pin that is high while the models
+        run: `pins = { MODEL = 34 }`
+    on_nack: after a written byte without ACK: `"go on"` with the next phase or `"give up"` with a STOP
     stuck_after: a line low this long is reported with its holder
-    clear_after: time from a START refused with SCL high to a bus clear (UM10204 section 3.1.16): up to nine clocks,
-        then STOP
+    clear_after: if a START is due but the bus stays busy with SCL high (SDA low, or no STOP), time until a bus clear
+        (UM10204 section 3.1.16): up to nine clocks, then STOP
     beside_outside: `true`: stays active if an outside party drives SDA and SCL
     """
 
@@ -132,7 +133,7 @@ class RoundsTable(Table, frozen=True, kw_only=True):
 
     order, request: as in `[controller]`
     period: time between rounds
-    rounds: number of rounds due; otherwise until the end
+    rounds: number of rounds due; if omitted, rounds are due to the end of the run
     pointer_by, check: as in `[controller]`
     ack_polling: `true`: an address-only write is no request, but EEPROM polling
     stuck_after: limit of measure `stuck`
@@ -158,8 +159,8 @@ class ValueTable(Table, frozen=True, kw_only=True):
     fixed: constant x, y, z
     rows: time, x, y, z, held until the next row: `[["0 s", 0, 0, -1], ["2 s", 0, 0.5, -0.9]]`
     ramp: `"angles"` or `"accelerations"` of the host's frames, in LSB
-    first: time of the first frame's numbers, with `ramp`
-    period: time between frames, with `ramp`
+    first: with `ramp`, time from which the numbers of the first frame apply
+    period: with `ramp`, time between frames
     unit: `"physical"` (deg/s, g, gauss) or `"LSB"` of the scale that `registers` sets
     """
 
@@ -219,7 +220,7 @@ class HostTable(Table, frozen=True, kw_only=True):
     paced_by: `"schedule"`: frame n is due n periods after the first; `"pause"`: one period after the previous frame
         began, so delays add up
     gap: idle bits between bytes
-    frames: number of frames; otherwise until the end
+    frames: number of frames; if omitted, frames continue to the end of the run
     lose: omitted bytes as [frame, byte] from 0: `[[3, 5]]`
     silent: spans without frames, [begin, length]: `[["1 s", "200 ms"]]`
     twice: frames sent twice, numbered from 0: `[7]`

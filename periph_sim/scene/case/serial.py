@@ -88,7 +88,7 @@ class SendTable(SerialEntry, frozen=True, kw_only=True):
     after_text, after_bytes: characters from the SCI that trigger the send
     delay: time from the event to the first start bit
     period: time between repetitions after the first event
-    times: maximum number of sends: with `period` unlimited if omitted; otherwise 1, or `"all"` for every event
+    times: maximum number of sends; `"all"` for no limit. If omitted: no limit with `period`, 1 without it
     gap: idle time between characters
     wrong_parity: characters sent with wrong parity, numbered from 0, address included
     missing_stop: characters with low stop bits; an idle bit follows
@@ -134,15 +134,15 @@ class ExpectTable(SerialEntry, frozen=True, kw_only=True):
     """A reply that an SCI must send: exactly one of `text`, `bytes` and `file`, after one of `after_send`, `after` and
     `at`.
 
-    Each entry is a budget of its name with the measure `reply:NAME`. A different or missing reply breaks it. Without a
-    request it is not judged.
+    Each entry is a budget of its name with the measure `reply:NAME`. A different or missing reply breaks it. If the
+    reply never becomes due, the budget is not judged.
 
     name: name, distinct from those of budgets
     from: sending SCI, written as in `to`
-    after_send: send after which the reply is expected each time. Characters count from the start of the send, as an
-        echo begins during it; the time counts from its end
-    within: time limit for the last character's end; takes the place of `max`, also in `--set`. Refused if send and
-        `within` are together shorter than the reply
+    after_send: name of a send. Each time it is sent, a reply is expected. The reply may begin during the send, as an
+        echo does; its time counts from the end of the send
+    within: time limit for the end of the last character; takes the place of `max`, also in `--set`. The reply must not
+        be longer than the send and `within` together
     anywhere: `true`: other characters may precede the reply
     why: reason, shown with the verdict
     """

@@ -16,12 +16,13 @@ COMPILED = CodeCosts()
 
 
 class Code(Table, frozen=True, kw_only=True):
-    """Cycles of code between the register accesses of Python firmware. The defaults were counted in compiled programs.
+    """Cycles of code between the register accesses of Python firmware and C sources. The defaults were counted in
+    compiled programs.
 
     between_accesses: cycles before each register access outside wait conditions; compiled programs had 1 to 15
-    poll_pass: cycles of each pass of a wait that reads one register of frame 2 (SCI, I2C); compiled programs had 7 to
-        21; `dsp.spin(..., pass_cycles=21)` sets them for one wait
-    isr_prologue: cycles that save registers beyond the CPU's 14 words; compiled programs had 6 to 22
+    poll_pass: cycles of each pass of a wait that reads one register of peripheral frame 2 (SCI, I2C); compiled
+        programs had 7 to 21; `dsp.spin(..., pass_cycles=21)` sets them for one wait
+    isr_prologue: cycles that save registers, besides the 14 words that the CPU saves; compiled programs had 6 to 22
     isr_epilogue: cycles that restore registers before IRET; compiled programs had 3 to 18
     """
 
@@ -71,14 +72,14 @@ class Unit(Table, frozen=True, kw_only=True):
     memory: initial values of an image's variables: `{ _gain = 3, "table[2]" = 1 }`
     settings: values of the firmware's `Settings`
     part: `F28335`, or `F28334` with half the flash
-    modules: any of SCI-A, SCI-B, SCI-C, I2C-A, SPI-A, GPIO, XINT, TIMER0, TIMER1, TIMER2
+    modules: modules that are simulated, any of SCI-A, SCI-B, SCI-C, I2C-A, SPI-A, GPIO, XINT, TIMER0, TIMER1, TIMER2
     oscclk: crystal or XCLKIN, 4 to 150 MHz
     pll: PLLCR.DIV; SYSCLKOUT is oscclk * pll / 2
     ppm: crystal error, parts per million
     from_boot: `true`: main starts with reset clocks and a running watchdog; `false`: after TI's start-up code
-    skip_polls: `false` executes each pass of a wait, with equal results
+    skip_polls: `false`: each pass of a wait is executed, which is slower and gives equal results
     pins: wire names of GPIO pins: `{ MODEL = 34 }`
-    code: cycles of compiled code, `[unit.NAME.code]`
+    code: cycles between the accesses of Python firmware or C sources, `[unit.NAME.code]`
     options: choices for undocumented behaviour, `[unit.NAME.options.i2c]`, `.sci`, `.spi`, `.system`; see
         options.md
     """

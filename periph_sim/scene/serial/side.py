@@ -98,7 +98,10 @@ class SerialSide:
         return {wire: self._line_of(sender) for wire, sender in self._senders.items()}
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        """Add the measure of a reply. Return the expected reply, and a function that says why no reply was ever due."""
+        """Add the measure of a reply.
+
+        Return the expected reply, and a function that returns why the reply was never due.
+        """
         names = [expect.name for expect in self._table.expect]
         number = names.index(reply.name)
         self._replies[number].append(reply)
@@ -111,7 +114,8 @@ class SerialSide:
         characters of all SCIs in [serial]. The measure for notes, `_unasked`, counts only characters of SCIs from which
         replies are expected.
 
-        Return a function that returns characters as text, and one that returns why the send never began.
+        Return a function that returns characters as text, and a function that returns why the send that the measure
+        names never began.
         """
         self._is_judged |= not measure.name
         table, named = self._table, partial(sci_named, self._case)
@@ -122,7 +126,7 @@ class SerialSide:
         for sci in dict.fromkeys(scis):
             numbers = [number for number, one in enumerate(table.expect) if named(one.from_) == sci]
             if measure is self._unasked and len({self._line(table.expect[number]) for number in numbers}) > 1:
-                continue  # the replies of this SCI have different formats, so no format can read all characters
+                continue  # the replies of this SCI differ in rate or format, so no format can read all characters
             self._listen(sci, expected.get(sci), partial(self._unexpected, measure, sci, numbers))
         if measure.name:
             self._silences.append((scis[0], measure))
@@ -332,9 +336,9 @@ class SerialSide:
     # Reading lines ------------------------------------------------------------------------
 
     def _listen(self, sci: SciLines, entry: SerialEntry | None, callback: Callable[[Heard], None]) -> None:
-        """Call `callback` at the end of each frame that an SCI sends, read with the rate and format of `entry`.
+        """Call `callback` at the end of each character that an SCI sends, read with the rate and format of `entry`.
 
-        On a pair, only frames that begin while the SCI's driver is on are frames of this SCI.
+        On an RS-485 pair, a character is from this SCI only if it begins while the SCI's driver is on.
         """
         transceiver = self._pairs.of(sci.unit, sci.module)
         wire = sci.tx if transceiver is None else transceiver.pair.wire.name
@@ -357,6 +361,6 @@ class SerialSide:
 
 
 def _if_driven(driver: Driver, callback: Callable[[Heard], None], frame: Heard) -> None:
-    """Call `callback` with a frame if it began while the driver was on, because then this driver has sent it."""
+    """Call `callback` with a UART frame if it began while the driver was on, because then this driver sent it."""
     if driver.was_on(frame.begin):
         callback(frame)

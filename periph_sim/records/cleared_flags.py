@@ -90,7 +90,7 @@ class Cleared:
         self.ticks: list[int] | None = [] if keeps_ticks else None
 
     def add(self, other: Cleared) -> None:
-        """Add the count of `other`, and take its first tick if that is earlier. Its other ticks are not added."""
+        """Add the count of `other`, and take its first tick if that is earlier. `ticks` does not change."""
         if other.count and (not self.count or other.first < self.first):
             self.first = other.first
         self.count += other.count
@@ -151,7 +151,7 @@ class FieldReads:
                 read.number = number
                 return
         for read in self._reads:
-            if read.field == field:  # equal strings can be different objects, which the loop above does not find
+            if read.field == field:  # equal strings can be different objects; the first, faster loop compares objects
                 read.field, read.number = field, number
                 return
         read = FieldRead()
@@ -171,7 +171,7 @@ class ModifiesOfPlace:
     count: number of read-modify-writes.
     proven: mask of the bits that were at least once written as 1 although they had been read as 0.
     always: mask of the bits that every write set to 1.
-    last_reads: the last read of each field by these read-modify-writes.
+    last_reads: for each field that these read-modify-writes assign, their last read of the register.
     named: names of the fields that the statements at this place assign; empty if they assign the whole register.
     """
 
@@ -247,7 +247,7 @@ class ClearedRegister:
             last.cleared |= flag.mask
 
     def written(self, number: int, tick: int, value: int, place: Text) -> Modify:
-        """Process the record of a write that belongs to a read-modify-write. Return the argument `made` of `judge`."""
+        """Process the record of a write that belongs to a read-modify-write. Return it as `judge` needs it (`made`)."""
         made = Modify()
         made.number, made.tick, made.written, made.cleared, made.place = number, tick, value, 0, place
         made.rose = [flag.rose for flag in self.flags]

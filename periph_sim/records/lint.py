@@ -40,7 +40,7 @@ class Fault(NamedTuple):
 
 @dataclass(frozen=True)
 class Options:
-    """Options of lints. bound: the longest time in seconds that a wait on one register may take."""
+    """Options of lints. bound: the longest time in seconds that a wait in a polling loop may take."""
 
     bound: Fraction = Fraction(20, 1000)
 

@@ -23,9 +23,10 @@ Number = TypeVar("Number", np.int64, np.bool_)
 
 SHORTEST_PASS, LONGEST_PASS = 4, 400  # minimum and maximum cycles of a pass of a polling loop
 MOST_READS = 3  # maximum number of reads of one register in a pass
-# The most frequent length of the recorded passes is accepted if most passes are a multiple of it: more than
-# PASSES_AGREE of them for passes with one read, more than MORE_AGREE for passes with several reads. In addition, at
-# least GAPS_AGREE of the changes must be in gaps that fit this length.
+# The length of a pass is assumed to be the most frequent length of the recorded passes. These constants are the shares
+# of passes and gaps that must agree with it. PASSES_AGREE: the share of recorded passes whose length must be a multiple
+# of the assumed one, if a pass has one read. MORE_AGREE: this share, if a pass has several reads. GAPS_AGREE: the share
+# of changes that must be in gaps that fit the assumed length.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
 # If no pass was recorded, the loop is assumed to have one read, and the greatest common divisor of the gaps is taken as
 # the length of a pass. This needs at least FEW_GAPS gaps.
@@ -38,7 +39,8 @@ class Polls(NamedTuple):
     before: for each change, the tick of the last skipped poll before it in the same gap; -1 if there is none.
     after: for each change, the tick of the first skipped poll at or after it in the same gap; -1 if there is none.
     changes: the rows of these changes.
-    unplaced: for each gap with a change whose polls could not be reconstructed, the index of the read before the gap.
+    unplaced: for each gap with a change whose polls could not be reconstructed, the index of the read before the gap in
+        the argument `reads`.
     """
 
     before: Rows

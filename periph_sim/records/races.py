@@ -30,7 +30,7 @@ NEVER = np.iinfo(np.int64).max
 
 @dataclass(frozen=True)
 class NearMiss:
-    """The read that came closest to a change, before it or after it.
+    """The read that came closest to a change on one side: before the change, or after it.
 
     cycles: distance between read and change.
     tick: the tick of the read.

@@ -1,9 +1,11 @@
-"""Read-modify-writes of a run: the read and the write of one statement, and the flags that they lose.
+"""Read-modify-writes of a run: the read and the write of one statement, and the flags that are lost.
 
     i2c.I2CSTR.SCD = 1     reads I2CSTR, sets SCD, and writes I2CSTR a few cycles later; this also clears every other
                            flag that was read as 1. Both accesses have the same place, routine and field.
 
 The CPU may make other accesses before the write is made, so the write need not be the next access.
+
+A flag is lost if it is cleared before the firmware has read it after its last rise.
 """
 
 from __future__ import annotations

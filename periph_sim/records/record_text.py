@@ -1,12 +1,12 @@
 """Formatting of records as text, and decoding of the values of BUS records.
 
 The value of a BUS record with a byte is the byte, shifted left by one; its lowest bit is the bit after the byte, 1 for
-NACK. Examples of a record's kind, `what` and value, and of its text:
+NACK. Examples of a record's kind, `what` and value, and of its text (the last record names the field SCD):
 
-BUS address 0x1A1   "controller: 0x68 W NACK (gyroscope)"
-BUS byte 0x22       "controller: 0x11 ACK (gyroscope)"
-FLAG I2CSTR.SDIR 1  "I2C-A.I2CSTR.SDIR set"
-ACCESS W I2CSTR     "I2C-A.I2CSTR written, 0x5638 (SCD = 1)"
+BUS address 0x1A1               "controller: 0x68 W NACK (gyroscope)"
+BUS byte 0x22                   "controller: 0x11 ACK (gyroscope)"
+FLAG I2CSTR.SDIR 1              "I2C-A.I2CSTR.SDIR set"
+ACCESS W I2C-A.I2CSTR 0x5638    "I2C-A.I2CSTR written, 0x5638 (SCD = 1)"
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def bus_byte(record: Record) -> BusByte | None:
 
 
 def on_the_bus(record: Record) -> str:
-    """Return a BUS or FRAME record as text without its party and its own text: "START", "0x68 R ACK", "0x55"."""
+    """Return what was on the line at a BUS or FRAME record as text: "START", "0x68 R ACK", "0x55"."""
     if record.kind is Kind.FRAME:
         return (
             "frame" if record.what == "begin" else record.what if record.what in PAIR_PARTS else f"0x{record.value:02X}"

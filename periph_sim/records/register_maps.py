@@ -41,4 +41,6 @@ def one_clears(register: Register) -> tuple[Field, ...]:
 
 
 MODIFY = 4  # maximum number of cycles between the read and the write of a read-modify-write
-OVERTAKEN = 3  # maximum number of accesses from the read of a read-modify-write to its write; 1: the next access
+# The write of a read-modify-write is at most this number of accesses of its routine after the read. With 1, it would
+# have to be the very next access.
+OVERTAKEN = 3

@@ -108,7 +108,8 @@ class Run:
     def rows(self, kind: Kind, where: str | None = None, what: str | None = None) -> Rows:
         """Return the rows of the records of a kind, in the order of their ticks.
 
-        where, what: the place of the records, such as a wire, and their subject, such as a register; None for any.
+        where, what: the values of `Record.where`, such as the name of a wire, and `Record.what`, such as the
+            register and the field; None for any value.
         """
         key = kind, where, what
         if key not in self._rows:

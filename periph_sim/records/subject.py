@@ -20,7 +20,8 @@ from ..f28335.memory.ram import MEMORY
 from .register_maps import is_status, registers_of
 from .run import Group, NotInRun, Run
 
-COARSEST = Fraction(1, 10**6)  # in seconds: a time given in larger steps, such as "12 ms", is taken as exact
+# In seconds: a time whose last digit stands for more than this, such as "12 ms", is taken as exact.
+COARSEST = Fraction(1, 10**6)
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ class RecordedSignal:
 
     unit: the unit that has the signal; "" for a wire.
     where, what: `Record.where` and `Record.what` in the records of the signal.
-    module, register, field: "" and None if the signal is not a field.
+    module, register, field: the module, register and field of a field; "", None and None for another signal.
     """
 
     kind: Kind
@@ -43,7 +44,7 @@ class RecordedSignal:
 
 
 def asked(run: Run, question: str) -> tuple[RecordedSignal, int]:
-    """Return the signal and the tick of a question, as NAME@TIME. Raise NotInRun if the run does not have them."""
+    """Return the signal and the tick of a question NAME@TIME. Raise NotInRun if the run does not have them."""
     name, at, time = question.rpartition("@")
     if not at or not name.strip():
         raise NotInRun(f"{question!r}: expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us")
@@ -100,7 +101,7 @@ def _tick(run: Run, text: str, subject: RecordedSignal) -> int:
     """Return the tick that a time in a question means.
 
     Reports show rounded times. Therefore, if the time of a change of the signal rounds to the typed time, the result is
-    the tick of this change. A time without digits of a microsecond or less (COARSEST) is taken as exact.
+    the tick of this change. A time whose last digit stands for more than COARSEST, such as "12 ms", is taken as exact.
     """
     try:
         at = seconds(text)
@@ -127,8 +128,9 @@ def _last_digit(text: str) -> Fraction:
 
 
 def _hint(known: list[RecordedSignal], name: str) -> str:
-    """Return a suggestion for `name`: the most similar known names with the same number of parts.
+    """Return a suggestion for `name`: the most similar known names.
 
+    If `name` leaves out the first parts of a full name, such as the unit, known names are compared without these parts.
     If no name is similar, the suggestion says which signals the run has.
     """
     parts = name.count(".") + 1
@@ -146,7 +148,7 @@ def _folded(name: str) -> str:
 
 
 def groups_of(run: Run, register: str | None) -> list[tuple[Group, Field | None]]:
-    """Return the groups of accesses to a register, each with the chosen field; None in its place means all fields.
+    """Return the groups of accesses to a register, each with the field that is selected; None for all fields.
 
     Raise NotInRun if the firmware never accessed the register.
 

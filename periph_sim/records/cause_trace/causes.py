@@ -7,12 +7,15 @@ causes of accesses. A look is a read that is not the first half of a read-modify
 
     cause of a write: of the earlier looks in the same routine, the look that saw the newest change;
                       if there is no look, the entry of the service routine;
-                      in the main program, the change of a flag that the write only wrote back
+                      in the main program without a look, the earlier change of a field that is written back
     cause of a read:  the last change of the fields that were read;
                       if they had not changed before, the entry of the service routine
 
+A field is written back if a read-modify-write writes it with the value that it has read, in order to change another
+field.
+
 Some records are no cause of an access, but are shown beside its cause: the read that belongs to the same
-read-modify-write, the change of a flag that the write only wrote back, later looks, and service routines that delayed
+read-modify-write, the earlier change of a field that is written back, later looks, and service routines that delayed
 the firmware.
 """
 
@@ -46,8 +49,9 @@ class Link(NamedTuple):
     known: RECORDED or INFERRED, the source of the relation; "" for the record whose causes are searched.
     because: the relation, as a phrase.
     aside: True if the record is only additional information and not the cause. The search does not continue from it.
-    of: the row of the other record. It is -1 in the first link, which has no relation. In the results of `causes`, -1
-        means the record that was passed to `causes`.
+    of: the row of the other record, which this record explains. -1 if there is none: in the first link of `walk_back`,
+        and in links that are not part of a search. `causes` returns -1 for the record that was passed to it;
+        `walk_back` puts the row of that record in its place.
     """
 
     row: int
@@ -64,7 +68,8 @@ def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) ->
     If the list is empty or its last link is `aside`, no cause was found. This happens only in the main program, if
     neither a change nor an earlier read explains the access.
 
-    flag: the last change of a field that the search has passed on its way back to this access; None if there is none.
+    flag: the record of a field's change that the search visited most recently on its way back to this access; None if
+        it visited none.
     """
     routine = run.row_of(record.cause)
     entry = [] if routine is None else [Link(routine, run.record(routine), RECORDED, "its service routine began")]
@@ -178,13 +183,13 @@ def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
 
 
 def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
-    """Return links to the read half of a write's read-modify-write and, if it applies, to an earlier change of a flag.
+    """Return links to the read half of a write's read-modify-write and, possibly, to an earlier change of a field.
 
-    The list is empty if the write does not belong to a read-modify-write.
+    The list is empty if the write does not belong to a read-modify-write. If the write only wrote the field of `flag`
+    back (`handed_back`), the list ends with a link to the change of this field that the read half saw.
 
-    flag: the last change of a field that the search has passed on its way back to this write; None if there is none. If
-        the write only wrote this field back (`handed_back`), the result ends with a link to the earlier change of the
-        field that the read half saw.
+    flag: the record of a field's change that the search visited most recently on its way back to this write; None if
+        it visited none.
     """
     read = read_modify_writes(run, record.where).read_of(row)
     if read is None:
@@ -202,7 +207,7 @@ def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[L
 
 
 def handed_back(write: Record, read: int, flag: Record) -> Field | None:
-    """Return the field that `flag` changed, if the write only wrote the field back as it had been read; else None.
+    """Return the field whose change `flag` records, if the write only wrote back what had been read; else None.
 
     If the field is cleared by writing 1, a 1 must have been written back, because a 0 has no effect. Any other field
     must be one that the firmware did not name in the write.
@@ -264,7 +269,8 @@ def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> li
 
     The last link is the cause. If the list is empty or its last link is `aside`, the cause is not known.
 
-    flag: the last change of a field that the search has passed on its way back to this record; None if there is none.
+    flag: the record of a field's change that the search visited most recently on its way back to this record; None if
+        it visited none.
     """
     kind = record.kind
     if kind is Kind.ACCESS:
@@ -332,7 +338,7 @@ def _of_interrupt(run: Run, row: int, record: Record) -> list[Link]:
 
 
 def _of_party(run: Run, row: int, record: Record) -> list[Link]:
-    """Return a link to the last BUS or FRAME record of the party that pulled or released the wire."""
+    """Return a link to the last BUS or FRAME record of the party that moved the wire; no link if there is none."""
     party = mover(run, row, record)
     rows = np.sort(np.concatenate([run.rows(kind, party) for kind in (Kind.BUS, Kind.FRAME)]))
     found = run.last(rows, record.tick, row)
@@ -372,10 +378,10 @@ def wire_rows(run: Run, wire: str) -> Rows:
 
 
 def causes_of_hold(run: Run, row: int, record: Record) -> list[Link]:
-    """Return a link to the earlier record since which all parties named in `record` have held the wire low.
+    """Return a link to the earlier record at which the last of the parties named in `record` began to pull.
 
-    Return no link if one of these parties began to pull with `record` itself: the cause of `record` then explains the
-    level of the wire.
+    Since then, all of them have held the wire low. Return no link if one of these parties began to pull with `record`
+    itself: the cause of `record` then explains the level of the wire.
     """
     ours = set(_named(record.text))
     joined = row

@@ -35,8 +35,9 @@ class Answer:
     tick: the instant of the question.
     value: the value of the signal; None if it is not known, as for a variable before its first recorded change.
     since: the tick from which the signal had the value; 0 if the signal had not changed before.
-    back: the record that gave the value, then its causes; empty if the signal had not changed before. For a wire that
-        is low, `back` begins with the last record at which the set of parties that hold the wire low changed.
+    back: the record that gave the value, then the causes of this record; empty if the signal had not changed before.
+        For a wire that is low, the first record is instead the last one, up to `tick`, at which the set of parties that
+        hold the wire low changed.
     pulled_by: the parties that first pulled the wire low; empty if the signal is not a wire that is low.
     held_by: the parties that hold the wire low at `tick`; empty if the signal is not a wire that is low.
     effects: the first records, at most EFFECTS, whose cause is the record that gave the value.
@@ -198,7 +199,7 @@ def said(run: Run, step: Link) -> str:
 
 
 def _with_source(words: str) -> str:
-    """Return the text so that no line is broken within the section of the manual at its end, if there is one."""
+    """Return the text with its last part, "[section of the manual]", protected against line breaks."""
     what, bracket, source = words.partition(" [")
     return f"{what} {together(f'[{source}')}" if bracket else words
 

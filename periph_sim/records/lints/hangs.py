@@ -23,8 +23,8 @@ def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
 
     A wait is a polling loop: one read, or up to LONGEST_PASS reads in the same order, at least twice in a row without
     another access of the same routine. A loop of several reads does not count if one of them removes data, as a read of
-    SCIRXBUF does: such a loop makes progress. A single read is no wait, since the firmware may have continued
-    without the register.
+    SCIRXBUF does: such a loop makes progress. A single read is no wait, because the firmware may have gone on to code
+    that accesses no register.
 
     Skipped polls are not recorded. Therefore a wait lasts from its first recorded read to the next other access of its
     routine, including computations before this access. If there is none, the wait lasts to the end of the run in the

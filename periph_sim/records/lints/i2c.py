@@ -29,7 +29,9 @@ SDIR_WIPED = (
 
 @finds("a flag of the present transfer cleared by a write of I2CSTR before the firmware ever looked at it")
 def flag_wiped(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield writes of I2CSTR that clear a flag of the current transfer although firmware has not read it since it rose.
+    """Yield writes of I2CSTR that clear a flag that rose in the current transfer and that firmware has not read since.
+
+    A read that belongs to a read-modify-write does not count as a read by firmware.
 
     Examples:
         i2c.I2CSTR.SCD = 1       writes back every 1 that it read, and so clears SDIR if it was 1

@@ -46,7 +46,7 @@ def read_only(run: Run, options: Options) -> Iterator[Fault]:
 
 @finds("a write without effect: TRX or I2CCNT as slave, STT or STP with IRS = 0")
 def without_effect(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield writes that have no effect on this chip: TRX and I2CCNT as slave, STT and STP while the module is in reset.
+    """Yield writes without effect: of TRX and I2CCNT as slave, of STT and STP while the module is in reset (IRS = 0).
 
     TRX sets the direction of a master and of the free data format; the direction of a slave comes from the R/W bit of
     the address byte. Only bit-field writes of TRX are judged. I2CCNT does not limit a slave-receiver. For a

@@ -27,7 +27,8 @@ class RecordingWriter:
     MODE: "w" for text, "wb" for bytes.
     KINDS: the kinds of records that the format needs.
     write: the method that is called with each record.
-    sink: the RecordSink that receives the records instead of `write`; None if `write` receives them.
+    sink: a RecordSink, which receives the fields of each record without a Record object. It replaces `write`; None if
+        `write` receives the records.
     clocks: the history of SYSCLKOUT of each unit. It is set only just before `close` is called.
     """
 

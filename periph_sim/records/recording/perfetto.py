@@ -163,7 +163,7 @@ def _byte(byte: i2c.Byte, place: int) -> str:
 
     For a byte that is cut off, the text has only its bits.
 
-    place: the number of bytes since the START.
+    place: the number of bytes between the START and this byte; 0 for the address byte.
     """
     if byte.value is None:
         return "cut off: " + "".join(str(bit.value) for bit in byte.bits)

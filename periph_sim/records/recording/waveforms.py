@@ -42,7 +42,7 @@ WIRES = ("SCL", "SDA", "RX", "TX")
 MAPS = {"I2C": I2C_MAP, "SCI": SCI_MAP}
 
 RATES = [Fraction(mhz * 10**6) for mhz in (100, 50, 20, 10, 5, 2, 1)]  # sample rates of .sr files, in Hz
-MOST_SAMPLES = 1 << 28  # of an .sr file: 2.7 s at 100 MHz; to compress this number of samples takes 2 to 3 s
+MOST_SAMPLES = 1 << 28  # maximum number in an .sr file, 2.7 s at 100 MHz; to compress them takes 2 to 3 s
 PICOSECONDS = 10**12
 # SAID maps a kind of record to a signal of .fst files whose values are texts, such as "0x68 R ACK" or "0x55".
 SAID = {Kind.BUS: "bus.I2C.text", Kind.FRAME: "bus.UART.text"}
@@ -93,7 +93,8 @@ class RunSignals:
         self._per_second = timebase.per_second
         self._signals: dict[str, Signal] = {}
         self._wires = {name: self._signal(f"wires.{name}", initial=1) for name in WIRES}
-        # `_fields` maps a place and a field to the field's signal, the register's signal, and the field's lowest bit.
+        # `_fields` maps (`Record.where`, `Record.what`) of a field's changes to the field's signal, the register's
+        # signal, and the field's lowest bit.
         self._fields: dict[tuple[str, str], tuple[Signal, Signal, int]] = {}
         # `_depth` maps an interrupt or span to its nesting depth, because it may be entered again before it is left.
         self._depth: dict[tuple[str, str], int] = {}

@@ -8,8 +8,10 @@ capture: the edges of wires that a logic analyser has recorded.
 case: the description of a simulation: units, firmware and its settings, budgets.
 unit: a simulated DSP. The firmware of a unit takes the place of a device in the capture, as target or as controller.
     In texts about the DSP's own module, a target is called slave and a controller master, as in TI's manuals.
+chip: the simulated F28335 of the unit whose firmware is replayed.
 agent: a simulated party on the wires that is not a unit, for example the controller or the other targets of a bus.
 player: the agent that drives the captured edges on the wires.
+move: a change of SCL or SDA by the player, with the time since its previous move.
 session: an I2C capture and a UART capture that are replayed together.
 position: a time in a capture, which is the number of a sample or the value of a time stamp.
 tick: the unit of simulated time.

@@ -80,7 +80,7 @@ class CapturedController:
         self._refused_since = NO_TIME
         self._sda_level = sda
         self._captured: list[Edge] = []
-        self._edges: list[Edge] = []  # as captured, but with low phases shortened to `longest_low`
+        self._edges: list[Edge] = []  # as captured, but with low phases shortened to `longest_low`, if it is set
         self._moves: list[Move] = []
         # For each address of the firmware that is still to be sent: (index of its phase, number of moves up to the
         # rising edge of SCL in its ACK bit).
@@ -91,7 +91,7 @@ class CapturedController:
         self._hold = usual_hold(plan.part.transfers, plan.part.half_sample)
         self._late = 0  # ticks by which the last transfer ended later than captured
         self._cut = 0  # ticks by which `longest_low` has shortened the last transfer
-        self._delay = 0  # `player.delay` at the beginning of the last transfer
+        self._delay = 0  # sum of all stretches (`player.delay`) before the last transfer
         answers = plan.part.answers_of_others(plan.own)
         if answers:
             ScriptedTarget(kernel, scl, sda, answers, plan.timebase.ticks(HOLD, "nearest"))
@@ -119,7 +119,7 @@ class CapturedController:
         self._play_from(0)
 
     def _prepare(self, transfer: Transfer, first: int) -> None:
-        """Create the moves of a transfer from phase `first` on, and find the moves to the firmware's ACK bits."""
+        """Create the moves of a transfer from phase `first` on, and find where the firmware answers its address."""
         plan = self._plan
         half = Transfer(transfer.phases[first:], transfer.stop, None)
         self._captured = self._edges = controllers_half(half, self._hold, plan.part.half_sample)

@@ -38,7 +38,7 @@ class FlagHistory:
     moments: for each divergence, its tick and the last tick of its history.
     unit, module: the unit and its module whose registers are recorded.
     keep: the number of entries in each ring buffer.
-    instants: the ticks at which the firmware's present statement is stored in `places`.
+    instants: ticks at which `watch` stores the statement that the firmware executes.
 
     places: the firmware's statement at each of `instants`; None if the program was not running.
     """
@@ -91,7 +91,7 @@ class FlagHistory:
         )
 
     def records_near(self, moment: tuple[int, int]) -> list[Record]:
-        """Return the last records of each ring buffer at the end of the history of `moment`, in order of time.
+        """Return the records that the ring buffers contained at the end of the history of `moment`, in order of time.
 
         Call this after the run, with one of `moments`.
         """
@@ -131,12 +131,12 @@ def with_history(
     unit, role: the unit with the firmware, and its role.
     again: a function that repeats the run.
 
-    The tick of a divergence is that of the replayed event, or that of the captured event if the replay has none. If
-    neither exists, it is the end of the run.
+    The tick of a divergence is the tick of the replayed event. If the replay has no such event, it is the tick of the
+    captured event; if the capture has none either, it is the end of the run.
 
     A cause that a divergence already has is kept. Otherwise, the cause is the last statement that wrote the value found
     in the replay. If no such write is recorded, the cause is the statement that the firmware executes at the tick of
-    the divergence; if only the time differs, at the time of the captured event.
+    the divergence. For a divergence of kind TIMING, it is the statement at the tick of the captured event.
     """
     if not divergences:
         return []

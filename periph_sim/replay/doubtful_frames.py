@@ -50,14 +50,15 @@ class Word(NamedTuple):
 
 
 class Settled:
-    """The frames of a line and the words of the receiver, without the ambiguous ones.
+    """Separates the frames and the received words that are judged from the ambiguous frames.
 
     events: the events of the decoded capture.
     line: the line format.
     rate: the number of positions per second in the capture.
     received: the words that the firmware received.
 
-    expected, found: the frames of the capture and the received words that are judged. They must be equal.
+    expected, found: the frames of the capture and the received words that are judged. The replay agrees with the
+        capture if they are equal.
     ambiguous: the frames that are not judged.
     """
 
@@ -112,11 +113,12 @@ class Settled:
         )
 
     def _until_agreed(self, item: int, word: int) -> tuple[int, int]:
-        """Return how many items and words to skip at an uncertain start bit, so that the most of those after it agree.
+        """Return how many items and words to skip from an uncertain start bit on: (items, words).
 
-        Of equally good choices, those with the fewest items are preferred, and of these the choice that is nearest to
-        one word for each item. For this purpose, a rejected start at the beginning counts as no word. If no choice
-        makes any word agree, one item is skipped, with one word if the item is a frame.
+        The choice is the one after which the most words agree with their items. Of equally good choices, the one with
+        the fewest items is preferred, and then the one whose number of words is nearest to the expected number. One
+        word is expected for each item, but none for a rejected start that is the first item. If no choice makes any
+        word agree, one item is skipped, with one word if the item is a frame.
         """
         usual = int(self._items[item].kind is UartRowKind.FRAME)
         last = item + 1

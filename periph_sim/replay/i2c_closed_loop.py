@@ -8,7 +8,8 @@
 The wires and the capture are decoded by the same code, which the agents and the chip do not use. Firmware that lists
 `address`, `replies`, `asleep` and `busy` in `REPLAY` is set to answer like the captured target.
 
-The expected events are those of the capture with the polls that `CapturedController` made.
+The expected events are those of the capture, without the polls that `CapturedController` removed, and with those that
+it added.
 
 The agents can deviate from the capture even if the firmware behaves as captured, for instance because `longest_low`
 shortens a pause of the controller. `without_firmware` runs the agents with the captured answers in place of the
@@ -79,7 +80,7 @@ def without_firmware(plan: PlaybackPlan, start: int, end: int, tolerance: Fracti
 
 
 def _marked(one: Divergence, alone: tuple[Divergence, ...], tolerance: Fraction) -> Divergence:
-    """Return `one`; if the same divergence also occurs without the firmware, with a cause that says so.
+    """Return `one`. If it also occurs without the firmware, add a cause that says so.
 
     one: a divergence of the run with the firmware.
     alone: the divergences of the run without the firmware.
@@ -249,7 +250,7 @@ class I2cReplay(SlaveReplay):
         otherwise set it to "".
         """
         self._agents_parted = ""
-        self._other_events = False  # True if the agents cause the first judged divergence, which is not of kind TIMING
+        self._other_events = False  # True if the first judged divergence is due to the agents and not TIMING
         if not outcome.ranked:
             return outcome
         played = self._controller.polled.played()

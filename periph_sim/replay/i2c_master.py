@@ -134,7 +134,7 @@ class I2cMasterReplay(BusReplay):
         part = self._part
         events, found = self._decoded()
         expected = events_of(self._half.done)
-        if not self._scripted:  # the firmware's own program continues after the capture's events
+        if not self._scripted:  # what the firmware's own program does after the capture's events is not compared
             events, found = events[: len(expected)], found[: len(expected)]
         self._compared = i2c_words(expected, part.rate), found
         outcome = compare(*self._compared, self._tolerance)

@@ -147,7 +147,10 @@ class I2cOpenReplay(SlaveReplay):
         return self.origin + int(position * self._per_position)
 
     def _holds(self, scl: Channel) -> list[_Held]:
-        """Return the low phase before each bit of phases that address the chip. scl: SCL as the chip drives it."""
+        """Return, for each bit of the accesses to the firmware, the low phase of SCL before the bit.
+
+        Bits without a known low time are left out. scl: SCL as only the chip drives it.
+        """
         edges = scl.edges[scl.levels == 0].tolist(), scl.edges[scl.levels == 1].tolist()
         own = [
             phase
@@ -228,7 +231,11 @@ class I2cOpenReplay(SlaveReplay):
         )
 
     def _pauses(self, held: list[_Held], late: list[_Held]) -> list[str]:
-        """Return a note on captured stretches that the chip does not need, and a note on the chip's late answers."""
+        """Return up to two notes, on differences between the low phases of SCL in the capture and those of the chip.
+
+        The first note is on long captured low phases that the chip would have ended earlier. The second note is on low
+        phases that the chip would have held beyond the captured rise of SCL.
+        """
         notes = []
         long = [one for one in held if one.captured > self._part.long_low / self._part.rate]
         spare = [one for one in long if one.needed < one.captured]

@@ -6,9 +6,10 @@
                          --> AsTarget: address, replies, asleep, busy
 
 The controller's half contains all edges of SCL. The capture does not show which party held SCL low, so a stretch of the
-captured target becomes a delay of the controller. Of the edges of SDA, this half contains those of the controller:
-START, STOP, and the bits and ACKs that it sent. If such an edge is in the same sample as an edge of SCL, or is not
-visible in the capture, it is placed in the low phase of SCL, at least half a sample away from both of its ends.
+captured target becomes a delay of the controller. Of the edges of SDA, this half contains START and STOP, and the
+changes for the bits and ACKs that the controller sent. If a change for a bit or an ACK is in the same sample as an edge
+of SCL, or is not visible in the capture, it is placed in the low phase of SCL, at least half a sample away from both of
+its ends.
 
 If the firmware is the master, low phases that are much longer than usual are repeated by the agents as stretches of the
 targets. Stretches before the ACK bit of the address are ignored, because no target is selected there.
@@ -201,7 +202,7 @@ class _ControllersHalf:
         self._fall = None if bit.high is None else bit.at + bit.high
 
     def condition(self, condition: Condition, level: int) -> None:
-        """Add a repeated START or STOP. If SCL rises only for this condition, add the low phase before it, too.
+        """Add a repeated START or a STOP. If SCL rose once more after the last bit, add the low phase before it, too.
 
         level: the level of SDA after the condition: 0 after repeated START, 1 after STOP.
         """
@@ -304,7 +305,7 @@ class AsMaster:
         from the beginning of the capture, to the START.
     done: the transfers that the firmware can repeat.
     answers: the answers of the targets, by address.
-    left_out: the number of omitted transfers, by the reason of `obstacle`.
+    left_out: the number of omitted transfers for each reason that `obstacle` returned.
     """
 
     script: list[str] = field(default_factory=list)

@@ -45,7 +45,7 @@ class _Poll(NamedTuple):
 
 
 class PolledCapture:
-    """The transfers of a capture, with the polls that the firmware's answers need.
+    """The transfers of a capture, with polls added or removed to fit the firmware's answers to its address.
 
     own: the addresses of the firmware.
 
@@ -60,7 +60,7 @@ class PolledCapture:
         self.left = deque(captured)
         self.notes: list[str] = []
         self._shift = 0  # positions by which the transfers in `left` move
-        # The captured transfer that is being played; after polls were added or removed, the rest of this transfer.
+        # The captured transfer in progress. After polls were added or removed, it is only the part still to be played.
         self._captured = Transfer((), None, None)
         # Events after position `_from[i]`, up to position `_from[i + 1]`, are `_shifts[i]` later than in the capture.
         self._from: list[int] = [-1]
@@ -276,7 +276,7 @@ def _acknowledged(transfer: Transfer, last: int) -> Transfer:
 
 
 def _with_ninth(byte: Byte, other: Byte) -> Byte:
-    """Return the byte with its ninth bit (ACK or NACK) replaced by that of `other`, but its own low time of SCL."""
+    """Return `byte` with the ninth bit (ACK or NACK) of `other`, except the low time of SCL before this bit."""
     ninth = other.bits[8]._replace(low=byte.bits[8].low)
     return byte._replace(acked=other.acked, bits=(*byte.bits[:8], ninth))
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
 Progress = Callable[[float], None]
-STEPS = 100  # number of progress reports in a run
+STEPS = 100  # number of progress reports of `_play`
 
 
 class Replay:

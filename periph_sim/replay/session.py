@@ -130,7 +130,10 @@ class SessionReplay(I2cReplay):
         return self._session_scene
 
     def _expect(self, transfer: Transfer) -> None:
-        """Expect the captured bytes in the reads of a transfer, unless the case compares reads with host frames."""
+        """Store the captured bytes as those that the reads of a transfer should return (`Phase.expect`).
+
+        If the case compares reads with host frames, nothing is stored.
+        """
         captured = next(self._whole, None)
         if captured is not None and not self._session_scene.case.checks_host:
             for phase, was in zip(transfer.phases, captured.phases, strict=False):

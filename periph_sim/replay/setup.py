@@ -186,7 +186,10 @@ class Played:
 
     @cached_property
     def long_low(self) -> Fraction:
-        """The limit, in positions, above which a low phase before a bit is a stretch or a pause of the controller."""
+        """The limit, in positions, above which a low phase before a bit is a stretch or a pause of the controller.
+
+        It is the usual low time times LONG, but at least two samples more than the usual low time.
+        """
         return max(self.low * LONG, self.low + 2 * self.step)
 
     @property
@@ -281,13 +284,14 @@ class Answering:
 def answering(case: Case, part: Played, given: Sequence[int], lead: Fraction = LEAD) -> Answering:
     """Determine the firmware's addresses and settings. Add notes to `part`, for example on settings not filled in.
 
-    given: the addresses that the firmware answers. If it is empty, firmware whose `REPLAY` does not name `address` is
-        expected to answer all addresses. Other firmware then answers the address that the case sets, or else the
-        address that was acknowledged most often in the capture.
+    given: the addresses that the user states, which are then the firmware's addresses. If it is empty:
+        - `REPLAY` does not name `address`: the firmware's addresses are all addresses of the capture.
+        - `REPLAY` names `address`: the firmware's address is the one that the case sets, or else the one that was
+          acknowledged most often in the capture.
 
-    Settings are determined only if `REPLAY` names `address` and the firmware has one address. If this address is not
-    given, the firmware is also set not to answer at the times at which the captured target sent NACK. If it is given,
-    the firmware must send these NACKs by itself to agree with the capture.
+    If `REPLAY` names `address` and the firmware has one address, settings are filled in: the address, the captured
+    replies, and the times at which the captured target sent NACK. These times are not filled in if `given` has the
+    address; to agree with the capture, the firmware must then send the NACKs by itself.
     """
     unit = unit_with(case, "I2C-A")
     found = Answering(unit, _addresses(case, unit, part, given))

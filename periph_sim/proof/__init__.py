@@ -7,7 +7,7 @@ Terms of this package:
 
 start: the begin of a frame of the host, of a round of the controller, or of a send of the table [serial].
 moved starts: the starts whose times a coverage chooses, in place of the schedule of the case.
-period: the time between two moved starts at the same phase, such as a round.
+period: the repeating time span within which a phase places a moved start, such as a round of the controller.
 phase: the time by which a moved start comes after the begin of its period, or a send after its time in the case, as a
     number of cycles. It is free, because nothing fixes it: the devices have independent clocks.
 cycle: a SYSCLKOUT cycle of the fastest unit.
@@ -17,5 +17,5 @@ to fail: a run fails if a budget is broken, if firmware hangs, or if an error en
 window: a range of phases that fail.
 
 Nothing here proves that a budget always holds: the runs begin in the states that they happen to reach, and the other
-free inputs of the case take the values that it draws for them.
+free inputs of the case take the values that the case draws for them.
 """

@@ -20,7 +20,7 @@ from ..timing.verdict import Verdict
 from .stretch import CoveredCase, Job, Outcome
 
 APART = 16  # within a window, every APART-th of the given phases is run
-REPORTED = 3  # number of phases, the last ones of the shortest failing run, that are searched for the cause
+REPORTED = 3  # a failure is assumed to begin at one of the last REPORTED phases of the shortest run that fails
 
 
 class Worst(Struct, frozen=True):
@@ -36,7 +36,7 @@ class Worst(Struct, frozen=True):
 
 
 class Drifting(Struct, frozen=True):
-    """Failures of a run whose phase increases from `first` to `last`, though runs with one phase alone hold.
+    """Failures of a run whose phase increases from `first` to `last`. At each of its last phases alone, a run holds.
 
     names: the names of what failed.
     """
@@ -49,9 +49,10 @@ class Drifting(Struct, frozen=True):
 class Covered(Struct):
     """The results of some phases.
 
-    held: the given phases at which nothing failed, in a run of several phases or in a run with the phase alone.
-    failed: a dictionary from each phase of which a run with this phase alone was made to the names of what failed in
-        it; an empty set if it held.
+    held: the phases, of those to run, at which nothing failed, in a run of several phases or in a run with one phase
+        alone.
+    failed: a dictionary with all phases that were run alone. The value is the set of the names of what failed in the
+        run; an empty set if the run held.
     drifting: failures that occur only in runs whose phase increases, in the order of the phases.
     worst: a dictionary from the name of a budget to its worst value.
     judged: a dictionary from the name of a budget to the number of runs that judged it.
@@ -109,7 +110,7 @@ class Coverer:
     """Runner of phases of a case.
 
     seed: the seed of all random values of the runs.
-    found: the results; those that were passed to the constructor, if any, with the new ones added.
+    found: the results so far. They include the results that were passed to the constructor, if any.
     """
 
     def __init__(self, case: CoveredCase, seed: int, found: Covered | None = None) -> None:
@@ -133,12 +134,11 @@ class Coverer:
         return self.found
 
     def _failing(self, phases: Sequence[int]) -> int:
-        """Find the first failure of a run that fails. Return how many of its phases need not be run again.
+        """Find the first failure of a run with these phases, which fails. Return the number of phases covered so far.
 
-        The shortest failing run that begins with the same phases is searched. If one of its last REPORTED phases fails
-        alone, a window begins there, and its end is searched. Otherwise, the failure is added to `Covered.drifting`.
-
-        phases: the phases of the run.
+        Runs with fewer of the first phases are made, to find the shortest run that fails. If one of the last REPORTED
+        phases of this run fails alone, a window begins there, and the end of the window is searched. Otherwise, the
+        failure is added to `Covered.drifting`.
         """
         length = _first_true(lambda count: bool(self._run(phases[:count]).failures), 1, len(phases))
         suspects = range(max(0, length - REPORTED), length)
@@ -157,19 +157,19 @@ class Coverer:
         return _first_true(lambda place: place == limit or not self.status(phases[place]), broken + 1, limit)
 
     def repeat(self, phase: int) -> None:
-        """Run a phase alone, so that worst values at this phase name the run with this phase alone."""
+        """Run a phase alone. A worst value that occurs in this run, too, is then stored as a value of this run."""
         self._run([phase])
 
     def status(self, phase: int) -> frozenset[str]:
-        """Return the names of what fails in a run with this phase alone, which is made only once for each phase."""
+        """Return the names of what fails in a run with this phase alone. This run is made once; its result is kept."""
         if phase not in self.found.failed:
             self.found.failed[phase] = self._run([phase]).failures
         return self.found.failed[phase]
 
     def _run(self, phases: Sequence[int]) -> Outcome:
-        """Run phases, and add the values of the budgets to the results.
+        """Make one run with these phases, and add the values of the budgets to the results.
 
-        If a run of several phases fails, its values are not added, because a failure affects the later phases, too.
+        The values of a failing run of several phases are not added, because a failure affects the later phases, too.
         """
         outcome = self._case.run(phases, self._seed)
         if len(phases) == 1 or not outcome.failures:
@@ -187,7 +187,8 @@ class Coverer:
 def _first_true(is_true: Callable[[int], bool], low: int, high: int) -> int:
     """Return the least number from `low` to `high` for which `is_true` is true, by bisection.
 
-    `is_true` must be true for all numbers above this one. It is assumed to be true for `high`, and is not called there.
+    `is_true` must be true for all numbers above the returned one. It is not called for `high`, where it is assumed to
+    be true.
     """
     while low < high:
         middle = (low + high) // 2
@@ -203,8 +204,8 @@ class Window(Struct, frozen=True):
 
     name: the name of the budget or of the failure.
     first, last: the first and the last phase. `first` is above `last` if the window contains the end of the period.
-    run: number of phases within the window that failed in a run with this phase alone.
-    is_closed: True if the phase before `first` and the phase after `last` were run alone, and hold.
+    run: number of phases within the window that were run alone and failed.
+    is_closed: True if the phase before `first` and the phase after `last` were both run alone and both held.
     """
 
     name: str
@@ -232,8 +233,8 @@ def windows_of(found: Covered, status: Callable[[int], frozenset[str]], bounds: 
 def _merged(windows: Iterable[Window]) -> list[Window]:
     """Return the windows after joining those that have the same name and overlap.
 
-    A phase that held in a run of several phases separates two groups of failing phases. If this phase fails in a run
-    with it alone, both groups lead to the same window, or to windows that overlap.
+    Windows overlap if a phase held in a run of several phases, but fails alone. The failing phases before and after
+    this phase are first two groups. Each group is then extended to a window, and both windows contain this phase.
     """
     found: list[Window] = []
     for one in sorted(windows, key=lambda each: (each.name, each.first, each.last)):
@@ -250,8 +251,8 @@ def _merged(windows: Iterable[Window]) -> list[Window]:
 def joined_at_end(windows: Sequence[Window], count: int, status: Callable[[int], frozenset[str]]) -> list[Window]:
     """Return the windows of a whole period, joined across its end, because phase 0 follows the last phase.
 
-    A window at the end of the period and a window of the same name at its begin become one window. If a name has only
-    one of these two windows, `is_closed` states whether the phase at the other end of the period holds, too.
+    A window at the end of the period and a window of the same name at the begin of the period become one window. If a
+    name has only one of these two windows, the phase at the other end of the period is run alone, to set `is_closed`.
 
     count: the number of phases of the period.
     status: the method `Coverer.status`.
@@ -274,7 +275,7 @@ def joined_at_end(windows: Sequence[Window], count: int, status: Callable[[int],
 
 
 def _groups(name: str, found: Covered) -> Iterable[list[int]]:
-    """Yield lists of the phases at which `name` fails. Between two lists, there are phases at which it holds."""
+    """Yield lists of phases at which `name` fails. Two lists are separated by phases at which it does not fail."""
     held: Mapping[int, bool] = dict.fromkeys(found.held, False)
     flags = {**held, **{phase: name in failures for phase, failures in found.failed.items()}}
     group: list[int] = []
@@ -306,13 +307,13 @@ def _window(
 
 
 def _extended(fails: Callable[[int], bool], phase: int, step: int, end: int) -> int:
-    """Return the last failing phase of a window, in the direction of `end`.
+    """Return the last failing phase of a window in one direction, given the last one that is known, `phase`.
 
-    The phase next to the end that was found may have held only in a run of several phases. If it fails alone, the
-    window goes on, and its end is searched in growing steps, until the next phase holds alone or `end` is reached.
+    The phase after `phase` may have held only in a run of several phases. If it fails alone, the window continues.
+    Further phases are then run alone, in growing steps, until the next phase holds or `end` is reached.
 
-    phase: a phase in the window.
-    step: 1 or -1, the direction from `phase` to `end`.
+    step: the direction: 1 for increasing phases, -1 for decreasing phases.
+    end: the last phase that may be run in this direction.
     """
     width = 1
     while phase != end and fails(phase + step):
@@ -324,7 +325,7 @@ def _extended(fails: Callable[[int], bool], phase: int, step: int, end: int) -> 
 
 @lru_cache(maxsize=1)
 def _case_of(job: Job) -> CoveredCase:
-    """Return the case of a job. The last result is kept, because a worker process runs many parts of one job."""
+    """Return the case of a job. The last case is kept, because a worker process runs many parts of one job."""
     return CoveredCase(job)
 
 

@@ -63,7 +63,8 @@ class CoverageFile(msgspec.Struct, frozen=True, kw_only=True):
     case: the name of the case.
     finished, parts: the number of parts that are finished, and of all parts.
     run_count: the number of different phases that were run.
-    held: the chosen phases that held, as ranges of their indices (`to_ranges`). `found.held` is empty.
+    held: the chosen phases that held, as ranges of their indices (`to_ranges`).
+    found: the results, without the list `held`, which would be long.
     windows: the windows; empty until all parts are finished.
     """
 
@@ -126,7 +127,7 @@ def from_ranges(ranges: Sequence[tuple[int, int]], chosen: Sequence[int]) -> lis
 
 
 def current(case: Path) -> tuple[CoverageFile, list[str]] | None:
-    """Return the coverage file of a case, with a phrase for each dependency that has changed since; None if no file.
+    """Return the coverage file of a case, with a phrase for each changed dependency; None if there is no file.
 
     Raise BadCoverage for a file that cannot be read.
     """

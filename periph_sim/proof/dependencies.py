@@ -1,4 +1,4 @@
-"""Everything on which the result of a coverage depends: files, versions, and this package itself.
+"""Everything on which the result of a coverage depends: files, versions, and periph_sim itself.
 
     runs of a case --files_read--> the files that were opened --dependencies--> their digests
     digests --differences--> phrases about what has changed since
@@ -36,8 +36,8 @@ class Dependencies(Struct, frozen=True):
     """The dependencies of a result.
 
     python: the version of Python.
-    periph_sim: the digest of this package.
-    packages: a dictionary from the names of other packages that were imported to their versions.
+    periph_sim: the digest of the source files and data files of periph_sim.
+    packages: a dictionary from the name of each other imported package to its version.
     files: a dictionary from paths, relative to the folder of the case, to digests.
     """
 
@@ -87,14 +87,15 @@ def _note(event: str, arguments: tuple[object, ...]) -> None:
 
 
 def dependencies(folder: Path, paths: Iterable[str | Path]) -> Dependencies:
-    """Return the dependencies of a result. Raise ValueError, with a sentence, for a file that cannot be read again.
+    """Return the dependencies of a result. Raise ValueError, with a sentence, for a file that cannot be read now.
 
-    The result does not name single files of Python, of installed packages and of this package.
+    Files of Python and of installed packages are not listed, because their versions are. Files of periph_sim are not
+    listed, because their common digest is.
 
     folder: the folder of the case.
-    paths: the files that were read. The files of imported modules are added.
+    paths: the files that the runs have read. The files of imported modules are added.
     """
-    scripts = ("__main__", "__mp_main__")  # the command periph-sim, whose path differs in each installation
+    scripts = ("__main__", "__mp_main__")  # names of the module of the command periph-sim, which is no dependency
     modules = [module for name, module in tuple(sys.modules.items()) if name not in scripts]
     imported = (getattr(module, "__file__", None) for module in modules)
     files: dict[str, str] = {}
@@ -149,7 +150,7 @@ def _digest_of(path: Path) -> str:
 
 @lru_cache(maxsize=1)
 def package_digest() -> str:
-    """Return the digest of the source files and data files of this package."""
+    """Return the digest of the source files and data files of periph_sim."""
     found = blake2b(digest_size=DIGEST)
     for folder, folders, files in os.walk(PACKAGE):
         folders[:] = sorted(name for name in folders if name not in ("compiled", "__pycache__"))

@@ -4,8 +4,8 @@
     writes of registers in a round:               -----w---w--w-----
     phases at which an interrupt is near a write: --fffffffffffff---  run cycle by cycle
 
-An interrupt within a wait or a computation has no other effect if its service routine ends before the next event. So
-neighbouring phases have the same order of events there. Near a write, a difference of one cycle can change the order.
+If an interrupt comes within a wait or a computation, and its service routine ends before the next event, then a
+difference of one cycle does not change the order of events. Near a write, a difference of one cycle can change it.
 The choice of phases is not part of any claim: a report states which phases were run.
 """
 

@@ -5,13 +5,14 @@
               |-p-|
 
 If a case has a host and a controller, the frames move, and the rounds keep the schedule of the case. If the period of
-the frames is longer than that of the rounds, only each k-th round has a frame, so that frames do not come more often
-than in the case. If a case has only a host or only a controller, its starts move, and a phase is counted from the time
-at which the start would be due without jitter. If a case has only a [serial] table, all its times `at` are later by the
-phase, and each run has one phase.
+the frames is longer than that of the rounds, there is one frame in each group of several rounds, so that frames do not
+come more often than in the case. If a case has only a host or only a controller, its starts move, and a phase is
+counted from the time at which the start would be due without jitter. If a case has only a [serial] table, all its times
+`at` are later by the phase, and each run has one phase.
 
-In a coverage of the start-up, a phase is the time from the start of the run to the first moved start; the others follow
-in periods. The phases end at the time of the case's first round, or after a period if the case has no rounds.
+In a coverage of the start-up, a phase is the time from the start of the run to the first moved start. The further
+starts follow at the distance of a period. The last phase is just before the first round of the case. If the case has
+no rounds, the phases are those of one period.
 """
 
 from __future__ import annotations
@@ -28,16 +29,16 @@ from ..scene.plan import ScenePlan
 # The default of `rounds`. At 115200 baud, an SCI samples every 41 cycles of LSPCLK. Therefore its sampling instants
 # have the same position in a round of 20 ms, which is 750,000 of these cycles, only in every 41st round.
 ROUNDS = 41
-REPEATED = 2  # number of times that the last phase of a run is repeated: an age looks back two rounds
+REPEATED = 2  # number of times that the last phase of a run is repeated: the age of data is measured over two rounds
 WARM_UP = 3  # minimum number of periods before the first moved start, in which the firmware starts
-NEARLY = Fraction(1, 20)  # part of a round by which the frames' period may be shorter or longer than k rounds
-SERIAL_SPAN = Fraction(1, 1000)  # in seconds: phases of sends go from 0 to this time, because sends need no period
+NEARLY = Fraction(1, 20)  # tolerance in rounds: if the frames' period is 0.95 to 1.05 rounds, each round has a frame
+SERIAL_SPAN = Fraction(1, 1000)  # in seconds: default of the highest phase of sends, which no period limits
 
 Moved = Literal["frames", "rounds", "sends"]
 
 
 class Grid(NamedTuple):
-    """The begins of the periods. first: the tick of the first one. period: the exact number of ticks between two."""
+    """The times at which periods begin. first: the tick of the first begin. period: a period, in ticks, not rounded."""
 
     first: int
     period: Fraction
@@ -47,14 +48,15 @@ class Grid(NamedTuple):
 
 
 class Phases:
-    """The phases of one case. Raise BadCase if no start is free, or if other inputs would have to move as well.
+    """The phases of one case. Raise BadCase if its starts cannot be moved (see `moved_starts`).
 
     rounds: number of starts in a run with one phase alone.
     start_up: True to move the first start through the start-up, instead of all starts through a period.
     moved: the starts that move: frames of the host, rounds of the controller, or sends of [serial].
     cycle: the length of a cycle of the fastest unit at its nominal clock, in ticks. Phases are counted in such cycles.
     count: number of phases: the cycles in a period; with `start_up` and a controller, those before the first round.
-    warm_up: number of periods before the first moved start. At this start, budgets with `after` are already judged.
+    warm_up: number of periods before the first moved start, which comes after the times `after` of all budgets. With
+        `start_up`, the first moved start comes earlier, and a run has `warm_up` further starts instead.
     """
 
     def __init__(self, plan: ScenePlan, start_up: bool = False, rounds: int = ROUNDS) -> None:
@@ -100,7 +102,8 @@ class Phases:
     def starts(self, phases: Sequence[int]) -> list[int]:
         """Return the ticks of moved starts with these phases, one in each period after the warm-up.
 
-        In a coverage of the start-up, the first start has the first phase, and the others follow in periods.
+        In a coverage of the start-up, the first start has the first phase. The others follow at the distance of a
+        period.
         """
         if self.start_up:
             first = self._start + phases[0] * self.cycle - self._grid.first
@@ -111,7 +114,10 @@ class Phases:
         """Return a table [inputs] with moved starts of these phases, and the duration of the run in seconds.
 
         The last phase is repeated REPEATED times, so that the run is long enough for late effects of its first
-        occurrence. If there is only one phase, it has `rounds` starts.
+        occurrence. If there is only one phase, it has `rounds` starts; in a coverage of the start-up, it has `warm_up`
+        more.
+
+        For sends, there must be exactly one phase. All sends of the case are then later by this phase.
         """
         if self.moved == "sends":
             (phase,) = phases
@@ -124,7 +130,7 @@ class Phases:
 
     def cycles_after_due(self, tick: int) -> int:
         """Return the number of cycles from the begin of the period that contains a tick to this tick."""
-        number = int((tick - self._grid.first) / self._grid.period) + 1  # the number of this period or a later one
+        number = int((tick - self._grid.first) / self._grid.period) + 1  # number of the tick's period, or higher
         while self._grid.due(number) > tick:
             number -= 1
         return (tick - self._grid.due(number)) // self.cycle
@@ -132,7 +138,7 @@ class Phases:
     def between(self, first: Fraction, last: Fraction) -> tuple[int, int]:
         """Return the first and the last phase between two times in seconds.
 
-        Phases after the last one of the period are left out, except for sends, which need no period. Raise BadCase if
+        The last phase is not above the last one of the period; phases of sends have no such limit. Raise BadCase if
         there is no phase between these times.
         """
         low = -(-first * self._per_second // self.cycle)
@@ -159,7 +165,12 @@ class Phases:
 
 
 def moved_starts(case: Case) -> Moved:
-    """Return which starts of a case move. Raise BadCase if none is free, or if other inputs would have to move, too."""
+    """Return which starts of a case move.
+
+    Raise BadCase if the case has no firmware or no free start, or if it has one of these inputs: faults, an outside
+    party, starts in [inputs], [serial] beside [host] or [controller], a limited number of rounds beside [host], or
+    frames whose period is shorter than a round by more than NEARLY.
+    """
     if not case.unit:
         raise case.mistake("there is no firmware to cover; give it a [unit.NAME]", "unit")
     if case.fault:

@@ -2,8 +2,8 @@
 
     phases 100, 101, 102 --[inputs]--> Scene --run--> Outcome: verdicts, and the names of what failed
 
-Such a run is an ordinary run of the case, judged as `periph-sim run` judges it. Limits that make sense only for a whole
-run are left out: those of percentiles, of shares of time, and of counts above 0.
+Such a run is an ordinary run of the case, judged as `periph-sim run` judges it. Budgets have no limits that describe
+the schedule of the case as a whole: limits of percentiles, of shares of time, and limits of counts that are above 0.
 """
 
 from __future__ import annotations

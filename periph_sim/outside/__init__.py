@@ -7,6 +7,7 @@ Terms of this package:
 
 case: a simulated circuit of DSPs, chips and wires, as a file describes it. Its time is counted in ticks.
 the outside: the code that uses a session.
+party: a participant of a line, which drives or receives it: a module of a DSP, a device or the outside.
 line that leads outside: a wire of the case that the outside may release or pull low.
 move: a change of a line by the outside, at a tick.
 client: a program that is connected to a session, for example by a serial port.

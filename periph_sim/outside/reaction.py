@@ -80,7 +80,7 @@ class Reaction(Agent):
         self._listening: list[Socket] = []  # listening modules whose inputs have a filter: I2C and SCI
         self._modules: list[tuple[Socket, I2c]] = []  # the I2C modules in `_listening`
         self._pins: list[list[Pin]] = []  # for each module in `_modules`: its pins of SCL, then its pins of SDA
-        self._scl = self._sda = ""  # the lines to which all these modules are connected; "" if the lines differ
+        self._scl = self._sda = ""  # the lines at the pins in `_pins`; "" if the modules have different lines
         self._at_once = True  # True if a listener may answer without the delay of a filter
         self._now = scene.kernel.now  # the first tick that has not run yet
         self._levels = dict.fromkeys(lines, 1)  # levels of the lines just before tick `_now`
@@ -197,7 +197,7 @@ class Reaction(Agent):
     def _events(self) -> Event | None:
         """Return the kernel's first event; None if it has none. `following` leads to the later events."""
         kernel = self._kernel
-        kernel.reschedule(self._mark, kernel.now, 0)  # before all other events, because past events have run
+        kernel.reschedule(self._mark, kernel.now, 0)  # `_mark` is then the first event, because past events have run
         event = self._mark.following
         kernel.cancel(self._mark)
         return event
@@ -223,7 +223,7 @@ class Reaction(Agent):
         return event.time
 
     def _weigh(self, tick: int, line: Text, level: int) -> None:
-        """Lower `_due` to the tick of the earliest answer to a move, if a listener can answer it."""
+        """If a listener can answer a move, lower `_due` to the tick of the earliest answer."""
         if level == self._seen[line]:
             return
         self._seen[line] = level
@@ -234,8 +234,9 @@ class Reaction(Agent):
             if line == self._scl:
                 before, self._scl_moved = self._scl_moved, tick
                 if tick - before <= self._widest:
-                    # This edge of SCL ends a pulse that began at `before` and that a filter may remove. If it removes a
-                    # low pulse, SDA edges in the pulse are START or STOP, so the module can answer from `before` on.
+                    # This edge of SCL ends a pulse that is so short that a filter may remove it. If a filter removes a
+                    # low pulse, the module takes edges of SDA during the pulse as START or STOP. It can then answer
+                    # from `before` on, the begin of the pulse.
                     tick = max(before, self._now)
                 elif self._silent:
                     self._silent -= 1

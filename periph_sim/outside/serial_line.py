@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .session import Session
 
 PARITIES = {"n": "none", "o": "odd", "e": "even", "m": "none", "s": "none"}
-NINTH = {"m": 1, "s": 0}  # mark and space parity: the level of the bit after the data, which is the SCI's address bit
+NINTH = {"m": 1, "s": 0}  # level of the parity bit, which the SCI receives as its address bit, for mark and space parity
 PORT = re.compile(r"sci-?([abc])", re.IGNORECASE)
 
 Wrong = Literal["", "parity", "stop"]
@@ -65,9 +65,9 @@ class SerialLine:
         reader.on_end.append(self._on_character)
 
     def set(self, baud: int, form: str = "8n1") -> None:
-        """Set the rate and format of all later frames; waiting bytes keep their ninth bit if the new format has one.
+        """Set the rate and format of all later frames. Raise OutsideError if the rate or the format is invalid.
 
-        Raise OutsideError if they are invalid.
+        Waiting bytes are sent with the new format. If it has a ninth bit, this bit keeps its earlier value in them.
         """
         free = self._free_at()
         self._bit, self._format = self.checked(baud, form)
@@ -87,7 +87,7 @@ class SerialLine:
     def write(self, data: bytes, wrong: Wrong = "") -> None:
         """Append bytes to the queue. wrong: "parity" or "stop" to send this bit of each byte with the wrong level.
 
-        Raise OutsideError if `data` is of another type, or if the format has no parity bit that could be wrong.
+        Raise OutsideError if `data` is not of a type like bytes, or if a parity bit should be wrong and there is none.
         """
         if not isinstance(data, bytes | bytearray | memoryview):
             raise OutsideError(f"{data!r} is not of type bytes; write b'abc' or 'abc'.encode()")

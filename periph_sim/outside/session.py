@@ -145,7 +145,7 @@ class Session:
     log: the path of a log of the outside's moves, from which `replay` can repeat the run.
     subscribe: a function that is called with the recorder and the timebase while the scene is built, and can subscribe
         to records.
-    programs: a dictionary from a unit to a Python function that is its firmware, in place of that of the case.
+    programs: a dictionary from the name of a unit to a Python function, which replaces the unit's firmware in the case.
 
     Times are ticks (`ticks_per_second`), counted from the beginning of the case. A session is a context manager; if the
     block is left without `finish`, the log has no "end" line.

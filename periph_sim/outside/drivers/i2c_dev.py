@@ -155,7 +155,7 @@ class Adapter:
         elif request == PEC:
             self._checks = bool(int(argument))
         elif request in (RETRIES, TIMEOUT):
-            pass  # both settings are ignored: there are no retries, and a held bus times out after 25 ms
+            pass  # RETRIES and TIMEOUT are ignored: there are no retries, and a held bus times out after 25 ms
         elif request == SMBUS:
             self._on_bus(self._smbus, _SmbusRequest.from_address(ctypes.addressof(argument)))
         elif request == RDWR:

@@ -9,14 +9,14 @@ and their effects or answers:
     s ADDRESS+R/W    START: report              e BYTE    the same byte             ?   status, 80 characters
     0xC0+n-1 DATA    n bytes written: report    1, 4      100, 400 kHz              J   introspection, 80 characters
     0x80+n-1         n bytes, the last NACKed   u MASK    pull-ups, stored          c   capture until any byte
-    a N              N bytes, all ACKed         x         bus reset: lines          b   lines set, until '@'
+    a N              N bytes, all ACKed         x         bus reset: byte L         b   lines set, until '@'
     r DEV REG N      register read, with STOP   d         112 reports of a scan     m   monitor until any byte
     p                STOP                       i         lines released            f   'X' (display, not modelled)
     _                restart, as at power-on
     any other byte   nothing
 
-A report is the byte 0x30 plus 1 for ACK, 2 for a time-out, and 4 for lost arbitration. The answer `lines` is the byte
-0x30 plus 1 if SCL is high, and 2 if SDA is high. N = 0 means 256.
+A report is the byte 0x30 plus 1 for ACK, 2 for a time-out, and 4 for lost arbitration. The byte L is 0x30 plus 1 if
+SCL is high, and 2 if SDA is high. N = 0 means 256.
 
 Source: the I2CDriver's firmware (github.com/jamesbowman/i2cdriver, firmware/main.fs and capture.fs).
 
@@ -130,7 +130,8 @@ class I2cDriver:
             elif command == ord("c"):
                 yield from self._capture()
             elif command in (ord("m"), ord("v")):
-                yield  # only the byte is read; the monitor's display and the pull-up test are not modelled
+                # The byte after the command is ignored: the monitor's display and the pull-up test are not modelled.
+                yield
             elif command in self._simple:
                 self._simple[command]()
 
@@ -220,9 +221,9 @@ class I2cDriver:
             self._on_bus(self._master.stop)
 
     def _on_bus(self, call: Callable[[], Returned]) -> Returned | None:
-        """Call the controller. After a time-out or lost arbitration, release the lines, and return None.
+        """Call a function that uses the bus, and return its result.
 
-        The next report contains the error.
+        After a time-out or lost arbitration, release the lines and return None. The next report contains the error.
         """
         try:
             return call()

@@ -35,8 +35,8 @@ class I2cDriverPort:
     pause: the simulated time that passes before each START, because a program's own pauses do not advance simulated
         time. During a capture, simulated time advances by itself.
 
-    Raise BadCase and OutsideError like a `Session`, and OutsideError if `link` exists (see `PseudoTerminal`). Later
-    errors are raised at the end of the block.
+    Raise BadCase and OutsideError like a `Session`, and OutsideError if `link` exists (see `PseudoTerminal`).
+    Errors that occur within the block are raised at its end.
     """
 
     path: str
@@ -100,7 +100,7 @@ class I2cDriverPort:
         self._ready.set()
 
     def _serve(self, session: Session, door: I2cDriverDoor) -> None:
-        """Let the door transfer bytes until the block is left.
+        """Let the door transfer bytes until the `with` block is left.
 
         Simulated time passes only during transfers on the bus and while the client captures the bus.
         """

@@ -19,7 +19,7 @@ from ..serial_line import sci_of
 
 
 def case_for_line(path: str | Path, port: str, changes: tuple[str, ...] = ()) -> Case:
-    """Load a case for a party at an SCI. Raise OutsideError or BadCase if the case has errors or no such SCI."""
+    """Load a case for a party at an SCI. Raise OutsideError or BadCase if the case has errors, or lacks the SCI."""
     if not str(path):
         raise OutsideError("no case was given; f28335://PATH/OF/CASE.toml?port=scia")
     case = load(Path(path), list(changes))
@@ -27,7 +27,7 @@ def case_for_line(path: str | Path, port: str, changes: tuple[str, ...] = ()) ->
 
 
 def case_for_bus(path: str | Path, changes: tuple[str, ...] = ()) -> Case:
-    """Load a case for a party at SDA and SCL. Raise BadCase if it has errors.
+    """Load a case for a party at SDA and SCL. Raise BadCase if the case has errors.
 
     A case without a bus is rejected later, by `Session`.
     """

@@ -44,8 +44,8 @@ class _Queue:
 
     line: the serial line of the session; None after the end of the session.
     came: bytes from the line that the client has not read.
-    changed: the condition that guards the queue. Its waiters are notified after each call of `turn` and when the
-        session ends.
+    changed: its lock protects this object. Threads that wait for it are notified at the end of each call of `turn`,
+        and when the session ends.
     """
 
     def __init__(self, line: SerialLine) -> None:
@@ -163,7 +163,7 @@ class Serial(SerialBase):  # type: ignore[misc]
             """Build, run and end the session in one thread, because firmware must stay in the thread that starts it."""
             try:
                 self._build(path, port, pace, given.get("log"), changes)
-            except Exception as error:  # `_begin` raises it in the client's thread
+            except Exception as error:  # `_begin` raises this error again, in the client's thread
                 mistakes.append(error)
                 return
             finally:
@@ -259,7 +259,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         return len(sent)
 
     def flush(self) -> None:
-        """Wait until no written byte waits any more. The frame of the last byte may not have ended yet."""
+        """Wait until the frames of all written bytes have begun. The last frame may not have ended yet."""
         self._must_be_open()
         self._wait_until(lambda: not self._queue.waits(), None)
 

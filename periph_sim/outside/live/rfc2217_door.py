@@ -26,7 +26,7 @@ from .backlog import AT_ONCE, MOST, Backlog, left_there
 LOOPBACK = "127.0.0.1"
 WHILE = 0.05  # maximum time in seconds to wait for a client's last bytes
 LONGEST_OPTION = 256  # maximum number of bytes of a Telnet subnegotiation; RFC 2217's settings have at most six
-# A client whose computer no longer answers is disconnected after 25 s: after 10 s, three probes are sent, one in 5 s.
+# A client whose computer no longer answers is disconnected after 25 s: 10 s without data, and three probes of 5 s each.
 KEEPALIVE = {"TCP_KEEPIDLE": 10, "TCP_KEEPINTVL": 5, "TCP_KEEPCNT": 3}
 
 

@@ -2,8 +2,9 @@
 
     edges --the last 1 << 14 are kept--> those in the last round --> for each wire: its first level and its edges
 
-A round is one execution of a controller's periodic list of requests. Without rounds in the case, the waveform shows the
-last transfer. Without a bus, and before the first round or transfer has ended, it shows the 2 ms before the last edge.
+A round is one execution of a controller's periodic list of requests. If the case has no rounds, the waveform shows the
+last transfer. If the case has no bus, or if no round or transfer has ended yet, the waveform shows the 2 ms before the
+last edge.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ from .last_round import LastRound, Wave
 
 WINDOW = 2.0  # seconds over which rates are averaged
 SELDOM = 10.0  # seconds between calculations of a percentile, which takes long because it needs all values
-SAID = 3  # number of messages that are shown, the latest ones
+SAID = 3  # number of the latest messages that are shown
 FLAGS = {
     "SCI": ("SCIRXST.BRKDT", "SCIRXST.FE", "SCIRXST.OE", "SCIRXST.PE", "SCIFFRX.RXFFOVF"),
     "I2C": ("I2CSTR.AL", "I2CSTR.NACK", "I2CSTR.NACKSNT", "I2CSTR.RSFULL", "I2CSTR.SDIR", "I2CSTR.BB"),
@@ -75,8 +75,9 @@ class StatusSnapshot(TypedDict):
     """The state of a session for display.
 
     where: the address at which clients reach the session.
-    rates: the increase of each of `totals`, except "waiting", per simulated second. The entry "pace" is the number of
-        simulated seconds per second of real time. Empty in the first snapshot.
+    totals: numbers of bytes and rounds so far; "waiting" is the number of bytes that wait to be sent to the SCI.
+    rates: the increase of each entry of `totals`, except "waiting", per simulated second. The entry "pace" is the
+        number of simulated seconds per second of real time. `rates` is empty in the first snapshot.
     flags: the status flags that are set, such as "dsp.SCI-A.SCIRXST.FE".
     said: the latest messages about clients.
     over: True if the session has ended.
@@ -178,7 +179,7 @@ class Status:
         self._rounds += 1
 
     def _attitude(self) -> list[float] | None:
-        """Return the attitude that the firmware's model calculates from the readings; None if it cannot."""
+        """Return the attitude that the model of the firmware calculates from the readings; None without a result."""
         model = self._session.scene.model
         readings = {name: reading["values"] for name, reading in self._readings.items()}
         return None if model is None else model.attitude(readings)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .session import Session
 
 PARITIES = {"n": "none", "o": "odd", "e": "even", "m": "none", "s": "none"}
-NINTH = {"m": 1, "s": 0}  # level of the parity bit, which the SCI receives as its address bit, for mark and space parity
+NINTH = {"m": 1, "s": 0}  # level of the parity bit for mark and space parity; the SCI receives it as an address bit
 PORT = re.compile(r"sci-?([abc])", re.IGNORECASE)
 
 Wrong = Literal["", "parity", "stop"]

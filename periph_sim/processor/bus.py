@@ -135,10 +135,8 @@ class Bus:
         recorded = self._records_access and (subjects is None or any(name in subjects for name in names))
         operand = Operand(place, register, words, field, self._waits, recorded)
         if operand.recorded:
-            kind, recorder = (
-                Kind.ACCESS,
-                self._recorder,
-            )  # read once, because reading a member of an enumeration is slow
+            # The variable `kind` saves time: reading a member of an enumeration is slow.
+            kind, recorder = Kind.ACCESS, self._recorder
             reads = recorder.topic(kind, self._name, f"R {operand.name}")
             operand.record(reads, recorder.topic(kind, self._name, f"W {operand.name}"))
         return operand
@@ -252,7 +250,7 @@ class Bus:
             self.store(at, operand, value << operand.shift)
 
     def note_width(self, cycle: int, operand: Operand) -> None:
-        """Note a 32-bit access to frame 2, which performs 16-bit accesses only."""
+        """Make a note of a 32-bit access to frame 2, which performs 16-bit accesses only."""
         what = f"{operand.register.name} of {operand.place.name}"
         text = f"{what} was accessed with 32 bits; peripheral frame 2 takes 16 only"
         self._notes.note(cycle, Note("duty", text, "SPRUFB0D Table 88"))

@@ -132,7 +132,7 @@ class CpuTime:
         self.lease = 0
 
     def limit(self, lands: int) -> None:
-        """Note that a posted write takes effect at the end of cycle `lands`, and end the lease there."""
+        """End the lease when a new posted write takes effect, at the end of cycle `lands`."""
         if lands < self.lands:
             self.lands = lands
         if lands < self.lease:

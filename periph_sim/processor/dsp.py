@@ -235,7 +235,7 @@ class Dsp(FirmwareView):
     def _noted(self, socket: Socket, cycle: int, note: Note) -> None:
         """Count lost words, and keep the statement that violates a rule of the manuals or writes a word that is lost.
 
-        Unless `FirmwareNotes.placed` is True, only the statement of the first occurrence of each lost word is kept.
+        If `FirmwareNotes.placed` is False, only the statement of the first occurrence of each lost word is kept.
         """
         is_lost_word = note.code == "lost" and "was written" in note.text
         if is_lost_word:

@@ -39,8 +39,8 @@ class I2cModuleParty(BitParty):
         self._chip = chip
         self._clock = clock
         self._calm = False  # the last result of the timing check in `ready`
-        self._calm_for = -1  # a number computed from the inputs of that check; if it changes, the check is repeated
-        self._hz: Fraction = clock.hz  # the clock frequency at that check
+        self._calm_for = -1  # computed from the inputs of the timing check; if it changes, the check is repeated
+        self._hz: Fraction = clock.hz  # the clock frequency at the last timing check
         self._asking = False  # True while the module, as the master, tries to skip bits
         self._release_cause = 0  # the record that caused the release of SCL for the first skipped bit
 
@@ -86,7 +86,7 @@ class I2cModuleParty(BitParty):
         figures = each + 2 * low + 3 * high + 5 * hold + 7 * chip.filter_width + 11 * chip.state.tm
         if figures != self._calm_for or self._clock.hz is not self._hz:
             self._calm_for, self._hz = figures, self._clock.hz
-            # Each level must last longer than the noise filter.
+            # Each level must last longer than the width of the noise filter.
             # SDA must not change together with SCL, whether another party or this module drives SDA.
             width, module_clock = chip.filter_width, chip.state.tm
             apart = max(width, module_clock) + MARGIN

@@ -76,7 +76,7 @@ class Router(Agent):
         self.pads = Sampler(kernel, recorder, self)
         self._line = {n: line for line, n in enumerate(wires)}  # maps a pad to its line in `pads`
         self._monitored: set[int] = set()  # the pads whose edges the GPIO module receives
-        self._unread: BigInt = -1  # mask of all other pads
+        self._unread: BigInt = -1  # mask of the pads that are not in `_monitored`
         self._between_at = NO_TIME  # the tick of the next call of `_between`; NO_TIME if none is scheduled
         self._xint = xint
         self._routes = -1

@@ -128,7 +128,7 @@ class Spin:
             self.live_from = cycle
 
     def hold_up(self, cycles: int) -> None:
-        """Note that an interrupt or a stall delays the present pass by some cycles, so other passes may differ."""
+        """Add the cycles by which an interrupt or a stall delays the present pass, which is not pure then."""
         self.pure = False
         self.held_up += cycles
 

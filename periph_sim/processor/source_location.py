@@ -48,7 +48,7 @@ class SourceLocator:
         self._known: dict[tuple[CodeType, int], SourceLocation] = {}
         # Maps the id of a code object to its locations by index of the instruction; None if the code is not firmware.
         self._places: dict[int, dict[int, SourceLocation] | None] = {}
-        self._codes: list[CodeType] = []  # these code objects; the references keep their ids unique
+        self._codes: list[CodeType] = []  # the code objects in `_places`; these references keep their ids unique
 
     def of_frame(self, frame: FrameType | None) -> SourceLocation | None:
         """Return the location of the first firmware frame among this frame and its callers; None if there is none."""

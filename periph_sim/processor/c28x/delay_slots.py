@@ -59,7 +59,7 @@ def read_registers(instruction: Instruction) -> int:
 
 
 def not_kept(instruction: Instruction, word_at: Callable[[int], int]) -> Iterator[str]:
-    """Yield a sentence if the instruction in the delay slot of this instruction reads one of its late results.
+    """Yield a sentence if this instruction has a late result that the instruction in the delay slot reads.
 
     For RPTB, check the last instruction of the repeated block, whose delay slot is the first instruction of the block.
     word_at: returns the word of program memory at an address.
@@ -115,7 +115,10 @@ def delay(f: Operation) -> None:
 
 
 def _delayed(cpu: Cpu, f: Operation) -> None:
-    """Execute an operation, then write the pending results of the previous one. Its own late results become pending."""
+    """Execute an operation, then write the pending results of the previous operation.
+
+    The late results of the executed operation become pending.
+    """
     late, due, flags = f.late, cpu.due, cpu.due_flags
     if not late and not due and not flags:
         f.plain(cpu, f)

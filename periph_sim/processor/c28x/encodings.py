@@ -105,7 +105,10 @@ class Encoding:
         return pair
 
     def cycles_of(self, values: Mapping[str, int]) -> tuple[int, int]:
-        """Return (cycles if a branch is taken, cycles if not) for these field values; equal for other instructions."""
+        """Return (cycles if a branch is taken, cycles if it is not taken) for these field values.
+
+        Both numbers are equal if the instruction is not a branch.
+        """
         if where := CYCLES_WHERE.fullmatch(self.cycles_where):
             value, number = values[where[1]], int(where[3], 0)
             if value == number if where[2] == "=" else value & number:
@@ -200,7 +203,7 @@ def _fields(bits: str) -> dict[str, BitField]:
 
 WIDE = ("loc32", "mem32", "reg32")
 REGISTERS = range(0xA0, 0xAE)
-SP_FIELD = 0xAD  # @SP, which has no 32-bit meaning
+SP_FIELD = 0xAD  # value of field l for @SP, which cannot be a 32-bit operand
 DIRECT, STACK, INDEXED = range(0x40), range(0x40, 0x80), range(0xC0, 0x100)
 
 
@@ -208,7 +211,7 @@ DIRECT, STACK, INDEXED = range(0x40), range(0x40, 0x80), range(0xC0, 0x100)
 def operand_texts(wide: bool) -> tuple[str, ...]:
     """Return the operand text for each of the 256 values of field l. wide: True if the operand has 32 bits."""
     xar, words = range(8), range(0x40)
-    # Two values encode ACC, and two P, as 32-bit operands; the assembler emits the second one.
+    # For a 32-bit operand ACC or P, field l has two values; the assembler emits the second value.
     named = ("@ACC", "@ACC", "@P", "@P", "@XT", "@SP") if wide else ("@AH", "@AL", "@PH", "@PL", "@T", "@SP")
     return (
         *(f"@{word:#x}" for word in words),

@@ -21,7 +21,7 @@ from .encodings import WIDE, Encoding, fixed_operands, is_operand, operand_texts
 
 Values = Mapping[str, int]  # maps the letter of a field to its value
 Evaluate = Callable[[str], int]  # returns the value of an expression
-Read = Callable[[str, int, Evaluate], dict[str, int]]  # parses the text of an operand, for an instruction's address
+Read = Callable[[str, int, Evaluate], dict[str, int]]  # parses (text, instruction's address, evaluate) to field values
 
 
 class BadInstruction(ValueError):
@@ -98,7 +98,10 @@ def shift_part(token: str, encoding: Encoding) -> Part | None:
 
 
 def optional_shift_part(token: str, encoding: Encoding) -> Part | None:
-    """Return the part for an optional shift `<<#0..15`; if omitted, field s is 0. Return None without a field s."""
+    """Return the part for an optional shift `<<#0..15` in field s; None if the form has no field s.
+
+    If the source line has no shift, field s is 0.
+    """
     inner = shift_part(token.removeprefix("<<"), encoding)
     return inner and _optional(inner, "<<", {"s": 0}, lambda values, at: f"<<{inner.show(values, at)}")
 

@@ -120,7 +120,7 @@ def addressing(field: int) -> int:
 
 DEPTH = 4  # largest number of blocks in the fetch queue
 QUEUE_PACKED = 6 + DEPTH  # length of `FetchQueue.packed_queue`
-LONG_AGO = 1 << 7  # number of cycles; an earlier event has no effect, since the queue is filled within 4 * 17 cycles
+LONG_AGO = 1 << 7  # cycles after which an event has no effect any more, since the queue is filled within 4 * 17 cycles
 
 
 @final
@@ -143,7 +143,7 @@ class FetchQueue:
         self._consumed: Annotated[list[int], DEPTH] = [0] * DEPTH  # the cycle at which each slot was free again
         self._place = DEPTH - 1  # mask: the slot of block n is slot `n & _place` of `_consumed`
         self._newest = 0  # the number of the last block that an instruction needed: address >> _bits
-        self._ready = 0  # the cycle at which that block was available
+        self._ready = 0  # the cycle at which block `_newest` was available
         self._bits = 1  # number of address bits within a block
         self._cycles = 1  # number of cycles in which one block arrives
         self._issued = 0  # the cycle at which the last instruction left the queue
@@ -183,7 +183,7 @@ class FetchQueue:
         return self._issued - cycle
 
     def _need(self, block: int) -> int:
-        """Return the cycle at which a block is available. Earlier blocks have left the queue then."""
+        """Return the cycle at which a block is available. Remove all earlier blocks from the queue."""
         place = self._place
         while self._newest < block:
             if self._consumed[self._newest & place] < self._issued:
@@ -213,7 +213,7 @@ class FetchQueue:
 # Stalls -----------------------------------------------------------------------------------------------------------
 
 LANE = 10  # number of bits of a lane of `Pipeline.pending`, one for each register in REGISTERS
-ONCE_EACH = 0x100401  # bit 0 of each of the three lanes
+ONCE_EACH = 0x100401  # bit 0 of each of the three lanes of `Pipeline.pending`
 BEHIND = 3  # cycles that an instruction waits if it reads a word that the instruction directly before it writes
 STORES = 4  # number of stores that are remembered; an instruction makes at most two, and at most one in a cycle
 STORES_PACKED = 1 + 3 * STORES  # length of `Pipeline.packed_stores`
@@ -238,7 +238,7 @@ class Pipeline:
 
     def __init__(self) -> None:
         self.enabled = True
-        # For each of the last stores: its first and last address, and the value of `clock` from which it can be read.
+        # The last stores: first and last address, and the value of `clock` from which on the words can be read.
         self._first: Annotated[list[int], STORES] = [0] * STORES
         self._last: Annotated[list[int], STORES] = [0] * STORES
         self._ready: Annotated[list[int], STORES] = [0] * STORES
@@ -265,7 +265,10 @@ class Pipeline:
             self.packed_stores[rest] = 0
 
     def stall(self, f: Operation, arp: int) -> int:
-        """Return the cycles that an instruction waits in D2 for registers, and let them pass. arp: the value of ARP."""
+        """Return the cycles that an instruction waits in D2 for registers, and advance by these cycles.
+
+        arp: the value of ARP.
+        """
         needs = f.needs & REGISTERS
         if f.needs & BY_ARP:
             needs |= 1 << arp
@@ -282,13 +285,13 @@ class Pipeline:
         return waits
 
     def issued(self, f: Operation, cycles: int) -> None:
-        """Advance by the cycles that an instruction spent in D2, and note the registers that it will write."""
+        """Advance by the cycles that an instruction spent in D2, and store which registers it will write."""
         self._pass(cycles)
         if self.enabled:
             self.pending |= f.makes << 2 * LANE
 
     def wrote(self, address: int, words: int, cycle: int) -> None:
-        """Note the memory words that the current instruction writes.
+        """Store which memory words the current instruction writes.
 
         cycle: the cycle of the instruction, counted from 1, in which the write passes phase D2.
         """
@@ -298,7 +301,7 @@ class Pipeline:
             self._ready[at] = self.until = self.clock + cycle + BEHIND
 
     def read(self, address: int, words: int) -> int:
-        """Return the cycles until the words that the current instruction reads are written, and let them pass."""
+        """Return the cycles that the current instruction waits for the words that it reads; advance by these cycles."""
         waits = 0
         at: int
         for at in range(STORES):

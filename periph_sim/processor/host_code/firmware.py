@@ -126,7 +126,7 @@ class Run:
         self._raised: BaseException | None = None  # the exception that `_call` raises after the C functions have ended
         self._routines: dict[int, int] = {}  # maps a function pointer of the host to its code address
         self._places: list[Place] = []  # the places that C code has written so far
-        self._numbers: dict[Place, int] = {}  # maps each of these places to its number in runtime.c
+        self._numbers: dict[Place, int] = {}  # maps each place in `_places` to its number in runtime.c
         # Maps the host address of the call that announces a write to (offset from the announced bytes, size) of the
         # store that follows.
         self._stores: dict[int, tuple[int, int]] = {}
@@ -310,7 +310,9 @@ class Run:
     def _vector(self, place: Place, pointer: int) -> int:
         """Return the code address for a function pointer that the C code stores in the vector table.
 
-        pointer: the host address of the function; 0 is no function. Raise FirmwareLost if it is no pointer.
+        pointer: the host address of the function. If it is 0, a null pointer, return 0.
+
+        Raise FirmwareLost if `place`, to which the C code writes, does not have the size of a function pointer.
         """
         program = self.dsp.cpu.program
         if place.size != POINTER or place.width != 2 * WORD:

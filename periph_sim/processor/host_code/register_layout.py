@@ -102,7 +102,7 @@ class RegisterLayout:
     def __init__(self, library: Path) -> None:
         """Raise BadLayout if a member has no certain place."""
         self._numbers: dict[tuple[int, int], Place] = {}  # maps (offset, size) to a place that is no bit field
-        self._fields: dict[int, Place] = {}  # maps the offset of each byte with bits of a field to its place
+        self._fields: dict[int, Place] = {}  # maps the offset of a byte in a bit field to the place of the field
         self._read: dict[tuple[int, int], tuple[Place, ...]] = {}  # results of `read`, by offset and size
         # Maps the offset of adjacent bit fields to their total size in bytes. gcc announces a write of one of these
         # fields as a write of all.
@@ -139,7 +139,8 @@ class RegisterLayout:
     def announced(self, at: int, size: int) -> Place | None:
         """Return the place of a write that gcc has announced for these bytes.
 
-        Return None if the announcement does not determine the place; then `stored` returns it for the store.
+        Return None if the announcement does not determine the place. Only `stored` can then find the place, from the
+        store itself.
         """
         number, words = self._numbers.get((at, size)), self._words(at, size)
         if number is not None:
@@ -227,9 +228,9 @@ class RegisterLayout:
         return -(-longest // WORD // align) * align
 
     def _is_certain(self, member: DIE, word: int, host_bit: int) -> bool:
-        """Return True if unnamed bits before a member would not change its position.
+        """Return True if a member after bit fields has the same position with and without unnamed bits before it.
 
-        The member follows bit fields, after which there may be unnamed bits, which the debug information does not list.
+        The debug information does not list unnamed bits, so it is unknown whether there are any.
 
         word: the first word after these bit fields, in the structure on the chip.
         host_bit: the first bit after these bit fields, in the structure on the host.
@@ -309,9 +310,10 @@ class RegisterLayout:
 
 
 def _aligned(bit: int, width: int, container: int) -> int:
-    """Return the first bit of a field: `bit`, or the start of the next container if the field does not fit in this one.
+    """Return the first bit of a bit field: `bit`, or the start of the next container if the field does not fit before.
 
-    width, container: the bits of the field, and of its declared type.
+    width: number of bits of the field.
+    container: number of bits of its declared type.
     """
     return bit if bit % container + width <= container else -(-bit // container) * container
 

@@ -94,9 +94,9 @@ class Number(NamedTuple):
 
 
 def passes_within(number: Number, size: int) -> int:
-    """Return the number of further passes in which a number reaches no multiple of `size`; 0 if it is one now.
+    """Return the number of further passes in which a number does not become a multiple of `size`.
 
-    Return NEVER if the step is 0.
+    Return 0 if the number is a multiple of `size` already, but NEVER if its step is 0.
     """
     value, step = number
     if not step:
@@ -365,7 +365,7 @@ class CountingLoop(InstructionWatch):
         return repeated.passes if repeated.counters == further else 0
 
     def _counters(self, changed: Mapping[int, int]) -> dict[Place, Number]:
-        """Return a dictionary from each word that the traced pass has changed to its value and step before the pass."""
+        """Return a dictionary from each word that the traced pass has changed to its earlier value and its step."""
         before = register_words(self._state[0], self._state[1:COUNTERS]) | dict(changed)
         words = {address: self._memory.word(address) for address in changed}
         after = register_words(self._cpu.acc, self._cpu.xar) | words

@@ -100,7 +100,7 @@ class ImageCpu(ImageMemory):
         return made
 
     def _look_at_slots(self, f: Operation) -> None:
-        """Note each read of a late FPU result in the delay slot of this instruction."""
+        """Make a note if the instruction in the delay slot of this instruction reads a late result."""
         if f.address in self._slots_seen:
             return
         self._slots_seen.add(f.address)

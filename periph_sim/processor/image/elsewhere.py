@@ -70,7 +70,7 @@ class UnmappedMemory:
         self._core = core
         self._notes = notes
         self._frames: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END  # words of frames and of XINTF zone 0
-        self._states: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END  # properties of these words
+        self._states: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END  # properties of the words in `_frames`
         self._stored = {ADC_CAL: LRETR}  # maps an address after the frames to its word
         for address, value in FRAME_RESET.items():
             self._frames[address] = value
@@ -219,7 +219,7 @@ class UnmappedMemory:
         return area
 
     def _note(self, cycle: int, address: int, area: Area) -> None:
-        """Note the first access to an area whose contents or time are not modelled."""
+        """Make a note at the first access to an area whose contents or timing is not modelled."""
         name = register_name(address)[0] if area.content is Content.REGISTERS else area.name
         if name in self._noted:
             return

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 BRANCHES = RELATIVE | {"LB", "XB", "XBANZ"}
 PREFETCHED = 2  # flash with FOPT.ENPIPE = 1 is fetched in blocks of 2 ** PREFETCHED words
-WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000))  # M0, M1, L0 to L3 (twice)
+WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000))  # M0, M1; L0 to L3, at two places
 
 
 @final
@@ -114,7 +114,7 @@ class InstructionTiming:
         self.conflicts = more > 0
 
     def landing(self, f: Operation) -> int:
-        """Return the additional cycles of a jump to an instruction of 32 bits at an odd address; 0 for others.
+        """Return the additional cycles of a jump to an instruction of 32 bits at an odd address; 0 for other jumps.
 
         The result is also 0 in memory with wait states, because there the fetch queue counts these cycles.
         """

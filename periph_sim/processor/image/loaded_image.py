@@ -130,7 +130,7 @@ class LoadedImage(Program):
         return instruction_location(name, begins, path, line, address)
 
     def read_unwritten(self, address: int) -> None:
-        """Note a read of unwritten memory, once for each function."""
+        """Make a note of a read of unwritten memory, once for each function."""
         name = self.functions.name_at(self._at)
         if name not in self._unwritten:
             self._unwritten.add(name)
@@ -235,7 +235,10 @@ class LoadedImage(Program):
 
 
 def fields_of(register: Register, mask: int) -> str:
-    """Return the names of the fields with bits of a mask, joined by "+"; "all" for all bits, or if no field has any."""
+    """Return the names of the fields with bits of a mask, joined by "+".
+
+    Return "all" if the mask contains all bits of a word, or no bit of any field.
+    """
     if mask == ALL:
         return "all"
     return "+".join(field.name for field in register.fields if field.mask & mask) or "all"

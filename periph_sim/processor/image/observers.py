@@ -97,7 +97,7 @@ class Frame:
     """An active function.
 
     first, end: the range of its addresses; `end` is the address after its last word.
-    return_to: the address after its call, or of the instruction that its interrupt delayed; NOWHERE for the first
+    return_to: the address to which the function returns, after a call or in the interrupted code; NOWHERE for the first
         function.
     since: the tick at which the function began.
     """

@@ -34,7 +34,7 @@ from ..polling import Lease, Spin
 FIRST_EXAMINED = 2  # number of passes of a loop before a pass is examined
 LONGEST = 1024  # maximum number of passes between two examined passes of a loop that is no wait
 COUNTS_FROM = 64  # number of passes before a loop is analysed for counters, which is slow
-FEWEST = 8  # minimum number of passes that only count for which the program sleeps; fewer are executed
+FEWEST = 8  # if fewer further passes than this only count, they are executed instead of skipped
 TRIES = 3  # number of failed analyses for counters after which a loop is not analysed again
 
 
@@ -72,7 +72,7 @@ class PollSkipper:
         self.elsewhere: list[int] = []
         self._values: list[int] = []
         self.changed: dict[int, int] = {}
-        self._failed: dict[int, int] = {}  # maps the branch that closes a loop to its failed analyses
+        self._failed: dict[int, int] = {}  # maps the branch that closes a loop to the number of failed analyses
         self._compared = False  # True if the state at the start of the last pass is known
         self._branch = -1
         self._spin = Spin(0)
@@ -133,7 +133,7 @@ class PollSkipper:
     def repeats(self, as_before: bool) -> bool:
         """Return True, at the start of a pass, if two clean passes of equal length have left the state unchanged.
 
-        Call this method if `is_repeatable` is True. as_before: True if the state equals that at the last call.
+        Call this method if `is_repeatable` is True. as_before: the result of `ImageCpu.is_as_before` now.
         """
         cycle = self._time.cycle
         equal: bool
@@ -150,9 +150,10 @@ class PollSkipper:
     # Passes that count -------------------------------------------------------------
 
     def may_count(self) -> bool:
-        """Begin to analyse the pass that begins now for counters. Return False if it is not worth the time.
+        """Begin to examine the pass that begins now, and to analyse it for counters. Return True if this is done.
 
-        Call this method if the previous pass was not repeatable.
+        It is not done if the loop has made too few passes, if too many analyses have failed, or if the pass is examined
+        already. Call this method if the previous pass was not repeatable.
         """
         if self.tracking or self._passes < COUNTS_FROM or self._failed.get(self._branch, 0) >= TRIES:
             return False
@@ -188,7 +189,7 @@ class PollSkipper:
         return self.reads_modules or len(self.elsewhere) > 0
 
     def changes(self, address: int, before: int) -> None:
-        """Note that the examined pass changes a word of memory. before: the earlier value of the word."""
+        """Take into account that the examined pass changes a word of memory. before: the earlier value of the word."""
         if not self.counting:
             self.clean = False
         elif address not in self.changed:
@@ -203,25 +204,25 @@ class PollSkipper:
         self._spin.begin_pass(self._time.cycle)
 
     def note(self, operand: Operand, value: int) -> None:
-        """Note that the examined pass reads a register of a module."""
+        """Append the read of a module's register to the reads of the examined pass."""
         self._spin.note(operand, value << operand.shift, None)
         self._values.append(value)
         if not operand.steady:
             self.clean = False
 
     def note_elsewhere(self, address: int, value: int) -> None:
-        """Note that the examined pass reads an unmodelled word."""
+        """Append the read of an unmodelled word to the reads of the examined pass."""
         self.elsewhere.append(address)
         self._values.append(value)
 
     def restart(self) -> None:
-        """Note that the examined pass writes the key register of the watchdog."""
+        """Mark the examined pass as one that writes the key register of the watchdog."""
         self.restarts = True
         if self.counting:
             self.clean = False
 
     def soil(self) -> None:
-        """Note that the examined pass is not clean, because of an action that the next pass may not repeat."""
+        """Mark the examined pass as not clean, because of an action that the next pass may not repeat."""
         self.clean = False
 
     # Sleep -------------------------------------------------------------------------

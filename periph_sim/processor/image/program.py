@@ -68,7 +68,7 @@ class ImageProgram(LoadedImage):
         super().__init__(processor, clock, image, entry, ImageCpu(processor, options, skip_polls, keeps_decoded))
         self.instructions = self.skipped = 0
         self._ready: Operation | None = None  # the pending instruction, whose operand address is known
-        self._executed = False  # True if an instruction was executed since the last start, interrupt or return from one
+        self._executed = False  # True if an instruction was executed since the last start, interrupt or IRET
         self._idle_began = False
         self._asleep_at = 0  # the tick at which the last sleep began
         self._loop_due = False  # True at the start of a pass of a loop that should be examined
@@ -276,7 +276,7 @@ class ImageProgram(LoadedImage):
         return None
 
     def _follow_wait(self) -> None:
-        """End a wait whose passes are executed, not skipped, once a sleeping program would have been woken."""
+        """End a wait whose passes are executed, not skipped, if a sleeping program would have been woken by now."""
         time, back = self._processor.time, self._back
         self._back = -1
         if time.wakes <= time.cycle:

@@ -69,7 +69,7 @@ def _sines(pi: float) -> Iterator[float]:
 
 
 def _arctangents() -> Iterator[float]:
-    """Yield a0, a1, a2 for each interval: a0 + a1*x + a2*x**2 is arctan(x) at its start, middle and end."""
+    """Yield a0, a1, a2 for each interval. At its start, middle and end, a0 + a1*x + a2*x**2 is equal to arctan(x)."""
     for n in range(INTERVALS):
         x0, x1, x2 = ((2 * n + half) / 128 for half in range(3))
         y0, y1, y2 = math.atan(x0), math.atan(x1), math.atan(x2)

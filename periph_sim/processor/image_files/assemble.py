@@ -225,7 +225,7 @@ def _operands(text: str) -> list[str]:
 
 
 def assemble(text: str, path: Path | None = None) -> Image:
-    """Return the image of a program. text: the source. Raise BadImage with the source line if it is invalid.
+    """Return the image of a program. text: the source. Raise BadImage, with the source line, for an error.
 
     path: the path of the source, for the debug data; included files are searched in its folder. With None, the image
         has no debug data.

@@ -137,7 +137,7 @@ def _registers(named: list[tuple[Access, str]]) -> Iterator[Register]:
 
 
 def contents_of(section: Section) -> str:
-    """Return the kind of a section's contents: "code", "data", "registers" or "reserved"; "" if it has no memory."""
+    """Return the kind of a section's contents: "code", "data", "registers" or "reserved"; "" if not in memory."""
     if section.loaded:
         return "code" if section.code else "data"
     if not section.allocated:

@@ -13,7 +13,7 @@ from functools import cached_property
 from ...core.phrases import shorten
 
 LEAST_STACK = 15  # smallest number of words of a stack, which a single interrupt needs
-LONGEST_NAME = 60  # characters of a name in a message
+LONGEST_NAME = 60  # maximum number of characters of a name in a message
 
 
 def quoted(name: str) -> str:

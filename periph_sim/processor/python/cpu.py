@@ -72,7 +72,7 @@ class Cpu:
         self._between: int = code.between_accesses
         self._reads = 0  # number of reads since the last write, wait or check for polling
         self._reads_from = 0  # the cycle of the last check for polling
-        self._polling_places: set[str] = set()  # the statements for which polling was noted
+        self._polling_places: set[str] = set()  # the statements for which a note about polling was made
 
     # Start and end -----------------------------------------------------------
 
@@ -289,7 +289,7 @@ class Cpu:
         return value
 
     def _check_for_polling(self) -> None:
-        """Note a loop that reads registers pass by pass without `dsp.spin`, once for each statement."""
+        """Make a note of a loop that reads registers pass by pass without `dsp.spin`, once for each statement."""
         cycle = self.time.cycle
         dense = cycle - self._reads_from < MANY_READS * CYCLES_OF_A_PASS
         self._reads, self._reads_from = 0, cycle
@@ -349,7 +349,7 @@ class Cpu:
             self.write(operand, value << operand.shift)
 
     def _refuse(self, operand: Operand) -> None:
-        """Note a 32-bit access in peripheral frame 2, which has no effect, and let its cycles pass."""
+        """Make a note of a 32-bit access in peripheral frame 2, which has no effect, and let its cycles pass."""
         self.instruction(1 + self.bus.read_waits(operand))
         self.bus.note_width(self.time.cycle, operand)
 

@@ -30,7 +30,7 @@ LONG = 1 << 31  # to save time, only larger numbers of cycles are compared with 
 class Span:  # core: python
     """Context manager of a span.
 
-    It is a class, because a generator of contextlib would add stack frames between the firmware and the calls here.
+    It is a class, because a generator of contextlib would add stack frames between the firmware and `Cpu.mark_span`.
     """
 
     def __init__(self, cpu: Cpu, name: str) -> None:
@@ -112,7 +112,7 @@ class FirmwareView:
         return self.waits.spin_either(ready, over, self._pass("spin_either", pass_cycles))
 
     def _pass(self, what: Text, cycles: BigInt | None) -> BigInt | None:
-        """Return the cycles of a pass; None if none are given. Raise Misuse unless the number is an integer above 0."""
+        """Return `cycles`, the cycles of a pass, or None if it is None. Raise Misuse if it is no integer above 0."""
         if cycles is None:
             return None
         if type(cycles) is not int or cycles < 1:
@@ -177,7 +177,7 @@ class FirmwareView:
         return Span(self.cpu, name)
 
     def report_overflow(self, text: Text) -> None:  # core: python
-        """Note a result of fixed-point arithmetic that does not fit its format. text: the result and the format."""
+        """Make a note of a fixed-point result that does not fit its format. text: the result and the format."""
         self.cpu.processor.notes.note(self.cpu.time.cycle, Note("overflow", text, "IQmath guide V1.70"))
 
     def set_pin(self, pin: BigInt) -> None:  # core: python

@@ -157,7 +157,7 @@ class PythonProgram(Program):
             raise found from error
 
     def _end(self) -> None:
-        """End the turn of firmware that has returned or raised. Unless it was killed, the outer loop continues."""
+        """End the turn of firmware that has returned or raised. If it was not killed, the outer loop continues."""
         self._end_watch()
         if self._greenlet is not None:
             self._processor.stops(Stop.ENDED)
@@ -166,10 +166,10 @@ class PythonProgram(Program):
     # Turns -------------------------------------------------------------------
 
     def run(self, until: int) -> None:
-        """Give this program its turn.
+        """Continue this program. Return None, because `yield_turn` reports the stop to the processor.
 
-        Return None, because `yield_turn` reports the stop to the processor. This call returns only when the greenlet of
-        its caller is resumed, and another program may run before.
+        This call does not return when the program stops. It returns when the greenlet of its caller is resumed; another
+        program may run before that.
         """
         kernel = self._kernel
         kernel.released = True

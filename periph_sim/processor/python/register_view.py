@@ -87,7 +87,7 @@ class Port:
         self._place = place
         self._fields = fields
         self._half: Port | None = None
-        self._operands: list[Operand | None] = [None] * len(fields)  # by `PortField.number`, made at the first access
+        self._operands: list[Operand | None] = [None] * len(fields)  # index: `PortField.number`; made at first access
 
     def __setattr__(self, name: str, value: int) -> None:
         if name in STATE:

@@ -110,7 +110,7 @@ class Recogniser:
         self._earlier: ConditionQuery | None = None  # the query used before `_latest`; a loop often alternates two
 
     def condition(self, function: object) -> Condition | None:
-        """Return the condition equivalent to a function. Return None if there is none, or at the first wait for it."""
+        """Return the condition equivalent to a function; None if there is none, and at the function's first wait."""
         if type(function) is not FunctionType:
             return None
         code = function.__code__
@@ -154,7 +154,7 @@ class Waits:
         """
         # The cycles of the branch back to the start of a pass.
         self._branch: int = max(0, poll_pass - cpu_costs.SIMPLE - pf2_read_ws.unrecorded())
-        self._branch_listed = False  # True once it is noted that the run depends on the option
+        self._branch_listed = False  # True once the dependence of the run on `pf2_read_ws` is stored
         self._pf2_read_ws = pf2_read_ws
         self._cpu = cpu
         self._time: CpuTime = cpu.time
@@ -242,8 +242,8 @@ class Waits:
     def _skip(self, spin: Spin) -> bool:
         """Sleep through the passes that must repeat the present pass, and prepare the replay of the pass in progress.
 
-        Return True after a sleep if the next pass can have another result only through another value of a read.
-        Otherwise return False. If passes must not be skipped, keep their reads in `Spin.last`, and do not sleep.
+        Return True after a sleep if the result of the next pass depends on the values of its reads alone. Otherwise
+        return False. If passes must not be skipped, keep their reads in `Spin.last`, and do not sleep.
         """
         time, core = self._time, self._cpu.core
         if not spin.made or time.lands < NEVER or core.earliest() < NEVER:

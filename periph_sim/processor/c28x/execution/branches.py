@@ -17,7 +17,7 @@ PMA = 0x3F_0000
 
 
 def _branch(cpu: Cpu, f: Operation, taken: bool, half: int = 0x8000) -> None:
-    """Jump, if taken, by the signed distance in field c from this instruction. half: the sign bit of field c."""
+    """If `taken`, jump from this instruction by the signed distance in field c. half: the sign bit of field c."""
     if taken:
         cpu.pc = f.address + ((f.c ^ half) - half) & CODE
     else:
@@ -195,5 +195,5 @@ def XBANZ_pma_ind0dec(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Make an operation execute the function of this name. Raise KeyError if this module does not have it."""
+    """Make an operation execute the function of this name. Raise KeyError if this module has no such function."""
     f.execute = globals()[name]

@@ -50,7 +50,10 @@ def result(cpu: Cpu, number: int, value: int) -> None:
 
 
 def moved(cpu: Cpu, number: int, bits: int) -> None:
-    """Write RnH by a move. Set NF and ZF for the bits as a float, NI and ZI for them as an integer. number: the n."""
+    """Write RnH as a move does. Set NF and ZF by the bits as a float, and NI and ZI by the bits as an integer.
+
+    number: the n of RnH.
+    """
     cpu.r[number] = bits
     flags = (NF | NI if bits & SIGN else 0) | (ZF if is_zero(bits) else 0) | (ZI if bits == 0 else 0)
     if flags & ZF:
@@ -359,5 +362,5 @@ def UI32TOF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Make an operation execute the function of this name. Raise KeyError if this module does not have it."""
+    """Make an operation execute the function of this name. Raise KeyError if this module has no such function."""
     f.execute = globals()[name]

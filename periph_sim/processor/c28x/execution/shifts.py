@@ -183,5 +183,5 @@ def NORM_ACC_XARndec(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Make an operation execute the function of this name. Raise KeyError if this module does not have it."""
+    """Make an operation execute the function of this name. Raise KeyError if this module has no such function."""
     f.execute = globals()[name]

@@ -2,9 +2,8 @@
 
     pins, read, write, wake  -->  chip  -->  out, requests, held, next_wake, notes
 
-A chip does not depend on the kernel, the wires or files. Its time is the count of its own
-SYSCLKOUT cycles. Its owner (`core.socket`, or a test) calls `wake` at `next_wake` and reads the outputs after every
-input.
+A chip does not depend on the kernel, the wires or files. Its time is the count of its own SYSCLKOUT cycles. Its owner
+(`core.socket`, or a test) calls `wake` at `next_wake` and reads the outputs after every input.
 """
 
 # core: compiled

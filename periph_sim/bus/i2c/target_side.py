@@ -226,11 +226,11 @@ class TargetSide(BitParty):
         return fall + self._hold
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """Return True if the target is not addressed, or if it waits for a first bit and has no stretches left.
+        """Return True if the target is not addressed, or if all of these conditions hold:
 
-        For an addressed target, two conditions on the times must hold as well. Its hold time is at least `hold`. The
-        time from its change of SDA to the rise of SCL is at least `hold`; if `each` is True, it is at least its own
-        hold time instead.
+        - It waits for the first bit of a byte and has no stretches left.
+        - Its hold time is at least `hold`.
+        - From its change of SDA to the rise of SCL, at least `hold` passes; if `each` is True, at least its hold time.
         """
         if self._does == NOT_MEANT:
             return True

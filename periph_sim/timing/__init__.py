@@ -2,15 +2,18 @@
 
 Terms of this package:
 
-record: a noted event of a run, with its kind, tick, place, thing and value (`core.records`).
+record: a recorded event of a run, with its kind, tick, place, thing and value (`core.records`).
+derived record: a record that `timing/derived` makes from transfers, rounds or frames, such as the age of data.
 measure: a rule that takes values from the records of a run, such as the times from one event to another.
-budget: a measure with limits. Its verdict says whether a run has kept the limits. It is refuted if an event, such as a
-    wrong reply, breaks it whatever the values are.
+budget: a measure with limits. Its verdict says whether a run has kept the limits. A budget is refuted if an event, such
+    as a wrong reply, breaks it whatever the values are.
 joined condition: a further measure with limits, under the key `and` of a budget.
 scene: the simulated wires with all units, chips and other parties on them.
 unit: one simulated F28335 with its firmware.
 master: the party that controls the I2C bus: the simulated controller of the table [controller], a unit, or another
-    program. request: a write, a read, or both, that a master makes to one chip.
+    program.
+request: a write, a read, or both, that a master makes to one chip. In measures of replies of an SCI, what a reply
+    answers: a send, an event or a time that the case states.
 round: one execution of the requests that a master repeats periodically; it is due at its planned start.
 frame: the values that the [host], a PC, sends in one message over UART. In events such as "frame TX 0x06", and in
     bursts, a frame is one UART character.
@@ -22,7 +25,8 @@ clause: a part of a measure's text after a comma that names one more event, such
 place, thing: the `where` and the `what` of a record, such as "dsp.I2C-A" and "I2CSTR.XRDY". A place in the firmware is
     a statement.
 topic: all records of one kind, place and thing.
-tag: a number that a measure gives to the records of one kind, place and thing that it needs.
+tag: a number by which a measure recognizes the records of a topic.
+chain: a possible sequence of the frames that successive model runs used.
 model run: one execution of the firmware's sensor models; "run" alone is a run of the simulation.
 """
 

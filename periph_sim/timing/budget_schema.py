@@ -23,7 +23,7 @@ def _limit(value: object) -> object:
 
 Extent = Annotated[str | int, Before(_limit)]
 
-# Some measures are named by one of the following prefixes and a name, such as "span:models".
+# The text of some measures is one of these prefixes and a name, such as "span:models".
 SPAN = "span:"
 REPLY = "reply:"
 SILENCE = "silence:"

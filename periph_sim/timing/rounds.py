@@ -74,7 +74,7 @@ class Schedule:
         self._since: int = NO_TIME if asked.first is None else asked.first  # the tick from which periods count
         period = Fraction(asked.period if self._is_fixed else asked.period // 1)
         assert period > 0, "a period of 0 ticks has rounds without end"
-        self._ticks: BigInt = period.numerator  # number of ticks in `_periods` periods
+        self._ticks: BigInt = period.numerator  # `_periods` periods last this whole number of ticks
         self._periods: BigInt = period.denominator
         self._next: BigInt = 0  # number of periods from `_since` to the next due time
         self._passed = 0  # number of rounds that began or were missed

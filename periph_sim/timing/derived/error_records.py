@@ -2,13 +2,15 @@
 
     read of a chip --values x, y, z--.
                                      |-- worst axis --> value error, in millionths of an LSB
-    truth at an instant, per chip ---'
+    true values of each chip --------'
 
     thing                  tick                value
     sample                 START of the read   the chip's address; for each read after the first host frame
-    value error            START of the read   error against the truth at the first data bit of the read
-    value error at frame   START of the read   error against the truth at the due time of the host frame that fits best
-    unknown error          START of the read   the chip's address; a frame that was not compared may fit better
+    value error            START of the read   difference from the true values at the first data bit of the read
+    value error at frame   START of the read   difference from the true values at the due time of the host frame that
+                                               fits best
+    unknown error          START of the read   the chip's address; made instead of `value error at frame` if the frame
+                                               that fits best may be one that is no longer stored
 
 The frame that fits best is the one with the smallest error among the last 8 frames and all frames since the one that
 fitted the chip's last read. So `value error at frame` does not depend on the age of the values.

@@ -242,7 +242,7 @@ class ModelOrigins(Origins):
         self._pulled_up = True
         self._chains = [Chain(NOTHING_SENT, BEFORE_ANY, self._codes.at_rest)]
         self._left_out = False  # True if chains were left out after the last read that agreed with a chain
-        self._before: list[Chain] = []  # the chains without the last model run
+        self._before: list[Chain] = []  # the chains as they were before the last model run was added
         self._runs = 0
         self._over: list[ModelRun] = []  # complete model runs that are not in a chain yet
         self._last: ModelRun | None = None
@@ -317,7 +317,7 @@ class ModelOrigins(Origins):
                 break
             may_be.append(sent)
         oldest: int = may_be[-1].number
-        if oldest > least:  # the last frame of the chain, and perhaps some frames after it, are no longer stored
+        if oldest > least:  # `run.sent` lacks the frame that the model run before used, and perhaps frames after it
             may_be.append(chain.sent)
             self._left_out = self._left_out or oldest > least + 1
         may_be.reverse()
@@ -326,8 +326,8 @@ class ModelOrigins(Origins):
     def _anew(self) -> Iterator[Chain]:
         """Yield new chains, for a read that agrees with no known chain.
 
-        Each new chain consists of three model runs, the last of which is `_last`. Each of the three uses one of the
-        PASSED_OVER + 1 newest frames in `_last.sent`, and none uses an older frame than the model run before it.
+        Each new chain consists of three model runs, the third of which is the last complete one, `_last`. Each of the
+        three uses one of the PASSED_OVER + 1 newest frames in `_last.sent`, and no older frame than the run before it.
         """
         if self._last is not None:
             number, recent = self._last.number, self._last.sent[-PASSED_OVER - 1 :]

@@ -8,7 +8,8 @@
     thing         tick                        value
     chip read     START of the read           chip's address; for each read that begins after the first frame ended
     age           START of the read           ticks since the end of the frame whose values the read returned
-    unknown age   START of the read           chip's address; the values may be of a frame that was not compared
+    unknown age   START of the read           chip's address; made instead of `age` if no compared frame has these
+                                              bytes, and not all possible frames were compared
     model age     START of the read           ticks since the end of the frame that the last model run used
     model run     end of the span "model"     0; for each model run that began after the first frame ended
 
@@ -27,7 +28,8 @@ The model age is for firmware that computes the values of its chips from frames 
     wrong bytes      START of the read  number of these bytes that are wrong
     expected byte    START of the read  256 * index of the byte in the read + right value; for each wrong byte
     zeros            end of the run     number of bytes read as 0 from chips that never returned a host frame's values
-    unknown bytes    end of the run     number of bytes that may be values of frames that were not compared with them
+    unknown bytes    end of the run     number of bytes of reads whose right values are not known, because not all
+                                        possible frames were compared
 """
 
 # core: compiled
@@ -44,7 +46,7 @@ from .transfer_records import I2C, begin_of
 
 if TYPE_CHECKING:
     from ...core.records import Topic
-    from . import origins as read_origins  # with an import of its classes, compiled code would import them at run time
+    from . import origins as read_origins  # not its classes, because compiled code would import these at run time
 
 
 MODEL = "model"  # the name of the span in which firmware computes its sensor models

@@ -70,13 +70,15 @@ class ParsedMeasure(Struct, frozen=True):
     text: the whole text.
     events: the events that the text names, in order.
     unit: the unit that the text names; "" if it names none.
-    name: the field, vector or chip that the text names; "" if it names none.
+    name: the field, register, vector, chip, memory address or measure with a fixed name that the text names; "" if it
+        names none.
     state: the state in which time is measured; None for other measures.
     pairing: "in order", "next", "last" or "".
     group: "transfer", "round" or "unit" if both events of a pair must be in the same transfer, round or unit; else "".
     instant: for a value error, "first bit" or "frame": the instant at which the true value is taken.
     window: the length of the window of a share, as text; "" for the whole run.
-    of: for a jitter, the measure whose successive values are compared; None for an event or another form.
+    of: for the jitter of a measure with a form, this measure; else None. The jitter of an event has the event in
+        `events`, the jitter of a measure with a fixed name has the name in `name`.
     access: True if the latency of an interrupt is measured up to the first register access of its routine.
     clauses: pairs of a clause at the end of the text, such as "given", and the event in this clause.
     """

@@ -42,7 +42,7 @@ class Matcher(Struct, frozen=True, dict=True):
     others: the matchers of alternative events, joined by "or".
     nth: the number of the event that counts in each group, from 1; -1 for the last event; 0 if every event counts.
     group: the group in which events are numbered; None if every event counts.
-    thing: the properties of a derived record; None for other records.
+    thing: for a derived record, the properties of its thing, such as the unit of the value; None for other records.
     """
 
     text: str

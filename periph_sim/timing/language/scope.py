@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class Thing(NamedTuple):
-    """A kind of derived record.
+    """Properties of the derived records with one thing, such as "age".
 
     needs: what the scene must contain; one of the values of `Measure.needs`.
     unit: the unit of measurement of the record's value, as in `Measure.unit`.
@@ -101,11 +101,12 @@ class Scope(Struct):
     controller: True if the scene has a controller agent on its wires.
     host: True if the scene has a host on its wires.
     rounds: True if the requests of the controller's rounds are known, whichever party is the controller.
-    lines: the wires that carry frames; if none are given, the wires in LINES that the scene has.
+    lines: the wires that carry UART characters; if none are given, the wires in LINES that the scene has.
     pairs: the RS-485 pairs.
     images: a dictionary from a unit that runs an image to the names in this image. If the image is not known, as in a
         recorded run, the entry is None, and every name is accepted.
-    uncounted: a unit whose program reports no overflows, because it is not Python firmware; "" if there is none.
+    uncounted: a unit whose program does not report overflows of fixed-point arithmetic, because it is not Python
+        firmware; "" if there is no such unit.
     measures: a dictionary from the name of a user's own measure to its text.
     """
 

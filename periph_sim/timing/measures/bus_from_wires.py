@@ -21,9 +21,9 @@ SCL, SDA = 0, 1  # numbers of the two wires
 
 
 class BusFromWires(BitParty):
-    """Decoder of the bytes on the wires. In its names, "ours" means one unit, and "others" all other parties.
+    """Decoder of the bytes on the wires. In names, "ours" means the unit `unit`, and "others" all other parties.
 
-    unit: the name of this unit; "" for none.
+    unit: the name of a unit; "" for none.
     stream: the bytes of the transfer in progress.
 
     Subclasses override the events at the end of the class.
@@ -37,8 +37,8 @@ class BusFromWires(BitParty):
         # While any other party holds SCL low, `others_held_until` is NO_TIME.
         self.others_held_until = NO_TIME
         self._unit: str = f"{unit}."
-        self._scl_pulling = self._sda_pulling = 0  # masks of the parties that pull: bit i is party i
-        self._scl_ours = self._sda_ours = 0  # masks of the unit's own parties
+        self._scl_pulling = self._sda_pulling = 0  # masks of the parties that pull the wire low: bit i is party i
+        self._scl_ours = self._sda_ours = 0  # masks of the parties that belong to the unit
         self._parties = 0  # number of parties on both wires when the masks of the unit were computed
         self._tick = NO_TIME
         self._settled = True

@@ -80,7 +80,8 @@ class ValueTest:
 
 
 class TopicTests:
-    """Tests that show what a record of one topic is for one event of a measure: the event, or a limit of its group.
+    """Tests of a record of one topic for one event of a measure. A record can be the event, or the begin or end of the
+    group in which the event is counted.
 
     place: the index of the event in the measure.
     test: the test of whether a record is the event; None if no record of the topic can be the event.
@@ -118,7 +119,8 @@ class EventMeasure(Measure):
     ""      the values that a subclass takes in `happened`
 
     order: indices of `matchers`. If a record fits several matchers, their events are handled in this order.
-    weighs: True for a sum. Then an event in a clause counts as a number of things, which is the value of its record.
+    weighs: True for a sum. An event in a clause `for each`, `measured at` or `unless` then counts as many times as the
+        value of its record says.
     """
 
     STATE = State("_groups _queue _queued _newest _level")

@@ -178,8 +178,8 @@ class Reply(Measure):
     def _refute(self, occasion: _Occasion) -> None:
         """Mark the budget as broken, because the right reply did not come. Ignore a request before `not_before`.
 
-        The fault lasts to the end of the last character that came. If no character was wrong, it lasts to the limit of
-        the reply, or to an earlier send.
+        If a character was wrong, the fault lasts to the end of the last character that came. Otherwise it lasts to the
+        time limit of the reply, or to the next send if that is earlier.
         """
         if occasion.since < self.not_before:
             return
@@ -241,7 +241,7 @@ class Unsolicited(Measure):
 
     name: the send with which a silence begins. The silence lasts until the time `within` after the send is over, or
         until other data is sent. "" for the measure `unsolicited replies`, which counts in the whole run.
-    source: the SCI that sent the first of these characters.
+    source: the SCI that sent the first counted character; "" if there is none.
     """
 
     STATE = State("source _is_open _answer _over", ticks="_since _until _ended")
@@ -253,7 +253,7 @@ class Unsolicited(Measure):
         super().__init__()
         self.name = name
         self.source = ""
-        self._is_open = False  # True from the start of a send until other data is sent, or the run is over
+        self._is_open = False  # True from the start of the send until other data is sent, or the run is over
         self._since = NO_TIME  # the start of the last silence
         self._until = NO_TIME  # the end of the last silence; NO_TIME before the end of the send
         self._judged = 0  # number of silences that are over, so that they are judged

@@ -1,4 +1,4 @@
-"""Makers of measures. A maker is a function without arguments that returns a new measure, as the text of a budget says.
+"""Makers of measures. A maker is made from the text of a measure. It is a function that returns a new measure.
 
 text --registry--> the sentence of that name --.
   '--------------------------------------------+--language--> ParsedMeasure --> Matchers of its events --> Maker
@@ -33,7 +33,7 @@ from .states import StateEvents, TimeIn
 
 OVERFLOWS = "overflows"  # the name of the measure that counts overflows of fixed-point arithmetic
 UNSOLICITED = "unsolicited replies"
-NOT_SENTENCES = (OVERFLOWS, UNSOLICITED)  # fixed names that are not in MEASURES
+NOT_SENTENCES = (OVERFLOWS, UNSOLICITED)  # fixed names of measures that MEASURES does not define by a sentence
 PREFIXES: dict[str, Callable[[str], Measure]] = {REPLY: Reply, SILENCE: Unsolicited, WATCH: WatchedWire}
 ROLES = {
     "for each": FOR_EACH,
@@ -67,7 +67,10 @@ def expanded(text: str, sentences: Mapping[str, str]) -> str:
 
 
 def check_measure(name: str, sentences: Mapping[str, str]) -> None:
-    """Raise BadEvent if a name that the user defines is taken, or if its text is not a measure in any scene."""
+    """Raise BadEvent if a name that the user defines is the name of a shipped measure, or if its text is no measure.
+
+    The text is checked as far as this is possible without a scene.
+    """
     if name in (*MEASURES, *PHRASES, UNSOLICITED) or is_form(name) or name.startswith((SPAN, *PREFIXES)):
         raise BadEvent(f"there is a measure {name!r} already; give this one another name")
     text = expanded(name, sentences)

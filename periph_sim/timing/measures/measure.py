@@ -185,9 +185,9 @@ class Measure(Listener):
         return self.why_silent()
 
     def why_silent(self) -> str:  # core: python
-        """Return the reason why no value was taken; "" if no reason is known.
+        """Return the reason why no value was taken; "" if no reason is known. Subclasses override this method.
 
-        `missing` calls this method, unless the measure is a jitter with only one value.
+        `missing` returns this reason, except for a jitter with one value, which has a reason of its own.
         """
         return ""
 
@@ -313,15 +313,16 @@ class MeasuredScene(Protocol):
     """Interface of a scene for measures. It provides information that records do not contain."""
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        """Report sends and characters to `reply` from now on.
+        """Report to `reply`, from now on, its requests, and what is sent to and by the SCI that should reply.
 
         Return the expected reply, and a function that returns why the reply was never requested.
         """
 
     def on_unsolicited(self, measure: Unsolicited) -> tuple[Callable[[tuple[int, ...]], str], Callable[[], str]]:
-        """Report sends and characters to the measure from now on.
+        """Report to the measure, from now on, the characters that belong to no expected reply.
 
-        Return a function that returns characters as text, and one that returns why the send never began.
+        If the measure names a send, an entry of [[serial.send]], report also when this send begins and ends. Return a
+        function that returns characters as text, and a function that returns why this send never began.
         """
 
     def watcher(self, measure: WatchedWire) -> WireWatcher:

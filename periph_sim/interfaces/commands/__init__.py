@@ -3,8 +3,9 @@
 Terms of this package:
 
 rows: the decoded events of all buses of a capture, as columns (`traces.decode.event_rows.Rows`).
-burst: frames on a serial line, or words on an SPI bus without chip select, without a long pause between them.
-selection: the words on an SPI bus while its chip select is asserted once.
+burst: consecutive frames on a serial line with no long pause between them. On an SPI bus that has no chip select,
+    consecutive words.
+selection: the words on an SPI bus from one assertion of chip select to its deassertion.
 message: the part of an I2C transfer from a START or repeated START to the next condition.
 position: a time in a capture, as a whole number of samples or of ticks of its time stamps.
 live session: a run in real time, in which other programs drive wires.

@@ -19,7 +19,7 @@ Numbers = NDArray[np.int64]
 
 AT_ONCE = 1 << 15  # number of lines that are formatted at a time; their characters fit into the processor's cache
 BLANK, NONE = b" ", b"\0"
-MAX_TABLE = 1 << 24  # `numbered` uses a table if no code exceeds this number; else it sorts the codes
+MAX_TABLE = 1 << 24  # the largest code for which `numbered` uses a table; if a code is larger, it sorts the codes
 
 # The four digits of each number below 10,000, as one machine word.
 # Selecting many machine words from an array is ten times as fast as selecting many rows of four bytes.
@@ -40,7 +40,7 @@ class Literal:
 class Digits:
     """A column of non-negative integers, right-aligned. The last `decimals` digits are after a decimal point.
 
-    pad: the character that fills the column before the first digit: BLANK or NONE.
+    pad: the character that fills the column before the first digit: BLANK, or NONE (a NUL, which is removed later).
     width: the minimum width of the column.
     """
 
@@ -79,7 +79,7 @@ class Words:
 
     codes: the code of each line, an integer from 0.
     text_of: a function that returns the text of a code.
-    pad: the character that fills the column after a text: BLANK or NONE.
+    pad: the character that fills the column after a text: BLANK, or NONE (a NUL, which is removed later).
     width: the minimum width of the column.
     """
 

@@ -67,8 +67,8 @@ def check(
     are baselines/NAME.json beside the case, or in `baselines` of that table. If a case has a coverage
     file (prove --save), the runs that gave its worst values are repeated and compared, too.
 
-    Exit status 0: every budget holds, or breaks where the case says that it must, and every
-    figure is that of the baseline or the coverage file; 1: otherwise; 2: a case could not be run
+    Exit status 0: the budgets that a case lists in `breaks` are broken, all others hold, nothing hangs,
+    and all figures are those of the baselines and coverage files; 1: otherwise; 2: a case could not be run
     (the others were). Cases that are driven from outside are listed, but not run.
     """
     import msgspec

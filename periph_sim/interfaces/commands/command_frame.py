@@ -77,7 +77,7 @@ SINGLE_DASH = re.compile(r"-[A-Za-z][\w-]+")
 
 
 def _split_change(given: Sequence[str]) -> tuple[str, str]:
-    """Find a --set that is split by blanks, as in `--set KEY = VALUE`. Return (KEY, VALUE), or ("", "") if none is."""
+    """Find a --set that is split by blanks: `--set KEY = VALUE`. Return (KEY, VALUE); ("", "") if none is split."""
     for n, option in enumerate(given[:-2]):
         key = given[n + 1].rstrip(":= ")
         value, unit, *_ = *(word.removeprefix("=").strip() for word in given[n + 2 :] if word != "="), "", ""
@@ -182,8 +182,8 @@ VERSION = 2  # version of the JSON output; it increases when a key is removed or
 def print_json(command: str, answer: Mapping[str, object]) -> None:
     """Print an answer as one JSON object on standard output.
 
-    The first keys of the object are `schema`, which names the command, and `schema_version`. The last key is `form`,
-    the form of the core that was used: compiled or interpreted.
+    The first keys of the object are `schema`, which names the command, and `schema_version`. The last key is `form`:
+    whether the simulation core was compiled or interpreted.
     """
     head = {"schema": f"periph-sim {command}", "schema_version": VERSION}
     click.echo(json.dumps({**head, **answer, "form": form.running}, indent=2, ensure_ascii=not writes_utf8()))
@@ -197,7 +197,7 @@ def print_answer(command: str, answer: Mapping[str, object] | str) -> None:
         print_json(command, answer)
 
 
-# Names of the classes of errors that input causes. With names, a command imports no classes that it does not need.
+# Classes of errors that the user's input causes. They are named and not imported, because a command needs few of them.
 MISTAKES = {
     "periph_sim.interfaces.reports.baselines.files.BadCheck",
     "periph_sim.scene.case.model.BadCase",
@@ -217,13 +217,13 @@ MISTAKES = {
 
 
 def is_mistake(error: BaseException) -> bool:
-    """Return True if input caused an error. The text of such an error is a sentence."""
+    """Return True if an error was caused by the user's input. The text of such an error is a sentence."""
     return not MISTAKES.isdisjoint(f"{kind.__module__}.{kind.__qualname__}" for kind in type(error).__mro__)
 
 
 @contextmanager
 def running_user_code() -> Iterator[None]:
-    """Apply `usage_errors_in_one_sentence`, and redirect the output of user code to standard error."""
+    """Like `usage_errors_in_one_sentence`, and also redirect the output of user code to standard error."""
     from ...processor.user_code import output_aside
 
     with usage_errors_in_one_sentence(), output_aside():
@@ -232,7 +232,7 @@ def running_user_code() -> Iterator[None]:
 
 @contextmanager
 def usage_errors_in_one_sentence() -> Iterator[None]:
-    """Turn errors caused by input into one line on standard error and status 2."""
+    """Convert errors that the user's input causes to one line on standard error and exit status 2."""
     try:
         yield
     except Exception as error:
@@ -242,7 +242,7 @@ def usage_errors_in_one_sentence() -> Iterator[None]:
 
 
 LONG = 5  # in seconds; an interpreted run that takes at least this time gets the advice to compile the core
-# The CPU time of compiled runs as a share of interpreted runs, measured by `python -m tests.bench.forms`.
+# The CPU time of a compiled run as a share of that of an interpreted run, measured by `python -m tests.bench.forms`.
 SHARE = "a fifth to a fourteenth"
 
 
@@ -250,7 +250,7 @@ SHARE = "a fifth to a fourteenth"
 def progress(name: str) -> Iterator[Callable[[float], None] | None]:
     """Yield a function that displays the completed share, 0 to 1, as a bar; None if standard error is no terminal.
 
-    At the end, print the advice of `cost_of_form`. name: the text beside the bar.
+    If standard error is a terminal, the advice of `cost_of_form` is printed at the end. name: the text beside the bar.
     """
     if not sys.stderr.isatty():
         yield None

@@ -23,7 +23,7 @@ Schema = dict[str, Any]
 Complete = Callable[[click.Context, click.Parameter, str], list[str]]
 
 WIRES = ("SCL", "SDA", "RX", "TX")
-MISSING = 2  # levels of missing keys that are offered below an existing table, such as unit.dsp.options.i2c
+MISSING = 2  # levels of keys that are offered below a table of the case although the case does not have these keys
 BASH = r"""%(complete_func)s() {
     local completion kind value response
     response=$(env COMP_WORDS="$(printf '%%s\n' "${COMP_WORDS[@]}")" COMP_CWORD="$COMP_CWORD" \
@@ -90,7 +90,7 @@ def next_parts(names: Iterable[str], begun: str) -> list[str]:
 
 @silently
 def complete_budget(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
-    """Offer the budgets of the case that are not on the command line yet."""
+    """Offer the names of the case's budgets, without those that are already on the command line."""
     given = context.params.get(parameter.name or "") or ()
     return [name for name in _budgets(_tree(context)) if name.startswith(begun) and name not in given]
 
@@ -163,7 +163,8 @@ def _tree(context: click.Context) -> dict[str, Any]:
     Raise StopIteration if the line names no case, and OSError or ValueError if the case cannot be read.
     """
     named = [context.params.get(name) for name in ("case", "case_file")]
-    given = [*named, *(context.params.get("paths") or ()), *context.args]  # args: arguments that are not assigned yet
+    # `args` are the arguments on the command line that click has not yet assigned to parameters.
+    given = [*named, *(context.params.get("paths") or ()), *context.args]
     path = next(Path(one) for one in given if one is not None and str(one).endswith(".toml"))
     return tomllib.loads(path.read_text(encoding="utf-8-sig"))
 
@@ -193,7 +194,7 @@ def _case_schema() -> tuple[Schema, Schema]:
 
 
 def _keys(value: object, schema: Schema, definitions: Schema, missing: int = 0) -> Iterator[str]:
-    """Yield the keys that a table has or can have, including those of inner tables, such as controller.period.
+    """Yield the keys that a table has or can have. Keys of inner tables have a path, such as controller.period.
 
     value: the table, or a list of tables.
     schema: the schema of the table. definitions: the schemas that it refers to.

@@ -111,7 +111,7 @@ def _sizes(capture: formats.Capture) -> str:
 
 
 def _not_kept(ready: formats.Capture, out: Path) -> Iterator[str]:
-    """Read OUT again. Yield a sentence if OUT ends at another position, and raise BadCapture if its edges differ.
+    """Read OUT again. Yield a sentence if it ends at another position than IN. Raise BadCapture if its edges differ.
 
     Yield nothing if there is no reader for the format of OUT.
     """

@@ -291,8 +291,8 @@ def in_hexdump(rows: Rows, first: Numbers, clock: event_text.Clock) -> Iterator[
 def in_sigrok(rows: Rows, protocols: Sequence[str]) -> Iterator[bytes]:
     """Yield lines in the form of `sigrok-cli --protocol-decoder-samplenum`.
 
-    The end of an event is the actual end of its last bit, which sigrok only estimates. Each data line of an SPI
-    bus has its own decoder. Selections are left out, because sigrok has no line for them.
+    The end of an event is the actual end of its last bit, which sigrok only estimates. Each data line of an SPI bus is
+    written as a separate decoder, such as spi-2. Selections are left out, because sigrok has no line for them.
     """
     rows = select(rows, (rows.event != SELECT) & (rows.event != DESELECT))
     decoders: list[str] = []

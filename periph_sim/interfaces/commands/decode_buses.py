@@ -48,8 +48,8 @@ class Bus(NamedTuple):
         or selections.
     notes: sentences on the limitations of the decoding.
     lines: all lines: SCL and SDA, the serial line, or clock, data and chip select.
-    glitch: the default limit, in positions: shorter pulses are glitches. It is half a bit of a serial line with a known
-        rate, and otherwise SPIKE; 0 if the capture has no rate.
+    glitch: the default limit for glitches (shorter pulses), in positions. For a serial line that is decoded, it is half
+        a bit. For other buses, it is SPIKE, or 0 if the capture has no sample rate.
     role: mosi or miso; "" for other buses.
     is_decoded: False if the lines are not decoded, so that the absence of rows does not mean silence.
     """
@@ -238,10 +238,10 @@ def _spi_format(text: str, given: dict[str, str]) -> spi.SpiFormat:
 def _channels(
     capture: Capture, option: str, text: str, given: dict[str, str], lines: dict[str, str]
 ) -> dict[str, Channel]:
-    """Return a dictionary from lines to the channels that the user states.
+    """Return a dictionary from the lines that the user states, such as mosi, to their channels.
 
-    given: a dictionary from settings to the values that the user states.
-    lines: a dictionary from settings to lines. Several settings may have the same line, as mosi and simo.
+    given: a dictionary from the names of the settings that the user states to their values.
+    lines: a dictionary from names of settings to lines. A line may have several names: mosi and simo are one line.
     """
     found: dict[str, Channel] = {}
     for name, line in lines.items():

@@ -66,7 +66,7 @@ def in_logic2(rows: Rows, buses: Sequence[Bus], clock: Clock, sample: int) -> It
     for number, bus in enumerate(buses):
         own = select(rows, rows.bus == number)
         if bus.role == "miso" and number and bus.lines == buses[number - 1].lines:
-            # The two data lines of an SPI bus share the lines of the table.
+            # The words of MOSI and MISO that an SPI bus transfers at the same time are in one row of the table.
             words = dict(zip(own.at.tolist(), zip(own.value.tolist(), own.bits.tolist(), strict=True), strict=True))
             for line in lines:
                 if line.name == name and "mosi" in line.cells:

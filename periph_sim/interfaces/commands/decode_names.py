@@ -94,7 +94,7 @@ class NamedDevice:
     def _write(self, reply: Any, data: list[int], values: list[int], events: list[int]) -> list[tuple[int, NamedByte]]:
         """Return the names up to the first byte that the captured device or its model does not acknowledge.
 
-        Later bytes have no names, because it is unknown if such a byte moves the pointer.
+        Later bytes have no names, because it is unknown whether a byte without ACK moves the register pointer.
         """
         named: list[tuple[int, NamedByte]] = []
         before: int | None = None
@@ -146,7 +146,9 @@ class RegisterNames:
         return codes
 
     def _named(self, rows: Rows, devices: list[NamedDevice], resumed: list[int]) -> Numbers:
-        """Return the code of each row of a bus. If devices have the same address, those of --chip have priority.
+        """Return, for each row of a bus, the code of the name of its byte; 0 if it has none.
+
+        If several devices have the same address, the first one in `devices` names the bytes.
 
         resumed: the positions at which gaps of the capture end.
         """

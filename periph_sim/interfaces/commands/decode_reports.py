@@ -33,7 +33,7 @@ from .decoded_text import Clock, seconds_of
 Cells = list[tuple[str | int | float | None, ...]]
 
 COUNTS = ("bus", "address", "transfers", "bytes", "read", "refused", "errors", "load_percent")
-PARITY, FRAME_ERROR = 1, 2  # bits of `Rows.detail - READ`, which are the faults of a frame
+PARITY, FRAME_ERROR = 1, 2  # bits of `Rows.detail - READ` of a frame with faults
 ALL = -1  # stands for all addresses of a bus, and for an address that is missing
 
 

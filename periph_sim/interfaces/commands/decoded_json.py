@@ -79,7 +79,8 @@ def _stretches(rows: Rows, bus: int, lows: LongLows, clock: Clock | None) -> dic
     closes the object.
     """
     own = np.flatnonzero((rows.bus == bus) & (rows.value >= 0))
-    starts = np.searchsorted(lows.rises, rows.at[own])  # for each byte, the index in `lows.rises` of its first rise
+    # For each byte, the index in `lows.rises` of the first rising SCL of this byte.
+    starts = np.searchsorted(lows.rises, rows.at[own])
     place = np.searchsorted(starts, lows.which, side="right") - 1
     bits = lows.which - np.append(starts, 0)[place] + 1
     within = (place >= 0) & (bits <= 9)

@@ -83,7 +83,7 @@ class Named(NamedTuple):
 
 
 def in_style(style: str, named: NamedByte) -> str:
-    """Format the name of a byte as the continuation of an event's text.
+    """Format the name of a byte as a text that is appended to the text of an event.
 
     If there is no name, return two empty cells in style csv, and "" in other styles.
     """

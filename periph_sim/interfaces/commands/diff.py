@@ -46,8 +46,8 @@ def diff(
 ) -> int:
     """Compare the events of captures A and B, one by one, and their times.
 
-    Exit status 0: the same events at the same times within the tolerance, by default one
-    sample of each; 1: otherwise.
+    Exit status 0: the events are the same, and their times differ by no more than the tolerance, by
+    default one sample of A plus one sample of B; 1: otherwise.
     """
     from ...core.tolerance import Cycles
     from ...replay import BadReplay

@@ -25,7 +25,7 @@ WIRES = ("SCL", "SDA", "RX", "TX")
 
 
 class LiveDisplay:
-    """The display of a live session. At the end of the context, the session's last snapshot is displayed.
+    """The display of a live session, as a context manager. At its end, it displays the session's last snapshot.
 
     in_terminal: True to display the session in the terminal.
     address: the address and the port of the page that displays the session; None for no page.
@@ -75,7 +75,7 @@ class LiveDisplay:
         """Return the doors (objects that the session's loop serves) for the display; none without a display.
 
         line: the serial line of the session; None if the session serves the I2C bus.
-        where: the path of the port.
+        where: the path of the port that other programs open; it is displayed.
         """
         if self._board is None:
             return ()

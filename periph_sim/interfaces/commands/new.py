@@ -81,10 +81,10 @@ def new(
     c             runs the C sources below a folder: periph-sim new c firmware
 
     NAME is the name of the files, with or without a folder: bench/thermometer. For image and c it
-    is the program; a run of it finds modules, pins and limits for a case in the present folder. With
-    --example NAME is the folder of the copy. With --live the new case is that of the session, in which
-    the session's log replaces the [host] or [controller]. If that case has no budgets, the session's results
-    become budgets. Existing files are never overwritten.
+    is the path of the program; the command runs the program to find modules, pins and limits for a case in
+    the present folder. With --example NAME is the folder of the copy. With --live the new case is the case of
+    the session, but the session's log replaces its [host] or [controller]. If that case has no budgets, the
+    session's results become budgets. Existing files are never overwritten.
     """
     with usage_errors_in_one_sentence():
         if live is not None:

@@ -46,13 +46,13 @@ from ..reports.case_text import toml
 Tree = dict[str, Any]
 
 UNIT = "dsp"
-# Times in seconds. The run ends at the first of them at which something has repeated, or soon after the program has
-# executed MOST_WORK instructions.
+# The run ends at the first of these times, in seconds, at which something can be measured (see OFTEN), or the program
+# has ended, hangs, or was reset by the watchdog. Otherwise, it ends soon after MOST_WORK instructions.
 STRETCHES = (Fraction(20, 1000), Fraction(100, 1000), Fraction(500, 1000), Fraction(2))
 STEP = Fraction(10, 1000)
 MOST_WORK = 1_000_000
 ACCESS_WORK = 50  # simulating one access by C sources takes as long as this number of instructions of an image
-OFTEN = 3  # number of times that something must happen to count as repeated
+OFTEN = 3  # number of interrupts, calls or writes from which they count as repeated, so that their period is measured
 MARGIN = 10  # percent by which a limit exceeds the measured figure
 SEEN = "seen, not required"
 PORT_DATA = re.compile(r"W GPIO\.GP([ABC])(?:DAT|SET|CLEAR|TOGGLE)")
@@ -68,9 +68,9 @@ REPLACED = "GlobalVariableDefs.c"  # end of the name of TI's file that defines t
 class WrittenCase(NamedTuple):
     """A new case.
 
-    path: its file.
-    text: its content, as TOML.
-    first: the name of its first budget; "" if it has none.
+    path: the path of the case file, which is not written yet.
+    text: the text of the file, as TOML.
+    first: the name of the first budget; "" if the case has none.
     notes: sentences for the user.
     """
 
@@ -117,7 +117,11 @@ class Seen(Listener):
 
 
 class Caller(NamedTuple):
-    """An active function. callees: (number of calls, tick of the last one) of each function that it has called."""
+    """An active function.
+
+    callees: a dictionary from the functions that this function has called to the number of calls and the tick of the
+        last call.
+    """
 
     name: str
     callees: dict[str, tuple[int, int]]
@@ -141,8 +145,8 @@ class LoopCalls(CallListener):
     def once_per_pass(self, handlers: set[str], since: int) -> str:
         """Return the function that the outermost loop calls once in each pass; "" if no loop calls a function.
 
-        This is the function with the fewest calls from the loop, the first one if there are several. Also return "" if
-        it was called fewer than OFTEN times.
+        It is assumed to be the function with the fewest calls from the loop; of several, the first. If the loop called
+        this function fewer than OFTEN times, return "".
 
         handlers: names of service routines, which no function calls.
         since: a tick; a function whose last call was not after this tick is not in the loop.
@@ -156,7 +160,10 @@ class LoopCalls(CallListener):
 
 
 def image_case(path: Path) -> WrittenCase:
-    """Return a case for an image, with a path in the current folder. Raise BadImage if the F28335 cannot run it."""
+    """Return a case for an image. The case file belongs in the current folder.
+
+    Raise BadImage if the F28335 cannot run the image.
+    """
     image = program_in(path)
     section, boot = _boot(image)
     unit = {"image": relpath(path), "boot": boot}
@@ -169,7 +176,7 @@ def image_case(path: Path) -> WrittenCase:
 
 
 def sources_case(path: Path) -> WrittenCase:
-    """Return a case for the C sources below a folder, with a path in the current folder.
+    """Return a case for the C sources below a folder. The case file belongs in the current folder.
 
     Raise ClickException if there is no such folder, no C source below it, or no source that defines main.
     """
@@ -317,7 +324,7 @@ def _outputs(dsp: Dsp, seen: Seen) -> dict[str, int]:
 
 
 def _handler(dsp: Dsp, vector: str) -> str:
-    """Return the name of the service routine in the PIE vector table; "" if it is unknown."""
+    """Return the name of the service routine to which a vector of the PIE vector table points; "" if it is unknown."""
     if not isinstance(dsp.program, ImageProgram):
         return ""
     return dsp.program.functions.name_at(dsp.processor.bus.ram.word32(VECTORS[vector]))

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..reports.coverage import Coverage
 
 HELD = "held"  # the word for a budget that no run broke
-STEP = 97  # the default of --step; it has no common divisor with usual clock dividers or lengths of waits
+STEP = 97  # the default of --step in cycles; it has no common divisor with usual clock dividers or lengths of waits
 MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures, that are listed; --json has all
 
 
@@ -82,9 +82,10 @@ def prove(
     of the host comes near a write of the firmware are run cycle by cycle, the others in steps.
 
     The result holds for the phases that were run, in the states that these runs reached. It is no proof for other
-    states, costs and clocks.
+    states, other run times of code, or other clocks.
 
-    Exit status 0: every budget held at all these phases; 1: otherwise; 2: it was stopped (results so far are shown).
+    Exit status 0: every budget held at all these phases; 1: otherwise; 2: the command was stopped (its results so far
+    are shown), or a file could not be written.
     """
     from ...proof import coverage_file, coverage_path
     from ...proof.stretch import Job
@@ -106,7 +107,7 @@ def prove(
         if saved is not None and not found.continue_from(saved) and saved.is_complete:
             click.echo(f"{path} has a coverage of other phases or files, which a complete one replaces", err=True)
         click.echo(_announcement(found), err=True)
-        # The cluster is connected only now, so that the modules of Dask are no dependencies of the coverage.
+        # `choose` regards all imported modules as dependencies of the coverage, so Dask is imported after it.
         with workers as executor, progress(found.case.case.name) as on_progress:
             run_coverage(found, jobs or os.cpu_count() or 1, on_progress, path, executor)
         files, failed = ([], "") if folder is None else _write_witnesses(found, case, changes, folder)
@@ -227,7 +228,7 @@ def _lines(found: Coverage) -> list[str]:
 
 
 def _held_in(found: Coverage) -> str:
-    """Return a phrase that says in how many rounds a phase held."""
+    """Return a phrase with the number of rounds of each phase in which the budgets were judged."""
     phases, rounds = found.case.phases, found.choice.rounds
     if phases.moved == "sends":
         return "in one run of each phase"

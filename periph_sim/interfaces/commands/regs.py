@@ -43,7 +43,8 @@ def regs(name: str | None, want_options: bool) -> None:
 def named(name: str) -> tuple[str, str]:
     """Return the module and the register that a user's text names. The register is "" if the text names a module.
 
-    A register without its module may have any case of letters. Raise ClickException if several modules have it.
+    A register may be named without its module, in upper or lower case. Raise ClickException if several modules have a
+    register of this name.
     """
     register = name.upper()
     modules = [] if name in MAPS else [module for module, (_, registers) in MAPS.items() if register in registers]

@@ -107,7 +107,7 @@ def broken_lines(
     """Return a line for each broken budget with the reason and, if it is known, the instant.
 
     assumed: a dictionary from broken budgets to the options that decided undocumented behaviours in their occurrences.
-        A further line states their number.
+        A further line states the number of these options.
     verbose: True to list these options instead of their number.
     """
     lines = []

@@ -82,7 +82,11 @@ def run(
     jobs: int | None,
     as_json: bool,
 ) -> int:
-    """Run CASE and judge its budgets: exit status 0 if all hold, else 1."""
+    """Run CASE and judge its budgets.
+
+    Exit status 0: the case has budgets, all of them hold, and nothing hangs; 1: otherwise. With --questions, this
+    applies to all runs.
+    """
     for_one = {"--record": record, "--html": html, "--explain": explain, "--verbose": verbose}
     for option in (option for option, given in for_one.items() if given and questions):
         raise click.ClickException(f"{option} is for one run, and --questions makes many; leave one of them out")

@@ -97,7 +97,7 @@ def serve(
     """Run CASE in real time, with one of its SCIs as a serial port, or its bus as an I2CDriver.
 
     A program that opens the port replaces the [host] of the case, or its [controller]. Ctrl-C ends the run, and the
-    verdicts are printed. Exit status 0: all budgets hold, or the case has none; 1: otherwise.
+    verdicts are printed. Exit status 0: nothing hangs, and all budgets hold or the case has none; 1: otherwise.
     """
     from ...outside.live.case_for_line import case_for_bus, case_for_line
     from ...outside.live.loop import Loop, signals_calling

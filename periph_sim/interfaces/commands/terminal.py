@@ -53,7 +53,7 @@ def terminal(
 
     The terminal is pyserial's miniterm (extra live). Ctrl-] ends it, and Ctrl-T Ctrl-H lists its keys, one of which
     sends a break. The user replaces the [host] of the case. At the end, the verdicts of the run are printed. Exit
-    status 0: all budgets hold, or the case has none; 1: otherwise.
+    status 0: nothing hangs, and all budgets hold or the case has none; 1: otherwise.
     """
     try:
         from ...outside.live.protocol_f28335 import Serial

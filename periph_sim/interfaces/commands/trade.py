@@ -59,7 +59,7 @@ def trade(
     Each choice is a row: the units of another case (--firmware) that run an image or C sources; another arithmetic of
     the sensor models; or a recording. Each row is compared with the most accurate row: the number of budgets with the
     same verdict, and the largest differences of times and of samples in the chips' answers. The n-th value of a row is
-    compared with the n-th value of the other. The case as given and the most accurate row are always run.
+    compared with the n-th value of the most accurate row. This row and the case as given are always run.
     """
     from ...scene.case.load import load
     from ..reports.trade import trade as report

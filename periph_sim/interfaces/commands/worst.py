@@ -43,8 +43,9 @@ def worst(
 ) -> int:
     """Explain the worst occurrence of each budget of CASE, step by step.
 
-    BUDGET selects budgets by name; the default is all. If a coverage file (prove --save) matches the case, the worst
-    occurrence at all phases of the coverage is explained. Otherwise, and with --set or --seconds, that of one run.
+    BUDGET selects budgets by name; the default is all. One run of the case is judged. If a coverage file (prove --save)
+    matches the case, and its runs have a worse value of a budget, that occurrence is explained instead. With --set or
+    --seconds, the coverage file is not used.
 
     Exit status 0: all selected budgets hold; 1: otherwise.
     """

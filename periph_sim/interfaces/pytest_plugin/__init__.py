@@ -60,10 +60,12 @@ def pytest_load_initial_conftests(early_config: pytest.Config) -> Iterator[None]
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, int | None]:
-    """Start the child process (see `_begin`) of a session with cases if it has none yet. Report the session's end.
+    """Start the child process (see `_begin`) of a session with cases, if it is not started yet.
 
-    The session has none yet if PYTEST_XDIST_WORKER is set, because `pytest_load_initial_conftests` then regards the
-    process as a worker of pytest-xdist. It may be no worker, but a session that a test in a worker has started.
+    At the end, report that the session is complete (see `_end`).
+
+    If PYTEST_XDIST_WORKER is set, `pytest_load_initial_conftests` does not start it, because this process may be a
+    worker of pytest-xdist. A session that a test in a worker has started has this variable, too, but is no worker.
     """
     if _in_tests:
         return (yield)
@@ -75,7 +77,7 @@ def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, in
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtestloop(session: pytest.Session) -> Iterator[None]:
-    """Start the child process if a collected test uses runs and the session has no child process yet."""
+    """Start the child process (see `_begin`), if it is not started yet and a collected test uses a fixture for runs."""
     if not _in_tests and asks_for_runs(session.items):
         _begin(session.config)
     return (yield)

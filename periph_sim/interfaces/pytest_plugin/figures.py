@@ -28,8 +28,8 @@ Property = tuple[str, object]
 def properties(case: str, verdict: Verdict) -> list[Property]:
     """Return the figures of a verdict as properties of a test.
 
-    The figures are verdict, unit, worst, limit, margin, which, count, measured, occasions and at_s. If the unit is us,
-    the names of worst, limit and margin end in `_us`. A missing figure is "".
+    The figures are the fields verdict, unit, worst, limit, margin, which, count, measured, occasions and at_s of
+    `Verdict`. If the unit is us, the names of worst, limit and margin end in `_us`. A missing figure is "".
     """
     tail = "_us" if verdict.unit == "us" else ""
     figures: dict[str, object] = {FIRST: verdict.verdict, "unit": verdict.unit}
@@ -52,7 +52,8 @@ Judged = tuple[str, str, dict[str, Any]]
 def judged(longest: Mapping[str, Sequence[Property]]) -> list[Judged]:
     """Return the budgets that tests have judged, in the order of the tests.
 
-    longest: a dictionary from each test to its properties, taken from the report with the most properties.
+    longest: a dictionary from each test to its properties. pytest makes several reports of a test, and the properties
+        are those of the report that has the most.
 
     A budget that a test judged several times with the same figures is returned once.
     """

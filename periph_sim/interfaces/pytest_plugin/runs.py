@@ -140,8 +140,8 @@ class Run:
         """Return, for each verdict that has an instant, a window and the explanation of the worst occurrence.
 
         A window contains the records around an occurrence. To get them, the case is run once more. Firmware that is
-        given as a function is not run again: its window is made from the records of the run or, if they were not kept,
-        from the edges of the wires. In the last case, the explanation is None.
+        given as a function is not run again: its window is made from the records of the run. If they were not kept, it
+        is made from the edges of the wires, and the explanation is None.
         """
         case = self.plan.case
         if not self.plan.programs:

@@ -122,7 +122,7 @@ class ClusterExecutor(Executor):
 
     def _settle(self, future: Future[Any], sent: Future[Reply]) -> None:
         """Set the result of a call from its future of Dask. Dask calls this method in one of its own threads."""
-        if future.done():  # the call was cancelled, and so was `sent`
+        if future.done():  # the call was cancelled, or the cluster was lost
             return
         if sent.cancelled():
             self._lose(GONE)
@@ -163,7 +163,7 @@ class ClusterExecutor(Executor):
     def _look(self) -> None:
         """Check regularly that the scheduler answers and has workers, until the executor is closed.
 
-        If it does not answer, or has had no worker for LOST seconds, give the cluster up.
+        If the scheduler has not answered for LOST seconds, or has had no worker for LOST seconds, give the cluster up.
         """
         worked_at = monotonic()
         while not self._closed.wait(LOOK):

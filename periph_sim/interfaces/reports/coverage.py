@@ -39,7 +39,7 @@ class Coverage:
 
     chosen: the phases to run, in ascending order.
     choice: how the phases were chosen.
-    depends: everything that the results depend on.
+    depends: the files, packages and versions on which the results depend.
     seconds: the estimated CPU time of all runs, if nothing fails.
     found: the results of the finished parts.
     finished: the number of finished parts.
@@ -210,13 +210,17 @@ def _results(
 
 
 def _finish(coverage: Coverage) -> None:
-    """Find the ends of the windows, and repeat the worst value of each budget in a run with one phase."""
+    """Find the ends of the windows. Repeat worst values that were found in runs of several phases.
+
+    Such a worst value is repeated in a run in which only the phase of this value is used.
+    """
     if not coverage.found.held and not coverage.found.failed:
         return
     ran_before = coverage.case.runs
     coverer = Coverer(coverage.case, coverage.case.case.seed, coverage.found)
     windows = windows_of(coverage.found, coverer.status, coverage.choice.bounds)
-    if coverage.is_whole and not coverage.case.phases.is_one_a_run:  # the times of sends are not periodic
+    # The phases of frames and rounds repeat in each period, so a window can continue from the last phase to the first.
+    if coverage.is_whole and not coverage.case.phases.is_one_a_run:
         windows = joined_at_end(windows, coverage.choice.count, coverer.status)
     coverage.windows = windows
     for worst in list(coverage.found.worst.values()):

@@ -21,7 +21,7 @@ from .explain.explain import Explained, explain
 class WorstAtPhase(NamedTuple):
     """The worst occurrence of a budget at the phases of a coverage file.
 
-    text: a line that names the phase, or the phases of the run that has the value.
+    text: a line that names the phase, or all phases of the run if the run has several.
     explained: the explanation of the occurrence; None if it has no instant.
     phases, seed: the run in which it occurs, as in `Worst`.
     """

@@ -56,5 +56,5 @@ def answer(dsp, i2c, memory, place):
     while True:
         i2c.I2CDXR.all = memory[place]
         if dsp.spin_either(lambda: i2c.I2CSTR.XRDY == 1, lambda: i2c.I2CSTR.SCD == 1):
-            return place  # the last byte in I2CDXR was not sent
+            return place  # the last byte written to I2CDXR was not sent, so its address is returned
         place = (place + 1) % len(memory)

@@ -40,5 +40,5 @@ def answer(dsp, i2c, registers, pointer):
     while True:
         i2c.I2CDXR.all = registers[pointer % len(registers)]
         if dsp.spin_either(lambda: i2c.I2CSTR.XRDY == 1, lambda: i2c.I2CSTR.SCD == 1):
-            return pointer  # the last byte in I2CDXR was not sent
+            return pointer  # the last byte written to I2CDXR was not sent, so the number of its register is returned
         pointer += 1

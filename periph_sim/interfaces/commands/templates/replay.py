@@ -1,7 +1,7 @@
 """An I2C slave for `periph-sim replay`, which answers each read with the next of `replies`. Put your own device here.
 
-If the case does not set `address` and `replies`, the replay takes them from the capture. A more complete slave, with
-FIFO, interrupts and refusals, is: from .responder import Settings, main
+If the case does not set `address` and `replies`, the replay takes them from the capture. For a more complete slave,
+with FIFO, interrupts and refusals, use: from .responder import Settings, main
 """
 
 from dataclasses import dataclass

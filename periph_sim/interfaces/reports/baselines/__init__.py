@@ -6,7 +6,9 @@ case files --> check --> a CaseCheck for each: equal, changed (with the reason),
 Terms of this package:
 
 figure: a number of a run that a baseline stores exactly, such as the worst value of a budget in ticks.
-chain: the events around the worst or least value of a budget, as lines "TICKS EVENT".
+worst, least: the largest and the smallest value of a budget, whichever of them is nearer to a limit.
+chain: the events around the largest value of a budget, or around its smallest value if the budget has no `max`, as
+    lines "TICKS EVENT".
 digest: a hash of all events of a run and their times. Runs with the same digest have the same chains.
 finding: a reason why the check of a case fails.
 outcome: the figures, the verdicts and the other results of a run (`Outcome`).

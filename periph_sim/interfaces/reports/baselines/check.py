@@ -313,8 +313,8 @@ def _chains(
 ) -> Callable[[], dict[str, EventLine]] | None:
     """Start a run that finds the chains of the budgets in the baseline. Return a function that waits for the chains.
 
-    If this run certainly has the chains of the baseline (see `Baseline.chains_of`), copy them to the outcome and return
-    None. Also return None if no budget has an occurrence with a chain.
+    If the run of the outcome certainly has the chains of the baseline (see `Baseline.chains_of`), copy these chains to
+    the outcome and return None. Also return None if no budget has an occurrence with a chain.
 
     every: True to find the chains of all budgets of the case, in the baseline or not.
     """

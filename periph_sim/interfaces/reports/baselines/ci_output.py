@@ -140,7 +140,7 @@ def _test(suite: xml.Element, check: CaseCheck, budget: str | None, line: int, s
 
 
 def _sums(parent: xml.Element) -> None:
-    """Set the counts of tests, failures and errors below an element. A test has at most one failure or error."""
+    """Set attributes of an element to the numbers of tests, failures and errors below it."""
     for key, tag in (("tests", "testcase"), ("failures", "failure"), ("errors", "error")):
         parent.set(key, str(sum(1 for _ in parent.iter(tag))))
 

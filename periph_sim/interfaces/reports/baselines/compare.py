@@ -17,7 +17,7 @@ from .files import Baseline, Figures
 
 NOTES = ("events", "polls_skipped")
 EARLIER = ("byte_level", "sci_frames", "sci_frames_passed")  # counts that only earlier versions wrote to baselines
-NOT_EARLIER = ("SCI bytes from units",)  # counts that are not in baselines with counts in EARLIER
+NOT_EARLIER = ("SCI bytes from units",)  # counts that these earlier versions did not write
 CHAIN = "chain"
 BUS_BYTES = "bus bytes"
 MOST_MOVED = 3  # maximum number of moved accesses that are shown for a case
@@ -138,7 +138,7 @@ def _figures(old: Figures, new: Figures) -> tuple[str, ...]:
 
 
 def explain(changes: list[Change], before: Baseline, now: Baseline, first_wrong: str) -> None:
-    """Set the reason of each change of a worst or least value for which there is a chain of events.
+    """Set the reason of each changed worst or least value that has a chain of events.
 
     The reason is the difference between the chain in the baseline and the chain in the run.
 

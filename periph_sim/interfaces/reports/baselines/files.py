@@ -80,10 +80,10 @@ class Baseline(Table, frozen=True, kw_only=True):
         return self.model_copy(update={"budgets": budgets})
 
     def chains_of(self, other: Baseline) -> dict[str, list[str]] | None:
-        """Return the chains of another baseline if this run certainly has the same chains; otherwise None.
+        """Return the chains of another baseline if the run of this baseline certainly has the same chains; else None.
 
-        It has the same chains if its figures and its digest of events are those of the other baseline. Otherwise, the
-        case must be run again to find the chains.
+        It has the same chains if the figures and the digest of events of both baselines are equal. Otherwise, the case
+        must be run again to find the chains.
         """
         chains = {name: one.chain for name, one in other.budgets.items()}
         same = self.digest and self.digest == other.digest and self.with_chains(chains).budgets == other.budgets

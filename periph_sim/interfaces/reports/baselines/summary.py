@@ -1,4 +1,4 @@
-"""A summary of a check as Markdown: for each budget the seen value, its limit, and the change since a commit.
+"""A summary of a check as Markdown: for each budget the measured value, its limit, and the change since a commit.
 
 checks -------------------------------------------+--> table of each case --> GitHub's page of the run
 baselines in a commit <--git show-- a git clone --+
@@ -71,7 +71,8 @@ def summary(
     """Return the Markdown text.
 
     refused: cases that could not be run.
-    since: a commit and its baselines by path. With it, a column shows the change of each value since this commit.
+    since: a commit, and a dictionary from paths to the baselines in this commit. A column shows the change of each
+        value since the commit. None for no such column.
     """
     good = sum(one.passed for one in checks)
     lines = [f"## periph-sim check: {good} of {len(checks) + len(refused)} as they should be", ""]

@@ -27,6 +27,7 @@ activity: a service routine, a span, a wait, or other code of a CPU. A span is a
     function of an image.
 wait: a loop that polls fields of registers until one of them changes, or IDLE.
 image: a program that is executed instruction by instruction; other firmware consists of Python functions or C sources.
+party: a unit, a device, the controller or another object that can drive a line of a bus.
 phase: the part of an I2C transfer from a START or repeated START to the next START or STOP.
 stretch: a time in which a CPU or the bus has one activity (`Stretch`). A stretch of SCL is a longer low time.
 place: a location in the firmware.

@@ -110,6 +110,8 @@ class Chain:
         the largest difference first.
     assumed: the options that decided undocumented behaviours in the occurrence or shortly before it, if a limit is
         broken; otherwise empty.
+    blame: the cause, if it follows directly from a record: an activity of the firmware, an access, or the note of a
+        device on a broken rule. None if it does not.
     """
 
     verdict: Verdict
@@ -121,7 +123,7 @@ class Chain:
     typical_holds: bool = True
     more: tuple[Part, ...] = ()
     assumed: tuple[str, ...] = ()
-    blame: Part | None = None  # the cause if it follows from a record: an activity, an access or a note; else None
+    blame: Part | None = None
 
     @property
     def blamed(self) -> Part | None:

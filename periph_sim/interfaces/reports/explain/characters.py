@@ -16,7 +16,7 @@ import numpy as np
 from ....core.records import Kind
 from .window import Window
 
-Bit = tuple[int, int, str]  # start and end in ticks, and the text of a bit or of the data bits
+Bit = tuple[int, int, str]  # the start and end in ticks and the text of one bit, or of all data bits together
 
 
 class Character(NamedTuple):

@@ -96,7 +96,7 @@ def timeline(window: Window, unit: str, begin: int, end: int, kinds: Collection[
             stack, at, hole, bottom = [], hole.begin, None, UNKNOWN
         found.append(_top(stack, at, record.tick, bottom))
         if record.value and record.kind is not Kind.IRQ and not stack:
-            bottom = CODE  # after this outermost span or wait, the firmware executes other code
+            bottom = CODE  # the record begins an outermost span or wait, after which the firmware executes other code
         at = max(at, record.tick)
         _move(stack, record)
     found.append(_top(stack, at, end, bottom))
@@ -124,7 +124,7 @@ def _relevant(window: Window, unit: str) -> list[Record]:
 
 
 def _up_to(window: Window, unit: str, end: int) -> list[Record]:
-    """Return the records of a unit's activities. If a wait has timed out by tick `end`, its name ends with GAVE_UP."""
+    """Return the records of a unit's activities. Names of waits that timed out up to tick `end` end with GAVE_UP."""
     found = _relevant(window, unit)
     begins: dict[str, int] = {}  # maps the name of a wait to the index of its last start
     for index, record in enumerate(found):

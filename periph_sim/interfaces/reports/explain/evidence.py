@@ -25,7 +25,7 @@ from .recorded_phase import RecordedPhase
 from .window import Window
 
 I2C, SCI = I2C_A.name, "SCI-A"
-SMALL = Fraction(1, 100)  # smallest share of an occurrence for which a wait or a service routine is listed
+SMALL = Fraction(1, 100)  # a wait or a service routine is listed if it takes more than this share of an occurrence
 LONG = Fraction(1, 10**6)  # in seconds; code without a record that takes longer than this is listed separately
 BACK = 16  # maximum number of causes that are followed back from an end of an occurrence
 MOST = 12  # maximum number of listed service routines, spans and waits of an occurrence; the longest are listed

@@ -275,7 +275,7 @@ def _share(evidence: Evidence) -> Chain:
     return evidence.chain((evidence.say(span.begin, shares, span.end - 1 - span.begin),), (), blame)
 
 
-REACH = 70  # maximum width, in bits, of a picture that is extended to show evidence; bytes remain distinguishable
+REACH = 70  # maximum width, in bits, of a picture that is extended to show evidence; its bytes are still legible
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,9 +41,9 @@ WAITED = ("SCD", "RRDY", "NACK")  # flags that firmware waits for and that remai
 
 
 def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Record, Record | None, str]]:
-    """Yield each byte of a read, the write of I2CDXR from which the byte came, and a description.
+    """Yield each byte of a read, the write of I2CDXR from which the byte came, and a text for a step.
 
-    The write is None if it is not known.
+    The text has the byte and the time of the write. The write is None if it is not known.
     """
     writes = evidence.accesses(0, phase.end, f"W {I2C}.I2CDXR")
     scl = evidence.channel("SCL")

@@ -180,7 +180,7 @@ def answered(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]
 
 
 def awaited(evidence: Evidence, access: Record, let_go: int) -> Step:
-    """Return a step for the access until which SCL was held low.
+    """Return a step for the access that ended the time in which SCL was held low.
 
     let_go: the tick at which the controller released SCL.
     """
@@ -333,7 +333,10 @@ def _fifo(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _beside(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the accesses and the changes of a register around an instant, if the measure compares the two."""
+    """Find the accesses and the changes of fields that a measure uses, close to the start of the occurrence.
+
+    Return no steps if the measure does not use both accesses and changes of fields.
+    """
     at, near = evidence.window.begin, evidence.window.timebase.ticks(PROMPT, "nearest")
     if ends.measure.kinds != {Kind.ACCESS, Kind.FLAG}:
         return [], None

@@ -157,7 +157,8 @@ def _flag_lane(window: Window, where: str, what: str) -> Lane:
     inside = [r for r in changes if window.drawn.begin <= r.tick < window.drawn.end]
     register, name = what.partition(".")[0], _shown(where, what).rpartition(".")[2]
     if name != register and all(r.value in (0, 1) for r in changes):
-        # Before its first recorded change, a flag has the opposite level. That change may be later than the picture.
+        # Before its first recorded change, a flag has the opposite of the level after the change. The first change may
+        # be later than the picture.
         initial = earlier[-1].value if earlier else 1 - changes[0].value
         edges = tuple((_seconds(window, r.tick), r.value) for r in inside)
         return Lane(name, "flags", BLACK, initial=initial, edges=edges)
@@ -194,9 +195,10 @@ def _figure(window: Window) -> str:
 
 
 def within_reach(window: Window, most: int) -> tuple[Span, ...]:
-    """Return the recorded ranges, reduced to at most about `most` records.
+    """Return the recorded ranges, shortened so that they contain about `most` records, if they contain more.
 
-    The records around the occurrence are kept. If the occurrence alone has too many records, its first ones are kept.
+    The records nearest to the occurrence are kept. If the occurrence alone has too many records, its first ones are
+    kept.
     """
     if len(window.records) <= most:
         return window.kept

@@ -87,8 +87,8 @@ def wrong_characters(evidence: Evidence) -> list[WrongCharacter]:
 def _unsolicited(evidence: Evidence, name: str) -> list[tuple[Record, Record]]:
     """Return the frames of the occurrence, with their writes, from the SCI that sent the first frame.
 
-    name: the name of the send after which the SCI must be silent; UNSOLICITED for the whole run. In the whole run, the
-        SCIs are judged to which the case sends or from which it expects replies.
+    name: the name of the send after which the SCI must be silent. UNSOLICITED for all SCIs to which the case sends or
+        from which it expects replies, in the whole run.
     """
     serial, begin = evidence.case.serial, evidence.window.begin
     assert serial is not None

@@ -45,7 +45,7 @@ LEAD = Fraction(25, 1000)  # seconds that are kept before a range, so that a tra
 BITS = 18  # minimum extent of a picture in bits: two bytes with their ACKs
 BIT = Fraction(1, 100_000)  # length of a bit in seconds if there is no SCL
 
-WRONG_BYTES, I2C_BUS = "wrong bytes", "I2C"  # the measure whose verdict has expected bytes, and their bus
+WRONG_BYTES, I2C_BUS = "wrong bytes", "I2C"  # the measure that compares bytes with expected ones, and their bus
 # Identification of a wrong byte. On I2C: I2C_BUS, the tick of the phase's START, and the position of the byte in the
 # read, from 0. On a serial line: the wire, the tick of the start bit, and 0.
 WrongByte = tuple[str, int, int]
@@ -101,12 +101,15 @@ class Window:
 
     @cached_property
     def by_number(self) -> dict[int, Record]:
-        """A dictionary from numbers to records, in order of number. Unlike in `run`, firmware places have paths."""
+        """A dictionary from the numbers of records to the records, in order of number.
+
+        The firmware places of these records have file paths, which the records in `run` lack.
+        """
         return {record.number: record for record in sorted(self.all_records, key=lambda r: r.number)}
 
     @cached_property
     def run(self) -> Run:
-        """The records as a recorded run, in which causes can be followed. Its firmware places lack file paths."""
+        """The records as a recorded run, in which causes can be followed. The firmware places lack file paths."""
         columns = Columns()
         for record in self.by_number.values():
             columns.add(record)
@@ -173,7 +176,8 @@ def windows_of_replay(
     """Return a Window for each verdict of a replay that has an instant.
 
     start, end: the tick from which the instants count, and the last tick of the replay.
-    repeat: a function that repeats the replay up to a tick, recorded by a subscriber, and returns its scene.
+    repeat: a function that repeats the replay and returns its scene. Its arguments are a function that subscribes to
+        the records, and the tick at which the repeated replay ends.
     """
     keeper = _Keeper(verdicts, timebase, start, end)
     scene = repeat(lambda recorder, _: recorder.subscribe(RECORDED, keeper.add), keeper.ends)
@@ -286,7 +290,7 @@ class _Keeper:
         self._expected[I2C_BUS, record.tick, place] = value
 
     def windows(self, name: str, wires: Collection[str], modules: Mapping[str, tuple[str, ...]]) -> list[Window]:
-        self._before += [self._seen] * (len(self._ranges) - len(self._before))  # the remaining ranges have no records
+        self._before += [self._seen] * (len(self._ranges) - len(self._before))  # no record came in the remaining ranges
         self._records.sort(key=lambda r: r.tick)
         return [_with_stretch(self._window(one, name, wires, modules)) for one in self._wanted]
 

@@ -13,4 +13,5 @@ explanation: the events that led to an occurrence, and the parts of its time (`C
 lane: a row of a timeline with the events of one wire, register, flag or activity.
 picture: the part of a window that is visible at first.
 values: all measured values of a budget with their instants (`Values`).
+worst, least: in a distribution, the largest and the smallest value.
 """

@@ -163,7 +163,7 @@ class Plot:
 def plot(spread: Distribution, least_is_worst: bool = False) -> Plot:
     """Lay out the plot of a distribution.
 
-    least_is_worst: True if the nearest limit is a `min`, so that the least value is marked.
+    least_is_worst: True if the nearest limit is a `min`. Then the smallest value is marked, otherwise the largest.
     """
     scale = _Scale(spread)
     bottom = HEIGHT - BOTTOM

@@ -82,7 +82,7 @@ class CaseReport:
     """The report of one case.
 
     verdict: "pass" or "fail".
-    standing: the result; "known" is a failure that the case expects.
+    standing: "good" if the case passes, "known" if it fails only in the budgets that it lists in `breaks`, else "bad".
     commit: the commit of the case's repository; "" if there is none.
     clocks: each unit and its SYSCLKOUT as text.
     findings: errors that are not described in the `failure` of a budget.
@@ -255,8 +255,9 @@ def _ticks(seconds: float | None, per_second: int) -> int:
 def _limits(budget: Budget, verdict: Verdict) -> list[tuple[str, str]]:
     """Return the key and the text of each limit.
 
-    The text is the limit as the case states it. Only for the limit that the verdict names, it is the number with which
-    the worst value was compared. If the budget has further conditions (key `and`), each key begins with its measure.
+    For the limit that the verdict names, the text is the number with which the worst value was compared. For other
+    limits, it is the limit as the case states it. If the budget has further conditions (key `and`), each key begins
+    with the measure to which its limit applies.
     """
     found = []
     parts: list[Budget | Condition] = [budget, *budget.also]

@@ -115,8 +115,8 @@ def _columns(at: NDArray[np.int64], data: NDArray[np.int64], beyond: NDArray[np.
 def shown_violations(over: OverTime, worst_at: int) -> tuple[tuple[int, int], ...]:
     """Return the violations that are shown with waves in addition to the worst violation, in order of time.
 
-    The first half of these SHOWN violations are the first ones of the run. For the second half, the remaining
-    violations are divided into PARTS parts, and the worst violation of each part is taken.
+    The first SHOWN // 2 of them are the first violations of the run. The remaining violations of the run are divided,
+    in order of time, into PARTS equal parts, and the worst violation of each part is added.
     """
     others = [one for one in over.violations if one[0] != worst_at]
     first, rest = others[: SHOWN // 2], others[SHOWN // 2 :]

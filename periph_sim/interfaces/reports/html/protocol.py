@@ -14,7 +14,7 @@ from ....traces.decode import i2c
 from ..explain.characters import characters
 from ..explain.window import I2C_BUS, Window, WrongByte
 
-LONGEST = 24  # maximum number of bytes in a row of characters
+LONGEST = 24  # maximum number of SCI characters in a row of the protocol table; further characters begin a new row
 
 
 class Row(NamedTuple):
@@ -86,7 +86,10 @@ def _hex(value: int | None) -> str:
 
 
 def _frame_rows(window: Window) -> list[Row]:
-    """Return rows of characters for each wire. A new row starts after a pause of at least one character's length."""
+    """Return the rows of the SCI characters on each wire.
+
+    A new row begins after a pause of at least one character's length, and after LONGEST characters.
+    """
     found: dict[str, list[Row]] = {}
     for one in characters(window):
         byte = (_hex(one.value), "error" if one.error else "", _hex(one.expected))

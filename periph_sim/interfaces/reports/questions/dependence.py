@@ -18,7 +18,8 @@ class Departure(NamedTuple):
     """A run in which the verdict of a budget differs from that of the case as it is.
 
     number: the index of the run in `Exploration.attempts`.
-    word: the word of the verdict: "seen", "broken", "not judged", "stuck" or "cannot be made".
+    word: the verdict of the budget in this run: "seen" if it passes, "broken" or "not judged". For RUN: "stuck" or
+        "cannot be made", and "seen" for all other runs.
     found: the worst value of the budget, or the reason why the run is stuck or cannot be made.
     """
 
@@ -31,7 +32,7 @@ class Departure(NamedTuple):
 class Dependence:
     """A budget over all runs.
 
-    word: the word of the verdict of the case as it is.
+    word: the verdict in the run of the case as it is (see `Departure.word`).
     worst: the verdict with the least margin of all runs; None for RUN.
     departures: the runs in which the verdict differs, in the order of the runs.
     """
@@ -48,7 +49,10 @@ class Dependence:
 
 
 def dependences(explored: Exploration) -> list[Dependence]:
-    """Return a Dependence for each budget of the case. If a run is stuck or cannot be made, the first one is RUN."""
+    """Return a Dependence for each budget of the case.
+
+    If a run is stuck or cannot be made, a Dependence with the name RUN comes before those of the budgets.
+    """
     default, attempts = explored.default, explored.attempts
     found = [_of_budget(number, explored) for number in range(len(default.budgets))]
     words = [(number, *_of_run(attempt.row)) for number, attempt in enumerate(attempts)]

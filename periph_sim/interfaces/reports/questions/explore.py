@@ -35,7 +35,7 @@ Bars = Callable[[str], AbstractContextManager[Callable[[float], None] | None]]
 
 @dataclass(frozen=True)
 class Attempt:
-    """A run.
+    """A run of the case as it is or with other answers.
 
     answers: the other answers of the run; empty for the case as it is.
     row: the result of the run, or the reason why the run could not be made.

@@ -24,9 +24,10 @@ from .explore import Attempt
 
 KINDS = (Kind.EDGE, Kind.ACCESS, Kind.FLAG, Kind.IRQ)
 MOST_EXPLAINED = 20  # maximum number of runs whose first difference is searched
-# Length of a slice in seconds. An event counts as missing if it is not in the next slice of the other run either.
+# Length of a slice in seconds. An event counts as missing if the other run has it neither in the same slice nor in the
+# next slice.
 SLICE = Fraction(1, 1000)
-Occurrence = tuple[Kind, str, str, int]  # kind, where, what, and number of a record among those with the same three
+Occurrence = tuple[Kind, str, str, int]  # kind, where and what of a record, and its number, from 0, among equal ones
 
 
 class Event(NamedTuple):
@@ -40,8 +41,8 @@ class Event(NamedTuple):
 class FirstDifference(NamedTuple):
     """An event that differs between two runs.
 
-    base: the event in the run that is compared with; None if it does not occur there.
-    other: the event in the run with one more answer; None if it does not occur there.
+    base: the event in the run with fewer other answers, such as the case as it is; None if it does not occur there.
+    other: the event in the run that has one more other answer; None if it does not occur there.
     """
 
     base: Event | None
@@ -49,7 +50,10 @@ class FirstDifference(NamedTuple):
 
 
 class _RecordedRun:
-    """A run that is made a slice at a time. records: the records since the last slice that was equal."""
+    """A run that is made a slice at a time.
+
+    records: the records after the last slice in which the records of both runs were equal.
+    """
 
     def __init__(self, prepared: PreparedScene, changes: Sequence[str]) -> None:
         self.records: list[Record] = []
@@ -124,7 +128,7 @@ def _content(record: Record) -> tuple[object, ...]:
 
 
 def _earliest(base: _RecordedRun, other: _RecordedRun, first: int) -> FirstDifference | None:
-    """Return the earliest event that differs from index `first` of the records on."""
+    """Return the earliest event that differs. The records are compared from index `first` on."""
     start, timebase = base.scene.start, base.scene.timebase
     one, two = base.occurrences(first), other.occurrences(first)
     apart = [key for key in {**one, **two} if one.get(key) != two.get(key)]

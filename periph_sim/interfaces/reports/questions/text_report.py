@@ -19,7 +19,11 @@ HOLDS = "holds whatever the answers are"
 
 
 def text(explored: Exploration, found: Sequence[Dependence], differences: Differences) -> str:
-    """Format the report: what was run, the budgets, the runs in which a verdict differs, and how to decide them."""
+    """Format the report.
+
+    It says what was run, and lists the budgets, the runs in which a verdict differs, and the questions of these runs
+    with the experiments that would decide them.
+    """
     result, attempts = explored.default, explored.attempts
     alone, pairs = counted(explored.count(1), "other answer"), counted(explored.count(2), "pair")
     lines = paragraph(

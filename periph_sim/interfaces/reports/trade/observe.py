@@ -37,7 +37,7 @@ class Observed:
     verdicts: a dictionary from the budgets that this run can measure to their verdicts.
     times: a dictionary from the budgets that limit a time to their occurrences in seconds.
     samples: a dictionary from the chips that the controller reads to their samples: codes as int64[n, 3].
-    others: a dictionary from addresses to the bytes of all other reads.
+    others: a dictionary from I2C addresses to the bytes of all reads that are no samples.
     """
 
     verdicts: dict[str, str]

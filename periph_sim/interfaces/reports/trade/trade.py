@@ -141,9 +141,9 @@ def trade(
 ) -> Trade:
     """Run and compare all rows, which are the choices for one case.
 
-    All rows without a recording are run for half of `length` seconds and for `length` seconds. If the errors of a row
-    differ between the two, these rows are also run for twice `length` seconds. Then the errors of rows with a recording
-    and the CPU times of all rows are measured.
+    All rows without a recording are run for half of `length` seconds and then for `length` seconds. If the errors of
+    any row differ between these two runs, all rows without a recording are also run for twice `length` seconds.
+    Finally, the errors of rows with a recording and the CPU times of all rows are measured.
 
     make: a function that returns the case with the changes in a list of texts "key=value".
     max_error_s: the maximum error of times in the recommended row.

@@ -12,8 +12,11 @@ Ts: the time between two samples of the models.
 matrix S: the matrix with scale and cross-axis sensitivity that converts a quantity to LSB.
 arithmetic: the kind of numbers in which the models calculate: float64, float32 or a Q format.
 code: the whole number that a chip returns for a quantity, in LSB.
-count: a 16-bit value in a host frame; a count of 1 is, for example, 1e-4 rad.
+count: a value in a host frame, as a whole number, normally of 16 bits; a count of 1 is, for example, 1e-4 rad.
 emulator: firmware that calculates the codes of the chips from host frames.
+chip: one of the three sensors, gyroscope ITG-3200, accelerometer ADXL345 and magnetometer HMC5883L.
+sensor head: the I2C master that reads the chips, or the emulator in their place.
+set: values for all parameters of the sensor models, such as `table_5_1`.
 round: one execution of the requests that a controller repeats periodically.
 truth: the motion of the body, without errors of sensors.
 reference: the models in float64, with which the models in other kinds of arithmetic are compared.

@@ -132,12 +132,12 @@ def _rounded(a: Q, near: list[tuple[float, float]] | None) -> list[Any] | None:
 
 
 def model_of(arithmetic: str, parameters: ImuParameters) -> Imu[Any]:
-    """Return the models of an IMU. This function is for firmware of earlier versions, which calls `Imu.step` itself."""
+    """Return the models of an IMU, for firmware for earlier versions of periph_sim, which calls `Imu.step` itself."""
     return Imu(named.scalar(arithmetic), parameters)
 
 
 class ModelNoise:
-    """The noise of the models, in numbers of the arithmetic. This class is for firmware of earlier versions.
+    """The noise of the models, in numbers of the arithmetic. For firmware that uses `model_of`.
 
     at: a function that returns the noise of a sample from the sample's number.
     """

@@ -30,8 +30,8 @@ def parameters_of_axes(
 ) -> ImuParameters:
     """Return a parameter set that is updated with the identified columns of a recording.
 
-    The rest of the magnetometer's mean, without hard iron, becomes the earth field. A slow term of the noise that does
-    not differ significantly from 0 becomes 0.
+    The magnetometer's mean minus its hard iron becomes the earth field. A slow term of the noise (bias instability or
+    random walk) that does not differ significantly from 0 becomes 0.
 
     axes: a dictionary from the name of a column, such as "gyroscope_x", to its identified parameters.
     hard_iron: True if the magnetometer's bias is the difference from a recording without the disturbance, so that the

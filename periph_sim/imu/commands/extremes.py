@@ -40,8 +40,9 @@ def extremes(
 ) -> None:
     """Run the sensor models in several kinds of arithmetic at every extreme, and compare them with float64.
 
-    Shows, for each arithmetic, the deviation in the working range, the cost in cycles, and the first input at which a
-    value saturates, wraps, or becomes NaN. NAME and EXTREME may be given several times.
+    Shows, for each arithmetic, the deviation in the working range and the cost in cycles. For each extreme, it shows
+    the effect, such as wraps, NaN or off (a larger deviation than in the working range), with the first input that has
+    it. NAME and EXTREME may be given several times.
     """
     from ...traces.formats import atomic_write
     from ..extremes import USUAL, report

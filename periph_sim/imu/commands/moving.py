@@ -1,4 +1,4 @@
-"""`periph-sim moving CASE`: compares attitudes from emulator, real sensors and the true motion."""
+"""`periph-sim moving CASE`: compares attitudes from the emulator, from simulated chips and of the true motion."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ DIFFERENT = 1  # the exit status if the bytes on the wires differ from the compu
 def moving(
     case: Path, seconds: str | None, changes: tuple[str, ...], direct: bool, folder: Path | None, as_json: bool
 ) -> int:
-    """Run the motion of CASE through the emulator and through real sensors, and compare the attitudes.
+    """Run the motion of CASE through the emulator and through simulated sensor chips, and compare the attitudes.
 
-    The emulator is the case's firmware, with its gyroscope as built and corrected; the real sensors are the three
-    chips on the same bus. The readings of both go into the same filter.
+    The emulator is the case's firmware. It runs once with the gyroscope as built and once with the corrected one. The
+    chips, called real sensors, take its place on the same bus. All readings go into the same filter.
     """
     from ...scene.case.load import load
     from ..moving.experiment import run

@@ -1,12 +1,16 @@
 """Limits of the sensor models: a report of their behaviour at extreme inputs in each arithmetic.
 
-An arithmetic is float64 (the reference), float32 or a Q format (see `numeric`).
+An arithmetic is float64 (the reference), float32 or a Q format (see `numeric`). The working range is the range of
+motions that the sensors can measure (see `working_range`). An extreme is an input, an event or a situation far from
+ordinary use. A converter is at full scale if it returns its lowest or highest code.
 
-working range --search--> deviation of each arithmetic from float64
-motions, fields --sweep--> first input at which an arithmetic deviates from the reference, and how
-events ------------------> lost frames, runs of weeks, divisions by 0, rejected parameters
-outside the models ------> length of a run, clocks with errors, baud rates, sums of noise, Allan variances, inputs
-costs -------------------> cycles for a sample
+working range -----search--> deviation of each arithmetic from float64
+motions,
+magnetic fields,
+lever arms --------sweep---> first input at which an arithmetic deviates from the reference, and how
+events --------------------> lost frames, runs of weeks, divisions by 0, rejected parameters
+outside the models --------> length of a run, clocks with errors, baud rates, sums of noise, Allan variances, inputs
+costs ---------------------> cycles for a sample
 """
 
 from __future__ import annotations

@@ -78,8 +78,8 @@ def _rolled(steps: Ints, times: int) -> Ints:
 def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[ExtremeFinding]:
     """Examine a time in seconds to which a program adds Ts at every sample, for 30 days.
 
-    Find the first time at which this addition has an error of more than half of Ts, and the time at which it has no
-    effect. The sensor models are not affected: they store no time and no sum, only the last attitude and body rates.
+    Find the first time at which this addition has an error of more than half of Ts, and the first time at which it has
+    no effect. The sensor models are not affected: they store no time and no sum, only the last attitude and body rates.
     """
     period = ImuParameters().period
     for name in names:

@@ -1,7 +1,8 @@
 """Conversion of host frames to nine codes in any arithmetic, for the examination of extremes.
 
 A sample needs an acceleration and three attitudes: the last two attitudes for the rates, and all three for the change
-of the rates. All values are int16 counts of host frames, so every arithmetic receives the same whole numbers.
+of the rates. All values are whole counts, as in host frames, so every arithmetic receives the same numbers. Some sweeps
+have counts beyond int16.
 
     counts int64[12, n]: the attitudes two samples ago, one sample ago and now (roll, pitch, yaw in 1e-4 rad);
                          the acceleration (1e-3 g)

@@ -8,8 +8,9 @@ Each finding is measured: errors are caused, edges are counted, and runs are com
 Baud rates: an SCI samples at eight times its own rate and counts from the first low sample of each start bit, which may
 be up to one sample after the sender's falling edge. The majority of samples 4 to 6 of 8 decides the level of the stop
 bit, so two of these three samples must be in the sender's stop bit. For a fast sender, the first two of the three must
-be before the next start bit. For a slow sender, the last two must be after the last data bit. If a bit of the sender
-has a length of b samples,
+be before the next start bit. For a slow sender, the last two must be after the last data bit. So sample 5 decides in
+both cases. It comes 72 + 4 samples after the first low sample, and therefore 72 + 4 to 72 + 5 samples after the
+sender's falling edge. If a bit of the sender has a length of b samples,
 
     fast   10 b >= 72 + 5        slow   9 b <= 72 + 4        (TI SPRUFZ5A section 1.2.7, figure 1-7)
 """
@@ -202,7 +203,7 @@ def _why(tried: Callable[[], object], error: type[Exception]) -> str:
 BRR = 40  # value of the baud rate registers, for 114 329 bit/s
 SAMPLE = 4 * (BRR + 1)  # length of a sample in SYSCLKOUT cycles, with LSPCLK = SYSCLKOUT / 4
 NOMINAL = 8  # samples per bit if the sender has the right rate
-PHASES = 16  # number of phases within a sample at which the first start bit begins
+PHASES = 16  # number of instants within a sample at which the first start bit begins, one in each run
 BYTES = b"\x55\x00\x7f" * 4  # twelve bytes whose last data bit is 0, unlike a stop bit
 # The shortest bit (fast sender) and the longest bit (slow sender) with which all bytes are received, in samples.
 LIMITS = {"fast": Fraction(77, 10), "slow": Fraction(76, 9)}
@@ -213,7 +214,8 @@ START = 10_000  # cycle of the first start bit
 def baud_rates() -> Iterator[ExtremeFinding]:
     """Compare the largest rate error of a sender at which an SCI receives all bytes with the exact limit.
 
-    The largest rate error is found by bisection. All bytes must be received at every phase between the two clocks.
+    The largest rate error is found by bisection. All bytes must be received, at whichever of the PHASES
+    instants within a sample the first start bit begins.
     """
     for name, limit in LIMITS.items():
         good, bad = Fraction(NOMINAL), Fraction(NOMINAL) + (Fraction(1, 2) if limit > NOMINAL else -Fraction(1, 2))
@@ -231,7 +233,7 @@ def received(bit: Fraction, phase: int) -> bool:
     """Return True if an SCI receives all bytes without an error.
 
     bit: the sender's bit time, in samples of the receiver.
-    phase: the instant of the first start bit within a sample, in units of a sample / PHASES, from 0 to PHASES - 1.
+    phase: the instant of the first start bit within a sample, in units of 1 / PHASES of a sample: 0 to PHASES - 1.
     """
     kernel, recorder, timebase = Kernel(), Recorder(), Timebase(SYSCLK)
     clock, line, sci = Clock(timebase, SYSCLK), Wire(kernel, "RX", recorder), Sci()

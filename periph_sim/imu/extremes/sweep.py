@@ -92,8 +92,7 @@ class InputSweep:
     unit: the unit of the input.
     ordinary, extreme: the first and the last value, in `unit`. The last value may be smaller than the first.
     at: a function that returns the inputs for a value of the sweep.
-    slack: additional LSB by which codes may differ, because the counts of a frame are rounded differently in the
-        reference.
+    slack: additional LSB by which codes may differ, because the angles for the reference are rounded to other counts.
     """
 
     name: str
@@ -107,11 +106,12 @@ class InputSweep:
     def find(self, arithmetic: str, worst: Worst | None) -> ExtremeFinding:
         """Find the first value of the sweep at which an arithmetic deviates from the reference.
 
-        The reference deviates from itself if its inputs differ from `true_imu` and `true_counts`. If it does not
-        deviate, the first value at which a converter is at full scale is found instead.
+        Deviations are measured from the codes of float64 for `true_imu` and `true_counts`. So float64 itself can
+        deviate, if a sweep gives it other inputs. If float64 does not deviate, the first value at which a converter is
+        at full scale is found instead.
 
-        worst: the largest errors of the arithmetic in the working range, which are allowed; None for the reference
-            itself, for which 1 LSB is allowed.
+        worst: the largest errors of the arithmetic in the working range, which are allowed; None for float64, for which
+            1 LSB is allowed.
         """
         allowed = (np.ones(9) if worst is None else worst.allowed()) + self.slack
         largest = float(_grid(self, arithmetic, self.ordinary, self.extreme, FIRST_GRID).off.max())

@@ -88,7 +88,11 @@ def _errors(arithmetic: str, imu: parameters.ImuParameters, counts: Ints) -> NDA
 
 
 def _around(at: Ints, random: np.random.Generator, samples: int, reach: int, rate: float) -> Ints:
-    """Draw samples near the sample `at`, within the working range. reach: the largest change of a count."""
+    """Draw samples near the sample `at`, within the working range.
+
+    reach: the largest distance of a count from the same count of `at`.
+    rate: as for `drawn`.
+    """
     near = at[:, None] + random.integers(-reach, reach, (12, samples), endpoint=True)
     most = int(np.radians(rate) * parameters.ImuParameters().period / ANGLE)
     g = int(parameters.AccelerometerParameters().full_scale / ACCELERATION)

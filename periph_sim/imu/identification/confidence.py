@@ -76,14 +76,18 @@ def _covariance(m: int, n: int, length: int) -> float:
     weights = np.outer([-1, 2, -1], [-1, 2, -1]).ravel() / (2.0 * m * n)
 
     def term(lag: Floats) -> Floats:
-        """Return the number of pairs of differences that are `lag` samples apart, times their squared covariance."""
+        """Return the number of pairs of differences that are `lag` samples apart, times the square of their covariance.
+
+        Of each pair, one is a difference of averages over m samples, the other a difference of averages over n samples.
+        """
         shared = -(np.abs(lag[:, np.newaxis] - corners) @ weights)
         pairs = np.minimum(places_n, places_m + lag) - np.maximum(0.0, lag)
         together: Floats = np.maximum(pairs, 0.0) * shared**2
         return together
 
-    # Between two corners, the term is a cubic polynomial of the lag. Its sum over all integer lags there is calculated
-    # from three of its values: in the middle, and at two lags with the same distance from the middle.
+    # `bends` are the lags at which the formula of `term` changes. Between two of them, the term is a cubic polynomial
+    # of the lag. Its sum over all integer lags there is calculated from three of its values: in the middle, and at two
+    # lags with the same distance from the middle.
     bends = [*corners, 0, places_n - places_m, -places_m, places_n]
     edges = np.unique(np.clip(bends, max(-2 * n, -places_m), min(2 * m, places_n)))
     begin, end = edges[:-1], edges[1:] - 1

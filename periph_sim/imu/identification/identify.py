@@ -70,7 +70,7 @@ def mean(series: Series, found: Allan, noise: Density) -> Mean:
 
 
 def _drift(found: Allan, noise: Density) -> float:
-    """Return the largest Allan deviation from the tau on at which drift begins; 0 if there is no drift.
+    """Return the largest Allan deviation at the tau at which drift begins and above; 0 if there is no drift.
 
     Drift begins at the first long tau at which the variance is significantly above the line of white noise. A tau is
     long if it is above the region from which the density of white noise was calculated.

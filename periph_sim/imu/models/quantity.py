@@ -2,8 +2,8 @@
 
     bias: Annotated[Vector, Quantity("g", -16, 16, "Table 4.1")] = (-0.02, 0.02, 0.0)
 
-A set of parameters checks its values at construction, and raises BadParameter, with the parameter, the value and the
-range, if a value is invalid.
+A set of parameters is an object of a class that is derived from `Checked`. It checks its values at construction, and
+raises BadParameter, with the parameter, the value and the range, if a value is invalid.
 """
 
 from __future__ import annotations
@@ -53,9 +53,9 @@ class Choice(Struct, frozen=True):
 
 
 class Parameter(Struct, frozen=True):
-    """One entry of a set of parameters, as declared by its annotation.
+    """An entry of a class that is derived from `Checked`, as declared by its annotation.
 
-    kind: the type: Vector, float, int, a Literal, or a set of parameters.
+    kind: the type: Vector, float, int, a Literal, or a class that is derived from `Checked`.
     says: the Quantity or Choice in its annotation; None if the entry is itself a set of parameters.
     """
 
@@ -66,7 +66,7 @@ class Parameter(Struct, frozen=True):
 
 @cache  # reading annotations takes longer than all checks
 def parameters_of(kind: type[Checked]) -> tuple[Parameter, ...]:
-    """Return all parameters of a set, in the order of their definition."""
+    """Return all parameters of a class that is derived from `Checked`, in the order of their definition."""
     hints = get_type_hints(kind, include_extras=True)
     found = []
     for name in kind.__struct_fields__:
@@ -76,7 +76,7 @@ def parameters_of(kind: type[Checked]) -> tuple[Parameter, ...]:
 
 
 class Checked(Struct, frozen=True):
-    """Base of sets of parameters. The constructor raises BadParameter for an invalid value."""
+    """Base class of all sets of parameters. The constructor raises BadParameter for an invalid value."""
 
     def __post_init__(self) -> None:
         for one in parameters_of(type(self)):

@@ -70,7 +70,8 @@ def subject_of(case: Case, duration: Fraction | None = None) -> EmulatorUnderTes
 
     duration: the duration of the experiment in seconds; None for the duration of the case.
     """
-    # The experiment uses neither budgets nor breaks. The copy still contains the name of the file, for messages.
+    # The experiment judges no budgets, so the keys `budget` and `breaks` are emptied. The copy still contains the name
+    # of the file, for messages.
     case = case.model_copy(update={"budget": (), "breaks": ()})
     scene = Scene(case)
     if case.host is None or not isinstance(scene.frames, MotionFrames):

@@ -5,9 +5,10 @@ unit: one simulated F28335 with its program. scene: the units, devices and wires
 case: the TOML file that describes a scene.
 chip: here, the model of one module, such as an SCI: a subclass of `core.chip.Chip`.
 line side, CPU side: the parts of a chip that handle the module's pins, and the CPU's accesses to its registers.
-owner: the code that calls a chip: its socket (`core.socket`), the unit, or a test.
+owner: the code that calls a chip: its socket (`core.socket`), the unit, or a test. The owner of a part of a chip, such
+    as a FIFO or a noise filter, is the chip.
 wake-up: a call of the chip's method `wake`. The owner makes it at the cycle that the chip has put in `next_wake`.
-note: a message for the user, such as that firmware does what the manual forbids (`core.chip.Note`).
+note: a message for the user (`core.chip.Note`). Its code is "duty" if firmware does what the manual forbids.
 request: one pulse on an interrupt line. "X requests at once" means that the interrupt is requested in this cycle.
 option: a question that TI's documents leave open, with its possible answers (`core.options`). The docstrings of the
     modules list further behaviour that these documents leave open under "Chosen"; it has no option.

@@ -1,4 +1,4 @@
-"""Experiments on hardware that would decide open questions, by the option's group and name.
+"""Experiments on hardware, each of which would decide an open question. The keys are the option's group and its name.
 
 `run --questions` prints them. They have a file of their own, because no run needs them. If a question has no entry
 here, no experiment is known for it.

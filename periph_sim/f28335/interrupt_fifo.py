@@ -85,8 +85,8 @@ class InterruptFifo:
     def watch(self, on: bool) -> bool:
         """Set the flag if the number of words has reached the level. Return True if this requests the interrupt.
 
-        In mode "level" the flag is set while the level is reached. In the other mode it is set only if the level was
-        not reached at the previous call. If `on` is False, the level counts as not reached.
+        If `mode` is "level", each call sets the flag while the level is reached. If `mode` is "edge", the flag is set
+        only if the level was not reached at the previous call. If `on` is False, the level counts as not reached.
         """
         waiting, level = len(self.words), self.control & LEVEL
         reached = on and (waiting >= level if self.receives else waiting <= level)

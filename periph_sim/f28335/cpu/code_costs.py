@@ -52,5 +52,5 @@ class CodeCosts(Struct, frozen=True):
     isr_epilogue: int = 13  # range: 3 to 18
 
 
-# Costs of firmware to which no generated code is added, except that a pass of a polling loop has its default cost.
+# Costs without the code that a C compiler generates. Only a pass of a polling loop has its default cost.
 BARE = CodeCosts(between_accesses=0, isr_prologue=0, isr_epilogue=0)

@@ -100,7 +100,7 @@ class CpuInterrupts:
 
     def __init__(self, options: SystemOptions) -> None:
         latency = options.int_latency.unrecorded() - IFR_DELAY
-        # Cycles that wait states of the vector fetch add to the entry of an interrupt, TRAP and INTR.
+        # Wait states of the vector fetch, in cycles. They lengthen the entry of an interrupt, and TRAP and INTR.
         self.vector_waits: int = options.vector_fetch_waits.unrecorded()
         # Cycles from the instruction boundary to the first instruction of the service routine.
         self.entry_cycles: int = latency + self.vector_waits
@@ -112,7 +112,7 @@ class CpuInterrupts:
         # Requests that have not reached the IFR yet: (cycle at which it sets the IFR bit, mask of this bit).
         self._coming: deque[tuple[int, int]] = deque()
         self._latched_at = -1
-        self._returned_at = -1  # cycle at which the latest IRET ends
+        self._returned_at = -1  # cycle at which the latest IRET ends; -1 if there was none
         self.reset(0)
 
     def reset(self, now: int) -> None:
@@ -120,7 +120,7 @@ class CpuInterrupts:
         self.ifr = self.ier = 0
         self.st1 = ST1_RESET
         self.sp = SP_RESET
-        self.nested = 0  # number of routines that were entered and have not returned
+        self.nested = 0  # number of service routines that were entered, also by TRAP, and have not returned
         self.ready = now  # no interrupt is taken before this cycle
         # True if one more instruction must be executed after an IRET before an interrupt is taken. The owner sets it
         # to False when this instruction has been executed.
@@ -129,7 +129,7 @@ class CpuInterrupts:
         self._coming.clear()
         self._latched = 0  # IFR bits that hardware set in the cycle `_latched_at`
         self._nonmaskable = 0  # pending nonmaskable interrupts: bit 0 is EMUINT, which has priority; bit 1 is NMI
-        self._pieack_end = -1  # cycle at which the latest instruction that wrote PIEACK ends
+        self._pieack_end = -1  # cycle at which the latest instruction that wrote PIEACK ends; -1 if there was none
 
     # Status -------------------------------------------------------------------
 
@@ -159,7 +159,10 @@ class CpuInterrupts:
             self.next_wake = self._coming[0][0]
 
     def wrote_pieack(self, now: int) -> None:
-        """Record that the present instruction writes PIEACK. `clrc_intm` may add a note if CLRC INTM comes next."""
+        """Record that the present instruction writes PIEACK.
+
+        If CLRC INTM follows directly in a service routine, `clrc_intm` adds a note (SPRZ272N section 3.1.1).
+        """
         self._pieack_end = now + cpu_costs.SIMPLE
 
     # Entry and exit ---------------------------------------------------------------

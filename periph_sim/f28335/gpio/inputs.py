@@ -108,7 +108,7 @@ class Qualifier:
             self.due = NEVER
 
     def configure(self, now: int, period: int, samples: int, origin: int) -> None:
-        """Set a new period, number of samples and phase from cycle `now` on."""
+        """Set `period`, `samples` and `origin`, as in the docstring of the class, from cycle `now` on."""
         self.advance(now)
         self._period, self._samples, self._origin = period, samples, origin
         self._plan()

@@ -58,7 +58,7 @@ class Gpio(GpioInputs):
 
     def __init__(self, options: SystemOptions) -> None:
         super().__init__()
-        # `processor.pin_router` reads the next two masks, because `out` cannot hold 88 pins.
+        # `processor.pin_router` reads the next two masks in place of `Chip.out`, which is too short for 88 pins.
         self.driven_high: BigInt = 0  # mask: levels of the pins in `driven`; 0 elsewhere
         self.driven: BigInt = 0  # mask: pads that this chip drives as general-purpose outputs
         self.out_version = 0  # number of changes of `driven_high` and `driven`
@@ -78,7 +78,7 @@ class Gpio(GpioInputs):
         self._wired |= pads
 
     def edges(self, now: int, levels: BigInt, exact: bool = True) -> None:
-        """Set the levels of all wired pads. The owner calls this instead of `pins`.
+        """Set the levels of all wired pads. The owner calls this in place of the method `pins`, which other chips have.
 
         exact: True if the levels changed at the SYSCLKOUT edge of cycle `now`; False if they changed between this edge
         and the previous one.
@@ -245,7 +245,7 @@ class Gpio(GpioInputs):
             self._latch ^= bits
 
     def _drive(self, now: int) -> None:
-        """Apply a change of latch, DIR or MUX to the pads when the output delay has passed."""
+        """Derive the outputs from latch, DIR and MUX. A change reaches the pads after the output delay."""
         driven = self._outputs
         out = self._latch & driven
         last = self._outs[-1] if self._outs else (now, self.driven, self.driven_high)
@@ -265,8 +265,10 @@ class Gpio(GpioInputs):
             self._follow_drive(now)
 
     def _follow_drive(self, now: int) -> None:
-        """Set each pad that is not wired: to the level that this chip drives, or 1 with a pull-up, or 0."""
+        """Update the level of each pad that is not wired.
 
+        It is the level that this chip drives. If the chip does not drive the pad, it is 1 with a pull-up, else 0.
+        """
         level = self.driven_high & self.driven | self._pull_ups & ~self.driven
         moved = (level ^ self.pads) & ~self._wired
         if moved:

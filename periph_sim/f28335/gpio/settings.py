@@ -135,7 +135,7 @@ class PinSettings:  # core: python
         return idle_level(signal) if pin is None else shown >> pin & 1
 
 
-@lru_cache(maxsize=256)  # in each scene, the same firmware sets its pins to the same values
+@lru_cache(maxsize=256)  # a cache, because firmware often sets its pins to the same values in many scenes
 def pin_settings_of(values: tuple[int, ...]) -> PinSettings:
     """Return the settings for these register values. Units and scenes with equal values share the result."""
     return PinSettings(values)

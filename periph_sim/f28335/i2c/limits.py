@@ -1,4 +1,4 @@
-"""TI's requirements on the I2C module's settings, with a "duty" note for each violation.
+"""TI's requirements on the I2C module's settings. Each violation adds a note with the code "duty".
 
 Each limit is checked when it begins to apply. For the module clock and the own address, this is when IRS becomes 1 and
 at each later change. For the rate of SCL and the sent address, it is at each START. Times are computed from the
@@ -85,7 +85,7 @@ class I2cLimits:
             self._within = given
 
     def start_commanded(self, bus_busy: bool) -> None:
-        """Add a note if I2CSTR.BB is not `bus_busy` when STT is set.
+        """Add a note if STT is set while I2CSTR.BB does not agree with the state of the bus.
 
         bus_busy: True during a transfer, even one that began while IRS was 0.
         """

@@ -40,7 +40,8 @@ class I2cNoiseFilter:
         self._touched = touched
         self._scl_due = self._sda_due = NEVER
         self._cycle = -1  # cycle of the last call of `sample`
-        self._scl_was = self._sda_was = NEVER  # values of `_scl_due` and `_sda_due` before this cycle
+        # Values of `_scl_due` and `_sda_due` before the first call of `sample` in the cycle `_cycle`.
+        self._scl_was = self._sda_was = NEVER
 
     def sample(self, now: int, pins: int, width: int, module_clock: int) -> None:
         """Set the levels at the pins from cycle `now` on. If there are several calls in one cycle, the last one counts.

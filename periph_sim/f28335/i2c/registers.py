@@ -38,7 +38,7 @@ from .requests import I2cRequests
 
 COMMANDS = MDR_STT | MDR_STP | MDR_NACKMOD
 
-RECEIVED, SENDING = 1 << i2c_map.DRR, 1 << i2c_map.DXR  # bits of `loaded`, as in `Chip.loaded`
+RECEIVED, SENDING = 1 << i2c_map.DRR, 1 << i2c_map.DXR  # bits of `loaded`: I2CDRR, I2CDXR took a value
 
 
 @final
@@ -53,7 +53,7 @@ class I2cRegisters(I2cRequests):
 
     def __init__(self, options: I2cOptions) -> None:
         super().__init__(options)
-        self.loaded = 0  # bits RECEIVED, SENDING: I2CDRR, I2CDXR took a value; `I2cLines` adds them to `Chip.loaded`
+        self.loaded = 0  # RECEIVED and SENDING, or 0; `I2cLines` moves these bits to its attribute `Chip.loaded`
         self.reset()
 
     def reset(self) -> None:
@@ -235,7 +235,7 @@ class I2cRegisters(I2cRequests):
                 self.duty("I2CEMDR bits 15 to 1 were not written 0", "SPRUG03B Table 8")
 
     def emdr(self) -> int:
-        """Return the value of I2CEMDR; 0 if the chip has none."""
+        """Return the value of I2CEMDR; 0 if the F28335 has no such register (option `emdr_present`)."""
         if not self.options.emdr_present.assume(self.touched):
             return 0
         return self.bcm if self.emdr_written else self.options.bcm_reset.assume(self.touched)
@@ -243,8 +243,8 @@ class I2cRegisters(I2cRequests):
     def bcm_at_address(self) -> int:
         """Return the value of BCM that applies to a transfer.
 
-        This is the value last written to I2CEMDR, or its reset value before the first write. If the chip has no
-        I2CEMDR, it is 1.
+        This is the value last written to I2CEMDR, or its reset value before the first write. If the F28335 has no
+        I2CEMDR (option `emdr_present`), it is 1.
         """
         if not self.emdr_written and not self.options.bcm_reset.assume(self.touched):
             return 0 if self.options.emdr_present.assume(self.touched) else 1

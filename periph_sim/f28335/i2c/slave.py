@@ -100,7 +100,7 @@ class I2cSlave(I2cSlaveData):
         return self.phase != TRANSMIT or self._shifting
 
     def is_not_addressed(self) -> bool:
-        """Return True unless the slave sends or receives a data byte, or expects the second byte of its address."""
+        """Return False while the slave transfers data bytes or expects the second byte of its address, else True."""
         return self.phase in (ADDRESS, IGNORE, OFF)
 
     def byte(self) -> int:

@@ -244,7 +244,10 @@ class I2cSlaveData:
         return self.state.options.rsfull_stretch_point.assume(self.state.touched) == point
 
     def _data_complete(self, now: int) -> None:
-        """Process fall 8 of a received data byte: send ACK, or let NACK stand, or hold SCL low; store the byte."""
+        """Process fall 8 of a received data byte: pull SDA low for ACK, leave it released for NACK, or hold SCL low.
+
+        The byte is stored now if SCL is held or the option `rrdy_point` is "fall8", else at rise 9 or fall 9.
+        """
         state = self.state
         if (
             self._first_byte

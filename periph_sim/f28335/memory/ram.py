@@ -18,7 +18,7 @@ from ...form.c_types import UInt16
 from ..pie.register_map import VECTOR_TABLE
 
 MEMORY = "memory"  # in records of memory accesses, this name takes the place of the module's name
-PAGE = 8  # number of address bits within a page
+PAGE = 8  # `BY_PAGE` has an entry for each page of 2**PAGE addresses
 IN_PAGE = (1 << PAGE) - 1
 END = 0x1_0000  # all addresses of this memory are below this address
 LOW_WORDS = 0x1000  # M0, M1 and the PIE vectors are below this address

@@ -13,7 +13,8 @@ Chosen:
   from boot ROM clears no PIEIFR bit and does not change PIEVECT.
 - If no flagged line of the group is enabled at the vector fetch, the CPU gets the vector of line 1. The PIEIFR bit of
   line 1 is cleared.
-- TRAP and INTR with a number from 1 to 12 use the vector of line 1 of this group and clear no PIEIFR bit.
+- TRAP and INTR with a number from 1 to 12 use the vector of line 1 of the group with this number. They clear
+  no PIEIFR bit.
 - A request in the cycle of the vector fetch is flagged before the fetch.
 """
 
@@ -68,7 +69,7 @@ class Pie(Chip):
         self._lines_held: list[int] = [0] * GROUPS
         self._set_at: list[int] = [-1] * GROUPS  # for each group, the cycle of its latest request; -1 if there was none
         self._set_now: list[int] = [0] * GROUPS  # for each group, the mask of the lines that requested in that cycle
-        self._seen: list[int] = [0] * GROUPS  # PIEIFR as the CPU last read it
+        self._seen: list[int] = [0] * GROUPS  # for each group, the value of PIEIFR that the CPU last read
         self.pulses = 0  # bit x - 1: INTx was pulsed since the owner last set this to 0
 
     # Inputs from peripherals and CPU -----------------------------------------
@@ -113,9 +114,10 @@ class Pie(Chip):
         return line, line_vector(group, line)
 
     def cpu_vector(self, number: int) -> int:
-        """Fetch a vector of INT13 and above, or one that TRAP or INTR takes. Return its address.
+        """Fetch vector `number` for INT13 and above, or for TRAP or INTR. Return the address of the vector.
 
-        With ENPIE = 1, the numbers 1 to 12 mean line 1 of the group with this number, and PIEVECT is updated.
+        With ENPIE = 1, a number from 1 to 12 means line 1 of the group with this number, and PIEVECT is updated. Vector
+        0, for reset, is always in boot ROM, and does not change PIEVECT.
         """
         if not self._piectrl & ENPIE or number == CPU_VECTORS["RESET"]:
             return BOOT_ROM_VECTORS + 2 * number

@@ -25,7 +25,8 @@ BREAK_TICKS = {"10": 80, "9.625": 77}
 class SciFormat:
     """Format of a frame. The start bit is bit 0. Ticks are counted from the first low sample of the start bit.
 
-    stop_bit, bits: the number of the first stop bit; the number of all bits.
+    stop_bit: the index of the first stop bit.
+    bits: how many bits the frame has, with start and stop bits.
     stop_at: the tick at which the first stop bit begins.
     vote_at, voted_at: the ticks of the first and last sample that vote on the value of the stop bit.
     due: the tick at which the word moves to SCIRXBUF.

@@ -37,7 +37,8 @@ class SciClock:
         self.period = 8
         self._tick = 0  # number of the tick that is at cycle `_cycle`
         self._cycle = NEVER  # cycle of tick `_tick`
-        self._left = 2  # while stopped: number of LSPCLK edges that are left until tick `_tick`, at the last of them
+        # While stopped: number of LSPCLK edges from the next start to tick `_tick`, which is at the last of them.
+        self._left = 2
 
     def passed(self, now: int) -> int:
         """Return the last tick at or before `now`."""

@@ -14,7 +14,7 @@ Chosen, where the manual is silent:
   multiprocessor modes.
 - A word read from the FIFO stays in SCIRXBUF. Reads of the empty FIFO return this word if the option
   `rxfifo_read_when_empty` is "last_word".
-- A word that RXFIFORESET = 0 keeps out of the FIFO still sets its error flags.
+- While RXFIFORESET = 0, a received word does not enter the FIFO, but its errors still set FE and PE.
 - RXFIFORESET does not change RXFFOVF. Clearing SCIFFENA does not change RXFFINT.
 - RXFIFORESET = 0 does not prevent RXFFINT: with RXFFIL = 0, even the empty FIFO sets it.
 - RXFFOVF requests RXINT only when it changes from 0 to 1.
@@ -65,7 +65,10 @@ class SciRx:
         self.fifo.reset()
 
     def clear_fifo(self) -> None:
-        """Empty the FIFO and clear its flags. With RXFFIL = 0, RXFFINT may be set again at once, without a request."""
+        """Empty the FIFO and clear its flags. No interrupt is requested.
+
+        In FIFO mode with RXFFIL = 0, even the empty FIFO may then set RXFFINT at once.
+        """
         self.fifo.clear()
         self.fifo.watch(self.fifo_mode)
 

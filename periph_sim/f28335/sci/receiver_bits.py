@@ -72,8 +72,9 @@ class SciRxBits:
         self._toggles: list[int] = []  # ticks at which the sampled level changes; the first one ends the present run
         self._level = 1  # level of the present run
         self._low_from = FAR  # first sample of a low run that may be a start bit; FAR if this run cannot be one
-        self._high_from = FAR  # tick from which the ten idle bits of a high run are counted
-        self._idle_base = FAR  # idle bits are counted from this tick on
+        self._high_from = FAR  # tick from which idle bits are counted in a high run; not before `_idle_base`
+        # No idle bits are counted before this tick. It is FAR if none are counted before the first frame.
+        self._idle_base = FAR
         self._idle = False  # True if the line has been idle since the last frame
         self._idle_unreported = False  # True if an idle line was detected, and `step` has not returned IDLE for it yet
         self.framed = False

@@ -103,7 +103,7 @@ class SciTx:
         self._load_at = FAR  # tick of the next load
         self._load_cycle = NEVER  # cycle of the next load, if it is not at a tick
         self._last_end = -FAR  # tick at which the last frame or idle time ended
-        self._empty_until = 0  # cycle up to which TXEMPTY still reads 1
+        self._empty_until = 0  # before this cycle TXEMPTY still reads 1, although a word was written (`txempty_fall`)
         self.level = 1
         self._edge_at = FAR  # tick at which the level changes next
         self.out_mark = 0
@@ -116,7 +116,10 @@ class SciTx:
         self.replan(now)
 
     def clear_fifo(self) -> None:
-        """Empty the FIFO and clear TXFFINT. The empty FIFO may set TXFFINT again at once, without a request."""
+        """Empty the FIFO and clear TXFFINT. No interrupt is requested.
+
+        In FIFO mode the empty FIFO may then set TXFFINT at once, because TXFFST <= TXFFIL.
+        """
         self.fifo.clear()
         self.fifo.watch(self.fifo_mode and not self._is_held())
 
@@ -160,7 +163,7 @@ class SciTx:
         self._end = FAR
 
     def _plan(self, now: int) -> None:
-        """Compute when the next word is loaded and when its start bit begins; FAR and NEVER if no word can be sent."""
+        """Compute when the next word is loaded and when its start bit begins. Cancel both if no word can be sent."""
         if self._loaded:
             return
         planned = self._start_at

@@ -38,9 +38,9 @@ class LspclkTimer:
         self.at = NEVER
 
     def edges_to_multiple(self, now: int, edges: int) -> int:
-        """Return which LSPCLK edge after `now` is the first whose number is a multiple of `edges`; 1 is the next edge.
+        """Return how many LSPCLK edges after `now` there are up to the next one whose index is a multiple of `edges`.
 
-        LSPCLK edges are numbered in order; the edge in the cycle `phase` has the number 0.
+        This edge itself is counted, so the result is 1 to `edges`. The edge in the cycle `phase` has the index 0.
         """
         return edges - (now - self._phase) // self.divider % edges
 

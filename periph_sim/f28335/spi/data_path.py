@@ -83,7 +83,7 @@ class SpiFifo(InterruptFifo):
         return word
 
     def update_flag(self) -> None:
-        """Set the interrupt flag if the number of words has reached its level, and record a request in `request`."""
+        """Set the FIFO's interrupt flag if the number of words has reached TXFFIL or RXFFIL. Update `request`."""
         self.request = self.watch(self.on and self.accepts) or self.request
 
     def write_register(self, value: int) -> None:
@@ -93,7 +93,10 @@ class SpiFifo(InterruptFifo):
         self.update_flag()
 
     def turn(self, on: bool) -> None:
-        """Switch FIFO mode on or off, as SPIFFENA does. Request the interrupt if flag and enable are already set."""
+        """Switch FIFO mode on or off, as SPIFFENA does.
+
+        Switching it on requests the FIFO's interrupt if the FIFO's flag and enable bit are already set.
+        """
         if on and not self.on and self.is_requesting():
             self.request = True
         self.on = on

@@ -31,6 +31,6 @@ SPI_A = ModuleDescriptor(
         "SPISOMIA": 55,
         "SPICLKA": 56,
         "SPISTEA": 57,
-    },  # at GPIO18 and 19 is SCI-B
+    },  # not GPIO16 to 19, the other choice, because SCI-B is at GPIO18 and 19
     wires={"SIMO": "SPISIMOA", "SOMI": "SPISOMIA", "CLK": "SPICLKA", "STE": "SPISTEA"},
 )

@@ -79,7 +79,10 @@ class Watchdog:
         return self._count + (position - self._origin) // period - (self._since - self._origin) // period
 
     def rounds(self, parts: int) -> int:
-        """Return how many full rounds of WDCNTR, each of 256 steps, fit into a time of `parts`."""
+        """Return how many full rounds of WDCNTR, each of 256 steps, fit into a time.
+
+        parts: the time in parts of an OSCCLK period.
+        """
         return parts // (OVERFLOW * self._period())
 
     def advance(self, position: int) -> None:
@@ -135,7 +138,7 @@ class Watchdog:
         self._low_until = position + WDINT_OSCCLKS * PARTS
 
     def _period(self) -> int:
-        """Return the duration of one step of WDCNTR, in parts."""
+        """Return the duration of one step of WDCNTR, in parts of an OSCCLK period."""
         return PARTS * DIVIDER * PRESCALE[WDPS.extract(self.wdcr)]
 
     def _schedule(self) -> None:

@@ -1,8 +1,9 @@
-"""Interface of the models that firmware runs to compute the register bytes of the sensor chips that it emulates.
+"""Interface of the models with which firmware that emulates sensor chips computes the register bytes of these chips.
 
     values of a host frame --ChipModel.run--> ModelOutput --data--> register bytes, by I2C address
 
-Each such model is a subclass of `ChipModel`. Its bytes are those that a controller should read from the firmware.
+Each such model is a subclass of `ChipModel`; it is no chip in the sense of `chips`. Its bytes are those that an I2C
+controller should read from the firmware.
 """
 
 # core: compiled
@@ -42,7 +43,7 @@ BYTES = 6  # number of register bytes of each emulated chip; all are 0 before th
 
 
 class ChipModel:
-    """Base of the models that firmware runs.
+    """Base of the models with which firmware computes the register bytes of the chips that it emulates.
 
     addresses: the I2C addresses of the emulated chips.
     at_rest: the result before the first run, in which all bytes are 0.
@@ -55,7 +56,7 @@ class ChipModel:
         """Run the model once with the values of the last host frame, and return the result.
 
         number: the number of the run, from 0.
-        values: the values; None before the first frame. A run without values does not change the state.
+        values: the values of that frame; None before the first frame. A run with None does not change the state.
         before: the result of the previous run.
         """
         raise NotImplementedError

@@ -19,8 +19,8 @@ T = TypeVar("T")
 class FrameSource(Protocol):
     """A function from the number of a frame to its values, which are sampled from a motion.
 
-    motion: the motion.
-    beyond: for each value, by name, the number of frames so far in which it was out of range.
+    motion: the object that computes the movement of the sensors at a time.
+    beyond: for the name of each value, the number of frames so far in which the value did not fit 16 bits.
     """
 
     motion: Any

@@ -25,10 +25,10 @@ from .targets import PlainReply, TargetContext
 
 
 class DevicePin:
-    """A wire of the case that the device reads and drives with an open drain.
+    """A wire, named in the case, that the device reads and drives with an open drain.
 
-    level: the present level of the wire. While a device is attached to a wire, every edge of this wire is simulated,
-        and no byte or frame is applied in a single step. So `level` is right at every instant.
+    level: the present level of the wire. It is right at every instant, because every edge is simulated on a wire to
+        which a device is attached. On other wires, the edges of a byte or frame may be skipped.
     """
 
     def __init__(self, wire: Wire, who: str) -> None:
@@ -104,8 +104,8 @@ NEEDED = ("on_write", "on_read")  # at least one of these hooks must exist
 class PythonTarget(PlainReply):
     """A device that a Python object of the user emulates. `answer` returns this object itself as the reply.
 
-    guard: calls the object's hooks.
-    make: builds the object; called again when power returns.
+    guard: the `UserCode` that calls the object's hooks and reports errors in them.
+    make: a function that builds the object. It is called at the start, and again when power returns.
     """
 
     def __init__(self, guard: UserCode, address: int, make: Callable[[], object]) -> None:

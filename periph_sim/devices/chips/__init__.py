@@ -1,4 +1,4 @@
-"""Models of sensor chips, independent of kernel, wires and files.
+"""Models of sensor chips. They do not depend on the bus, the event queue, or files.
 
 Each file of this folder that defines CHIP, the class of a chip, is a model. Its file name, without .py, is a value of
 the key `model` in the [chip.NAME] tables of a case. The files are found automatically.

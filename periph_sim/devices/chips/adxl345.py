@@ -268,8 +268,8 @@ class Adxl345(RegisterChip):
         due = self._clock.cycle_after(now)
         new = range(self._taken, due)
         self._taken = max(due, self._taken)
-        # 66 samples fill the FIFO and set Overrun. In FIFO mode, all later samples are dropped. In the other modes,
-        # only the newest samples remain. So the other samples need not be calculated.
+        # At most 66 samples are computed, because they are enough to fill the FIFO and set Overrun. In FIFO mode these
+        # are the first samples, because later ones are dropped. In the other modes they are the newest samples.
         most = 2 * 33
         if len(new) > most:
             new = new[:most] if self.fifo.mode == FIFO else new[-most:]

@@ -83,7 +83,7 @@ class Hmc5883l(RegisterChip):
         super().__init__(timebase, source, address, powered, BUS_READY)
         self.options = options or Hmc5883lOptions()
         self._analog = self.after(powered, ANALOG_READY)
-        self._clock: Clock | None = None  # clock of the ends of measurements; None in idle mode
+        self._clock: Clock | None = None  # its cycle n begins at the end of measurement n; None in idle mode
         self._taken = 0
         self._placed = powered  # tick at which data were last placed in the registers
         self._unread = False

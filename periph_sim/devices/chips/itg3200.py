@@ -128,7 +128,7 @@ class Itg3200(RegisterChip):
 
     @property
     def rate(self) -> Fraction:
-        """Sample rate in Hz: F_int / (SMPLRT_DIV + 1). F_int is 8 kHz if DLPF_CFG is 0, else 1 kHz (see SMPLRT_DIV)."""
+        """Sample rate in Hz: F_int / (SMPLRT_DIV + 1). F_int is 8 kHz if DLPF_CFG is 0, else 1 kHz."""
         internal = 1000 if self.get("DLPF_FS", "DLPF_CFG") else 8000
         return Fraction(internal, self.get("SMPLRT_DIV") + 1)
 
@@ -259,7 +259,7 @@ class Itg3200(RegisterChip):
         self._clock, self._taken = self.beats(self.after(begin, 1 / self.rate), self.rate), 0
 
     def _identify(self) -> None:
-        """Set bit 0 of WHO_AM_I, and the address, according to pin AD0."""
+        """Set the address according to pin AD0. Bit 0 of WHO_AM_I shows AD0 or 0, as `who_am_i_bit_0` selects."""
         self.address = ADDRESSES[self._ad0]
         self.put("WHO_AM_I", "BIT0", self._ad0 if self.options.who_am_i_bit_0.unrecorded() == "ad0" else 0)
 

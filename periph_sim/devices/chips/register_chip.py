@@ -3,8 +3,8 @@
     RegisterPointer --> begin, read, write --> the chip's own rules --> stored registers, notes
                                                   ^--- samples due since the last call, from a Source
 
-A chip does not depend on the kernel, wires or records. Times are ticks of a Timebase. Each access passes the present
-time to the chip, which then takes the samples that are due by this time. So a chip needs no events of its own.
+A chip does not depend on the event queue, wires or records. Times are ticks of a Timebase. Each access passes the
+present time to the chip, which then takes the samples that are due by this time. So a chip needs no events of its own.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ def held(ticks: Sequence[int], rows: Sequence[Sequence[float | Fraction]]) -> So
     ticks: a list or int64[n].
     rows: a list of (x, y, z), or float64[n, 3].
 
-    Raise ValueError if the ticks do not rise, there are none, or their number differs from the number of rows.
+    Raise ValueError if `ticks` is empty or not strictly increasing, or if `rows` has another length than `ticks`.
     """
     if len(ticks) != len(rows) or not len(ticks):
         raise ValueError(f"{len(ticks)} times for {len(rows)} rows; each row needs one, and there must be one at least")

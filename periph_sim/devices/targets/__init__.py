@@ -75,7 +75,7 @@ class TargetContext:
 
 
 class PlainReply:
-    """Base of a target's replies that acknowledge the address and never stretch the clock."""
+    """Base of replies that acknowledge the address and never stretch the clock."""
 
     ack = True
     stretches: Stretches = ()

@@ -28,7 +28,7 @@ from ...core.state import State
 from ...core.table import DurationRange, Spread, Table, duration, hex_bytes
 from . import BadDevice, PlainReply, TargetContext, address_among
 
-FIRST = 0x50  # lowest device address: 1010, and three bits for pins or blocks
+FIRST = 0x50  # lowest device address: binary 1010, then three bits for the pins A2 to A0 or the block
 SHEETS = "24Cxx data sheets, write operations"
 ERASED = 0xFF
 
@@ -60,7 +60,8 @@ PARTS = {
     "512": Part(65536, 128, 2, 1),
 }
 MAKES = ("24c", "24lc", "24aa")
-WITHOUT_PINS = ("24lc", "24aa")  # makes whose parts of up to 16 Kbit ignore A0 to A2, and so respond to 8 addresses
+# Prefixes of models whose parts of up to 16 Kbit ignore the pins A0 to A2, and so respond to all 8 addresses.
+WITHOUT_PINS = ("24lc", "24aa")
 MODELS = tuple(f"{make}{size}" for size in PARTS for make in MAKES)
 
 
@@ -77,7 +78,7 @@ def blocks_of(model: str) -> int:
 
 
 def _split(model: str) -> tuple[str, str]:
-    """Split a model's name into its make and the key of `PARTS`: "24lc64" into "24lc" and "64"."""
+    """Split a model's name into its prefix in MAKES and its key in PARTS: "24lc64" into "24lc" and "64"."""
     make = next(make for make in MAKES if model.startswith(make) and model.removeprefix(make) in PARTS)
     return make, model.removeprefix(make)
 

@@ -158,7 +158,8 @@ class RegisterDevice(PlainReply):
         self.values = {table.name: table.reset for table in self._settings.registers}
         self._pointer = 0
         self._byte = 0  # index of the next byte in the register, if the pointer counts registers
-        # The register whose bytes are being transferred: its name, its value, and the index of the next byte.
+        # The register whose bytes are being transferred: its name, its value, and the index of the next byte. None
+        # before the first data byte after the address or the pointer.
         self._taken: tuple[str, int, int] | None = None
         self._show()
 

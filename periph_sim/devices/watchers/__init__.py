@@ -33,7 +33,7 @@ class WatchContext:
     tolerance: the tolerance in ticks.
     on_deviation: a function that is called with each deviation in ticks, which is 0 or more, and the tick at which the
         deviating edge, period or on-time begins.
-    refute: a function that is called if the run fails, with the reason and the tick.
+    refute: a function that the watcher calls to make the run fail, with the reason and the tick of the failure.
     """
 
     wire: str

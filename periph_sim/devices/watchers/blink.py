@@ -50,7 +50,7 @@ class Blink:
         self._after = place.start + place.ticks(settings.after)
         first = settings.after + 2 * period if settings.first is None else settings.first
         self._first = place.start + place.ticks(first)
-        self._rose: int | None = None  # tick of the last rise
+        self._rose: int | None = None  # tick of the last rise; None before the first one
 
     def edge(self, now: int, level: int) -> None:
         rose = self._rose

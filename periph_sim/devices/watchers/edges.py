@@ -55,7 +55,7 @@ class Edges:
         self._more = settings.more
         self._next = 0
         self._lost = False  # True after an edge of the wrong kind: later edges cannot be matched to expected ones
-        self._cut = False  # True if the run ended before the next expected edge was due
+        self._cut = False  # True if the run ended too early to tell that the next expected edge is missing
 
     def edge(self, now: int, level: int) -> None:
         place = self._place

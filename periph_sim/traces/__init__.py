@@ -12,6 +12,7 @@ rise, fall: a rising or falling edge.
 span: a range of positions. In a known span, the levels of all lines in question are known.
 condition: a START, repeated START or STOP on an I2C bus.
 phase: the part of an I2C transfer from a START or repeated START to the next condition.
+low phase, high phase: the time between two successive edges of a line, for which the line is low or high.
 glitch: a pulse that is so short that receivers may ignore it.
 salvage: to read a damaged file up to the damage instead of raising an error.
 """

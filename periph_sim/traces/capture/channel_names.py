@@ -50,7 +50,8 @@ class Named(NamedTuple):
 
 class _Line(NamedTuple):
     line: str
-    key: Key  # the scope, the words of the name except that of `line`, and the digits in that word, as 2 in SCL2
+    # For `tb.eeprom_scl2`, `line` is "scl", and `key` has the scope `tb`, the other word `eeprom` and the number 2.
+    key: Key
     channel: Channel
 
 

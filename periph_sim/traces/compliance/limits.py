@@ -108,7 +108,8 @@ LIMITS: tuple[Limit, ...] = (
 )
 
 LIMIT = {limit.symbol: limit for limit in LIMITS}
-SPIKES_TO = 2  # pulses of up to this multiple of the maximum of tSP count as spikes; if over the maximum, they fail
+# A pulse of up to SPIKES_TO times the maximum of tSP counts as a spike. If it is longer than the maximum, it fails.
+SPIKES_TO = 2
 
 
 NS = 10**9

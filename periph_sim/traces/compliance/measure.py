@@ -158,7 +158,7 @@ def measure(capture: Capture, scl: str | int, sda: str | int, mode: Mode, resolu
     spans = capture.known(*lines)
     clock, data = lines
     parts = [_Part(clock.cut(span), data.cut(span), span, mode, resolution) for span in spans]
-    lows = [part.own_lows() for part in parts]
+    lows = [part.lows_before_bits() for part in parts]
     shortest = min((int(low.min()) for low in lows if len(low)), default=0)
     found = [part.measures(shortest) for part in parts]
     coarse = resolution.period > min(_least("tHIGH", mode), _least("tLOW", mode))
@@ -215,8 +215,11 @@ class _Part:
         before = np.concatenate((np.zeros(1, np.uint8), self._driver))[:-1]
         self._driver_before = np.where(busy & (number == 0), CONTROLLER, before).astype(np.uint8)
 
-    def own_lows(self) -> Positions:
-        """Return the lengths of SCL's low phases before bits, in positions."""
+    def lows_before_bits(self) -> Positions:
+        """Return the low time of SCL, in positions, before each pulse that transfers a bit.
+
+        Pulses with a START or STOP are left out, and low times that begin before the span.
+        """
         seen = self._is_bit & (self._low_from >= 0)
         return self.rises[seen] - self._low_from[seen]
 

@@ -82,7 +82,7 @@ def row_of(limit: Limit, measures: Measures, mode: Mode, resolution: Resolution)
         return Row(limit, bounds, 0, None, None, Verdict.NOT_IN_CAPTURE)
     if bounds == Bounds():
         return Row(limit, bounds, 0, None, None, Verdict.NO_LIMIT)
-    # True if pulses may be missing in the capture: one that is shorter than a sample can lie between two samples.
+    # True if pulses may be missing in the capture: a pulse that is shorter than a sample can be between two samples.
     hidden = measures.blind or (limit.symbol == "tSP" and resolution.period > (bounds.most or 0))
     if found is None or not len(found.lengths):
         return Row(limit, bounds, 0, None, None, Verdict.UNDECIDABLE if hidden or measures.coarse else Verdict.NOT_SEEN)

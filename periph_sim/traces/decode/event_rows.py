@@ -112,8 +112,10 @@ def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
     again = addresses[byte & 0xF9 == 0xF1]  # address bytes 11110xx with R/W = 1
     if len(again):
         lows, starts = np.flatnonzero(table.kind == ADDRESS_LOW), np.flatnonzero(table.kind == START)
-        before = np.searchsorted(lows, again)  # for each address in `again`, the number of earlier rows in `lows`
-        again, low = again[before > 0], lows[before[before > 0] - 1]  # the last earlier row in `lows` for each address
+        # `lows` has the rows of the lower bytes of 10-bit addresses.
+        before = np.searchsorted(lows, again)  # for each address in `again`, the number of lower bytes before it
+        # `again` keeps the addresses after a lower byte; `low` is the last lower byte before each.
+        again, low = again[before > 0], lows[before[before > 0] - 1]
         # True if the lower address byte and the repeated address are in the same transfer.
         same = np.searchsorted(starts, low) == np.searchsorted(starts, again)
         same &= value[low] >> 8 == value[again] & 3
@@ -192,10 +194,10 @@ def chosen(rows: Rows, first: NDArray[np.int64], addresses: Collection[int], ref
     """Return the rows of some transfers in order of time.
 
     rows, first: grouped rows, and the numbers of the rows with which transfers begin.
-    addresses: the addresses, at least one of which occurs in each of these transfers; empty for any transfer.
-    refused: True for only the transfers with a refusal.
-    most: the maximum number of transfers; None for all. A transfer on an SPI bus counts once, even if
-        both of its data lines have rows of it.
+    addresses: only transfers with at least one of these addresses are returned; empty if addresses do not matter.
+    refused: True to return only transfers with a refusal.
+    most: the maximum number of transfers, the first ones; None for all. A transfer on an SPI bus counts once, although
+        each of its data lines has rows of this transfer.
     """
     lengths = np.diff(np.append(first, len(rows.at)))
     number = np.repeat(np.arange(len(first)), lengths)  # for each row, the number of its transfer

@@ -27,8 +27,10 @@ SCL, SDA = 1, 2
 BITS = 9  # number of bits of a byte with its ACK
 
 NOTHING, FALL, RISE, START, STOP = range(5)
-KINDS = 7  # mask for one of these five events, without the flag BYTE
-BYTE = KINDS + 1  # flag of an event that ends a byte: a START or STOP in the ninth pulse of SCL, or the fall after it
+KINDS = 7  # mask that keeps the event (one of these five) and removes the flag BYTE
+BYTE = (
+    KINDS + 1
+)  # flag of an event that ends a byte: the fall after the ninth bit, or a START or STOP in the ninth pulse
 BYTE_OVER = FALL + BYTE
 
 

@@ -35,7 +35,8 @@ class SpiFormat(Struct, frozen=True):
 
     bits: the number of bits of a word.
     polarity: the level of the clock between words (CPOL).
-    phase: 0 if data is latched at the edge away from this level, 1 if at the edge back to this level (CPHA).
+    phase: CPHA: 0 if data is latched at the first edge of a clock pulse, which leaves the level `polarity`; 1 if at the
+        second edge, which returns to this level.
     lsb_first: True if the least significant bit comes first.
     active_high: True if the chip select is active at 1.
     """

@@ -7,7 +7,8 @@ The shape of a frame states data bits, parity and stop bits, as in 8n1. Low puls
 their lengths are whole numbers of bits. The lengths of high pulses are not, because they include silence.
 
 A shape that decodes without errors is not necessarily right: a line of 7e1 also decodes as 8n1, and any parity is right
-for half of all bytes. So a shape other than 8n1 is preferred only if it decodes at least six different byte values.
+for half of all bytes. So a shape other than 8n1 needs at least six different byte values as evidence. With fewer
+values, it is chosen only if neither 8n1 nor a shape with enough values fits.
 """
 
 from __future__ import annotations
@@ -39,10 +40,11 @@ USUAL = (
 # Transmitters can be off by 2.5 %, which receivers tolerate, and the measurement of a short capture by another 1 %.
 NEAR = 0.035
 
-# Shapes in order of preference. The first shape that decodes without errors, and with enough values, is chosen.
+# Shapes in order of preference. The first accepted shape that is 8n1, or that has enough values, is chosen. If there is
+# none, the first accepted shape is chosen. CLEAN says which shapes are accepted.
 SHAPES = ("5n1", "6n1", "7n1", "7e1", "7o1", "8n1", "8e1", "8o1", "9n1")
 PLAIN = "8n1"
-ENOUGH = 6  # a shape other than PLAIN (8n1) needs at least this number of different byte values as evidence
+ENOUGH = 6  # number of different byte values that are enough evidence for a shape other than PLAIN (8n1)
 CLEAN = 0.005  # a shape is accepted if its share of wrong frames is at most this much above the smallest share
 
 MANY = 12  # minimum number of pulses from which a constant lengthening of all pulses can be estimated

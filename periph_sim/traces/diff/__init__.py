@@ -127,7 +127,7 @@ class KindSummary:
     missing: the number of events that are only in A.
     inserted: the number of events that are only in B.
     median: the median lateness in ticks; None if no event is in both captures.
-    worst: the entry that is latest or earliest; None if no event is in both captures.
+    worst: the entry whose lateness is furthest from 0; None if no event is in both captures.
     """
 
     kind: str

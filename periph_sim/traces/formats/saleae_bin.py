@@ -34,7 +34,9 @@ SUFFIXES = (".bin", "/")
 MARK = b"<SALEAE>"
 KINDS = {1: "analogue data", 100: "a piece of a Logic 2 session"}
 NANOSECONDS = Fraction(10**9)
-OFF_GRID = 0.02  # tolerance in samples: far above the errors of float64, far below those of a wrong rate
+# A change may be up to OFF_GRID samples away from a sample. Errors of float64 are far smaller; errors of a wrong rate
+# are far larger.
+OFF_GRID = 0.02
 MOST_POSITIONS = float(1 << 62)
 BLOCK = 1 << 16  # number of times that are read at once
 OR_SALVAGE = ", or read the intact part with --salvage"

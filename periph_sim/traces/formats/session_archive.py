@@ -298,7 +298,7 @@ class Scan:
         self._last = 0
 
     def feed(self, block: bytes) -> None:
-        """Scan a block of any size. Raise BadCapture if there are more edges than `limits` allows."""
+        """Scan a block of any size. Raise BadCapture if there are more edges than `size_limits` allows."""
         if self.rest:
             block = self.rest + block
         whole = len(block) - len(block) % self._unitsize

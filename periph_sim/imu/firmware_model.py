@@ -93,8 +93,8 @@ def _less(values: Sequence[float], bias: Sequence[float]) -> list[float]:
 class MotionTruth:
     """The readings that sensors without noise or rounding would give during the true motion, calculated in float64.
 
-    The readings contain no noise, because noise is not a property of the body. Besides, which sample of the noise a
-    read contains depends on the timing of the firmware, and the truth must not depend on this timing.
+    The readings contain no noise, because noise is not a property of the body. Besides, the
+    timing of the firmware determines which sample of the noise a read contains, and the truth must not depend on it.
 
     imu: the parameters of the sensors.
     first: the instant of the motion, in seconds, that frame 0 describes.

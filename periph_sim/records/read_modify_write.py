@@ -29,7 +29,7 @@ class ReadWritePairs(NamedTuple):
     writes: Rows
 
     def read_of(self, write: int) -> int | None:
-        """Return the row of the read that a write belongs to; None if it is a plain write."""
+        """Return the row of the read that belongs to the write in row `write`; None for a plain write."""
         place = int(np.searchsorted(self.writes, write))
         return int(self.reads[place]) if place < len(self.writes) and self.writes[place] == write else None
 

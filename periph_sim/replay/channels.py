@@ -50,7 +50,7 @@ def serial_channel(capture: Capture, text: str | None) -> str:
 
     text: "rx=CHANNEL". None: return the only channel of the capture, or else the channel named RX.
 
-    Raise BadReplay if there is no such channel, or more than one.
+    Raise BadReplay if there is no such channel, or if several channels are named RX.
     """
     if text is None and len(capture.channels) == 1:
         return capture.channels[0].name

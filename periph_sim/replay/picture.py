@@ -39,7 +39,7 @@ class Side:
     rate: the number of positions per second in `lines`.
     origin: the position in `lines` at which the capture begins.
     transfers: the transfers, from which the boxes with bytes are drawn.
-    agreed: the time of this side, in seconds since the capture began, that is time 0 of the axis.
+    agreed: the instant of this side, in seconds since the capture began, that is drawn at time 0 of the axis.
     transfers_at: (rate, origin) for positions in `transfers`; None if `rate` and `origin` are valid for these, too.
     """
 

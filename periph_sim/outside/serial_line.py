@@ -165,7 +165,7 @@ class SerialLine:
                 self._place = 0
 
     def next_begin(self) -> int:
-        """Return the tick at which the first entry of the queue may move RX; NEVER if the queue is empty."""
+        """Return the earliest tick at which the first entry of the queue can move RX; NEVER if the queue is empty."""
         return self._begin() // self._parts if self._queue else NEVER
 
     def _begin(self) -> int:

@@ -118,7 +118,7 @@ class Bus:
         self._read_listed = self._write_listed = False
         self._words: list[Operand | None] = []  # the 16-bit operand at each address, made at its first access
         self._pairs: list[Operand | None] = []  # the 32-bit operand at each even address
-        self._nothing: Operand = Operand.__new__(Operand)  # marks addresses without a register in these two lists
+        self._nothing: Operand = Operand.__new__(Operand)  # marks addresses without a register in `_words` and `_pairs`
         self._named: dict[tuple[Operand, int], Operand] = {}  # results of `naming`, by operand and mask
         self._posted: Posted | None = None  # the posted write that lands first; None if there is none
         self._posted_last: Posted | None = None  # the posted write that lands last

@@ -115,7 +115,7 @@ class CpuTime:
     def watch(self, until: int) -> None:
         """Set `watching`, and keep in `wakes` the cycle at which a sleeping CPU would be woken.
 
-        until: that cycle, unless `resume_by` is called with an earlier one.
+        until: the cycle of this wake-up. A later call of `resume_by` may replace it by an earlier cycle.
         """
         self.watching, self.wakes = True, until
 

@@ -352,7 +352,7 @@ class Dsp(FirmwareView):
         self.gate(cycle)
 
     def _from_reset(self) -> None:
-        """Run TI's start-up code, unless the firmware has its own, and then the firmware."""
+        """Run the firmware after a reset. If it has no start-up code, run TI's start-up code before."""
         if not self.plan.from_boot:
             control = self.module("SYS")
             self.eallow()

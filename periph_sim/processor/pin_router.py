@@ -183,7 +183,7 @@ class Router(Agent):
         return moved
 
     def _pass_all_pads(self, cycle: int) -> None:
-        """Pass the levels of all pads to the GPIO module, also of those that are not monitored, before an access."""
+        """Before an access, pass the levels of all pads to the GPIO module, also of pads that are not monitored."""
         self._kernel.materialize()
         self._gpio.edges(cycle, self._levels_on_wires())
 

@@ -293,7 +293,7 @@ class Processor(Agent):
         return self.time.rest(min(cycle, max(now, self.core.earliest())))
 
     def next_output(self, cycle: int) -> int:
-        """Return the cycle before which no write of the program can land. cycle: the cycle of the next wake-up."""
+        """Return a cycle before which no write of the program can land. cycle: the cycle of the next wake-up."""
         first = max(cycle, self._goal)
         if self._under_way == FETCHES:
             first = max(first, self.core.ready)

@@ -36,7 +36,7 @@ class Worst(Struct, frozen=True):
 
 
 class Drifting(Struct, frozen=True):
-    """Failures of a run whose phase increases from `first` to `last`. At each of its last phases alone, a run holds.
+    """Failures of a run whose phase increases from `first` to `last`. Its last REPORTED phases do not fail alone.
 
     names: the names of what failed.
     """

@@ -29,7 +29,7 @@ from ..scene.plan import ScenePlan
 # The default of `rounds`. At 115200 baud, an SCI samples every 41 cycles of LSPCLK. Therefore its sampling instants
 # have the same position in a round of 20 ms, which is 750,000 of these cycles, only in every 41st round.
 ROUNDS = 41
-REPEATED = 2  # number of times that the last phase of a run is repeated: the age of data is measured over two rounds
+REPEATED = 2  # repetitions of the last phase of a run: a phase can affect ages of data up to two rounds later
 WARM_UP = 3  # minimum number of periods before the first moved start, in which the firmware starts
 NEARLY = Fraction(1, 20)  # tolerance in rounds: if the frames' period is 0.95 to 1.05 rounds, each round has a frame
 SERIAL_SPAN = Fraction(1, 1000)  # in seconds: default of the highest phase of sends, which no period limits

@@ -60,7 +60,7 @@ class Loop:
         self._turn()
 
     def _wait(self, due: int) -> None:
-        """Wait until tick `due`, the end of the step, is due. Meanwhile, the doors transfer bytes that arrive."""
+        """Wait for the real time of tick `due`, the end of a step. Meanwhile, the doors transfer bytes that arrive."""
         left = self._pacer.wait(due)
         while left > 0 and not self._stopped:
             files = [file for door in self._doors for file in door.files()]

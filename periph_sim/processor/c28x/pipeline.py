@@ -140,7 +140,7 @@ class FetchQueue:
     STATE = State("expected _bits _cycles _newest _place", cycles="_ready _issued _consumed")
 
     def __init__(self) -> None:
-        self._consumed: Annotated[list[int], DEPTH] = [0] * DEPTH  # the cycle at which each slot was free again
+        self._consumed: Annotated[list[int], DEPTH] = [0] * DEPTH  # by slot: the cycle from which on it is free
         self._place = DEPTH - 1  # mask: the slot of block n is slot `n & _place` of `_consumed`
         self._newest = 0  # the number of the last block that an instruction needed: address >> _bits
         self._ready = 0  # the cycle at which block `_newest` was available

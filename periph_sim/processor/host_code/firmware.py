@@ -191,9 +191,10 @@ class Run:
     # Requests of runtime.c --------------------------------------------------------------
 
     def _on_request(self, what: int, at: int, size: int, detail: int, blocks: int, pc: int) -> int:
-        """Handle a request of runtime.c and return the reply. An exception is kept, and the reply is UNWINDS.
+        """Handle a request of runtime.c and return the reply.
 
-        runtime.c then leaves the C functions, and `_call` raises the exception.
+        If an exception is raised, keep it and return UNWINDS. runtime.c then leaves the C functions, and `_call` raises
+        the exception again.
 
         what: the kind of the request.
         at, size: the offset of the accessed bytes in register memory, and their number.

@@ -100,7 +100,7 @@ class RegisterLayout:
     """Places of all members of the structures in `SYMBOLS` that the sources use."""
 
     def __init__(self, library: Path) -> None:
-        """Raise BadLayout if a member has no certain place."""
+        """Raise BadLayout if the place of a member on the chip is not certain."""
         self._numbers: dict[tuple[int, int], Place] = {}  # maps (offset, size) to a place that is no bit field
         self._fields: dict[int, Place] = {}  # maps the offset of a byte in a bit field to the place of the field
         self._read: dict[tuple[int, int], tuple[Place, ...]] = {}  # results of `read`, by offset and size
@@ -150,8 +150,9 @@ class RegisterLayout:
     def stored(self, announced: tuple[int, int], at: int, size: int) -> Place | None:
         """Return the place that a store writes; None if there is none.
 
-        announced: offset and size of the bytes that gcc has announced. at, size: offset and size of the store; for a
-        bit field, the offset of its first byte, and 0.
+        announced: offset and size of the bytes that gcc has announced.
+        at, size: offset and size of the store. For a store to a bit field, `at` is the offset of the first byte of the
+            field, and `size` is 0.
         """
         if (at, size) == announced and announced in self._numbers:
             return self._numbers[announced]

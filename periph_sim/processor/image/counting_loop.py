@@ -33,7 +33,7 @@ from .memory import L0_AGAIN, L4_AGAIN, MIRROR, in_plain_ram
 from .observers import InstructionWatch
 
 MOST_TRACED = 256  # maximum number of instructions in a trace
-COUNTERS = 9  # the first entries of `ImageCpu.state`, in which a counter can be: ACC and XAR0 to XAR7
+COUNTERS = 9  # number of first entries of `ImageCpu.state` that can contain counters: ACC, XAR0 to XAR7
 WORD, HALF = 1 << 16, 1 << 15
 
 Place = str | int  # a 16-bit word: the name of a half of a register, or a memory address
@@ -290,7 +290,7 @@ class CountingLoop(InstructionWatch):
     )
 
     def __init__(self, cpu: ImageCpu, time: CpuTime, memory: Ram, over: Callable[[InstructionWatch], None]) -> None:
-        """over: called with this object when the trace is not needed, because the pass is not analysed any more."""
+        """over: a function that is called with this object when the pass is not analysed any more."""
         self.does_more = False
         self._time = time
         self._began = time.cycle

@@ -120,7 +120,7 @@ class ImageCpu(ImageMemory):
             self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRU430F RPT"))
 
     def access_at(self, f: Operation, cycle: int) -> int:
-        """Return the first cycle, not before `cycle`, in which all accesses of an operation can be made.
+        """Return the first cycle from `cycle` on in which all accesses of an operation can be made.
 
         An operation may access the operand of field l, the operand *(0:16), or both.
         """

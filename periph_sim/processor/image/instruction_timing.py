@@ -101,14 +101,14 @@ class InstructionTiming:
         return waits
 
     def wait_for_word(self, address: int, words: int) -> None:
-        """Add the cycles that a read of `words` words from `address` on waits for earlier writes to them."""
+        """Add to `late` the cycles that a read of words waits for earlier writes of them. words: number of words."""
         waits = self.pipeline.read(address, words)
         if waits:
             self._options.stalls.assume(self._core.touched)
             self.late += waits
 
     def conflict(self) -> None:
-        """Add the cycles of a data access to the memory block from which the instruction was fetched."""
+        """Add to `late` the additional cycles of a data access to the memory block that contains the instruction."""
         more = self._options.saram_conflict.assume(self._core.touched)
         self.late += more
         self.conflicts = more > 0

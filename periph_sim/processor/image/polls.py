@@ -166,7 +166,7 @@ class PollSkipper:
         return True
 
     def counted(self) -> bool:
-        """Return True, at the end of the analysed pass, if it was clean and as long as the pass before it."""
+        """Return True, at the end of the analysed pass, if it was clean and had the length of the pass before it."""
         cycle = self._time.cycle
         alike: bool = self.clean and cycle - self.began == self._period
         self.began = cycle

@@ -73,7 +73,7 @@ class ImageProgram(LoadedImage):
         self._asleep_at = 0  # the tick at which the last sleep began
         self._loop_due = False  # True at the start of a pass of a loop that should be examined
         self._back = -1  # the address of the branch that closed the last executed pass of a wait; -1 for none
-        # _counted: the number of instructions up to the start of the present pass. _pass: the instructions of a pass.
+        # _counted: number of instructions up to the start of the present pass. _pass: number of instructions of a pass.
         self._counted = self._pass = 0
         self._unmodelled: UnmodelledWait | None = None  # the last wait that has read unmodelled words only
         self._counting: CountingLoop | None = None  # set while a pass is traced, or counting passes are skipped

@@ -102,7 +102,7 @@ class PythonProgram(Program):
         self._places = SourceLocator()
         self._greenlet: greenlet | None = None
         self._leftovers: list[PythonProgram] = []  # `leftovers` of the thread that has begun this program
-        self._watched: BigInt = 0  # the thread that has begun the firmware
+        self._watched: BigInt = 0  # the id of the thread that has begun the firmware
         self._stops: list[int] = watch.stops
 
     # Start and end -----------------------------------------------------------

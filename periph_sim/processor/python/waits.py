@@ -8,7 +8,7 @@ from its start, and its reads in the past return the earlier values. The conditi
 another value. So a wait ends at the cycle at which polling pass by pass would have ended, at the cost of one event.
 
 A condition is a function, or a `Condition` on one register, whose passes execute no Python code. A function that does
-the same as a `Condition` is replaced by one at its second wait:
+the same as a `Condition` is replaced by a `Condition` at its second wait:
 
     lambda: i2c.I2CSTR.XRDY == 1   --second wait--> its code: i2c, I2CSTR, XRDY, ==, 1 --> Condition
 
@@ -107,7 +107,7 @@ class Recogniser:
         self._program = program
         self._queries: dict[int, ConditionQuery] = {}
         self._latest: ConditionQuery | None = None  # the query that was used last
-        self._earlier: ConditionQuery | None = None  # the query used before `_latest`; a loop often alternates two
+        self._earlier: ConditionQuery | None = None  # the query used before `_latest`; often, two alternate
 
     def condition(self, function: object) -> Condition | None:
         """Return the condition equivalent to a function; None if there is none, and at the function's first wait."""

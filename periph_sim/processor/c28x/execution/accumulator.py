@@ -42,7 +42,7 @@ def difference32(cpu: Cpu, a: int, b: int, borrow: int = 0, saturates: bool = Tr
 def overflowed(cpu: Cpu, a: int, result: int, saturates: bool) -> int:
     """Set V after the overflow of a sum or difference, and return the value to use as its result.
 
-    a: the first operand; the exact sum or difference has its sign.
+    a: the first operand, whose sign is also the sign of the exact sum or difference.
     result: the low 32 bits of the exact sum or difference.
     saturates: False to return `result`. If it is True and OVM is 1, the limit of the signed range is returned. If it is
         True and OVM is 0, OVC counts the overflow, and `result` is returned.

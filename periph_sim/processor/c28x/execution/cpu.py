@@ -41,7 +41,7 @@ class Operation:
     jumps: True if the instruction can write PC.
     loops: True for a branch, which can close a loop; False for calls and returns.
     late: mask of the FPU registers that are written one instruction later, with the bit FLAGS for LUF and LVF.
-    plain: if `execute` writes the late results late, the function that writes all results at once; otherwise not set.
+    plain: the function that writes all results at once. It is set only if `execute` writes late results later.
     waited: True if the instruction is in memory with wait states.
     tested: mask of the bits of the operand that TBIT or AND AX,loc16,#16 tests; 0 for other instructions.
     block, block_end: for an instruction that accesses data, the address range of the memory block that contains the

@@ -13,7 +13,7 @@ SIGN, EXPONENT, FRACTION = 1 << 31, 0xFF, 0x7F_FFFF
 HIDDEN = 1 << 23
 INFINITY = EXPONENT << 23
 BIAS = 150  # a float32 is an integer mantissa of 24 bits times 2 ** (exponent field - BIAS)
-LARGEST = EXPONENT - BIAS - 1  # largest exponent of an integer mantissa of a finite number
+LARGEST = EXPONENT - BIAS - 1  # largest exponent of 2 in a finite float32, written as in BIAS
 MANTISSA_BITS = 24
 APART = 32  # if the exponents of two summands differ by more, the smaller summand only affects the rounding
 

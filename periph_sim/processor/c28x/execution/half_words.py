@@ -217,7 +217,7 @@ def byte_of(cpu: Cpu) -> int:
 
 
 def with_byte(cpu: Cpu, byte: int) -> int:
-    """Return the word of the operand, with the byte that the operand addresses replaced."""
+    """Return the word of the operand, in which `byte` replaces the byte that the operand addresses."""
     word = cpu.read16()
     return word & 0xFF | byte << 8 if cpu.high_byte else word & 0xFF00 | byte
 

@@ -26,7 +26,8 @@ from . import (
 )
 from .cpu import READS, WRITES, Operation
 
-# Ids of forms that exist once for each address register, such as MOVB_XAR6_8. All of them have one function.
+# Ids of forms for a single address register, such as MOVB_XAR6_8. The function of the form for any address register,
+# such as MOVB_XARn_8, executes them.
 OF_ONE_XAR = re.compile(r"((?:[A-Z]+|MOVL_loc32)_X?AR)(\d)(_[a-z0-9]+)?")
 MODULES = (accumulator, half_words, multiply, shifts, moves, stack, branches, control, fpu, fpu_moves)
 

@@ -99,7 +99,7 @@ class Registers:
         self.arp = value >> ARP & 7
 
     def change_st1(self, mask: int, on: bool) -> None:
-        """Set (on) or clear the bits of ST1 in `mask`, as an instruction does."""
+        """Set the bits of ST1 in `mask` if `on` is True, else clear them."""
         self.st1 = self.st1 | mask if on else self.st1 & ~mask
 
     def whole_ier(self) -> int:

@@ -40,7 +40,8 @@ def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) ->
     period: the number of ticks between two frames.
     values: a function from the number of a frame to x, y, z.
     """
-    kept, axes = -1, ZERO  # number and values of the last frame, because a chip takes several samples during a frame
+    # A cache of the number and the values of the last frame, because a chip takes several samples during a frame.
+    kept, axes = -1, ZERO
 
     def at(tick: int) -> Sequence[Fraction]:
         nonlocal kept, axes
@@ -56,7 +57,7 @@ def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) ->
 
 def scaled(source: Source, lsb_per_unit: Fraction) -> Source:
     """Return the source with its values converted exactly from LSB to the chip's physical unit."""
-    kept: Sequence[float | Fraction] | None = None  # the last values of `source`; `axes` has the converted values
+    kept: Sequence[float | Fraction] | None = None  # cached: the last values of `source`; `axes` has them converted
     axes: Sequence[Fraction] = ZERO
 
     def at(tick: int) -> Sequence[Fraction]:

@@ -76,7 +76,8 @@ class Qualifier:
     def __init__(self, now: int, level: int, period: int, samples: int, origin: int) -> None:
         self.level = level
         self.qualified = level  # the output
-        self.due = NEVER  # cycle at which the output will change if the level stays; NEVER if it is equal to the output
+        # Cycle at which the output will change if the level stays. NEVER if the level is equal to the output.
+        self.due = NEVER
         self._period = period
         self._samples = samples
         self._origin = origin

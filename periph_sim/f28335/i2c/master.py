@@ -373,12 +373,12 @@ class I2cMaster(I2cMasterData):
         return self._kind == RECEIVE or shown == self._byte
 
     def begin_skip(self, delay: int) -> None:
-        """Store the present state, from which bits are skipped. SCL has just been released for the first bit of a byte.
+        """Begin to skip bits: store the present state. SCL has just been released for the first bit of a byte, bit 0.
 
         delay: cycles from an output of the module to its pin.
 
-        output SCL  __|~~|__|~~|_ ... _|~~|_      SCL is released for bit n at `skip_release` + n (low + high)
-                      ^ bit position 0      ^ 7: the module wakes to release SCL for the eighth bit
+        output SCL  __|~~|__|~~|_ ... _|~~|_      bit n: release at `skip_release` + n (`skip_low` + `skip_high`)
+                      ^ bit position 0      ^ position 7: the module wakes to release SCL for bit 7
         """
         late = self.state.options.scl_sync_cycles.assume(self.state.touched) * self.state.tm if delay else 0
         self.skip_low, self.skip_high, self._skip_delay = self.low(), delay + late + self.high(), delay

@@ -75,7 +75,7 @@ class SciRxBits:
         self._high_from = FAR  # tick from which idle bits are counted in a high run; not before `_idle_base`
         # No idle bits are counted before this tick. It is FAR if none are counted before the first frame.
         self._idle_base = FAR
-        self._idle = False  # True if the line has been idle since the last frame
+        self._idle = False  # True if an idle line (ten idle bits) was detected after the last frame
         self._idle_unreported = False  # True if an idle line was detected, and `step` has not returned IDLE for it yet
         self.framed = False
         self.short_break = False

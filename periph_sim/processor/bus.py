@@ -307,7 +307,7 @@ class Bus:
     # Writes ----------------------------------------------------------------------
 
     def posts_at(self, cycle: int, operand: Operand) -> int:
-        """Return the cycle in which a write is posted: `cycle`, in which it is issued, plus its wait states."""
+        """Return the cycle in which a write is posted: `cycle`, in which the write is issued, plus its wait states."""
         if operand.frame2 and not self._write_listed:
             self._write_listed = True
             self._pf2_write_ws.assume(self._core.touched)

@@ -39,7 +39,7 @@ class I2cDriverDoor(TerminalDoor):
         if left and not came:  # all commands in the terminal were written by the client that has left
             while data := self._terminal.read():
                 self.adapter.receive(data)
-        if left or came:  # discards answers to the previous client, and the command that it has not completed
+        if left or came:  # discard the answers to the previous client, and the command that it has not completed
             self.adapter.next_client()
             self.back.clear()
             self._terminal.discard_unread()

@@ -92,7 +92,7 @@ class BusSide:
         return 0 if self.bit_skip is None else self.bit_skip.passed
 
     def finish(self, now: int) -> None:
-        """Complete the rounds at tick `now`, the end of the run."""
+        """Report the rounds that were missed before tick `now`, the end of the run."""
         if self._rounds is not None:
             self._rounds.finish(now)
 

@@ -33,7 +33,7 @@ class CaseTicks(Struct, frozen=True):
 
         ppm: the error of the clock that counts the length, in parts per million; positive for a fast clock.
 
-        Raise BadCase if the number of ticks is too large.
+        Raise BadCase if the number of ticks is too large, or TimeError if no key of the case has this length.
         """
         count, parts = self._ticks(length, ppm)
         return self._fitting((2 * count + parts) // (2 * parts), length)
@@ -52,7 +52,7 @@ class CaseTicks(Struct, frozen=True):
     def exact_ticks(self, length: Fraction, ppm: Fraction) -> Fraction:
         """Return the exact number of ticks of a length in seconds. ppm: as for `ticks`.
 
-        Raise BadCase if the number of ticks is too large.
+        The same errors are raised as by `ticks`.
         """
         exact = Fraction(*self._ticks(length, ppm))
         self._fitting(int(exact), length)

@@ -1,8 +1,9 @@
 """Loading of firmware: files are imported by path or by the name of a shipped program, with checked settings.
 
-Each file is a module in a package of its own with a unique name. So two files of the same name in different folders do
-not conflict, nor does a user's file with a shipped program. `from .other import f` finds other.py beside the file, or
-else the shipped program `other`. So a copy of a shipped program runs from any folder.
+Each file of a user is a module in a package of its own with a unique name; the shipped programs are in one package. So
+two files of the same name in different folders do not conflict, nor does a user's file with a shipped program.
+`from .other import f` finds other.py beside the file, or else the shipped program `other`. So a copy of a shipped
+program runs from any folder.
 """
 
 from __future__ import annotations
@@ -136,7 +137,7 @@ def _make_package(name: str, folders: list[Path]) -> None:
 
 
 class _Source(SourceFileLoader):
-    """Loader of Python files that reads and writes no bytecode files.
+    """Loader of a user's Python files that reads and writes no bytecode files.
 
     A bytecode file would hide edits that are made within one second, and would be written to the user's folder.
     """
@@ -261,7 +262,7 @@ def run_main(firmware: Firmware, dsp: Dsp, settings: object) -> None:
 def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
     """Return the firmware's Settings with the given values; None if the firmware has no settings.
 
-    Raise BadSetting for a wrong value.
+    Raise BadSetting for a wrong name or value.
     """
     kind = firmware.settings
     if not (inspect.isclass(kind) and is_dataclass(kind)):

@@ -193,7 +193,7 @@ class LoggedOutside(Agent):
     """Outside party that drives the wires as recorded in the log of a session.
 
     start: the tick of the scene that corresponds to tick 0 of the log.
-    on_sent: a callback that receives a wire and the number of bytes that begin on this wire.
+    on_sent: a callback that receives a wire and a number of bytes, as in `Instant.sent`.
     unfinished: a sentence that says what is missing at the end of the log; "" if nothing is missing.
     """
 
@@ -227,7 +227,8 @@ class LoggedOutside(Agent):
 def logged_outside(context: SceneContext, wires: Mapping[str, Wire]) -> LoggedOutside:
     """Return the agent that replays the log of [outside].
 
-    Raise BadCase if the log is unreadable or damaged, or was made with other wires or clocks.
+    Raise BadCase if the log is unreadable or damaged, drives a wire that is not in [outside], or has another number of
+    ticks per second than the case.
     """
     case, ticks_per_second = context.case, context.timebase.per_second
     assert case.outside is not None and case.outside.log is not None

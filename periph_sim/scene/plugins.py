@@ -86,7 +86,7 @@ def known(folder: Path, attribute: str, shipped: Mapping[str, T], names: Iterabl
     shipped: the definitions of periph_sim itself, by name.
     names: the names that a case uses. If any of them is unknown, the plugins of entry points are included.
 
-    Raise BadCase if a plugin cannot be loaded, or if two plugins define the same name.
+    Raise BadCase if a plugin cannot be loaded, or defines a name that periph_sim or another plugin defines.
     """
     found: dict[str, Any] = dict(shipped)
     owners: dict[str, Plugin] = {}

@@ -55,7 +55,10 @@ class PreparedScene:
             self._file = CaseFile(case, changes)
 
     def plan(self, changes: Sequence[str] = ()) -> ScenePlan:
-        """Return the plan of the case to which these changes are applied. Raise BadCase if this case is not valid."""
+        """Return the plan of the case to which these changes are applied.
+
+        Raise BadCase if this case is not valid, or if there are changes, but this object was made from a Case.
+        """
         if self._file is None:
             _refuse_changes(changes)
         elif changes:

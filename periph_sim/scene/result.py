@@ -27,7 +27,9 @@ SKIPPED = "polls_skipped"
 class Result:
     """The result of a run.
 
-    verdict: "pass", "fail", or "not judged" if the case has no budgets.
+    verdict: "fail" if a budget is broken or not judged, if firmware waits for an event that cannot occur, or if the
+        controller still waits for a line that another party holds low. Otherwise "pass", or "not judged" if the case
+        has no budgets.
     wall_s: seconds of real time of the run, without the time to build the scene.
     wire_bytes: number of complete bytes on the I2C bus, including addresses.
     bytes_skipped: number of I2C bytes whose first seven bits were simulated in one step.
@@ -35,7 +37,8 @@ class Result:
     sci_bytes_sent: number of characters that SCIs of units sent.
     sci_errors: number of characters that SCIs of units received with each kind of error; empty without an SCI.
     estimated: names of the units that run C sources. The cycles between the accesses of these units are estimated.
-    stuck: sentences about lines that stayed low, and about firmware that waits for an event that cannot occur.
+    stuck: sentences about lines that stayed low, at most ten, and about firmware that waits for an event that cannot
+        occur.
     wrong: the number of wrong bytes that were read, by place, such as "gyroscope byte 0". It is empty unless a budget
         compares bytes.
     first_wrong: a sentence about the first read with a wrong byte; "" if there is none.
@@ -188,7 +191,7 @@ def notes_of(scene: Scene) -> list[str]:
 
 
 def _late_parties(scene: Scene) -> list[str]:
-    """Return a note for a controller or host whose first round or frame is due after the end of the case."""
+    """Return a note for a controller or host whose first round or frame is not due before the end of the case."""
     case, timebase = scene.case, scene.timebase
     end = timebase.show(timebase.ticks(case.duration, "nearest"))
     return [

@@ -125,7 +125,8 @@ class Scene:
         self.truth: Truth | None = None
         self.model: FirmwareModel | None = None  # the model with which firmware computes the data of chips
         self.frames: FrameSource | None = None  # source of the host's frames; None if the host has no motion
-        # `_counter` counts the bytes on the wires. None if only the controller agent can be master: `bus` counts then.
+        # `_counter` counts the bytes on the wires. None if there is no bus, or if the controller agent is the only
+        # master, whose bytes `bus` counts.
         self._counter: BusRecorder | None = None
         self.bus = BusSide(case, self.wires, self.timebase.ticks(SPIKE, "nearest"))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
@@ -145,7 +146,7 @@ class Scene:
         self.keeps_logs = restorable and parts.state.keep_logs(self)
         self._build_targets(context, sources or {})
         outside = case.outside
-        shared = outside is not None and parts.outside_parties.drives_bus(outside)  # an outside party is on the bus
+        shared = outside is not None and parts.outside_parties.drives_bus(outside)  # an outside party drives the bus
         if case.controller is not None:
             self.head = self.stuck.head = parts.controller.build_head(
                 context, case.controller, plan.head, self.stuck.report
@@ -377,7 +378,7 @@ class Scene:
     def typical(self) -> list[Verdict]:
         """Return the least critical occurrence of each budget, as verdicts. Call it after `run`.
 
-        Budgets with fewer than two occurrences are left out.
+        Budgets with fewer than two occurrences, or with one number for the whole run, are left out.
         """
         found = (limit.typical(self.start) for limit in self.limits)
         return [verdict for verdict in found if verdict is not None]

@@ -113,11 +113,12 @@ def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
 def build_unit(
     context: SceneContext, name: str, plan: DspPlan, program: Firmware | None
 ) -> tuple[Dsp, Firmware, FirmwareModel | None]:
-    """Return a unit, its started firmware, and the firmware's model of sensor chips (None if it has none).
+    """Return a unit, its started program, and the firmware's model of sensor chips (None if the firmware has none).
 
-    program: the firmware to use in place of the case's firmware, or None.
+    program: the firmware to use in place of the case's Python firmware; None for the case's firmware. It is ignored for
+        a unit with an image or C sources.
 
-    Raise BadCase if the firmware cannot be loaded or its settings are wrong, or if too many pins have wires.
+    Raise BadCase if the program cannot be loaded, or if the unit's table has another mistake, such as wrong settings.
     """
     case, unit = context.case, context.case.unit[name]
     wires = {pin: context.wire(wire) for pin, wire in context.wiring.pins[name].items()}

@@ -127,7 +127,7 @@ def _limit(budget: Budget, measure: Measure, timebase: Timebase, which: str, giv
     """Return a limit as a whole number of ticks, millionths or counts, according to the unit of the measure.
 
     which: the key of the limit. given: the limit as written in the table: a share as "40 %", a value in LSB as 2 or
-    "2.5 LSB". Raise BadBudget if the limit has another unit.
+    "2.5 LSB". Raise BadBudget if the limit has another unit, or is negative although no value can be.
     """
     unit = measure.unit
     try:

@@ -45,7 +45,7 @@ class Values(Struct, frozen=True, eq=False):
     A scene with `keep_values=True` stores them. Each value takes 16 bytes of memory. Measures with one number for the
     whole run (counts, loads) have no values.
 
-    values: int64[n], in ticks if `unit` is "time", in millionths if it is "LSB", else counts.
+    values: int64[n], in ticks if `unit` is "time", in millionths if it is "LSB", else as plain numbers.
     at: int64[n], the tick of each value, counted from the start of the run.
     limits: a dictionary from the key of a limit, such as "max", to the limit, in the same unit as the values.
     """

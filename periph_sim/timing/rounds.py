@@ -4,11 +4,11 @@
                      +--> recognized in order --+--> rounds: due, begin, end, refused requests
     MasterSchedule --'                          '--> rounds due, rounds missed
 
-A transfer fulfils a request if it begins with the same address and R/W bit, and writes the same bytes. A transfer that
-matches no request belongs to no round. A round begins with its first START, or at the latest time that its schedule
-allows if the START comes later. It ends with the STOP of its last request. If the first request comes again before the
-last one was made, the round is broken off and the next round begins. A round is missed if it does not begin, or if one
-of its requests is skipped: a later request, or the first request of the next round, is made instead.
+A transfer fulfils a request if it begins with the same address and R/W bit, and writes the same bytes, up to a NACK. A
+transfer that matches no request belongs to no round. A round begins with its first START, or at the latest time that
+its schedule allows if the START comes later. It ends with the STOP of its last request. If the first request comes
+again before the last one was made, the round is broken off and the next round begins. A round is missed if it does not
+begin, or if one of its requests is skipped: a later request, or the first request of the next round, is made instead.
 
 If the master is a simulated controller, its rounds are due by a fixed schedule. If the master is firmware, or a party
 in a capture, its clock is not known: a round is due one period after the start of the round before, and is missed if it

@@ -26,15 +26,18 @@ NOTHING_PROVEN: Final = "nothing is proven yet: a verdict holds for the run that
 class Verdict:
     """Figures of one budget after a run.
 
-    worst, limit, margin: in microseconds for times, percent for shares of time, LSB for values in LSB, else counts. If
-        the budget has several limits, these figures are for the limit with the smallest margin.
-    at_s: the time of `worst` in seconds from the start of the run.
+    worst, limit, margin: in microseconds for times, percent for shares of time, LSB for values in LSB, else whole
+        numbers. If the budget has several limits, these figures are for the limit with the smallest margin. `worst` and
+        `margin` are None if nothing was measured.
+    at_s: the time of `worst` in seconds from the start of the run; for a refuted budget whose `worst` keeps the limit,
+        the start of the fault that refutes the budget; None if there is neither.
     count: the number of values, or the measured count.
     which: the key of the limit. For a percentile, `worst` is the value of the percentile.
     found: a text that explains the figures, such as that no event matched; "" if nothing needs to be explained.
     measured: the number of events at which a value was measured.
     occasions: the number of events at which a value should have been measured; None if they are not counted.
-    until_s: the end of the fault that `found` describes, such as a wrong reply, which began at `at_s`.
+    until_s: the end of the fault that `found` describes, such as a wrong reply, which began at `at_s`; None if there is
+        no such fault.
     """
 
     name: str
@@ -67,7 +70,7 @@ class Verdict:
 
     @property
     def broken(self) -> bool:
-        """True if a limit is broken."""
+        """True if a limit is broken, or an event refutes the budget."""
         return self.verdict == FAIL
 
     @property

@@ -143,8 +143,8 @@ def apply(tree: dict[str, object], change: str) -> Place:
     """Apply a change such as "unit.dsp.settings.model_cost=400 us" to the tree of a case. Return the place of the key.
 
     The value is read as TOML. A value that is not valid TOML is a text. A number with underscores is also a text,
-    because an answer to an option can look like the number 3_4_5. Raise BadCase if the change does not have the form
-    KEY=VALUE, or if it names an entry that does not exist.
+    because an answer to an option can look like the number 3_4_5. Raise BadCase if the change cannot be applied, for
+    example because it does not have the form KEY=VALUE, or names a list entry that does not exist.
     """
     key, found, value = change.partition("=")
     names = [name.strip() for name in key.split(".")]

@@ -94,7 +94,7 @@ class Case(Table, frozen=True, kw_only=True):
     def completed(self) -> Case:
         """Return this case with a budget for each expected reply, each silence after a send, and each watched wire.
 
-        Raise BadTable if a table contradicts another table.
+        Raise BadTable if a table contradicts another table, or if `breaks` names an unknown budget.
         """
         known_budgets = {(budget.name, budget.measure) for budget in self.budget}
         made = [budget for _, budget in self._made_budgets() if (budget.name, budget.measure) not in known_budgets]
@@ -120,7 +120,7 @@ class Case(Table, frozen=True, kw_only=True):
         return case
 
     def _flaws_of_inputs(self) -> Iterator[Mistake]:
-        """Yield a mistake for each list in [inputs] that applies to no part of the case, or is not in order of time."""
+        """Yield a mistake for each key of [inputs] that applies to no part of the case, or is not in order of time."""
         inputs = self.inputs or InputsTable()
         if inputs.rounds is not None and self.controller is None:
             yield Mistake(("inputs", "rounds"), "there is no [controller] whose rounds could start then; leave it out")

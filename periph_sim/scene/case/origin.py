@@ -41,7 +41,8 @@ class Source(Struct, frozen=True):
 def key_of(place: Place, tree: object) -> str:
     """Return a place in the form that `--set` uses, such as "budget.response.max".
 
-    tree: the tree of the case, from which the names of list entries are taken.
+    tree: the tree of the case. A list entry is given by its key `name` in this tree; by its index if the entry has no
+        name, or another entry has the same name.
     """
     parts = []
     for part in place:

@@ -6,8 +6,11 @@
 
 All I2C-A modules are on one bus, SDA and SCL. An SCI has its own lines unless a cable joins these lines with others. If
 only one unit has an SCI-A, its lines are RX and TX. If only one unit has an SCI-B, its lines are SCI-B.RX and SCI-B.TX.
-If several units have the module, the names begin with the unit, as in left.SCI-B.RX. The wire of a cable has the name
-of the cable; if the cable has no name, the wire has the name of the pin at which the cable begins.
+If several units have the module, the names begin with the unit, as in left.SCI-B.RX. But if the case has a host, the RX
+pins of all SCI-A modules are on the host's line RX.
+
+The wire of a cable has the name of the cable, or of an end that is a named pin or a wire. If there is no such name, the
+wire has the full name of the pin at which the cable begins.
 
 An RS-485 transceiver connects an SCI to a pair of wires; a pin of the unit enables its driver:
 
@@ -52,7 +55,7 @@ Node = Pin | str  # a pin, or the name of a wire
 class Cable(Table, frozen=True, kw_only=True):
     """A wire between two pins. An end is a module's pin (`left.SCI-A.TX`), a numbered pin (`left.GPIO34`), or a wire.
 
-    name: wire name; otherwise the full name of `from`
+    name: wire name; if omitted, the name of an end that is a wire or has a name in `pins`, else the full name of `from`
     from: one end
     to: other end
     """
@@ -82,7 +85,7 @@ class Wiring(Struct, frozen=True):
     scis: list[SciLines]
 
     def wires(self) -> tuple[str, ...]:
-        """Return all wires that are connected to a pin of a unit."""
+        """Return the names of all wires that are connected to a pin of a unit."""
         return tuple(dict.fromkeys(wire for pins in self.pins.values() for wire in pins.values()))
 
 
@@ -243,7 +246,10 @@ def _check(case: Case, entry: int, group: list[Node]) -> None:
 
 
 def _pins(case: Case, unit: str, joints: _Joints) -> list[int]:
-    """Return the pins of a unit that have a wire: usual pins of its modules, named pins, and pins with a cable."""
+    """Return the pins of a unit that have a wire.
+
+    These are the usual pins of its modules, named pins, and pins with a cable or the `de` of a transceiver.
+    """
     cabled = [node[1] for node in joints.nodes() if isinstance(node, tuple) and node[0] == unit]
     return list(dict.fromkeys([*module_pins(case, unit), *case.unit[unit].pins.values(), *cabled]))
 

@@ -166,8 +166,9 @@ class Origins:
 class FrameOrigins(Origins):
     """Origins for chips that return the values of a frame as they are: `HostFrames.data` gives the bytes of each chip.
 
-    Before the first frame, chips return zeros. Zeros are right until 8 frames have been sent. After that, zeros are
-    wrong if the chip has already returned the values of a frame; otherwise they are not judged.
+    Before the first frame, chips return zeros. Until 8 frames have been sent, zeros are right. After that, zeros that
+    are the values of no frame are wrong if the chip has already returned the values of a frame; otherwise they are not
+    judged.
     """
 
     def __init__(self, frames: HostFrames) -> None:

@@ -10,14 +10,15 @@
     age           START of the read           ticks since the end of the frame whose values the read returned
     unknown age   START of the read           chip's address; made instead of `age` if no compared frame has these
                                               bytes, and not all possible frames were compared
-    model age     START of the read           ticks since the end of the frame that the last model run used
+    model age     START of the read           ticks since the end of the frame that the last model run used; before the
+                                              first model run, since the end of the first frame
     model run     end of the span "model"     0; for each model run that began after the first frame ended
 
 A chip shows a frame while its registers contain values of the frame.
 
-Every read has an age, unless its age is unknown. If the values are of no frame, the age counts from the frame that the
-chip showed last. Until a chip has shown a frame, the age counts from the first frame. If several frames have the same
-values, the age counts from the last of them.
+Every read that returns bytes, and begins after the first frame ended, has an age or an unknown age. If the values are
+of no frame, the age counts from the frame that the chip showed last. Until a chip has shown a frame, the age counts
+from the first frame. If several frames have the same values, the age counts from the last of them.
 
 The model age is for firmware that computes the values of its chips from frames with sensor models. The firmware's span
 "model" marks each model run. A model run is assumed to use the last frame that ended before the run began.

@@ -274,9 +274,10 @@ class Measure(Listener):
             self._uncompared = 0
 
     def refute(self, why: str, at: int, until: int = NO_TIME) -> None:
-        """Mark the budget as broken, whatever values follow. The fault lasts from tick `at` to tick `until`.
+        """Mark the budget as broken, whatever values follow.
 
-        Only the first fault is stored. Faults before `not_before` are ignored.
+        The fault lasts from tick `at` to tick `until`; NO_TIME for a fault at one instant. Only the first fault is
+        stored. Faults before `not_before` are ignored.
         """
         if not self.refuted and at >= self.not_before:
             self.refuted, self.refuted_at, self.refuted_until = why, at, at if until == NO_TIME else until

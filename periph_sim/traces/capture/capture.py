@@ -301,7 +301,7 @@ def _seconds(rate: Fraction, positions: int) -> str:
 def with_channels(capture: Capture, names: Sequence[str]) -> Capture:
     """Return the capture with only the named channels, in this order.
 
-    Raise LookupError, with similar names, if a channel does not exist.
+    Raise LookupError, with similar names, if a name does not determine exactly one channel.
     """
     return replace(capture, channels=tuple(capture.channel(name) for name in names))
 

@@ -265,7 +265,7 @@ def on_grid(
 ) -> tuple[list[Positions], int]:
     """Return the sample numbers of the times of each line, and the sample number of the time `last`.
 
-    lines, last: times in ticks.
+    lines, last: times in ticks. No time in `lines` is after `last`.
     per_second: the number of ticks per second.
     said: the description of a wrong time in the message, with {} in place of the time.
 

@@ -108,7 +108,8 @@ LIMITS: tuple[Limit, ...] = (
 )
 
 LIMIT = {limit.symbol: limit for limit in LIMITS}
-# A pulse of up to SPIKES_TO times the maximum of tSP counts as a spike. If it is longer than the maximum, it fails.
+# A pulse of SCL, or of SDA while SCL is high, counts as a spike if it is not longer than SPIKES_TO times the maximum of
+# tSP. If it is longer than the maximum, it fails.
 SPIKES_TO = 2
 
 

@@ -218,7 +218,8 @@ class _Part:
     def lows_before_bits(self) -> Positions:
         """Return the low time of SCL, in positions, before each pulse that transfers a bit.
 
-        Pulses with a START or STOP are left out, and low times that begin before the span.
+        Pulses with a START or STOP, and pulses outside a transfer, are left out, and low times that begin before the
+        span.
         """
         seen = self._is_bit & (self._low_from >= 0)
         return self.rises[seen] - self._low_from[seen]

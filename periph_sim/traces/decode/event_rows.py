@@ -75,7 +75,7 @@ class Rows(NamedTuple):
     bus      uint8   number of the bus in the list of buses to decode
     event    uint8   index into EVENTS
     value    int32   address, byte or bits; -1 if there is no value. The type is int64 for a data line of an SPI bus
-    bits     uint8   number of bits on the wire; 10 for the first byte of a 10-bit address after a repeated START
+    bits     uint8   number of bits on the wire; but 10 for an address row whose value has all ten bits
     detail   uint8   index into DETAILS
     """
 
@@ -89,7 +89,7 @@ class Rows(NamedTuple):
 
 
 def no_rows() -> Rows:
-    """Return the rows of a line without events."""
+    """Return a table without rows, for a line without events."""
     kinds = (np.int64, np.int64, np.uint8, np.uint8, np.int32, np.uint8, np.uint8)
     return Rows._make(np.empty(0, kind) for kind in kinds)
 

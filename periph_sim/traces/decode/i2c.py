@@ -113,8 +113,8 @@ class Condition(NamedTuple):
     low: the length of the last low phase of SCL before this edge, in positions.
     high: the number of positions from the last rise of SCL to this edge. `low` and `high` are None if SCL did not rise
         since the previous condition; `low` is also None if the capture, or its known part, begins within the low phase.
-    hold: the number of positions from this edge to the next fall of SCL; None if the next condition is before this
-        fall.
+    hold: the number of positions from this edge to the next fall of SCL; None if there is no such fall, or if the next
+        condition is before this fall.
     """
 
     at: int

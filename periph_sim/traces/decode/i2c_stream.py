@@ -28,9 +28,8 @@ BITS = 9  # number of bits of a byte with its ACK
 
 NOTHING, FALL, RISE, START, STOP = range(5)
 KINDS = 7  # mask that keeps the event (one of these five) and removes the flag BYTE
-BYTE = (
-    KINDS + 1
-)  # flag of an event that ends a byte: the fall after the ninth bit, or a START or STOP in the ninth pulse
+# Flag of an event that ends a byte: the fall of SCL after the ninth bit, or a START or STOP in the ninth pulse of SCL.
+BYTE = KINDS + 1
 BYTE_OVER = FALL + BYTE
 
 

@@ -119,7 +119,10 @@ def _bytes(transfer: i2c.Transfer, bit: int, expected: Mapping[tuple[int, int], 
 
 
 def _phases(transfer: i2c.Transfer, end: int) -> Iterator[Stretch]:
-    """Yield a box for each phase of a transfer, with the address, the direction and the number of data bytes."""
+    """Yield a box for each phase of a transfer, with the address, the direction and the number of data bytes.
+
+    If the address was not acknowledged, the box has only the address and N.
+    """
     stops = [phase.start.at for phase in transfer.phases[1:]]
     stops.append(end if transfer.stop is None else transfer.stop.at)
     for phase, stop in zip(transfer.phases, stops, strict=True):
@@ -132,7 +135,8 @@ def _phases(transfer: i2c.Transfer, end: int) -> Iterator[Stretch]:
 def _around(capture: Capture, span: Span) -> Capture:
     """Return the part of the capture that is decoded for a diagram of the span.
 
-    This part begins with the last STOP before the span. It extends beyond the end of the span by half the length of the
+    This part begins with the last STOP before the span, or after the last unknown level before the span if that is
+    later; if there is neither, with the capture. It extends beyond the end of the span by half the length of the
     span, so that a byte at the end of the span is complete if the capture is long enough.
     """
     scl, sda = (capture.channel(name) for name in BUS)

@@ -23,8 +23,10 @@ ANYTHING = ""  # `what` of a matcher that accepts all things of its kind
 class Group(Struct, frozen=True):
     """A part of a run in which events are counted, such as a transfer.
 
-    begin: the event at which the group begins: a START, the start of a frame, or the entry of a service routine.
-    end: the event at which the group ends: a STOP, the end of a frame, or the return from a service routine.
+    begin: the event at which the group begins: a START, the start of a frame, or the entry of a service routine. Not
+        every such START or frame begins a round or a burst.
+    end: a STOP, the end of a frame, or the return from a service routine. Only the return ends its group; other groups
+        last until the next group of the kind begins.
     """
 
     name: str  # one of GROUPS

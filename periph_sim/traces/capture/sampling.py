@@ -263,9 +263,10 @@ def quantized(ticks: Positions, per_second: Fraction, rate: Fraction) -> Positio
 def on_grid(
     path: Path, lines: Sequence[Positions], last: int, per_second: Fraction, rate: Fraction, said: str
 ) -> tuple[list[Positions], int]:
-    """Return the sample numbers of the times of each line, and the sample number of the time `last`.
+    """Return the sample numbers of the times of each line, and the sample number of the latest time of all.
 
-    lines, last: times in ticks. No time in `lines` is after `last`.
+    lines: the times of each line, in ticks.
+    last: a further time in ticks, such as that of the end.
     per_second: the number of ticks per second.
     said: the description of a wrong time in the message, with {} in place of the time.
 

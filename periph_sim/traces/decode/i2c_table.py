@@ -34,7 +34,7 @@ OF_COUNTED = np.array(COUNTED, np.int64)
 
 
 class I2cRowKind(IntEnum):
-    """Kind of a row. CUT: a byte that is incomplete because of a START, a STOP or the end of the capture."""
+    """Kind of a row. CUT: a byte that a START, a STOP, or the end of the capture or of its known part cuts off."""
 
     START = 0
     REPEATED_START = 1
@@ -325,7 +325,9 @@ class LongLows(NamedTuple):
 
 
 def long_lows(capture: Capture, scl: Channel, sda: Channel, glitch: int = 0) -> LongLows:
-    """Return the low phases of SCL that are longer than both 1.5 times the median and the median plus two samples.
+    """Return the low phases of SCL that are much longer than the median of all low phases.
+
+    A low phase is returned if it exceeds 1.5 times the median, and exceeds the median by more than two samples.
 
     glitch: pulses of SCL or SDA that are shorter than this number of positions are removed first.
     """
@@ -358,7 +360,7 @@ def impossible_rate(capture: Capture, scl: str | int) -> str:
 
 
 def _whole_addresses(capture: Capture, scl: str | int, sda: str | int) -> tuple[int, int]:
-    """Return the number of STARTs with a whole address byte and its ACK, and the number of all STARTs."""
+    """Return the number of STARTs with a whole address byte and its ninth bit, and the number of all STARTs."""
     whole = starts = 0
     for edges in i2c_edges(capture, scl, sda):
         whole += int(np.count_nonzero(bit_counts(edges) >= BITS))

@@ -3,7 +3,7 @@
     Capture A, Capture B --decode--> events --pair--> entries --> TraceDiff
 
 Events are paired in order by their kind and content, and not by their times. Then the times of each pair are compared.
-If an interrupt came 3 us later in B, all events after it are 3 us later, and only the first of them is reported.
+If an interrupt came 3 us later in B, all events after it are 3 us later. Only the first of them is a change point.
 
 Times are whole ticks of a clock whose rate is a multiple of the rates of both captures. The lateness of an event is its
 time in B minus its time in A, minus the same difference for the first event that is in both captures. The subtraction

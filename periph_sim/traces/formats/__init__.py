@@ -101,7 +101,7 @@ def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = Fals
     """Read the capture in a file or folder.
 
     The content of the file determines its format. The suffix only determines which formats are tried first, and which
-    format reports an error if no format recognises the content.
+    format reports an error if no format recognises the content. A file with a suffix in REFUSED is always rejected.
 
     rate, salvage: see the module docstring.
 
@@ -222,8 +222,9 @@ def atomic_write(path: Path) -> Iterator[Path]:
     Raise BadCapture if no file can be created, if the disk is full, or if the present command has read the file at
     `path`, because an output never replaces an input.
     """
+    # Both modules are imported here, because only writing needs them.
     import shutil
-    import tempfile  # both modules are imported here, because only writing needs them
+    import tempfile
 
     whole = Path(os.path.realpath(path)) if path.is_symlink() else path
     replaced = whole.is_file() or not path.exists()

@@ -72,7 +72,7 @@ class RecordTable:
         `field` contain indices into the strings of `names`.
     names: a dictionary from the name of each column of strings to its strings.
     per_second: the number of ticks per second; None if unknown.
-    end: the last tick of the run.
+    end: the last tick of the run; for a capture, its length in positions.
     modules: a dictionary from each unit of the run to its modules; empty for a capture.
     known_topics: the result of `topics` if the topics are already known, otherwise None.
     clocks: a dictionary from each unit to pairs of a tick and the SYSCLKOUT in Hz from this tick on; empty if the

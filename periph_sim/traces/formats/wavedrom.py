@@ -1,9 +1,10 @@
 """Writer of WaveDrom's JSON, for a picture of a short window in a document. Each channel is a line of bricks.
 
-    SCL  11100111...     the length of a brick is the greatest common divisor of the times of all edges
+    SCL  11100111...
 
-A brick is one character of a `wave`. All bricks have the same length, so the picture is true to scale. A window that
-needs too many bricks is an error.
+A brick is one character of a `wave`. All bricks have the same length, so the picture is true to scale. The length of a
+brick is the greatest common divisor of the positions of all edges and of the end; without the end, if there would be
+too many bricks. A window that needs too many bricks nevertheless is an error.
 
 Source: the WaveDrom schema (github.com/wavedrom/schema), waves `0`, `1`, `x` and `.` for "as before".
 """
@@ -26,7 +27,7 @@ LETTERS = "01x"
 
 
 def write(capture: Capture, path: Path) -> None:
-    """Write a capture as the source of a picture. Raise BadCapture if the capture is too long."""
+    """Write a capture as the source of a picture. Raise BadCapture if it has too many edges or bricks."""
     edges = sum(len(channel.edges) for channel in capture.channels)
     if edges > MOST_EDGES:
         _refuse(capture, f"{edges} edges", f"at most {MOST_EDGES}")

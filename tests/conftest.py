@@ -15,6 +15,7 @@ import os
 import signal
 import sys
 import threading
+from collections.abc import Generator
 from pathlib import Path
 
 import pytest
@@ -157,6 +158,29 @@ gc.disable()  # what is collected stays: to look through it for garbage only tak
 def pytest_collection_finish() -> None:
     gc.freeze()
     gc.enable()
+
+
+_was_full = False  # whether the collector has looked through all objects since it last let some alone
+
+
+def _note_full_collection(phase: str, info: dict[str, int]) -> None:
+    global _was_full
+    _was_full = _was_full or (phase == "stop" and info["generation"] == 2)
+
+
+gc.callbacks.append(_note_full_collection)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> Generator[None, object, object]:
+    """What a file of tests leaves, such as results that others share, stays too: no later test looks through it."""
+    global _was_full
+    outcome = yield
+    if _was_full and nextitem is not None and nextitem.path != item.path:
+        gc.collect()
+        gc.freeze()
+        _was_full = False
+    return outcome
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -24,6 +24,7 @@ from fractions import Fraction
 from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
+from weakref import WeakMethod
 
 from ..bus.i2c.replayed_sides import ScriptedTarget
 from ..core.kernel import Kernel
@@ -161,7 +162,13 @@ class I2cReplay(SlaveReplay):
         low = None if longest_low is None else longest_low * part.rate
         self._agents = PlaybackPlan(part, found.own, scene.timebase, self.origin, low, self._least_gap())
         wait = None if self._agents.least_gap is not None else scene.timebase.ticks(patience, "nearest")
-        self._controller = CapturedController(self._agents, scene.kernel, *self._wires, self._plan_end, wait)
+        plan_end = WeakMethod(self._plan_end)  # wires that hold this, and so the scene, keep the scene for ever
+
+        def on_end() -> None:
+            if (plan := plan_end()) is not None:
+                plan()
+
+        self._controller = CapturedController(self._agents, scene.kernel, *self._wires, on_end, wait)
         self._player = self._controller.player
         self._over = False
         others = ", ".join(f"{address:02X}" for address in sorted(part.answers_of_others(found.own)))

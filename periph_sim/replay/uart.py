@@ -133,20 +133,23 @@ class UartReplay(Replay):
         return self.scene.units[self._unit]
 
     def _listen(self, recorder: Recorder, timebase: Timebase) -> None:
-        recorder.subscribe([Kind.ACCESS], self._accessed)
-        recorder.subscribe([Kind.FLAG], self._flagged)
+        """Subscribe functions without `self`: a recorder that holds `self`, and so the scene, keeps it for ever."""
+        words, errors, unit = self._words, self.errors, self._unit
+
+        def accessed(record: Record) -> None:
+            if record.what == "R SCI-A.SCIRXBUF" and record.where == unit:
+                words.append((record.tick, record.value))
+                errors["FE"] += SCIRXBUF["SCIFFFE"].extract(record.value)
+                errors["PE"] += SCIRXBUF["SCIFFPE"].extract(record.value)
+
+        def flagged(record: Record) -> None:
+            if record.value and record.what in FLAGS and record.where == f"{unit}.SCI-A":
+                errors[FLAGS[record.what]] += 1
+
+        recorder.subscribe([Kind.ACCESS], accessed)
+        recorder.subscribe([Kind.FLAG], flagged)
         if self._subscribe is not None:
             self._subscribe(recorder, timebase)
-
-    def _accessed(self, record: Record) -> None:
-        if record.what == "R SCI-A.SCIRXBUF" and record.where == self._unit:
-            self._words.append((record.tick, record.value))
-            self.errors["FE"] += SCIRXBUF["SCIFFFE"].extract(record.value)
-            self.errors["PE"] += SCIRXBUF["SCIFFPE"].extract(record.value)
-
-    def _flagged(self, record: Record) -> None:
-        if record.value and record.what in FLAGS and record.where == f"{self._unit}.SCI-A":
-            self.errors[FLAGS[record.what]] += 1
 
     # Running the replay ------------------------------------------------------------------------
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import gc
 import re
 from fractions import Fraction
 from pathlib import Path
+from weakref import ref
 
 import pytest
 
@@ -64,6 +66,15 @@ def test_the_responder_answers_for_any_device_of_a_round(address, style, fifo):
     others = ", ".join(f"{other:02X}" for other in sorted({0x68, 0x53, 0x1E} - {address}))
     assert report.notes == [f"an agent answers for {others}, as captured"]
     assert report.stretch_total_us == report.lag_worst_us == 0, "at 100 kHz this firmware need not stretch"
+
+
+def test_a_replay_and_its_scene_are_let_go():
+    held = I2cReplay(load(RESPONDER), formats.read(FOLDER / "imu_round.sr"), "SCL", "SDA")
+    held.run()
+    replay_gone, scene_gone = ref(held), ref(held.scene)
+    del held
+    gc.collect()
+    assert (replay_gone(), scene_gone()) == (None, None)
 
 
 SERVED = [f"unit.dsp.settings.table.{address:#x}='{bytes(values).hex()}'" for address, _, values in ROUND]

@@ -12,7 +12,7 @@ from __future__ import annotations
 import os
 import sys
 import sysconfig
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import lru_cache
 from hashlib import blake2b
@@ -105,8 +105,7 @@ def dependencies(folder: Path, paths: Iterable[str | Path]) -> Dependencies:
             if not digest:
                 raise ValueError(f"{path}: cannot be read again, so a change of it would not be noticed")
             files[Path(os.path.relpath(path, folder)).as_posix()] = digest
-    installed = packages_distributions()
-    names = {name for module in tuple(sys.modules) if "." not in module for name in installed.get(module, ())}
+    names = {name for module in tuple(sys.modules) if "." not in module for name in _installed().get(module, ())}
     packages = {name: _version(name) for name in sorted(names) if name != "periph_sim" and name != "periph-sim"}
     return Dependencies(python_version(), package_digest(), packages, files)
 
@@ -131,6 +130,12 @@ def _libraries() -> tuple[str, ...]:
 def _is_library(path: str) -> bool:
     compiled = os.path.join(gettempdir(), TEMPORARY)
     return path.startswith((*_libraries(), compiled, "/proc/", "/sys/", "/dev/"))
+
+
+@lru_cache(maxsize=1)
+def _installed() -> Mapping[str, list[str]]:
+    """Return a dictionary from modules to the packages that contain them. To make it takes about half a second."""
+    return packages_distributions()
 
 
 def _version(name: str) -> str:

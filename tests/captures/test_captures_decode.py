@@ -10,6 +10,7 @@ import csv
 import re
 from collections import Counter
 from fractions import Fraction
+from functools import cache
 
 import pytest
 
@@ -65,7 +66,9 @@ ONE_SAMPLE_LATE = {
 TOO_LARGE = "i2c_cat24c256_flash_1M_edges"  # the oracle's file has its first 200 lines and the counts
 
 
+@cache
 def load(name: str) -> Capture:
+    """The capture, read once for all tests: none of them changes it."""
     rate = RATES.get(name)
     return formats.read(capture_of(name), None if rate is None else Fraction(rate))
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import re
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -48,7 +49,12 @@ def decoded(kind: str) -> list[str]:
 
 def capture_of(name: str) -> Path:
     """The capture beside a decode; the decode of a folder NAME_bin is called NAME."""
-    return next(p for p in captures() if p.stem in (name, f"{name}_bin"))
+    return next(p for p in _all_captures() if p.stem in (name, f"{name}_bin"))
+
+
+@cache
+def _all_captures() -> list[Path]:
+    return captures()
 
 
 def oracle(name: str, kind: str) -> list[Said]:
@@ -69,6 +75,7 @@ def _folders() -> list[Path]:
     return [folder for folder in (OURS, FOLDER) if folder.is_dir()]
 
 
+@cache
 def _decode(name: str, kind: str) -> list[str]:
     file = next(path for folder in _folders() if (path := folder / f"{name}.{kind}.txt").is_file())
     return file.read_text().splitlines()

@@ -6,7 +6,7 @@ import ast
 from array import array
 from collections import deque
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
 from random import Random
@@ -284,11 +284,15 @@ def test_differences_name_what_differs():
     assert taken(one).differences(taken(one)) == {}
 
 
+def tree_of(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def declared() -> list[tuple[str, ast.ClassDef, frozenset[str]]]:
     """Return each class of the package that declares a state: its file, source, and the names it lists."""
     found = []
     for path in sorted(PACKAGE.rglob("*.py")):
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        for node in tree_of(path).body if "STATE = " in path.read_text(encoding="utf-8") else ():
             if not isinstance(node, ast.ClassDef):
                 continue
             for one in node.body:
@@ -303,8 +307,6 @@ def declared() -> list[tuple[str, ast.ClassDef, frozenset[str]]]:
 
 def test_each_declared_attribute_is_one_of_its_class():
     """A name that no object has would be left out of every state without a word."""
-    sources = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
-    words = {path: set(ast_names(text)) for path, text in sources.items()}
     classes = declared()
     assert len(classes) > 120
     wrong: list[str] = []
@@ -313,21 +315,23 @@ def test_each_declared_attribute_is_one_of_its_class():
         kind = getattr(module, node.name)
         if not kind.__dictoffset__:  # compiled, or with slots: attributes that Python cannot reach are missing
             wrong += [f"{file}: {node.name} declares {name}" for name in names if not hasattr(kind, name)]
-        bases = {base.__module__ for base in kind.__mro__}
-        known = set().union(*(words[path] for path in words if path.parent == (PACKAGE / file).parent))
-        known |= set().union(*(words[path] for path in words if module_of(path) in bases))
+        bases = {base.__module__ for base in kind.__mro__ if base.__module__.partition(".")[0] == PACKAGE.name}
+        files = {*(PACKAGE / file).parent.glob("*.py"), *map(file_of, bases)}
+        known = set().union(*map(assigned_names, files))
         wrong += [f"{file}: {node.name} declares {name}" for name in sorted(names - known)]
     assert wrong == []
 
 
-def module_of(path: Path) -> str:
-    return "periph_sim." + str(path.relative_to(PACKAGE))[:-3].replace("/", ".")
+def file_of(module: str) -> Path:
+    path = PACKAGE.joinpath(*module.split(".")[1:])
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
 
 
-def ast_names(text: str) -> set[str]:
+@cache
+def assigned_names(path: Path) -> set[str]:
     """Return the names that a module assigns to `self`, or annotates in a class."""
     found = set()
-    for node in ast.walk(ast.parse(text)):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
             found.add(node.attr)
         elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):

@@ -196,7 +196,10 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def checks_host(self) -> bool:
-        """True if the bytes that are read from known chips are compared with values that the host has sent."""
+        """True if the bytes that are read from known chips are compared with the values of the host's frames.
+
+        If the firmware has sensor models, the bytes are compared with what these compute from the frames.
+        """
         rounds = self.controller or self.rounds
         return rounds is not None and rounds.check == "host"
 

@@ -23,7 +23,7 @@ CHIPS = [list(range(first, first + 6)) for first in (0x11, 0x21, 0x31)]
 def benches(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """All benches, run once."""
     folder = tmp_path_factory.mktemp("benches")
-    run_benches(folder, rounds=5, phases=20)
+    run_benches(folder, rounds=3, phases=8)
     yield folder
 
 
@@ -84,7 +84,7 @@ def check(folder: Path, rounds: int, phases: int) -> None:
 
 
 def test_masters_memories_logic_and_uarts_and_the_same_without_a_simulator(benches: Path) -> None:
-    check(benches, rounds=5, phases=20)
+    check(benches, rounds=3, phases=8)
 
 
 def test_in_the_simulator_the_same_form_of_the_core_runs(benches: Path) -> None:

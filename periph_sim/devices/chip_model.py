@@ -31,7 +31,7 @@ class ModelOutput:
         self._data: dict[int, bytes] = {}
 
     def data(self, address: int) -> bytes:
-        """Return the register bytes of the chip with this address."""
+        """Return the bytes of the data registers of the chip at this I2C address."""
         known = self._data.get(address)
         if known is None:
             known = bytes(BYTES) if self._model is None else self._model.data_of(address, self)
@@ -39,7 +39,7 @@ class ModelOutput:
         return known
 
 
-BYTES = 6  # number of register bytes of each emulated chip; all are 0 before the first run of the model
+BYTES = 6  # number of bytes in the data registers of a chip; all are 0 before the first run of the model
 
 
 class ChipModel:

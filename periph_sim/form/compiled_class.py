@@ -110,7 +110,7 @@ class Class:
 
     @cached_property
     def known(self) -> dict[str, Type]:
-        """The types of the attributes whose type an annotation or the first assigned value determines, by name."""
+        """The types of the class's own attributes whose type an annotation or an assigned value determines, by name."""
         inherited = {name for base in self.bases for name in (*base.known, *base.defined)}
         found: dict[str, Type] = {}
         # The property is set before it is complete, because the value of an attribute may use other attributes.

@@ -169,7 +169,7 @@ def with_constants(source: str, names: Mapping[str, object]) -> str:
 
 
 def _names(tree: ast.Module) -> Iterator[ast.Name | ast.Attribute]:
-    """Yield the names inside functions and classes, and attributes such as `Kind.FLAG`."""
+    """Yield each name, and each attribute of a name such as `Kind.FLAG`, that is inside a function or class."""
     outer = [one for one in tree.body if isinstance(one, ast.ClassDef | ast.FunctionDef)]
     for node in (node for one in outer for node in ast.walk(one)):
         if isinstance(node, ast.Name) or (isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)):

@@ -218,7 +218,7 @@ class Source:
         raise self.bad(node.lineno, f"the length {ast.unparse(node)} of an array; expected a number")
 
     def type_of_value(self, value: ast.expr, within: Class | None, known: Mapping[str, ast.expr | None]) -> Type | None:
-        """Return the type of an expression; None if it cannot be derived from the expression alone.
+        """Return the type of an expression; None if it cannot be derived.
 
         within: the class that contains the expression, or None.
         known: the annotations of names that may occur in the expression, by name.

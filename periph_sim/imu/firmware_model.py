@@ -1,6 +1,8 @@
-"""Model of firmware that calculates the sensors of an IMU. A scene uses it as a `scene.unit.FirmwareModel`.
+"""Model of firmware that emulates the sensor chips of an IMU: it gives a scene the data that they should send.
 
 firmware's settings with sensors, arithmetic, noise_seed --firmware_model--> ImuFirmware
+
+A scene uses an ImuFirmware as a `scene.unit.FirmwareModel`.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class ImuFirmware:
-    """A `FirmwareModel` of firmware that calculates the sensors of an IMU.
+    """A `FirmwareModel` of firmware that calculates the data of the sensor chips of an IMU.
 
     parameters: the parameters of the sensors.
     settings: the settings of the firmware. The settings `arithmetic` and `noise_seed`, if present, affect the results.

@@ -121,7 +121,7 @@ class StuckWatch(BitParty):
             self._guard()
 
     def _guard(self) -> None:
-        """Schedule the check for a stuck wire. At most one check is scheduled, even if the wire changes often."""
+        """Schedule the check for a stuck wire. Call this only if `_guarded` is False: no check is scheduled yet."""
         self._guarded = True
         self._kernel.call_at(self._fell + self._limit, self._look)
 

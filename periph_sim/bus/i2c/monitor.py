@@ -55,7 +55,7 @@ class I2cMonitor(BitParty):
         self._names = names
         self._start_at = NO_TIME  # the tick of a possible START, until a party that pulled SDA for it pulls SCL
         self._starting = 0  # the mask of the parties that pulled SDA for the possible START
-        self._masters_of: dict[int, tuple[int, int]] = {}  # cache of results of `_masters`, by `_starting`
+        self._masters_of: dict[int, tuple[int, int]] = {}  # cache: the result of `_masters` for each `_starting`
         self._versions = scl.version, sda.version  # `Wire.version` of both wires for which `_masters_of` is valid
         self._scl_mask = self._sda_mask = 0  # the master's masks on the wires; 0 between transfers
         self._pulls_scl = self._pulls_sda = False  # True while the master pulls this wire low
@@ -64,7 +64,8 @@ class I2cMonitor(BitParty):
         self._let_go_at = NO_TIME  # the tick of the master's release of SCL, until SCL rises
         self._rose_at = NO_TIME
         self._ended_at = NO_TIME  # the tick of a STOP by another party, until the master's next clock
-        self._pulled_at = self._clock_length = 0  # tick of the master's last pull of SCL; ticks since the previous pull
+        # The tick of the master's last pull of SCL, and the number of ticks between the master's last two pulls of SCL.
+        self._pulled_at = self._clock_length = 0
         self._transfer = Transfer("", [])
         self._phase = Phase(0, False)
         self._stretch = 0  # the longest clock stretch in the present phase, in ticks
@@ -92,7 +93,7 @@ class I2cMonitor(BitParty):
 
     @property
     def open_transfer(self) -> Transfer | None:
-        """The transfer in progress, with the phases whose address byte is complete; None if there is none."""
+        """The transfer in progress, with the phases whose address byte is complete; None if there is no such phase."""
         return self._transfer if self._scl_mask and self._transfer.phases else None
 
     def sampled(self, now: int, levels: int) -> None:

@@ -59,7 +59,7 @@ class Target(Protocol):
     def addresses(self) -> tuple[int, ...]: ...
 
     def answer(self, address_byte: int) -> Reply | None:
-        """Return the reply to an address byte after START; None if the device does not acknowledge it."""
+        """Return the reply to an address byte after START; None for a NACK."""
 
     def on_end(self, stop: bool, whole: bool) -> None:
         """Handle the end of a phase whose address was acknowledged.
@@ -79,7 +79,7 @@ def _ignore(stop: bool, whole: bool) -> None:
 class TargetSide(BitParty):
     """The wire side of one target.
 
-    answer: called with each address byte, R/W included; returns the reply, or None if the target does not acknowledge.
+    answer: called with each address byte, R/W included; returns the reply, or None for a NACK.
     hold: ticks from the fall of SCL to a change of SDA by the target.
     on_end: called with (stop, whole) when a phase ends whose address was acknowledged. stop: True for a STOP, False for
         a repeated START. whole: True if the phase does not end in the middle of a byte.

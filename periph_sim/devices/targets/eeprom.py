@@ -211,7 +211,7 @@ def build(model: str, settings: Settings, place: TargetContext) -> Eeprom:
 
 
 IMAGES = (".bin", ".hex")
-MOST = 1 << 24  # maximum number of bytes in an Intel HEX file, more than any serial memory has
+MOST = 1 << 24  # all addresses in an Intel HEX file are below this; every serial memory is smaller
 DATA, END, SEGMENT, LINEAR = 0, 1, 2, 4  # kinds of records in Intel HEX; records of start addresses are ignored
 
 

@@ -95,7 +95,7 @@ def feed_of(table: RegisterTable, entry: int, place: TargetContext) -> Feed | No
 
 
 def _rows(path: Path, table: RegisterTable) -> tuple[tuple[Fraction, int], ...]:
-    """Read times in seconds and values from a file with lines such as "5 ms,0x12". A heading is skipped.
+    """Return pairs of a time, in seconds, and a value from a file with lines such as "5 ms,0x12". A heading is skipped.
 
     Raise ValueError, with file and line, if the file is invalid.
     """
@@ -258,7 +258,7 @@ class RegisterDevice(PlainReply):
             if self._pointer >= end:
                 self._pointer = min(self._starts) if settings.wrap == "map" else 0
 
-    # Updates and the pin -----------------------------------------------------------
+    # Updates and the interrupt pin -------------------------------------------------
 
     def _apply_updates(self) -> None:
         now = self._place.kernel.now

@@ -28,7 +28,8 @@ from . import BadDevice, PlainReply, TargetContext, address_among
 
 __all__ = ["MODELS", "Settings", "build"]
 
-MIL, PM = 0x80, 0x20  # bits of HR: 24-hour format; PM in the 12-hour format, in which 12 comes before 1
+# Bits of HR. MIL selects the 24-hour format. PM is the afternoon in the 12-hour format, whose hours are 12, 1, 2 to 11.
+MIL, PM = 0x80, 0x20
 
 
 class BadTime(ValueError):

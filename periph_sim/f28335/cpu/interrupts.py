@@ -20,8 +20,8 @@ vector is chosen at t + 5, and the first instruction of its service routine begi
 Source: SPRU430F chapter 3 and the instructions' pages; SPRUFB0D section 8; SPRZ272N sections 3.1.1, 3.1.2.
 
 Chosen:
-- Every request reaches the IFR after IFR_DELAY, whether it comes from the PIE, from a write of PIEACK that unblocks
-  a group, or from timers 1 and 2.
+- Every maskable request reaches the IFR after IFR_DELAY, whether it comes from the PIE, from a write of PIEACK that
+  unblocks a group, or from timers 1 and 2.
 - INTM changes at the start of CLRC INTM and SETC INTM. No interrupt is taken during the 2 cycles of these instructions.
 - An interrupt that is already flagged and enabled in IER wakes the CPU from IDLE like a new one.
 - Real-time emulation mode is not modelled.

@@ -34,8 +34,8 @@ class SciFormat:
     end: the tick at which the last stop bit ends.
     break_at: the tick at which a break is detected.
 
-    Options determine `vote_at`, `due`, `hunt` and `break_at`. The receiver records the use of such an option when a
-    received frame depends on it.
+    Options determine `vote_at`, `voted_at`, `due`, `hunt` and `break_at`. The receiver records the use of such an
+    option when a received frame depends on it.
     """
 
     STATE = State(

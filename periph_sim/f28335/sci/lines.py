@@ -260,7 +260,7 @@ class SciLines(Chip):
         self._request_rx(now)
 
     def _load_received(self) -> None:
-        """Update `loaded` if there is a new word in SCIRXBUF, even one that is equal to the old word."""
+        """Report a new word in SCIRXBUF, even one that is equal to the old word, in `Chip.loaded`."""
         if self._rx.loaded:
             self._rx.loaded = False
             self.loaded |= RECEIVED

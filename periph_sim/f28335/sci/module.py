@@ -215,7 +215,7 @@ class Sci(SciLines):
             self._set_running(now)
 
     def _set_running(self, now: int) -> None:
-        """Start or stop receiver and transmitter after a change of SW RESET or SCIRST."""
+        """Release the transmitter if SW RESET and SCIRST are both 1, and start or stop the receiver accordingly."""
         if self._ctl1 & SWRESET and self._tx.fifo.control & SCIRST:
             self._tx.release(now)
         self._arm_receiver(now)

@@ -87,7 +87,10 @@ class SpiFifo(InterruptFifo):
         self.request = self.watch(self.on and self.accepts) or self.request
 
     def write_register(self, value: int) -> None:
-        """Write SPIFFTX or SPIFFRX. The owner then calls `hold` for SPIRST and `turn` for SPIFFENA."""
+        """Write SPIFFTX or SPIFFRX.
+
+        After a write of SPIFFTX, the owner calls `hold` for SPIRST and `turn` for SPIFFENA, for both FIFOs.
+        """
         if self.write(value) and self.on:
             self.request = True
         self.update_flag()

@@ -65,7 +65,11 @@ def _found(axis: IdentifiedAxis) -> tuple[str, ...]:
 
 
 def _known(axis: IdentifiedAxis) -> tuple[str, ...]:
-    """Return the column's name and, as text, the density's interval, the rounding's density and the fitted taus."""
+    """Return the cells of one row under KNOWN.
+
+    They are the name of the recording's column, the 95 % interval of the noise density, the density of the noise that
+    rounding adds, and the first and last tau of the fit.
+    """
     found = axis.found
     low, high = found.density.bounds(LEVELS["95 %"])
     taus = found.allan.taus[found.density.region]

@@ -1,4 +1,7 @@
-"""Equations of the three sensor chips for any arithmetic, and the derivative and the angles that they share."""
+"""Equations of the three sensor chips, for any arithmetic.
+
+The chips share the derivatives of the attitude angles (`Derivative`), and their sines and cosines (`angles`).
+"""
 
 from __future__ import annotations
 

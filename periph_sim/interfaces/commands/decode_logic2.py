@@ -58,7 +58,7 @@ def in_logic2(rows: Rows, buses: Sequence[Bus], clock: Clock, sample: int) -> It
     """Yield the lines of the table in order of time.
 
     rows: the rows of all buses; those of each bus are in order.
-    sample: the length of a sample as a number of positions in the capture.
+    sample: the length of a sample in positions, which are the unit of time of the capture.
     """
     lines: list[Line] = []
     protocols: list[str] = []

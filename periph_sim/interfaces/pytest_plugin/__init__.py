@@ -93,7 +93,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
-    """Store which test is running. The figures of all budgets that are judged during the test are added to it.
+    """Store which test is running. The results of the budgets that are judged during the test become its properties.
 
     A run cannot be assigned to one test when it is made, because several tests may share the run of a fixture.
     """

@@ -65,7 +65,7 @@ class Coverage:
 
     @property
     def missing(self) -> int:
-        """The number of chosen phases in parts that are not finished."""
+        """The number of chosen phases in parts, lists of up to PART phases, that are not finished."""
         return sum(map(len, self.parts[self.finished :]))
 
     @property

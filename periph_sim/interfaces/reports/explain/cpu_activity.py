@@ -161,9 +161,9 @@ def _top(stack: Sequence[Record], begin: int, end: int, bottom: Doing) -> Stretc
 def all_episodes(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
     """Return the service routines, spans and waits of a unit that overlap the time between two ticks.
 
-    They are in the order in which they begin. If one record ends several nested activities, `Stretch.within` is the
-    same for all of them: the activities around the outermost one. For example, the service routine of an image and the
-    function that implements it end together.
+    They are in the order in which they begin. `Stretch.within` of each contains the activities around it. If one record
+    ends several nested activities, `within` of all of them contains only the activities around the outermost one. For
+    example, the service routine of an image and the function that implements it end together.
     """
     stack: list[Record] = []
     over: list[tuple[Record, Sequence[Record], int]] = []

@@ -18,8 +18,8 @@ class Departure(NamedTuple):
     """A run in which the verdict of a budget differs from that of the case as it is.
 
     number: the index of the run in `Exploration.attempts`.
-    word: the verdict of the budget in this run: "seen" if it passes, "broken" or "not judged". For RUN: "stuck" or
-        "cannot be made", and "seen" for all other runs.
+    word: the verdict of the budget in this run: "seen" if it passes, "broken" or "not judged". In the Dependence
+        named RUN, which is not about a budget: "stuck", "cannot be made", or "seen" for all other runs.
     found: the worst value of the budget, or the reason why the run is stuck or cannot be made.
     """
 

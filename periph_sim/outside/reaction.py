@@ -81,9 +81,9 @@ class Reaction(Agent):
         self._modules: list[tuple[Socket, I2c]] = []  # the I2C modules in `_listening`
         self._pins: list[list[Pin]] = []  # for each module in `_modules`: its pins of SCL, then its pins of SDA
         self._scl = self._sda = ""  # the lines at the pins in `_pins`; "" if the modules have different lines
-        self._at_once = True  # True if a listener may answer without the delay of a filter
+        self._at_once = True  # True if a listener may answer at once, without the delay of an input filter
         self._now = scene.kernel.now  # the first tick that has not run yet
-        self._levels = dict.fromkeys(lines, 1)  # levels of the lines just before tick `_now`
+        self._levels = dict.fromkeys(lines, 1)  # levels of the lines before the moves in `_put`
         self._put: list[tuple[int, str, int]] = []  # moves (tick, line, level) in order of time
         self._fresh = False  # True if the attributes that `_look` computes are up to date
         self._due = NEVER
@@ -91,9 +91,9 @@ class Reaction(Agent):
         self._widest = 0  # length in ticks of the longest pulse that a filter may remove
         self._widest_of: list[tuple[int, Clock]] = []  # the filter widths and clocks from which `_widest` was computed
         self._hz: list[Fraction] = []  # the frequencies of the clocks in `_widest_of`
-        self._seen = self._levels.copy()  # levels of the lines after all moves in `_put`
-        self._scl_moved = LONG_AGO  # tick of the last edge of SCL among all moves that were put
-        self._scl_done = LONG_AGO  # tick of the last edge of SCL before `_now`
+        self._seen = self._levels.copy()  # levels of the lines after all moves in `_put`, if `_fresh` is True
+        self._scl_moved = LONG_AGO  # tick of the last edge of SCL among all moves, while `_silent` is not -1
+        self._scl_done = LONG_AGO  # tick of the last edge of SCL among the moves that were applied to `_levels`
 
     def put(self, tick: int, line: Text, level: int) -> None:
         """Record that the outside moves a line at `tick`."""
@@ -197,7 +197,7 @@ class Reaction(Agent):
     def _events(self) -> Event | None:
         """Return the kernel's first event; None if it has none. `following` leads to the later events."""
         kernel = self._kernel
-        kernel.reschedule(self._mark, kernel.now, 0)  # `_mark` is then the first event, because past events have run
+        kernel.reschedule(self._mark, kernel.now, 0)  # `_mark` is the first event if those of this tick have run
         event = self._mark.following
         kernel.cancel(self._mark)
         return event

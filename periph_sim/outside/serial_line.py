@@ -67,7 +67,8 @@ class SerialLine:
     def set(self, baud: int, form: str = "8n1") -> None:
         """Set the rate and format of all later frames. Raise OutsideError if the rate or the format is invalid.
 
-        Waiting bytes are sent with the new format. If it has a ninth bit, this bit keeps its earlier value in them.
+        Waiting bytes are sent with the new rate and format. If the new parity is mark or space, the parity bit of a
+        waiting byte has the level of the parity with which the byte was written: 1 for mark, 0 for any other.
         """
         free = self._free_at()
         self._bit, self._format = self.checked(baud, form)

@@ -294,7 +294,8 @@ class Session:
     def serial(self, port: Text, baud: BigInt = 115_200, form: Text = "8n1") -> SerialLine:
         """Create the other end of an SCI's lines, which sends and receives bytes.
 
-        Raise OutsideError if there is no such SCI, its RX does not lead outside, or its other end exists already.
+        Raise OutsideError if there is no such SCI, its RX does not lead outside, its other end exists already, or the
+        rate or the format is invalid.
 
         port: the SCI, for example "scia", "SCI-A" or "dsp.SCI-A".
         form: data bits, parity and stop bits, such as "8n1".

@@ -24,7 +24,7 @@ INT13 = 13
 
 
 Handler = Callable[[int, int], None]  # called with a cycle and a mask of the interrupt lines of a module
-Places = tuple[tuple[int, int], ...]  # (group, line) in the PIE, for each interrupt line of a module
+Places = tuple[tuple[int, int], ...]  # (group, line) in the PIE, for each interrupt line of a module to the PIE
 
 
 class InterruptLines:
@@ -78,5 +78,8 @@ class InterruptLines:
 
 
 def pie_lines(descriptor: ModuleDescriptor) -> Places:
-    """Return (group, line) in the PIE for each interrupt line of a module, in the order of the module's lines."""
+    """Return (group, line) in the PIE for each interrupt line of a module that leads to the PIE, in order.
+
+    The lines of INT13 and INT14, which lead directly to the CPU, are left out.
+    """
     return tuple(LINES[one.vector] for one in descriptor.interrupts if one.vector in LINES)

@@ -35,7 +35,7 @@ BETWEEN, RECONNECT = range(2)  # tags of events that call `_between` and `_recon
 class Router(Agent):
     """Connects the inputs and outputs of peripherals with the wires as the GPIO registers select.
 
-    pads: samples the pads whose edges the GPIO module receives.
+    pads: the sampler of the pads whose edges the GPIO module receives.
     """
 
     STATE = State("_pins _free_pins _direct _feeds pads _monitored _unread _routes _outs _lines", ticks="_between_at")

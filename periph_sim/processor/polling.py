@@ -92,9 +92,9 @@ class Spin:
         self.held_up = 0
 
     def take_length(self, cycle: int) -> None:
-        """Set `bare` from the time that the present pass has taken. Call this method after the last read of the pass.
+        """Set `bare`, which is True if only the reads of the present pass and their tests have taken time.
 
-        cycle: the present cycle.
+        Call this method after the last read of the pass. cycle: the present cycle.
         """
         place: int
         for place in range(self.made):

@@ -84,9 +84,10 @@ class Covered(Struct):
         return Covered([], self.failed, self.drifting, self.worst, self.judged, self.reasons, self.runs)
 
     def judge(self, new: Worst) -> None:
-        """Keep a value if it is nearer to its limit than the kept one, or equally near and of a run with fewer phases.
+        """Keep a value instead of the kept one of the same budget if it is worse.
 
-        A broken limit is nearer than any other.
+        A value that breaks its limit is worse than one that does not. Otherwise, a smaller margin to the limit is
+        worse. If the margins are equal, the value of the run with fewer phases is worse.
         """
         old = self.worst.get(new.verdict.name)
         if old is None or _is_worse(new, old):
@@ -204,8 +205,9 @@ class Window(Struct, frozen=True):
 
     name: the name of the budget or of the failure.
     first, last: the first and the last phase. `first` is above `last` if the window contains the end of the period.
-    run: number of phases within the window that were run alone and failed.
-    is_closed: True if the phase before `first` and the phase after `last` were both run alone and both held.
+    run: number of phases within the window that were run alone and failed in this way.
+    is_closed: True if the phase before `first` and the phase after `last` were both run alone, and neither failed in
+        this way.
     """
 
     name: str

@@ -20,9 +20,13 @@ from ..scene.scene import Scene
 from .stretch import RUN_ERRORS, CoveredCase
 
 BEFORE, AFTER = 400, 60  # limits of "near": an interrupt comes at most 400 cycles before, or 60 cycles after, a write
-MAX_NEAR = 100_000  # maximum number of phases near a write: some firmware writes registers at each edge of the bus
+# If more than MAX_NEAR phases are near a write, none of them is chosen for this reason. Some firmware writes registers
+# at each edge of the bus.
+MAX_NEAR = 100_000
 OBSERVED = 8  # number of rounds with a frame that are observed; their phases are evenly spaced
-SAME = 400  # delays in two rounds belong to the same interrupt if they differ by less than this number of cycles
+# Service routines in two rounds belong to the same interrupt if their times since the start of the frame differ by less
+# than SAME cycles.
+SAME = 400
 WRITE = "W "  # the beginning of the text of an access that writes
 
 

@@ -31,7 +31,8 @@ from ..scene.plan import ScenePlan
 ROUNDS = 41
 REPEATED = 2  # repetitions of the last phase of a run: a phase can affect ages of data up to two rounds later
 WARM_UP = 3  # minimum number of periods before the first moved start, in which the firmware starts
-NEARLY = Fraction(1, 20)  # tolerance in rounds: if the frames' period is 0.95 to 1.05 rounds, each round has a frame
+# Tolerance in rounds: if the period of the frames is 0.95 to 1.05 rounds, runs have exactly one frame in each round.
+NEARLY = Fraction(1, 20)
 SERIAL_SPAN = Fraction(1, 1000)  # in seconds: default of the highest phase of sends, which no period limits
 
 Moved = Literal["frames", "rounds", "sends"]
@@ -96,7 +97,7 @@ class Phases:
         return self.moved == "sends" or self.start_up
 
     def due(self, number: int) -> int:
-        """Return the tick from which the phase of moved start `number` is counted."""
+        """Return the tick from which the phase of moved start `number` is counted; not valid if `start_up` is True."""
         return self._grid.due(self.warm_up + number * self._rounds_per_frame)
 
     def starts(self, phases: Sequence[int]) -> list[int]:

@@ -63,7 +63,7 @@ class CoveredCase:
     """A case without the budgets that cannot be judged at single phases.
 
     phases: the phases of the case.
-    left_out: a dictionary from the names of budgets and inputs that are not covered to the reason.
+    left_out: the budgets and inputs that are not covered, as a dictionary from the name of each to the reason.
     runs: the number of runs so far.
 
     Raise BadCase if the case has no free phase, or no budget is left.
@@ -114,7 +114,7 @@ class CoveredCase:
 
 
 def _inputs_left_out(case: Case, phases: Phases) -> dict[str, str]:
-    """Return a dictionary from the free inputs of a case that are not covered to the reason."""
+    """Return the free inputs of a case that are not covered, as a dictionary from the name of each to the reason."""
     found: dict[str, str] = {}
     moved = {"frames": case.host, "rounds": case.controller}.get(phases.moved)
     if moved is not None and moved.jitter:

@@ -5,7 +5,7 @@
 
 The CPU may make other accesses before the write is made, so the write need not be the next access.
 
-A flag is lost if it is cleared before the firmware has read it after its last rise.
+A flag is lost if it is cleared although the firmware has not read it since its last rise.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class LostFlag:
         to clear only other flags.
     unseen: number of the times in `along` at which the firmware had not read the flag since its last rise. A read of
         another field does not count as a read of the flag, nor does a read by the read-modify-writes of this place.
-    lost: the ticks at which the flag was cleared before the firmware had read it after its last rise, in order.
+    lost: the ticks at which the flag was cleared although the firmware had not read it since its last rise, in order.
     cleared: the ticks at which the flag was cleared unintentionally, whether the firmware had read it or not.
     """
 
@@ -116,7 +116,7 @@ class ReadModifyWrite:
 
     @property
     def lost(self) -> int:
-        """Number of times that a flag was cleared before the firmware had read it after its last rise."""
+        """Number of times that a flag was cleared although the firmware had not read it since its last rise."""
         return sum(flag.lost_between + flag.unseen for flag in self.flags)
 
 

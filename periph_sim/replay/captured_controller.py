@@ -89,7 +89,7 @@ class CapturedController:
         self._kernel = kernel
         self._on_end = on_end
         self._hold = usual_hold(plan.part.transfers, plan.part.half_sample)
-        self._late = 0  # ticks by which the last transfer ended later than captured
+        self._late = 0  # ticks by which the last transfer ended later than captured; not used with `least_gap`
         self._cut = 0  # ticks by which `longest_low` has shortened the last transfer
         self._delay = 0  # sum of all stretches (`player.delay`) before the last transfer
         answers = plan.part.answers_of_others(plan.own)

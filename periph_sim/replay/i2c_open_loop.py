@@ -6,8 +6,9 @@
     in all other bits:                     the chip must not pull SDA low if the captured bit is 1
 
 If the chip still holds SCL low when SCL rises in the capture, its answer is late. The chip's later data are then not
-those that it would send to a controller that waits. The capture may have low phases that are longer than usual. A note
-in the report counts those that the chip would have ended earlier.
+those that it would send to a controller that waits. A low phase of the capture that is much longer than usual is a
+stretch of the captured target or a pause of the controller. A note in the report counts those in which the simulated
+chip released SCL earlier.
 
 An edge of SDA in the same sample as an edge of SCL is moved by half a sample into the low phase of SCL: before a rising
 edge of SCL, after a falling edge.

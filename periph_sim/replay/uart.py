@@ -73,7 +73,8 @@ def play_line(scene: Scene, capture: Capture, channel: str | int, origin: int) -
     ]
     notes = []
     if not line.initial:
-        # A frame or break began before the capture. Like the decoder, the replay leaves it out.
+        # The capture begins within a frame or break. Like the decoder, the replay leaves out this first low phase; it
+        # plays the rest of such a frame.
         edges = edges[1:]
         notes.append("the capture begins with the line low; the line is kept idle until it has risen")
     EdgePlayer(scene.kernel, scene.wire("RX"), edges)

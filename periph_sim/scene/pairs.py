@@ -41,7 +41,7 @@ class Pairs:
         return self._transceivers.get((unit, module))
 
     def lines(self) -> Mapping[str, Line]:
-        """Return a dictionary from the wire of a pair to a line function.
+        """Return a dictionary from the name of a pair, which is one wire in the scene, to a line function.
 
         The line function returns the bit length and the format of the party that drives the pair now. If no party
         drives the pair, the function returns those of the pair's first SCI.

@@ -132,7 +132,8 @@ class Scene:
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
         self.log_ends_early = ""  # a sentence if the log in [outside] is cut off before its end; else ""
         self.stalled = ""  # a sentence if the run was aborted because firmware let no simulated time pass; else ""
-        self.checkpoint: Snapshot | None = None  # the last snapshot with logs of C sources (see `state`), for `restore`
+        # The last snapshot with logs of the accesses of C sources. `restore` of another scene can start from it.
+        self.checkpoint: Snapshot | None = None
         self._wall = 0.0  # seconds of real time that the run has taken
         wire = self.wires.wire
         context = SceneContext(case, self.timebase, self.start, self.kernel, self.recorder, wire, wiring)

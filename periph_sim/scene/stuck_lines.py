@@ -28,7 +28,7 @@ class StuckLines:
         self._timebase = timebase
         self._start = start
         self._units = units
-        self._wire: Wire | None = None  # the line that was reported last
+        self._wire: Wire | None = None  # the line that was reported last; None without a controller agent
         self._after_rounds = 0  # number of rounds that were over at the last report
 
     def report(self, wire: Wire) -> None:

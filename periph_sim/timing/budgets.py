@@ -111,8 +111,8 @@ class BudgetJudge:
         """Return the verdict of a run that began at tick `start`.
 
         If no limit is broken, but values were measured on too few occasions, the budget is not judged, so it does not
-        pass. If the budget has joined conditions, the result is the verdict of the judge `shown`, except that the text
-        `found` describes all conditions.
+        pass. If the budget has joined conditions, the result is the verdict of one of `parts`, which `shown` selects.
+        Its text `found` then describes all parts.
         """
         if not self.joined:
             return self._judge(start)

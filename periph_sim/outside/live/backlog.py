@@ -9,11 +9,11 @@ from collections.abc import Callable
 
 MOST = 1 << 20  # maximum number of bytes that wait for a client, and of bytes that wait for an SCI
 AT_ONCE = 4096  # maximum number of bytes of one read or write call
-MOST_HELD = 16 * MOST  # `left_there` stops when it has discarded this number of bytes
+MOST_HELD = 16 * MOST  # `left_there` stops after this number of bytes, because a client may go on sending
 
 
 class Backlog:
-    """The bytes that wait for a client. lost: number of discarded bytes."""
+    """The bytes that wait for a client. lost: number of bytes discarded by `add`, because too many were waiting."""
 
     def __init__(self, most: int = MOST) -> None:
         self.lost = 0

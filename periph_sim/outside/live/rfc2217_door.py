@@ -24,7 +24,7 @@ from ..serial_line import SerialLine, parts_of_format
 from .backlog import AT_ONCE, MOST, Backlog, left_there
 
 LOOPBACK = "127.0.0.1"
-WHILE = 0.05  # maximum time in seconds to wait for a client's last bytes
+WHILE = 0.05  # a closing door reads a client's last bytes until no more arrive for this time, in seconds
 LONGEST_OPTION = 256  # maximum number of bytes of a Telnet subnegotiation; RFC 2217's settings have at most six
 # A client whose computer no longer answers is disconnected after 25 s: 10 s without data, and three probes of 5 s each.
 KEEPALIVE = {"TCP_KEEPIDLE": 10, "TCP_KEEPINTVL": 5, "TCP_KEEPCNT": 3}

@@ -51,7 +51,8 @@ class Encoding:
     cycles, not_taken: the cycles of the instruction alone, and those of a branch that is not taken.
     cycles_where: "y & 0x30: 2" means 2 cycles if field y has any of these bits, "k = 15: 4" means 4 cycles if field k
         is 15; "" if the cycles do not depend on a field.
-    repeated: the cycles of N + 1 executions after RPT, minus N; 0 if the instruction cannot be repeated.
+    repeated: R if RPT #N makes the CPU execute the instruction N + 1 times in N + R cycles; 0 if the instruction cannot
+        be repeated.
     latency: "2p" if the result is available one instruction later; "2p/1" or "2p/2p" for two parallel instructions,
         one latency for each; "" if the result is available at once.
     depends: the status bits on which the effect depends, as a text.
@@ -244,6 +245,9 @@ def is_operand(kind: str, field: int) -> bool:
 
 @cache
 def fixed_operands(wide: bool) -> dict[str, int]:
-    """Return a dictionary from each operand text without an offset, "@AL" or "*XAR4++", to the value of field l."""
+    """Return a dictionary from each operand text without an offset, "@AL" or "*XAR4++", to the value of field l.
+
+    wide: True if the operand has 32 bits.
+    """
     texts = operand_texts(wide)
     return {texts[field]: field for field in range(0x80, 0x100)} | {f"*XAR{n}": 0xC0 | n for n in range(8)}

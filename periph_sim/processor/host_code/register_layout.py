@@ -160,7 +160,12 @@ class RegisterLayout:
         return place if place is not None and place.at <= at and at + size <= place.at + place.size else None
 
     def _is_ambiguous(self, number: Place) -> bool:
-        """Return True if an announced write of this number could also be a write of adjacent bit fields."""
+        """Return True if gcc may announce a write of bit fields like a write of this number.
+
+        This is so if adjacent bit fields begin at the offset of the number and have at least its size, as in a union.
+
+        number: a place that is no bit field.
+        """
         return number.size <= self._announced.get(number.at, 0)
 
     def _add_field(self, place: Place, first: int, last: int) -> bool:

@@ -212,7 +212,11 @@ class RepeatedPass:
         self.stores: list[Store] = []
 
     def step(self, traced: Traced) -> None:
-        """Evaluate the next instruction. Raise NotCounting if it reads a counter, but does not compute a `Sum`."""
+        """Evaluate the next instruction.
+
+        Raise NotCounting if it uses a counter as an address, or reads a counter but does not compute a `Sum`. Raise it
+        also if the result of the sum cannot be expressed as a counter.
+        """
         if any(place in self.counters for place in _address_registers(traced.pointers)):
             raise NotCounting
         done = sum_of(traced.f.encoding)

@@ -70,7 +70,8 @@ class UnmappedMemory:
         self._core = core
         self._notes = notes
         self._frames: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END  # words of frames and of XINTF zone 0
-        self._states: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END  # properties of the words in `_frames`
+        # For each word in `_frames`, a mask of SEEN, STUBBED, PROTECTED and REGISTER.
+        self._states: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END
         self._stored = {ADC_CAL: LRETR}  # maps an address after the frames to its word
         for address, value in FRAME_RESET.items():
             self._frames[address] = value
@@ -158,7 +159,7 @@ class UnmappedMemory:
         return True
 
     def _mark(self, address: int, area: Area) -> None:
-        """Store the properties of a word in `_states` at its first access, so that the next access needs no lookup."""
+        """Store the bits of a word in `_states` at its first access, so that the next access needs no lookup."""
         if address < FRAMES_END and address not in (FOPT, FBANKWAIT) and address not in FLASH_COMMANDS:
             registers = area.content is Content.REGISTERS
             known = SEEN | PROTECTED * is_protected(address) | REGISTER * registers

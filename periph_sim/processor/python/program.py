@@ -3,8 +3,9 @@
     Processor.act --> run --> greenlet --> firmware --> instructions --> yield_turn --> Kernel.run_nested until next run
 
 A program that yields its turn runs the due events on its own stack. The stack changes only when another program
-continues, or when the run ends. An exception of an event is not raised in the firmware, but in the outer loop: the
-event loop that the run has started.
+continues, or when the outer loop, which is the event loop of `Kernel.run_until`, must continue: for a plain callback,
+at the end of the simulation run, or because an event raises an exception. This exception is not raised in the firmware,
+but in the outer loop.
 
 Each service routine has a code address, so that its vector is an ordinary word in the vector table of the PIE.
 """

@@ -49,9 +49,9 @@ class Link(NamedTuple):
     known: RECORDED or INFERRED, the source of the relation; "" for the record whose causes are searched.
     because: the relation, as a phrase.
     aside: True if the record is only additional information and not the cause. The search does not continue from it.
-    of: the row of the other record, which this record explains. -1 if there is none: in the first link of `walk_back`,
-        and in links that are not part of a search. `causes` returns -1 for the record that was passed to it;
-        `walk_back` puts the row of that record in its place.
+    of: the row of the other record, which this record explains. It is -1 if there is none: in the first link of
+        `walk_back`, and in links that are not part of a search. `causes` also sets it to -1 in links that explain the
+        record passed to `causes`; `walk_back` replaces this -1 by the row of that record.
     """
 
     row: int

@@ -21,10 +21,10 @@ LONGEST_PASS = 4  # maximum number of reads in one pass of a loop
 def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
     """Yield the first reads of waits that are longer than `options.bound`, or that never end.
 
-    A wait is a polling loop: one read, or up to LONGEST_PASS reads in the same order, at least twice in a row without
-    another access of the same routine. A loop of several reads does not count if one of them removes data, as a read of
-    SCIRXBUF does: such a loop makes progress. A single read is no wait, because the firmware may have gone on to code
-    that accesses no register.
+    A wait is a polling loop: a series of 1 to LONGEST_PASS reads that is made at least twice in a row, without another
+    access of the same routine. A series of several reads is no wait if one of them removes data, as a read of SCIRXBUF
+    does: such a loop makes progress. A read that is made only once is no wait either, because the firmware may have
+    gone on to code that accesses no register.
 
     Skipped polls are not recorded. Therefore a wait lasts from its first recorded read to the next other access of its
     routine, including computations before this access. If there is none, the wait lasts to the end of the run in the

@@ -141,7 +141,7 @@ class BusFromWires(BitParty):
         """Handle a STOP."""
 
     def held(self, let_go: int, rose: int) -> None:
-        """Handle a rise of SCL. let_go: the tick at which the other parties released SCL, not later than `rose`."""
+        """Handle a rise of SCL. let_go: the tick, at most `rose`, since which no party except the unit has held SCL."""
 
     def first_bit(self, let_go: int, rose: int) -> None:
         """Handle the rise of SCL after an acknowledged byte, for the first bit of a data byte or for a STOP."""

@@ -239,8 +239,9 @@ class Unsolicited(Measure):
 
     A silence is a time in which no character may come.
 
-    name: the send with which a silence begins. The silence lasts until the time `within` after the send is over, or
-        until other data is sent. "" for the measure `unsolicited replies`, which counts in the whole run.
+    name: the send with which a silence begins. The silence ends when the time `within` has passed since the end of the
+        send, or earlier, when other data is sent. "" for the measure `unsolicited replies`, which counts in the whole
+        run.
     source: the SCI that sent the first counted character; "" if there is none.
     """
 

@@ -76,7 +76,8 @@ def between(
         events += [(row, START) for row in starts.tolist()]
     measure = Between(first, second, said.pairing, stretch)
     measure.keep()
-    # If several events have the same record, a START is first, the end of a pair second, the start of a pair last.
+    # Of events of the same record, the start of a transfer or round is first, then the end of a pair, then the start of
+    # a pair.
     for row, place in sorted(events, key=lambda event: (event[0], -event[1])):
         measure.happened(place, int(table.tick[row]), 0)
     if measure.again is not None:

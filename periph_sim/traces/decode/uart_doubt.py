@@ -27,8 +27,9 @@ from .uart import UartRowKind, low_pulses, sample_point_step, uart_table, width_
 from .uart_guess import LOOKED_AT, guess
 from .uart_line import Line
 
-# A guessed rate that differs from the stated rate by at most TOLERANCE does not contradict the stated rate. Receivers
-# of 8n1 sample the stop bit 9.5 bits after the start edge, and at this difference, half a bit too early or too late.
+# A guessed rate that differs from the stated rate by at most TOLERANCE does not contradict the stated rate. A receiver
+# of 8n1 samples the stop bit 9.5 bits after the start edge. With this difference of rates, it samples the stop bit half
+# a bit too early or too late.
 TOLERANCE = Fraction(1, 20)
 # Misread frames are evidence against the stated rate under these conditions:
 FEWEST = 3  # minimum number of misread frames at the stated rate, and minimum number of frames at the other rate

@@ -29,7 +29,8 @@ class Operation:
     address, next: the address of this instruction, and the address after its last word.
     place: equal to `address`; -1 after the words of the instruction were overwritten.
     cycles, not_taken: the cycles of the instruction, and those of a branch that is not taken.
-    repeated: the cycles of N + 1 executions after RPT, minus N; 0 if the instruction cannot be repeated.
+    repeated: R if RPT #N makes the CPU execute the instruction N + 1 times in N + R cycles; 0 if the instruction cannot
+        be repeated.
     wide: True if the operand has 32 bits.
     byte: True if the operand is a byte.
     accesses: READS, WRITES, both or 0, for the operand of field l.

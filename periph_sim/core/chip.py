@@ -73,7 +73,7 @@ class Chip:
     Bit i of `requests` and of `held` represents interrupt number i of the module.
     """
 
-    STATE = State("out held requests loaded writes filter_width", cycles="next_wake")
+    STATE = State("out held requests loaded writes filter_width", cycles="next_wake", results="writes")
     MAP: RegisterMap
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 from msgspec import Struct
 
 from .chip import NEVER
-from .state import Time, state_of
+from .state import State, Time, state_of
 
 NOT_YET = -1  # an instant that is not known yet
 PLAIN = (type(None), bool, int, float, str, bytes, Fraction, datetime)
@@ -161,7 +161,7 @@ def take_snapshot(
 
     number: the number of the last record.
     """
-    collector = _Collector(modules, tick, number)
+    collector = Collector(modules, tick, number)
     return Snapshot(identity, tick, number, {name: one.cycle for name, one in modules.items()}, collector.values)
 
 
@@ -183,8 +183,12 @@ def absolute(value: Any, now: int) -> Any:
     return value + now
 
 
-class _Collector:
-    """Visits modules recursively and collects their state. values: a dictionary from names to the collected values."""
+class Collector:
+    """Visits modules recursively and collects their state.
+
+    values: a dictionary from names to the collected values.
+    now: a dictionary from a unit of time to the present instant; for cycles, that of the visited module's clock.
+    """
 
     def __init__(self, modules: Mapping[str, Module], tick: int, number: int) -> None:
         self.values: dict[str, Any] = {}
@@ -192,10 +196,10 @@ class _Collector:
         self._named: list[object] = []  # keeps the named objects alive, so that their ids stay unique
         self._module = Module(None)
         self._in_chain = False
-        self._now = {Time.TICKS: tick, Time.RECORDS: number}
+        self.now = {Time.TICKS: tick, Time.RECORDS: number}
         for name, module in modules.items():
             self._module = module
-            self._now[Time.CYCLES] = module.cycle
+            self.now[Time.CYCLES] = module.cycle
             self._attributes(name, module.target)
 
     def _attributes(self, name: str, target: object) -> None:
@@ -203,16 +207,19 @@ class _Collector:
         state = state_of(type(target))
         assert state is not None, f"{name} is a {type(target).__name__}, which declares no state"
         self.values[name] = Made(class_name(type(target)))
-        for attribute, time in state.times.items():
-            if not hasattr(target, attribute):
-                continue
-            value, place = getattr(target, attribute), f"{name}.{attribute}"
-            if attribute in state.chains:
-                self._in_chain = True
-                self._items(place, "chain", dict(enumerate(_chained(value))), time)
-                self._in_chain = False
-            else:
-                self._value(place, value, time)
+        for attribute in state.times:
+            if hasattr(target, attribute):
+                self.collect(f"{name}.{attribute}", target, attribute, state)
+
+    def collect(self, place: str, target: object, attribute: str, state: State) -> None:
+        """Collect one declared attribute of an object. place: its name in the snapshot."""
+        value, time = getattr(target, attribute), state.times[attribute]
+        if attribute in state.chains:
+            self._in_chain = True
+            self._items(place, "chain", dict(enumerate(_chained(value))), time)
+            self._in_chain = False
+        else:
+            self._value(place, value, time)
 
     def _value(self, name: str, value: Any, time: Time) -> None:
         kind = type(value)
@@ -300,7 +307,7 @@ class _Collector:
             self._value(f"{name}.owner", owner, Time.NONE)
 
     def _relative(self, value: Any, time: Time) -> Any:
-        return value if time is Time.NONE else _relative(value, self._now[time], time)
+        return value if time is Time.NONE else _relative(value, self.now[time], time)
 
 
 def _relative(value: Any, now: int, time: Time) -> Any:

@@ -9,6 +9,7 @@ reports). Snapshots (`core.snapshot`), their comparison and restoring (`core.res
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from enum import Enum
 
 
@@ -29,6 +30,13 @@ class State:
         the present cycle or the number of the last record.
     chains: first elements of linked lists, whose elements have the attribute `following`.
     made: True if the attributes are complete, so that restoring can create an object of the class from them.
+
+    Some of these attributes need not be equal in two states that continue equally. `proof.normal_state` uses them:
+
+    results: attributes that only reports read, and data that only makes the simulation faster.
+    expires: instants that have no effect once they are long past.
+    grids: a dictionary from an attribute with an instant to the attribute with the period of its repetitions. Only the
+        distance from now to the next repetition has an effect. Both attributes may be lists.
     """
 
     def __init__(
@@ -40,8 +48,14 @@ class State:
         records: str = "",
         chains: str = "",
         made: bool = False,
+        results: str = "",
+        expires: str = "",
+        grids: Mapping[str, str] | None = None,
     ) -> None:
         self.made = made
+        self.results = frozenset(results.split())
+        self.expires = frozenset(expires.split())
+        self.grids = dict(grids or {})
         self.times = dict.fromkeys((plain + " " + chains).split(), Time.NONE)
         for names, time in ((ticks, Time.TICKS), (cycles, Time.CYCLES), (records, Time.RECORDS)):
             self.times |= dict.fromkeys(names.split(), time)
@@ -56,6 +70,9 @@ def state_of(kind: type) -> State | None:
         for one in declared:
             whole.times |= one.times
             whole.chains |= one.chains
+            whole.results |= one.results
+            whole.expires |= one.expires
+            whole.grids |= one.grids
             whole.made = one.made
         _states[kind] = whole if declared else None
     return _states[kind]

@@ -158,6 +158,12 @@ class Clock:
         made=True,
     )
 
+    def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
+        """Return the distance of a tick from the beginning of a cycle, if a cycle is a whole number of ticks."""
+        if self._den != 1:
+            return {}
+        return {"_tick0": (tick - self._tick0) % self._num, **dict.fromkeys(["_cycle0", "_last_tick", "_last_cycle"])}
+
     hz: Fraction
     _wide: bool
     _num: int

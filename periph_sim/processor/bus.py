@@ -53,7 +53,7 @@ class Posted:  # core: freelist 4
     following: the posted write that lands after this one; None for the last.
     """
 
-    STATE = State("operand value where", cycles="lands", records="cause", made=True)
+    STATE = State("operand value where", cycles="lands", records="cause", made=True, expires="lands")
 
     lands: int
     operand: Operand
@@ -75,7 +75,12 @@ class Bus:
     issued_at: the statement that issued the posted write that lands now; None if it is unknown, or if no write lands.
     """
 
-    STATE = State("ram _posted_last issued_at", cycles="free_from free_of _last_pf1_write", chains="_posted")
+    STATE = State(
+        "ram _posted_last issued_at",
+        cycles="free_from free_of _last_pf1_write",
+        chains="_posted",
+        expires="free_from free_of _last_pf1_write",
+    )
 
     _pf2_read_ws: IntOption
     _pf2_write_ws: IntOption

@@ -33,7 +33,12 @@ class CpuTime:
     wakes: while `watching`, the cycle at which a sleeping CPU would be woken; NEVER if no such cycle is known.
     """
 
-    STATE = State("asleep watching _wake", cycles="cycle lands met wakes _wake_cycle _until", ticks="_wake_tick")
+    STATE = State(
+        "asleep watching _wake",
+        cycles="cycle lands met wakes _wake_cycle _until",
+        ticks="_wake_tick",
+        expires="cycle met _wake_cycle _wake_tick",
+    )
 
     def __init__(self, kernel: Kernel, clock: Clock, agent: Agent) -> None:
         """agent: the kernel calls its `act` at a scheduled wake-up; `act` must call `arrive` first."""

@@ -38,7 +38,15 @@ class Router(Agent):
     pads: the sampler of the pads whose edges the GPIO module receives.
     """
 
-    STATE = State("_pins _free_pins _direct _feeds pads _monitored _unread _routes _outs _lines", ticks="_between_at")
+    STATE = State(
+        "_pins _free_pins _direct _feeds pads _monitored _unread _routes _outs _lines",
+        ticks="_between_at",
+    )
+
+    def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
+        """Return how far the router is behind the versions of the GPIO module. See `proof.normal_state`."""
+        gpio = self._gpio
+        return {"_routes": gpio.routes_version - self._routes, "_outs": gpio.out_version - self._outs}
 
     def __init__(
         self,

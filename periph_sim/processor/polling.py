@@ -150,7 +150,7 @@ class Lease(ChipObserver):
     While the CPU sleeps, this object observes the modules that the pass has read, and wakes the CPU at a change.
     """
 
-    STATE = State("_sockets _spin", cycles="_first")
+    STATE = State("_sockets _spin", cycles="_first", results="_spin", expires="_first")
 
     def __init__(self, time: CpuTime) -> None:
         self._time = time

@@ -88,7 +88,7 @@ class Program:
     returned_at: the cycle at which main has returned, or an image has executed ESTOP0; None before.
     """
 
-    STATE = State("spin polls_skipped", cycles="returned_at")
+    STATE = State("spin polls_skipped", cycles="returned_at", results="polls_skipped")
 
     def __init__(self) -> None:
         self.spin: Spin | None = None
@@ -166,7 +166,10 @@ class Processor(Agent):
     """
 
     STATE = State(
-        "time notes bus core taken stopped _under_way _vector _number", cycles="_goal", records="_cause _causes"
+        "time notes bus core taken stopped _under_way _vector _number",
+        cycles="_goal",
+        records="_cause _causes",
+        expires="_goal",
     )
 
     def __init__(

@@ -54,6 +54,7 @@ class I2cController(BitParty):
         "busy _sda_level _rising _high _high_end _transfer _done _phase _phase_index _stretch _wanted "
         "_acks _got _byte _bit _in _index _receiving _bus _next _guard _clear _sampler",
         ticks="_let_go_at _refused_since",
+        expires="_let_go_at",
     )
 
     __slots__ = (

@@ -24,7 +24,11 @@ class FilteredBus:
     scl_moved: the tick of the last change of SCL, spikes included.
     """
 
-    STATE = State("busy _lines _scl_seen _sda_event _sda_seen", ticks="last_stop scl_moved _sda_moved")
+    STATE = State(
+        "busy _lines _scl_seen _sda_event _sda_seen",
+        ticks="last_stop scl_moved _sda_moved",
+        expires="last_stop scl_moved _sda_moved",
+    )
 
     __slots__ = (
         "_filter",

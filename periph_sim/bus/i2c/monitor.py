@@ -40,6 +40,7 @@ class I2cMonitor(BitParty):
         "_starting _scl_mask _sda_mask _pulls_scl _pulls_sda _first _transfer _phase _acks "
         "_got _stream _sda_seen _levels _clock_length _stretch",
         ticks="_start_at _began_at _let_go_at _rose_at _ended_at _pulled_at _sda_at",
+        expires="_start_at _began_at _let_go_at _rose_at _ended_at _pulled_at _sda_at",
     )
 
     def __init__(

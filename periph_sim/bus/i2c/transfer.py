@@ -54,6 +54,7 @@ class Phase:
         "address read data count expect address_byte acked got acks stretch",
         ticks="start_at answer_from answer_at",
         made=True,
+        expires="start_at answer_from answer_at",
     )
 
     __slots__ = (
@@ -112,7 +113,7 @@ class Transfer:
         STOP of the bus clear ends the transfer.
     """
 
-    STATE = State("name phases lost", ticks="stop_at", made=True)
+    STATE = State("name phases lost", ticks="stop_at", made=True, expires="stop_at")
 
     __slots__ = ("lost", "name", "phases", "stop_at")
 

@@ -53,7 +53,9 @@ class UartReader(Agent):
     line: called at each start bit; returns the exact length of a bit in ticks, and the format of the frames.
     """
 
-    STATE = State("_bit _format _length _halves _ending", ticks="_start _set_at _edges")
+    STATE = State(
+        "_bit _format _length _halves _ending", ticks="_start _set_at _edges", expires="_start _set_at _edges"
+    )
 
     __slots__ = (
         "_bit",
@@ -166,7 +168,7 @@ class UartCounter(Agent):
 
     topics: list[Topic]
 
-    STATE = State(ticks="_begun_at _over_at _free_at")
+    STATE = State(ticks="_begun_at _over_at _free_at", expires="_begun_at _over_at _free_at")
 
     def __init__(self, wire: Wire, line: Line) -> None:
         self.on_character: list[Callable[[int], None]] = []

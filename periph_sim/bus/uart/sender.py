@@ -80,7 +80,7 @@ def _known_edges(frame_format: UartFormat) -> dict[int, list[int]]:
 class UartSender(EdgeSender):
     """Sends one burst of bytes at a time. bit: the exact length of a bit in ticks."""
 
-    STATE = State("_done", ticks="_ends_at")
+    STATE = State("_done", ticks="_ends_at", expires="_ends_at")
 
     __slots__ = (
         "_begins",

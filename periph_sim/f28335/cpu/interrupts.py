@@ -96,6 +96,7 @@ class CpuInterrupts:
     STATE = State(
         "ifr ier st1 sp nested owes_instruction _latched _nonmaskable",
         cycles="next_wake ready _coming _latched_at _pieack_end _returned_at",
+        expires="ready _latched_at _pieack_end _returned_at",
     )
 
     def __init__(self, options: SystemOptions) -> None:

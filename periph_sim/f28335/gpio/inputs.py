@@ -140,6 +140,7 @@ class GpioInputs(GpioSettings):
         "pads watched changed _before _qualifiers _qualified _watching _xints _asynchronous _sampled _dead _pull_ups "
         "_outputs _input_clock _last_words _last_level _last_pads _last_qualified _settles",
         cycles="_edge_at _settle_at",
+        expires="_edge_at",
     )
     _last_pads: BigInt
     _last_qualified: BigInt

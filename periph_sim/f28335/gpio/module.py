@@ -52,7 +52,11 @@ HALF_AT = BIT[::16]  # for each 16-bit word of GPxDAT, the mask of its lowest pi
 class Gpio(GpioInputs):
     """GPIO module."""
 
-    STATE = State("driven driven_high out_version routes_version _wired _latch", cycles="_waiting _outs")
+    STATE = State(
+        "driven driven_high out_version routes_version _wired _latch",
+        cycles="_waiting _outs",
+        results="out_version routes_version",
+    )
     INPUTS = PADS
     OUTPUTS = PADS
 

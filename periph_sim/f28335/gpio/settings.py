@@ -144,7 +144,7 @@ def pin_settings_of(values: tuple[int, ...]) -> PinSettings:
 class GpioSettings(Chip):
     """Settings registers of the GPIO module: their stored values and the values in effect, by offset."""
 
-    STATE = State("_stored _active _periods", cycles="_origins")
+    STATE = State("_stored _active _periods", cycles="_origins", grids={"_origins": "_periods"})
     MAP = at.GPIO
     steady = STEADY
 

@@ -75,7 +75,7 @@ class I2cMaster(I2cMasterData):
     skip_high: the time from a release of SCL until the module pulls SCL low again, in cycles.
     """
 
-    STATE = State("sees_idle _waits_for_bus", cycles="_free_from")
+    STATE = State("sees_idle _waits_for_bus", cycles="_free_from", expires="_free_from")
 
     def __init__(self, state: I2cRegisters, limits: I2cLimits) -> None:
         super().__init__(state, limits)

@@ -45,6 +45,7 @@ class I2cMasterLines:
         "lines frozen halting active pulls _condition_sda _step _after_high _waits_for_rise _high_phase _holds _driven "
         "counter _addresses _starting _stopping _own_restart _restart_next",
         cycles="due _released_at _low_from _rose_at",
+        expires="_released_at _low_from _rose_at",
     )
 
     def __init__(self, state: I2cRegisters, limits: I2cLimits) -> None:

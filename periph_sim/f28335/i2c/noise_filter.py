@@ -31,7 +31,7 @@ class I2cNoiseFilter:
         filter together, at the time of the later edge.
     """
 
-    STATE = State("levels", cycles="due _scl_due _sda_due _cycle _scl_was _sda_was")
+    STATE = State("levels", cycles="due _scl_due _sda_due _cycle _scl_was _sda_was", expires="_cycle")
 
     def __init__(self, unequal_arrival: BoolOption, touched: set[str]) -> None:
         self.levels = SCL | SDA

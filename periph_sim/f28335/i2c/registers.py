@@ -49,6 +49,7 @@ class I2cRegisters(I2cRequests):
         "bcm clkh clkl cnt drr drr_unread dxr dxr_behind dxr_full emdr_written filter_width loaded "
         "nack_of oar psc rsr sar tm xsr",
         cycles="nack_since",
+        results="nack_of nack_since",
     )
 
     def __init__(self, options: I2cOptions) -> None:

@@ -55,6 +55,12 @@ def block_at(address: int) -> RamBlock | None:
     return BY_PAGE[address >> PAGE] if 0 <= address < END else None
 
 
+# Words of memory are compared by two polynomials of them modulo a prime number. Two different contents have equal
+# remainders with a probability of about 2 ** -62.
+MODULUS = 2**31 - 1
+FACTOR, OTHER_FACTOR = 65_599, 1_000_003
+
+
 @final
 class HighRam:
     """The words of L0 to L7."""
@@ -67,6 +73,15 @@ class HighRam:
 
     def __init__(self) -> None:
         self.words = [0] * HIGH_WORDS
+
+    def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
+        """Return two remainders in place of the words, because they are too many. See `proof.normal_state`."""
+        first: int = 0
+        second: int = 0
+        for place in range(HIGH_WORDS):
+            first = (first * FACTOR + self.words[place]) % MODULUS
+            second = (second * OTHER_FACTOR + self.words[place]) % MODULUS
+        return {"words": (first, second)}
 
 
 @final
@@ -82,6 +97,15 @@ class Ram:
     def __init__(self) -> None:
         self._low = [0] * LOW_WORDS
         self._high: HighRam | None = None
+
+    def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
+        """Return two remainders in place of the words, because they are too many. See `proof.normal_state`."""
+        first: int = 0
+        second: int = 0
+        for place in range(LOW_WORDS):
+            first = (first * FACTOR + self._low[place]) % MODULUS
+            second = (second * OTHER_FACTOR + self._low[place]) % MODULUS
+        return {"_low": (first, second)}
 
     def word(self, address: int) -> int:
         if address < HIGH:

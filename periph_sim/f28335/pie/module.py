@@ -50,6 +50,7 @@ class Pie(Chip):
     STATE = State(
         "pulses _as_reset _lines_held _pieack _piectrl _pieier _pieifr _seen _set_now _noted_blocked",
         cycles="_set_at",
+        expires="_set_at",
     )
     MAP = MAP
 

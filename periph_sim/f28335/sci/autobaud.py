@@ -32,7 +32,7 @@ class SciAutobaud:
     due: the cycle at which `character` is accepted if the line stays high until then; NEVER if none was recognized.
     """
 
-    STATE = State("armed character nine_bits _edges", cycles="due")
+    STATE = State("armed character nine_bits", cycles="due _edges")
 
     def __init__(self) -> None:
         self.armed = False

@@ -27,7 +27,9 @@ from ...core.state import State
 class SciClock:
     """Clock of the receiver or of the transmitter, initially stopped. period: cycles of one SCICLK."""
 
-    STATE = State("running divider phase brr period _tick _left", cycles="_cycle")
+    STATE = State(
+        "running divider phase brr period _tick _left", cycles="_cycle", results="_tick", grids={"_cycle": "period"}
+    )
 
     def __init__(self) -> None:
         self.running = False

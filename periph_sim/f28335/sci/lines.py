@@ -31,7 +31,7 @@ from .character_format import SciFormat
 from .clock import SciClock
 from .options import SciOptions
 from .receiver import SciRx
-from .receiver_bits import BREAK, FE, FRAME, IDLE, PE, SciRxBits
+from .receiver_bits import BREAK, FAR, FE, FRAME, IDLE, IDLE_TICKS, PE, SciRxBits
 from .register_map import ABD, CDC, FREE, LOOPBKENA, SCI_MAP, SOFT, ST_RXWAKE
 from .transmitter import SciTx
 
@@ -46,6 +46,17 @@ SHORT_BREAK = (
 )
 
 
+# Attributes of receiver and transmitter that are numbers of SCICLK ticks.
+RX_TICKS = ("next_tick", "_low_from", "_high_from", "_idle_base", "_start", "_missing_stop", "_break_at")
+TX_TICKS = ("next_tick", "_began", "_end", "_last_end", "_start_at", "_load_at", "_edge_at")
+LONGEST_PAUSE = 256  # bits of the pause that FFTXDLY = 255 may mean
+
+
+def since(tick: int, now: int, least: int) -> int:
+    """Return a tick relative to `now`, but at least `least`. A tick that no run reaches is returned as it is."""
+    return tick if abs(tick) >= FAR else max(tick - now, least)
+
+
 class SciLines(Chip):
     """The SCI without the effects of register accesses. name: its name in notes. options: answers to open questions."""
 
@@ -54,6 +65,7 @@ class SciLines(Chip):
         "_ctl1 _ffct _pri _abd_requested _listening",
         cycles="_rx_at _tx_at _request_at",
     )
+
     MAP = SCI_MAP
     _sync: int
     INPUTS: tuple[str, ...] = ("RXD",)
@@ -96,6 +108,20 @@ class SciLines(Chip):
         self._bits.set_layout(self._rx_clock.passed(now), self._layout, False)
         self._line(now, self._rxd)
         self._after_write(now)
+
+    def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
+        """Return the numbers of SCICLK ticks of receiver and transmitter relative to now. See `proof.normal_state`."""
+        received, sent = self._rx_clock.passed(cycle), self._tx_clock.passed(cycle)
+        pause = -8 * (LONGEST_PAUSE if self._tx.delay == LONGEST_PAUSE - 1 else self._tx.delay) - 1
+        found: dict[str, object] = {
+            f"_bits.{name}": since(getattr(self._bits, name), received, -IDLE_TICKS - 1) for name in RX_TICKS
+        }
+        found |= {f"_tx.{name}": since(getattr(self._tx, name), sent, pause) for name in TX_TICKS}
+        found["_bits._toggles"] = tuple([at - received for at in self._bits._toggles])
+        found["_tx._edges"] = tuple([at - sent for at in self._tx._edges])
+        if self.options.tx_phase.unrecorded() == "next_bit_tick":
+            found["_tx_clock._tick"] = sent % 8
+        return found
 
     @property
     def marks(self) -> SciTx:

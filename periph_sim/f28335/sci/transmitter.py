@@ -53,6 +53,8 @@ class SciTx:
         "_data_frame _began _end _last_end _start_at _load_at _edges _edge_at",
         cycles="next_cycle _load_cycle _empty_until",
         records="mark out_mark _txbuf_mark _txshf_mark",
+        results="frames",
+        expires="_empty_until",
     )
 
     def __init__(self, options: SciOptions, clock: SciClock, layout: SciFormat, touched: set[str]) -> None:

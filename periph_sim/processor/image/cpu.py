@@ -16,7 +16,7 @@ from typing import Annotated, Any, final
 from ...core.chip import Note
 from ...core.state import State
 from ...f28335.cpu.interrupts import CONTEXT_SP, EALLOW, INTM, frame_of
-from ...f28335.memory.ram import block_at
+from ...f28335.memory.ram import FACTOR, MODULUS, OTHER_FACTOR, block_at
 from ...f28335.system_options import SystemOptions
 from ..c28x.decoder import decode_at
 from ..c28x.delay_slots import arrive, delay, late_results, not_kept
@@ -26,7 +26,7 @@ from ..c28x.execution.operations import operation
 from ..c28x.execution.registers import ARP, ARP_MASK, CODE, READ_ONLY, ST1_RESET, IllegalOperation
 from ..c28x.pipeline import QUEUE_PACKED, STORES_PACKED
 from ..processor import Processor
-from .memory import L0_AGAIN, L4_AGAIN, MIRROR, ImageMemory, in_plain_ram
+from .memory import L0_AGAIN, L4_AGAIN, MIRROR, RAM_TO, ImageMemory, in_plain_ram
 
 TIMING = 38  # index of the first entry of the pipeline in the result of `ImageCpu.state`
 PACKED = TIMING + STORES_PACKED + QUEUE_PACKED  # number of entries in the result of `ImageCpu.state`
@@ -200,6 +200,15 @@ class ImageCpu(ImageMemory):
         """
         self._pack()
         return tuple(self._packed)
+
+    def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
+        """Return the state of the pipeline and of the fetch queue as `state` does. See `proof.normal_state`."""
+        first: int = 0
+        second: int = 0
+        for place in range(RAM_TO):
+            first = (first * FACTOR + self._written[place]) % MODULUS
+            second = (second * OTHER_FACTOR + self._written[place]) % MODULUS
+        return {"timing": self.state()[TIMING:], "_kept": None, "_written": (first, second)}
 
     def is_as_before(self) -> bool:
         """Return True if the result of `state` is equal to that at the last call of this method."""

@@ -71,7 +71,7 @@ class UnmodelledWait(NamedTuple):
 class LoadedImage(Program):
     """A program whose image is in the memory of its CPU. cpu: the registers and memory of the CPU."""
 
-    STATE = State("cpu _jumps _jumped _calls _waits_for _watches _unwritten _at")
+    STATE = State("cpu _jumps _jumped _calls _waits_for _watches _unwritten _at", results="_jumps _jumped")
 
     def __init__(self, processor: Processor, clock: Clock, image: Image, entry: int, cpu: ImageCpu) -> None:
         """entry: the address at which execution begins."""

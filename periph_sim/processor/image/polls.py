@@ -35,6 +35,7 @@ FIRST_EXAMINED = 2  # number of passes of a loop before a pass is examined
 LONGEST = 1024  # maximum number of passes between two examined passes of a loop that is no wait
 COUNTS_FROM = 64  # number of passes before a loop is analysed for counters, which is slow
 FEWEST = 8  # if fewer further passes than this only count, they are executed instead of skipped
+NOT_ALWAYS = ("began", "live_from", "_next", "_period", "_most", "_spin", "_values")  # used in a sleep or in a replay
 TRIES = 3  # number of failed analyses for counters after which a loop is not analysed again
 
 
@@ -62,6 +63,8 @@ class PollSkipper:
         "asleep tracking clean counting replaying restarts routines changed elsewhere _lease _values "
         "_failed _compared _branch _outer_branch _passes _next _examine_at _step _period _most _spin",
         cycles="live_from _outer_since began since",
+        results="_lease _passes _outer_since since",
+        grids={"began": "_period"},
     )
 
     def __init__(self, time: CpuTime, core: CpuInterrupts, skips: bool) -> None:
@@ -77,6 +80,22 @@ class PollSkipper:
         self._branch = -1
         self._spin = Spin(0)
         self.forget()
+
+    def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
+        """Return what the program's future depends on: the sleep, or the replay of a pass. See `proof.normal_state`."""
+        found: dict[str, object] = dict.fromkeys(NOT_ALWAYS)
+        found["_examine_at"] = self._examine_at - self._passes
+        if self.replaying:
+            found["live_from"] = self.live_from - cycle
+            found["_next"], found["_values"] = self._next, tuple(self._values)
+        if self.asleep:
+            if self._most == NEVER:
+                del found["began"]
+            else:
+                found["began"] = self.began - cycle
+            found["_most"], found["_period"], found["_values"] = self._most, self._period, tuple(self._values)
+            found["_spin"] = tuple([(read.operand.address, read.value) for read in self._spin.reads[: self._spin.made]])
+        return found
 
     def forget(self) -> None:
         """Reset the detection. Call this method when the program begins again or has ended."""

@@ -45,6 +45,7 @@ class ImageProgram(LoadedImage):
     STATE = State(
         "instructions skipped _ready _executed _idle_began _loop_due _counted _pass _unmodelled _counting _back _sp",
         ticks="_asleep_at",
+        results="instructions skipped spin _counted _pass _asleep_at",
     )
 
     _stack_begin: int

@@ -1,0 +1,219 @@
+"""Normal form of the state of a scene: equal for two states from which a scene continues equally.
+
+    modules --NormalCollector--> {"dsp.SCI-A.chip._rx": ("SciRx", (0, 12, ...)), ...} --> digest
+
+A snapshot (`core.snapshot`) contains everything that a restored scene needs to go on. Two states can continue equally
+although their snapshots differ, because a snapshot also has counters, instants of the past, and beginnings of grids.
+The classes declare which of their attributes these are (`core.state`: results, expires, grids). A class that needs more
+has a method `normal_state(cycle, tick)`, which returns a dictionary from attributes to the values to compare instead.
+A name such as `_bits.next_tick` is that of an attribute of an attribute.
+
+Everything that a class does not declare stays in the normal form as it is. So a forgotten attribute can make equal
+states look different, and a scene look as if it never came back to an earlier state. It cannot make different states
+look equal.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Callable, Collection, Mapping
+from hashlib import blake2b
+from math import lcm
+from operator import attrgetter
+from typing import Any, NamedTuple
+
+from ..core.agent import Event
+from ..core.chip import NEVER
+from ..core.snapshot import PLAIN, Collector, Foreign, Module, class_name
+from ..core.state import State, Time, state_of
+from ..scene.scene import Scene
+from ..scene.state import modules_of
+
+EXPIRED = "expired"  # stands for an instant that is long past
+LONG_PAST = 1000  # fraction of a second: instants are long past after 1 ms
+DIGEST = 16  # length of a digest, in bytes
+
+NormalState = dict[str, object]
+
+
+class NotComparable(Exception):
+    """A part of a scene declares no state, so the states of the scene cannot be compared."""
+
+
+class Plan(NamedTuple):
+    """How the attributes of a class are collected.
+
+    names: the attributes that are stored as they are, if their values are plain.
+    values: a function that returns their values for an object.
+    others: the other attributes that count.
+    """
+
+    names: tuple[str, ...]
+    values: Callable[[object], Any]
+    others: tuple[str, ...]
+
+
+class NormalCollector(Collector):
+    """Collects the normal form of the state of modules.
+
+    long_past: for each unit of time, how long ago instants are that are long past.
+    ignored: names of attributes that are not compared.
+    periods: the periods of the grids in the state, with their unit of time.
+    """
+
+    def __init__(
+        self, modules: Mapping[str, Module], tick: int, long_past: Mapping[Time, int], ignored: Collection[str]
+    ) -> None:
+        self._long_past = long_past
+        self._ignored = ignored
+        self._instead: dict[tuple[int, str], object] = {}
+        self._asked: set[int] = set()
+        self.periods: set[tuple[Time, int]] = set()
+        super().__init__(modules, tick, 0)
+
+    def _attributes(self, name: str, target: object) -> None:
+        kind = type(target)
+        normal = getattr(target, "normal_state", None)
+        if normal is not None and id(target) not in self._asked:
+            self._asked.add(id(target))
+            for path, value in normal(self.now[Time.CYCLES], self.now[Time.TICKS]).items():
+                *parts, attribute = path.split(".")
+                owner: object = target
+                for part in parts:
+                    owner = getattr(owner, part)
+                self._instead[id(owner), attribute] = value
+        if kind not in _plans:
+            _plans[kind] = _plan(kind, {attribute for owner, attribute in self._instead if owner == id(target)})
+        plan = _plans[kind]
+        try:
+            values = plan.values(target)
+        except AttributeError:  # some attributes are not set yet
+            values = [getattr(target, attribute, None) for attribute in plan.names]
+        stored: list[object] = [class_name(kind)]
+        self.values[name] = stored
+        for attribute, value in zip(plan.names, values, strict=True):
+            if type(value) in PLAIN:
+                stored.append(None if f"{name}.{attribute}" in self._ignored else value)
+            else:
+                stored.append("")
+                self._value(f"{name}.{attribute}", value, Time.NONE)
+        state = state_of(kind)
+        assert state is not None
+        for attribute in plan.others:
+            if (id(target), attribute) in self._instead:
+                self.values[f"{name}.{attribute}"] = self._instead[id(target), attribute]
+            elif hasattr(target, attribute):
+                self.collect(f"{name}.{attribute}", target, attribute, state)
+        for attribute in state.results:
+            if (id(target), attribute) in self._instead:
+                self.values[f"{name}.{attribute}"] = self._instead[id(target), attribute]
+
+    def collect(self, place: str, target: object, attribute: str, state: State) -> None:
+        """See `Collector.collect`."""
+        if (id(target), attribute) in self._instead:
+            self.values[place] = self._instead[id(target), attribute]
+            return
+        time, value = state.times[attribute], getattr(target, attribute)
+        if attribute in state.grids:
+            self.values[place] = self._on_grid(value, getattr(target, state.grids[attribute]), time)
+        elif attribute in state.expires:
+            self.values[place] = self._expiring(value, time)
+        else:
+            super().collect(place, target, attribute, state)
+
+    def _value(self, name: str, value: Any, time: Time) -> None:
+        if type(value) is Event and not value.queued:
+            self.values[name] = "not queued"
+        else:
+            super()._value(name, value, time)
+
+    def _container(self, name: str, value: Any, time: Time) -> None:
+        if isinstance(value, array | bytearray):
+            self.values[name] = (type(value).__name__, blake2b(value, digest_size=DIGEST).digest())
+        else:
+            super()._container(name, value, time)
+
+    def _on_grid(self, value: Any, period: Any, time: Time) -> Any:
+        if isinstance(value, list):
+            return tuple([self._on_grid(one, each, time) for one, each in zip(value, period, strict=True)])
+        if not period or abs(value) >= NEVER:
+            return value
+        self.periods.add((time, period))
+        return (self.now[time] - value) % period
+
+    def _expiring(self, value: Any, time: Time) -> Any:
+        if isinstance(value, dict):
+            left = {key: self._expiring(one, time) for key, one in value.items()}
+            return tuple(sorted((key, one) for key, one in left.items() if one != EXPIRED))
+        if isinstance(value, list | tuple):
+            return tuple([self._expiring(one, time) for one in value])
+        if value is None or abs(value) >= NEVER:
+            return value
+        return EXPIRED if value - self.now[time] < -self._long_past[time] else value - self.now[time]
+
+
+def _plan(kind: type, instead: Collection[str]) -> Plan:
+    """Return the plan of a class. instead: attributes for which the class returns other values."""
+    state = state_of(kind)
+    assert state is not None, f"{kind.__name__} declares no state"
+    counts = [name for name, time in state.times.items() if name not in state.results and time is not Time.RECORDS]
+    special = {*state.grids, *state.expires, *state.chains, *instead}
+    plain = tuple(name for name in counts if name not in special and state.times[name] is Time.NONE)
+    get = attrgetter(*plain) if plain else None
+
+    def values(target: object) -> Any:
+        if get is None:
+            return ()
+        return get(target) if len(plain) > 1 else (get(target),)
+
+    return Plan(plain, values, tuple(name for name in counts if name not in plain))
+
+
+_plans: dict[type, Plan] = {}
+
+
+def normal_state(scene: Scene, ignored: Collection[str] = ()) -> NormalState:
+    """Return the normal form of the state of a scene between two runs, by the names of its parts.
+
+    ignored: names of attributes that are not compared. Raise NotComparable if a part declares no state.
+    """
+    return _collected(scene, ignored).values
+
+
+def period_of(scene: Scene) -> int:
+    """Return the number of cycles in which all grids of a scene's clocks and waits repeat."""
+    return lcm(*(period for time, period in _collected(scene, ()).periods if time is Time.CYCLES))
+
+
+def _collected(scene: Scene, ignored: Collection[str]) -> NormalCollector:
+    scene.kernel.settle()
+    per_second = scene.timebase.per_second
+    cycles = max((int(dsp.clock.hz) for dsp in scene.units.values()), default=per_second)
+    long_past = {Time.TICKS: per_second // LONG_PAST, Time.CYCLES: cycles // LONG_PAST}
+    found = NormalCollector(modules_of(scene), scene.kernel.now, long_past, ignored)
+    for name, value in found.values.items():
+        if isinstance(value, Foreign):
+            raise NotComparable(f"{name} is a {value.kind}, which declares no state")
+    return found
+
+
+def digest(state: NormalState) -> bytes:
+    """Return a number that is equal for equal normal states."""
+    return blake2b(repr(list(state.items())).encode(), digest_size=DIGEST).digest()
+
+
+def differences(one: NormalState, other: NormalState) -> list[str]:
+    """Return the names of the attributes that differ in two states."""
+    found: list[str] = []
+    plans = {class_name(kind): plan for kind, plan in _plans.items()}
+    for name in {**one, **other}:
+        here, there = one.get(name), other.get(name)
+        if here == there:
+            continue
+        if isinstance(here, list) and isinstance(there, list) and here[0] == there[0]:
+            names = plans[str(here[0])].names
+            pairs = zip(names, here[1:], there[1:], strict=True)
+            found += [f"{name}.{attribute}" for attribute, before, after in pairs if before != after]
+        else:
+            found.append(name)
+    return found

@@ -66,7 +66,12 @@ class Host(Agent):
         a repeated frame.
     """
 
-    STATE = State("_peer _number _sending _again _once_more _random", ticks="_due_next _due")
+    STATE = State(
+        "_peer _number _sending _again _once_more _random",
+        ticks="_due_next _due",
+        results="_due _sending",
+        expires="_due_next",
+    )
 
     _sending: tuple[int, tuple[int, ...], bytes]  # number, values and bytes of the frame in progress
     _again: bool  # True if the frame in progress will be sent again
@@ -106,7 +111,19 @@ class Host(Agent):
         if schedule.starts:
             self._first = schedule.starts[0]
         self._due: array[int] = array("q", [self._first])
+        self._due_next: int = self._first  # the tick at which the next frame is due, or the last one was
         self._plan(self._first)
+
+    @property
+    def is_sending(self) -> bool:
+        return self._peer.busy
+
+    def start_frame(self, tick: int) -> None:
+        """Schedule one more frame after all frames of the schedule, which must have a list of starts."""
+        if not self._number:
+            self._first = self._due[0] = tick
+        self._due_next = tick
+        self._kernel.schedule(tick, self, FRAME)
 
     def act(self, tag: int) -> None:
         if tag == FRAME:
@@ -141,7 +158,7 @@ class Host(Agent):
         schedule = self._schedule
         if schedule.starts is not None:
             if self._number < len(schedule.starts):
-                self._due_next: int = schedule.starts[self._number]
+                self._due_next = schedule.starts[self._number]
                 self._kernel.schedule(self._due_next, self, FRAME)
         elif schedule.frames is None or self._number < schedule.frames:
             late = self._random.randrange(schedule.jitter + 1) if schedule.jitter else 0

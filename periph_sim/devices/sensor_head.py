@@ -42,7 +42,7 @@ class SensorHead(Agent):
     on_missed: functions called when a round is missed, with the tick at which the round was due.
     """
 
-    STATE = State("_number _round _left _random", ticks="_due")
+    STATE = State("_number _round _left _random", ticks="_due", expires="_due")
 
     def __init__(
         self,
@@ -74,6 +74,7 @@ class SensorHead(Agent):
         self._startup = startup
         self._round: Round | None = None
         self._left: list[Transfer] = []
+        self._due: int = self._first  # the tick at which the next round is due, or the last one was
         if startup:
             kernel.schedule(self._first - schedule.ahead, self, SET_UP)
         self._plan()
@@ -82,6 +83,11 @@ class SensorHead(Agent):
     def at_rest(self) -> bool:
         """True while neither a round nor the start-up is in progress."""
         return self._round is None
+
+    def start_round(self, tick: int) -> None:
+        """Schedule one more round after all rounds of the schedule, which must have a list of starts."""
+        self._due = tick
+        self._kernel.schedule(tick, self, ROUND)
 
     def act(self, tag: int) -> None:
         if tag == NEXT:
@@ -96,7 +102,7 @@ class SensorHead(Agent):
         schedule = self.schedule
         if schedule.starts is not None:
             if self._number < len(schedule.starts):
-                self._due: int = schedule.starts[self._number]
+                self._due = schedule.starts[self._number]
                 self._kernel.schedule(self._due, self, ROUND)
         elif schedule.rounds is None or self._number < schedule.rounds:
             late = self._random.randrange(schedule.jitter + 1) if schedule.jitter else 0

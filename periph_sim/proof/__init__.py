@@ -3,6 +3,8 @@
     case --phases--> runs in which each start has the next phase ---> worst values of the budgets
                      failures --windows--> first and last phase, each with a neighbour that held
 
+    case --table of states and starts--> runs of all entries, until no new state appears --> proven budgets
+
 Terms of this package:
 
 start: the begin of a frame of the host, of a round of the controller, or of a send of the table [serial].
@@ -16,6 +18,7 @@ to fail: a run fails if a budget is broken, if firmware hangs, or if an error en
     this phase alone fails; otherwise, it holds.
 window: a range of phases that fail.
 
-Nothing here proves that a budget always holds: the runs begin in the states that they happen to reach, and the other
-free inputs of the case take the values that the case draws for them.
+A coverage proves nothing about other phases or states: its runs begin in the states that they happen to reach, and the
+other free inputs of the case take the values that the case draws for them. A closed table (`closed_table`) is a proof
+for all starts, as long as the other inputs are as stated in the case.
 """

@@ -95,12 +95,21 @@ class Covered(Struct):
 
 
 def _is_worse(new: Worst, old: Worst) -> bool:
-    one, two = new.verdict, old.verdict
+    if is_worse(new.verdict, old.verdict):
+        return True
+    return len(new.phases) < len(old.phases) and not is_worse(old.verdict, new.verdict)
+
+
+def is_worse(one: Verdict, two: Verdict) -> bool:
+    """Return True if the value of one verdict is nearer to its limit than that of the other, or if only it is broken.
+
+    A verdict without a value is worse than none.
+    """
     if one.broken != two.broken:
         return one.broken
     if one.margin is None or two.margin is None:
         return two.margin is None and one.margin is not None
-    return (one.margin, len(new.phases)) < (two.margin, len(old.phases))
+    return one.margin < two.margin
 
 
 def nothing() -> Covered:

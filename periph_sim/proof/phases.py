@@ -96,6 +96,16 @@ class Phases:
         """True if a run can contain only one phase."""
         return self.moved == "sends" or self.start_up
 
+    def least_distance(self) -> int:
+        """Return the least number of ticks between two starts that the case allows."""
+        moved = self._case.host if self.moved == "frames" else self._case.controller
+        jitter = Fraction(0) if moved is None else moved.jitter
+        return int(self._grid.period - jitter * self._per_second)
+
+    def first_start(self) -> int:
+        """Return the number of ticks from the start of a run to the first due time."""
+        return self._grid.first - self._start
+
     def due(self, number: int) -> int:
         """Return the tick from which the phase of moved start `number` is counted; not valid if `start_up` is True."""
         return self._grid.due(self.warm_up + number * self._rounds_per_frame)

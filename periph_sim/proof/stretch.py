@@ -14,11 +14,14 @@ from pathlib import Path
 from msgspec import Struct
 
 from ..core.kernel import SimulationStuck
+from ..core.records import Kind, Listener
 from ..f28335.memory.memory_map import NoSuchAddress
 from ..processor.user_code import FirmwareError
+from ..scene.case.inputs_table import InputsTable
 from ..scene.case.load import load
 from ..scene.case.model import Case
 from ..scene.plan import ScenePlan
+from ..scene.result import Result
 from ..scene.scene import Scene
 from ..timing.budget_plan import PER_MILLE, BudgetPlan
 from ..timing.budget_schema import Budget
@@ -101,16 +104,49 @@ class CoveredCase:
         case = self.case.model_copy(update={"inputs": inputs, "duration": duration, "seed": seed})
         return Scene(ScenePlan(case, self._plan))
 
+    def free_scene(self, listener: Listener) -> Scene:
+        """Return a scene, not yet run, in which no start that can move is scheduled.
+
+        listener: receives the records of accesses, interrupts, and events and frames on lines.
+        """
+        inputs = InputsTable(frames=()) if self.phases.moved == "frames" else InputsTable(rounds=())
+        case = self.case.model_copy(update={"inputs": inputs})
+        kinds = [Kind.ACCESS, Kind.IRQ, Kind.BUS, Kind.FRAME]
+        return Scene(ScenePlan(case, self._plan), lambda recorder, _: recorder.subscribe(kinds, listener))
+
+    def looks_back(self) -> dict[str, set[str]]:
+        """Return a dictionary from each covered budget to the ranges on which its values depend (`Measure.looks_back`).
+
+        Without a host, bytes are compared with the values that the request states, so they depend on the transfer only.
+        """
+        found: dict[str, set[str]] = {}
+        for budget, plan in zip(self.case.budget, self._plan.limits, strict=True):
+            plans = [(budget, plan), *plan.joined]
+            found[budget.name] = {
+                "this transfer" if self.case.host is None and one.measure == "wrong bytes" else each.make().looks_back
+                for one, each in plans
+            }
+        return found
+
     def run(self, phases: Sequence[int], seed: int) -> Outcome:
         """Run the case with these phases and return the outcome. seed: the seed of all random values."""
         self.runs += 1
+        scene = self.scene(phases, seed)
         try:
-            result = self.scene(phases, seed).run()
+            result = scene.run()
         except RUN_ERRORS as error:
             return Outcome((), frozenset({ENDED}), {ENDED: str(error)})
-        failures = {verdict.name for verdict in result.budgets if verdict.broken}
-        reasons = {STUCK: result.stuck[0]} if result.stuck and result.verdict == FAIL else {}
-        return Outcome(tuple(result.budgets), frozenset(failures | reasons.keys()), reasons)
+        return outcome_of(result)
+
+    def finish(self, scene: Scene) -> Outcome:
+        """End the run of a scene now and return the outcome."""
+        return outcome_of(scene.finish(scene.kernel.now - scene.start))
+
+
+def outcome_of(result: Result) -> Outcome:
+    failures = {verdict.name for verdict in result.budgets if verdict.broken}
+    reasons = {STUCK: result.stuck[0]} if result.stuck and result.verdict == FAIL else {}
+    return Outcome(tuple(result.budgets), frozenset(failures | reasons.keys()), reasons)
 
 
 def _inputs_left_out(case: Case, phases: Phases) -> dict[str, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from array import array
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
@@ -288,6 +288,10 @@ def tree_of(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
 
 
+def literals(values: Iterable[ast.expr]) -> list[Any]:
+    return [ast.literal_eval(value) for value in values]
+
+
 def declared() -> list[tuple[str, ast.ClassDef, frozenset[str]]]:
     """Return each class of the package that declares a state: its file, source, and the names it lists."""
     found = []
@@ -300,7 +304,10 @@ def declared() -> list[tuple[str, ast.ClassDef, frozenset[str]]]:
                     continue
                 if isinstance(one.value, ast.Call):
                     values = [*one.value.args, *(word.value for word in one.value.keywords if word.arg != "made")]
-                    names = frozenset(name for value in values for name in ast.literal_eval(value).split())
+                    texts = [
+                        " ".join([*one, *one.values()]) if isinstance(one, dict) else one for one in literals(values)
+                    ]
+                    names = frozenset(name for text in texts for name in text.split())
                     found.append((str(path.relative_to(PACKAGE)), node, names))
     return found
 
@@ -313,6 +320,11 @@ def test_each_declared_attribute_is_one_of_its_class():
     for file, node, names in classes:
         module = import_module(f"periph_sim.{file.removesuffix('.py').removesuffix('/__init__').replace('/', '.')}")
         kind = getattr(module, node.name)
+        whole = state_of(kind)
+        assert whole is not None
+        wrong += [
+            f"{file}: {node.name}: {name} is no state" for name in {*whole.results, *whole.expires} - {*whole.times}
+        ]
         if not kind.__dictoffset__:  # compiled, or with slots: attributes that Python cannot reach are missing
             wrong += [f"{file}: {node.name} declares {name}" for name in names if not hasattr(kind, name)]
         bases = {base.__module__ for base in kind.__mro__ if base.__module__.partition(".")[0] == PACKAGE.name}

@@ -58,6 +58,7 @@ MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures,
     type=click.Path(path_type=Path, exists=True, file_okay=False),
     help="Write a case for the worst value of each budget to this folder.",
 )
+@click.option("--table", is_flag=True, help="Prove all starts with a table of states. Firmware images only.")
 @click.option("--save", is_flag=True, help="Write coverage/NAME.json beside the case, or continue it.")
 @SVG
 @JSON
@@ -71,6 +72,7 @@ def prove(
     jobs: int | None,
     cluster: str | None,
     folder: Path | None,
+    table: bool,
     save: bool,
     svg: Path | None,
     as_json: bool,
@@ -84,6 +86,10 @@ def prove(
     The result holds for the phases that were run, in the states that these runs reached. It is no proof for other
     states, other run times of code, or other clocks.
 
+    With --table, the states between rounds (or frames) are compared, and each start is run from each of these states.
+    If no further state appears, the budgets are proven for all starts. This needs firmware images, constant data, and
+    clocks of whole ticks.
+
     Exit status 0: every budget held at all these phases; 1: otherwise; 2: the command was stopped (its results so far
     are shown), or a file could not be written.
     """
@@ -95,6 +101,11 @@ def prove(
         raise click.UsageError("--save with --start-up: a coverage file is of the rounds; remove one of them")
     if save and changes:
         raise click.UsageError("--save with --set: a coverage file is of the unchanged case; remove one of them")
+    if table:
+        _refuse_with_table(step, only, rounds, start_up, jobs, cluster, save, svg)
+        from .prove_table import prove_with_table
+
+        return prove_with_table(case, changes, folder, as_json)
     with running_user_code():
         workers = cluster_given(cluster, jobs)
         note_inputs([case])
@@ -122,6 +133,32 @@ def prove(
     if found.stopped or failed:
         return 2
     return int(any(word != HELD for word in _words(found).values()) or bool(found.windows or found.found.drifting))
+
+
+def _refuse_with_table(
+    step: int,
+    only: str | None,
+    rounds: int,
+    start_up: bool,
+    jobs: int | None,
+    cluster: str | None,
+    save: bool,
+    svg: Path | None,
+) -> None:
+    """Raise UsageError if an option is given that has no effect with --table."""
+    given = {
+        "--step": step != STEP,
+        "--phases": only is not None,
+        "--rounds": rounds != ROUNDS,
+        "--start-up": start_up,
+        "--jobs": jobs is not None,
+        "--cluster": cluster is not None,
+        "--save": save,
+        "--svg": svg is not None,
+    }
+    for option, is_given in given.items():
+        if is_given:
+            raise click.UsageError(f"{option} with --table: a table contains all starts; remove one of them")
 
 
 def _draw(found: Coverage, place: Path) -> Path:

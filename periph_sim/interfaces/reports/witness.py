@@ -11,10 +11,13 @@ from fractions import Fraction
 from pathlib import Path
 
 from ...proof.cover import Worst
+from ...proof.stretch import CoveredCase
+from ...scene.case.inputs_table import InputsTable
 from ...scene.case.load import apply, case_of
 from ...scene.case.toml_file import read
 from ...scene.scene import Scene
 from ...timing.budget_plan import PER_MILLE
+from ...timing.verdict import Verdict
 from ...traces.formats import atomic_write
 from .case_text import Tree, move_files, toml
 from .coverage import Coverage
@@ -33,36 +36,52 @@ def witness_file(coverage: Coverage, worst: Worst, case: Path, changes: Sequence
 
     Raise BadCapture if the file cannot be written.
     """
+    inputs, duration = coverage.case.phases.inputs(worst.phases)
+    return case_with_inputs(coverage.case, worst.verdict, (inputs, duration, worst.seed), case, changes, folder)
+
+
+def case_with_inputs(
+    covered: CoveredCase,
+    worst: Verdict,
+    run: tuple[InputsTable, Fraction, int],
+    case: Path,
+    changes: Sequence[str],
+    folder: Path,
+) -> Path:
+    """Write the case of one run, in which a budget has the value `worst`. Run it, and return its path.
+
+    run: the inputs, the duration in seconds, and the seed. The other arguments, and errors, are as for `witness_file`.
+    """
+    inputs, duration, seed = run
     _, tree = read(case, "case")
     for change in changes:
         apply(tree, change)
     move_files(tree, case.parent, folder)
-    inputs, duration = coverage.case.phases.inputs(worst.phases)
-    name = f"{IN_FILES.sub('_', coverage.case.case.name)}_{_part_of_name(coverage, worst.verdict.name)}"
-    digits = max(DIGITS, len(str(coverage.case.phases.ticks_per_second)))
+    name = f"{IN_FILES.sub('_', covered.case.name)}_{_part_of_name(covered, worst.name)}"
+    digits = max(DIGITS, len(str(covered.phases.ticks_per_second)))
     moved: Tree = {"sends_later": _seconds(inputs.sends_later, digits)} if inputs.sends_later else {}
     for key in ("frames", "rounds"):
         times = getattr(inputs, key)
         moved |= {key: [_seconds(time, digits) for time in times]} if times else {}
     if "budget" in tree:
-        tree["budget"] = _covered(tree["budget"], {one.name for one in coverage.case.case.budget})
+        tree["budget"] = _covered(tree["budget"], {one.name for one in covered.case.budget})
     tree["name"] = name
-    tree["about"] = f"The worst value of {worst.verdict.name!r} in a coverage of {coverage.case.case.name}."
-    tree["duration"], tree["seed"] = _seconds(duration, digits), worst.seed
+    tree["about"] = f"The worst value of {worst.name!r} in a coverage of {covered.case.name}."
+    tree["duration"], tree["seed"] = _seconds(duration, digits), seed
     tree["inputs"] = {**tree.get("inputs", {}), **moved}
     file = folder / f"{name}.toml"
     written = case_of(tree, file)
-    result = Scene(written.model_copy(update={"budget": coverage.case.case.budget})).run()
-    (verdict,) = (one for one in result.budgets if one.name == worst.verdict.name)
-    assert verdict.worst == worst.verdict.worst, f"{file}: {verdict.worst} instead of {worst.verdict.worst}"
+    result = Scene(written.model_copy(update={"budget": covered.case.budget})).run()
+    (verdict,) = (one for one in result.budgets if one.name == worst.name)
+    assert verdict.worst == worst.worst, f"{file}: {verdict.worst} instead of {worst.worst}"
     with atomic_write(file) as unfinished:
         unfinished.write_text(toml(tree), encoding="utf-8")
     return file
 
 
-def _part_of_name(coverage: Coverage, budget: str) -> str:
+def _part_of_name(covered: CoveredCase, budget: str) -> str:
     """Return a budget's part of a file name, which no other budget of the case has."""
-    parts = {one.name: NAME.sub("_", one.name).strip("_") for one in coverage.case.case.budget}
+    parts = {one.name: NAME.sub("_", one.name).strip("_") for one in covered.case.budget}
     part = parts[budget]
     if part and [*parts.values()].count(part) == 1:
         return part

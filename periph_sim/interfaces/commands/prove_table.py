@@ -1,0 +1,138 @@
+"""`periph-sim prove CASE --table`: prove budgets for every start with a table, and show the result."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+
+import click
+
+from ...core.phrases import counted
+from ...proof.closed_table import Contradiction, Table, TableMaker, Worst
+from ...proof.free_run import NotClosed
+from ...proof.stretch import CoveredCase, Job
+from ...scene.case.inputs_table import InputsTable
+from ...timing.verdict import BROKEN, NOT_JUDGED, figure, limit
+from ..reports.witness import case_with_inputs
+from .command_frame import print_json, print_table, progress, running_user_code, say
+from .watch import note_inputs
+
+PROVEN = "proven"  # the word for a budget that holds for every start
+HELD = "held"  # the word for a budget that no run broke, and that the table does not prove
+
+
+def prove_with_table(case: Path, changes: tuple[str, ...], folder: Path | None, as_json: bool) -> int:
+    """Make the table of a case, show it, and return the exit status: 0 if all budgets are proven, else 1.
+
+    folder: where the witnesses are written; None to write none. Raise ClickException if the case has no table.
+    """
+    with running_user_code():
+        note_inputs([case])
+        covered = CoveredCase(Job(str(case.absolute()), changes))
+        try:
+            with progress(covered.case.name) as on_progress:
+                made = TableMaker(covered, on_progress).make()
+        except NotClosed as error:
+            raise click.ClickException(f"{covered.case.name} has no closed table: {error}") from None
+        except Contradiction as error:
+            raise click.ClickException(str(error)) from None
+        files = [] if folder is None else _write_witnesses(made, covered, case, changes, folder)
+    if as_json:
+        print_json("prove", _object(made, covered, files))
+    else:
+        _show(made, covered, files)
+    return int(any(word != PROVEN for word in _words(made, covered).values()) or made.has_failed)
+
+
+def _words(made: Table, covered: CoveredCase) -> dict[str, str]:
+    """Return a dictionary from each covered budget to BROKEN, NOT_JUDGED, PROVEN or HELD."""
+    worst, not_proven, words = made.worst(), made.not_proven(covered), {}
+    for budget in covered.case.budget:
+        found = worst.get(budget.name)
+        if found is None or not (found.verdict.passed or found.verdict.broken):
+            words[budget.name] = NOT_JUDGED
+        elif found.verdict.broken:
+            words[budget.name] = BROKEN
+        else:
+            words[budget.name] = HELD if made.has_failed or budget.name in not_proven else PROVEN
+    return words
+
+
+def _write_witnesses(made: Table, covered: CoveredCase, case: Path, changes: Sequence[str], folder: Path) -> list[Path]:
+    """Write a case for the worst value of each judged budget, and return the files."""
+    return [
+        case_with_inputs(covered, worst.verdict, _inputs(made, covered, worst), case, changes, folder)
+        for worst in made.worst().values()
+        if worst.verdict.passed or worst.verdict.broken
+    ]
+
+
+def _inputs(made: Table, covered: CoveredCase, worst: Worst) -> tuple[InputsTable, Fraction, int]:
+    """Return the inputs of the run with a worst value, its duration in seconds, and its seed.
+
+    The run ends before the first start after the worst value.
+    """
+    per_second, starts = covered.phases.ticks_per_second, made.starts[worst.run]
+    at = round((worst.verdict.at_s or 0) * per_second)
+    until = next((start for start in starts if start > at), starts[-1] + made.apart)
+    times = tuple(Fraction(start, per_second) for start in starts if start < until)
+    inputs = InputsTable(frames=times) if covered.phases.moved == "frames" else InputsTable(rounds=times)
+    return inputs, Fraction(until - 1, per_second), covered.case.seed
+
+
+def _show(made: Table, covered: CoveredCase, files: Sequence[Path]) -> None:
+    words, worst, moved = _words(made, covered), made.worst(), covered.phases.moved
+    of = sum(made.orbits)
+    state = "closed" if not made.has_failed else "not closed, because a run failed"
+    say(f"{covered.case.name}: table of {of:,} starts, {made.entries:,} of them run: {state}", style="bold")
+    rows = []
+    for name, word in words.items():
+        verdict = worst[name].verdict if name in worst else None
+        shown = (
+            ("-", "-")
+            if verdict is None
+            else (figure(verdict.worst, verdict.unit), limit(verdict.limit, verdict.unit, verdict.which))
+        )
+        rows.append(((name, *shown, word), "red" if word == BROKEN else ""))
+    print_table(("budget", "worst", "limit", ""), rows, right=(1, 2), whole=(1, 2, 3))
+    for reason in made.outcomes[-1].reasons.values():
+        say(f"for example: {reason}")
+    if PROVEN in words.values():
+        apart = made.apart / covered.phases.ticks_per_second * 1000
+        say(f"proven: for all sequences of {moved} that start at least {apart:.4f} ms apart")
+        say(f"as stated: clocks, rates, data, the first of the {moved}")
+    say(f"compared: {counted(made.again, 'start')} run again after other {moved}; none differed")
+    for name, reason in made.not_proven(covered).items():
+        say(f"not proven: {name}: {reason}")
+    for name, reason in covered.left_out.items():
+        say(f"not covered: {name}: {reason}")
+    for file in files:
+        say(f"written: {file}")
+
+
+def _object(made: Table, covered: CoveredCase, files: Sequence[Path]) -> dict[str, object]:
+    words, worst = _words(made, covered), made.worst()
+    return {
+        "case": covered.case.name,
+        "table": {
+            "moved": covered.phases.moved,
+            "orbits": made.orbits,
+            "entries": made.entries,
+            "again": made.again,
+            "apart_s": made.apart / covered.phases.ticks_per_second,
+            "closed": not made.has_failed,
+        },
+        "runs": len(made.outcomes),
+        "budgets": {name: _budget(worst.get(name), word) for name, word in words.items()},
+        "not_proven": made.not_proven(covered),
+        "not_covered": dict(covered.left_out),
+        "reasons": made.outcomes[-1].reasons,
+        "written": [str(file) for file in files],
+    }
+
+
+def _budget(worst: Worst | None, word: str) -> dict[str, object]:
+    if worst is None:
+        return {"verdict": word}
+    return {"verdict": word, **{key: getattr(worst.verdict, key) for key in ("worst", "unit", "limit", "margin")}}

@@ -1,0 +1,276 @@
+"""Proof for every start: a table of states and starts of which each entry was run, and which no run leaves.
+
+    rest in state s, next start in r ticks --one round is run--> rest in state s'
+
+Between two rounds (or frames) the scene of such a case is at *rest*: nothing is due, and the firmware waits. Its state
+(`normal_state`) then repeats with a period, because clocks and the passes of the wait do. The states of one period are
+an *orbit*. So there are only as many different starts of the next round as a period has ticks, however long the scene
+rests. An *entry* of the table is an orbit and one of its ticks. It is run once, and leads to an orbit again. If all
+entries of all orbits were run, the table is *closed*: whatever the distances of the starts are, in each round the scene
+does what it did in a run.
+
+This is true if equal normal states continue equally. Entries are therefore run again, from another past and after
+another rest, and compared with the first run; `Contradiction` is raised if they differ.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from random import Random
+
+from msgspec import Struct
+
+from ..scene.case.model import Case
+from ..timing.verdict import Verdict
+from .cover import is_worse
+from .free_run import FreeRun, NotClosed
+from .normal_state import NormalState, differences, digest, period_of
+from .stretch import CoveredCase, Outcome
+
+MAX_ENTRIES = 400_000
+ROUNDS_A_RUN = 256  # maximum number of rounds in one run
+REVISITED = 20  # of this number of entries, one is run again, but at least LEAST_REVISITED are
+LEAST_REVISITED = 200
+LONGER_RESTS = 3  # a rest lasts less than this number of periods more than the shortest possible rest
+WITHIN_ROUND = frozenset(["this occurrence", "this transfer", "this round"])  # values of `Measure.looks_back`
+NAMED = 4  # maximum number of attributes that are named if a state does not repeat
+
+
+class Contradiction(Exception):
+    """Two runs from equal normal states differ, so the normal state lacks something. A defect of periph-sim."""
+
+
+class Place(Struct, frozen=True):
+    """A state of rest: the number of its orbit, and its tick in the orbit."""
+
+    orbit: int
+    tick: int
+
+
+class Entry(Struct, frozen=True):
+    """The run of an entry.
+
+    after: the state of rest after the round.
+    length: number of ticks from the start of the round to this state.
+    records: the digest of the round (`RoundRecords`).
+    """
+
+    after: Place
+    length: int
+    records: int
+
+
+class Worst(Struct, frozen=True):
+    """The value of a budget that is nearest to its limit, and the number of the run in which it was seen."""
+
+    verdict: Verdict
+    run: int
+
+
+class Table(Struct):
+    """A table, which is closed unless the last run has failed.
+
+    orbits: the number of ticks of each orbit.
+    entries: the number of entries that were run.
+    again: the number of entries that were run again.
+    apart: the least distance of two starts for which the table was made, in ticks.
+    outcomes: the outcomes of the runs.
+    starts: for each run, its starts, in ticks from the start of the run.
+    spanning: the names of budgets of which an occurrence was not over at a rest.
+    """
+
+    orbits: list[int]
+    entries: int
+    again: int
+    apart: int
+    outcomes: list[Outcome]
+    starts: list[list[int]]
+    spanning: set[str]
+
+    @property
+    def has_failed(self) -> bool:
+        return bool(self.outcomes and self.outcomes[-1].failures)
+
+    def worst(self) -> dict[str, Worst]:
+        """Return a dictionary from each budget to its worst value in all runs."""
+        found: dict[str, Worst] = {}
+        for run, outcome in enumerate(self.outcomes):
+            for verdict in outcome.verdicts:
+                if verdict.name not in found or is_worse(verdict, found[verdict.name].verdict):
+                    found[verdict.name] = Worst(verdict, run)
+        return found
+
+    def not_proven(self, covered: CoveredCase) -> dict[str, str]:
+        """Return a dictionary from each budget that the table does not prove to the reason.
+
+        The table proves a budget if each of its values follows from one round, and if the starts of the case are as far
+        apart as those of the table.
+        """
+        found: dict[str, str] = {}
+        if covered.phases.least_distance() < self.apart:
+            milliseconds = self.apart / covered.phases.ticks_per_second * 1000
+            reason = f"the case has starts that are less than {milliseconds:.4f} ms apart"
+            return {budget.name: reason for budget in covered.case.budget}
+        for name, looks_back in covered.looks_back().items():
+            if name in self.spanning:
+                found[name] = "an occurrence of it lasts from one round to the next"
+            elif not looks_back <= WITHIN_ROUND:
+                (further, *_) = sorted(looks_back - WITHIN_ROUND)
+                found[name] = f"its values depend on {further}"
+        return found
+
+
+class TableMaker:
+    """Makes the table of a case. Raise NotClosed if the case has no table.
+
+    on_progress: called with the part of the known entries that were run.
+    """
+
+    def __init__(self, covered: CoveredCase, on_progress: Callable[[float], None] | None = None) -> None:
+        self._covered = covered
+        self._on_progress = on_progress
+        self._ignored = check(covered.case)
+        self._random = Random(1)
+        self._places: dict[bytes, Place] = {}  # from the digest of a state of rest to its place
+        self._open: list[set[int]] = []  # for each orbit, the ticks of the entries that were not run yet
+        self._entries: dict[Place, Entry] = {}
+        self.table = Table([], 0, 0, 0, [], [], set())
+
+    def make(self) -> Table:
+        """Return the table, once it is closed or a run has failed.
+
+        Raise NotClosed if it cannot be closed. Raise Contradiction if two runs of an entry differ.
+        """
+        table = self.table
+        while not table.orbits or any(self._open):
+            self._run(again=0)
+            if table.has_failed:
+                return table
+        wanted = max(LEAST_REVISITED, len(self._entries) // REVISITED)
+        while table.again < wanted or any(self._open):
+            self._run(again=wanted)
+            if table.has_failed:
+                return table
+        return table
+
+    def _run(self, again: int) -> None:
+        """Run up to ROUNDS_A_RUN rounds: of open entries, or of random entries until `again` were run again."""
+        run = FreeRun(self._covered, self._ignored)
+        place = self._place(run)
+        for _ in range(ROUNDS_A_RUN):
+            if again and self.table.again >= again:
+                break
+            tick = self._random.randrange(self.table.orbits[place.orbit]) if again else self._next_tick(place)
+            if tick is None:
+                break
+            place = self._round(run, place, tick)
+        self.table.starts.append(run.starts)
+        self.table.outcomes.append(self._covered.finish(run.scene))
+
+    def _next_tick(self, place: Place) -> int | None:
+        """Return the tick of the next entry on the way to an open one; None if no open entry can be reached."""
+        here = self._open[place.orbit]
+        if here:
+            period = self.table.orbits[place.orbit]
+            return min(here, key=lambda tick: (tick - place.tick - 1) % period)
+        ways: dict[int, dict[int, int]] = {}  # from an orbit and the orbit after it to the tick of an entry
+        for at, entry in self._entries.items():
+            ways.setdefault(at.orbit, {}).setdefault(entry.after.orbit, at.tick)
+        first: dict[int, int] = {}  # from an orbit to the first tick of the way to it
+        waiting = deque([place.orbit])
+        while waiting:
+            orbit = waiting.popleft()
+            if self._open[orbit]:
+                return first[orbit]
+            for after, tick in ways.get(orbit, {}).items():
+                if after not in first and after != place.orbit:
+                    first[after] = first.get(orbit, tick)
+                    waiting.append(after)
+        return None
+
+    def _round(self, run: FreeRun, place: Place, tick: int) -> Place:
+        """Run a round that starts at this tick of the orbit, and return the place after it."""
+        period = self.table.orbits[place.orbit]
+        distance = (tick - place.tick) % period or period
+        start = run.now + distance + period * self._random.randrange(LONGER_RESTS)
+        run.start(start)
+        run.settle()
+        records, settled = run.records.digest, run.now
+        self.table.spanning |= {one.budget.name for one in run.scene.limits if one.measure.unfinished(settled)}
+        after = self._place(run)
+        self.table.apart = max(self.table.apart, settled - start + 1)
+        entry, at = Entry(after, run.now - start, records), Place(place.orbit, tick)
+        known = self._entries.get(at)
+        if known is not None:
+            self.table.again += 1
+            self._compare(at, known, entry)
+            return after
+        self._entries[at] = entry
+        self._open[place.orbit].discard(tick)
+        self.table.entries += 1
+        if self._on_progress is not None:
+            self._on_progress(self.table.entries / sum(self.table.orbits))
+        return after
+
+    def _compare(self, at: Place, known: Entry, entry: Entry) -> None:
+        """Raise Contradiction if two runs of an entry differ. The two states of rest may be parts of an orbit apart."""
+        period = self.table.orbits[known.after.orbit]
+        tick = (known.after.tick + entry.length - known.length) % period
+        if (known.after.orbit, tick, known.records) != (entry.after.orbit, entry.after.tick, entry.records):
+            raise Contradiction(
+                f"{self._covered.case.name}: two rounds from equal states differ (orbit {at.orbit}, tick {at.tick}: "
+                f"{known} and {entry}); please report this as a defect of periph-sim"
+            )
+
+    def _place(self, run: FreeRun) -> Place:
+        """Return the place of the present state of rest. Raise NotClosed if it does not repeat."""
+        state = run.state()
+        key = digest(state)
+        if key not in self._places:
+            self._add_orbit(run, key, state)
+            key = digest(run.state())
+        return self._places[key]
+
+    def _add_orbit(self, run: FreeRun, key: bytes, state: NormalState) -> None:
+        """Advance by one period and add the orbit, or advance to a state of a known orbit."""
+        period, cycle = period_of(run.scene), run.ticks_per_cycle
+        table = self.table
+        if sum(table.orbits) + period * cycle > MAX_ENTRIES:
+            raise NotClosed(f"the table would have more than {MAX_ENTRIES:,} entries")
+        keys = [key]
+        for _ in range(period - 1):
+            run.next_cycle()
+            keys.append(digest(run.state()))
+            if keys[-1] in self._places:
+                return
+        run.next_cycle()
+        names = differences(state, run.state())
+        if names:
+            more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+            raise NotClosed(f"the state does not repeat while the firmware waits: {', '.join(names[:NAMED])}{more}")
+        keys = keys[: keys.index(key, 1)] if key in keys[1:] else keys
+        self._places |= {each: Place(len(table.orbits), number * cycle) for number, each in enumerate(keys)}
+        table.orbits.append(len(keys) * cycle)
+        self._open.append(set(range(len(keys) * cycle)))
+
+
+def check(case: Case) -> tuple[str, ...]:
+    """Return the names of attributes that need not be compared. Raise NotClosed if the case cannot have a table."""
+    if len(case.unit) > 1:
+        raise NotClosed("it has more than one unit, and the phases of their clocks are free")
+    for name, unit in case.unit.items():
+        if not unit.image:
+            raise NotClosed(f"unit {name} runs no image, and other firmware has a part of its state on a stack")
+        if unit.ppm:
+            raise NotClosed(f"unit.{name}.ppm is not 0, so a cycle is not a whole number of ticks")
+    if case.controller is not None and case.host is not None:
+        raise NotClosed("rounds and frames start independently of each other")
+    for table in ("chip", "device", "serial", "fault", "outside", "transceiver"):
+        if getattr(case, table):
+            raise NotClosed(f"the state of [{table}] is not compared")
+    if case.host is None:
+        return ("head._number",)
+    if case.host.motion.get("kind") != "static":
+        raise NotClosed('the bytes of the frames differ; add motion = { kind = "static" } to [host] for equal bytes')
+    return ("host._number",)

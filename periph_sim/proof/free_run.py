@@ -1,0 +1,151 @@
+"""A run in which each start of a round, or of a frame, is chosen while the scene is at rest.
+
+start(tick) --> round --> settle: nothing is in progress, and instants of the round are long past --> state, digest
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from zlib import crc32
+
+from ..core.chip import NEVER
+from ..core.records import UNWANTED, Kind, Listener
+from ..scene.scene import Scene
+from .normal_state import LONG_PAST, NormalState, NotComparable, normal_state
+from .stretch import CoveredCase
+
+CLOCK_REGISTERS = (
+    "WDCR",
+    "WDKEY",
+    "WDCNTR",
+    "SCSR",
+    "PLLCR",
+    "PLLSTS",
+)  # the normal state leaves out what they control
+CHECKS = 10  # a round is checked for its end this number of times in each unit of `long`
+
+
+class NotClosed(Exception):
+    """The case cannot be proven with a table. The message is a phrase that says why."""
+
+
+class RoundRecords(Listener):
+    """Digest of what the firmware and the parties do in a round: writes, interrupts, events and frames on lines.
+
+    accessed: the first access to one of CLOCK_REGISTERS; "" before it.
+    """
+
+    def __init__(self) -> None:
+        self.accessed = ""
+        self._start = self._digest = 0
+        self._accesses: dict[int, str] = {}
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        tag = crc32(f"{kind.value} {where} {what}".encode())
+        module, _, register = what.split()[-1].partition(".")
+        if kind is Kind.ACCESS and module == "SYS" and register in CLOCK_REGISTERS:
+            self._accesses[tag] = f"{where} {what}"
+        elif kind is Kind.ACCESS and what.startswith("R "):  # reads of a wait that is not skipped yet
+            return UNWANTED
+        return tag
+
+    def on_record(self, tag: int, tick: int, value: int) -> None:
+        if tag in self._accesses:
+            self.accessed = self.accessed or self._accesses[tag]
+        self._digest = hash((self._digest, tag, tick - self._start, value))
+
+    def begin(self, tick: int) -> None:
+        """Begin a new digest. tick: ticks of the records are counted from here."""
+        self._start, self._digest = tick, 0
+
+    @property
+    def digest(self) -> int:
+        return self._digest
+
+
+class FreeRun:
+    """A run that begins with the first start of the case.
+
+    scene: the scene, which the user of this class must not advance.
+    starts: the ticks of the starts so far, counted from the start of the run.
+    records: the digest of the round since the last start.
+    long: the number of ticks after which instants are long past.
+    """
+
+    def __init__(self, covered: CoveredCase, ignored: Sequence[str]) -> None:
+        """ignored: as for `normal_state`."""
+        self.records = RoundRecords()
+        self.scene: Scene = covered.free_scene(self.records)
+        self.starts: list[int] = []
+        self._ignored = ignored
+        (self._dsp, *_) = self.scene.units.values()
+        self.long = self.scene.timebase.per_second // LONG_PAST
+        first = self.scene.start + covered.phases.first_start()
+        self.scene.advance(first - 1)
+        self.records.accessed = ""  # start-up code sets up the clocks
+        self.start(first)
+        self.settle()
+
+    @property
+    def now(self) -> int:
+        return self.scene.kernel.now
+
+    @property
+    def ticks_per_cycle(self) -> int:
+        """The present length of a cycle in ticks."""
+        clock = self._dsp.clock
+        cycle = clock.cycle_at(self.now)
+        return clock.tick(cycle + 1) - clock.tick(cycle)
+
+    def state(self) -> NormalState:
+        """Return the normal state. Raise NotClosed if a part of the scene has none."""
+        try:
+            return normal_state(self.scene, self._ignored)
+        except NotComparable as error:
+            raise NotClosed(str(error)) from None
+
+    def start(self, tick: int) -> None:
+        """Let a round or a frame start at this tick, and advance to it."""
+        scene = self.scene
+        self.starts.append(tick - scene.start)
+        self.records.begin(tick)
+        if scene.head is not None:
+            scene.head.start_round(tick)
+        else:
+            assert scene.host is not None
+            scene.host.start_frame(tick)
+        scene.advance(tick)
+
+    def settle(self) -> None:
+        """Advance to the beginning of a cycle at which nothing is due, and instants of the round are long past.
+
+        Raise NotClosed if there is no such cycle within a second, or if the firmware has accessed one of
+        CLOCK_REGISTERS.
+        """
+        scene, until = self.scene, self.now + self.scene.timebase.per_second
+        while not self._is_over():
+            self._step(self.long // CHECKS, until, "a round lasts longer than a second")
+        self._step(2 * self.long, until, "")  # the firmware may go on after the round
+        while scene.kernel.next_time() < NEVER:
+            self._step(self.long, until, "something is still due a second after the start of a round, such as a timer")
+        self.next_cycle()
+        if self.records.accessed:
+            raise NotClosed(f"the firmware accesses {self.records.accessed}, and the effects are not in the table")
+
+    def next_cycle(self) -> None:
+        """Advance to the next tick at which a cycle begins."""
+        clock = self._dsp.clock
+        self.scene.advance(clock.tick(clock.cycle_at(self.now + 1)))
+
+    def _step(self, ticks: int, until: int, otherwise: str) -> None:
+        if self.now > until:
+            raise NotClosed(otherwise)
+        self.scene.advance(self.now + ticks)
+
+    def _is_over(self) -> bool:
+        """Return True if no round and no frame is in progress."""
+        scene = self.scene
+        if scene.head is not None:
+            return scene.head.at_rest
+        assert scene.host is not None
+        return not scene.host.is_sending

@@ -1,0 +1,57 @@
+"""`periph-sim prove --table`: what it prints and writes, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.interfaces.commands.conftest import Run
+from tests.proof.test_closed_table import PERIOD, write_echo
+
+MORE = """
+[[budget]]
+name = "pause"
+measure = "period of frame RX begin"
+min = "1 us"
+"""
+
+
+def test_budgets_of_one_round_are_proven_and_others_are_named(periph_sim: Run, tmp_path: Path):
+    path = write_echo(tmp_path)
+    path.write_text(path.read_text(encoding="utf-8") + MORE, encoding="utf-8")
+    came = periph_sim("prove", str(path), "--table")
+    assert (came.status, came.err) == (1, "")
+    assert came.out.splitlines()[0] == f"fast_echo: table of {PERIOD} starts, {PERIOD} of them run: closed"
+    words = {line.split()[0]: line.split()[-1] for line in came.out.splitlines() if line.startswith(" ")}
+    assert (words["echo"], words["pause"]) == ("proven", "held")
+    assert "not proven: pause: an occurrence of it lasts from one round to the next" in came.out
+    assert "proven: for all sequences of frames that start at least" in came.out
+
+
+def test_a_broken_budget_has_a_witness_that_breaks_it(periph_sim: Run, tmp_path: Path):
+    path, folder = write_echo(tmp_path, 0.2), tmp_path / "witness"
+    folder.mkdir()
+    came = periph_sim("prove", str(path), "--table", "--witness", str(folder), "--json")
+    shown = json.loads(came.out)
+    assert (came.status, shown["table"]["closed"], shown["budgets"]["echo"]["verdict"]) == (1, False, "broken")
+    (file,) = folder.glob("*.toml")
+    assert shown["written"] == [str(file)]
+    again = json.loads(periph_sim("run", str(file), "--json").out)
+    assert again["budgets"][0]["worst"] == shown["budgets"]["echo"]["worst"]
+
+
+def test_a_case_without_a_table_is_refused_in_a_sentence(periph_sim: Run, tmp_path: Path):
+    path = write_echo(tmp_path)
+    came = periph_sim("prove", str(path), "--table", "--set", "unit.dsp.ppm=1")
+    assert (came.status, came.out) == (2, "")
+    reason = "unit.dsp.ppm is not 0, so a cycle is not a whole number of ticks"
+    assert came.err.splitlines()[-1] == f"Error: fast_echo has no closed table: {reason}"
+
+
+@pytest.mark.parametrize("option", [["--step", "5"], ["--start-up"], ["--jobs", "2"], ["--save"], ["--rounds", "5"]])
+def test_an_option_without_effect_is_refused(option: list[str], periph_sim: Run, tmp_path: Path):
+    came = periph_sim("prove", str(write_echo(tmp_path)), "--table", *option)
+    assert came.status == 2
+    assert f"{option[0]} with --table: a table contains all starts; remove one of them" in came.err

@@ -1,0 +1,204 @@
+"""Tables of states and starts: which cases close, what they show, and by what a table of too few states is noticed.
+
+The scene of most tests is the SCI echo at 100 MHz and 1.56 Mbit/s: SCICLK has a period of 8 cycles, a pass of the
+echo's wait one of 10, and a cycle has 10 ticks. So a period of the rest has 400 ticks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from periph_sim.proof import closed_table, free_run
+from periph_sim.proof.closed_table import Contradiction, Table, TableMaker
+from periph_sim.proof.free_run import NotClosed
+from periph_sim.proof.normal_state import NormalState, normal_state
+from periph_sim.proof.stretch import CoveredCase, Job
+from periph_sim.scene.case.inputs_table import InputsTable
+from periph_sim.scene.scene import Scene
+from tests.scene.runs import TIMING
+
+FIRMWARE = Path(__file__).parents[2] / "firmware" / "c28x"
+PERIOD = 400
+ECHO = """
+name = "fast_echo"
+duration = "8 ms"
+
+[unit.dsp]
+oscclk = "20 MHz"
+image = "echo.asm"
+modules = ["SCI-A", "GPIO"]
+
+[host]
+baud = 1562500
+first = "8 ms"
+period = "20 ms"
+motion = {{ kind = "static" }}
+
+[[budget]]
+name = "echo"
+measure = "from frame RX end to frame TX begin, in order"
+max = "{limit} us"
+"""
+
+
+def covered(path: Path, *changes: str) -> CoveredCase:
+    return CoveredCase(Job(str(path), changes))
+
+
+def made(path: Path, *changes: str) -> Table:
+    return TableMaker(covered(path, *changes)).make()
+
+
+def write_echo(folder: Path, limit: float = 1.0, *changes: tuple[str, str]) -> Path:
+    """Write a case of the fast echo, and return its path. limit: in us. changes: replacements in its firmware."""
+    firmware = (FIRMWARE / "sci_echo.asm").read_text(encoding="utf-8")
+    for old, new in [("BRR       .set  40 ", "BRR       .set  1 "), *changes]:
+        assert old in firmware
+        firmware = firmware.replace(old, new)
+    (folder / "echo.asm").write_text(firmware, encoding="utf-8")
+    file = folder / "echo.toml"
+    file.write_text(ECHO.format(limit=limit), encoding="utf-8")
+    return file
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[CoveredCase, Table]:
+    """Return the case of the fast echo, and its closed table."""
+    case = covered(write_echo(tmp_path_factory.mktemp("whole")))
+    return case, TableMaker(case).make()
+
+
+def worst_of(table: Table) -> float:
+    worst = table.worst()["echo"].verdict.worst
+    assert worst is not None
+    return worst
+
+
+def test_a_table_is_closed_when_each_start_was_run_from_each_state(whole: tuple[CoveredCase, Table]):
+    case, table = whole
+    assert (table.orbits, table.entries, table.has_failed) == ([PERIOD], PERIOD, False)
+    assert table.again >= closed_table.LEAST_REVISITED
+    assert table.not_proven(case) == {}
+
+
+def test_no_ordinary_run_is_worse_than_the_table_and_some_are_as_bad(whole: tuple[CoveredCase, Table]):
+    """The frames of these runs start at random ticks, from the least distance of the table on."""
+    case, table = whole
+    random, per_second = Random(5), case.phases.ticks_per_second
+    seen = []
+    for _ in range(40):
+        starts = [case.phases.first_start()]
+        for _ in range(20):
+            starts.append(starts[-1] + table.apart + random.randrange(per_second // 1000))
+        inputs = InputsTable(frames=tuple(Fraction(start, per_second) for start in starts))
+        duration = Fraction(starts[-1] + table.apart, per_second)
+        result = Scene(case.case.model_copy(update={"inputs": inputs, "duration": duration})).run()
+        (worst,) = [verdict.worst for verdict in result.budgets]
+        assert worst is not None
+        seen.append(worst)
+    assert max(seen) == worst_of(table)
+    assert min(seen) < worst_of(table)
+
+
+def test_a_limit_just_below_the_worst_value_is_broken(whole: tuple[CoveredCase, Table], tmp_path: Path):
+    broken = made(write_echo(tmp_path, round(worst_of(whole[1]) - 0.001, 3)))
+    assert broken.has_failed
+    assert broken.worst()["echo"].verdict.broken
+
+
+def test_the_register_slave_has_a_closed_table():
+    """It sleeps in IDLE, so only the four cycles of LSPCLK repeat."""
+    path = TIMING / "variants" / "image_register_slave.toml"
+    case = covered(path)
+    table = TableMaker(case).make()
+    assert (table.orbits, table.entries, table.has_failed) == ([80], 80, False)
+    assert table.not_proven(case) == {}
+
+
+# States that lack something ------------------------------------------------------
+
+
+def without(names: Sequence[str]) -> Callable[..., NormalState]:
+    """Return a function like `normal_state` that leaves out some parts of the state."""
+
+    def coarser(scene: Scene, ignored: Sequence[str] = ()) -> NormalState:
+        state = normal_state(scene, ignored)
+        for name in names:
+            assert name in state
+            state[name] = None
+        return state
+
+    return coarser
+
+
+CLOCKS = ["dsp.SCI-A.chip._rx_clock._cycle", "dsp.SCI-A.chip._tx_clock._cycle", "dsp.SYS.chip.lspclk_phase"]
+
+
+@pytest.mark.parametrize("names", [["dsp.program.cpu.polls.began"], CLOCKS])
+def test_a_state_without_a_phase_leads_to_a_contradiction(
+    names: Sequence[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """States that differ in the phase of the wait, or of SCICLK, are taken as equal, but their rounds differ."""
+    monkeypatch.setattr(free_run, "normal_state", without(names))
+    with pytest.raises(Contradiction, match="fast_echo: two rounds from equal states differ"):
+        made(write_echo(tmp_path))
+
+
+def test_a_phase_that_follows_from_the_rest_of_the_state_can_be_left_out(
+    whole: tuple[CoveredCase, Table], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """The clock of the receiver is in phase with that of the transmitter."""
+    monkeypatch.setattr(free_run, "normal_state", without(CLOCKS[:1]))
+    table = made(write_echo(tmp_path))
+    assert (table.orbits, worst_of(table)) == (whole[1].orbits, worst_of(whole[1]))
+
+
+# Refused --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "reason"),
+    [
+        (
+            "imu_hil",
+            ("unit.dsp.ppm=0",),
+            "unit dsp runs no image, and other firmware has a part of its state on a stack",
+        ),
+        ("imu_hil_image", (), "unit.dsp.ppm is not 0, so a cycle is not a whole number of ticks"),
+        ("imu_hil_image", ("unit.dsp.ppm=0",), "rounds and frames start independently of each other"),
+        ("variants/image_sci_echo", (), "the bytes of the frames differ; add motion"),
+    ],
+)
+def test_a_case_without_a_table_is_named(name: str, changes: tuple[str, ...], reason: str):
+    with pytest.raises(NotClosed) as refused:
+        made(TIMING / f"{name}.toml", *changes)
+    assert str(refused.value).startswith(reason)
+
+
+def test_a_case_whose_starts_are_closer_than_those_of_the_table_is_not_proven(whole: tuple[CoveredCase, Table]):
+    case, table = whole
+    closer = covered(Path(case.case.file), "host.period=2 ms")
+    assert table.not_proven(closer) == {"echo": "the case has starts that are less than 2.1000 ms apart"}
+    jitter = covered(Path(case.case.file), "host.period=10 ms", "host.jitter=9 ms")
+    assert set(table.not_proven(jitter)) == {"echo"}
+
+
+def test_firmware_that_counts_does_not_close(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Register AH is different after each character, so each round leads to a new orbit."""
+    monkeypatch.setattr(closed_table, "MAX_ENTRIES", 5 * PERIOD)
+    counts = ("          MOV   @SCITXBUF,AL\n", "          MOV   @SCITXBUF,AL\n          ADD   @AH,#1\n")
+    with pytest.raises(NotClosed, match="the table would have more than 2,000 entries"):
+        made(write_echo(tmp_path, 1.0, counts))
+
+
+def test_firmware_that_serves_the_watchdog_is_refused(tmp_path: Path):
+    serves = "          EALLOW\n          MOVW  DP,#0x7025 >> 6\n          MOV   @0x25,#0x55\n          EDIS\n"
+    serves += "          MOVW  DP,#SCICCR >> 6\n"
+    change = ("          MOV   @SCITXBUF,AL\n", "          MOV   @SCITXBUF,AL\n" + serves)
+    with pytest.raises(NotClosed, match=r"the firmware accesses dsp W SYS\.WDKEY"):
+        made(write_echo(tmp_path, 2.0, change))

@@ -139,6 +139,10 @@ class Kernel:
         first = self._queue.first
         return NEVER if first is None else first.time
 
+    def next_event(self) -> Event | None:
+        """Return the next event, or None. `Event.following` leads to the later events."""
+        return self._queue.first
+
     def quiet_until(self) -> int:
         """Return the first tick at which a party other than the calling CPU may act.
 

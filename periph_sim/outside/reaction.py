@@ -25,7 +25,6 @@ from fractions import Fraction
 from operator import itemgetter
 from typing import TYPE_CHECKING, final
 
-from ..core.agent import Agent, Event
 from ..core.chip import NEVER
 from ..core.sampler import Sampler
 from ..core.socket import WAKE, Socket
@@ -40,6 +39,7 @@ from ..processor.processor import Processor
 from ..scene.scene import Scene
 
 if TYPE_CHECKING:
+    from ..core.agent import Event
     from ..core.kernel import Kernel
     from ..core.wire import Wire
 
@@ -49,14 +49,13 @@ _tick = itemgetter(0)
 
 
 @final
-class Reaction(Agent):
+class Reaction:
     """Calculator of the earliest tick at which a pin of the case may move. Times are in ticks of the kernel.
 
     lines: the names of the lines that lead outside.
     """
 
     _kernel: Kernel
-    _mark: Event
     _levels: dict[str, int]
     _seen: dict[str, int]
 
@@ -64,8 +63,6 @@ class Reaction(Agent):
         case = scene.case
         self._others = bool(case.chip or case.device or case.controller or case.fault or case.transceiver)
         self._kernel = scene.kernel
-        self._mark = scene.kernel.schedule(scene.kernel.now, self)
-        scene.kernel.cancel(self._mark)
         self._wires = [scene.wires[name] for name in lines]
         # The sum of the wires' versions at the last update of the listeners. It grows when a wire's listeners change.
         self._version = -1
@@ -188,19 +185,11 @@ class Reaction(Agent):
     def _first_event(self) -> int:
         """Return the first tick at which one of the scheduled events may move a pin; NEVER if none of them does."""
         due = NEVER
-        event = self._events()
+        event = self._kernel.next_event()
         while event is not None and event.time < due:
             due = min(due, max(event.time, self._effect(event)))
             event = event.following
         return due
-
-    def _events(self) -> Event | None:
-        """Return the kernel's first event; None if it has none. `following` leads to the later events."""
-        kernel = self._kernel
-        kernel.reschedule(self._mark, kernel.now, 0)  # `_mark` is the first event if those of this tick have run
-        event = self._mark.following
-        kernel.cancel(self._mark)
-        return event
 
     def _effect(self, event: Event) -> int:
         """Return a tick before which this event does not move a pin."""

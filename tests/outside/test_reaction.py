@@ -300,6 +300,30 @@ def test_a_list_of_changes_is_the_caller_s() -> None:
         assert session.advance(moves[-1][0]) and before == []
 
 
+@pytest.mark.parametrize(
+    "party",
+    [
+        {"fault": [{"kind": "hold", "wire": "SDA", "at": "0 s", "length": "10 us"}]},
+        {
+            "controller": {
+                "rate": "100 kHz",
+                "period": "20 ms",
+                "first": "0 s",
+                "beside_outside": True,
+                "request": [{"address": 0x50, "count": 1}],
+            }
+        },
+    ],
+    ids=["fault", "controller"],
+)
+def test_a_pin_that_moves_at_the_first_tick_is_foretold(party: dict[str, Any]) -> None:
+    with Session(case(**party), BUS) as session:
+        assert session.next_output() == 0
+        assert session.advance(1) == [Change(0, "SDA", 0)]
+        due = session.next_output()
+        assert due is not None and session.advance(due) == []
+
+
 def test_nothing_is_foretold_where_nothing_can_move() -> None:
     ended = Firmware("ended", lambda dsp, settings: None, None)
     with Session(case(modules=("I2C-A",)), BUS, programs={"dsp": ended}) as session:

@@ -39,8 +39,11 @@ class I2cModuleParty(BitParty):
         self._chip = chip
         self._clock = clock
         self._calm = False  # the last result of the timing check in `ready`
-        self._calm_for = -1  # computed from the inputs of the timing check; if it changes, the check is repeated
-        self._hz: Fraction = clock.hz  # the clock frequency at the last timing check
+        # The inputs of the last timing check. If one of them changes, the check is repeated.
+        self._low = self._high = self._hold = -1
+        self._each = False
+        self._width = self._module_clock = 0
+        self._hz: Fraction = clock.hz
         self._asking = False  # True while the module, as the master, tries to skip bits
         self._release_cause = 0  # the record that caused the release of SCL for the first skipped bit
 
@@ -83,12 +86,20 @@ class I2cModuleParty(BitParty):
         chip = self._chip
         if not chip.waits_for_byte(self._asking) or not self._socket.shows_output():
             return False
-        figures = each + 2 * low + 3 * high + 5 * hold + 7 * chip.filter_width + 11 * chip.state.tm
-        if figures != self._calm_for or self._clock.hz is not self._hz:
-            self._calm_for, self._hz = figures, self._clock.hz
+        width, module_clock = chip.filter_width, chip.state.tm
+        if (
+            low != self._low
+            or high != self._high
+            or hold != self._hold
+            or each != self._each
+            or width != self._width
+            or module_clock != self._module_clock
+            or self._clock.hz is not self._hz
+        ):
+            self._low, self._high, self._hold, self._each = low, high, hold, each
+            self._width, self._module_clock, self._hz = width, module_clock, self._clock.hz
             # Each level must last longer than the width of the noise filter.
             # SDA must not change together with SCL, whether another party or this module drives SDA.
-            width, module_clock = chip.filter_width, chip.state.tm
             apart = max(width, module_clock) + MARGIN
             low, high, hold = self._cycles(low), self._cycles(high), self._cycles(hold)
             own = width + self._socket.out_delay + MARGIN

@@ -225,3 +225,42 @@ def test_a_reset_as_scl_is_let_go_for_the_eighth_bit_leaves_nobody_deaf():
         lost += rises(by_edges)[7] != rises(whole)[7]  # it is the reset that lets go
         assert len(rises(by_edges)) > 16
     assert 0 < lost < 24
+
+
+def test_bits_that_a_slave_s_noise_filter_swallows_are_not_skipped_after_bits_that_pass_it():
+    """The master's next byte has a low time that is shorter, and a high time that is longer in the ratio 3 : 2."""
+
+    def master(dsp: Dsp, settings: object) -> None:
+        MeddlingMaster("", False, 0x50, 0).start(dsp)
+        i2c = dsp.module("I2C-A")
+        i2c.I2CMDR.all = 0
+        i2c.I2CPSC.all = 0
+        i2c.I2CCLKL.all, i2c.I2CCLKH.all = 37, 20
+        i2c.I2CMDR.all = 0x4020
+        i2c.I2CSAR.all = 0x51
+        i2c.I2CCNT.all = 2
+        i2c.I2CDXR.all = 0xA5
+        i2c.I2CMDR.all = 0x6E20
+        dsp.compute(5_000)
+        i2c.I2CCLKL.all, i2c.I2CCLKH.all = 7, 40  # SCL is low for 14 cycles, and the filter takes 15
+        i2c.I2CDXR.all = 0x5A
+        dsp.compute(5_000)
+
+    def slave(dsp: Dsp, settings: object) -> None:
+        MeddlingMaster("", False, 0x51, 0).start(dsp)
+        i2c = dsp.module("I2C-A")
+        i2c.I2CMDR.all = 0
+        i2c.I2CPSC.all = 0
+        i2c.I2CMDR.all = 0x0020
+        while True:
+            dsp.compute(600)
+            if i2c.I2CSTR.RRDY:
+                i2c.I2CDRR.all  # noqa: B018
+
+    units = {name: {"firmware": name, "modules": ["I2C-A"]} for name in ("head", "imu")}
+    units["imu"]["options"] = {"i2c": {"noise_filter_cycles": 15}}
+    case = small.case(unit=units)
+    programs = {"head": Firmware("head", master, None), "imu": Firmware("imu", slave, None)}
+    by_edges, skipping = (run(case, disable, BUT_EDGES, "0.0001", programs) for disable in (BY_EDGES, SKIPPING))
+    assert skipping[1] == by_edges[1]
+    assert skipping[0].bytes_skipped == 2  # the address and the first byte

@@ -69,7 +69,7 @@ class Commands(click.Group):
         if name not in sys.modules:
             gc.disable()  # imported modules stay in memory, so searching them for garbage would only take time
             importlib.import_module(name)
-            gc.freeze()  # garbage collection ignores the imported objects from now on
+            gc.freeze()  # later garbage collections ignore the imported objects
             gc.enable()
         found: click.Command = getattr(sys.modules[name], file.stem)
         return found

@@ -115,7 +115,7 @@ class Sampler(SampledParty):
         recorder.cause = outer
 
     def _record_causes(self) -> None:
-        """Set `Recorder.cause` at each notification from now on. `_seen` is needed to find the changed lines."""
+        """Begin to set `Recorder.cause` at each notification. `_seen` is needed to find the changed lines."""
         if self.plain:
             self.plain = False
             self._seen = self.levels

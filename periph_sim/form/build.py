@@ -73,7 +73,7 @@ class BuildSettings(NamedTuple):
     """Settings of a build.
 
     directives: Cython directives that are added to DIRECTIVES or replace entries of DIRECTIVES.
-    flags: flags of the C compiler. "{folder}" stands for the folder in which the compiler runs.
+    flags: flags of the C compiler. "{folder}" is replaced by the folder in which the compiler runs.
     link: flags of the linker.
     """
 

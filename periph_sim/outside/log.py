@@ -51,7 +51,7 @@ class LogWriter:
                 self._write(value)
 
     def serial(self, wire: str) -> None:
-        """Write that a `SerialLine` drives this wire from now on."""
+        """Write that a `SerialLine` begins to drive this wire."""
         self._write({"serial": wire})
 
     def instant(self, tick: int, levels: Mapping[str, int], begun: Sequence[str] = ()) -> None:

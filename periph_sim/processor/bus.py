@@ -291,10 +291,7 @@ class Bus:
         operand.reads.emit(self._clock.tick(at), value, where or "", operand.named)
 
     def _recorded(self, at: int, operand: Operand, where: SourceLocation | None) -> int:
-        """Record a read of an operand, then make the read and return the value.
-
-        where: the statement with the read; None if the records do not contain statements.
-        """
+        """Record a read of an operand, then make the read and return the value. where: see `record_poll`."""
         recorder = self._recorder
         outer = recorder.cause
         seen = operand.see(at)

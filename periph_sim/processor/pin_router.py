@@ -44,7 +44,7 @@ class Router(Agent):
     )
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return how far the router is behind the versions of the GPIO module. See `proof.normal_state`."""
+        """Return how many changes of the GPIO module the router has not applied yet. See `proof.normal_state`."""
         gpio = self._gpio
         return {"_routes": gpio.routes_version - self._routes, "_outs": gpio.out_version - self._outs}
 

@@ -116,10 +116,7 @@ class Program:
         return Awaited("" if self.spin is None else self.spin.waits_for())
 
     def unanswered_wait(self) -> Awaited | None:
-        """Return a description of a wait that reads unmodelled registers only; None if there is none.
-
-        Such a wait is returned even while a service routine interrupts it.
-        """
+        """Return a wait that reads only unmodelled registers, even during a service routine; None if there is none."""
         return None
 
     def ending(self, at: Text) -> str:
@@ -317,10 +314,7 @@ class Processor(Agent):
         return self.reach(core.ready - core.entry_cycles + core.vector_delay) and self._go_on()
 
     def iret(self) -> bool:
-        """Execute IRET: restore the context, and return to the interrupted code after 8 cycles.
-
-        Return False if the program must stop before these cycles have passed; see `Program.run`.
-        """
+        """Execute IRET: restore the context, return to the interrupted code after 8 cycles. Result: see `reach`."""
         core, cycle = self.core, self.time.cycle
         words: list[int] = list(self.bus.ram.words(self._frame(cycle, core.returning_sp), CONTEXT_WORDS))
         core.iret(cycle, words[ST1_WORD], words[IER_WORD])
@@ -381,10 +375,7 @@ class Processor(Agent):
         )
 
     def _frame(self, cycle: int, sp: int) -> int:
-        """Return the address of the first saved word of a context. Raise InterruptFault if it is not in RAM.
-
-        sp: SP when the interrupt was taken.
-        """
+        """Return the address of the context that is saved when SP is `sp`. Raise InterruptFault if it is not in RAM."""
         first = frame_of(sp)
         for address in (first, first + CONTEXT_WORDS - 1):
             if block_at(address) is None:

@@ -29,7 +29,7 @@ from ..core.state import State, Time, state_of
 from ..scene.scene import Scene
 from ..scene.state import modules_of
 
-EXPIRED = "expired"  # stands for an instant that is long past
+EXPIRED = "expired"  # replaces an instant that is long past
 LONG_PAST = 1000  # fraction of a second: instants are long past after 1 ms
 DIGEST = 16  # length of a digest, in bytes
 
@@ -41,7 +41,7 @@ class NotComparable(Exception):
 
 
 class Plan(NamedTuple):
-    """How the attributes of a class are collected.
+    """The way in which the attributes of a class are collected.
 
     names: the attributes that are stored as they are, if their values are plain.
     values: a function that returns their values for an object.

@@ -7,14 +7,14 @@ Nothing is simulated again: the records of `run --record x.psr` are all that is 
 Terms of this package:
 
 record: one event of the run, such as an access to a register, a change of a register's field, or an edge of a wire.
-number: the serial number of a record, from 1 on. Where a number stands for another record, 0 means that there is none.
+number: the serial number of a record, from 1 on. In a reference to another record, 0 means that there is none.
 row: the index of a record in the table of a run, from 0 on.
 cause: the record that led to another record.
 tick: the unit of time of a run.
 unit: a simulated DSP with its peripherals (its modules).
 place: a statement of the firmware, such as "function:line".
 routine: the main program, or one run of an interrupt service routine. A routine is identified by the number of the
-    record of its entry; 0 stands for the main program.
+    record of its entry; 0 identifies the main program.
 field, flag: a field of a register; a field of one bit.
 read-modify-write: a statement that reads a register, changes some bits and writes the whole register back. A bit-field
     write, the assignment to one field as in `i2c.I2CSTR.SCD = 1`, is one.

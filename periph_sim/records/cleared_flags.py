@@ -105,7 +105,7 @@ class Cleared:
 
 @final
 class FlagOfPlace:
-    """What the read-modify-writes of one place did to one flag.
+    """Effects of the read-modify-writes of one place on one flag.
 
     rose: number of times that the flag rose between the read and the write. If ticks are not kept, only the times
         at which the write then cleared the flag are counted.

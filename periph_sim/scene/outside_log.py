@@ -57,7 +57,7 @@ class Instant(NamedTuple):
 
     levels: the new levels of the wires that the outside party changes.
     sent: a dictionary from a wire to the number of bytes that begin on the wire. The number 0 means that no byte begins
-        at this tick, but the outside party sends bytes on the wire from now on.
+        at this tick, but the outside party begins to send bytes on the wire.
     """
 
     tick: int

@@ -208,9 +208,7 @@ class Scene:
     # Building the scene ------------------------------------------------------------------
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """Raise BadCase if a budget needs a part, a table of [serial] or a [host.motion] that this scene lacks.
-
-        Such a budget could never be broken.
+        """Raise BadCase if a budget can never be broken, because the scene lacks a part or table that it needs.
 
         entry: the index of the budget in the case. limit: the judge of the budget, or of one of its conditions.
         """
@@ -313,10 +311,7 @@ class Scene:
         return self.finish(length)
 
     def advance(self, until: int) -> None:
-        """Run all events up to and including tick `until`.
-
-        Do nothing if the run was aborted because firmware let no simulated time pass.
-        """
+        """Run all events up to and including tick `until`. Do nothing if the run was aborted (`stalled`)."""
         if self.stalled:
             return
         wall = perf_counter()

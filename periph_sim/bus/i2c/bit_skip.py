@@ -5,7 +5,7 @@
           ^ `skips` is called         ^ events resume here
 
 During the first seven bits of a byte only the levels of the lines change: flags, FIFOs, interrupts and the ACK change
-at the eighth rise of SCL or later. So nobody observes these bits, with two kinds of exceptions:
+at the eighth rise of SCL or later. So these bits are not observable, with two kinds of exceptions:
 - Edges are recorded, or a party holds SCL low at the first bit or may stretch the clock in the byte. Then no bit of the
   byte is skipped.
 - Firmware acts in mid-byte, or a party pulls or releases a line. Then the skipped events are first run up to now, in

@@ -115,7 +115,7 @@ class Gpio(GpioInputs):
         return sum((shown >> self._xint_pin(i) & 1) << i for i in range(len(at.XINT_SELECTS)))
 
     def watch_xints(self, now: int, lines: int) -> None:
-        """From now on, report changes of the XINT lines in the mask `lines`, and of no others, in `changed`."""
+        """Begin to report changes of the XINT lines in the mask `lines`, and of no others, in `changed`."""
         levels = self.xint_levels(now)
         self._xints = self._xints & self._watching | levels & ~self._watching
         self._watching = lines

@@ -66,10 +66,7 @@ class I2cMaster(I2cMasterData):
 
     active: True while this module owns the bus.
     sees_idle: True if both lines are high after the filter. The owner sets it before each call of `timer`.
-
-    Attributes for a byte whose bits are skipped (see `begin_skip`):
-
-    skip_release: the cycle in which SCL was released for the first bit of the byte.
+    skip_release: the cycle in which SCL was released for the first bit of a byte with skipped bits (see `begin_skip`).
     skip_fell: the cycle in which the module pulled SCL low before this release.
     skip_low: the low time of SCL in skipped bits, in cycles.
     skip_high: the time from a release of SCL until the module pulls SCL low again, in cycles.
@@ -192,10 +189,7 @@ class I2cMaster(I2cMasterData):
             self._meets_foreign_condition(now)
 
     def _meets_foreign_condition(self, now: int) -> None:
-        """Process a START or STOP of another device during the master's transfer.
-
-        Section 2.8 does not say what happens then, so the option foreign_start_stop decides.
-        """
+        """Process a START or STOP of another device during a transfer. Section 2.8 does not state the effect."""
         if self.state.options.foreign_start_stop.assume(self.state.touched) == "loses_arbitration":
             self.lose(now)
 
@@ -352,10 +346,7 @@ class I2cMaster(I2cMasterData):
     # Skipped bits (see `bus.i2c.bit_skip`) --------------------------------------------
 
     def released_bit(self) -> int:
-        """Return the number of the bit for which SCL has just been released; NO_BIT for a START or STOP.
-
-        In a byte of eight bits, bit 8 is the acknowledge bit.
-        """
+        """Return the bit for which SCL has just been released (8: acknowledge bit); NO_BIT for a START or STOP."""
         if not self._waits_for_rise or self._after_high != FALL or self._kind == NO_BYTE:
             return NO_BIT
         return self._bit

@@ -125,7 +125,7 @@ Column: TypeAlias = "Literal | Digits | Words | Sparse"
 def numbered(codes: Numbers) -> tuple[Numbers, Numbers]:
     """Return the different codes in increasing order, and the index of each element of `codes` in this array.
 
-    codes: integers from 0, each of which stands for a text.
+    codes: integers from 0, each the code of a text.
     """
     if len(codes) and int(codes.max()) > MAX_TABLE:
         return np.unique(codes, return_inverse=True)

@@ -34,7 +34,7 @@ Cells = list[tuple[str | int | float | None, ...]]
 
 COUNTS = ("bus", "address", "transfers", "bytes", "read", "refused", "errors", "load_percent")
 PARITY, FRAME_ERROR = 1, 2  # bits of `Rows.detail - READ` of a frame with faults
-ALL = -1  # stands for all addresses of a bus, and for an address that is missing
+ALL = -1  # represents all addresses of a bus, or an address that is missing
 
 
 def counts(rows: Rows, first: Numbers, buses: Sequence[Bus], capture: Capture) -> Cells:

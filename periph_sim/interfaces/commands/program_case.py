@@ -160,10 +160,7 @@ class LoopCalls(CallListener):
 
 
 def image_case(path: Path) -> WrittenCase:
-    """Return a case for an image. The case file belongs in the current folder.
-
-    Raise BadImage if the F28335 cannot run the image.
-    """
+    """Return a case for an image, to be written to the current folder. Raise BadImage if the image cannot run."""
     image = program_in(path)
     section, boot = _boot(image)
     unit = {"image": relpath(path), "boot": boot}
@@ -368,9 +365,8 @@ def _notes(scene: Scene, dsp: Dsp, seen: Seen) -> Iterator[str]:
 def _as_seen(tree: Tree, target: Path, measures: dict[str, str]) -> list[Tree]:
     """Run the case. Return a budget for each measure that has a value, with this value plus MARGIN % as the limit.
 
-    Periods with fewer than OFTEN - 1 values, and measures that do not fit the case, have no budget.
-
-    GPIO pins without an edge in this run are removed from the unit in `tree`.
+    Periods with fewer than OFTEN - 1 values, and measures that do not fit the case, have no budget. GPIO pins without
+    an edge in this run are removed from the unit in `tree`.
     """
     found: list[Tree] = []
     for name, measure in measures.items():

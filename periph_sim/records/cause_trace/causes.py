@@ -39,6 +39,7 @@ RECORDED, INFERRED = "recorded", "inferred"
 MOST_LOOKS = 8  # maximum number of earlier reads that are considered as the cause of a write
 MOST_ACCESSES = 10_000  # maximum number of earlier accesses of the routine that are searched for the cause of a write
 MOST_ROUTINES = 3  # maximum number of service routines shown as delays of the firmware; the longest are chosen
+MAX_REQUEST_CYCLES = 16  # maximum number of cycles from a module's interrupt request to the PIEIFR flag that it sets
 SEEN = "the last change of what it read"
 NEWEST = "the read before it that saw the newest change"
 
@@ -68,8 +69,7 @@ def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) ->
     If the list is empty or its last link is `aside`, no cause was found. This happens only in the main program, if
     neither a change nor an earlier read explains the access.
 
-    flag: the record of a field's change that the search visited most recently on its way back to this access; None if
-        it visited none.
+    flag: see `causes`.
     """
     routine = run.row_of(record.cause)
     entry = [] if routine is None else [Link(routine, run.record(routine), RECORDED, "its service routine began")]
@@ -146,10 +146,7 @@ def change_seen(run: Run, row: int, record: Record) -> int | None:
 
 
 def looked_at(record: Record) -> tuple[str, Register | None, tuple[Field, ...]]:
-    """Return the module, the register and the fields of an access: the field that it names, or all fields.
-
-    If the register is unknown, it is None, and there are no fields.
-    """
+    """Return the module, the register (None if unknown) and the fields of an access: the named field, or all."""
     module, _, name = record.what[2:].partition(".")
     register = register_of(module, name)
     if register is None:
@@ -188,8 +185,7 @@ def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[L
     The list is empty if the write does not belong to a read-modify-write. If the write only wrote the field of `flag`
     back (`handed_back`), the list ends with a link to the change of this field that the read half saw.
 
-    flag: the record of a field's change that the search visited most recently on its way back to this write; None if
-        it visited none.
+    flag: see `causes`.
     """
     read = read_modify_writes(run, record.where).read_of(row)
     if read is None:
@@ -224,9 +220,6 @@ def handed_back(write: Record, read: int, flag: Record) -> Field | None:
     if f.on_write is OnWrite.ONE_CLEARS:
         return f if kept and f.extract(read) else None
     return f if kept and f.on_write is OnWrite.STORE and f.name != write.field else None
-
-
-MAX_REQUEST_CYCLES = 16  # maximum number of cycles from a module's interrupt request to the PIEIFR flag that it sets
 
 
 def walk_back(run: Run, row: int, depth: int) -> Iterator[Link]:

@@ -30,7 +30,7 @@ from ...devices.truth import Axes, distance
 from ..measures.measure import MILLIONTHS
 from .transfer_records import begin_of
 
-RECENT = 8  # minimum number of frames that a read is compared with, if the host has sent so many
+RECENT = 8  # minimum number of frames that a read is compared with, if the host has sent at least that many
 MOST = 64  # maximum number of frames that a read is compared with
 BYTES = 6  # length of a read that carries a whole sample
 

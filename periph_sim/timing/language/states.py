@@ -101,7 +101,7 @@ ENDS: dict[str, frozenset[str]] = {
     "cpu": frozenset(CPU_STATES),
 }
 # STATES maps the first word of a state to a description of the name after it, the last word of the event that begins
-# the state, and the last word of the event that ends it. "" stands for the value in the state's text, such as "= 1".
+# the state, and the last word of the event that ends it. "" means the value in the state's text, such as "= 1".
 STATES = {
     "flag": ("a field", "", "change"),
     "variable": ("a variable of an image", "", "change"),

@@ -31,7 +31,7 @@ class _QueuedEvent:
     """An event that happened, in the queue of events to be measured.
 
     place: the index of the event in the measure.
-    counts: 1 if the event is to be measured, 0 if it is ignored. WAITS while this is not known: for "last ... of
+    counts: 1 if the event is measured, 0 if it is ignored. WAITS while this is not known: for "last ... of
         transfer", a later event of the same transfer may take the place of this event.
     """
 

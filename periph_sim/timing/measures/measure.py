@@ -237,7 +237,7 @@ class Measure(Listener):
         self._uncompared = 1
 
     def keep(self) -> None:
-        """Store all values from now on. Distributions, and budgets with joined conditions, need all values."""
+        """Begin to store all values. Distributions, and budgets with joined conditions, need all values."""
         self._kept = array("q"), array("q")
 
     @property
@@ -314,13 +314,13 @@ class MeasuredScene(Protocol):
     """Interface of a scene for measures. It provides information that records do not contain."""
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        """Report to `reply`, from now on, its requests, and what is sent to and by the SCI that should reply.
+        """Begin to report to `reply` its requests, and what is sent to and by the SCI that should reply.
 
         Return the expected reply, and a function that returns why the reply was never requested.
         """
 
     def on_unsolicited(self, measure: Unsolicited) -> tuple[Callable[[tuple[int, ...]], str], Callable[[], str]]:
-        """Report to the measure, from now on, the characters that belong to no expected reply.
+        """Begin to report to the measure the characters that belong to no expected reply.
 
         If the measure names a send, an entry of [[serial.send]], report also when this send begins and ends. Return a
         function that returns characters as text, and a function that returns why this send never began.

@@ -19,7 +19,7 @@ SEEN: Final = "seen"  # the word for a pass: every limit held in this run
 BROKEN: Final = "broken"
 PASS_TITLE: Final = "PASS, as seen in this run"
 
-NOTHING_PROVEN: Final = "nothing is proven yet: a verdict holds for the run that was made, and for no other timing"
+NOTHING_PROVEN: Final = "a run is no proof: its verdicts hold for this run, and for no other timing"
 
 
 @dataclass

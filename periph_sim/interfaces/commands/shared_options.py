@@ -28,7 +28,7 @@ GUARANTEED = click.option(
     default=None,
     expose_value=False,
     callback=lambda context, option, asked: _refuse_guaranteed(asked),
-    help="Require proven budgets; an error, since nothing is proven yet.",
+    help="Require proven budgets; an error, since a run proves none.",
 )
 CHANGES = click.option(
     "--set",

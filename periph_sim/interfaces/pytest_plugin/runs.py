@@ -154,8 +154,8 @@ class Run:
     def assert_budgets(self, *names: str, guaranteed: bool = False) -> None:
         """Raise AssertionError, with a table and a diagram, if any of these budgets does not hold.
 
-        guaranteed: True to require a proof that the budgets always hold. The assertion then always fails, since no
-            proof is available yet.
+        guaranteed: True to require a proof that the budgets always hold. The assertion then always fails, since a run
+            is no proof.
 
         Raise NoSuchBudget if the case has no budget with one of the names, and ValueError if no name is given.
         """

@@ -16,7 +16,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Literal
 
 from ..bus.uart.frame_format import UartFormat
-from ..bus.uart.reader import Heard, UartReader
+from ..bus.uart.reader import LineFrame, UartReader
 from ..core.chip import NEVER
 from ..scene.case.model import BadCase, Case
 from ..scene.case.wiring import SciLines, sci_named
@@ -205,7 +205,7 @@ class SerialLine:
         """Return the first whole tick at which the next frame may begin."""
         return -(-self._free // self._parts)
 
-    def _on_character(self, character: Heard) -> None:
+    def _on_character(self, character: LineFrame) -> None:
         self._got.append(character.value)
         self.received += 1
         self.wrong += not character.good or character.address != self._ninth

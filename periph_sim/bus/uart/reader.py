@@ -1,7 +1,7 @@
 """Readers of a UART line, which read or count the frames of all senders.
 
     wire  --|___+---|___...---+------      start bit, data, parity, stop
-            on_begin          on_end(Heard)
+            on_begin          on_end(LineFrame)
 
 Each bit of a frame is read in its middle. A frame ends with its last stop bit, or with the start bit of the next frame
 if that is earlier.
@@ -31,7 +31,7 @@ from .frame_format import UartFormat
 Line = Callable[[], tuple[Fraction, UartFormat]]
 
 
-class Heard(NamedTuple):
+class LineFrame(NamedTuple):
     """A frame that was read. begin, end: the ticks at which it begins and ends.
 
     good: True if the start bit, the parity and the stop bits are right.
@@ -76,7 +76,7 @@ class UartReader(Agent):
 
     def __init__(self, wire: Wire, line: Line) -> None:
         self.on_begin: list[Callable[[int], None]] = []
-        self.on_end: list[Callable[[Heard], None]] = []
+        self.on_end: list[Callable[[LineFrame], None]] = []
         self._kernel = wire.kernel
         self._line = line
         self._start = 0
@@ -133,7 +133,7 @@ class UartReader(Agent):
         for bit in range(form.bits):
             value |= levels[1 + bit] << bit
         address = levels[1 + form.bits] if form.address else 0
-        frame = Heard(self._start, self._kernel.now, value, form.is_kept_by(levels), address)
+        frame = LineFrame(self._start, self._kernel.now, value, form.is_kept_by(levels), address)
         for callback in self.on_end:
             callback(frame)
 
@@ -152,7 +152,7 @@ class UartMonitor:
     def _begin(self, now: int) -> None:
         self._begins.emit(now)
 
-    def _end(self, frame: Heard) -> None:
+    def _end(self, frame: LineFrame) -> None:
         topic = self._ends if frame.good else self._errors
         topic.emit(frame.end, frame.value)
 

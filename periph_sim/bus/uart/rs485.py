@@ -17,7 +17,7 @@ from ...core.sampler import watch
 from ...core.state import State
 from ...core.time import NO_TIME
 from ...core.wire import Wire
-from .reader import Heard, Line, UartReader
+from .reader import Line, LineFrame, UartReader
 
 COLLISION, CUT = "collision", "cut"  # names of the records that a pair makes besides those of its frames
 
@@ -133,7 +133,7 @@ class Transceiver:
         if not self.driver.on:
             self._cut(0)
 
-    def _over(self, frame: Heard) -> None:
+    def _over(self, frame: LineFrame) -> None:
         self._ends_at = NO_TIME
 
     def _cut(self, ticks: int) -> None:

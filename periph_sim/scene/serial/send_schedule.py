@@ -14,7 +14,7 @@ from fractions import Fraction
 from functools import partial
 
 from ...bus.uart.burst_sender import Burst, BurstSender
-from ...bus.uart.reader import Heard
+from ...bus.uart.reader import LineFrame
 from ...core.state import State
 from ...core.time import NO_TIME
 from ...timing.language.matcher import Matcher
@@ -47,7 +47,7 @@ class TextTrigger:
         self._happened = happened
         self._came = b""
 
-    def character(self, frame: Heard) -> None:
+    def character(self, frame: LineFrame) -> None:
         if not frame.good:
             self._came = b""
             return

@@ -12,7 +12,7 @@ from functools import partial
 
 from ...bus.uart.burst_sender import Burst, BurstSender, Character
 from ...bus.uart.frame_format import UartFormat
-from ...bus.uart.reader import Heard, Line, UartReader
+from ...bus.uart.reader import Line, LineFrame, UartReader
 from ...bus.uart.rs485 import Driver
 from ...core.phrases import counted
 from ...core.records import Recorder
@@ -304,11 +304,11 @@ class SerialSide:
         for reply in self._replies[number]:
             reply.due(tick)
 
-    def _character(self, number: int, frame: Heard) -> None:
+    def _character(self, number: int, frame: LineFrame) -> None:
         for reply in self._replies[number]:
             reply.character(frame.begin, frame.end, frame.value, frame.good)
 
-    def _unexpected(self, measure: Unsolicited, sci: SciLines, expects: list[int], frame: Heard) -> None:
+    def _unexpected(self, measure: Unsolicited, sci: SciLines, expects: list[int], frame: LineFrame) -> None:
         """Pass a character to a measure of unsolicited characters, unless the character belongs to a reply.
 
         expects: the indices of the expected replies of this SCI. The measure for notes also ignores the characters
@@ -335,7 +335,7 @@ class SerialSide:
 
     # Reading lines ------------------------------------------------------------------------
 
-    def _listen(self, sci: SciLines, entry: SerialEntry | None, callback: Callable[[Heard], None]) -> None:
+    def _listen(self, sci: SciLines, entry: SerialEntry | None, callback: Callable[[LineFrame], None]) -> None:
         """Call `callback` at the end of each character that an SCI sends, read with the rate and format of `entry`.
 
         On an RS-485 pair, a character is from this SCI only if it begins while the SCI's driver is on.
@@ -360,7 +360,7 @@ class SerialSide:
         )
 
 
-def _if_driven(driver: Driver, callback: Callable[[Heard], None], frame: Heard) -> None:
+def _if_driven(driver: Driver, callback: Callable[[LineFrame], None], frame: LineFrame) -> None:
     """Call `callback` with a UART frame if it began while the driver was on, because then this driver sent it."""
     if driver.was_on(frame.begin):
         callback(frame)

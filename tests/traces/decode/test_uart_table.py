@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.bus.uart.frame_format import UartFormat
-from periph_sim.bus.uart.reader import Heard, UartCounter, UartReader
+from periph_sim.bus.uart.reader import LineFrame, UartCounter, UartReader
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.wire import Wire
@@ -62,7 +62,7 @@ def test_the_reader_of_a_wire_gives_the_same_frames(
     ]
 
 
-def heard_on_wire(line: Channel, form: UartFormat, width: int) -> list[Heard]:
+def heard_on_wire(line: Channel, form: UartFormat, width: int) -> list[LineFrame]:
     """The frames of a line that is played on a wire, a sample a tick. The counter of characters has the same begins."""
     kernel = Kernel()
     wire = Wire(kernel, line.name, Recorder())

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from periph_sim.bus.uart.reader import Heard
+from periph_sim.bus.uart.reader import LineFrame
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.interfaces.commands.result_text import legend
@@ -248,5 +248,5 @@ def test_a_bad_character_is_no_part_of_a_text():
     happened: list[int] = []
     trigger = TextTrigger(b"OK", happened.append)
     for number, (value, good) in enumerate([(0x4F, True), (0x4B, False), (0x4B, True), (0x4F, True), (0x4B, True)]):
-        trigger.character(Heard(number, number, value, good, 0))
+        trigger.character(LineFrame(number, number, value, good, 0))
     assert happened == [4]

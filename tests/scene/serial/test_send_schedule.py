@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from periph_sim.bus.uart.reader import Heard
+from periph_sim.bus.uart.reader import LineFrame
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.scene.serial.send_schedule import TextTrigger
@@ -254,5 +254,5 @@ def test_a_text_sets_off_at_its_last_character(wanted: bytes, line: str, marks: 
     came: list[int] = []
     trigger = TextTrigger(wanted, came.append)
     for number, character in enumerate(line, 1):
-        trigger.character(Heard(100 * number - 90, 100 * number, ord(character), character != "?", 0))
+        trigger.character(LineFrame(100 * number - 90, 100 * number, ord(character), character != "?", 0))
     assert came == [100 * number for number, mark in enumerate(marks, 1) if mark == "^"]

@@ -17,15 +17,18 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from fractions import Fraction
 from random import Random
 
 from msgspec import Struct
 
+from ..bus.uart.frame_format import UartFormat
 from ..scene.case.model import Case
 from ..timing.verdict import Verdict
 from .cover import is_worse
 from .free_run import FreeRun, NotClosed
-from .normal_state import NormalState, differences, digest, period_of
+from .measures_at_rest import MeasuresAtRest
+from .normal_state import LONG_PAST, NormalState, differences, digest, period_of
 from .stretch import CoveredCase, Outcome
 
 MAX_ENTRIES = 400_000
@@ -77,7 +80,7 @@ class Table(Struct):
     apart: the least distance of two starts for which the table was made, in ticks.
     outcomes: the outcomes of the runs.
     starts: for each run, its starts, in ticks from the start of the run.
-    spanning: the names of budgets of which an occurrence was not over at a rest.
+    spanning, lacking: the names of budgets, see `MeasuresAtRest`.
     """
 
     orbits: list[int]
@@ -87,6 +90,7 @@ class Table(Struct):
     outcomes: list[Outcome]
     starts: list[list[int]]
     spanning: set[str]
+    lacking: set[str]
 
     @property
     def has_failed(self) -> bool:
@@ -104,17 +108,22 @@ class Table(Struct):
     def not_proven(self, covered: CoveredCase) -> dict[str, str]:
         """Return a dictionary from each budget that the table does not prove to the reason.
 
-        The table proves a budget if each of its values follows from one round, and if the starts of the case are as far
-        apart as those of the table.
+        The table proves a budget if each of its values follows from one round, if all rounds are judged, and if the
+        starts of the case are as far apart as those of the table.
         """
         found: dict[str, str] = {}
         if covered.phases.least_distance() < self.apart:
             milliseconds = self.apart / covered.phases.ticks_per_second * 1000
             reason = f"the case has starts that are less than {milliseconds:.4f} ms apart"
             return {budget.name: reason for budget in covered.case.budget}
+        not_before = covered.not_before()
         for name, looks_back in covered.looks_back().items():
             if name in self.spanning:
                 found[name] = "an occurrence of it lasts from one round to the next"
+            elif name in self.lacking:
+                found[name] = "a round has too few measured values, and a run of such rounds is not judged"
+            elif not_before[name] > covered.phases.first_start():
+                found[name] = "its `after` leaves out rounds of the table"
             elif not looks_back <= WITHIN_ROUND:
                 (further, *_) = sorted(looks_back - WITHIN_ROUND)
                 found[name] = f"its values depend on {further}"
@@ -135,7 +144,7 @@ class TableMaker:
         self._places: dict[bytes, Place] = {}  # from the digest of a state of rest to its place
         self._open: list[set[int]] = []  # for each orbit, the ticks of the entries that were not run yet
         self._entries: dict[Place, Entry] = {}
-        self.table = Table([], 0, 0, 0, [], [], set())
+        self.table = Table([], 0, 0, 0, [], [], set(), set())
 
     def make(self) -> Table:
         """Return the table, once it is closed or a run has failed.
@@ -156,17 +165,23 @@ class TableMaker:
 
     def _run(self, again: int) -> None:
         """Run up to ROUNDS_A_RUN rounds: of open entries, or of random entries until `again` were run again."""
-        run = FreeRun(self._covered, self._ignored)
+        run, table = FreeRun(self._covered, self._ignored), self.table
+        measures = MeasuresAtRest(run.scene.limits)
+        measures.rest(run.now)
+        table.apart = max(table.apart, run.now - run.scene.start - run.starts[0] + 1)
         place = self._place(run)
         for _ in range(ROUNDS_A_RUN):
-            if again and self.table.again >= again:
+            if again and table.again >= again:
                 break
-            tick = self._random.randrange(self.table.orbits[place.orbit]) if again else self._next_tick(place)
+            tick = self._random.randrange(table.orbits[place.orbit]) if again else self._next_tick(place)
             if tick is None:
                 break
-            place = self._round(run, place, tick)
-        self.table.starts.append(run.starts)
-        self.table.outcomes.append(self._covered.finish(run.scene))
+            place = self._round(run, measures, place, tick)
+        table.starts.append(run.starts)
+        table.outcomes.append(self._covered.finish(run.scene))
+        measures.finish(table.outcomes[-1].verdicts)
+        table.spanning |= measures.spanning
+        table.lacking |= measures.lacking
 
     def _next_tick(self, place: Place) -> int | None:
         """Return the tick of the next entry on the way to an open one; None if no open entry can be reached."""
@@ -189,7 +204,7 @@ class TableMaker:
                     waiting.append(after)
         return None
 
-    def _round(self, run: FreeRun, place: Place, tick: int) -> Place:
+    def _round(self, run: FreeRun, measures: MeasuresAtRest, place: Place, tick: int) -> Place:
         """Run a round that starts at this tick of the orbit, and return the place after it."""
         period = self.table.orbits[place.orbit]
         distance = (tick - place.tick) % period or period
@@ -197,7 +212,7 @@ class TableMaker:
         run.start(start)
         run.settle()
         records, settled = run.records.digest, run.now
-        self.table.spanning |= {one.budget.name for one in run.scene.limits if one.measure.unfinished(settled)}
+        measures.rest(settled)
         after = self._place(run)
         self.table.apart = max(self.table.apart, settled - start + 1)
         entry, at = Entry(after, run.now - start, records), Place(place.orbit, tick)
@@ -266,11 +281,29 @@ def check(case: Case) -> tuple[str, ...]:
             raise NotClosed(f"unit.{name}.ppm is not 0, so a cycle is not a whole number of ticks")
     if case.controller is not None and case.host is not None:
         raise NotClosed("rounds and frames start independently of each other")
-    for table in ("chip", "device", "serial", "fault", "outside", "transceiver"):
+    for table in ("chip", "device", "serial", "fault", "outside", "transceiver", "rounds", "watch"):
         if getattr(case, table):
             raise NotClosed(f"the state of [{table}] is not compared")
+    for name, length in _longest(case).items():
+        if length * LONG_PAST > 1:
+            raise NotClosed(f"{name} lasts longer than {1000 / LONG_PAST:g} ms, so its effects can outlast a rest")
     if case.host is None:
         return ("head._number",)
     if case.host.motion.get("kind") != "static":
         raise NotClosed('the bytes of the frames differ; add motion = { kind = "static" } to [host] for equal bytes')
     return ("host._number",)
+
+
+def _longest(case: Case) -> dict[str, Fraction]:
+    """Return the times of a case that have an effect after its rounds or frames, by their names, in seconds.
+
+    A controller waits until the bus has been free for a part of a bit. A burst of frames ends after two characters.
+    """
+    if case.host is not None:
+        return {"a character of the host": Fraction(UartFormat().length, case.host.baud)}
+    assert case.controller is not None
+    one, bit = case.controller, 1 / case.controller.rate
+    return {
+        "a bit of the controller": max(bit, (one.low or bit / 2) + (one.high or bit / 2)),
+        "controller.filter": one.filter,
+    }

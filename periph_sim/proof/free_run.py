@@ -22,6 +22,7 @@ CLOCK_REGISTERS = (
     "PLLCR",
     "PLLSTS",
 )  # the normal state leaves out what they control
+DUE = "something is still due a second after the start of a round, such as a timer"
 CHECKS = 10  # a round is checked for its end this number of times in each unit of `long`
 
 
@@ -125,9 +126,11 @@ class FreeRun:
         scene, until = self.scene, self.now + self.scene.timebase.per_second
         while not self._is_over():
             self._step(self.long // CHECKS, until, "a round lasts longer than a second")
-        self._step(2 * self.long, until, "")  # the firmware may go on after the round
+        self._step(2 * self.long, until, "a round lasts longer than a second")  # the firmware may go on after the round
         while scene.kernel.next_time() < NEVER:
-            self._step(self.long, until, "something is still due a second after the start of a round, such as a timer")
+            while scene.kernel.next_time() < NEVER:
+                self._step(self.long, until, DUE)
+            self._step(2 * self.long, until, DUE)  # instants of what was due are then long past
         self.next_cycle()
         if self.records.accessed:
             raise NotClosed(f"the firmware accesses {self.records.accessed}, and the effects are not in the table")

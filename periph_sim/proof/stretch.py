@@ -26,6 +26,7 @@ from ..scene.scene import Scene
 from ..timing.budget_plan import PER_MILLE, BudgetPlan
 from ..timing.budget_schema import Budget
 from ..timing.verdict import FAIL, Verdict, percentile
+from .measures_at_rest import depends_on_next
 from .phases import ROUNDS, Phases
 
 STUCK = "stuck"  # the name of a failure in which firmware waits for ever, or a line stays low
@@ -126,7 +127,15 @@ class CoveredCase:
                 "this transfer" if self.case.host is None and one.measure == "wrong bytes" else each.make().looks_back
                 for one, each in plans
             }
+            if any(depends_on_next(each.make()) for _, each in plans):
+                found[budget.name].add("the start of the next round")
         return found
+
+    def not_before(self) -> dict[str, int]:
+        """Return a dictionary from each covered budget to the tick from which on it is judged, from the start."""
+        start = self._plan.ticks.start
+        pairs = zip(self.case.budget, self._plan.limits, strict=True)
+        return {budget.name: max(0, plan.not_before - start) for budget, plan in pairs}
 
     def run(self, phases: Sequence[int], seed: int) -> Outcome:
         """Run the case with these phases and return the outcome. seed: the seed of all random values."""

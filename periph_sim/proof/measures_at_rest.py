@@ -1,0 +1,87 @@
+"""Measures while a scene is at rest: whether each of their values follows from one round.
+
+round --> rest --> round        a pair that waits for its second event lasts into the next round
+      |        |                a round with too few measured values can be repeated until a run is not judged
+   measure at rest
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..core.records import Kind
+from ..timing.budgets import BudgetJudge
+from ..timing.measures.event import EventMeasure
+from ..timing.measures.measure import Measure
+from ..timing.measures.pair import FIRST, SECOND, Between
+from ..timing.verdict import Verdict
+
+# Kinds of records that a scene at rest does not make before the START of the next transfer.
+AFTER_START = frozenset([Kind.ACCESS, Kind.FLAG, Kind.IRQ, Kind.SPAN, Kind.BUS])
+
+
+class MeasuresAtRest:
+    """Observes the measures of a run at each rest.
+
+    spanning: the names of budgets of which an occurrence was not over at a rest.
+    lacking: the names of budgets of which a round had too few measured values.
+    """
+
+    def __init__(self, judges: Sequence[BudgetJudge]) -> None:
+        self.spanning: set[str] = set()
+        self.lacking: set[str] = set()
+        self._judges = judges
+        self._before = [(0, 0)] * len(judges)  # for each judge, the numbers of measured values and of occasions
+
+    def rest(self, now: int) -> None:
+        """Observe the measures at tick `now`, at which the scene is at rest."""
+        for place, judge in enumerate(self._judges):
+            measure = judge.measure
+            if lasts(measure, now):
+                self.spanning.add(judge.budget.name)
+            self._count(place, measure.measured, measure.occasions)
+
+    def finish(self, verdicts: Sequence[Verdict]) -> None:
+        """Observe the verdicts after the end of the run. They are in the order of the judges."""
+        for place, verdict in enumerate(verdicts):
+            self._count(place, verdict.measured, verdict.occasions)
+            if verdict.count and not (verdict.passed or verdict.broken):
+                self.lacking.add(verdict.name)
+
+    def _count(self, place: int, measured: int, occasions: int | None) -> None:
+        if occasions is None:
+            return
+        budget, (values, asked) = self._judges[place].budget, self._before[place]
+        if measured - values < budget.coverage * (occasions - asked):
+            self.lacking.add(budget.name)
+        self._before[place] = measured, occasions
+
+
+def lasts(measure: Measure, now: int) -> bool:
+    """Return True if an occurrence of a measure has begun, and may end in the next round.
+
+    `Measure.unfinished` does not contain all of them. It leaves out pairs whose transfer or round has had its STOP, and
+    events that wait until it is known whether they are the last ones of their group.
+    """
+    if measure.unfinished(now):
+        return True
+    if not isinstance(measure, Between):
+        return False
+    ends = {one.kind for one in measure.matchers[SECOND].each}
+    if not ends <= AFTER_START and any(waiting.all() for waiting in measure._of_unit.values()):
+        return True
+    begun = 0
+    for event in measure._queue:
+        if event.place == FIRST:
+            begun += 1
+        elif event.place == SECOND:
+            begun = begun - 1 if begun and measure.pairing == "in order" else 0
+    return begun > 0
+
+
+def depends_on_next(measure: Measure) -> bool:
+    """Return True if a value of a measure depends on when the next round is due."""
+    if not isinstance(measure, EventMeasure):
+        return False
+    each = [one for matcher in measure.matchers for one in matcher.each]
+    return any(one.kind is Kind.ROUND and one.what == "next" for one in each)

@@ -1,0 +1,260 @@
+"""Attempts to make a table claim too much: measures and cases of which a value does not follow from one round.
+
+Each attempt states the word that the table must give to a budget, or the reason why the case is refused.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from periph_sim.interfaces.commands.prove_table import _words
+from periph_sim.proof import closed_table
+from periph_sim.proof.closed_table import Table, TableMaker
+from periph_sim.proof.free_run import NotClosed
+from periph_sim.proof.measures_at_rest import MeasuresAtRest
+from periph_sim.proof.stretch import CoveredCase
+from periph_sim.scene.case.inputs_table import InputsTable
+from periph_sim.scene.scene import Scene
+from tests.proof.test_closed_table import covered, made, write_echo
+from tests.scene.runs import TIMING
+
+SLAVE = TIMING / "variants" / "image_register_slave.toml"
+LASTS = "an occurrence of it lasts from one round to the next"
+NEXT = "its values depend on the start of the next round"
+AFTER = "its `after` leaves out rounds of the table"
+ECHOED = "from frame RX end to frame TX begin, in order"
+
+# Budgets as (name, measure, limit), and for each name the expected reason; "" if the budget must be proven.
+ECHO_BUDGETS = [
+    ("pause", "from last frame TX end of burst to first frame RX begin of burst", 'max = "3 ms"'),
+    ("whole burst", "from last frame RX end of burst to frame TX end, next", 'max = "30 us"'),
+    ("level", "level of SCI-A.SCICTL2.TXRDY at frame RX begin", "max = 1"),
+    ("late echo", ECHOED, 'max = "1 us"\nafter = "300 ms"'),
+    ("early echo", ECHOED, 'max = "1 us"\nafter = "7 ms"'),
+]
+ECHO_REASONS = {"echo": "", "pause": LASTS, "whole burst": "", "level": "", "late echo": AFTER, "early echo": ""}
+SLAVE_BUDGETS = [
+    ("slack", "slack", 'min = "3 ms"'),
+    ("own slack", "from record round end to record round next", 'min = "3 ms"'),
+    ("stop to start", "from last bus STOP of round to bus START, next", 'max = "4 ms"'),
+    ("byte to start", "from last bus byte of round to bus START", 'max = "4 ms"'),
+    ("rest", "each time in bus free", 'max = "4 ms"'),
+    ("gap", "gap between rounds", 'max = "4 ms"'),
+    ("round", "round", 'max = "3 ms"'),
+    ("reaction", "reaction", 'max = "1 us"\ncoverage = "40 %"'),
+]
+SLAVE_REASONS = {
+    "wrong bytes": "",
+    "slack": NEXT,
+    "own slack": NEXT,
+    "stop to start": LASTS,
+    "byte to start": LASTS,
+    "rest": LASTS,
+    "gap": LASTS,
+    "round": "",
+    "reaction": "",
+}
+
+
+def with_budgets(text: str, budgets: list[tuple[str, str, str]]) -> str:
+    for name, measure, limit in budgets:
+        text += f'\n[[budget]]\nname = "{name}"\nmeasure = "{measure}"\n{limit}\n'
+    return text
+
+
+def table_of(path: Path) -> tuple[CoveredCase, Table]:
+    """Return a case and its table. Few entries are run again, because the tests of this file need no comparison."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(closed_table, "LEAST_REVISITED", 10)
+        case = covered(path)
+        return case, TableMaker(case).make()
+
+
+@pytest.fixture(scope="module")
+def echo(tmp_path_factory: pytest.TempPathFactory) -> tuple[CoveredCase, Table]:
+    file = write_echo(tmp_path_factory.mktemp("echo"))
+    file.write_text(with_budgets(file.read_text(encoding="utf-8"), ECHO_BUDGETS), encoding="utf-8")
+    return table_of(file)
+
+
+@pytest.fixture(scope="module")
+def slave(tmp_path_factory: pytest.TempPathFactory) -> tuple[CoveredCase, Table]:
+    firmware = (TIMING / ".." / "firmware" / "c28x").resolve().as_posix()
+    file = tmp_path_factory.mktemp("slave") / "slave.toml"
+    text = SLAVE.read_text(encoding="utf-8").replace("../../firmware/c28x", firmware)
+    file.write_text(with_budgets(text, SLAVE_BUDGETS), encoding="utf-8")
+    return table_of(file)
+
+
+def worst_of_run(case: CoveredCase, distances: list[int]) -> dict[str, float | None]:
+    """Return the worst values of an ordinary run. distances: the distances of its starts, in ticks."""
+    starts = [case.phases.first_start()]
+    for distance in distances:
+        starts.append(starts[-1] + distance)
+    per_second = case.phases.ticks_per_second
+    times = tuple(Fraction(start, per_second) for start in starts)
+    inputs = InputsTable(frames=times) if case.phases.moved == "frames" else InputsTable(rounds=times)
+    end = Fraction(starts[-1] + distances[-1], per_second)
+    result = Scene(case.case.model_copy(update={"inputs": inputs, "duration": end})).run()
+    return {verdict.name: verdict.worst for verdict in result.budgets}
+
+
+def word(reason: str) -> str:
+    return "held" if reason else "proven"
+
+
+@pytest.mark.parametrize("name", ECHO_REASONS)
+def test_budgets_on_frames(name: str, echo: tuple[CoveredCase, Table]):
+    case, table = echo
+    assert table.not_proven(case).get(name, "") == ECHO_REASONS[name]
+    assert _words(table, case)[name] == word(ECHO_REASONS[name])
+
+
+@pytest.mark.parametrize("name", SLAVE_REASONS)
+def test_budgets_on_rounds(name: str, slave: tuple[CoveredCase, Table]):
+    case, table = slave
+    assert table.not_proven(case).get(name, "") == SLAVE_REASONS[name]
+    assert _words(table, case)[name] == word(SLAVE_REASONS[name])
+
+
+def test_ordinary_runs_break_budgets_that_held_in_the_table(
+    echo: tuple[CoveredCase, Table], slave: tuple[CoveredCase, Table]
+):
+    """A long pause breaks budgets on the time between rounds, and rounds that are close together break the slack."""
+    for (case, table), name in ((echo, "pause"), (slave, "stop to start"), (slave, "byte to start")):
+        long = worst_of_run(case, [case.phases.ticks_per_second // 10] * 3)[name]
+        assert long is not None and long > table.worst()[name].verdict.limit
+    case, table = slave
+    short = worst_of_run(case, [table.apart] * 3)["slack"]
+    assert short is not None and short < table.worst()["slack"].verdict.limit
+
+
+SLOW_FIRST = """addressed:
+          CMP   @AR6,#0
+          SB    known,NEQ
+          MOV   @AR6,#1
+          MOV   AH,#60000
+delay:    DEC   @AH
+          SB    delay,NEQ
+known:
+"""
+
+
+def test_the_least_distance_contains_the_first_round(tmp_path: Path):
+    """The firmware holds SCL for 2 ms when it is addressed for the first time, so the second start is later."""
+    firmware = TIMING / ".." / "firmware" / "c28x"
+    source = (firmware / "register_slave.asm").read_text(encoding="utf-8")
+    assert "addressed:\n" in source
+    (tmp_path / "slow.asm").write_text(source.replace("addressed:\n", SLOW_FIRST), encoding="utf-8")
+    for name in ("f28335.inc", "start.inc"):
+        (tmp_path / name).write_text((firmware / name).read_text(encoding="utf-8"), encoding="utf-8")
+    text = SLAVE.read_text(encoding="utf-8").replace("../../firmware/c28x/register_slave.asm", "slow.asm")
+    (tmp_path / "slow.toml").write_text(text, encoding="utf-8")
+    case, table = table_of(tmp_path / "slow.toml")
+    assert table.apart / case.phases.ticks_per_second > 0.0055
+
+
+# Rounds with too few values ---------------------------------------------------------
+
+
+def judge(occasions: list[tuple[int, int]], coverage: Fraction = Fraction(9, 10)) -> Any:
+    """Return a judge whose measure counts these numbers of measured values and occasions, one pair at each rest."""
+    pairs = iter(occasions)
+    measure = SimpleNamespace(measured=0, occasions=0)
+
+    def unfinished(now: int) -> list[tuple[int, int]]:
+        measure.measured, measure.occasions = next(pairs)
+        return []
+
+    measure.unfinished = unfinished
+    return SimpleNamespace(measure=measure, budget=SimpleNamespace(name="read", coverage=coverage))
+
+
+@pytest.mark.parametrize(
+    ("occasions", "lacking"),
+    [
+        ([(10, 10), (20, 20)], False),
+        ([(9, 10), (18, 20)], False),
+        ([(99, 100), (199, 200), (199, 201)], True),
+        ([(0, 0), (0, 0)], False),
+    ],
+)
+def test_one_round_with_too_few_values_is_enough(occasions: list[tuple[int, int]], lacking: bool):
+    """A run with many rounds is judged although one of them has no value, but a run of only such rounds is not."""
+    measures = MeasuresAtRest(cast(Any, [judge(occasions)]))
+    for now in range(len(occasions)):
+        measures.rest(now)
+    assert measures.lacking == ({"read"} if lacking else set())
+
+
+def test_a_run_that_is_not_judged_hides_its_values():
+    """Without a rule for pairs, a second event that comes too late makes a run not judged, whatever its values are."""
+    measures = MeasuresAtRest(cast(Any, []))
+    verdict = SimpleNamespace(name="echo", measured=0, occasions=None, count=7, passed=False, broken=False)
+    measures._judges = [judge([])]
+    measures.finish(cast(Any, [verdict]))
+    assert measures.lacking == {"echo"}
+
+
+# Refused ----------------------------------------------------------------------------
+
+GIVES_UP = """again:    TBIT  @SCIRXST,#RXRDY
+          SB    got,TC
+          DEC   @AH
+          SB    again,NEQ
+          ADD   @AR3,#1
+          SB    wait,UNC
+got:      MOV   AL,@SCIRXBUF
+"""
+WAIT = "wait:     TBIT  @SCIRXST,#RXRDY\n          SB    wait,NTC\n          MOV   AL,@SCIRXBUF\n"
+COUNTS = """wait:     MOVL  XAR3,#0
+again:    ADD   @AR3,#1
+          TBIT  @SCIRXST,#RXRDY
+          SB    again,NTC
+          MOV   AL,@SCIRXBUF
+"""
+WATCHDOG = "          MOV   @WDCR,#0x68       ; watchdog off\n"
+SYNCHRONISED = "          OR    @GPAQSEL2+1,#0x300\n"
+QUALIFIED = "          AND   @GPAQSEL2+1,#0xFCFF\n          OR    @GPAQSEL2+1,#0x200\n"
+DUE = "something is still due a second after the start of a round"
+ENDS = "          MOV   @SCITXBUF,AL\n          SB    wait,UNC\n"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        (WAIT, "wait:     MOV   AH,#60000\n" + GIVES_UP, DUE),
+        (WAIT, COUNTS, DUE),
+        (WATCHDOG, "", DUE),
+        (SYNCHRONISED, QUALIFIED, r"the state does not repeat .*_qualifiers\[28\]"),
+        (ENDS, "          MOV   @SCITXBUF,AL\n          ESTOP0\n", "the state does not repeat"),
+    ],
+    ids=["wait that gives up and counts", "wait that counts", "watchdog on", "sampled pin", "program that ends"],
+)
+def test_firmware_whose_state_does_not_repeat_is_refused(old: str, new: str, reason: str, tmp_path: Path):
+    """A long pause changes what such firmware does next."""
+    with pytest.raises(NotClosed, match=reason):
+        made(write_echo(tmp_path, 1.0, (old, new)))
+
+
+@pytest.mark.parametrize("rate", ["100 Hz", "200 Hz", "900 Hz"])
+def test_a_slow_bus_is_refused(rate: str):
+    """The controller waits until the bus has been free for half a bit, which is longer than the rest of the table."""
+    with pytest.raises(NotClosed, match="a bit of the controller lasts longer than 1 ms"):
+        made(SLAVE, f"controller.rate={rate}", "controller.period=5 s")
+
+
+def test_a_slow_filter_of_the_controller_is_refused():
+    with pytest.raises(NotClosed, match=r"controller\.filter lasts longer than 1 ms"):
+        made(SLAVE, "controller.filter=2 ms", "controller.rate=1 kHz", "controller.period=1 s")
+
+
+def test_slow_frames_are_refused(tmp_path: Path):
+    """Two of their characters last longer than a rest, so the frames of the table could be one burst."""
+    with pytest.raises(NotClosed, match="a character of the host lasts longer than 1 ms"):
+        made(write_echo(tmp_path), "host.baud=9600", "host.period=1 s")

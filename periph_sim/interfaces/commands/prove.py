@@ -83,14 +83,15 @@ def prove(
     of them, it is the start of a frame or of a round, counted from its nominal time. Phases at which an interrupt
     of the host comes near a write of the firmware are run cycle by cycle, the others in steps.
 
-    The result holds for the phases that were run, in the states that these runs reached. It is no proof for other
-    states, other run times of code, or other clocks.
+    Without --table, the result holds for the phases that were run, in the states that these runs reached. It is no
+    proof for other states, other run times of code, or other clocks.
 
     With --table, the states between rounds (or frames) are compared, and each start is run from each of these states.
     If no further state appears, the budgets are proven for all starts. This needs firmware images, constant data, and
-    clocks of whole ticks.
+    units without ppm. Only --set, --witness and --json can be used with --table.
 
-    Exit status 0: every budget held at all these phases; 1: otherwise; 2: the command was stopped (its results so far
+    Exit status 0: every budget that is not listed as left out held at all these phases (with --table: is proven);
+    1: otherwise; 2: the command was stopped (its results so far
     are shown), or a file could not be written.
     """
     from ...proof import coverage_file, coverage_path
@@ -158,7 +159,7 @@ def _refuse_with_table(
     }
     for option, is_given in given.items():
         if is_given:
-            raise click.UsageError(f"{option} with --table: a table contains all starts; remove one of them")
+            raise click.UsageError(f"{option} has no effect with --table; remove it")
 
 
 def _draw(found: Coverage, place: Path) -> Path:

@@ -34,7 +34,8 @@ def prove_with_table(case: Path, changes: tuple[str, ...], folder: Path | None, 
             with progress(covered.case.name) as on_progress:
                 made = TableMaker(covered, on_progress).make()
         except NotClosed as error:
-            raise click.ClickException(f"{covered.case.name} has no closed table: {error}") from None
+            otherwise = "without --table, prove runs its phases, which proves nothing"
+            raise click.ClickException(f"{covered.case.name} has no closed table: {error}; {otherwise}") from None
         except Contradiction as error:
             raise click.ClickException(str(error)) from None
         files = [] if folder is None else _write_witnesses(made, covered, case, changes, folder)
@@ -101,12 +102,13 @@ def _show(made: Table, covered: CoveredCase, files: Sequence[Path]) -> None:
     if PROVEN in words.values():
         apart = made.apart / covered.phases.ticks_per_second * 1000
         say(f"proven: for all sequences of {moved} that start at least {apart:.4f} ms apart")
-        say(f"as stated: clocks, rates, data, the first of the {moved}")
-    say(f"compared: {counted(made.again, 'start')} run again after other {moved}; none differed")
+        say(f"assumed, as in the case: clocks, rates, data, and the time of the first {moved.removesuffix('s')}")
+    if made.again:
+        say(f"compared: {counted(made.again, 'start')} run again after other {moved}; none differed")
     for name, reason in made.not_proven(covered).items():
         say(f"not proven: {name}: {reason}")
-    for name, reason in covered.left_out.items():
-        say(f"not covered: {name}: {reason}")
+    for name, reason in _left_out(covered).items():
+        say(f"not judged here, so run the case, too: {name}: {reason}")
     for file in files:
         say(f"written: {file}")
 
@@ -126,10 +128,15 @@ def _object(made: Table, covered: CoveredCase, files: Sequence[Path]) -> dict[st
         "runs": len(made.outcomes),
         "budgets": {name: _budget(worst.get(name), word) for name, word in words.items()},
         "not_proven": made.not_proven(covered),
-        "not_covered": dict(covered.left_out),
+        "not_covered": _left_out(covered),
         "reasons": made.outcomes[-1].reasons,
         "written": [str(file) for file in files],
     }
+
+
+def _left_out(covered: CoveredCase) -> dict[str, str]:
+    """Return what the table does not cover. It covers jitter, because the starts may come at any time."""
+    return {name: reason for name, reason in covered.left_out.items() if not name.endswith(".jitter")}
 
 
 def _budget(worst: Worst | None, word: str) -> dict[str, object]:

@@ -160,7 +160,7 @@ def pytest_collection_finish() -> None:
     gc.enable()
 
 
-_was_full = False  # whether the collector has looked through all objects since it last let some alone
+_was_full = False  # True if the garbage collector has examined all objects since the last `gc.freeze`
 
 
 def _note_full_collection(phase: str, info: dict[str, int]) -> None:
@@ -173,7 +173,7 @@ gc.callbacks.append(_note_full_collection)
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> Generator[None, object, object]:
-    """What a file of tests leaves, such as results that others share, stays too: no later test looks through it."""
+    """Exclude the objects that a file of tests leaves, such as shared results, from later garbage collections."""
     global _was_full
     outcome = yield
     if _was_full and nextitem is not None and nextitem.path != item.path:

@@ -44,14 +44,14 @@ class Contradiction(Exception):
     """Two runs from equal normal states differ, so the normal state lacks something. A defect of periph-sim."""
 
 
-class Place(Struct, frozen=True):
+class RestPlace(Struct, frozen=True):
     """A state of rest: the number of its orbit, and its tick in the orbit."""
 
     orbit: int
     tick: int
 
 
-class Entry(Struct, frozen=True):
+class TableEntry(Struct, frozen=True):
     """The run of an entry.
 
     after: the state of rest after the round.
@@ -59,19 +59,19 @@ class Entry(Struct, frozen=True):
     records: the digest of the round (`RoundRecords`).
     """
 
-    after: Place
+    after: RestPlace
     length: int
     records: int
 
 
-class Worst(Struct, frozen=True):
+class WorstInRuns(Struct, frozen=True):
     """The value of a budget that is nearest to its limit, and the number of the run in which it was seen."""
 
     verdict: Verdict
     run: int
 
 
-class Table(Struct):
+class StartTable(Struct):
     """A table, which is closed unless the last run has failed.
 
     orbits: the number of ticks of each orbit.
@@ -96,13 +96,13 @@ class Table(Struct):
     def has_failed(self) -> bool:
         return bool(self.outcomes and self.outcomes[-1].failures)
 
-    def worst(self) -> dict[str, Worst]:
+    def worst(self) -> dict[str, WorstInRuns]:
         """Return a dictionary from each budget to its worst value in all runs."""
-        found: dict[str, Worst] = {}
+        found: dict[str, WorstInRuns] = {}
         for run, outcome in enumerate(self.outcomes):
             for verdict in outcome.verdicts:
                 if verdict.name not in found or is_worse(verdict, found[verdict.name].verdict):
-                    found[verdict.name] = Worst(verdict, run)
+                    found[verdict.name] = WorstInRuns(verdict, run)
         return found
 
     def not_proven(self, covered: CoveredCase) -> dict[str, str]:
@@ -141,12 +141,12 @@ class TableMaker:
         self._on_progress = on_progress
         self._ignored = check(covered.case)
         self._random = Random(1)
-        self._places: dict[bytes, Place] = {}  # from the digest of a state of rest to its place
+        self._places: dict[bytes, RestPlace] = {}  # from the digest of a state of rest to its place
         self._open: list[set[int]] = []  # for each orbit, the ticks of the entries that were not run yet
-        self._entries: dict[Place, Entry] = {}
-        self.table = Table([], 0, 0, 0, [], [], set(), set())
+        self._entries: dict[RestPlace, TableEntry] = {}
+        self.table = StartTable([], 0, 0, 0, [], [], set(), set())
 
-    def make(self) -> Table:
+    def make(self) -> StartTable:
         """Return the table, once it is closed or a run has failed.
 
         Raise NotClosed if it cannot be closed. Raise Contradiction if two runs of an entry differ.
@@ -183,7 +183,7 @@ class TableMaker:
         table.spanning |= measures.spanning
         table.lacking |= measures.lacking
 
-    def _next_tick(self, place: Place) -> int | None:
+    def _next_tick(self, place: RestPlace) -> int | None:
         """Return the tick of the next entry on the way to an open one; None if no open entry can be reached."""
         here = self._open[place.orbit]
         if here:
@@ -204,7 +204,7 @@ class TableMaker:
                     waiting.append(after)
         return None
 
-    def _round(self, run: FreeRun, measures: MeasuresAtRest, place: Place, tick: int) -> Place:
+    def _round(self, run: FreeRun, measures: MeasuresAtRest, place: RestPlace, tick: int) -> RestPlace:
         """Run a round that starts at this tick of the orbit, and return the place after it."""
         period = self.table.orbits[place.orbit]
         distance = (tick - place.tick) % period or period
@@ -215,7 +215,7 @@ class TableMaker:
         measures.rest(settled)
         after = self._place(run)
         self.table.apart = max(self.table.apart, settled - start + 1)
-        entry, at = Entry(after, run.now - start, records), Place(place.orbit, tick)
+        entry, at = TableEntry(after, run.now - start, records), RestPlace(place.orbit, tick)
         known = self._entries.get(at)
         if known is not None:
             self.table.again += 1
@@ -228,7 +228,7 @@ class TableMaker:
             self._on_progress(self.table.entries / sum(self.table.orbits))
         return after
 
-    def _compare(self, at: Place, known: Entry, entry: Entry) -> None:
+    def _compare(self, at: RestPlace, known: TableEntry, entry: TableEntry) -> None:
         """Raise Contradiction if two runs of an entry differ. The two states of rest may be parts of an orbit apart."""
         period = self.table.orbits[known.after.orbit]
         tick = (known.after.tick + entry.length - known.length) % period
@@ -238,7 +238,7 @@ class TableMaker:
                 f"{known} and {entry}); please report this as a defect of periph-sim"
             )
 
-    def _place(self, run: FreeRun) -> Place:
+    def _place(self, run: FreeRun) -> RestPlace:
         """Return the place of the present state of rest. Raise NotClosed if it does not repeat."""
         state = run.state()
         key = digest(state)
@@ -265,7 +265,7 @@ class TableMaker:
             more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
             raise NotClosed(f"the state does not repeat while the firmware waits: {', '.join(names[:NAMED])}{more}")
         keys = keys[: keys.index(key, 1)] if key in keys[1:] else keys
-        self._places |= {each: Place(len(table.orbits), number * cycle) for number, each in enumerate(keys)}
+        self._places |= {each: RestPlace(len(table.orbits), number * cycle) for number, each in enumerate(keys)}
         table.orbits.append(len(keys) * cycle)
         self._open.append(set(range(len(keys) * cycle)))
 

@@ -14,14 +14,8 @@ from ..scene.scene import Scene
 from .normal_state import LONG_PAST, NormalState, NotComparable, normal_state
 from .stretch import CoveredCase
 
-CLOCK_REGISTERS = (
-    "WDCR",
-    "WDKEY",
-    "WDCNTR",
-    "SCSR",
-    "PLLCR",
-    "PLLSTS",
-)  # the normal state leaves out what they control
+# Registers of the watchdog and the PLL, whose state the normal state leaves out.
+CLOCK_REGISTERS = ("WDCR", "WDKEY", "WDCNTR", "SCSR", "PLLCR", "PLLSTS")
 DUE = "something is still due a second after the start of a round, such as a timer"
 CHECKS = 10  # a round is checked for its end this number of times in each unit of `long`
 
@@ -133,7 +127,8 @@ class FreeRun:
             self._step(2 * self.long, until, DUE)  # instants of what was due are then long past
         self.next_cycle()
         if self.records.accessed:
-            raise NotClosed(f"the firmware accesses {self.records.accessed}, and the effects are not in the table")
+            what = f"the firmware accesses {self.records.accessed} after the first start"
+            raise NotClosed(f"{what}, and the effects are not in the table; let it start after the start-up")
 
     def next_cycle(self) -> None:
         """Advance to the next tick at which a cycle begins."""

@@ -8,9 +8,9 @@ The classes declare which of their attributes these are (`core.state`: results, 
 has a method `normal_state(cycle, tick)`, which returns a dictionary from attributes to the values to compare instead.
 A name such as `_bits.next_tick` is that of an attribute of an attribute.
 
-Everything that a class does not declare stays in the normal form as it is. So a forgotten attribute can make equal
-states look different, and a scene look as if it never came back to an earlier state. It cannot make different states
-look equal.
+An attribute for which none of this is declared stays in the normal form as it is, so equal states may look different.
+Different states look equal if a declaration is wrong, or if an attribute contains an absolute instant that is not
+declared as one. To find such mistakes, tests change what is left out, and tables run entries again.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class NotComparable(Exception):
     """A part of a scene declares no state, so the states of the scene cannot be compared."""
 
 
-class Plan(NamedTuple):
+class AttributePlan(NamedTuple):
     """The way in which the attributes of a class are collected.
 
     names: the attributes that are stored as they are, if their values are plain.
@@ -67,15 +67,13 @@ class NormalCollector(Collector):
         self._long_past = long_past
         self._ignored = ignored
         self._instead: dict[tuple[int, str], object] = {}
-        self._asked: set[int] = set()
         self.periods: set[tuple[Time, int]] = set()
         super().__init__(modules, tick, 0)
 
     def _attributes(self, name: str, target: object) -> None:
         kind = type(target)
         normal = getattr(target, "normal_state", None)
-        if normal is not None and id(target) not in self._asked:
-            self._asked.add(id(target))
+        if normal is not None:
             for path, value in normal(self.now[Time.CYCLES], self.now[Time.TICKS]).items():
                 *parts, attribute = path.split(".")
                 owner: object = target
@@ -110,9 +108,6 @@ class NormalCollector(Collector):
 
     def collect(self, place: str, target: object, attribute: str, state: State) -> None:
         """See `Collector.collect`."""
-        if (id(target), attribute) in self._instead:
-            self.values[place] = self._instead[id(target), attribute]
-            return
         time, value = state.times[attribute], getattr(target, attribute)
         if attribute in state.grids:
             self.values[place] = self._on_grid(value, getattr(target, state.grids[attribute]), time)
@@ -152,7 +147,7 @@ class NormalCollector(Collector):
         return EXPIRED if value - self.now[time] < -self._long_past[time] else value - self.now[time]
 
 
-def _plan(kind: type, instead: Collection[str]) -> Plan:
+def _plan(kind: type, instead: Collection[str]) -> AttributePlan:
     """Return the plan of a class. instead: attributes for which the class returns other values."""
     state = state_of(kind)
     assert state is not None, f"{kind.__name__} declares no state"
@@ -166,10 +161,10 @@ def _plan(kind: type, instead: Collection[str]) -> Plan:
             return ()
         return get(target) if len(plain) > 1 else (get(target),)
 
-    return Plan(plain, values, tuple(name for name in counts if name not in plain))
+    return AttributePlan(plain, values, tuple(name for name in counts if name not in plain))
 
 
-_plans: dict[type, Plan] = {}
+_plans: dict[type, AttributePlan] = {}
 
 
 def normal_state(scene: Scene, ignored: Collection[str] = ()) -> NormalState:

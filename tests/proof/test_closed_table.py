@@ -14,7 +14,7 @@ from random import Random
 import pytest
 
 from periph_sim.proof import closed_table, free_run
-from periph_sim.proof.closed_table import Contradiction, Table, TableMaker
+from periph_sim.proof.closed_table import Contradiction, StartTable, TableMaker
 from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.normal_state import NormalState, normal_state
 from periph_sim.proof.stretch import CoveredCase, Job
@@ -50,7 +50,7 @@ def covered(path: Path, *changes: str) -> CoveredCase:
     return CoveredCase(Job(str(path), changes))
 
 
-def made(path: Path, *changes: str) -> Table:
+def made(path: Path, *changes: str) -> StartTable:
     return TableMaker(covered(path, *changes)).make()
 
 
@@ -67,26 +67,26 @@ def write_echo(folder: Path, limit: float = 1.0, *changes: tuple[str, str]) -> P
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[CoveredCase, Table]:
+def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[CoveredCase, StartTable]:
     """Return the case of the fast echo, and its closed table."""
     case = covered(write_echo(tmp_path_factory.mktemp("whole")))
     return case, TableMaker(case).make()
 
 
-def worst_of(table: Table) -> float:
+def worst_of(table: StartTable) -> float:
     worst = table.worst()["echo"].verdict.worst
     assert worst is not None
     return worst
 
 
-def test_a_table_is_closed_when_each_start_was_run_from_each_state(whole: tuple[CoveredCase, Table]):
+def test_a_table_is_closed_when_each_start_was_run_from_each_state(whole: tuple[CoveredCase, StartTable]):
     case, table = whole
     assert (table.orbits, table.entries, table.has_failed) == ([PERIOD], PERIOD, False)
     assert table.again >= closed_table.LEAST_REVISITED
     assert table.not_proven(case) == {}
 
 
-def test_no_ordinary_run_is_worse_than_the_table_and_some_are_as_bad(whole: tuple[CoveredCase, Table]):
+def test_no_ordinary_run_is_worse_than_the_table_and_some_are_as_bad(whole: tuple[CoveredCase, StartTable]):
     """The frames of these runs start at random ticks, from the least distance of the table on."""
     case, table = whole
     random, per_second = Random(5), case.phases.ticks_per_second
@@ -105,7 +105,7 @@ def test_no_ordinary_run_is_worse_than_the_table_and_some_are_as_bad(whole: tupl
     assert min(seen) < worst_of(table)
 
 
-def test_a_limit_just_below_the_worst_value_is_broken(whole: tuple[CoveredCase, Table], tmp_path: Path):
+def test_a_limit_just_below_the_worst_value_is_broken(whole: tuple[CoveredCase, StartTable], tmp_path: Path):
     broken = made(write_echo(tmp_path, round(worst_of(whole[1]) - 0.001, 3)))
     assert broken.has_failed
     assert broken.worst()["echo"].verdict.broken
@@ -150,7 +150,7 @@ def test_a_state_without_a_phase_leads_to_a_contradiction(
 
 
 def test_a_phase_that_follows_from_the_rest_of_the_state_can_be_left_out(
-    whole: tuple[CoveredCase, Table], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    whole: tuple[CoveredCase, StartTable], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     """The clock of the receiver is in phase with that of the transmitter."""
     monkeypatch.setattr(free_run, "normal_state", without(CLOCKS[:1]))
@@ -180,7 +180,7 @@ def test_a_case_without_a_table_is_named(name: str, changes: tuple[str, ...], re
     assert str(refused.value).startswith(reason)
 
 
-def test_a_case_whose_starts_are_closer_than_those_of_the_table_is_not_proven(whole: tuple[CoveredCase, Table]):
+def test_a_case_whose_starts_are_closer_than_those_of_the_table_is_not_proven(whole: tuple[CoveredCase, StartTable]):
     case, table = whole
     closer = covered(Path(case.case.file), "host.period=2 ms")
     assert table.not_proven(closer) == {"echo": "the case has starts that are less than 2.1000 ms apart"}

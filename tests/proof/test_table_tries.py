@@ -14,7 +14,7 @@ import pytest
 
 from periph_sim.interfaces.commands.prove_table import _words
 from periph_sim.proof import closed_table
-from periph_sim.proof.closed_table import Table, TableMaker
+from periph_sim.proof.closed_table import StartTable, TableMaker
 from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.measures_at_rest import MeasuresAtRest
 from periph_sim.proof.stretch import CoveredCase
@@ -67,7 +67,7 @@ def with_budgets(text: str, budgets: list[tuple[str, str, str]]) -> str:
     return text
 
 
-def table_of(path: Path) -> tuple[CoveredCase, Table]:
+def table_of(path: Path) -> tuple[CoveredCase, StartTable]:
     """Return a case and its table. Few entries are run again, because the tests of this file need no comparison."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(closed_table, "LEAST_REVISITED", 10)
@@ -76,14 +76,14 @@ def table_of(path: Path) -> tuple[CoveredCase, Table]:
 
 
 @pytest.fixture(scope="module")
-def echo(tmp_path_factory: pytest.TempPathFactory) -> tuple[CoveredCase, Table]:
+def echo(tmp_path_factory: pytest.TempPathFactory) -> tuple[CoveredCase, StartTable]:
     file = write_echo(tmp_path_factory.mktemp("echo"))
     file.write_text(with_budgets(file.read_text(encoding="utf-8"), ECHO_BUDGETS), encoding="utf-8")
     return table_of(file)
 
 
 @pytest.fixture(scope="module")
-def slave(tmp_path_factory: pytest.TempPathFactory) -> tuple[CoveredCase, Table]:
+def slave(tmp_path_factory: pytest.TempPathFactory) -> tuple[CoveredCase, StartTable]:
     firmware = (TIMING / ".." / "firmware" / "c28x").resolve().as_posix()
     file = tmp_path_factory.mktemp("slave") / "slave.toml"
     text = SLAVE.read_text(encoding="utf-8").replace("../../firmware/c28x", firmware)
@@ -109,21 +109,21 @@ def word(reason: str) -> str:
 
 
 @pytest.mark.parametrize("name", ECHO_REASONS)
-def test_budgets_on_frames(name: str, echo: tuple[CoveredCase, Table]):
+def test_budgets_on_frames(name: str, echo: tuple[CoveredCase, StartTable]):
     case, table = echo
     assert table.not_proven(case).get(name, "") == ECHO_REASONS[name]
     assert _words(table, case)[name] == word(ECHO_REASONS[name])
 
 
 @pytest.mark.parametrize("name", SLAVE_REASONS)
-def test_budgets_on_rounds(name: str, slave: tuple[CoveredCase, Table]):
+def test_budgets_on_rounds(name: str, slave: tuple[CoveredCase, StartTable]):
     case, table = slave
     assert table.not_proven(case).get(name, "") == SLAVE_REASONS[name]
     assert _words(table, case)[name] == word(SLAVE_REASONS[name])
 
 
 def test_ordinary_runs_break_budgets_that_held_in_the_table(
-    echo: tuple[CoveredCase, Table], slave: tuple[CoveredCase, Table]
+    echo: tuple[CoveredCase, StartTable], slave: tuple[CoveredCase, StartTable]
 ):
     """A long pause breaks budgets on the time between rounds, and rounds that are close together break the slack."""
     for (case, table), name in ((echo, "pause"), (slave, "stop to start"), (slave, "byte to start")):

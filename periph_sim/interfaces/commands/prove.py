@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+from click.core import ParameterSource
 
 from ...core.phrases import counted
 from ...proof.phases import ROUNDS
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 HELD = "held"  # the word for a budget that no run broke
 STEP = 97  # the default of --step in cycles; it has no common divisor with usual clock dividers or lengths of waits
+WITH_TABLE = ("case", "changes", "folder", "table", "as_json")  # parameters that have an effect with --table
 MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures, that are listed; --json has all
 
 
@@ -90,23 +92,23 @@ def prove(
     If no further state appears, the budgets are proven for all starts. This needs firmware images, constant data, and
     units without ppm. Only --set, --witness and --json can be used with --table.
 
-    Exit status 0: every budget that is not listed as left out held at all these phases (with --table: is proven);
-    1: otherwise; 2: the command was stopped (its results so far
-    are shown), or a file could not be written.
+    Exit status 0: every budget that the output does not list as left out held at all these phases (with --table: is
+    proven); 1: otherwise; 2: the command was stopped (results so far are shown, except with --table), or a file could
+    not be written.
     """
     from ...proof import coverage_file, coverage_path
     from ...proof.stretch import Job
     from ..reports.coverage import choose, run_coverage
 
+    if table:
+        from .prove_table import prove_with_table
+
+        _refuse_others_with_table()
+        return prove_with_table(case, changes, folder, as_json)
     if save and start_up:
         raise click.UsageError("--save with --start-up: a coverage file is of the rounds; remove one of them")
     if save and changes:
         raise click.UsageError("--save with --set: a coverage file is of the unchanged case; remove one of them")
-    if table:
-        _refuse_with_table(step, only, rounds, start_up, jobs, cluster, save, svg)
-        from .prove_table import prove_with_table
-
-        return prove_with_table(case, changes, folder, as_json)
     with running_user_code():
         workers = cluster_given(cluster, jobs)
         note_inputs([case])
@@ -136,30 +138,14 @@ def prove(
     return int(any(word != HELD for word in _words(found).values()) or bool(found.windows or found.found.drifting))
 
 
-def _refuse_with_table(
-    step: int,
-    only: str | None,
-    rounds: int,
-    start_up: bool,
-    jobs: int | None,
-    cluster: str | None,
-    save: bool,
-    svg: Path | None,
-) -> None:
+def _refuse_others_with_table() -> None:
     """Raise UsageError if an option is given that has no effect with --table."""
-    given = {
-        "--step": step != STEP,
-        "--phases": only is not None,
-        "--rounds": rounds != ROUNDS,
-        "--start-up": start_up,
-        "--jobs": jobs is not None,
-        "--cluster": cluster is not None,
-        "--save": save,
-        "--svg": svg is not None,
-    }
-    for option, is_given in given.items():
-        if is_given:
-            raise click.UsageError(f"{option} has no effect with --table; remove it")
+    context = click.get_current_context()
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        is_given = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+        if is_given and name not in WITH_TABLE:
+            raise click.UsageError(f"{parameter.opts[0]} has no effect with --table; remove it")
 
 
 def _draw(found: Coverage, place: Path) -> Path:

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from ...core.phrases import counted
-from ...proof.closed_table import Contradiction, Table, TableMaker, Worst
+from ...proof.closed_table import Contradiction, StartTable, TableMaker, WorstInRuns
 from ...proof.free_run import NotClosed
 from ...proof.stretch import CoveredCase, Job
 from ...scene.case.inputs_table import InputsTable
@@ -46,7 +46,7 @@ def prove_with_table(case: Path, changes: tuple[str, ...], folder: Path | None, 
     return int(any(word != PROVEN for word in _words(made, covered).values()) or made.has_failed)
 
 
-def _words(made: Table, covered: CoveredCase) -> dict[str, str]:
+def _words(made: StartTable, covered: CoveredCase) -> dict[str, str]:
     """Return a dictionary from each covered budget to BROKEN, NOT_JUDGED, PROVEN or HELD."""
     worst, not_proven, words = made.worst(), made.not_proven(covered), {}
     for budget in covered.case.budget:
@@ -60,7 +60,9 @@ def _words(made: Table, covered: CoveredCase) -> dict[str, str]:
     return words
 
 
-def _write_witnesses(made: Table, covered: CoveredCase, case: Path, changes: Sequence[str], folder: Path) -> list[Path]:
+def _write_witnesses(
+    made: StartTable, covered: CoveredCase, case: Path, changes: Sequence[str], folder: Path
+) -> list[Path]:
     """Write a case for the worst value of each judged budget, and return the files."""
     return [
         case_with_inputs(covered, worst.verdict, _inputs(made, covered, worst), case, changes, folder)
@@ -69,7 +71,7 @@ def _write_witnesses(made: Table, covered: CoveredCase, case: Path, changes: Seq
     ]
 
 
-def _inputs(made: Table, covered: CoveredCase, worst: Worst) -> tuple[InputsTable, Fraction, int]:
+def _inputs(made: StartTable, covered: CoveredCase, worst: WorstInRuns) -> tuple[InputsTable, Fraction, int]:
     """Return the inputs of the run with a worst value, its duration in seconds, and its seed.
 
     The run ends before the first start after the worst value.
@@ -82,7 +84,7 @@ def _inputs(made: Table, covered: CoveredCase, worst: Worst) -> tuple[InputsTabl
     return inputs, Fraction(until - 1, per_second), covered.case.seed
 
 
-def _show(made: Table, covered: CoveredCase, files: Sequence[Path]) -> None:
+def _show(made: StartTable, covered: CoveredCase, files: Sequence[Path]) -> None:
     words, worst, moved = _words(made, covered), made.worst(), covered.phases.moved
     of = sum(made.orbits)
     state = "closed" if not made.has_failed else "not closed, because a run failed"
@@ -102,7 +104,8 @@ def _show(made: Table, covered: CoveredCase, files: Sequence[Path]) -> None:
     if PROVEN in words.values():
         apart = made.apart / covered.phases.ticks_per_second * 1000
         say(f"proven: for all sequences of {moved} that start at least {apart:.4f} ms apart")
-        say(f"assumed, as in the case: clocks, rates, data, and the time of the first {moved.removesuffix('s')}")
+        first, one = covered.phases.first_start() / covered.phases.ticks_per_second * 1000, moved.removesuffix("s")
+        say(f"assumed: clocks, rates and data as in the case, and the first {one} exactly at {first:.4f} ms")
     if made.again:
         say(f"compared: {counted(made.again, 'start')} run again after other {moved}; none differed")
     for name, reason in made.not_proven(covered).items():
@@ -113,7 +116,7 @@ def _show(made: Table, covered: CoveredCase, files: Sequence[Path]) -> None:
         say(f"written: {file}")
 
 
-def _object(made: Table, covered: CoveredCase, files: Sequence[Path]) -> dict[str, object]:
+def _object(made: StartTable, covered: CoveredCase, files: Sequence[Path]) -> dict[str, object]:
     words, worst = _words(made, covered), made.worst()
     return {
         "case": covered.case.name,
@@ -135,11 +138,11 @@ def _object(made: Table, covered: CoveredCase, files: Sequence[Path]) -> dict[st
 
 
 def _left_out(covered: CoveredCase) -> dict[str, str]:
-    """Return what the table does not cover. It covers jitter, because the starts may come at any time."""
+    """Return what the table does not cover. It covers jitter, because later starts may come at any time."""
     return {name: reason for name, reason in covered.left_out.items() if not name.endswith(".jitter")}
 
 
-def _budget(worst: Worst | None, word: str) -> dict[str, object]:
+def _budget(worst: WorstInRuns | None, word: str) -> dict[str, object]:
     if worst is None:
         return {"verdict": word}
     return {"verdict": word, **{key: getattr(worst.verdict, key) for key in ("worst", "unit", "limit", "margin")}}

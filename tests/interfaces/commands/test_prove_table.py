@@ -63,4 +63,5 @@ def test_jitter_is_covered_and_counts_of_a_run_are_named(periph_sim: Run, tmp_pa
     path.write_text(path.read_text(encoding="utf-8") + count, encoding="utf-8")
     came = periph_sim("prove", str(path), "--table", "--set", "host.jitter=1 ms")
     assert "jitter" not in came.out
+    assert "the first frame exactly at 8.0000 ms" in came.out
     assert "not judged here, so run the case, too: echoed: it counts the events of a whole run" in came.out

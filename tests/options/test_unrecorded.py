@@ -28,7 +28,7 @@ UNRECORDED = {
         "addrbit_hunt_with_parity", "break_bits", "break_count_from", "rxrdy_point", "start_hunt_point",
         "stop_vote_samples",
     },  # each frame
-    "f28335/sci/lines.py": {"rx_sync_stages"},  # each frame
+    "f28335/sci/lines.py": {"rx_sync_stages", "tx_phase"},  # each frame; each start of an idle transmitter
     "f28335/spi/lines.py": {"input_latency"},  # each edge of SPICLK
     "f28335/cpu_timer/module.py": {"timer_tif_point"},  # TIF
     "f28335/memory/memory_map.py": {"pf2_read_ws", "pf2_write_ws"},  # each access

@@ -13,7 +13,7 @@ from __future__ import annotations
 import re
 from collections import deque
 from fractions import Fraction
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from ..bus.uart.frame_format import UartFormat
 from ..bus.uart.reader import LineFrame, UartReader
@@ -217,6 +217,12 @@ def parts_of_format(form: str) -> tuple[int, str, int]:
     if match is None:
         raise OutsideError(f"format {form!r}: expected data bits 5 to 8, n, o, e, m or s, and 1 or 2 stop bits: 8n1")
     return int(match[1]), match[2], int(match[3])
+
+
+def port_settings(baud: int, form: str) -> dict[str, Any]:
+    """Return a rate and a format as the settings of a pyserial port. Raise OutsideError if the format is invalid."""
+    bits, parity, stop = parts_of_format(form)
+    return {"baudrate": baud, "bytesize": bits, "parity": parity.upper(), "stopbits": stop}
 
 
 def sci_of(case: Case, port: str) -> SciLines:

@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import ExitStack
+from types import TracebackType
 from typing import TYPE_CHECKING
 
 import click
 
-if TYPE_CHECKING:
-    from types import TracebackType
+from ...outside.live.view.browser import Browser
+from ...outside.live.view.last_round import LastRound
+from ...outside.live.view.status import Board, Status, ViewDoor
 
+if TYPE_CHECKING:
     from ...core.records import Recorder
     from ...core.time import Timebase
     from ...outside.live.loop import Door
     from ...outside.live.pacing import Pacer
-    from ...outside.live.view.browser import Browser
-    from ...outside.live.view.last_round import LastRound
-    from ...outside.live.view.status import Board, Status, ViewDoor
     from ...outside.serial_line import SerialLine
     from ...outside.session import Session
-    from .live_view import LiveView
 
 WIRES = ("SCL", "SDA", "RX", "TX")
 
@@ -37,24 +37,17 @@ class LiveDisplay:
     def __init__(self, in_terminal: bool, address: tuple[str, int] | None) -> None:
         self.url = ""
         self._in_terminal = in_terminal
-        self._board: Board | None = None
-        self._wave: LastRound | None = None
+        self._is_viewed = False  # True while the terminal displays the session
+        self._is_shown = in_terminal or address is not None
+        self._board = Board()
+        self._wave = None if address is None else LastRound(WIRES)
         self._door: ViewDoor | None = None
         self._status: Status | None = None
-        self._browser: Browser | None = None
-        self._view: LiveView | None = None
-        if in_terminal or address is not None:
-            from ...outside.live.view.status import Board
-
-            self._board = Board()
+        self._parts = ExitStack()  # closes the page and the view in the terminal
         if address is not None:
-            from ...outside.live.view.browser import Browser
-            from ...outside.live.view.last_round import LastRound
-
-            assert self._board is not None
-            self._wave = LastRound(WIRES)
-            self._browser = Browser(self._board, address[1], address[0])
-            self.url = self._browser.url
+            browser = Browser(self._board, address[1], address[0])
+            self._parts.callback(browser.close)
+            self.url = browser.url
 
     def __enter__(self) -> LiveDisplay:
         return self
@@ -62,9 +55,8 @@ class LiveDisplay:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         if error is None and self._door is not None:
             self._door.close()
-        for part in (self._board, self._view, self._browser):
-            if part is not None:
-                part.close()
+        self._board.close()
+        self._parts.close()
 
     def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
         """Subscribe the waveform of the page to the records of the session. A Scene calls this method once."""
@@ -77,10 +69,8 @@ class LiveDisplay:
         line: the serial line of the session; None if the session serves the I2C bus.
         where: the path of the port that other programs open; it is displayed.
         """
-        if self._board is None:
+        if not self._is_shown:
             return ()
-        from ...outside.live.view.status import Status, ViewDoor
-
         self._status = Status(session, line, pacer, where, self._wave)
         self._door = ViewDoor(self._status, self._board)
         return (self._door,)
@@ -88,14 +78,14 @@ class LiveDisplay:
     def begin(self) -> None:
         """Begin the display in the terminal. Call this method after all output that precedes the session."""
         if self._in_terminal:
-            from .live_view import LiveView
+            from .live_view import LiveView  # imported here, because only the terminal needs Rich
 
-            assert self._board is not None
-            self._view = LiveView(self._board)
+            self._parts.callback(LiveView(self._board).close)
+            self._is_viewed = True
 
     def say(self, sentence: str) -> None:
         """Display a sentence that the session's port reports, for example about a client."""
         if self._status is not None:
             self._status.say(sentence)
-        if self._view is None:
+        if not self._is_viewed:
             click.echo(sentence, err=True)

@@ -17,7 +17,6 @@ from rich.text import Text
 from ...outside.live.pacing import in_ms
 from ...outside.live.view.status import Board, BudgetSoFar, Lateness, StatusSnapshot
 
-PATIENCE = 1.0  # in seconds; without a new snapshot in this time, the thread checks whether the board is closed
 BAR = 30  # number of columns of the longest bar in the chart of lateness
 TURNS = 0.0005  # in seconds; after this time, Python switches from the printing thread to the session's
 
@@ -36,11 +35,8 @@ class LiveView:
         self._thread.join()
 
     def _run(self) -> None:
-        number, closed = 0, False
         with Live(console=self._console, auto_refresh=False) as live:
-            while not closed:
-                closed = self._board.closed
-                number, snapshot = self._board.after(number, PATIENCE)
+            for snapshot in self._board.snapshots():
                 if snapshot is not None:
                     live.update(screen(snapshot, self._console.height), refresh=True)
 

@@ -62,7 +62,7 @@ def terminal(
         raise click.ClickException("the terminal needs pyserial: pip install 'periph-sim[live]'") from None
     from serial import SerialException
 
-    from ...outside.serial_line import parts_of_format
+    from ...outside.serial_line import port_settings
 
     frame = frame or EIGHT_BITS
     settings = [("port", sci), ("pace", pace), *(("set", change) for change in changes)]
@@ -80,8 +80,7 @@ def terminal(
         ) from None
     with usage_errors_in_one_sentence():
         try:
-            bits, parity, stop = parts_of_format(frame)
-            port = Serial(url, baud, bytesize=bits, parity=parity.upper(), stopbits=stop, timeout=1)
+            port = Serial(url, **port_settings(baud, frame), timeout=1)
         except (SerialException, ValueError) as error:
             raise click.ClickException(str(error)) from None
         typed = Terminal(port, echo, eol, show, encoding)

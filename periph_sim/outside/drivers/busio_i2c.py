@@ -8,8 +8,8 @@ from __future__ import annotations
 import errno
 from types import TracebackType
 
-from ..errors import OutsideError
 from ..session import Session
+from .i2c_dev import SmbusTransfer, on_bus
 
 Buffer = bytearray | memoryview
 ADDRESSES = range(0x08, 0x78)  # the 7-bit addresses that are not reserved
@@ -27,8 +27,7 @@ class I2C:
 
     def __init__(self, session: Session, frequency: int = 100_000, pause: str = "100 us") -> None:
         self._session = session
-        self._master = session.i2c
-        self._master.rate = f"{frequency} Hz"
+        session.i2c.rate = f"{frequency} Hz"
         self._pause = session.ticks(pause)
         self._locked = False
 
@@ -83,24 +82,9 @@ class I2C:
         return True
 
     def _transfer(self, address: int, data: bytes | None, into: memoryview | None) -> None:
-        session, master = self._session, self._master
-        session.advance(session.now + self._pause)
-        try:
-            if data is not None and not master.start(address):
-                refused = errno.ENODEV
-            elif data and not master.write(*data):
-                refused = errno.EIO
-            elif into is not None and not master.start(address, read=True):
-                refused = errno.ENODEV
-            else:
-                refused = 0
-                for place in range(len(into or b"")):
-                    assert into is not None
-                    into[place] = master.read(ack=place + 1 < len(into))
-            master.stop()
-        except OutsideError as error:
-            raise OSError(errno.ETIMEDOUT, str(error)) from None
-        if refused == errno.ENODEV:
-            raise OSError(refused, f"no I2C device at {address:#04x}")
-        if refused:
-            raise OSError(refused, f"a byte was not acknowledged at {address:#04x}")
+        with on_bus(self._session, self._pause, errno.ETIMEDOUT) as master:
+            bus = SmbusTransfer(master, address, refused=errno.ENODEV)
+            if data is not None:
+                bus.send(data)
+            if into is not None:
+                into[:] = bus.got(len(into))

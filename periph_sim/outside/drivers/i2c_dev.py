@@ -17,8 +17,8 @@ import errno
 import io
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import Any
 from unittest.mock import patch
 
@@ -41,18 +41,21 @@ class SmbusTransfer:
 
     Raise OSError with the codes of the Linux kernel: ENXIO if the address is not acknowledged, EIO if a byte is not
     acknowledged, EBADMSG for a wrong PEC, EPROTO for a block of an invalid length.
+
+    refused: the code for an address that is not acknowledged.
     """
 
-    def __init__(self, master: Master, address: int, checks: bool = False) -> None:
+    def __init__(self, master: Master, address: int, checks: bool = False, refused: int = errno.ENXIO) -> None:
         self._master = master
         self._address = address
         self._checks = checks
+        self._refused = refused
         self._code = 0  # PEC of the bytes so far
 
     def begin(self, reads: bool) -> None:
         """Send a START, or a repeated START within a transfer, and the address."""
         if not self._master.start(self._address, reads):
-            raise OSError(errno.ENXIO, f"address {self._address:#04x} was not acknowledged")
+            raise OSError(self._refused, f"address {self._address:#04x} was not acknowledged")
         self._add(self._address << 1 | reads)
 
     def send(self, data: Iterable[int], answered: bool = False) -> None:
@@ -100,6 +103,28 @@ class SmbusTransfer:
         for _ in range(8):
             code = code << 1 ^ (POLYNOMIAL if code & 0x80 else 0)
         self._code = code
+
+
+@contextmanager
+def on_bus(session: Session, pause: int, lost: int = errno.EAGAIN) -> Iterator[Master]:
+    """Yield the controller of a session for one transfer, which ends with a STOP, even after an error.
+
+    pause: the number of ticks that pass before the transfer.
+    lost: the code of the OSError for lost arbitration.
+
+    Raise OSError with ETIMEDOUT if another party holds the bus.
+    """
+    session.advance(session.now + pause)
+    try:
+        try:
+            yield session.i2c
+        finally:
+            if session.i2c.held:
+                session.i2c.stop()
+    except ArbitrationLost as error:
+        raise OSError(lost, str(error)) from None
+    except OutsideError as error:
+        raise OSError(errno.ETIMEDOUT, str(error)) from None
 
 
 RETRIES, TIMEOUT = 0x701, 0x702
@@ -157,38 +182,29 @@ class Adapter:
         elif request in (RETRIES, TIMEOUT):
             pass  # RETRIES and TIMEOUT are ignored: there are no retries, and a held bus times out after 25 ms
         elif request == SMBUS:
-            self._on_bus(self._smbus, _SmbusRequest.from_address(ctypes.addressof(argument)))
+            with self._on_bus() as master:
+                self._smbus(master, _SmbusRequest.from_address(ctypes.addressof(argument)))
         elif request == RDWR:
-            self._on_bus(self._messages, _Messages.from_address(ctypes.addressof(argument)))
+            with on_bus(self._session, self._pause) as master:
+                self._messages(master, _Messages.from_address(ctypes.addressof(argument)))
         else:
             raise OSError(errno.ENOTTY, f"no request of an I2C adapter: {request:#x}")
         return 0
 
     def write(self, data: bytes) -> int:
-        self._on_bus(lambda master, _: SmbusTransfer(master, self._address).send(data), None)
+        with self._on_bus() as master:
+            SmbusTransfer(master, self._address).send(data)
         return len(data)
 
     def read(self, count: int) -> bytes:
-        got = bytearray()
-        self._on_bus(lambda master, _: got.extend(SmbusTransfer(master, self._address).got(count)), None)
-        return bytes(got)
+        with self._on_bus() as master:
+            return SmbusTransfer(master, self._address).got(count)
 
-    def _on_bus(self, transfer: Callable[[Master, Any], object], argument: Any) -> None:
-        """Run a transfer and end it with a STOP, even after an error."""
-        session = self._session
-        if self._address < 0 and not isinstance(argument, _Messages):
+    def _on_bus(self) -> AbstractContextManager[Master]:
+        """Return a context for a transfer with the target whose address was set. Raise OSError if none was set."""
+        if self._address < 0:
             raise OSError(errno.EINVAL, "no address was given")
-        session.advance(session.now + self._pause)
-        try:
-            try:
-                transfer(session.i2c, argument)
-            finally:
-                if session.i2c.held:
-                    session.i2c.stop()
-        except ArbitrationLost as error:
-            raise OSError(errno.EAGAIN, str(error)) from None
-        except OutsideError as error:
-            raise OSError(errno.ETIMEDOUT, str(error)) from None
+        return on_bus(self._session, self._pause)
 
     def _smbus(self, master: Master, asked: _SmbusRequest) -> None:
         reads, command, size = asked.read_write == READS, asked.command, asked.size

@@ -27,6 +27,7 @@ pull-ups, do nothing. If a line is held low for more than 25 ms, the next report
 
 from __future__ import annotations
 
+from binascii import crc_hqx
 from collections.abc import Callable, Generator
 from typing import TypeVar
 
@@ -256,10 +257,7 @@ class I2cDriver:
 
     def _count(self, byte: int) -> None:
         """Update the checksum with a byte of the bus: CRC-16/CCITT, most significant bit first."""
-        crc = self._checksum ^ byte << 8
-        for _ in range(8):
-            crc = crc << 1 ^ (0x1021 if crc & 0x8000 else 0)
-        self._checksum = crc & 0xFFFF
+        self._checksum = crc_hqx(bytes([byte]), self._checksum)
 
 
 def _tokens(transfer: Transfer) -> list[int]:

@@ -35,7 +35,7 @@ class I2cDriverPort:
     pause: the simulated time that passes before each START, because a program's own pauses do not advance simulated
         time. During a capture, simulated time advances by itself.
 
-    Raise BadCase and OutsideError like a `Session`, and OutsideError if `link` exists (see `PseudoTerminal`).
+    Raise BadCase and OutsideError like a `Session`, and OutsideError if `link` exists (see `TerminalDoor`).
     Errors that occur within the block are raised at its end.
     """
 

@@ -35,15 +35,12 @@ class I2cDriverDoor(TerminalDoor):
 
     def turn(self) -> None:
         """Execute received commands, at most a few kilobytes of them. Later calls execute the rest."""
-        left, came = self._terminal.openings.passed()
-        if left and not came:  # all commands in the terminal were written by the client that has left
-            while data := self._terminal.read():
-                self.adapter.receive(data)
+        left, came = self._clients(self.adapter.receive)
         if left or came:  # discard the answers to the previous client, and the command that it has not completed
             self.adapter.next_client()
             self.back.clear()
-            self._terminal.discard_unread()
+            self._discard_unread()
         if len(self.back) < MOST:
-            self.back.add(self.adapter.receive(self._terminal.read()))
+            self.back.add(self.adapter.receive(self._read()))
             self.back.add(self.adapter.captured())
-        self.back.flush(self._terminal.write)
+        self.back.flush(self._write)

@@ -16,7 +16,7 @@ from io import UnsupportedOperation
 from typing import Any
 
 from ..errors import OutsideError
-from ..serial_line import SerialLine, parts_of_format
+from ..serial_line import SerialLine, port_settings
 from .backlog import MOST, Backlog
 
 HELD = "another program has it open; close it there first"
@@ -88,8 +88,7 @@ class PortDoor:
         self._clock = clock
         self._again = 0.0  # time of the next attempt to open the port
         self._errors = (serial.SerialException, OSError)
-        bits, parity, stop = parts_of_format(form)
-        self._given = {"bytesize": bits, "parity": parity.upper(), "stopbits": stop, "baudrate": baud}
+        self._given = port_settings(baud, form)
         try:
             self._port: Any = self._opened()
         except (*self._errors, ValueError) as error:

@@ -15,6 +15,7 @@ import threading
 import time
 import warnings
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future
 from fractions import Fraction
 from math import ceil
 from typing import Any
@@ -156,18 +157,16 @@ class Serial(SerialBase):  # type: ignore[misc]
         if not pace:
             self._build(path, port, pace, given.get("log"), changes)
             return
-        built = threading.Event()
-        mistakes: list[Exception] = []
+        built: Future[None] = Future()
 
         def live() -> None:
             """Build, run and end the session in one thread, because firmware must stay in the thread that starts it."""
             try:
                 self._build(path, port, pace, given.get("log"), changes)
-            except Exception as error:  # `_begin` raises this error again, in the client's thread
-                mistakes.append(error)
+            except BaseException as error:
+                built.set_exception(error)
                 return
-            finally:
-                built.set()
+            built.set_result(None)
             try:
                 assert self._loop is not None
                 self._loop.run()
@@ -179,9 +178,7 @@ class Serial(SerialBase):  # type: ignore[misc]
 
         self._thread = threading.Thread(target=live, daemon=True)
         self._thread.start()
-        built.wait()
-        if mistakes:
-            raise mistakes[0]
+        built.result()  # raises an error of `_build` again, in the client's thread
 
     def _build(self, path: str, port: str, pace: Fraction, log: str | None, changes: tuple[str, ...]) -> None:
         self.case = case_for_line(path, port, changes)

@@ -86,22 +86,28 @@ class Openings:
         return found
 
 
-class PseudoTerminal:
-    """A new pseudo-terminal. Raise OutsideError if `link` exists, unless an earlier session left it.
+class TerminalDoor:
+    """A connection between a session and clients that open a new pseudo-terminal (see `loop.Door`).
 
     path: the path that clients open.
     link: the path of a symbolic link to `path`, or None.
-    file: the file descriptor of the server's side, which never blocks.
-    openings: the counter of clients.
-    kept: the file descriptor of the clients' side. It stays open, so that the terminal outlives its last client.
+    file: the file descriptor of the server's side of the terminal, which never blocks.
+    back: waiting bytes for the client, which the terminal has not accepted yet.
+    unread: number of bytes from clients that were not read when the door was closed.
+
+    Raise OutsideError if `link` exists, unless an earlier session left it.
     """
 
     def __init__(self, link: Path | None) -> None:
-        self.file, self.kept = os.openpty()
-        tty.setraw(self.kept)
+        self.back = Backlog()
+        self.unread = 0
+        # `_kept` is the file descriptor of the clients' side. It stays open, so that the terminal outlives its last
+        # client.
+        self.file, self._kept = os.openpty()
+        tty.setraw(self._kept)
         os.set_blocking(self.file, False)
-        self.path = os.ttyname(self.kept)
-        self.openings = Openings(self.path)
+        self.path = os.ttyname(self._kept)
+        self._openings = Openings(self.path)
         self._link = link
         if link is not None:
             try:
@@ -110,7 +116,7 @@ class PseudoTerminal:
                 link.symlink_to(self.path)
             except OSError as error:
                 self._link = None
-                self.close()
+                self._close()
                 found = f"it is a link to {link.readlink()} already" if link.is_symlink() else error.strerror
                 raise OutsideError(f"{link}: {found}; give the link another name") from None
 
@@ -122,13 +128,25 @@ class PseudoTerminal:
         return target.parent == Path(self.path).parent and (str(target) == self.path or not target.exists())
 
     def close(self) -> None:
+        self.unread += left_there(self._read)
+        self._close()
+
+    def _close(self) -> None:
         if self._link is not None and self._link.is_symlink() and str(self._link.readlink()) == self.path:
             self._link.unlink(missing_ok=True)
-        self.openings.close()
+        self._openings.close()
         os.close(self.file)
-        os.close(self.kept)
+        os.close(self._kept)
 
-    def read(self) -> bytes:
+    def _clients(self, receive: Callable[[bytes], object]) -> tuple[bool, bool]:
+        """Return (left, came) as `Openings.passed` does. Pass the last bytes of a client that has left to `receive`."""
+        left, came = self._openings.passed()
+        if left and not came:  # all bytes in the terminal were written by the client that has left
+            while data := self._read():
+                receive(data)
+        return left, came
+
+    def _read(self) -> bytes:
         """Return some of the received bytes, at most AT_ONCE; b"" if there are none."""
         try:
             return os.read(self.file, AT_ONCE)
@@ -139,33 +157,13 @@ class PseudoTerminal:
                 raise
             return b""
 
-    def discard_unread(self) -> None:
+    def _discard_unread(self) -> None:
         """Discard the written bytes that no client has read yet."""
-        termios.tcflush(self.kept, termios.TCIFLUSH)
+        termios.tcflush(self._kept, termios.TCIFLUSH)
 
-    def write(self, data: bytes) -> int:
+    def _write(self, data: bytes) -> int:
         """Write bytes, and return how many were accepted. Raise BlockingIOError if none was accepted."""
         return os.write(self.file, data)
-
-
-class TerminalDoor:
-    """A connection between a session and clients that open a pseudo-terminal (see `loop.Door`).
-
-    path: the path that clients open.
-    file: the file descriptor of the server's side of the terminal.
-    back: waiting bytes for the client, which the terminal has not accepted yet.
-    unread: number of bytes from clients that were not read when the door was closed.
-    """
-
-    def __init__(self, link: Path | None) -> None:
-        self._terminal = PseudoTerminal(link)
-        self.path, self.file = self._terminal.path, self._terminal.file
-        self.back = Backlog()
-        self.unread = 0
-
-    def close(self) -> None:
-        self.unread += left_there(self._terminal.read)
-        self._terminal.close()
 
 
 class PtyDoor(TerminalDoor):
@@ -197,29 +195,26 @@ class PtyDoor(TerminalDoor):
 
     def turn(self) -> None:
         self._follow_rate()
-        left, came = self._terminal.openings.passed()
-        if left and not came:  # all bytes in the terminal were written by the client that has left
-            while data := self._terminal.read():
-                self._line.write(data)
+        _, came = self._clients(self._line.write)
         if came and (discarded := self._line.next_client()):
             self._notify(f"a client connected: {discarded} unsent bytes of the one before are discarded")
         while self._line.waiting < MOST:
-            data = self._terminal.read()
+            data = self._read()
             if not data:
                 break
             self._line.write(data)
         self.back.add(self._line.read())
-        self.back.flush(self._terminal.write)
+        self.back.flush(self._write)
 
     def _set_rate(self, baud: int) -> None:
         code = next((value for value, rate in RATES.items() if rate == baud), None)
         if code is not None:
-            attributes = termios.tcgetattr(self._terminal.kept)
+            attributes = termios.tcgetattr(self._kept)
             attributes[4] = attributes[5] = code
-            termios.tcsetattr(self._terminal.kept, termios.TCSANOW, attributes)
+            termios.tcsetattr(self._kept, termios.TCSANOW, attributes)
 
     def _follow_rate(self) -> None:
-        baud = RATES.get(termios.tcgetattr(self._terminal.kept)[5], self._baud)
+        baud = RATES.get(termios.tcgetattr(self._kept)[5], self._baud)
         if baud and baud != self._baud:
             self._baud = baud
             self._line.set(baud, self._form)

@@ -20,7 +20,7 @@ from contextlib import suppress
 from typing import Any
 
 from ..errors import OutsideError
-from ..serial_line import SerialLine, parts_of_format
+from ..serial_line import SerialLine, port_settings
 from .backlog import AT_ONCE, MOST, Backlog, left_there
 
 LOOPBACK = "127.0.0.1"
@@ -230,11 +230,18 @@ class Client:
             raise ClientDisconnected(f"vanished: {error.strerror}") from None
 
 
+def _setting(name: str) -> property:
+    """Return the property of a ManagedPort that reads and changes one of its settings."""
+    return property(lambda port: port.settings[name], lambda port, value: port.change(name, value))
+
+
 class ManagedPort:
     """The port that a PortManager controls. An unsupported rate or format raises ValueError.
 
     The settings of modem lines and flow control are constant. An SCI has no modem lines, and TCP's flow control delays
     a client that sends faster than the line.
+
+    settings: the rate and the format of the line, with the names and values of pyserial.
     """
 
     xonxoff = rtscts = cts = dsr = ri = cd = False
@@ -242,48 +249,18 @@ class ManagedPort:
 
     def __init__(self, line: SerialLine, baud: int, form: str, door: Rfc2217Door) -> None:
         self.before: Callable[[], None] = lambda: None  # called before each change of rate, format or break
+        self.settings = port_settings(baud, form)
         self._line = line
         self._door = door
-        self._baud = baud
-        bits, parity, stop = parts_of_format(form)
-        self._form: list[Any] = [bits, parity.upper(), stop]
 
-    def _set(self, baud: int, form: Sequence[Any]) -> None:
+    def change(self, name: str, value: Any) -> None:
+        """Change one of the settings of the line. Raise OutsideError, and change nothing, if the value is invalid."""
         self.before()
-        self._line.set(baud, "{}{}{:g}".format(*form))
-        self._baud, self._form = baud, list(form)
+        changed = self.settings | {name: value}
+        self._line.set(changed["baudrate"], "{bytesize}{parity}{stopbits:g}".format_map(changed))
+        self.settings = changed
 
-    @property
-    def baudrate(self) -> int:
-        return self._baud
-
-    @baudrate.setter
-    def baudrate(self, baud: int) -> None:
-        self._set(baud, self._form)
-
-    @property
-    def bytesize(self) -> int:
-        return int(self._form[0])
-
-    @bytesize.setter
-    def bytesize(self, bits: int) -> None:
-        self._set(self._baud, [bits, *self._form[1:]])
-
-    @property
-    def parity(self) -> str:
-        return str(self._form[1])
-
-    @parity.setter
-    def parity(self, letter: str) -> None:
-        self._set(self._baud, [self._form[0], letter, self._form[2]])
-
-    @property
-    def stopbits(self) -> float:
-        return int(self._form[2])
-
-    @stopbits.setter
-    def stopbits(self, bits: float) -> None:
-        self._set(self._baud, [*self._form[:2], bits])
+    baudrate, bytesize, parity, stopbits = map(_setting, ("baudrate", "bytesize", "parity", "stopbits"))
 
     @property
     def break_condition(self) -> bool:

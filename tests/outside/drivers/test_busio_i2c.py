@@ -48,7 +48,7 @@ def test_a_scan_leaves_out_the_reserved_addresses(monkeypatch: pytest.MonkeyPatc
 def test_who_does_not_answer_is_an_oserror() -> None:
     with bus() as i2c:
         for call in (lambda: i2c.writeto(0x20, b"\x00"), lambda: i2c.readfrom_into(0x20, bytearray(1))):
-            with pytest.raises(OSError, match="no I2C device at 0x20") as refused:
+            with pytest.raises(OSError, match="address 0x20 was not acknowledged") as refused:
                 call()
             assert refused.value.errno == errno.ENODEV
         got = bytearray(1)

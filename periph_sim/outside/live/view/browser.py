@@ -23,7 +23,6 @@ from .status import Board
 PAGE = Path(__file__).with_name("page.html")
 LOOPBACK = "127.0.0.1"
 OURS = ("127.0.0.1", "localhost", "[::1]")
-PATIENCE = 1.0  # seconds without a new snapshot after which the server checks that the client is still connected
 END_SEEN = 0.05  # interval in seconds at which the server checks whether it must stop
 RULES = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'; img-src data:"
 
@@ -86,11 +85,8 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_header("Content-Type", "text/event-stream")
         self.send_header("Cache-Control", "no-store")
         self.end_headers()
-        number, closed = 0, False
         try:
-            while not closed:
-                closed = board.closed
-                number, snapshot = board.after(number, PATIENCE)
+            for snapshot in board.snapshots():
                 event = ": still here" if snapshot is None else f"data: {json.dumps(snapshot)}"
                 self.wfile.write(f"{event}\n\n".encode())
                 self.wfile.flush()

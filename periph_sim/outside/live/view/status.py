@@ -13,7 +13,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TypedDict
 
 from ....bus.i2c.transfer import Transfer
@@ -28,6 +28,7 @@ from .last_round import LastRound, Wave
 
 WINDOW = 2.0  # seconds over which rates are averaged
 SELDOM = 10.0  # seconds between calculations of a percentile, which takes long because it needs all values
+PATIENCE = 1.0  # seconds without a new snapshot after which a reader of a board may check other conditions
 SAID = 3  # number of the latest messages that are shown
 FLAGS = {
     "SCI": ("SCIRXST.BRKDT", "SCIRXST.FE", "SCIRXST.OE", "SCIRXST.PE", "SCIFFRX.RXFFOVF"),
@@ -259,6 +260,17 @@ class Board:
         with self._changed:
             self._changed.wait_for(lambda: self._number > number or self.closed, timeout)
             return (self._number, self._latest) if self._number > number else (number, None)
+
+    def snapshots(self) -> Iterator[StatusSnapshot | None]:
+        """Yield the latest snapshot, then each newer one, until the board is closed and its last snapshot was yielded.
+
+        If there is none for PATIENCE seconds, yield None, so that the reader can check other conditions.
+        """
+        number, closed = 0, False
+        while not closed:
+            closed = self.closed
+            number, snapshot = self.after(number, PATIENCE)
+            yield snapshot
 
 
 EVERY = 0.25  # seconds between two snapshots

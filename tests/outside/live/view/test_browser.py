@@ -12,7 +12,7 @@ import pytest
 
 from periph_sim.outside import OutsideError
 from periph_sim.outside.live.view.browser import Browser
-from periph_sim.outside.live.view.status import EVERY, Board, StatusSnapshot, ViewDoor
+from periph_sim.outside.live.view.status import Board, StatusSnapshot
 from tests.outside.live.view.imu import FRAME, Imu
 
 
@@ -120,22 +120,6 @@ def test_a_port_that_is_taken_is_refused(served: Browser, board: Board) -> None:
     port = int(served.url.rstrip("/").rpartition(":")[2])
     with pytest.raises(OutsideError, match=rf"port {port} of 127.0.0.1: Address already in use; give another one"):
         Browser(board, port)
-
-
-def test_the_door_puts_a_snapshot_some_times_a_second_and_one_at_the_end() -> None:
-    imu, board, now = Imu(), Board(), [0.0]
-    door = ViewDoor(imu.status, board, lambda: now[0])
-    numbers = []
-    for _ in range(10):
-        door.turn()
-        numbers.append(board.after(0, 0.0)[0])
-        now[0] += EVERY / 2
-    assert numbers == [1, 1, 2, 2, 3, 3, 4, 4, 5, 5]
-    assert [*door.files()] == [] and not board.closed
-    door.close()
-    number, last = board.after(5, 0.0)
-    assert number == 6 and last is not None and last["over"] and board.closed
-    assert board.after(6, 30.0) == (6, None)  # at once: there will be no more
 
 
 @pytest.mark.long  # a browser

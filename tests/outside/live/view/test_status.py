@@ -84,6 +84,7 @@ def test_a_snapshot_is_put_four_times_a_second_and_at_the_end() -> None:
     door.close()
     number, last = board.after(3, 0)
     assert number == 4 and last is not None and last["over"] and board.closed
+    assert board.after(4, 30.0) == (4, None)  # at once: there will be no more
 
 
 def test_budgets_and_lateness_so_far() -> None:

@@ -10,10 +10,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from .core.convert import BadTable
-from .scene.case.load import apply, built, refusal
+from .scene.case.load import case_of_tables
 from .scene.case.model import Case
-from .scene.case.origin import Source, texts_in
 from .scene.firmware_loader import Firmware
 from .scene.prepared import PreparedScene, Program
 from .scene.result import Result
@@ -26,13 +24,7 @@ def make_case(changes: Sequence[str] = (), **tables: Any) -> Case:
 
     Raise BadCase if a table is invalid.
     """
-    tree = dict(tables)
-    places = tuple((change, apply(tree, change)) for change in changes)
-    source = Source(Path(f"make_case({tables.get('name', '')})"), "", places, tuple(texts_in(tree)))
-    try:
-        return built(Case.model_validate(tree), source)
-    except BadTable as error:
-        raise refusal(source, error, tree) from None
+    return case_of_tables(tables, f"make_case({tables.get('name', '')})", changes)
 
 
 def run(

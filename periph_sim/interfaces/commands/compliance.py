@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .command_frame import command, print_answer, read_capture
+from .command_frame import command, print_answer, read_capture, usage_errors_in_one_sentence
 from .shared_options import JSON, MAP, RATE, SALVAGE
 
 
@@ -41,14 +41,12 @@ def compliance(
     A limit passes, fails, or cannot be decided at the capture's sample rate. Exit status 0: no limit fails; 1: a limit
     fails, or nothing was measured.
     """
-    from ...replay import BadReplay
     from ...replay.channels import channel_map
-    from ...traces import formats
     from ...traces.compliance import Verdict, check
     from ...traces.compliance.report import as_json as as_dict
     from ...traces.decode.i2c_table import likely_cause
 
-    try:
+    with usage_errors_in_one_sentence():
         given = read_capture(capture, rate, salvage)
         lines = channel_map(given, mapping)
         if "scl" not in lines:
@@ -56,8 +54,6 @@ def compliance(
         if exact and given.sampled:
             raise click.ClickException(f"{capture}: its times are samples of an analyser, so --exact cannot be true")
         report = check(given, lines["scl"], lines["sda"], mode, exact=exact or None)
-    except (formats.BadCapture, BadReplay, ValueError) as error:
-        raise click.ClickException(str(error)) from None
     if not report.starts:
         raise click.ClickException(
             f"{capture}: no I2C START on {lines['scl']!r} and {lines['sda']!r}; "

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .command_frame import command, print_answer, read_capture
+from .command_frame import command, print_answer, read_capture, usage_errors_in_one_sentence
 from .shared_options import JSON, MAP, SALVAGE, tolerance_option
 
 if TYPE_CHECKING:
@@ -50,9 +50,7 @@ def diff(
     default one sample of A plus one sample of B; 1: otherwise.
     """
     from ...core.tolerance import Cycles
-    from ...replay import BadReplay
     from ...replay.channels import channel_map
-    from ...traces import formats
     from ...traces.diff import diff_i2c, diff_uart, text_report
 
     if isinstance(tolerance, Cycles):
@@ -61,7 +59,7 @@ def diff(
     wanted = "sda" if line is None else "rx"
     if channel is not None and mapping is not None:
         raise click.ClickException("--uart and --map both name the channel of rx; give one of them")
-    try:
+    with usage_errors_in_one_sentence():
         captures = (
             read_capture(a, rate, salvage),
             read_capture(b, rate_b, salvage, "--rate-b"),
@@ -77,8 +75,6 @@ def diff(
             result = diff_i2c(*captures, (scl, sda), (scl_b, sda_b), tolerance)
         else:
             result = diff_uart(*captures, line, lines[0]["rx"], lines[1]["rx"], tolerance)
-    except (formats.BadCapture, BadReplay, ValueError) as error:
-        raise click.ClickException(str(error)) from None
     if not result.entries:
         what = "I2C transfer" if line is None else "UART frame"
         raise click.ClickException(f"{a} and {b}: no {what} in either; the mapping may be wrong")

@@ -13,12 +13,11 @@ import click
 
 from ...processor.user_code import output_muted
 from ...scene.case.load import apply, case_of
-from ...scene.case.model import BadCase
 from ...scene.case.toml_file import read
 from ...scene.outside_log import BadLog, LogReader
 from ...scene.scene import Scene
 from ...timing.verdict import NOT_JUDGED
-from ..reports.case_text import Tree, move_files, toml
+from ..reports.case_text import Tree, move_files, toml, usable_budgets
 from .command_frame import check_file_name
 
 MEASURES = (  # measures that become budgets if a case has no budget
@@ -71,16 +70,9 @@ def files_of(log: Path, given: str | None) -> tuple[dict[Path, str], Path]:
 @output_muted()
 def _as_seen(tree: Tree, target: Path) -> list[Tree]:
     """Run the new case. Return a budget for each of the MEASURES that has a value, with this value as its limit."""
-    found: list[Tree] = []
-    for measure in MEASURES:
-        budget: Tree = {"name": measure, "measure": measure, "max": 0}
-        for limit in (0, "0 us"):
-            try:
-                Scene(case_of({**tree, "budget": [{**budget, "max": limit}]}, target))
-            except BadCase:
-                continue
-            found.append({**budget, "max": limit})
-            break
+    # A time needs a limit with a unit, and a count a limit without one, so at most one of the two budgets is usable.
+    named = ({"name": measure, "measure": measure, "max": limit} for measure in MEASURES for limit in (0, "0 us"))
+    found = usable_budgets(tree, target, named)
     result = Scene(case_of({**tree, "budget": found}, target)).run()
     budgets: list[Tree] = []
     for budget, verdict in zip(found, result.budgets, strict=True):

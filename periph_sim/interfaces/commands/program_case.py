@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from os.path import abspath, relpath
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple, cast
 
 import click
 
@@ -41,9 +41,7 @@ from ...scene.case.wiring import LAST_PIN
 from ...scene.result import pins_of
 from ...scene.scene import Scene
 from ...timing.verdict import duration_text
-from ..reports.case_text import toml
-
-Tree = dict[str, Any]
+from ..reports.case_text import Tree, toml, usable_budgets
 
 UNIT = "dsp"
 # The run ends at the first of these times, in seconds, at which something can be measured (see OFTEN), or the program
@@ -368,14 +366,8 @@ def _as_seen(tree: Tree, target: Path, measures: dict[str, str]) -> list[Tree]:
     Periods with fewer than OFTEN - 1 values, and measures that do not fit the case, have no budget. GPIO pins without
     an edge in this run are removed from the unit in `tree`.
     """
-    found: list[Tree] = []
-    for name, measure in measures.items():
-        budget = {"name": name, "measure": measure, "max": "0 us", "why": SEEN}
-        try:
-            Scene(case_of({**tree, "budget": [budget]}, target)).close()
-        except BadCase:  # for example, the latency of an interrupt that no PIE line requests cannot be measured
-            continue
-        found.append(budget)
+    named = ({"name": name, "measure": measure, "max": "0 us", "why": SEEN} for name, measure in measures.items())
+    found = usable_budgets(tree, target, named)
     seen = Seen()
     scene = Scene(case_of({**tree, "budget": found}, target), lambda recorder, _: recorder.subscribe([Kind.EDGE], seen))
     result = scene.run()

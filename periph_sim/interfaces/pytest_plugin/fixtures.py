@@ -13,13 +13,10 @@ from typing import Any
 
 import pytest
 
-from ...core.convert import BadTable
 from ...core.phrases import did_you_mean
 from ...core.table import duration
-from ...scene.case.error_text import explain
-from ...scene.case.load import apply, load
-from ...scene.case.model import BadCase, Case
-from ...scene.case.origin import Source
+from ...scene.case.load import case_of_tables, load
+from ...scene.case.model import BadCase
 from ...scene.firmware_loader import Firmware
 from ...timing.verdict import Verdict
 from .figures import properties
@@ -136,9 +133,5 @@ def _of_function(
     tree: dict[str, Any] = {"name": name, "unit": {UNIT: {"firmware": name, **unit}}, **tables}
     if length is not None:
         tree["duration"] = length
-    source = Source(Path(f"scene({name})"), "", tuple((change, apply(tree, change)) for change in changes))
-    try:
-        case = Case.model_validate(tree).from_source(source)
-    except BadTable as error:
-        raise BadCase(explain(source, error)) from None
+    case = case_of_tables(tree, f"scene({name})", changes)
     return Plan(case, length, {UNIT: Firmware(name, lambda dsp, _: program(dsp, settings), None)})

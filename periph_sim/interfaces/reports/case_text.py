@@ -1,13 +1,17 @@
-"""The text of a case file that a command writes: tables as TOML, and paths of files relative to the file's folder."""
+"""Case files that a command writes: tables as TOML, paths of files relative to the file's folder, usable budgets."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from os.path import relpath
 from pathlib import Path
 from typing import Any
 
+from ...scene.case.load import case_of
+from ...scene.case.model import BadCase
 from ...scene.case.origin import texts_in
+from ...scene.scene import Scene
 
 Tree = dict[str, Any]
 
@@ -31,6 +35,21 @@ def move_files(tree: Tree, before: Path, after: Path) -> None:
         compile = unit.get("compile", {}) if isinstance(unit, dict) else {}
         if "include" in compile:
             compile["include"] = [relpath(before / folder, after) for folder in compile["include"]]
+
+
+def usable_budgets(tree: Tree, target: Path, budgets: Iterable[Tree]) -> list[Tree]:
+    """Return the budgets that the case can have. tree, target: the case without budgets, and the path of its file.
+
+    For example, a case cannot have a budget of the latency of an interrupt that no PIE line requests.
+    """
+    found: list[Tree] = []
+    for budget in budgets:
+        try:
+            Scene(case_of({**tree, "budget": [budget]}, target)).close()
+        except BadCase:
+            continue
+        found.append(budget)
+    return found
 
 
 def toml(tree: Tree) -> str:

@@ -93,6 +93,19 @@ def case_of(tree: dict[str, Any], path: Path) -> Case:
     return _case_in(Source(path, "", values=tuple(texts_in(tree))), copied(tree))
 
 
+def case_of_tables(tree: dict[str, Any], label: str, changes: Sequence[str] = ()) -> Case:
+    """Return the case in the tables of a program, with `key=value` changes applied. Raise BadCase if it is not valid.
+
+    label: the name of the case in messages, in place of a file.
+    """
+    places = tuple((change, apply(tree, change)) for change in changes)
+    source = Source(Path(label), "", places, tuple(texts_in(tree)))
+    try:
+        return built(Case.model_validate(tree), source)
+    except BadTable as error:
+        raise refusal(source, error, tree) from None
+
+
 def refusal(source: Source, error: BadTable, tree: object) -> BadCase:
     """Return a BadCase about the first mistake in a case. tree: the tree of the case that was checked."""
     kind = BadCase if error.first.known is None else UnknownKey

@@ -19,6 +19,7 @@ from fractions import Fraction
 from math import ceil, floor
 from typing import NamedTuple
 
+from ...core.input_error import InputError
 from ..capture.capture import Capture
 from ..capture.sampling import grid_of, is_exact
 
@@ -162,7 +163,7 @@ def resolution_of(capture: Capture, exact: bool | None = None) -> Resolution:
     Raise ValueError if the capture has no rate.
     """
     if capture.rate is None:
-        raise ValueError(f"{capture.path}: limits need a time base and the file states no rate; state the rate")
+        raise InputError(f"{capture.path}: limits need a time base and the file states no rate; state the rate")
     if capture.sampled:
         return Resolution(capture.rate, 1)
     exact = is_exact(capture) if exact is None else exact

@@ -34,6 +34,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.input_error import InputError
 from ..capture.capture import Capture, Channel, Positions
 from ..capture.sampling import rate_text, sample_step
 from .table_columns import joined, select
@@ -48,10 +49,10 @@ def width_of(capture: Capture, baud: Fraction | int) -> Fraction:
     Raise ValueError if the capture has no rate, or fewer than two positions per bit.
     """
     if capture.rate is None:
-        raise ValueError(f"{capture.path}: frames need a time base and the file states no rate; state the rate")
+        raise InputError(f"{capture.path}: frames need a time base and the file states no rate; state the rate")
     width = capture.rate / Fraction(baud)
     if width < 2:
-        raise ValueError(
+        raise InputError(
             f"{capture.path}: {float(width):.2f} samples a bit at {float(baud):.7g} baud; expected at least 2, "
             f"so the rate of {rate_text(capture.rate)} or the baud rate is wrong"
         )

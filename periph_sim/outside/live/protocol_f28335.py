@@ -51,9 +51,7 @@ class _Queue:
 
     def __init__(self, line: SerialLine) -> None:
         self.line: SerialLine | None = line
-        self._to_line = bytearray()
-        # The changes of the line's settings that the next call of `turn` makes. An entry is (number of bytes of
-        # `_to_line` that are written before the change, function that makes the change).
+        # What the next call of `turn` does with the line: (number of bytes to write, function that does it).
         self._requests: list[tuple[int, Callable[[SerialLine], None]]] = []
         self.came = Backlog()
         self.changed = threading.Condition()
@@ -64,22 +62,17 @@ class _Queue:
     def turn(self) -> None:
         with self.changed:
             assert self.line is not None
-            done = 0
-            for place, request in self._requests:
-                self.line.write(bytes(self._to_line[done:place]))
+            for _, request in self._requests:
                 request(self.line)
-                done = place
-            self.line.write(bytes(self._to_line[done:]))
-            self._to_line.clear()
             self._requests.clear()
             self.came.add(self.line.read())
             self.changed.notify_all()
 
-    def put(self, data: bytes | memoryview) -> int:
+    def put(self, data: bytes) -> int:
         """Queue bytes, and return how many were accepted. At most a megabyte may wait for the line."""
         with self.changed:
             taken = data[: max(0, MOST - self.waits())]
-            self._to_line += taken
+            self._requests.append((len(taken), lambda line: line.write(taken)))
             return len(taken)
 
     def read(self, count: int) -> bytes:
@@ -88,18 +81,18 @@ class _Queue:
 
     def waits(self) -> int:
         with self.changed:
-            return len(self._to_line) + (0 if self.line is None else self.line.waiting)
+            return sum(count for count, _ in self._requests) + (0 if self.line is None else self.line.waiting)
 
     def set(self, baud: int, form: str) -> None:
         """Set rate and format at the next call of `turn`. Raise OutsideError now if they are invalid."""
         with self.changed:
             if self.line is not None:
                 self.line.checked(baud, form)
-                self._requests.append((len(self._to_line), lambda line: line.set(baud, form)))
+                self._requests.append((0, lambda line: line.set(baud, form)))
 
     def hold_break(self, on: bool) -> None:
         with self.changed:
-            self._requests.append((len(self._to_line), lambda line: line.hold_break(on)))
+            self._requests.append((0, lambda line: line.hold_break(on)))
 
 
 class ClosedError(PortNotOpenError):  # type: ignore[misc]
@@ -241,7 +234,7 @@ class Serial(SerialBase):  # type: ignore[misc]
 
     def write(self, data: Any) -> int:
         self._must_be_open()
-        sent = memoryview(bytes(data))
+        sent = bytes(data)
         timeout = self._write_timeout
         end = None if timeout is None else self.clock() + timeout
         done = self._queue.put(sent)

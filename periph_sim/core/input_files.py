@@ -128,6 +128,12 @@ def is_input(path: Path) -> bool:
     return identity in (_read or ()) or any(_identity(file) == identity for file in _imported())
 
 
+def is_same_file(path: Path, other: Path) -> bool:
+    """Return True if both paths refer to the same existing file."""
+    identity = _identity(path)
+    return identity is not None and identity == _identity(other)
+
+
 def _imported() -> Iterator[str]:
     for module in tuple(sys.modules.values()):
         file = getattr(module, "__dict__", {}).get("__file__")

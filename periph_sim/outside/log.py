@@ -9,7 +9,7 @@ from os.path import relpath
 from pathlib import Path
 from typing import TextIO
 
-from ..core.input_files import is_input
+from ..core.input_files import is_input, is_same_file
 from ..scene.case.model import Case
 from ..scene.outside_log import FORMAT, VERSION
 from .errors import OutsideError
@@ -82,13 +82,5 @@ class LogWriter:
 
 def refuse_input(path: Path, case: Case, what: str) -> None:
     """Raise OutsideError if the case reads this file, so that no output replaces it. what: the output, for messages."""
-    if is_input(path) or any(is_same(path, file) for file in case.files()):
+    if is_input(path) or any(is_same_file(path, file) for file in case.files()):
         raise OutsideError(f"{path}: the session reads this file; give the {what} another place")
-
-
-def is_same(path: Path, other: Path) -> bool:
-    """Return True if both paths refer to the same existing file."""
-    try:
-        return path.samefile(other)
-    except OSError:
-        return False

@@ -12,6 +12,7 @@ from pathlib import Path
 import click
 import numpy as np
 
+from ...core.input_files import is_same_file
 from ...core.phrases import counted, did_you_mean
 from ...records.recording import format_of, recording_formats, rewrite
 from ...traces import formats
@@ -48,7 +49,7 @@ def convert(
     For a run recorded as .psr, OUT may also be any format of `run --record`, with all records.
     """
     with usage_errors_in_one_sentence():
-        if _same_file(given, out):
+        if is_same_file(given, out):
             raise click.ClickException(f"{out}: IN and OUT are one file; give another name for OUT")
         part = any(option is not None for option in (rate, sample, channels, window)) or salvage
         if format_of(out) and not part and psr.holds_run(given):
@@ -65,13 +66,6 @@ def convert(
             said = _sizes(ready)
     click.echo("\n".join([f"{out}: {said}", *(f"note: {note}" for note in notes)]))
     return 0
-
-
-def _same_file(given: Path, out: Path) -> bool:
-    try:
-        return out.samefile(given)
-    except OSError:  # a file is missing or its name is invalid, which is reported later
-        return False
 
 
 def _check_suffix(out: Path, part: bool) -> None:

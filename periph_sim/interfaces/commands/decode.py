@@ -341,11 +341,8 @@ def packets(rows: Rows, first: Numbers, clock: event_text.Clock) -> Iterator[tup
     first: the rows with which transfers, bursts and selections begin.
     """
     begins = np.union1d(first, np.flatnonzero((rows.event == START) | (rows.event == AGAIN)))
-    times = (
-        event_text.Clock(clock.up * 10**DECIMALS, clock.down * 10**clock.decimals, DECIMALS)
-        .units(rows.at[begins])
-        .tolist()
-    )
+    rounded = event_text.Clock(clock.scale * Fraction(10**DECIMALS, 10**clock.decimals), DECIMALS)
+    times = rounded.units(rows.at[begins]).tolist()
     bounds = [*begins.tolist(), len(rows.at)]
     columns = [column.tolist() for column in (rows.bus, rows.event, rows.value, rows.bits, rows.detail)]
     # The packets are sorted, because transfers of several buses may overlap in time.

@@ -12,11 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...core.registers import NamedByte
-from ...traces.decode.event_rows import (
-    DETAILS,
-    EVENTS,
-    Rows,
-)
+from ...traces.capture.sampling import nearest
+from ...traces.decode.event_rows import DETAILS, EVENTS, Rows
 from ...traces.decode.table_columns import select
 from .bulk_text import BLANK, NONE, Column, Digits, Literal, Numbers, Sparse, Words, numbered, text
 
@@ -25,14 +22,13 @@ GAP = "  "
 
 
 class Clock(NamedTuple):
-    """Converter of positions in a capture to seconds: one position is `up / down` units of 10**-decimals s.
+    """Converter of positions in a capture to seconds: one position is `scale` units of 10**-decimals s.
 
     The conversion is exact if the sample period in seconds has at most twelve decimals. Otherwise, times are rounded to
     picoseconds, or to larger units in captures that last for months.
     """
 
-    up: int
-    down: int
+    scale: Fraction
     decimals: int
 
     @staticmethod
@@ -45,15 +41,11 @@ class Clock(NamedTuple):
         decimals = next((n for n in range(MOST_DECIMALS) if (period * 10**n).denominator == 1), MOST_DECIMALS)
         while decimals and length * period * 10**decimals >= 1 << 63:
             decimals -= 1
-        scaled = period * 10**decimals
-        return Clock(scaled.numerator, scaled.denominator, decimals)
+        return Clock(period * 10**decimals, decimals)
 
     def units(self, positions: Numbers) -> Numbers:
-        """Convert positions to the nearest number of units. If products exceed 63 bits, Python's integers are used."""
-        if not len(positions) or int(positions.max()) * 2 * self.up + self.down < 1 << 63:
-            return (positions * (2 * self.up) + self.down) // (2 * self.down)
-        exact = [(2 * at * self.up + self.down) // (2 * self.down) for at in positions.tolist()]
-        return np.array(exact, np.int64)
+        """Convert positions to the nearest number of units, which must fit 63 bits."""
+        return nearest(positions, self.scale).astype(np.int64, copy=False)
 
 
 def seconds_of(positions: Numbers, clock: Clock | None) -> list[str]:

@@ -139,7 +139,7 @@ def test_the_client_s_rate_is_the_line_s(tmp_path: Path) -> None:
 def test_the_rate_at_which_a_client_sends_is_the_line_s(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A terminal may have two rates: this client receives at 9600 baud and sends at 19,200."""
     served = Served(tmp_path)
-    of_both = termios.tcgetattr(served.door._terminal.kept)
+    of_both = termios.tcgetattr(served.door._kept)
     split = [*of_both[:4], termios.B9600, termios.B19200, of_both[6]]
     monkeypatch.setattr(termios, "tcgetattr", lambda _: split)
     served.door.turn()
@@ -203,7 +203,7 @@ def test_a_link_that_may_not_be_replaced_is_refused(tmp_path: Path, monkeypatch:
     monkeypatch.setattr(Path, "unlink", unlink)
     link.symlink_to("/dev/pts/99999")
     with pytest.raises(OutsideError, match="dsp: it is a link to /dev/pts/99999 already; give the link another name"):
-        pty_door.PseudoTerminal(link)
+        pty_door.TerminalDoor(link)
 
 
 class Unopened:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from ....core.records import Kind, Record
-from ....records.record_text import GAVE_UP, has_timed_out
+from ....records.record_text import GAVE_UP, IN_FIRMWARE, has_timed_out
 from .window import Window
 
 Doing = Literal["interrupt", "span", "wait", "code", "bus", "hardware", "unknown"]
@@ -21,7 +21,6 @@ CODE: Doing = "code"
 UNKNOWN: Doing = "unknown"
 NOT_KEPT = "the middle, for which no records were kept"
 DOING: dict[Kind, Doing] = {Kind.IRQ: "interrupt", Kind.SPAN: "span", Kind.WAIT: "wait"}
-IN_FIRMWARE = (Kind.ACCESS, *DOING)  # kinds of records of the firmware's actions
 
 
 @dataclass(frozen=True)
@@ -108,24 +107,10 @@ def units(window: Window) -> list[str]:
     return sorted({r.where for r in window.all_records if r.kind in IN_FIRMWARE})
 
 
-def open_at(window: Window, unit: str, tick: int) -> list[Record]:
-    """Return the service routines, spans and waits in progress at a tick, outermost first."""
-    stack: list[Record] = []
-    for record in _relevant(window, unit):
-        if record.tick > tick:
-            break
-        _move(stack, record)
-    return stack
-
-
-def _relevant(window: Window, unit: str) -> list[Record]:
-    open_before = [r for r in window.before if r.value]
-    return [r for r in (*open_before, *window.records) if r.where == unit and r.kind in DOING]
-
-
 def _up_to(window: Window, unit: str, end: int) -> list[Record]:
     """Return the records of a unit's activities. Names of waits that timed out up to tick `end` end with GAVE_UP."""
-    found = _relevant(window, unit)
+    open_before = [r for r in window.before if r.value]
+    found = [r for r in (*open_before, *window.records) if r.where == unit and r.kind in DOING]
     begins: dict[str, int] = {}  # maps the name of a wait to the index of its last start
     for index, record in enumerate(found):
         if record.kind is Kind.WAIT and record.value:
@@ -161,9 +146,10 @@ def _top(stack: Sequence[Record], begin: int, end: int, bottom: Doing) -> Stretc
 def all_episodes(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
     """Return the service routines, spans and waits of a unit that overlap the time between two ticks.
 
-    They are in the order in which they begin. `Stretch.within` of each contains the activities around it. If one record
-    ends several nested activities, `within` of all of them contains only the activities around the outermost one. For
-    example, the service routine of an image and the function that implements it end together.
+    They are in the order in which they begin, outer ones before inner ones. `Stretch.within` of each contains the
+    activities around it. If one record ends several nested activities, `within` of all of them contains only the
+    activities around the outermost one. For example, the service routine of an image and the function that implements
+    it end together.
     """
     stack: list[Record] = []
     over: list[tuple[Record, Sequence[Record], int]] = []

@@ -15,12 +15,11 @@ from ....core.records import Kind, Record
 from ....devices.targets import eeprom
 from ....f28335.i2c.descriptor import I2C_A
 from ....records.cause_trace.causes import Link, holders, walk_back, wire_rows
-from ....records.record_text import BusByte, bus_byte, happened
+from ....records.record_text import IN_FIRMWARE, BusByte, bus_byte, happened
 from ....scene.case.model import Case
 from ....scene.context import CaseTicks
-from ....traces.capture.capture import Channel
 from .chain import Chain, FirmwarePlace, Part, Step, place_of
-from .cpu_activity import CODE, DOING, IN_FIRMWARE, Stretch, episodes, open_at, phrase, timeline, units
+from .cpu_activity import CODE, DOING, Stretch, all_episodes, episodes, phrase, timeline, units
 from .recorded_phase import RecordedPhase
 from .window import Window
 
@@ -87,9 +86,9 @@ class Evidence:
                 found.append(record)
         return found
 
-    def activity_at(self, tick: int) -> Record | None:
-        """Return the record that began the innermost service routine, span or wait in progress at a tick."""
-        return next(reversed(open_at(self.window, self.unit, tick)), None)
+    def activity_at(self, tick: int) -> Stretch | None:
+        """Return the innermost service routine, span or wait in progress at a tick; None if there is none."""
+        return next(reversed(all_episodes(self.window, self.unit, tick, tick + 1)), None)
 
     def doing_at(self, tick: int) -> tuple[str, FirmwarePlace | None]:
         """Return the firmware's activity at a tick as a phrase, and its place. In other code, name the last access."""
@@ -110,7 +109,7 @@ class Evidence:
     def blame_at(self, tick: int) -> Part | None:
         """Return the firmware's activity at a tick as a cause; None if no activity is in progress."""
         top = self.activity_at(tick)
-        return None if top is None else Part(DOING[top.kind], top.what, tick - top.tick, 1, place_of(top.text))
+        return None if top is None else Part(top.doing, top.what, tick - top.begin, 1, place_of(top.where))
 
     def accesses(self, begin: int, end: int, what: str) -> list[Record]:
         """Return the accesses with the text `what`, such as "R I2C-A.I2CDRR", from tick `begin` to tick `end`.
@@ -223,7 +222,7 @@ class Evidence:
         table = self.case.controller
         if table is None:
             end = self.window.kept[-1].end
-            return min((rise - fall for fall, rise in self._scl_lows if rise < end), default=0)
+            return min((rise - fall for fall, rise in self.window.lows.get("SCL", []) if rise < end), default=0)
         return self.window.timebase.ticks(table.low or Fraction(1, 2) / table.rate, "nearest")
 
     def due_before(self, due: int) -> int:
@@ -243,29 +242,13 @@ class Evidence:
         """
         return [
             (max(fall + self.low, begin), min(rise, end))
-            for fall, rise in self._scl_lows
+            for fall, rise in self.window.lows.get("SCL", [])
             if fall + self.low < end and begin < rise and rise - fall > self.low + 1 > 1
         ]
 
-    def _lows(self, wire: str) -> list[tuple[int, int]]:
-        """Return the low times of a wire in the window as (fall, rise). The last one may end with the window."""
-        channel = self.channel(wire)
-        if channel is None:
-            return []
-        moves = [*zip(channel.edges.tolist(), channel.levels.tolist(), strict=True), (self.window.kept[-1].end, 1)]
-        return [(fall, rise) for (fall, down), (rise, _) in pairwise(moves) if not down]
-
-    @cached_property
-    def _scl_lows(self) -> list[tuple[int, int]]:
-        return self._lows("SCL")
-
     def low_since(self, wire: str, tick: int) -> int | None:
         """Return the last tick, up to `tick`, at which a wire fell; None if the wire is high or does not exist."""
-        return next((fall for fall, rise in self._lows(wire) if fall <= tick < rise), None)
-
-    def channel(self, name: str) -> Channel | None:
-        """Return the edges of a wire; None if the scene has no wire with this name."""
-        return next((channel for channel in self.window.edges.channels if channel.name == name), None)
+        return next((fall for fall, rise in self.window.lows.get(wire, []) if fall <= tick < rise), None)
 
     # Causes -----------------------------------------------------------------------
 

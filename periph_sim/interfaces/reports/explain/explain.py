@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from ....core.records import Kind, Record
-from ....records.record_text import happened
+from ....records.record_text import IN_FIRMWARE, happened
 from ....scene.case.model import Case
 from ....scene.firmware_loader import Firmware
 from ....timing.budget_schema import REPLY
@@ -31,7 +31,7 @@ from ....timing.verdict import Verdict
 from ....traces.capture.capture import Span
 from ....traces.drawing.capture_lanes import bit_of
 from .chain import Chain, Part, Step, difference, in_order, parts_of
-from .cpu_activity import IN_FIRMWARE, Stretch
+from .cpu_activity import Stretch
 from .evidence import ON_WIRES, Evidence
 from .fault_evidence import is_master, waited_for
 from .findings import DERIVED_FROM, FINDINGS, PROMPT, Ends, answered, asked, awaited, held, transfers

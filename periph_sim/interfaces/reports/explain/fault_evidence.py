@@ -21,8 +21,7 @@ from ....devices.targets import eeprom
 from ....f28335.gpio.register_map import control_register
 from ....f28335.i2c.descriptor import I2C_A
 from ....records.record_text import bus_byte, happened
-from .chain import Part, Step
-from .cpu_activity import phrase
+from .chain import Part, Step, place_of
 from .evidence import I2C, Evidence
 from .recorded_phase import RecordedPhase
 from .window import I2C_BUS
@@ -46,13 +45,13 @@ def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Recor
     The text has the byte and the time of the write. The write is None if it is not known.
     """
     writes = evidence.accesses(0, phase.end, f"W {I2C}.I2CDXR")
-    scl = evidence.channel("SCL")
+    lows = evidence.window.lows.get("SCL", [])
     before = phase.begin if phase.answered is None else phase.answered
     for number, byte in enumerate(phase.data, 1):
         carried = bus_byte(byte)
         value = 0 if carried is None else carried.value
-        rises = [] if scl is None else scl.edges[(scl.levels == 1) & (scl.edges > before) & (scl.edges < byte.tick)]
-        begins = int(rises[0]) if len(rises) else byte.tick  # the tick by which the first bit must be driven
+        # The tick by which the first bit must be driven.
+        begins = next((rise for _, rise in lows if before < rise < byte.tick), byte.tick)
         before = byte.tick
         write = next((w for w in reversed(writes) if w.tick < begins and w.value & 0xFF == value), None)
         said = _byte_text(evidence, phase, number - 1)
@@ -161,9 +160,9 @@ def unread(evidence: Evidence, tick: int) -> list[Step]:
 def waited_for(evidence: Evidence, tick: int) -> list[Step]:
     """Return steps for a wait that is in progress at a tick: its place, and the last changes of the polled fields."""
     wait = evidence.activity_at(tick)
-    if wait is None or wait.kind is not Kind.WAIT:
+    if wait is None or wait.doing != "wait":
         return []
-    steps = [evidence.step(wait, f"{phrase('wait', wait.what)} begins, and goes on")]
+    steps = [evidence.say(wait.begin, f"{wait} begins, and goes on", None, place_of(wait.where))]
     for field in wait.what.split(" and "):
         module, _, what = field.partition(".")
         last = evidence.last_change(tick, what, module)

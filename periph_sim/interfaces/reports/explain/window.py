@@ -16,6 +16,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -119,6 +120,15 @@ class Window:
     def hole(self) -> Span | None:
         """The middle of a long occurrence, for which no records were kept; None if all records were kept."""
         return Span(self.kept[0].end, self.kept[1].begin) if len(self.kept) > 1 else None
+
+    @cached_property
+    def lows(self) -> dict[str, list[tuple[int, int]]]:
+        """A dictionary from wires to their low times as (fall, rise). The last low time may end with the window."""
+        found = {}
+        for channel in self.edges.channels:
+            moves = [*zip(channel.edges.tolist(), channel.levels.tolist(), strict=True), (self.kept[-1].end, 1)]
+            found[channel.name] = [(fall, rise) for (fall, level), (rise, _) in pairwise(moves) if not level]
+        return found
 
     def between(self, begin: int, end: int, *kinds: Kind) -> list[Record]:
         """Return the records from tick `begin` to tick `end`. kinds: the kinds to return; all kinds if empty."""
@@ -363,15 +373,13 @@ def _with_stretch(window: Window) -> Window:
     if event is None or event.how != "stretch" or window.begin == window.end:
         return window
     starts = [r.tick for r in window.records if r.kind is Kind.BUS and r.what in ("repeated START", "STOP")]
-    over = min((tick for tick in starts if tick > window.begin), default=window.kept[-1].end)
-    scl = window.edges.channel("SCL")
-    ends = zip(scl.edges[:-1].tolist(), scl.edges[1:].tolist(), scl.levels[:-1].tolist(), strict=True)
-    falls = [(rise - fall, -fall) for fall, rise, level in ends if not level and window.begin <= fall < over]
-    if not falls:
+    end = window.kept[-1].end
+    over = min((tick for tick in starts if tick > window.begin), default=end)
+    lows = [(fall, rise) for fall, rise in window.lows["SCL"] if window.begin <= fall < over and rise < end]
+    if not lows:
         return window
-    longest, fall = max(falls)
-    rise = longest - fall
-    begin = max(-fall, rise - (window.end - window.begin))
+    fall, rise = max(lows, key=lambda low: low[1] - low[0])
+    begin = max(fall, rise - (window.end - window.begin))
     room, middle = (window.drawn.end - window.drawn.begin) // 2, (begin + rise) // 2
-    drawn = Span(max(middle - room, window.start), min(middle + room, window.kept[-1].end))
+    drawn = Span(max(middle - room, window.start), min(middle + room, end))
     return replace(window, begin=begin, end=rise, drawn=drawn)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from periph_sim.core.records import TIMED_OUT, Kind, Record
 from periph_sim.interfaces.reports.explain.chain import difference, parts_of
-from periph_sim.interfaces.reports.explain.cpu_activity import episodes, open_at, phrase, timeline, units
+from periph_sim.interfaces.reports.explain.cpu_activity import all_episodes, episodes, phrase, timeline, units
 from periph_sim.traces.capture.capture import Span
 from tests.interfaces.reports.explain.made import drawn
 
@@ -67,9 +67,9 @@ def test_units_are_those_whose_firmware_did_something(kind: Kind, counts: bool):
 
 def test_what_is_open_at_a_tick_is_told_from_outside_in():
     window = drawn("wait AAS -90 100", "irq SCI 20 50", "span frame 25 40")
-    assert [r.what for r in open_at(window, "dsp", 30)] == ["AAS", "SCI", "frame"]
-    assert [r.what for r in open_at(window, "dsp", 45)] == ["AAS", "SCI"]
-    assert open_at(window, "other", 45) == []
+    assert [one.what for one in all_episodes(window, "dsp", 30, 31)] == ["AAS", "SCI", "frame"]
+    assert [one.what for one in all_episodes(window, "dsp", 45, 46)] == ["AAS", "SCI"]
+    assert all_episodes(window, "other", 45, 46) == []
 
 
 def test_episodes_know_what_they_preempt():
@@ -89,7 +89,7 @@ def test_a_wait_that_timed_out_says_so_once_it_is_over():
     assert [str(one) for one in episodes(window, "dsp", 0, 60)] == ["wait for AAS", gave_up]
     assert [str(one) for one in episodes(window, "dsp", 0, 40)] == ["wait for AAS", "wait for AAS"]
     assert [str(one) for one in timeline(window, "dsp", 0, 60) if one.doing == "wait"] == ["wait for AAS", gave_up]
-    assert [r.what for r in open_at(window, "dsp", 40)] == ["AAS"] and not open_at(window, "dsp", 55)
+    assert [one.what for one in all_episodes(window, "dsp", 40, 41)] == ["AAS"]
 
 
 TICKS = st.integers(-60, 140)

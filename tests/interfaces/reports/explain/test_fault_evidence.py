@@ -343,7 +343,7 @@ def test_the_picture_has_the_lane_that_the_chain_names(
 def test_a_byte_came_of_what_was_written_before_its_first_bit():
     """
     I2CDXR   w11          w11              the second one is for the byte behind
-    SCL      ____|‾‾|_|‾ ... |_  byte
+    SCL     |____|‾‾|_|‾ ... |_  byte
              20  30       40     90
     """
     window = drawn("wait AAS -10 200")
@@ -351,7 +351,7 @@ def test_a_byte_came_of_what_was_written_before_its_first_bit():
     writes = [Record(n, at, Kind.ACCESS, "dsp", "W I2C-A.I2CDXR", 0x11, "f:1", 0) for n, at in ((7, 20), (8, 40))]
     channels = (
         Channel("SDA", 0, 1, np.array([85])),
-        Channel("SCL", 1, 0, np.array([30, 35, 45, 50])),
+        Channel("SCL", 1, 1, np.array([15, 30, 35, 45, 50])),
     )
     window = replace(window, records=(*window.records, *writes, byte), edges=replace(window.edges, channels=channels))
     phase = RecordedPhase("", 0, 99, 0x50, True, True, 15, "START", (byte,))

@@ -12,7 +12,6 @@ The result does not depend on the number of processes, because the parts do not 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -27,6 +26,7 @@ from ...proof.near import chosen_phases, parts_of
 from ...proof.stretch import CoveredCase, Job
 from ...traces.formats import atomic_write
 from .cluster import ClusterError, ClusterExecutor, worker_pool
+from .processes import results_of
 
 PART = 512  # number of phases of a part
 TRIED = 64  # number of phases that are run to estimate the time
@@ -196,17 +196,12 @@ def _results(
     coverage: Coverage, parts: Sequence[list[int]], jobs: int, cluster: ClusterExecutor | None
 ) -> Iterator[Covered]:
     """Yield the results of the parts in order. Each part has its own seed, so that it draws other random values."""
-    job, first = coverage.job, coverage.case.case.seed + coverage.finished
+    calls = [(coverage.job, part, seed) for seed, part in enumerate(parts, coverage.case.case.seed + coverage.finished)]
     if jobs == 1 and cluster is None:
-        for number, part in enumerate(parts):
-            yield cover_part(job, part, first + number)
+        yield from (cover_part(*call) for call in calls)
         return
     with worker_pool(jobs, cluster) as pool:
-        waiting: list[Future[Covered]] = [
-            pool.submit(cover_part, job, part, first + number) for number, part in enumerate(parts)
-        ]
-        for future in waiting:
-            yield future.result()
+        yield from results_of(pool, cover_part, calls)
 
 
 def _finish(coverage: Coverage) -> None:

@@ -15,12 +15,16 @@ from __future__ import annotations
 import gc
 import os
 import sys
-from collections.abc import Iterator, Mapping
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_all_start_methods, get_context, parent_process
 from signal import SIG_DFL, SIGINT, signal
 from threading import Thread
+from typing import TypeVar, TypeVarTuple
+
+T = TypeVar("T")
+Ts = TypeVarTuple("Ts")
 
 SERVER = "forkserver"
 IMPORTED = [
@@ -47,6 +51,27 @@ def processes(workers: int) -> Iterator[ProcessPoolExecutor]:
     finally:
         _pools.discard(pool)
         pool.shutdown(cancel_futures=True)
+
+
+def call_alone(work: Callable[[*Ts], T], *arguments: *Ts) -> T:
+    """Make a call in a new process, in which nothing was run before. Raise BrokenProcessPool if the process dies."""
+    with processes(1) as pool:
+        return pool.submit(work, *arguments).result()
+
+
+def results_of(executor: Executor, work: Callable[[*Ts], T], calls: Iterable[tuple[*Ts]]) -> Iterator[T]:
+    """Make calls on an executor, and yield their results in order. calls: the arguments of each call.
+
+    After an error, such as Ctrl-C or the death of a worker, the other calls are cancelled.
+    """
+    waiting = [executor.submit(work, *call) for call in calls]
+    try:
+        for future in waiting:
+            yield future.result()
+    except BaseException:
+        for future in waiting:
+            future.cancel()
+        raise
 
 
 def end_workers() -> None:

@@ -8,14 +8,14 @@ from __future__ import annotations
 import gc
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Protocol, TypeVar, TypeVarTuple
 
 from ..cluster import ClusterExecutor, worker_pool
-from ..processes import DIED, end_workers, processes
+from ..processes import DIED, call_alone, end_workers
 from .files import BadCheck
 
 T = TypeVar("T")
@@ -39,7 +39,8 @@ def workers(jobs: int | None, calls: int, cluster: ClusterExecutor | None = None
     if cluster is not None:
 
         def afar(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
-            return _waiting(cluster.submit_alone(work, path, *rest), path)
+            future = cluster.submit_alone(work, path, *rest)
+            return lambda: _unless_died(path, future.result)
 
         with worker_pool(1, cluster):
             yield afar
@@ -55,7 +56,7 @@ def workers(jobs: int | None, calls: int, cluster: ClusterExecutor | None = None
     with ThreadPoolExecutor(min(jobs or os.cpu_count() or 1, calls)) as threads:
 
         def there(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
-            return threads.submit(lambda: _apart(work, path, *rest)).result
+            return threads.submit(lambda: _unless_died(path, lambda: call_alone(work, path, *rest))).result
 
         try:
             yield there
@@ -65,22 +66,9 @@ def workers(jobs: int | None, calls: int, cluster: ClusterExecutor | None = None
             raise
 
 
-def _waiting(future: Future[T], path: Path) -> Callable[[], T]:
-    """Return a function that waits for the result of a call on a cluster."""
-
-    def result() -> T:
-        try:
-            return future.result()
-        except BrokenProcessPool:
-            raise BadCheck(f"{path}: {DIED}") from None
-
-    return result
-
-
-def _apart(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> T:
-    """Make the call in a new process, so that the firmware of a case cannot affect other cases."""
-    with processes(1) as process:
-        try:
-            return process.submit(work, path, *rest).result()
-        except BrokenProcessPool:
-            raise BadCheck(f"{path}: {DIED}") from None
+def _unless_died(path: Path, result: Callable[[], T]) -> T:
+    """Return the result of a call for a case. Raise BadCheck if the process of the call died."""
+    try:
+        return result()
+    except BrokenProcessPool:
+        raise BadCheck(f"{path}: {DIED}") from None

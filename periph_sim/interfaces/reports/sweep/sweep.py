@@ -28,7 +28,7 @@ from ....scene.firmware_loader import Firmware
 from ....scene.result import Result
 from ....timing.verdict import FAIL, Verdict
 from ..cluster import ClusterError, ClusterExecutor, worker_pool
-from ..processes import DIED, processes
+from ..processes import DIED, call_alone, results_of
 from .runs import Changes, Job, Row, rows_of, runs_of, texts_of
 
 NO_RESULT = Result("", "error", 0.0, 0.0, 0, 0, 0, [], {}, [], [], [])  # the result of a run that could not be made
@@ -288,31 +288,15 @@ def row_batches(job: Job, texts: Texts, executor: Executor | None, jobs: int) ->
     """
     size = AT_A_TIME if len(texts) > FEW else 1
     parts = [texts[first : first + size] for first in range(0, len(texts), size)]
-    if isinstance(executor, ClusterExecutor):
+    if executor is None and jobs == 1:
+        yield from (rows_of(job, part) for part in parts)
+    elif executor is None or isinstance(executor, ClusterExecutor):
         yield from _by_processes(job, parts, jobs, executor)
-    elif executor is not None:
-        yield from _by(executor, job, parts)
-    elif jobs == 1:
-        for part in parts:
-            yield rows_of(job, part)
     else:
-        yield from _by_processes(job, parts, jobs)
+        yield from results_of(executor, rows_of, [(job, part) for part in parts])
 
 
-def _by(executor: Executor, job: Job, parts: Sequence[Texts]) -> Iterator[list[Row]]:
-    waiting = [executor.submit(rows_of, job, part) for part in parts]
-    try:
-        for future in waiting:
-            yield future.result()
-    except BaseException:  # after Ctrl-C, or if a worker has died, the other runs are cancelled
-        for future in waiting:
-            future.cancel()
-        raise
-
-
-def _by_processes(
-    job: Job, parts: Sequence[Texts], jobs: int, cluster: ClusterExecutor | None = None
-) -> Iterator[list[Row]]:
+def _by_processes(job: Job, parts: Sequence[Texts], jobs: int, cluster: ClusterExecutor | None) -> Iterator[list[Row]]:
     """Execute the parts in worker processes, or on a cluster. Yield the rows of each part, in the order of the parts.
 
     If a process dies, the runs of the first unfinished part are repeated, each in a process of its own.
@@ -321,7 +305,7 @@ def _by_processes(
     while done < len(parts):
         with worker_pool(jobs, cluster) as pool:
             try:
-                for rows in _by(pool, job, parts[done:]):
+                for rows in results_of(pool, rows_of, [(job, part) for part in parts[done:]]):
                     yield rows
                     done += 1
                 return
@@ -345,11 +329,10 @@ def _begins() -> bool:
 
     A worker imports the running script. If the import itself starts workers, the worker cannot start.
     """
-    with processes(1) as pool:
-        try:
-            return pool.submit(os.getpid).result() > 0
-        except BrokenProcessPool:
-            return False
+    try:
+        return call_alone(os.getpid) > 0
+    except BrokenProcessPool:
+        return False
 
 
 NO_WORKER = (

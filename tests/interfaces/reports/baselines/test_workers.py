@@ -6,11 +6,9 @@ import gc
 import os
 import sys
 import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Future
-from contextlib import contextmanager
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -43,17 +41,10 @@ class Threads:
         Threads.asked.append(how)
 
 
-@contextmanager
-def processes(count: int) -> Iterator[Threads]:
-    """In place of a pool of processes."""
-    threads = SimpleNamespace(submit=lambda work, *with_: Threads.submit(threads, lambda: (count, work(*with_))))
-    yield threads  # type: ignore[misc]
-
-
 @pytest.fixture(autouse=True)
 def stand_ins(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(MODULE, "ThreadPoolExecutor", Threads)
-    monkeypatch.setattr(MODULE, "processes", processes)
+    monkeypatch.setattr(MODULE, "call_alone", lambda work, *arguments: ("alone", work(*arguments)))
     monkeypatch.setattr(MODULE, "end_workers", lambda: Threads.asked.append("workers ended"))
 
 
@@ -70,7 +61,7 @@ def test_so_many_calls_are_made_at_a_time_each_in_one_process(
 ):
     monkeypatch.setattr(os, "cpu_count", lambda: cores)
     with workers(jobs, calls) as start:
-        assert start(name, Path("a"), "b")() == (1, "ab")
+        assert start(name, Path("a"), "b")() == ("alone", "ab")
     assert Threads.asked == [at_a_time]
 
 

@@ -26,7 +26,7 @@ from .compare import Change, compare, explain, moved_accesses
 from .coverage_runs import not_run, start_coverages
 from .event_chain import EventLine
 from .files import BadCheck, Baseline, path_for, read, text_of, write_all
-from .outcome import Outcome, RejectedCase, occurrence, run_case, run_chains, run_explained
+from .outcome import Outcome, RejectedCase, occurrence, run_again, run_case
 from .workers import Start, workers
 
 if TYPE_CHECKING:
@@ -93,18 +93,15 @@ def judge(check: CaseCheck) -> list[Finding]:
             line = outcome.breaks_line or line
             text = f"{verdict.name} holds, but is listed in breaks; remove it there if the bug is fixed"
             findings.append(Finding(verdict.name, line, text))
-    findings += [Finding(None, top, text) for text in outcome.trouble]
+    others: list[tuple[str | None, str]] = [(None, text) for text in outcome.trouble]
     if check.state == "missing":
-        text = f"it has no baseline {check.baseline}; write one with --update-baseline"
-        findings.append(Finding(None, top, text))
+        others.append((None, f"it has no baseline {check.baseline}; write one with --update-baseline"))
     elif check.state == "changed":
-        for change in (change for change in check.changes if not change.note):
-            line = outcome.lines.get(change.budget or "", 0) or top
-            there = change.budget if change.budget in {verdict.name for verdict in outcome.verdicts} else None
-            findings.append(Finding(there, line, str(change)))
-    for budget, text in () if check.coverage is None else check.coverage.findings:
-        there = budget if budget in {verdict.name for verdict in outcome.verdicts} else None
-        findings.append(Finding(there, outcome.lines.get(budget or "", 0) or top, text))
+        others += [(change.budget, str(change)) for change in check.changes if not change.note]
+    others += () if check.coverage is None else check.coverage.findings
+    names = [verdict.name for verdict in outcome.verdicts]
+    for name, text in others:
+        findings.append(Finding(name if name in names else None, outcome.lines.get(name or "", 0) or top, text))
     return findings
 
 
@@ -186,7 +183,6 @@ def check(
             _explain(checks, before, start, None if update else tolerance, lost)
             if update:
                 _write(checks)
-            _find_causes(checks, start, lost)
             for one_check in checks:
                 one_check.coverage = _result(coverages[one_check.outcome.path], one_check, lost)
         if lost and on_refused is not None:
@@ -280,10 +276,10 @@ def _explain(
     tolerance: int | Tolerance | None,
     lost: dict[Path, str] | None,
 ) -> None:
-    """Run cases again to explain changed figures, and to find accesses that moved without changing a figure.
+    """Run cases again, to explain changed figures and budgets that broke unexpectedly.
 
-    A run ends after the last occurrence whose chain is needed. If the figures and the digest of event times equal those
-    of the baseline, nothing can have moved, and the run is skipped.
+    The run also finds accesses that moved without changing a figure. If the figures and the digest of event times equal
+    those of the baseline, nothing can have moved. If no budget broke unexpectedly either, the run is skipped.
 
     before: a dictionary from each case to its baseline, or to None if the case has no baseline.
     tolerance: the largest allowed difference of times (see `check`); None if new baselines are written, which need the
@@ -291,14 +287,12 @@ def _explain(
     lost: a dictionary to which each case whose run the cluster has lost is added, with the reason; None to raise
         ClusterError.
     """
-    runs = [_chains(one.outcome, before[one.outcome.path], start, tolerance is None) for one in checks]
+    runs = [_run_again(one.outcome, before[one.outcome.path], start, tolerance is None) for one in checks]
     for one, run in zip(checks, runs, strict=True):
         baseline = before[one.outcome.path]
-        chains = None if run is None else _result(run, one, lost)
-        if chains is not None:
-            lines = {name: chain.lines for name, chain in chains.items()}
-            one.outcome.figures = one.outcome.figures.with_chains(lines)
-        if chains is not None and baseline is not None and tolerance is not None:
+        chains, one.causes = (None if run is None else _result(run, one, lost)) or ({}, {})
+        one.outcome.figures = one.outcome.figures.with_chains({name: chain.lines for name, chain in chains.items()})
+        if chains and baseline is not None and tolerance is not None:
             now = one.outcome.figures.budgets
             worse = {c.budget for c in one.changes if c.budget in now and c.figure == now[c.budget].chain_of}
             allowed = _cycles(tolerance, one.outcome.figures)
@@ -308,41 +302,26 @@ def _explain(
             explain(one.changes, baseline, one.outcome.figures, one.outcome.result.first_wrong)
 
 
-def _chains(
+def _run_again(
     outcome: Outcome, baseline: Baseline | None, start: Start, every: bool
-) -> Callable[[], dict[str, EventLine]] | None:
-    """Start a run that finds the chains of the budgets in the baseline. Return a function that waits for the chains.
+) -> Callable[[], tuple[dict[str, EventLine], dict[str, Chain]]] | None:
+    """Start a run that finds the chains of the budgets in the baseline, and the causes of unexpectedly broken budgets.
 
-    If the run of the outcome certainly has the chains of the baseline (see `Baseline.chains_of`), copy these chains to
-    the outcome and return None. Also return None if no budget has an occurrence with a chain.
+    If the run of the outcome certainly has the chains of the baseline (see `Baseline.chains_of`), these chains are
+    copied to the outcome. Return a function that waits for the chains and the causes; None if no run is needed.
 
     every: True to find the chains of all budgets of the case, in the baseline or not.
     """
     kept = None if baseline is None else outcome.figures.chains_of(baseline)
-    if kept is not None:
-        outcome.figures = outcome.figures.with_chains(kept)
-        return None
     known = outcome.figures.budgets if every else {} if baseline is None else baseline.budgets
     found = {name: occurrence(figures) for name, figures in outcome.figures.budgets.items() if name in known}
     wanted = {name: one for name, one in found.items() if one is not None}
-    return start(run_chains, outcome.path, outcome.changes, wanted) if wanted else None
-
-
-def _find_causes(checks: list[CaseCheck], start: Start, lost: dict[Path, str] | None) -> None:
-    """Run each case with unexpectedly broken budgets again, and store the explanations in `causes`.
-
-    lost: as in `_explain`.
-    """
-    failed = [
-        (one, [v for v in one.outcome.verdicts if v.broken and v.name not in one.outcome.breaks]) for one in checks
-    ]
-    runs = [
-        (one, start(run_explained, one.outcome.path, one.outcome.changes, verdicts, one.outcome.typical))
-        for one, verdicts in failed
-        if verdicts
-    ]
-    for one, run in runs:
-        one.causes = _result(run, one, lost) or one.causes
+    if kept is not None:
+        outcome.figures, wanted = outcome.figures.with_chains(kept), {}
+    broken = [one for one in outcome.verdicts if one.broken and one.name not in outcome.breaks]
+    if not wanted and not broken:
+        return None
+    return start(run_again, outcome.path, outcome.changes, wanted, broken, outcome.typical)
 
 
 def _result(run: Callable[[], T], check: CaseCheck, lost: dict[Path, str] | None) -> T | None:

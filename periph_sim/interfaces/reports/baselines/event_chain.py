@@ -23,6 +23,7 @@ from hashlib import blake2b
 from typing import NamedTuple
 
 from ....core.records import Kind, Record, Recorder
+from ....core.time import Timebase
 from ....processor.user_code import output_muted
 from ....scene.case.model import Case
 from ....scene.scene import Scene
@@ -72,7 +73,7 @@ def chains(case: Case, wanted: dict[str, Wanted]) -> dict[str, EventLine]:
     kept: list[Record] = []
 
     def keep(record: Record) -> None:
-        if record.kind is not Kind.ACCESS or record.what.startswith("W "):
+        if _is_event(record):
             kept.append(record)
 
     scene = Scene(case, lambda recorder, _: recorder.subscribe(KINDS, keep))
@@ -109,6 +110,10 @@ def _chain(kept: list[Record], at: int, wanted: Wanted, margin: int) -> EventLin
         events = [*events[: LONGEST - 1], (end, "SCL rise of the first data bit", "")]
     shown = events[:LONGEST]
     return EventLine([f"{tick - begin} {event}" for tick, event, _ in shown], [place for _, _, place in shown])
+
+
+def _is_event(record: Record) -> bool:
+    return record.kind is not Kind.ACCESS or record.what.startswith("W ")
 
 
 def description(record: Record) -> str:
@@ -193,46 +198,41 @@ def _length(cycles: str) -> str:
     return f"{cycles} cycle" if cycles == "1" else f"{cycles} cycles"
 
 
-BYTES = 16
-
-
-def event_digest(recorder: Recorder, start: int) -> Callable[[], str]:
-    """Return a function that returns the digest of a run's events so far, in hexadecimal.
-
-    start: the first tick of the run, from which times are counted.
-    """
-    digest = blake2b(digest_size=BYTES)
-
-    def add(record: Record) -> None:
-        if record.kind is not Kind.ACCESS or record.what.startswith("W "):
-            digest.update(f"{record.tick - start} {description(record)}\n".encode())
-
-    recorder.subscribe(KINDS, add)
-    return digest.hexdigest
-
-
 PART = 64  # number of bus bytes after which a digest is stored
-DIGEST = 4  # length of a digest, in bytes
 
 
-class BusBytes:
-    """Calculator of digests of the bytes on the I2C bus. The times of the bytes have no effect on the digests."""
+class EventDigests:
+    """Calculator of the digests of a run: one of all events, and digests of the bytes on the I2C bus.
 
-    def __init__(self, recorder: Recorder) -> None:
-        self._hash = blake2b(digest_size=DIGEST)
-        self._count = 0
-        self._digests: list[str] = []
-        recorder.subscribe([Kind.BUS], self._add)
+    begin: the start of the run in seconds, from which the times of events are counted.
+    """
+
+    def __init__(self, begin: Fraction) -> None:
+        self._begin = begin
+        self._events, self._bytes = blake2b(digest_size=16), blake2b(digest_size=4)
+        self._count = 0  # number of bytes on the bus
+        self._parts: list[str] = []
+
+    def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
+        """Subscribe to the events of a run whose scene is being built."""
+        self._start = timebase.ticks(self._begin, "nearest")
+        recorder.subscribe(KINDS, self._add)
 
     def _add(self, record: Record) -> None:
-        if record.what not in ("address", "byte"):
-            return
-        self._hash.update(f"{record.what} {record.value}\n".encode())
-        self._count += 1
-        if self._count % PART == 0:
-            self._digests.append(self._hash.hexdigest())
+        if _is_event(record):
+            self._events.update(f"{record.tick - self._start} {description(record)}\n".encode())
+        if record.kind is Kind.BUS and record.what in ("address", "byte"):
+            self._bytes.update(f"{record.what} {record.value}\n".encode())
+            self._count += 1
+            if self._count % PART == 0:
+                self._parts.append(self._bytes.hexdigest())
 
     @property
-    def digests(self) -> list[str]:
-        """The digests in hexadecimal: one after every PART bytes, and one after the last byte."""
-        return [*self._digests, self._hash.hexdigest()] if self._count % PART else [*self._digests]
+    def events(self) -> str:
+        """The digest, in hexadecimal, of all events and their times."""
+        return self._events.hexdigest()
+
+    @property
+    def bus_bytes(self) -> list[str]:
+        """The digests, in hexadecimal, of the bytes without their times: one after every PART bytes and at the end."""
+        return [*self._parts, self._bytes.hexdigest()] if self._count % PART else [*self._parts]

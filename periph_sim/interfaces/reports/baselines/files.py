@@ -59,8 +59,8 @@ class Baseline(Table, frozen=True, kw_only=True):
     simulated: the length of the run in ticks.
     events: the number of simulated events.
     counts: the counts of a run that are not figures of a budget.
-    digest: the digest of all events and their times (see `event_digest`); "" in files of an earlier version.
-    bus_bytes: the digests of the bytes on the I2C bus (see `BusBytes`); empty in files of an earlier version.
+    digest: the digest of all events and their times (see `EventDigests`); "" in files of an earlier version.
+    bus_bytes: the digests of the bytes on the I2C bus (see `EventDigests`); empty in files of an earlier version.
     """
 
     schema_version: Literal[1] = SCHEMA

@@ -5,12 +5,9 @@ This module prints nothing and parses no command line, because it is imported in
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from ....core.records import Recorder
-from ....core.time import Timebase
 from ....scene.case.load import load
 from ....scene.case.model import Case
 from ....scene.outside_parties import not_run
@@ -21,7 +18,7 @@ from ....timing.verdict import Verdict
 from .. import REFUSED
 from ..explain.chain import Chain
 from ..explain.explain import explain
-from .event_chain import BusBytes, EventLine, Wanted, chains, event_digest
+from .event_chain import EventDigests, EventLine, Wanted, chains
 from .files import BadCheck, Baseline, Figures
 
 
@@ -89,42 +86,34 @@ def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = Fals
         return RejectedCase(path, str(error))
 
 
-def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) -> dict[str, EventLine]:
-    """Run a case again until the last wanted occurrence has ended.
+def run_again(
+    path: Path,
+    changes: tuple[str, ...],
+    wanted: dict[str, Wanted],
+    verdicts: list[Verdict],
+    typical: list[Verdict],
+) -> tuple[dict[str, EventLine], dict[str, Chain]]:
+    """Run a case again, to find the events of some occurrences and to explain the worst occurrences of some verdicts.
 
-    Return a dictionary from budgets to the events around their wanted occurrences.
+    Return two dictionaries: from budgets to the events around their wanted occurrences, and from budgets to
+    explanations.
     """
     try:
-        return chains(load(path, list(changes)), wanted)
+        case = load(path, list(changes))
+        found = chains(case, wanted)
+        return found, {one.window.verdict.name: one.chain for one in explain(case, verdicts, typical)}
     except REFUSED as error:  # the first run was possible, so the case or its firmware has changed
         raise BadCheck(f"{path}: it ran, but not a second time: {error}") from None
 
 
-def run_explained(
-    path: Path, changes: tuple[str, ...], verdicts: list[Verdict], typical: list[Verdict]
-) -> dict[str, Chain]:
-    """Run a case again. Return a dictionary from budgets to the chains that explain the worst occurrences."""
-    try:
-        found = explain(load(path, list(changes)), verdicts, typical)
-    except REFUSED as error:
-        raise BadCheck(f"{path}: it ran, but not a second time: {error}") from None
-    return {one.window.verdict.name: one.chain for one in found}
-
-
 def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool) -> Outcome:
-    digests: list[Callable[[], str]] = []
-    sent: list[BusBytes] = []
-
-    def subscribe(recorder: Recorder, timebase: Timebase) -> None:
-        digests.append(event_digest(recorder, timebase.ticks(case.start, "nearest")))
-        sent.append(BusBytes(recorder))
-
-    scene = Scene(case, subscribe, keep_values=keep_values)
+    digests = EventDigests(case.start)
+    scene = Scene(case, digests.subscribe, keep_values=keep_values)
     result = scene.run()
     trouble = scene.deadlocks()
     if scene.stuck.hangs() and not trouble:
         trouble = scene.stuck.sentences[-1:]
-    figures = baseline_of(scene, result).model_copy(update={"digest": digests[0](), "bus_bytes": sent[0].digests})
+    figures = baseline_of(scene, result).model_copy(update={"digest": digests.events, "bus_bytes": digests.bus_bytes})
     return Outcome(
         path=path,
         figures=figures,

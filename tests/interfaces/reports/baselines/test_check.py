@@ -14,7 +14,7 @@ import pytest
 from periph_sim.interfaces.reports.baselines.check import CaseCheck, case_files, check, judge
 from periph_sim.interfaces.reports.baselines.compare import compare
 from periph_sim.interfaces.reports.baselines.files import BadCheck, Baseline, path_for, read, text_of
-from periph_sim.interfaces.reports.baselines.outcome import RejectedCase, run_case, run_chains
+from periph_sim.interfaces.reports.baselines.outcome import RejectedCase, run_again, run_case
 from tests.interfaces.reports.baselines.desk import change, put
 
 
@@ -73,9 +73,9 @@ def test_a_second_run_is_made_only_where_something_moved(cases: Path, monkeypatc
 
     def run(path: Path, *rest: Any) -> Any:
         second.append(path)
-        return run_chains(path, *rest)
+        return run_again(path, *rest)
 
-    monkeypatch.setattr(sys.modules[check.__module__], "run_chains", run)
+    monkeypatch.setattr(sys.modules[check.__module__], "run_again", run)
     path = path_for(cases / "small.toml")
     before = path.read_text(encoding="utf-8")
     (one,) = check([cases], jobs=1)

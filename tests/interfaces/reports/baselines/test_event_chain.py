@@ -15,7 +15,7 @@ from periph_sim.interfaces.reports.baselines import event_chain
 from periph_sim.interfaces.reports.baselines.compare import compare
 from periph_sim.interfaces.reports.baselines.event_chain import (
     PART,
-    BusBytes,
+    EventDigests,
     EventLine,
     Wanted,
     chains,
@@ -191,11 +191,12 @@ def test_the_first_that_moved_beyond_the_tolerance_is_told_with_its_place(before
 
 def digests(values: list[int], start: int = 0) -> list[str]:
     recorder = Recorder()
-    sent = BusBytes(recorder)
+    sent = EventDigests(Fraction(0))
+    sent.subscribe(recorder, Timebase())
     for number, value in enumerate(values):
         recorder.emit(start + number, Kind.BUS, "bus", "START", 0)
         recorder.emit(start + number, Kind.BUS, "bus", "byte", value)
-    return sent.digests
+    return sent.bus_bytes
 
 
 def baseline(values: list[int] | None) -> Baseline:

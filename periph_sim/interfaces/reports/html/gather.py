@@ -24,6 +24,7 @@ from ....timing.budgets import Values
 from ....timing.verdict import Verdict, figure, percentile
 from ..explain.chain import Chain
 from ..explain.explain import Explained, explain
+from ..explain.window import Window
 from .distribution import Distribution, distribution
 from .failure import Failure, failure
 from .over_time import OverTime, over_time, shown_violations
@@ -231,21 +232,25 @@ def _budget(
         source=budget.source,
         must_break=must_break,
         distribution=None if values is None else distribution(values, per_second // 10**9),
-        timeline=None if worst is None else _timeline(case, per_second, worst, most),
+        timeline=None if worst is None else lanes_of(case, worst.window, most).timeline(),
         explanation=None if worst is None else worst.chain,
         failure=wrong,
         over_time=over,
         per_second=per_second,
         others=tuple(
-            (_ticks(one.window.verdict.at_s, per_second), only_chosen(_timeline(case, per_second, one, MOST_OF_OTHERS)))
+            (
+                _ticks(one.window.verdict.at_s, per_second),
+                only_chosen(lanes_of(case, one.window, MOST_OF_OTHERS).timeline()),
+            )
             for one in others
         ),
     )
 
 
-def _timeline(case: Case, per_second: int, one: Explained, most: int) -> Timeline:
-    cycles = {name: float(per_second / sysclk(unit)) for name, unit in case.unit.items()}
-    return Lanes(one.window, cycles, most).timeline()
+def lanes_of(case: Case, window: Window, most: int = MOST) -> Lanes:
+    """Return the builder of the timeline of a window, which shows at most `most` records."""
+    per_second = window.timebase.per_second
+    return Lanes(window, {name: float(per_second / sysclk(unit)) for name, unit in case.unit.items()}, most)
 
 
 def _ticks(seconds: float | None, per_second: int) -> int:

@@ -24,8 +24,8 @@ from ....traces.decode import i2c
 from ..explain.chain import place_of
 from ..explain.window import I2C_BUS, Window, WrongByte, windows_of_replay
 from .failure import Failure, failure, source_around
-from .gather import BudgetReport, CaseReport, commit_of, sysclk
-from .timeline import MOST, Lane, Lanes, Texts, Timeline
+from .gather import BudgetReport, CaseReport, commit_of, lanes_of, sysclk
+from .timeline import Lane, Lanes, Timeline
 
 # Names of the wires, registers and flags whose lanes the page draws at first; other lanes are drawn on request.
 I2C_SHOWN = ("AAS", "SDIR", "RRDY", "XRDY", "SCL", "SDA", "I2CDXR", "I2CDRR")
@@ -101,7 +101,7 @@ def _whole(report: Report) -> BudgetReport:
 
 def _budget(case: Case, per_second: int, verdict: Verdict, window: Window | None) -> BudgetReport:
     """Return the report of a budget, which only the replay of a session (I2C and UART together) judges."""
-    timeline = None if window is None else _lanes(case, per_second, window).timeline()
+    timeline = None if window is None else lanes_of(case, window).timeline()
     wrong = failure(verdict, False, None, None, per_second)
     limits = ((verdict.which, f"{verdict.limit}"),)
     return BudgetReport(verdict, limits, "", False, None, timeline, None, wrong, per_second=per_second)
@@ -112,9 +112,10 @@ def _divergence(case: Case, player: Replay, divergence: Divergence, window: Wind
     shown = UART_SHOWN if report.kind == "uart" else I2C_SHOWN
     window = replace(window, chain_texts=(" ".join(shown),), expected=_expected(divergence, window))
     captured, replayed, _ = player.sides(divergence)
-    timeline = _lanes(case, per_second, window).timeline()
+    lanes = lanes_of(case, window)
+    timeline = lanes.timeline()
     if report.kind != "uart":
-        timeline = _with_capture(timeline, player.origin + replayed.agreed * per_second, captured, divergence, window)
+        timeline = _with_capture(timeline, lanes, player.origin + replayed.agreed * per_second, captured, divergence)
     why = f"{divergence.cause[:1].upper()}{divergence.cause[1:]}" if divergence.cause else ""
     place = _place(divergence, window)
     source = place_of(place) if place is not None else None
@@ -134,10 +135,6 @@ def _divergence(case: Case, player: Replay, divergence: Divergence, window: Wind
         ),
         per_second=per_second,
     )
-
-
-def _lanes(case: Case, per_second: int, window: Window) -> Lanes:
-    return Lanes(window, {name: float(per_second / sysclk(unit)) for name, unit in case.unit.items()}, MOST)
 
 
 def _place(divergence: Divergence, window: Window) -> SourceLocation | None:
@@ -160,42 +157,37 @@ def _expected(divergence: Divergence, window: Window) -> dict[WrongByte, int]:
     return {}
 
 
-def _with_capture(timeline: Timeline, agreed: float, side: Side, divergence: Divergence, window: Window) -> Timeline:
+def _with_capture(timeline: Timeline, lanes: Lanes, agreed: float, side: Side, divergence: Divergence) -> Timeline:
     """Add lanes with the capture.
 
+    lanes: the builder of the timeline.
     agreed: the time of the last event that is equal in capture and replay, as a tick of the replay.
     """
-    says = Texts({text: number for number, text in enumerate(timeline.says)})
-    kept = window.kept[0].begin - window.begin, window.kept[-1].end - window.begin
+    first, end = lanes.window.kept[0].begin, lanes.window.kept[-1].end
 
     def tick(seconds: float) -> int:
-        return round(agreed + seconds * timeline.per_second) - window.begin
+        return round(agreed + seconds * timeline.per_second)
 
-    lanes = []
+    captured = []
     for name, channel in side.lines:
         lane = Lane("wave", f"captured {name}", initial=channel.initial, chosen=True)
         for position, level in zip(channel.edges.tolist(), channel.levels.tolist(), strict=True):
             at = tick(side.seconds(position))
-            if at < kept[0]:
+            if at < first:
                 lane.initial = level
-            elif at < kept[1]:
-                lane.at.append(at)
-                lane.says.append(says.place(f"{name} {'rises' if level else 'falls'} in the capture"))
-        lanes.append(lane)
+            elif at < end:
+                lanes.add(lane, at, f"{name} {'rises' if level else 'falls'} in the capture")
+        captured.append(lane)
     boxes = Lane("boxes", "captured bytes", chosen=True)
     for transfer in side.transfers:
         for event in i2c.events_of(transfer):
-            at, end = tick(side.of_transfer(event.at)), tick(side.of_transfer(event.last))
-            if event.bits > 1 and kept[0] <= at < kept[1]:
+            at, text = tick(side.of_transfer(event.at)), f"0x{event.value:02X}"
+            if event.bits > 1 and first <= at < end:
                 wrong = (
                     divergence.capture_s is not None
                     and abs(side.of_transfer(event.at) + side.agreed - divergence.capture_s) < 1e-9
                 )
-                boxes.at.append(at)
-                boxes.end.append(end)
-                boxes.labels.append(says.place(f"0x{event.value:02X}"))
-                boxes.says.append(says.place(f"{i2c.NAMES[event.kind]} 0x{event.value:02X} in the capture"))
-                boxes.strong.append(int(wrong))
-    lanes.append(boxes)
-    first, *rest = timeline.groups
-    return replace(timeline, groups=(first, ("capture", tuple(lanes)), *rest), says=tuple(says))
+                says = f"{i2c.NAMES[event.kind]} {text} in the capture"
+                lanes.add(boxes, at, says, text, tick(side.of_transfer(event.last)), int(wrong))
+    bus, *rest = timeline.groups
+    return replace(timeline, groups=(bus, ("capture", (*captured, boxes)), *rest), says=tuple(lanes.says))

@@ -195,7 +195,7 @@ class Lanes:
             rows=tuple(rows(window, self._seen, self.zero)),
         )
 
-    def _add(
+    def add(
         self, lane: Lane, begin: int, says: str, label: str = "", end: int | None = None, strong: int | None = None
     ) -> None:
         """Add an event to a lane.
@@ -222,7 +222,7 @@ class Lanes:
         for record in records:
             if record.value != level:
                 level = record.value
-                self._add(lane, record.tick, f"{happened(record)}{about(record)}")
+                self.add(lane, record.tick, f"{happened(record)}{about(record)}")
         return lane
 
     # Lines --------------------------------------------------------------------------
@@ -249,7 +249,7 @@ class Lanes:
         transfers = i2c.transfers(self.window.edges)
         for begin, end, label, says in bytes_of(transfers, self.kept[-1].end, self.window.expected):
             if self._seen(begin, end):
-                self._add(lane, begin, says, label, end, int(" not 0x" in label))
+                self.add(lane, begin, says, label, end, int(" not 0x" in label))
         return [*wires, lane, *self._transfers()]
 
     def _transfers(self) -> list[Lane]:
@@ -264,7 +264,7 @@ class Lanes:
                 began = record
             elif began is not None:
                 if self._seen(began.tick, end):
-                    self._add(lane, began.tick, f"{began.where}: {began.text}\nfrom START to {how}", began.text, end)
+                    self.add(lane, began.tick, f"{began.where}: {began.text}\nfrom START to {how}", began.text, end)
                 began = None
         return [lane] if lane.at else []
 
@@ -280,9 +280,9 @@ class Lanes:
                     says = f"character {one.text}{wrong}"
                     for begin, end, text in one.parts():
                         strong = int(text == one.text and (one.error or one.expected is not None))
-                        self._add(whole, begin, says, text, end, strong)
+                        self.add(whole, begin, says, text, end, strong)
                     for begin, end, text in one.bits:
-                        self._add(bits, begin, BITS.get(text, f"data bit {text}"), text, end)
+                        self.add(bits, begin, BITS.get(text, f"data bit {text}"), text, end)
             reach = self.window.drawn.end - self.window.drawn.begin
             bits.chosen &= bool(bits.at) and reach < MOST_BITS * (bits.end[0] - bits.at[0])
             lanes += [wave, *(lane for lane in (whole, bits) if lane.at)]
@@ -310,10 +310,10 @@ class Lanes:
             return self._add_edges(lane, changes, lambda record: f"{self._because(record)}{about}")
         ends = [record.tick for record in changes] + [self.kept[-1].end]
         says = f"{happened(changes[0]._replace(value=initial))}{about}"
-        self._add(lane, self.kept[0].begin, says, number(initial), ends[0])
+        self.add(lane, self.kept[0].begin, says, number(initial), ends[0])
         for record, end in zip(changes, ends[1:], strict=True):
             says = f"{happened(record)}{self._because(record)}{about}"
-            self._add(lane, record.tick, says, number(record.value), end)
+            self.add(lane, record.tick, says, number(record.value), end)
         return lane
 
     def _because(self, record: Record) -> str:
@@ -346,7 +346,7 @@ class Lanes:
                 if doing == "wait":
                     what = polled(what)
                     label = " ".join(word.rpartition(".")[2] for word in what.split(" "))
-                self._add(row, one.begin, f"{said} {what}" + (f"\nat {one.where}" if one.where else ""), label, end)
+                self.add(row, one.begin, f"{said} {what}" + (f"\nat {one.where}" if one.where else ""), label, end)
                 row.chosen |= self._drawn(one.begin, end)
             lanes += found
         return lanes
@@ -362,7 +362,7 @@ class Lanes:
             of = register_of(module, register)
             value = of.decode(record.value) if of is not None else f"{record.value:#06x}"
             says = f"{'read' if way == 'R' else 'write of'} {module} {value}\nat {record.text}"
-            self._add(lane, record.tick, says, f"{record.value:X}", strong=int(way == "W"))
+            self.add(lane, record.tick, says, f"{record.value:X}", strong=int(way == "W"))
             lane.places.append(self.says.place(record.text))
         return [*lanes.values()]
 
@@ -370,7 +370,7 @@ class Lanes:
         lane = Lane("marks", "notes")
         for record in self.records:
             if record.kind is Kind.NOTE:
-                self._add(lane, record.tick, f"{record.where}: {record.what}\n{record.text}", record.what, strong=1)
+                self.add(lane, record.tick, f"{record.where}: {record.what}\n{record.text}", record.what, strong=1)
                 lane.chosen |= self._drawn(record.tick, record.tick)
         return [lane] if lane.at else []
 

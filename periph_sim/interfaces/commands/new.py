@@ -25,6 +25,7 @@ from .shared_options import MAP, RATE
 
 if TYPE_CHECKING:
     from ...traces.capture.capture import Capture
+    from .program_case import WrittenCase
 
 REPLAY = "replay"
 PROGRAMS = {
@@ -86,6 +87,8 @@ def new(
     the session, but the session's log replaces its [host] or [controller]. If that case has no budgets, the
     session's results become budgets. Existing files are never overwritten.
     """
+    following: str | None = None
+    notes: list[str] = []
     with usage_errors_in_one_sentence():
         if live is not None:
             if name is not None or capture is not None or example is not None:
@@ -93,51 +96,45 @@ def new(
             from . import live_case
 
             files, case = live_case.files_of(live, kind)
-            following = None
         elif example is not None:
             if name is not None or capture is not None:
                 raise click.UsageError("--example takes at most the folder that the copy goes to")
             folder = Path(kind or ".")
             files = _example(example, folder)
-            case, following = folder / f"{example}.toml", None
+            case = folder / f"{example}.toml"
+        elif kind is None:
+            raise click.UsageError(f"give a kind: {', '.join(_kinds())}; or --example CASE")
+        elif kind in PROGRAMS:
+            made = _of_program(kind, name)
+            files, case, notes = {made.path: made.text}, made.path, made.notes
+            following = f"periph-sim worst {quote(str(case))} {quote(made.first)}" if made.first else None
         else:
-            if kind is None:
-                raise click.UsageError(f"give a kind: {', '.join(_kinds())}; or --example CASE")
-            if kind in PROGRAMS:
-                _new_from_program(kind, name)
-                return
             if kind not in _kinds():
                 raise click.UsageError(f"there is no kind {kind!r}; {did_you_mean(kind, _kinds())}")
             if capture is not None and kind != REPLAY:
                 raise click.UsageError(f"--from is for replay, not for {kind}")
             place = Path(name or kind.replace("-", "_"))
             files = _template(kind, place)
-            case, following = place.with_name(f"{place.name}.toml"), None
+            case = place.with_name(f"{place.name}.toml")
             if kind == REPLAY:
                 recorded = place.with_name(f"{place.name}.vcd") if capture is None else capture
                 if capture is not None:
                     files = _as_captured(files, read_capture(capture, rate), mapping)
                 following = _replay(recorded, case, mapping, rate)
         write(files)
-    click.echo("\n".join([*(f"written: {file}" for file in files), *_go_on(files, case, following)]))
+    said = [*(f"written: {file}" for file in files), *(f"note: {note}" for note in notes)]
+    click.echo("\n".join([*said, *_go_on(files, case, following)]))
 
 
-def _new_from_program(kind: str, name: str | None) -> None:
-    """Write the case of an image or of C sources. kind: a key of PROGRAMS. name: the path of the program."""
+def _of_program(kind: str, name: str | None) -> WrittenCase:
+    """Return the case of an image or of C sources. kind: a key of PROGRAMS. name: the path of the program."""
     if name is None:
         raise click.UsageError(f"new {kind} needs {PROGRAMS[kind]}")
     from . import program_case
 
     path = Path(name)
     with running_user_code():
-        case = program_case.image_case(path) if kind == "image" else program_case.sources_case(path)
-        write({case.path: case.text})
-    shown = quote(str(case.path))
-    click.echo(f"written: {case.path}")
-    for note in case.notes:
-        click.echo(f"note: {note}")
-    following = f"periph-sim worst {shown} {quote(case.first)}" if case.first else None
-    click.echo("\n".join(_go_on({}, case.path, following)))
+        return program_case.image_case(path) if kind == "image" else program_case.sources_case(path)
 
 
 def _kinds() -> list[str]:

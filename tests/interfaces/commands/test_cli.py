@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim import form
-from periph_sim.cli import PACKAGES, ROOT, SECTIONS, cli, is_closed_pipe, run_command
+from periph_sim.cli import PACKAGES, ROOT, SECTIONS, cli, is_closed_pipe
 from periph_sim.interfaces.commands.command_frame import MISTAKES, VERSION
 from tests.interfaces.commands.conftest import Run
 
@@ -104,29 +104,6 @@ def test_a_json_object_begins_with_schema_and_version_and_ends_with_the_form(per
     assert list(told)[:2] == ["schema", "schema_version"]
     assert list(told)[-1] == "form" and told["form"] == form.running
     assert (told["schema"], told["schema_version"]) == ("periph-sim diff", VERSION)
-
-
-@pytest.mark.parametrize(
-    ("words", "completed"),
-    [
-        (["ch"], ["check"]),
-        (["check", "--up"], ["--update-baseline"]),
-        (["new", "s"], ["sci-protocol", "sensor"]),
-        (["new", "--example", "two"], ["two_dsps"]),
-    ],
-)
-def test_the_shell_completes_commands_options_and_kinds(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str], completed: list[str]
-):
-    """As the function does that `_PERIPH_SIM_COMPLETE=bash_source periph-sim` prints."""
-    monkeypatch.setattr(sys, "argv", ["periph-sim"])
-    monkeypatch.setattr(sys.modules["__main__"], "__package__", "", raising=False)  # not pytest
-    monkeypatch.setenv("_PERIPH_SIM_COMPLETE", "bash_complete")
-    monkeypatch.setenv("COMP_WORDS", "\n".join(["periph-sim", *words]))
-    monkeypatch.setenv("COMP_CWORD", str(len(words)))
-    with pytest.raises(SystemExit):
-        run_command()
-    assert capsys.readouterr().out.splitlines() == [f"plain,{word}" for word in completed]
 
 
 def test_a_misspelt_command_is_told_the_nearest(periph_sim: Run):

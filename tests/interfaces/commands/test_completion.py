@@ -97,9 +97,13 @@ def complete(
         (["races", "run.psr", "--register", "I2C-A.I2CSTR.RR"], ["I2C-A.I2CSTR.RRDY"]),
         (["why", "run.psr", "I2C-A.I2CSTR.XR"], ["I2C-A.I2CSTR.XRDY@"]),
         (["why", "run.psr", "SD"], ["SDA@"]),
+        (["ch"], ["check"]),
+        (["check", "--up"], ["--update-baseline"]),
+        (["new", "s"], ["sci-protocol", "sensor"]),
+        (["new", "--example", "two"], ["two_dsps"]),
     ],
 )
-def test_budgets_keys_registers_and_rows_are_completed(complete: Complete, words: list[str], offered: list[str]):
+def test_commands_options_and_their_values_are_completed(complete: Complete, words: list[str], offered: list[str]):
     found = complete(*words)
     assert found[: len(offered)] == offered
     assert len(found) == len(offered) or words[-1] in ("contr", "SC")  # which have many more

@@ -23,6 +23,17 @@ from tests.interfaces.commands.conftest import Run
             ["run", "small.toml", "--set", "unit/dsp/ppm=30"],
             "--set 'unit/dsp/ppm=30': the parts of a key are separated by points; write unit.dsp.ppm=30",
         ),
+        (["run", "small.toml", "-second", "1"], "No such option '-second'. Did you mean '--seconds'?"),
+        (["run", "small.toml", "--set", "seed", "1"], "--set seed: expected KEY=VALUE; write --set seed=1"),
+        (["run", "small.toml", "--set", "seed=", "1"], "--set seed: expected KEY=VALUE; write --set seed=1"),
+        (
+            ["run", "small.toml", "--set", "duration", "3", "ms"],
+            "--set duration: expected KEY=VALUE; write --set 'duration=3 ms'",
+        ),
+        (
+            ["run", "small.toml", "--set", "duration", "=", "3", "ms"],
+            "--set duration: expected KEY=VALUE; write --set 'duration=3 ms'",
+        ),
         (["lint", "runpsr"], "runpsr: there is no such file; did you mean run.psr?"),
         (["image", "blnk.out"], "blnk.out: No such file or directory; did you mean blink.out?"),
         (["new", "image", "blink.ou"], "blink.ou: No such file or directory; did you mean blink.out?"),

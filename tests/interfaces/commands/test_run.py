@@ -139,23 +139,6 @@ def test_recordings_of_two_equal_runs_are_equal_and_of_another_seed_are_not(peri
     assert a == b != c
 
 
-@pytest.mark.parametrize(
-    ("arguments", "fix"),
-    [
-        (["-second", "1"], "No such option '-second'. Did you mean '--seconds'?"),
-        (["--set", "seed", "1"], "--set seed: expected KEY=VALUE; write --set seed=1"),
-        (["--set", "seed=", "1"], "--set seed: expected KEY=VALUE; write --set seed=1"),
-        (["--set", "duration", "3", "ms"], "--set duration: expected KEY=VALUE; write --set 'duration=3 ms'"),
-        (["--set", "duration", "=", "3", "ms"], "--set duration: expected KEY=VALUE; write --set 'duration=3 ms'"),
-    ],
-)
-def test_a_mistake_in_the_command_line_is_answered_with_the_fix(
-    periph_sim: Run, desk: Path, arguments: list[str], fix: str
-):
-    came = periph_sim("run", "small.toml", *arguments)
-    assert came.status == 2 and came.err.endswith(f"Error: {fix}\n")
-
-
 def test_a_recording_does_not_change_the_verdict(periph_sim: Run, desk: Path):
     plain = json.loads(periph_sim("run", "small.toml", "--json").out)
     recorded = json.loads(periph_sim("run", "small.toml", "--json", "--record", "run.vcd").out)

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
+from typing import Any
+
+from periph_sim.outside import Session
+from periph_sim.outside.live.loop import Loop
+from periph_sim.outside.live.pacing import Pacer
 
 FIRMWARE = """\
 from periph_sim.firmware import start_sci
@@ -29,3 +35,17 @@ def written(folder: Path) -> Path:
     (folder / "echo_firmware.py").write_text(FIRMWARE)
     (folder / "echo.toml").write_text(CASE)
     return folder / "echo.toml"
+
+
+class Echo:
+    """A session of the case, stepped by the test. A subclass opens a door at its line."""
+
+    door: Any
+
+    def __init__(self, folder: Path) -> None:
+        self.session = Session(written(folder), ("RX", "TX"))
+        self.line = self.session.serial("scia")
+
+    def passes(self, length: str) -> None:
+        pacer = Pacer(self.session.ticks_per_second, Fraction(0))
+        Loop(self.session, pacer, [self.door]).run(self.session.now + self.session.ticks(length))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import tty
+from collections.abc import Iterator
 from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
@@ -44,9 +45,23 @@ class Served:
     def passes(self, length: str) -> None:
         self.loop.run(self.session.now + self.session.ticks(length))
 
+    def next_client(self) -> None:
+        """The client leaves, and another one comes."""
+        os.close(self.file)
+        self.passes("1 ms")
+        self.file = os.open(self.door.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+        self.passes("1 ms")
+
     def close(self) -> None:
         os.close(self.file)
         self.door.close()
+
+
+@pytest.fixture
+def served(tmp_path: Path) -> Iterator[Served]:
+    one = Served(tmp_path)
+    yield one
+    one.close()
 
 
 def test_commands_that_are_never_read_are_counted(tmp_path: Path) -> None:
@@ -101,9 +116,8 @@ def test_the_loop_waits_for_the_clock_behind_what_a_client_did(tmp_path: Path, m
     served.close()
 
 
-def test_who_reads_no_answers_is_not_heard_until_it_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_who_reads_no_answers_is_not_heard_until_it_does(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(i2cdriver_door, "MOST", 100)
-    served = Served(tmp_path)
     for waiting, waited_for in ((99, 1), (100, 0)):
         served.door.back.add(bytes(waiting))
         assert len(served.door.files()) == waited_for
@@ -122,7 +136,6 @@ def test_who_reads_no_answers_is_not_heard_until_it_does(tmp_path: Path, monkeyp
             sent += os.write(served.file, asked[sent:]) if served.door.files() else 0
         served.door.turn()
     assert got == b"A" * 40_000 and not served.door.back.lost
-    served.close()
 
 
 def test_what_it_cannot_have(tmp_path: Path) -> None:
@@ -138,40 +151,30 @@ def test_what_it_cannot_have(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
-def test_answers_that_a_dead_client_left_are_none_to_the_next_one(tmp_path: Path) -> None:
-    served = Served(tmp_path)
+def test_answers_that_a_dead_client_left_are_none_to_the_next_one(served: Served) -> None:
     served.passes("2 ms")
     os.write(served.file, REGISTER + REGISTER)
     served.passes("2 ms")
-    os.close(served.file)
-    served.passes("1 ms")
-    served.file = os.open(served.door.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-    served.passes("1 ms")
+    served.next_client()
     with pytest.raises(BlockingIOError):
         os.read(served.file, 10)
     os.write(served.file, bytes([ord("r"), 0x50, 3, 1]))
     served.passes("2 ms")
     assert os.read(served.file, 10) == b"\x44"
-    served.close()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
 @pytest.mark.parametrize("left", [b"r\x50\x01", b"\xc3\x01", b"c", b"eA" * 5 + b"s"])
 @pytest.mark.parametrize("unread", [True, False])
-def test_half_a_command_of_a_dead_client_is_not_completed_by_the_next_one(tmp_path: Path, left: bytes, unread: bool):
-    served = Served(tmp_path)
+def test_half_a_command_of_a_dead_client_is_not_completed_by_the_next_one(served: Served, left: bytes, unread: bool):
     served.passes("2 ms")
     os.write(served.file, left)
     if not unread:
         served.passes("1 ms")
-    os.close(served.file)
-    served.passes("1 ms")
-    served.file = os.open(served.door.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-    served.passes("1 ms")
+    served.next_client()
     os.write(served.file, bytes([ord("r"), 0x50, 3, 1]))
     served.passes("2 ms")
     assert os.read(served.file, 10) == b"\x44" and not served.door.adapter.capturing
-    served.close()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
@@ -181,10 +184,7 @@ def test_answers_that_waited_for_a_dead_client_are_discarded_and_a_closed_door_i
     os.write(served.file, b"?" * 2000)
     served.passes("1 ms")
     assert len(served.door.back) > 0
-    os.close(served.file)
-    served.passes("1 ms")
-    served.file = os.open(served.door.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-    served.passes("1 ms")
+    served.next_client()
     assert len(served.door.back) == 0
     with pytest.raises(BlockingIOError):
         os.read(served.file, 10)

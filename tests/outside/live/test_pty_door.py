@@ -8,32 +8,34 @@ import select
 import sys
 import termios
 import tty
+from collections.abc import Iterator
 from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
-from periph_sim.outside import OutsideError, Session
+from periph_sim.outside import OutsideError
 from periph_sim.outside.live import pty_door
 from periph_sim.outside.live.backlog import MOST
-from periph_sim.outside.live.loop import Loop
-from periph_sim.outside.live.pacing import Pacer
 from periph_sim.outside.live.pty_door import PtyDoor
-from tests.outside.live.echo import written
+from tests.outside.live.echo import Echo
 
 
-class Served:
+class Served(Echo):
     """A case with a pseudo-terminal, stepped by the test."""
 
     def __init__(self, folder: Path, link: Path | None = None) -> None:
-        self.session = Session(written(folder), ("RX", "TX"))
-        self.line = self.session.serial("scia")
-        self.door = PtyDoor(self.line, 115_200, "8n1", link)
+        super().__init__(folder)
+        self.said: list[str] = []
+        self.door = PtyDoor(self.line, 115_200, "8n1", link, self.said.append)
 
-    def passes(self, length: str) -> None:
-        pacer = Pacer(self.session.ticks_per_second, Fraction(0))
-        Loop(self.session, pacer, [self.door]).run(self.session.now + self.session.ticks(length))
+
+@pytest.fixture
+def served(tmp_path: Path) -> Iterator[Served]:
+    one = Served(tmp_path)
+    yield one
+    one.door.close()
 
 
 def client(path: str | Path) -> int:
@@ -70,8 +72,7 @@ def test_clients_come_and_go(tmp_path: Path) -> None:
     assert not link.is_symlink()
 
 
-def test_what_comes_while_nobody_listens_waits(tmp_path: Path) -> None:
-    served = Served(tmp_path)
+def test_what_comes_while_nobody_listens_waits(served: Served) -> None:
     file = client(served.door.path)
     data = bytes(range(256)) * 24
     sent = 0
@@ -89,11 +90,9 @@ def test_what_comes_while_nobody_listens_waits(tmp_path: Path) -> None:
     assert sent == len(data)
     assert got == bytes(byte + 1 & 0xFF for byte in data)
     os.close(file)
-    served.door.close()
 
 
-def test_it_waits_for_its_terminal_until_the_line_has_enough_to_send(tmp_path: Path) -> None:
-    served = Served(tmp_path)
+def test_it_waits_for_its_terminal_until_the_line_has_enough_to_send(served: Served) -> None:
     file = client(served.door.path)
     ready, _, _ = select.select(served.door.files(), [], [], 0)
     os.write(file, b"a")
@@ -102,23 +101,19 @@ def test_it_waits_for_its_terminal_until_the_line_has_enough_to_send(tmp_path: P
     served.line.write(bytes(MOST))
     assert served.door.files() == []
     os.close(file)
-    served.door.close()
 
 
-def test_a_client_that_sets_nothing_has_a_raw_line(tmp_path: Path) -> None:
+def test_a_client_that_sets_nothing_has_a_raw_line(served: Served) -> None:
     """No CR becomes LF, no LF becomes CR LF, Ctrl-C and Ctrl-D are bytes, and what the SCI sends is not sent back."""
-    served = Served(tmp_path)
     file = os.open(served.door.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     os.write(file, b"\r\n\x03\x04\x11\x09\x0c")
     assert heard(served, file, b"\x0d") == b"\x0e\x0b\x04\x05\x12\x0a\x0d"
     served.passes("2 ms")
     assert served.line.sent == 7
     os.close(file)
-    served.door.close()
 
 
-def test_the_client_s_rate_is_the_line_s(tmp_path: Path) -> None:
-    served = Served(tmp_path)
+def test_the_client_s_rate_is_the_line_s(served: Served) -> None:
     file = client(served.door.path)
     attributes = termios.tcgetattr(file)
     assert attributes[4:6] == [termios.B115200] * 2
@@ -133,18 +128,15 @@ def test_the_client_s_rate_is_the_line_s(tmp_path: Path) -> None:
     termios.tcsetattr(file, termios.TCSANOW, attributes)
     served.passes("1 ms")
     os.close(file)
-    served.door.close()
 
 
-def test_the_rate_at_which_a_client_sends_is_the_line_s(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_rate_at_which_a_client_sends_is_the_line_s(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
     """A terminal may have two rates: this client receives at 9600 baud and sends at 19,200."""
-    served = Served(tmp_path)
     of_both = termios.tcgetattr(served.door._kept)
     split = [*of_both[:4], termios.B9600, termios.B19200, of_both[6]]
     monkeypatch.setattr(termios, "tcgetattr", lambda _: split)
     served.door.turn()
     assert served.line._bit == Fraction(served.session.ticks_per_second, 19_200)
-    served.door.close()
 
 
 def test_who_is_ahead_waits_and_what_was_not_taken_is_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -234,11 +226,7 @@ def test_all_that_a_client_wrote_before_it_left_goes_on_the_line(
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
-def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(tmp_path: Path) -> None:
-    said: list[str] = []
-    served = Served(tmp_path)
-    served.door.close()
-    served.door = PtyDoor(served.line, 115_200, "8n1", notify=said.append)
+def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(served: Served) -> None:
     file = client(served.door.path)
     for _ in range(20):
         os.write(file, b"x" * 1000)
@@ -250,7 +238,7 @@ def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(tmp_
     served.passes("1 ms")
     os.write(file, b"hello")
     assert heard(served, file, b"ifmmp").strip(b"y") == b"ifmmp" and not served.line.waiting
-    (sentence,) = said
+    (sentence,) = served.said
     assert sentence.startswith("a client connected: 19") and sentence.endswith(
         "unsent bytes of the one before are discarded"
     )
@@ -261,6 +249,5 @@ def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(tmp_
     os.close(file)
     served.door.turn()
     file = client(served.door.path)  # at once: the five bytes of the program before are still sent
-    assert heard(served, file, b"tipsu") == b"tipsu" and len(said) == 1
+    assert heard(served, file, b"tipsu") == b"tipsu" and len(served.said) == 1
     os.close(file)
-    served.door.close()

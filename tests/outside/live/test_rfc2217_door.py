@@ -14,13 +14,11 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.outside import OutsideError, Session
+from periph_sim.outside import OutsideError
 from periph_sim.outside.live import backlog
 from periph_sim.outside.live.backlog import Backlog
-from periph_sim.outside.live.loop import Loop
-from periph_sim.outside.live.pacing import Pacer
 from periph_sim.outside.live.port_door import PortDoor
-from tests.outside.live.echo import written
+from tests.outside.live.echo import Echo
 
 serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
 
@@ -28,19 +26,14 @@ from periph_sim.outside.live import rfc2217_door  # noqa: E402
 from periph_sim.outside.live.rfc2217_door import ManagedPort, Rfc2217Door  # noqa: E402
 
 
-class Served:
+class Served(Echo):
     """A case with a TCP port, stepped by the test, or by a thread while a client that blocks is at work."""
 
     def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
         self.said: list[str] = []
-        self.session = Session(written(folder), ("RX", "TX"))
-        self.line = self.session.serial("scia")
         self.door = Rfc2217Door(self.line, 115_200, "8n1", 0, notify=self.said.append)
         self.address = ("127.0.0.1", int(self.door.path.rpartition(":")[2]))
-
-    def passes(self, length: str) -> None:
-        pacer = Pacer(self.session.ticks_per_second, Fraction(0))
-        Loop(self.session, pacer, [self.door]).run(self.session.now + self.session.ticks(length))
 
     def client(self) -> socket.socket:
         """Of a program that knows no Telnet; what Telnet asks it is read."""

@@ -24,6 +24,7 @@ from ..core.records import Kind, Record, Recorder
 from ..core.time import Timebase
 from ..processor.dsp import Dsp
 from ..processor.source_location import InstructionLocation, SourceLocation
+from ..records.recording import Subscribe
 from ..scene.scene import Scene
 from .report import TIMING, Divergence, HistoryEntry
 
@@ -100,7 +101,7 @@ class FlagHistory:
         return self._frozen[moment]
 
 
-RunAgain = Callable[[FlagHistory, int], None]  # a function that repeats a run up to a tick and fills a history
+Repeat = Callable[[Subscribe, int, Callable[[Scene], None]], Scene]  # the type of `Replay.repeat`
 
 
 class Role(NamedTuple):
@@ -121,7 +122,7 @@ AS_RECEIVER = Role("SCI-A", {})
 
 
 def with_history(
-    divergences: tuple[Divergence, ...], scene: Scene, origin: int, after: int, unit: str, role: Role, again: RunAgain
+    divergences: tuple[Divergence, ...], scene: Scene, origin: int, after: int, unit: str, role: Role, repeat: Repeat
 ) -> list[Divergence]:
     """Return the divergences with their histories and causes.
 
@@ -129,7 +130,7 @@ def with_history(
     origin: the tick at which the capture begins.
     after: the number of ticks after a divergence for which its history is shown.
     unit, role: the unit with the firmware, and its role.
-    again: a function that repeats the run.
+    repeat: a function that repeats the run.
 
     The tick of a divergence is the tick of the replayed event. If the replay has no such event, it is the tick of the
     captured event; if the capture has none either, it is the end of the run.
@@ -152,7 +153,7 @@ def with_history(
         moments.append((tick, tick + after))
         instants.append(captured if divergence.kind == TIMING and captured is not None else tick)
     history = FlagHistory(moments, unit, role.module, instants=instants)
-    again(history, max(until for _, until in moments))
+    repeat(history.subscribe, max(until for _, until in moments), history.watch)
     found = []
     for divergence, moment, instant in zip(divergences, moments, instants, strict=True):
         records = history.records_near(moment)

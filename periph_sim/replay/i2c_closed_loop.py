@@ -23,7 +23,6 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING
 from weakref import WeakMethod
 
 from ..bus.i2c.replayed_sides import ScriptedTarget
@@ -31,6 +30,7 @@ from ..core.kernel import Kernel
 from ..core.records import Recorder
 from ..core.tolerance import Tolerance
 from ..core.wire import Wire
+from ..records.recording import Subscribe
 from ..scene.case.model import Case
 from ..traces.capture.capture import Capture
 from ..traces.decode import i2c as decode
@@ -54,9 +54,6 @@ from .report import (
 )
 from .setup import LEAD, PATIENCE, STEP, TAIL
 from .wire_log import WireLog
-
-if TYPE_CHECKING:
-    from ..records.recording import Subscribe
 
 AGENTS = "the replay's own controller and targets"
 

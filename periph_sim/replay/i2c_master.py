@@ -13,12 +13,12 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING
 
 from ..bus.i2c.replayed_sides import ScriptedTarget
 from ..core.chip import NEVER
 from ..core.time import Timebase
 from ..core.tolerance import Tolerance
+from ..records.recording import Subscribe
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
@@ -28,9 +28,6 @@ from .i2c_script import as_master
 from .replay import BusReplay, Progress
 from .report import Report, compare, i2c_words, verdict_of
 from .setup import HOLD, LEAD, PATIENCE, STEP, TAIL, alone, events_of, played, settings_of, unit_with
-
-if TYPE_CHECKING:
-    from ..records.recording import Subscribe
 
 MODULE_HZ = 10_000_000  # module clock in Hz, set by TI's start-up code; I2CCLKL and I2CCLKH count its cycles
 D = 5  # cycles that the module adds to each of I2CCLKL and I2CCLKH (SPRUG03B Table 15)

@@ -21,7 +21,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,6 +29,7 @@ from ..core.kernel import Kernel
 from ..core.records import Recorder
 from ..core.tolerance import Tolerance
 from ..core.wire import Wire
+from ..records.recording import Subscribe
 from ..scene.case.model import Case
 from ..scene.context import SceneWires
 from ..scene.scene import Scene
@@ -38,9 +38,6 @@ from ..traces.decode import i2c as decode
 from .replay import Progress, SlaveReplay
 from .report import TIMING, Divergence, Report, compare, i2c_words, verdict_of
 from .setup import LEAD, TAIL, Played, events_of
-
-if TYPE_CHECKING:
-    from ..records.recording import Subscribe
 
 Position = int | Fraction  # a position in a capture; a Fraction for an edge that was moved by half a sample
 

@@ -28,7 +28,7 @@ from fractions import Fraction
 from statistics import median
 
 from ..bus.i2c.replayed_sides import Answer, Move
-from ..traces.decode.i2c import Bit, Byte, Condition, Party, Phase, Transfer
+from ..traces.decode.i2c import Bit, Byte, Condition, Party, Phase, Transfer, number_of
 
 HALF = Fraction(1, 2)  # half a sample in positions, in captures in which each position is a sample
 
@@ -175,11 +175,8 @@ def _answer(phase: Phase) -> Answer:
 
 def _value(byte: Byte) -> int:
     """Return the value of a byte. Bits that are missing in the capture are 1."""
-    value = 0xFF
-    for place, bit in enumerate(byte.bits[:8]):
-        if not bit.value:
-            value &= ~(0x80 >> place)
-    return value
+    sent = byte.bits[:8]
+    return (number_of(sent) + 1 << 8 - len(sent)) - 1
 
 
 class _ControllersHalf:

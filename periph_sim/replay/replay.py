@@ -10,23 +10,21 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..bus.edge_player import OneWayWire
 from ..core.tolerance import Tolerance, in_seconds
+from ..records.recording import Subscribe
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
 from ..traces.decode import i2c
 from ..traces.decode.i2c_table import I2cRowKind
-from .divergence_history import AS_SLAVE, FlagHistory, with_history
+from .divergence_history import AS_SLAVE, with_history
 from .picture import LINES, Side, divergence_picture, last_agreed
 from .report import Comparison, Divergence, Happened, Report, i2c_words
 from .setup import Played, alone, answering, events_of, played, tolerance_of
 from .wire_log import WireLog
-
-if TYPE_CHECKING:
-    from ..records.recording import Subscribe
 
 Progress = Callable[[float], None]
 STEPS = 100  # number of progress reports of `_play`
@@ -92,16 +90,15 @@ class Replay:
             if progress is not None:
                 progress(step / STEPS)
 
-    def repeat(self, subscribe: Subscribe, until: int) -> Scene:
-        """Repeat the run up to tick `until` with a subscriber to its records. Return the scene of this run."""
+    def repeat(self, subscribe: Subscribe, until: int, prepare: Callable[[Scene], None] = lambda scene: None) -> Scene:
+        """Repeat the run up to tick `until` with a subscriber to its records. Return the scene of this run.
+
+        prepare: a function that is called with the scene before the run.
+        """
         again = self._repeated(subscribe=subscribe)
+        prepare(again.scene)
         again._drive(until=until)
         return again.scene
-
-    def _run_again(self, history: FlagHistory, until: int) -> None:
-        again = self._repeated(subscribe=history.subscribe)
-        history.watch(again.scene)
-        again._drive(until=until)
 
     def _summary(self, path: Path, outcome: Comparison, after: int, notes: list[str], **figures: Any) -> Report:
         """Return the report.
@@ -118,7 +115,7 @@ class Replay:
             role=self.ROLE,
             agreed=outcome.agreed,
             first_divergence=outcome.divergence,
-            divergences=with_history(outcome.ranked, scene, self.origin, after, self._unit, self.SIDE, self._run_again),
+            divergences=with_history(outcome.ranked, scene, self.origin, after, self._unit, self.SIDE, self.repeat),
             lag_worst_us=float(outcome.lag * 1_000_000),
             simulated_s=float(self.timebase.seconds(kernel.now - scene.start)),
             wall_s=round(self._wall, 6),

@@ -22,7 +22,7 @@ from itertools import zip_longest
 from ..timing.verdict import Verdict
 from ..traces.decode import i2c
 from ..traces.decode.i2c_table import I2cRowKind
-from ..traces.diff.align import align
+from ..traces.diff.align import align, numbered
 
 NOTHING = "nothing more"
 
@@ -151,8 +151,7 @@ def compare(expected: Sequence[Happened], found: Sequence[Happened], tolerance: 
 
 def _in_both(expected: Sequence[Happened], found: Sequence[Happened]) -> int:
     """Return the number of events that occur in both lists in the same order."""
-    numbers: dict[str, int] = {}
-    rows = [[numbers.setdefault(event.words, len(numbers)) for event in events] for events in (expected, found)]
+    rows = numbered((event.words for event in expected), (event.words for event in found))
     return sum(run.length for run in align(*rows))
 
 

@@ -20,13 +20,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING
 
 from ..bus.i2c.line_observers import WHO
 from ..bus.i2c.transfer import Transfer
 from ..core.records import Kind
 from ..core.tolerance import Tolerance
 from ..devices.host_frames import host_frames
+from ..records.recording import Subscribe
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..scene.uart_lines import line_of
@@ -40,9 +40,6 @@ from .replay import Progress
 from .report import FAIL, NOT_JUDGED, PASS, Report
 from .setup import LEAD, PATIENCE, TAIL, check_length, rate_of, unit_with
 from .uart import line_events, play_line
-
-if TYPE_CHECKING:
-    from ..records.recording import Subscribe
 
 OF_ROUNDS = ("round", "missed rounds", "nacked rounds", "slack")
 PAUSE = 2  # maximum pause on RX within a frame, in character times

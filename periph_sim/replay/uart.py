@@ -14,7 +14,6 @@ import re
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING
 
 from ..bus.edge_player import EdgePlayer
 from ..core.phrases import counted
@@ -22,6 +21,7 @@ from ..core.records import Kind, Record, Recorder
 from ..core.time import Timebase
 from ..f28335.sci.register_map import SCI_MAP
 from ..processor.dsp import Dsp
+from ..records.recording import Subscribe
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..scene.uart_lines import line_of
@@ -35,10 +35,6 @@ from .picture import Side
 from .replay import Progress, Replay
 from .report import NOTHING, Divergence, Report, compare, verdict_of
 from .setup import LEAD, alone, check_length, rate_of, settings_of, unit_with
-
-if TYPE_CHECKING:
-    from ..records.recording import Subscribe
-
 
 TAKEN = Fraction(100, 10**6)  # seconds after the end of the capture in which the firmware can read the last word
 TOLERANCE = Fraction(2, 100)  # maximum relative difference in rate at which two UARTs read a long frame alike

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 
 from ..core.sampler import watch
@@ -20,7 +20,7 @@ class WireLog:
         self._ticks: list[list[int]] = [[0] for _ in wires]
         self._levels: list[list[int | None]] = [[wire.level] for wire in wires]
         for wire, ticks, levels in zip(wires, self._ticks, self._levels, strict=True):
-            watch([wire], _collector(ticks, levels))
+            watch([wire], partial(_keep, ticks, levels))  # a listener that refers to `self` would keep it for ever
 
     def capture(self, timebase: Timebase, now: int) -> Capture:
         """Return a capture of the wires' levels up to and including tick `now`."""
@@ -41,9 +41,6 @@ class WireLog:
         return sum(len(ticks) - 1 for ticks in self._ticks)
 
 
-def _collector(ticks: list[int], levels: list[int | None]) -> Callable[[int, int], None]:
-    def collect(tick: int, level: int) -> None:
-        ticks.append(tick)
-        levels.append(level)
-
-    return collect
+def _keep(ticks: list[int], levels: list[int | None], tick: int, level: int) -> None:
+    ticks.append(tick)
+    levels.append(level)

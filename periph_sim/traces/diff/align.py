@@ -24,12 +24,14 @@ A gap that consists of repetitions is divided into one gap for each repetition, 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+Numbers = NDArray[np.int64]
 
 MOST_EDITS = 200
 STRIDE = 16  # number of items that `equal_from_start` compares at first; each later comparison has four times as many
@@ -41,6 +43,14 @@ class Run(NamedTuple):
     a: int
     b: int
     length: int
+
+
+def numbered(a: Iterable[Hashable], b: Iterable[Hashable]) -> tuple[Numbers, Numbers]:
+    """Return a number for each item of both sequences. Equal items have equal numbers."""
+    numbers: dict[Hashable, int] = {}
+    left = [numbers.setdefault(item, len(numbers)) for item in a]
+    right = [numbers.setdefault(item, len(numbers)) for item in b]
+    return np.array(left, np.int64), np.array(right, np.int64)
 
 
 def align(a: Sequence[int] | NDArray[np.int64], b: Sequence[int] | NDArray[np.int64]) -> list[Run]:
@@ -149,7 +159,6 @@ def _joined(runs: list[Run]) -> list[Run]:
     return found
 
 
-Numbers = NDArray[np.int64]
 Times = NDArray[np.float64]  # used only to choose between alignments; reported times are exact
 
 

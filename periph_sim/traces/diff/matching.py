@@ -26,7 +26,7 @@ order, the pairing with the greatest total similarity is chosen.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from fractions import Fraction
 from itertools import chain
 from operator import attrgetter
@@ -38,7 +38,7 @@ from ..capture.capture import Capture
 from ..decode import i2c, uart
 from ..decode.i2c_table import I2cRowKind
 from ..decode.uart import UartRowKind
-from .align import Numbers, Run, align, place_by_time
+from .align import Run, align, numbered, place_by_time
 
 
 class Event(NamedTuple):
@@ -217,26 +217,18 @@ class Pairing:
         key: a function that returns the key of an item.
         at: a function that returns the position of an item.
         """
-        one, other = _numbered(map(key, a), map(key, b))
+        one, other = numbered(map(key, a), map(key, b))
         times_a, times_b = (np.array([*map(at, items)]) / rate for items, rate in zip((a, b), self._rates, strict=True))
         return place_by_time(align(one, other), one, other, times_a, times_b)
 
 
 def _unlike(a: Sequence[Event], b: Sequence[Event]) -> Iterator[Pair]:
     """Pair events that are not equal, in order. Events of the same class are paired; others are paired with None."""
-    classes = align(*_numbered([class_of(event.kind) for event in a], [class_of(event.kind) for event in b]))
+    classes = align(*numbered([class_of(event.kind) for event in a], [class_of(event.kind) for event in b]))
     for run, left, right in _between(classes, a, b):
         yield from ((event, None) for event in left)
         yield from ((None, event) for event in right)
         yield from zip(a[run.a : run.a + run.length], b[run.b : run.b + run.length], strict=True)
-
-
-def _numbered(a: Iterable[Hashable], b: Iterable[Hashable]) -> tuple[Numbers, Numbers]:
-    """Return a number for each item of both sequences. Equal items have equal numbers."""
-    numbers: dict[Hashable, int] = {}
-    left = [numbers.setdefault(item, len(numbers)) for item in a]
-    right = [numbers.setdefault(item, len(numbers)) for item in b]
-    return np.array(left, np.int64), np.array(right, np.int64)
 
 
 def _between(runs: list[Run], a: Sequence[T], b: Sequence[T]) -> Iterator[tuple[Run, Sequence[T], Sequence[T]]]:

@@ -16,19 +16,14 @@ Source: Trace Event Format (Google, 2016), sections on duration, instant, counte
 from __future__ import annotations
 
 import json
-from array import array
-from fractions import Fraction
-from pathlib import Path
 from typing import IO
-
-import numpy as np
 
 from ...core.records import Kind, Record
 from ...core.time import GHZ, Timebase
-from ...traces.capture.capture import Capture, Channel, channel_of
 from ...traces.decode import i2c
 from ..record_text import BusByte, on_the_bus
 from . import RecordingWriter
+from .waveforms import Signal, capture_of
 
 THREAD_OF = {Kind.SPAN: "firmware", Kind.IRQ: "interrupts"}
 
@@ -51,7 +46,7 @@ class PerfettoWriter(RecordingWriter):
         self._pids: dict[str, int] = {}
         self._tracks: dict[tuple[str, str], Track] = {}
         self._counters: dict[tuple[str, str], str] = {}
-        self._edges: dict[str, array[int]] = {}
+        self._bus = {name: Signal(name, initial=1) for name in ("SCL", "SDA")}
         head = {"displayTimeUnit": "ns", "otherData": {"by": "periph-sim", "ticks_per_second": str(self._per_second)}}
         file.write(json.dumps(head)[:-1] + ', "traceEvents": [\n')
         for unit in modules:
@@ -62,7 +57,8 @@ class PerfettoWriter(RecordingWriter):
         kind = record.kind
         if kind is Kind.EDGE:
             self._counter("wires", record.where, record.tick, record.value)
-            self._edges.setdefault(record.where, array("q")).extend((record.tick, record.value))
+            if record.where in self._bus:
+                self._bus[record.where].put(record.tick, record.value)
         elif kind is Kind.FLAG:
             self._counter(record.where, record.what, record.tick, record.value)
         elif kind in THREAD_OF:
@@ -84,13 +80,11 @@ class PerfettoWriter(RecordingWriter):
 
     def _transfers(self, now: int) -> None:
         """Write the transfers and bytes that the decoder of captures finds on SCL and SDA up to the tick `now`."""
-        if not {"SCL", "SDA"} <= set(self._edges):
+        capture = capture_of([*self._bus.values()], self._per_second, now + 1)
+        if not all(len(channel.edges) for channel in capture.channels):
             return
-        length = now + 1
-        channels = tuple(_channel(index, name, self._edges[name], length) for index, name in enumerate(("SCL", "SDA")))
         track = self._track("bus", "transfers")
-        per_second = Fraction(self._per_second)
-        for transfer in i2c.transfers(Capture(Path(), per_second, length, channels, sampled=False)):
+        for transfer in i2c.transfers(capture):
             if not transfer.phases:  # the START came before the recording began
                 continue
             self._begin(track, _title(transfer), transfer.phases[0].start.at)
@@ -172,15 +166,6 @@ def _byte(byte: i2c.Byte, place: int) -> str:
     if place:
         return str(BusByte(byte.value, byte.acked))
     return str(BusByte(byte.value >> 1, byte.acked, bool(byte.value & 1)))
-
-
-def _channel(index: int, name: str, flat: array[int], length: int) -> Channel:
-    """Return the levels of a wire as a channel. The wire is high before its first edge.
-
-    flat: the tick and the level of each edge: tick, level, tick, level, ...
-    """
-    pairs = np.frombuffer(flat, np.int64).reshape(-1, 2)
-    return channel_of(name, index, [0, *pairs[:, 0].tolist()], [1, *pairs[:, 1].tolist()], length)
 
 
 FORMATS = (PerfettoWriter,)

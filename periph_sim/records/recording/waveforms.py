@@ -14,7 +14,7 @@ occurred. Therefore all changes are kept in memory until then, at 16 bytes each.
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -28,7 +28,7 @@ from ...core.registers import RegisterMap
 from ...core.time import GHZ, Timebase
 from ...f28335.i2c.register_map import I2C_MAP
 from ...f28335.sci.register_map import SCI_MAP
-from ...traces.capture.capture import Capture, Channel
+from ...traces.capture.capture import Capture, Channel, channel_of_states
 from ...traces.capture.sampling import resampled
 from ...traces.decode.i2c_table import I2cRowKind as Row
 from ...traces.decode.i2c_table import I2cTable, i2c_table
@@ -126,18 +126,19 @@ class RunSignals:
 
     def signals(self, end: int) -> list[Signal]:
         """Return all signals, wires first. end: the last tick of the run."""
-        bus = _bus_state(self._capture([self._wires["SCL"], self._wires["SDA"]], end))
+        bus = _bus_state(capture_of([self._wires["SCL"], self._wires["SDA"]], self._per_second, end))
         wires = list(self._wires.values())
         return [*wires, *bus, *(signal for signal in self._signals.values() if signal not in wires)]
 
     def lines(self, end: int) -> Capture:
         """Return the signals of one bit, except fields of registers, as a logic analyser would capture them."""
         fields = {signal.name for signal, _, _ in self._fields.values()}
-        return self._capture([s for s in self.signals(end) if s.width == 1 and s.name not in fields], end)
+        lines = [s for s in self.signals(end) if s.width == 1 and s.name not in fields]
+        return capture_of(lines, self._per_second, end)
 
     def bits(self, end: int) -> Capture:
         """Return all signals. A signal of several bits has a channel for each bit: `dsp.I2C_A.I2CSTR[12]`."""
-        return self._capture(self.signals(end), end)
+        return capture_of(self.signals(end), self._per_second, end)
 
     def _signal(self, name: str, width: int = 1, initial: int = 0) -> Signal:
         found = self._signals.get(name)
@@ -154,18 +155,18 @@ class RunSignals:
                 field = self._signal(f"{name}.{f.name}", f.msb - f.lsb + 1, f.reset)
                 self._fields[where, f"{register.name}.{f.name}"] = field, whole, f.lsb
 
-    def _capture(self, signals: list[Signal], end: int) -> Capture:
-        channels: list[Channel] = []
-        last = 0
-        for signal in signals:
-            at, values = signal.changes()
-            last = max(last, int(at[-1]))
-            for bit in range(signal.width - 1, -1, -1):
-                levels = values >> bit & 1
-                moved = np.flatnonzero(levels[1:] != levels[:-1]) + 1
-                name = signal.name if signal.width == 1 else f"{signal.name}[{bit}]"
-                channels.append(Channel(name, len(channels), int(levels[0]), at[moved]))
-        return Capture(Path(), Fraction(self._per_second), max(end, last + 1), tuple(channels), False, (), True)
+
+def capture_of(signals: Sequence[Signal], per_second: int, end: int) -> Capture:
+    """Return a capture of signals, with a channel for each bit. end: the last tick of the run."""
+    changes = [signal.changes() for signal in signals]
+    length = max([end, *(int(at[-1]) + 1 for at, _ in changes)])
+    channels: list[Channel] = []
+    for signal, (at, values) in zip(signals, changes, strict=True):
+        for bit in range(signal.width - 1, -1, -1):
+            name = signal.name if signal.width == 1 else f"{signal.name}[{bit}]"
+            levels = (values >> bit & 1).astype(np.uint8)
+            channels.append(channel_of_states(name, len(channels), at, levels, length))
+    return Capture(Path(), Fraction(per_second), length, tuple(channels), False, (), True)
 
 
 def _bus_state(lines: Capture) -> list[Signal]:

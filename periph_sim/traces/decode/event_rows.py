@@ -21,17 +21,6 @@ from .i2c_table import I2cTable
 from .table_columns import joined, select
 from .uart import UartTable
 
-PURPOSES = (
-    "general call",
-    "START byte",
-    "CBUS",
-    "other bus format",
-    "future use",
-    "Hs-mode controller code",
-    "10-bit",
-    "device ID",
-)
-
 
 def purpose_of(byte: int) -> str:
     """Return the purpose of a reserved address; "" for the address of a device.
@@ -55,8 +44,9 @@ OF_I2C = ("start", "repeated start", "address", "address low", "data", "ack", "n
 OF_SPI = ("select", "word", "deselect")
 EVENTS = (*OF_I2C, "frame", "break", "rejected start", *OF_SPI)
 FAULTS = [", ".join(compress(("parity error", "frame error", "glitch"), (n & 1, n & 2, n & 4))) for n in range(1, 8)]
-RESERVED = [f"{way}, {purpose}" for way in ("write", "read") for purpose in PURPOSES]
-DETAILS = ("", "write", "read", *FAULTS, *RESERVED)
+# For each address byte, its direction and, for a reserved address, its purpose.
+WAYS = [("read" if byte & 1 else "write") + (purpose_of(byte) and ", " + purpose_of(byte)) for byte in range(256)]
+DETAILS = tuple(dict.fromkeys(("", "write", "read", *FAULTS, *WAYS)))
 START, AGAIN, ADDRESS, ADDRESS_LOW, DATA, ACK, NACK, STOP, CUT = range(len(OF_I2C))
 WRITE, READ = 1, 2  # indices into DETAILS
 FRAME, BREAK, REJECTED, SELECT, WORD, DESELECT = range(len(OF_I2C), len(EVENTS))
@@ -64,7 +54,6 @@ FRAME, BREAK, REJECTED, SELECT, WORD, DESELECT = range(len(OF_I2C), len(EVENTS))
 OF_UART = np.array([FRAME, BREAK, CUT, REJECTED], np.uint8)  # for each `UartRowKind`, an index into EVENTS
 # For each value of parity error + 2 * frame error + 4 * glitch, an index into DETAILS.
 OF_FAULTS = np.array([0, *range(3, 10)], np.uint8)
-WAYS = [("read" if byte & 1 else "write") + (purpose_of(byte) and ", " + purpose_of(byte)) for byte in range(256)]
 OF_ADDRESS = np.array([DETAILS.index(way) for way in WAYS], np.uint8)  # for each address byte, an index into DETAILS
 
 

@@ -27,7 +27,7 @@ from itertools import groupby, takewhile
 from operator import itemgetter
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -66,11 +66,13 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
         end = _fst_end(file.read(FST_HEAD.size))
     head, signals = _signals(path)
     if not head["variables"]:
-        _bad(path, "the file", "no line of one bit", "at least one", "dump the lines of the bus")
+        raise BadCapture(path, "the file", "no line of one bit", "at least one", "dump the lines of the bus")
     ticks = _ticks(head)
     last = max((int(at[-1]) for at, _ in signals if len(at)), default=0)
     if max(last, end or 0) > MOST_TICKS:
-        _bad(path, "its times", f"tick {max(last, end or 0)}", f"at most {MOST_TICKS}", "dump a shorter run")
+        raise BadCapture(
+            path, "its times", f"tick {max(last, end or 0)}", f"at most {MOST_TICKS}", "dump a shorter run"
+        )
     length = end if end is not None and end > last else last + 1
     if rate is not None:
         lines, last = on_grid(path, [at for at, _ in signals], last, ticks or rate, rate, "a change at tick {}")
@@ -100,16 +102,22 @@ def _signals(path: Path) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any
     state consists of one letter per bit.
     """
     if find_spec("pywellen") is None:
-        _bad(path, "the file", "no reader of FST and GHW", "the library pywellen", "pip install 'periph-sim[waves]'")
+        raise BadCapture(
+            path, "the file", "no reader of FST and GHW", "the library pywellen", "pip install 'periph-sim[waves]'"
+        )
     command = [sys.executable, "-P", str(READER), str(path.absolute())]
     try:
         done = subprocess.run(command, capture_output=True, timeout=PATIENCE)
     except subprocess.TimeoutExpired:
-        _bad(path, "the file", "no end of reading it", f"one within {PATIENCE} s", "dump fewer signals")
+        raise BadCapture(
+            path, "the file", "no end of reading it", f"one within {PATIENCE} s", "dump fewer signals"
+        ) from None
     if done.returncode:
         said = ERROR.findall(done.stderr.decode(errors="replace"))
         found = f"an error of its reader ({said[-1] if said else 'aborted'})"
-        _bad(path, "the file", found, "an undamaged waveform of kinds that it knows", "dump it again, or as VCD")
+        raise BadCapture(
+            path, "the file", found, "an undamaged waveform of kinds that it knows", "dump it again, or as VCD"
+        )
     first, _, _ = done.stdout.partition(b"\n")
     head = json.loads(first)
     signals = []
@@ -120,7 +128,7 @@ def _signals(path: Path) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any
         letters = np.frombuffer(done.stdout, np.uint8, count * width, begin + 16 + 8 * count).reshape(count, width)
         begin += 16 + (8 + width) * count
         if len(at) and (int(at.max()) > MOST_TICKS or (np.diff(at.astype(np.int64)) < 0).any()):
-            _bad(path, "its times", "a time that falls or is too late", "times that rise", "dump it again")
+            raise BadCapture(path, "its times", "a time that falls or is too late", "times that rise", "dump it again")
         signals.append((at.astype(np.int64), letters))
     return head, signals
 
@@ -131,10 +139,6 @@ def _ticks(head: dict[str, Any]) -> Fraction | None:
         return None
     factor, exponent = int(head["factor"]), int(head["exponent"])
     return Fraction(10**-exponent, factor) if exponent <= 0 else Fraction(1, factor * 10**exponent)
-
-
-def _bad(path: Path, place: str, found: str, expected: str, way_out: str) -> NoReturn:
-    raise BadCapture(path, place, found, expected, way_out)
 
 
 TEXT = 0  # the width of a variable whose values are texts

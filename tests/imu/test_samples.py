@@ -17,6 +17,7 @@ from periph_sim.imu.samples import Readings, SampleLog, Samples, in_units
 from periph_sim.imu.sensors import SENSORS as CHIPS
 from periph_sim.scene.scene import Scene
 from tests.devices.aerospace import FIELD, at_rest, body_rates, to_body
+from tests.imu.motion import at_times
 from tests.imu.moving.subjects import STILL, TWO_ANGLES, subject, without_noise
 from tests.scene.small import case
 
@@ -121,8 +122,8 @@ def test_the_body_s_own_rates_gravity_and_field_come_back(tmp_path: Path):
     (tmp_path / "set.toml").write_text(SET)
     one = without_noise(subject("3", TWO_ANGLES, f"unit.dsp.settings.parameters={tmp_path / 'set.toml'}"))
     read = direct.computed_sensors(one).samples(one.sensors)
-    attitude = one.motion.attitude(read.seconds)
-    rates = np.degrees(body_rates(attitude, one.motion.rates(read.seconds)))
+    attitude = at_times.attitudes(one.motion, read.seconds)
+    rates = np.degrees(body_rates(attitude, at_times.rates(one.motion, read.seconds)))
     assert np.abs(rates).max(axis=0).min() > 10, "every axis turns"
     assert read.gyro == pytest.approx(rates, abs=0.05)
     to = np.array([to_body(*row) for row in attitude])

@@ -14,17 +14,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Protocol, TypeAlias, cast
+from typing import Protocol, cast
 
 from ...core.discover import module_with, modules_with
 from ...core.input_error import InputError
 from .quantities import ACCELERATION_RANGE, ANGLE_RANGE, shown
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Floats: TypeAlias = NDArray[np.float64]
 
 ANGLES = ("phi", "theta", "psi")
 ACCELERATIONS = ("ax", "ay", "az")
@@ -58,24 +52,6 @@ class Motion:
     def rates_at(self, seconds: float) -> Sequence[float]:
         """Return the true rates of phi, theta, psi in rad/s. If the rates jump at this time, return the later rates."""
         raise NotImplementedError
-
-    def attitude(self, times: Floats) -> Floats:
-        """Return phi, theta, psi in rad at each of n times in seconds, float64[n, 3]."""
-        return _rows([self.at(seconds)[:3] for seconds in times.tolist()])
-
-    def rates(self, times: Floats) -> Floats:
-        """Return the result of `rates_at` at each of n times in seconds, float64[n, 3]."""
-        return _rows([self.rates_at(seconds) for seconds in times.tolist()])
-
-    def acceleration(self, times: Floats) -> Floats:
-        """Return ax, ay, az in g at each of n times in seconds, float64[n, 3]."""
-        return _rows([self.at(seconds)[3:] for seconds in times.tolist()])
-
-
-def _rows(values: list[Sequence[float]]) -> Floats:
-    import numpy as np
-
-    return np.array(values, np.float64).reshape(-1, 3)
 
 
 class MotionKind(Protocol):

@@ -12,17 +12,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil, pi
+from math import ceil
 from typing import Annotated, Literal
 
 from msgspec import Meta
 
 from . import ANGLES, BadMotion, Motion
 from .pieces import Held, Straight
-from .quantities import Angle, Rate, Seconds
+from .quantities import ANGLE_UNITS, RATE_UNITS, Angle, Rate, Seconds
 
-DEGREE = pi / 180  # a degree in rad
-RPM = 2 * pi / 60  # a revolution per minute in rad/s
+DEGREE = ANGLE_UNITS["deg"]
+RPM = RATE_UNITS["rpm"]
 LEAST_RESOLUTION = 1e-300  # in rad; an angle divided by a smaller resolution can exceed the range of a float
 MOST_READS = 1_000_000  # maximum number of positions that are held in memory
 

@@ -227,7 +227,7 @@ def attitudes(subject: EmulatorUnderTest, readings: Readings) -> Floats:
 
 def truth(subject: EmulatorUnderTest, seconds: Floats) -> Floats:
     """Return the true attitudes at the times `seconds` as quaternions, float64[n, 4]."""
-    return quaternions(subject.motion.attitude(seconds))
+    return quaternions([subject.motion.at(at)[:3] for at in seconds.tolist()])
 
 
 def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], None] | None = None) -> MovingOutcome:

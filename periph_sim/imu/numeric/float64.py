@@ -8,6 +8,7 @@ rounds.
 from __future__ import annotations
 
 import math
+import operator
 
 from .arithmetic import Rounding
 
@@ -16,27 +17,18 @@ class Float64:
     """The arithmetic of float64. T is float."""
 
     name = "float64"
-
-    def constant(self, value: float) -> float:
-        return float(value)
+    constant = staticmethod(float)
+    scaled = staticmethod(operator.mul)
+    add = staticmethod(operator.add)
+    sub = staticmethod(operator.sub)
+    mul = staticmethod(operator.mul)
+    neg = staticmethod(operator.neg)
+    mag = staticmethod(math.hypot)
+    atan = staticmethod(math.atan)
+    atan2 = staticmethod(math.atan2)
 
     def value(self, x: float) -> float:
         return x
-
-    def scaled(self, count: float, lsb: float) -> float:
-        return count * lsb
-
-    def add(self, x: float, y: float) -> float:
-        return x + y
-
-    def sub(self, x: float, y: float) -> float:
-        return x - y
-
-    def mul(self, x: float, y: float) -> float:
-        return x * y
-
-    def neg(self, x: float) -> float:
-        return -x
 
     def div(self, x: float, y: float) -> float:
         if y:
@@ -46,17 +38,8 @@ class Float64:
     def sqrt(self, x: float) -> float:
         return math.sqrt(x) if x >= 0 else math.nan
 
-    def mag(self, x: float, y: float) -> float:
-        return math.hypot(x, y)
-
     def sincos(self, x: float) -> tuple[float, float]:
         return (math.sin(x), math.cos(x)) if math.isfinite(x) else (math.nan, math.nan)
-
-    def atan(self, x: float) -> float:
-        return math.atan(x)
-
-    def atan2(self, y: float, x: float) -> float:
-        return math.atan2(y, x)
 
     def select_greater(self, x: float, y: float, yes: float, no: float) -> float:
         return yes if x > y else no

@@ -17,6 +17,7 @@ from periph_sim.imu.models.sensed_motion import SensedMotion
 from periph_sim.imu.motion import Motion, kinds, servo, sines
 from periph_sim.imu.motion.quantities import Pose
 from tests.devices.aerospace import FIELD, at_rest, body_rates
+from tests.imu.motion import at_times
 
 NONE = (0.0, 0.0, 0.0)
 IDEAL = ImuParameters(
@@ -39,8 +40,8 @@ def lsb(imu: ImuParameters, motion: Motion, name: str) -> np.ndarray:
 
 
 def test_rates_gravity_and_field_at_any_instant():
-    attitude = MOTION.attitude(TIMES)
-    rates = np.degrees(body_rates(attitude, MOTION.rates(TIMES)))
+    attitude = at_times.attitudes(MOTION, TIMES)
+    rates = np.degrees(body_rates(attitude, at_times.rates(MOTION, TIMES)))
     gravity, field = (np.array(rows) for rows in zip(*(at_rest(*row) for row in attitude), strict=True))
     assert lsb(IDEAL, MOTION, "gyroscope") / 14.375 == pytest.approx(rates, abs=1e-9)
     assert lsb(IDEAL, MOTION, "accelerometer") / 256 == pytest.approx(gravity, abs=1e-9)
@@ -84,4 +85,4 @@ def test_of_servos_it_is_the_servos_that_count_not_what_is_read_of_them():
     exact = servo.motion(servo.Settings(resolution=0.0, read_every=0.0))
     for name in ("gyroscope", "accelerometer", "magnetometer"):
         assert np.array_equal(lsb(IDEAL, coarse, name), lsb(IDEAL, exact, name))
-    assert np.abs(coarse.attitude(TIMES) - exact.attitude(TIMES)).max() > np.radians(2.0)
+    assert np.abs(at_times.attitudes(coarse, TIMES) - at_times.attitudes(exact, TIMES)).max() > np.radians(2.0)

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from periph_sim.imu.motion import BadMotion
 from periph_sim.imu.motion.flight import Settings, motion
 from periph_sim.traces.formats import BadCapture
+from tests.imu.motion import at_times
 
 HEAD = "time [s],phi [deg],theta [deg],psi [deg],ax [g],ay [m/s^2],az [mg]\n"
 GOOD = HEAD + "10,0,0,170,0,0,0\n11,10,-5,-170,1,9.81,100\n\n12.5,10,-5,-170,1,9.81,100\n"
@@ -31,10 +32,12 @@ def written(file: Path, text: str) -> Settings:
 def test_values_go_straight_between_rows_and_yaw_the_short_way_through_180(file: Path):
     flight = motion(written(file, GOOD))
     times = np.array([0, 0.25, 0.75, 1, 2.5, 100])
-    assert np.degrees(flight.attitude(times)[:, 2]) == pytest.approx([170, 175, -175, -170, -170, -170])
-    assert np.degrees(flight.attitude(times)[1]) == pytest.approx([2.5, -1.25, 175])
-    assert flight.acceleration(times)[3] == pytest.approx([1, 1, 0.1])
-    assert np.degrees(flight.rates(np.array([0.5, 1.5]))) == pytest.approx(np.array([[10, -5, 20], [0, 0, 0]]))
+    assert np.degrees(at_times.attitudes(flight, times)[:, 2]) == pytest.approx([170, 175, -175, -170, -170, -170])
+    assert np.degrees(at_times.attitudes(flight, times)[1]) == pytest.approx([2.5, -1.25, 175])
+    assert at_times.accelerations(flight, times)[3] == pytest.approx([1, 1, 0.1])
+    assert np.degrees(at_times.rates(flight, np.array([0.5, 1.5]))) == pytest.approx(
+        np.array([[10, -5, 20], [0, 0, 0]])
+    )
     assert flight.ends == 2.5
 
 
@@ -42,8 +45,10 @@ def test_columns_in_any_order_others_beside_them_and_yaw_from_0_to_360(file: Pat
     text = "az [g],height [m],time [ms],psi [deg],theta [rad],phi [mrad],ax [g],ay [g]\r\n"
     text += "1,99,0,350,0.5,100,0,0\r\n2,98,500,10,0.5,100,0,0\r\n"
     flight = motion(written(file, "\ufeff" + text))
-    assert np.degrees(flight.attitude(np.array([0.0, 0.25, 0.5]))[:, 2]) == pytest.approx([-10, 0, 10], abs=1e-9)
-    assert flight.attitude(np.array([0.1]))[0, :2] == pytest.approx([0.1, 0.5])
+    assert np.degrees(at_times.attitudes(flight, np.array([0.0, 0.25, 0.5]))[:, 2]) == pytest.approx(
+        [-10, 0, 10], abs=1e-9
+    )
+    assert at_times.attitudes(flight, np.array([0.1]))[0, :2] == pytest.approx([0.1, 0.5])
 
 
 @settings(deadline=None, max_examples=30)
@@ -52,7 +57,7 @@ def test_at_its_rows_a_flight_has_their_angles_but_for_whole_turns(tmp_path_fact
     path = tmp_path_factory.mktemp("flight") / "f.csv"
     rows = "".join(f"{n},0,0,{yaw!r},0,0,0\n" for n, yaw in enumerate(yaws))
     flight = motion(written(path, HEAD + rows))
-    came = np.degrees(flight.attitude(np.arange(len(yaws), dtype=float))[:, 2])
+    came = np.degrees(at_times.attitudes(flight, np.arange(len(yaws), dtype=float))[:, 2])
     turns = (came - yaws) / 360
     assert turns == pytest.approx(np.rint(turns), abs=1e-9)
     assert (np.abs(came) <= 180 + 1e-9).all()

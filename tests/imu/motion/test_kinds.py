@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from periph_sim.imu.motion import BadMotion, kinds, sampled, sines, static, steps
 from periph_sim.imu.motion.quantities import Pose
 from periph_sim.scene.firmware_loader import BadSetting, filled
+from tests.imu.motion import at_times
 
 EXAMPLES = {
     "flight": {},  # needs a file: see test_flight
@@ -36,15 +37,15 @@ def test_kinds_are_found_by_being_there_and_each_has_an_example_here():
 @given(times=st.lists(st.floats(0, 1e6), min_size=1, max_size=5))
 def test_one_time_or_many_give_the_same_finite_values(name: str, times: list[float]):
     motion = make(name, **EXAMPLES[name])
-    together = np.hstack([motion.attitude(np.array(times)), motion.acceleration(np.array(times))])
-    assert together.shape == (len(times), 6) and motion.rates(np.array(times)).shape == (len(times), 3)
+    together = np.hstack([at_times.attitudes(motion, np.array(times)), at_times.accelerations(motion, np.array(times))])
+    assert together.shape == (len(times), 6) and at_times.rates(motion, np.array(times)).shape == (len(times), 3)
     assert together.tolist() == [[*sampled(motion, time)] for time in times]
 
 
 def test_static_stays():
     motion = static.motion(static.Settings(phi=0.1, az=-0.5))
     assert [sampled(motion, seconds) for seconds in (0.0, 1e9)] == [[0.1, 0, 0, 0, 0, -0.5]] * 2
-    assert motion.ends == 0 and not motion.rates(np.array([0.0])).any()
+    assert motion.ends == 0 and not at_times.rates(motion, np.array([0.0])).any()
 
 
 def test_steps_change_what_they_name_and_hold():
@@ -78,12 +79,12 @@ def test_sines_add_up_and_their_rates_are_the_derivative():
         accelerations=({"of": "ay", "amplitude": "981 mg", "frequency": "1 Hz"},),
     )
     times = np.linspace(0, 10, 1001)
-    attitude = motion.attitude(times)
+    attitude = at_times.attitudes(motion, times)
     assert np.degrees(attitude[0]) == pytest.approx([0, 25, 0])
-    assert motion.acceleration(np.array([0.25]))[0] == pytest.approx([0, 0.981, 0])
+    assert at_times.accelerations(motion, np.array([0.25]))[0] == pytest.approx([0, 0.981, 0])
     step = 1e-6
-    slope = (motion.attitude(times + step) - motion.attitude(times - step)) / (2 * step)
-    assert motion.rates(times) == pytest.approx(slope, abs=1e-6)
+    slope = (at_times.attitudes(motion, times + step) - at_times.attitudes(motion, times - step)) / (2 * step)
+    assert at_times.rates(motion, times) == pytest.approx(slope, abs=1e-6)
     assert motion.ends == inf
 
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from periph_sim.imu.motion import BadMotion
 from periph_sim.imu.motion.servo import RPM, Servo, Settings, motion, path
+from tests.imu.motion import at_times
 
 
 def corners(servo: Settings) -> list[tuple[float, str, float]]:
@@ -34,7 +35,7 @@ def test_the_path_turns_where_section_5_3_says():
     assert [angle for _, angle, _ in found] == ["theta"] * 7 + ["psi"] * 7 + ["phi"] * 7
     column = {"phi": 0, "theta": 1, "psi": 2}
     for at, angle, degrees in found:
-        attitude = np.degrees(way.attitude(np.array([at, at + 1.9])))
+        attitude = np.degrees(at_times.attitudes(way, np.array([at, at + 1.9])))
         expected = np.zeros(3)
         expected[column[angle]] = degrees
         assert attitude == pytest.approx(np.tile(expected, (2, 1)), abs=1e-9)
@@ -42,7 +43,7 @@ def test_the_path_turns_where_section_5_3_says():
 
 
 def test_rates_are_those_of_the_servo_in_truth():
-    rates = motion(Settings()).rates(np.array([0.0, 0.1, 1.0, 3.0, 1e6]))
+    rates = at_times.rates(motion(Settings()), np.array([0.0, 0.1, 1.0, 3.0, 1e6]))
     assert np.degrees(rates[:, 1]) == pytest.approx([313.2, 313.2, 0, -17.4, 0])
     assert not rates[:, [0, 2]].any()
 
@@ -50,7 +51,7 @@ def test_rates_are_those_of_the_servo_in_truth():
 def test_read_without_pause_and_finely_it_is_the_path():
     exact = Settings(resolution=0.0, read_every=0.0)
     times = np.linspace(0, path(exact).ends, 5000)
-    assert np.array_equal(motion(exact).attitude(times), path(exact).attitude(times))
+    assert np.array_equal(at_times.attitudes(motion(exact), times), at_times.attitudes(path(exact), times))
 
 
 @settings(deadline=None, max_examples=20)
@@ -58,7 +59,7 @@ def test_read_without_pause_and_finely_it_is_the_path():
 def test_at_the_instants_of_reading_it_is_the_nearest_position_the_servo_can_tell(every, resolution, interpolate):
     servo = Settings(swings=1, read_every=every, resolution=radians(resolution), interpolate=interpolate)
     read = np.arange(20) * every
-    true, told = path(servo).attitude(read), motion(servo).attitude(read)
+    true, told = at_times.attitudes(path(servo), read), at_times.attitudes(motion(servo), read)
     assert np.abs(true - told).max() <= radians(resolution) / 2 + 1e-12
     steps = told / radians(resolution)
     assert steps == pytest.approx(np.rint(steps), abs=1e-6)
@@ -69,15 +70,15 @@ def test_between_two_readings_it_goes_straight_or_holds():
     read, between = np.array([30, 31]) * every, np.array([30.25]) * every
     for shape, weight in (("straight", 0.25), ("hold", 0.0)):
         servo = motion(Settings(interpolate=shape))
-        before, after = servo.attitude(read)
-        assert servo.attitude(between)[0] == pytest.approx(before + weight * (after - before))
+        before, after = at_times.attitudes(servo, read)
+        assert at_times.attitudes(servo, between)[0] == pytest.approx(before + weight * (after - before))
 
 
 def test_it_ends_at_zero_and_stays_there():
     servo = motion(Settings())
     assert isinstance(servo, Servo)
-    assert not servo.attitude(np.array([servo.ends, servo.ends + 1e6])).any()
-    assert not servo.acceleration(np.array([1.0])).any()
+    assert not at_times.attitudes(servo, np.array([servo.ends, servo.ends + 1e6])).any()
+    assert not at_times.accelerations(servo, np.array([1.0])).any()
 
 
 def test_the_speeds_are_the_published_ones():

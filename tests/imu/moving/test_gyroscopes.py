@@ -13,6 +13,7 @@ from periph_sim.imu.moving import experiment as direct
 from periph_sim.imu.moving.experiment import attitudes, truth
 from periph_sim.imu.moving.subject import EmulatorUnderTest
 from periph_sim.imu.samples import Readings
+from tests.imu.motion import at_times
 from tests.imu.moving.subjects import TWO_ANGLES, flight, subject, without_noise
 
 FLOAT = "unit.dsp.settings.arithmetic=float64"
@@ -97,7 +98,7 @@ def test_yaw_through_half_a_turn_goes_on_unwrapped_and_no_error_jumps(tmp_path: 
     one, readings = through_half_a_turn(tmp_path, "unwrapped")
     about_z = readings.samples(one.sensors).gyro[3:, 2]
     assert about_z == pytest.approx(np.full(len(about_z), 20.0), abs=1.0)
-    yaw = np.degrees(one.motion.attitude(readings.seconds)[:, 2])
+    yaw = np.degrees(at_times.attitudes(one.motion, readings.seconds)[:, 2])
     assert yaw.max() > 170 and yaw.min() < -140
     found = errors(attitudes(one, readings), truth(one, readings.seconds))
     assert np.abs(found.yaw[10:]).max() < 3 and found.total[10:].max() < 3

@@ -23,6 +23,10 @@ event: a START, STOP, address, byte, ACK or NACK on the bus, or a word on a UART
 divergence: a difference between an event of the capture and the corresponding event of the replay.
 """
 
+from __future__ import annotations
 
-class BadReplay(ValueError):
-    """A capture cannot be replayed with the given case and options. The message is one sentence for the user."""
+from ..core.input_error import InputError
+
+
+class BadReplay(InputError):
+    """A capture cannot be replayed with the given case and options."""

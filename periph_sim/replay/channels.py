@@ -5,14 +5,14 @@ An I2C capture has scl and sda, a UART capture has only rx, and a capture of a s
 
 from __future__ import annotations
 
-from ..core.phrases import did_you_mean
 from ..traces.capture.capture import Capture, listed
-from ..traces.capture.channel_names import channels_named
+from ..traces.capture.channel_names import channels_given, channels_named, pairs_given
 from ..traces.decode.i2c_table import swapped_lines
 from . import BadReplay
 
 I2C, UART = ("scl", "sda"), ("rx",)
 ALL = (*I2C, *UART)
+LINES = {line: line for line in ALL}  # each line has one name
 
 
 def channel_map(capture: Capture, text: str | None, session: bool = False) -> dict[str, str]:
@@ -22,7 +22,7 @@ def channel_map(capture: Capture, text: str | None, session: bool = False) -> di
         are preferred to RX.
     session: used if `text` is None. True: return all three lines if the capture has them.
 
-    Raise BadReplay if there are no such channels, if `text` is wrong, or if SCL and SDA are swapped.
+    Raise InputError if there are no such channels, if `text` is wrong, or if SCL and SDA are swapped.
     """
     found = _mapped(capture, text, session)
     if "scl" in found and (swapped := swapped_lines(capture, found["scl"], found["sda"])):
@@ -45,48 +45,30 @@ def _mapped(capture: Capture, text: str | None, session: bool) -> dict[str, str]
     )
 
 
-def serial_channel(capture: Capture, text: str | None) -> str:
+def serial_channel(capture: Capture, wanted: str | None) -> str:
     """Return the name of the channel for RX.
 
-    text: "rx=CHANNEL". None: return the only channel of the capture, or else the channel named RX.
+    wanted: the name or the index that the user gives. None: return the only channel of the capture, or else the channel
+        named RX.
 
-    Raise BadReplay if there is no such channel, or if several channels are named RX.
+    Raise InputError if there is no such channel, or if several channels are named RX.
     """
-    if text is None and len(capture.channels) == 1:
+    if wanted is not None:
+        channels_given(capture, "--uart-file", f"rx={wanted}", {"rx": wanted}, LINES)
+        return wanted
+    if len(capture.channels) == 1:
         return capture.channels[0].name
-    if text is None:
-        lines = channels_named(capture, "rx")
-        if len(lines) == 1:
-            return lines[0].name
-        raise BadReplay(
-            f"{capture.path}: which channel is RX? give --uart-file FILE,rx=CHANNEL; it has {listed(capture.channels)}"
-        )
-    lines_given = _given(capture, text, "--uart-file")
-    if set(lines_given) != set(UART):
-        raise BadReplay(f"--uart-file {capture.path},{text}: expected rx=CHANNEL alone")
-    return lines_given["rx"]
+    lines = channels_named(capture, "rx")
+    if len(lines) == 1:
+        return lines[0].name
+    raise BadReplay(
+        f"{capture.path}: which channel is RX? give --uart-file FILE,rx=CHANNEL; it has {listed(capture.channels)}"
+    )
 
 
-def _given(capture: Capture, text: str, option: str = "--map") -> dict[str, str]:
-    found: dict[str, str] = {}
-    for part in text.split(","):
-        line, equals, wanted = (piece.strip() for piece in part.partition("="))
-        line = line.lower()
-        if not equals or not wanted:
-            raise BadReplay(f"{option} {text!r}: expected scl=CHANNEL,sda=CHANNEL or rx=CHANNEL")
-        if line not in I2C + UART:
-            raise BadReplay(f"{option} {text!r}: there is no line {line!r}; {did_you_mean(line, I2C + UART)}")
-        try:
-            capture.channel(wanted)
-        except LookupError:
-            raise BadReplay(
-                f"{option} {text!r}: {capture.path} has no single channel {wanted!r}; it has {listed(capture.channels)}"
-            ) from None
-        found[line] = wanted
-    if set(found) not in (set(I2C), set(UART), set(ALL)):
-        raise BadReplay(f"{option} {text!r}: expected scl and sda, or rx, or all three; found {', '.join(found)}")
-    if len({capture.channel(channel).index for channel in found.values()}) < len(found):
-        raise BadReplay(
-            f"{option} {text!r}: one channel cannot be both lines; {capture.path} has {listed(capture.channels)}"
-        )
-    return found
+def _given(capture: Capture, text: str) -> dict[str, str]:
+    given = pairs_given("--map", text, ALL)
+    channels_given(capture, "--map", text, given, LINES)
+    if set(given) not in (set(I2C), set(UART), set(ALL)):
+        raise BadReplay(f"--map {text}: expected scl and sda, or rx, or all three; found {', '.join(given)}")
+    return given

@@ -138,7 +138,7 @@ def test_a_recording_of_the_replay(call, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--map", "rx=4"], "has no single channel '4'; it has RX (index 0)"),
+        (["--map", "rx=4"], "there is no channel '4'; it has RX"),
         (["--baud", "115200", "--frame", "9n1"], "'9n1' is no line format; expected data bits 1 to 8"),
         (["--baud", "900000"], "samples a bit at 900000 baud; expected at least 2"),
         (["--first", "3"], "--first is for I2C captures; this one is not mapped so"),
@@ -370,7 +370,8 @@ def test_a_master_that_does_not_return_fails_after_the_patience_given(call, tmp_
         ([IMU_ROUND, "--offset", "1 ms"], "--offset needs --uart"),
         ([IMU_ROUND, "--uart-file", HOST_FRAMES, "--offset", "1"], "--offset: '1' has no unit"),
         ([IMU_ROUND, "--uart-file", HOST_FRAMES, "--offset", ""], "--offset: '' has no unit"),
-        ([IMU_ROUND, "--uart-file", f"{HOST_FRAMES},rx=7"], "has no single channel '7'"),
+        ([IMU_ROUND, "--uart-file", f"{HOST_FRAMES},rx=7"], "there is no channel '7'"),
+        ([IMU_ROUND, "--uart-file", f"{HOST_FRAMES},scl=0"], "--uart-file scl=0: there is no 'scl'; it has rx, rate"),
         ([IMU_ROUND, "--uart-file", IMU_ROUND], "which channel is RX? give --uart-file FILE,rx=CHANNEL"),
         ([IMU_ROUND, "--uart-file", f"{HOST_FRAMES},rate=quick"], "'quick' is no sample rate"),
         ([IMU_ROUND, "--uart-file", HOST_FRAMES, "--loop", "open"], "are for --loop closed --as slave"),

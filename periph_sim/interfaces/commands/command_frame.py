@@ -210,7 +210,6 @@ MISTAKES = {
     "periph_sim.processor.user_code.FirmwareError",
     "periph_sim.records.run.NotInRun",
     "periph_sim.records.recording.BadRecording",
-    "periph_sim.replay.BadReplay",
     "periph_sim.outside.errors.OutsideError",
     "periph_sim.processor.image_files.model.BadImage",
 }

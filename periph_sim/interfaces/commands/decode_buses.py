@@ -15,9 +15,8 @@ from typing import NamedTuple
 
 import click
 
-from ...core.phrases import did_you_mean
 from ...traces.capture.capture import Capture, Channel, gap_notes, listed
-from ...traces.capture.channel_names import buses_named
+from ...traces.capture.channel_names import buses_named, channels_given, pairs_given
 from ...traces.decode import spi
 from ...traces.decode.event_rows import Rows, i2c_rows, no_rows, spi_rows, uart_rows
 from ...traces.decode.i2c_table import i2c_table, impossible_rate, swapped_lines
@@ -111,7 +110,7 @@ def _i2c(capture: Capture, text: str, shortest: int) -> Bus:
     for name in BUS_LINES:
         if name not in given:
             raise click.ClickException(f"--i2c {text}: {name} is missing; expected scl=CHANNEL,sda=CHANNEL")
-    lines = _channels(capture, "--i2c", text, given, dict(zip(BUS_LINES, BUS_LINES, strict=True)))
+    lines = channels_given(capture, "--i2c", text, given, dict(zip(BUS_LINES, BUS_LINES, strict=True)))
     return _i2c_of(capture, lines["scl"], lines["sda"], shortest)
 
 
@@ -133,7 +132,7 @@ def _spike(capture: Capture) -> int:
 
 
 def _uart(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
-    given = pairs_given("--uart", text, (*UART_LINES, "baud", "format", *FLAGS))
+    given = pairs_given("--uart", text, (*UART_LINES, "baud", "format"), FLAGS)
     if not given.keys() & set(UART_LINES):
         raise click.ClickException(f"--uart {text}: rx or tx is missing; expected rx=CHANNEL,baud=RATE")
     for name in FLAGS:
@@ -200,7 +199,7 @@ def _nothing(capture: Capture, wire: Channel, note: str) -> Bus:
 
 def _spi(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
     given = pairs_given("--spi", text, (*SPI_LINES, *SPI_MODES, "wordsize"))
-    lines = _channels(capture, "--spi", text, given, SPI_LINES)
+    lines = channels_given(capture, "--spi", text, given, SPI_LINES)
     if "clk" not in lines or not lines.keys() & {"mosi", "miso"}:
         missing = "mosi or miso" if "clk" in lines else "clk"
         raise click.ClickException(f"--spi {text}: {missing} is missing; expected clk=CHANNEL,mosi=CHANNEL,...")
@@ -230,50 +229,3 @@ def _spi_format(text: str, given: dict[str, str]) -> spi.SpiFormat:
     if not (size.isascii() and size.isdecimal() and len(size) < 3 and 1 <= int(size) <= MAX_WORD):
         raise click.ClickException(f"--spi {text}: wordsize is {size}; expected 1 to {MAX_WORD} bits")
     return spi.SpiFormat(int(size), mode["cpol"], mode["cpha"], bool(mode["bitorder"]), bool(mode["cs_polarity"]))
-
-
-# Options -------------------------------------------------------------------------
-
-
-def _channels(
-    capture: Capture, option: str, text: str, given: dict[str, str], lines: dict[str, str]
-) -> dict[str, Channel]:
-    """Return a dictionary from the lines that the user states, such as mosi, to their channels.
-
-    given: a dictionary from the names of the settings that the user states to their values.
-    lines: a dictionary from names of settings to lines. A line may have several names: mosi and simo are one line.
-    """
-    found: dict[str, Channel] = {}
-    for name, line in lines.items():
-        if name in given and line in found:
-            raise click.ClickException(f"{option} {text}: {name} and {line} are one line; give one of them")
-        if name in given:
-            try:
-                found[line] = capture.channel(given[name])
-            except LookupError as error:
-                raise click.ClickException(f"{option} {text}: {error.args[0]}") from None
-    if len({channel.index for channel in found.values()}) < len(found):
-        raise click.ClickException(f"{option} {text}: two lines are one channel; expected a channel each")
-    return found
-
-
-def pairs_given(option: str, text: str, known: tuple[str, ...]) -> dict[str, str]:
-    """Parse a text such as `rx=2,baud=9600,vote` to a dictionary. Only the settings in FLAGS may have no value.
-
-    option: the name of the option, for messages.
-    known: the names that are allowed.
-
-    Raise ClickException for other names, for a name that occurs twice, and for a missing value.
-    """
-    given: dict[str, str] = {}
-    for part in text.split(","):
-        name, equals, value = part.partition("=")
-        name = name.strip().casefold()
-        if name not in known:
-            raise click.ClickException(f"{option} {text}: there is no {name!r}; {did_you_mean(name, known)}")
-        if name in given:
-            raise click.ClickException(f"{option} {text}: {name} is given twice; expected once")
-        if name not in FLAGS and not value.strip():
-            raise click.ClickException(f"{option} {text}: {name} has no value; expected {name}=...")
-        given[name] = value.strip() or equals
-    return given

@@ -55,11 +55,11 @@ def diff(
 
     if isinstance(tolerance, Cycles):
         raise click.ClickException("--tolerance in cycles: captures state no SYSCLKOUT; give a time, such as '133 ns'")
-    channel, line = (None, None) if uart is None else _line(uart)
-    wanted = "sda" if line is None else "rx"
-    if channel is not None and mapping is not None:
-        raise click.ClickException("--uart and --map both name the channel of rx; give one of them")
     with usage_errors_in_one_sentence():
+        channel, line = (None, None) if uart is None else _line(uart)
+        wanted = "sda" if line is None else "rx"
+        if channel is not None and mapping is not None:
+            raise click.ClickException("--uart and --map both name the channel of rx; give one of them")
         captures = (
             read_capture(a, rate, salvage),
             read_capture(b, rate_b, salvage, "--rate-b"),
@@ -87,8 +87,8 @@ def _line(text: str) -> tuple[str | None, Line]:
 
     The channel is None if it is not stated. Raise ClickException if the rate is not stated.
     """
+    from ...traces.capture.channel_names import pairs_given
     from ...traces.decode.uart_line import line_of
-    from .decode_buses import pairs_given
 
     given = pairs_given("--uart", text, ("rx", "baud", "format"))
     if given.get("baud", "auto") == "auto":

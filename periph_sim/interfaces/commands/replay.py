@@ -232,12 +232,12 @@ def _serial(text: str, salvage: bool) -> tuple[Capture, str]:
     Return the capture in the file and the name of the channel of RX.
     """
     from ...replay.channels import serial_channel
+    from ...traces.capture.channel_names import pairs_given
 
-    path, *more = text.split(",")
-    rates = [part.partition("=")[2] for part in more if part.strip().startswith("rate=")]
-    lines = [part for part in more if not part.strip().startswith("rate=")]
-    capture = read_capture(Path(path), rates[-1] if rates else None, salvage, "--uart-file")
-    return capture, serial_channel(capture, ",".join(lines) if lines else None)
+    path, comma, more = text.partition(",")
+    given = pairs_given("--uart-file", more, ("rx", "rate")) if comma else {}
+    capture = read_capture(Path(path), given.get("rate"), salvage, "--uart-file")
+    return capture, serial_channel(capture, given.get("rx"))
 
 
 def _above_zero(option: str, text: str) -> Fraction:

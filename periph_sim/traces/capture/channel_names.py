@@ -1,4 +1,6 @@
-"""Find the buses of a capture by the names of its channels: pairs of SCL and SDA, and serial lines.
+"""Find the lines of a capture by an option, such as `scl=0,sda=1`, or by the names of its channels.
+
+Without an option, the buses are pairs of SCL and SDA, and serial lines:
 
 SCL, SDA                                             one bus
 EEPROM SCL, EEPROM SDA, SCL2, SDA2                   two buses: both names of a pair contain the same word or number
@@ -10,11 +12,13 @@ tb.scl, tb.dut.scl, tb.sda, tb.dut.sda               one bus if both scopes show
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
+from ...core.input_error import InputError
+from ...core.phrases import did_you_mean
 from .capture import Capture, Channel
 
 
@@ -99,3 +103,50 @@ def _pairs(lines: Iterable[_Line], alike: Callable[[_Line], Key]) -> list[tuple[
     for line in lines:
         groups.setdefault(alike(line), {"scl": [], "sda": []})[line.line].append(line)
     return [(scl[0], sda[0]) for scl, sda in (group.values() for group in groups.values()) if len(scl) == len(sda) == 1]
+
+
+def pairs_given(option: str, text: str, known: tuple[str, ...], flags: tuple[str, ...] = ()) -> dict[str, str]:
+    """Parse the value of an option, such as `rx=2,baud=9600,vote`, to a dictionary.
+
+    option: the name of the option, for messages.
+    known: the names that need a value.
+    flags: the names that may have no value.
+
+    Raise InputError for other names, for a name that occurs twice, and for a missing value.
+    """
+    given: dict[str, str] = {}
+    for part in text.split(","):
+        name, equals, value = part.partition("=")
+        name = name.strip().casefold()
+        if name not in known + flags:
+            raise InputError(f"{option} {text}: there is no {name!r}; {did_you_mean(name, known + flags)}")
+        if name in given:
+            raise InputError(f"{option} {text}: {name} is given twice; expected once")
+        if name not in flags and not value.strip():
+            raise InputError(f"{option} {text}: {name} has no value; expected {name}=...")
+        given[name] = value.strip() or equals
+    return given
+
+
+def channels_given(
+    capture: Capture, option: str, text: str, given: Mapping[str, str], lines: Mapping[str, str]
+) -> dict[str, Channel]:
+    """Return a dictionary from the lines that an option states, such as mosi, to their channels.
+
+    given: the settings in the value of the option, as `pairs_given` returns them.
+    lines: a dictionary from names of settings to lines. A line may have several names: mosi and simo are one line.
+
+    Raise InputError if a line is stated twice, or if the capture does not have a channel for each line.
+    """
+    found: dict[str, Channel] = {}
+    for name, line in lines.items():
+        if name in given and line in found:
+            raise InputError(f"{option} {text}: {name} and {line} are one line; give one of them")
+        if name in given:
+            try:
+                found[line] = capture.channel(given[name])
+            except LookupError as error:
+                raise InputError(f"{option} {text}: {error.args[0]}") from None
+    if len({channel.index for channel in found.values()}) < len(found):
+        raise InputError(f"{option} {text}: two lines are one channel; expected a channel each")
+    return found

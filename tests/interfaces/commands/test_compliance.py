@@ -79,7 +79,7 @@ def test_times_of_a_file_without_samples_are_as_good_as_their_grid(periph_sim: R
         ([IMU_ROUND, "--mode", "quick"], "'quick' is not one of 'standard', 'fast', 'fast-plus'"),
         (
             [IMU_ROUND, "--mode", "fast", "--map", "scl=0,sda=7"],
-            "has no single channel '7'; it has SCL (index 0), SDA (index 1)",
+            "there is no channel '7'; it has SCL, SDA",
         ),
         ([IMU_ROUND, "--mode", "fast", "--map", "scl=0"], "expected scl and sda"),
         ([IMU_ROUND, "--mode", "fast", "--rate", "quick"], "--rate: 'quick' is no sample rate"),

@@ -132,7 +132,7 @@ def test_our_own_run_with_requests_three_microseconds_apart_more(
         ([IMU_ROUND, NACK, "--tolerance", "3"], "--tolerance: '3' has no unit"),
         ([IMU_ROUND, NACK, "--tolerance", "-1us"], "--tolerance: '-1us' is negative"),
         ([IMU_ROUND, NACK, "--tolerance", "20 cycles"], "--tolerance in cycles: captures state no SYSCLKOUT; give"),
-        ([IMU_ROUND, NACK, "--map", "scl=9,sda=1"], "has no single channel '9'"),
+        ([IMU_ROUND, NACK, "--map", "scl=9,sda=1"], "there is no channel '9'"),
         ([IMU_ROUND, NACK, "--rate-b", "x"], "--rate-b: 'x' is no sample rate"),
         (
             [HOST_FRAMES, HOST_FRAMES, "--uart", "baud=fast"],

@@ -146,7 +146,7 @@ def test_nothing_is_written_over_and_nothing_half_done(periph_sim: Run, here: Pa
             ["replay", "--from", str(TRACES / "host_frames.sr")],
             "is a UART capture; periph-sim new --example uart_logger",
         ),
-        (["replay", "--from", str(TRACES / "imu_round.sr"), "--map", "scl=5,sda=1"], "has no single channel '5'"),
+        (["replay", "--from", str(TRACES / "imu_round.sr"), "--map", "scl=5,sda=1"], "there is no channel '5'"),
     ],
 )
 def test_a_mistake_is_one_sentence(periph_sim: Run, here: Path, arguments: list[str], sentence: str):

@@ -156,7 +156,7 @@ class Cpu(Registers):
         xar, n = self.xar, self.arp
         if field < 0xBD:
             self.ea = xar[n]
-        if field in (0xAE, 0xAF):
+        if 0xAE <= field <= 0xAF:
             low = reversed_carry(self.ea & M16, xar[0] & M16, field == 0xAF)
             xar[n] = self.ea & HIGH16 | low
         elif field < 0xB8:

@@ -15,10 +15,12 @@ another rest, and compared with the first run; `Contradiction` is raised if they
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections import deque
 from collections.abc import Callable
 from fractions import Fraction
 from random import Random
+from time import process_time
 
 from msgspec import Struct
 
@@ -35,6 +37,7 @@ MAX_ENTRIES = 400_000
 ROUNDS_A_RUN = 256  # maximum number of rounds in one run
 REVISITED = 20  # of this number of entries, one is run again, but at least LEAST_REVISITED are
 LEAST_REVISITED = 200
+TIMED = 20  # number of entries whose CPU time gives the estimate
 LONGER_RESTS = 3  # a rest lasts less than this number of periods more than the shortest possible rest
 WITHIN_ROUND = frozenset(["this occurrence", "this transfer", "this round"])  # values of `Measure.looks_back`
 NAMED = 4  # maximum number of attributes that are named if a state does not repeat
@@ -105,6 +108,16 @@ class StartTable(Struct):
                     found[verdict.name] = WorstInRuns(verdict, run)
         return found
 
+    def run_of(self, worst: WorstInRuns, per_second: int) -> tuple[list[int], int]:
+        """Return the starts of a run up to its worst value, and the end before the next start, in ticks from its start.
+
+        If the worst value has no instant, return the whole run. per_second: the number of ticks per second.
+        """
+        starts = self.starts[worst.run]
+        at = starts[-1] if worst.verdict.at_s is None else round(worst.verdict.at_s * per_second)
+        until = next((start for start in starts if start > at), starts[-1] + self.apart)
+        return [start for start in starts if start < until], until - 1
+
     def not_proven(self, covered: CoveredCase) -> dict[str, str]:
         """Return a dictionary from each budget that the table does not prove to the reason.
 
@@ -134,15 +147,23 @@ class TableMaker:
     """Makes the table of a case. Raise NotClosed if the case has no table.
 
     on_progress: called with the part of the known entries that were run.
+    on_estimate: called once, with the number of entries of the first orbit and an estimate of the CPU time in seconds.
     """
 
-    def __init__(self, covered: CoveredCase, on_progress: Callable[[float], None] | None = None) -> None:
+    def __init__(
+        self,
+        covered: CoveredCase,
+        on_progress: Callable[[float], None] | None = None,
+        on_estimate: Callable[[int, float], None] | None = None,
+    ) -> None:
         self._covered = covered
         self._on_progress = on_progress
+        self._on_estimate = on_estimate
+        self._timed_from = 0.0  # the CPU time at which the first entry was begun
         self._ignored = check(covered.case)
         self._random = Random(1)
         self._places: dict[bytes, RestPlace] = {}  # from the digest of a state of rest to its place
-        self._open: list[set[int]] = []  # for each orbit, the ticks of the entries that were not run yet
+        self._open: list[list[int]] = []  # for each orbit, the ticks of the entries that were not run yet, ascending
         self._entries: dict[RestPlace, TableEntry] = {}
         self.table = StartTable([], 0, 0, 0, [], [], set(), set())
 
@@ -156,7 +177,7 @@ class TableMaker:
             self._run(again=0)
             if table.has_failed:
                 return table
-        wanted = max(LEAST_REVISITED, len(self._entries) // REVISITED)
+        wanted = _revisits(len(self._entries))
         while table.again < wanted or any(self._open):
             self._run(again=wanted)
             if table.has_failed:
@@ -187,8 +208,7 @@ class TableMaker:
         """Return the tick of the next entry on the way to an open one; None if no open entry can be reached."""
         here = self._open[place.orbit]
         if here:
-            period = self.table.orbits[place.orbit]
-            return min(here, key=lambda tick: (tick - place.tick - 1) % period)
+            return here[bisect_right(here, place.tick) % len(here)]
         ways: dict[int, dict[int, int]] = {}  # from an orbit and the orbit after it to the tick of an entry
         for at, entry in self._entries.items():
             ways.setdefault(at.orbit, {}).setdefault(entry.after.orbit, at.tick)
@@ -222,8 +242,13 @@ class TableMaker:
             self._compare(at, known, entry)
             return after
         self._entries[at] = entry
-        self._open[place.orbit].discard(tick)
+        here = self._open[place.orbit]
+        del here[bisect_left(here, tick)]
         self.table.entries += 1
+        if self.table.entries == TIMED and self._on_estimate is not None:
+            (entries,) = self.table.orbits[:1]
+            seconds = (process_time() - self._timed_from) / TIMED
+            self._on_estimate(entries, seconds * (entries + _revisits(entries)))
         if self._on_progress is not None:
             self._on_progress(self.table.entries / sum(self.table.orbits))
         return after
@@ -267,11 +292,19 @@ class TableMaker:
         keys = keys[: keys.index(key, 1)] if key in keys[1:] else keys
         self._places |= {each: RestPlace(len(table.orbits), number * cycle) for number, each in enumerate(keys)}
         table.orbits.append(len(keys) * cycle)
-        self._open.append(set(range(len(keys) * cycle)))
+        self._open.append(list(range(len(keys) * cycle)))
+        self._timed_from = self._timed_from or process_time()
+
+
+def _revisits(entries: int) -> int:
+    """Return how many entries of a table with this number of entries are run again."""
+    return max(LEAST_REVISITED, entries // REVISITED)
 
 
 def check(case: Case) -> tuple[str, ...]:
     """Return the names of attributes that need not be compared. Raise NotClosed if the case cannot have a table."""
+    if case.controller is not None and case.host is not None:
+        raise NotClosed("rounds and frames start independently of each other")
     if len(case.unit) > 1:
         raise NotClosed("it has more than one unit, and the phases of their clocks are free")
     for name, unit in case.unit.items():
@@ -279,8 +312,6 @@ def check(case: Case) -> tuple[str, ...]:
             raise NotClosed(f"unit {name} runs no image, and other firmware has a part of its state on a stack")
         if unit.ppm:
             raise NotClosed(f"unit.{name}.ppm is not 0, so a cycle is not a whole number of ticks")
-    if case.controller is not None and case.host is not None:
-        raise NotClosed("rounds and frames start independently of each other")
     for table in ("chip", "device", "serial", "fault", "outside", "transceiver", "rounds", "watch"):
         if getattr(case, table):
             raise NotClosed(f"the state of [{table}] is not compared")

@@ -8,7 +8,6 @@ and can be continued.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from hashlib import blake2b
 from pathlib import Path
@@ -16,17 +15,12 @@ from typing import Literal
 
 import msgspec
 
-from ..core.input_error import InputError
-from ..core.input_files import read_regular
+from . import saved_file
 from .cover import Covered, Window
-from .coverage_path import path_for
 from .dependencies import Dependencies
+from .saved_paths import coverage_path
 
 RENEW = "delete it, and write it again with prove --save"
-
-
-class BadCoverage(InputError):
-    """Error: a coverage file cannot be read. The message is one sentence."""
 
 
 class Choice(msgspec.Struct, frozen=True):
@@ -84,25 +78,9 @@ class CoverageFile(msgspec.Struct, frozen=True, kw_only=True):
         return self.finished == self.parts
 
 
-def text_of(file: CoverageFile) -> str:
-    """Return the text of a coverage file: JSON with sorted keys and sets, so that equal contents have equal texts."""
-    tree = msgspec.to_builtins(file, order="sorted")
-    return json.dumps(tree, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
-
-
 def read(path: Path) -> CoverageFile | None:
-    """Return the contents of a coverage file; None if there is no file.
-
-    Raise BadCoverage if the file is not a coverage, or is of another version of the format.
-    """
-    try:
-        return msgspec.json.decode(read_regular(path), type=CoverageFile)
-    except FileNotFoundError:
-        return None
-    except OSError as error:
-        raise BadCoverage(f"{path}: cannot be read ({error.strerror}); expected a coverage") from None
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise BadCoverage(f"{path}: is no coverage of this version of periph-sim ({error}); {RENEW}") from None
+    """Return the contents of a coverage file; None if there is no file. Raise BadSavedFile if it is no coverage."""
+    return saved_file.read(path, CoverageFile, "coverage", RENEW)
 
 
 def digest_of(phases: Sequence[int]) -> str:
@@ -129,8 +107,6 @@ def from_ranges(ranges: Sequence[tuple[int, int]], chosen: Sequence[int]) -> lis
 def current(case: Path) -> tuple[CoverageFile, list[str]] | None:
     """Return the coverage file of a case, with a phrase for each changed dependency; None if there is no file.
 
-    Raise BadCoverage for a file that cannot be read.
+    Raise BadSavedFile for a file that cannot be read.
     """
-    path = path_for(case)
-    file = read(path) if path.exists() else None
-    return None if file is None else (file, file.dependencies.differences(case.parent))
+    return saved_file.current(read(coverage_path(case)), case)

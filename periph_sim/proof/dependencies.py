@@ -48,7 +48,11 @@ class Dependencies(Struct, frozen=True):
 
     def differences(self, folder: Path) -> list[str]:
         """Return a phrase for each dependency that is different now. folder: the folder of the case."""
-        found = [f"{path} has changed" for path, digest in self.files.items() if _digest_of(folder / path) != digest]
+        found = []
+        for path, digest in self.files.items():
+            # The system would follow a link in `folder` before it goes to a parent folder.
+            if _digest_of(Path(os.path.normpath(folder.absolute() / path))) != digest:
+                found.append(f"{path} has changed")
         if self.periph_sim != package_digest():
             found.append("periph_sim itself has changed")
         if self.python != python_version():

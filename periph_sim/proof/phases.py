@@ -134,10 +134,13 @@ class Phases:
             (phase,) = phases
             return InputsTable(sends_later=self.seconds(phase)), self._case.duration + self.seconds(phase)
         more = 1 + (self.rounds - 1 if len(phases) == 1 else REPEATED) + (self.warm_up if self.start_up else 0)
-        starts = self.starts([*phases, *[phases[-1]] * more])
-        times = tuple(Fraction(start - self._start, self._per_second) for start in starts)
-        end = times[-1] - Fraction(1, self._per_second)
-        return (InputsTable(frames=times[:-1]) if self.moved == "frames" else InputsTable(rounds=times[:-1])), end
+        starts = [start - self._start for start in self.starts([*phases, *[phases[-1]] * more])]
+        return self.inputs_at(starts[:-1]), Fraction(starts[-1] - 1, self._per_second)
+
+    def inputs_at(self, starts: Sequence[int]) -> InputsTable:
+        """Return a table [inputs] with moved starts at these ticks, which count from the start of the run."""
+        times = tuple(Fraction(start, self._per_second) for start in starts)
+        return InputsTable(frames=times) if self.moved == "frames" else InputsTable(rounds=times)
 
     def cycles_after_due(self, tick: int) -> int:
         """Return the number of cycles from the begin of the period that contains a tick to this tick."""

@@ -9,6 +9,7 @@ the schedule of the case as a whole: limits of percentiles, of shares of time, a
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 from pathlib import Path
 
 from msgspec import Struct
@@ -68,6 +69,7 @@ class CoveredCase:
 
     phases: the phases of the case.
     left_out: the budgets and inputs that are not covered, as a dictionary from the name of each to the reason.
+    not_whole: the budgets of which a limit is not covered, as a dictionary from the name of each to the reason.
     runs: the number of runs so far.
 
     Raise BadCase if the case has no free phase, or no budget is left.
@@ -77,15 +79,18 @@ class CoveredCase:
         case = load(Path(job.file), list(job.changes))
         whole = ScenePlan(case)
         self.left_out: dict[str, str] = {}
+        self.not_whole: dict[str, str] = {}
         kept: list[Budget] = []
         for budget, plan in zip(case.budget, whole.limits, strict=True):
             reason = _why_left_out(plan)
+            percentiles = PER_MILLE.keys() & plan.limits.keys()
             if reason:
-                self.left_out[budget.name] = reason
-            else:
-                kept.append(without_percentiles(budget))
-                for key in PER_MILLE.keys() & plan.limits.keys():
-                    self.left_out[f"{percentile(key)} of {budget.name}"] = PERCENTILE
+                self.left_out[budget.name] = self.not_whole[budget.name] = reason
+                continue
+            kept.append(without_percentiles(budget))
+            self.left_out |= {f"{percentile(key)} of {budget.name}": PERCENTILE for key in percentiles}
+            if percentiles:
+                self.not_whole[budget.name] = PERCENTILE
         if not kept:
             raise case.mistake("there is no budget that can be judged at single phases", "budget")
         self._plan = ScenePlan(case.model_copy(update={"budget": tuple(kept)}), whole)
@@ -99,7 +104,10 @@ class CoveredCase:
 
     def scene(self, phases: Sequence[int], seed: int) -> Scene:
         """Return a scene, not yet run, in which the moved starts have these phases."""
-        inputs, duration = self.phases.inputs(phases)
+        return self.scene_of(*self.phases.inputs(phases), seed)
+
+    def scene_of(self, inputs: InputsTable, duration: Fraction, seed: int) -> Scene:
+        """Return a scene, not yet run, with these starts and this duration in seconds."""
         costs = {} if self.case.inputs is None else self.case.inputs.costs
         inputs = inputs.model_copy(update={"costs": costs})
         case = self.case.model_copy(update={"inputs": inputs, "duration": duration, "seed": seed})

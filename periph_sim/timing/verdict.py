@@ -16,10 +16,8 @@ FAIL: Final = "fail"  # a limit is broken, or an event such as a wrong reply ref
 NOT_JUDGED: Final = "not judged"  # no limit is broken, but too little was measured to say that all hold
 
 SEEN: Final = "seen"  # the word for a pass: every limit held in this run
+PROVEN: Final = "proven"  # the word for a pass of a budget that holds for every start
 BROKEN: Final = "broken"
-PASS_TITLE: Final = "PASS, as seen in this run"
-
-NOTHING_PROVEN: Final = "a run is no proof: its verdicts hold for this run, and for no other timing"
 
 
 @dataclass
@@ -38,6 +36,7 @@ class Verdict:
     occasions: the number of events at which a value should have been measured; None if they are not counted.
     until_s: the end of the fault that `found` describes, such as a wrong reply, which began at `at_s`; None if there is
         no such fault.
+    proven: True if a saved proof of the case says that the budget holds for every start.
     """
 
     name: str
@@ -55,12 +54,13 @@ class Verdict:
     measured: int = 0
     occasions: int | None = None
     until_s: float | None = None
+    proven: bool = False
 
     @property
     def word(self) -> str:
-        """The word in tables: "seen", "broken" or "not judged"."""
+        """The word in tables: "proven", "seen", "broken" or "not judged"."""
         if self.passed:
-            return SEEN
+            return PROVEN if self.proven else SEEN
         return BROKEN if self.broken else NOT_JUDGED
 
     @property
@@ -185,7 +185,19 @@ def assumes_lines(names: Sequence[str]) -> list[str]:
     return textwrap.wrap(text, 80, initial_indent="  ", subsequent_indent="    ", break_long_words=False)
 
 
+def title(word: str, budgets: Sequence[Verdict]) -> str:
+    """Return the title of a run with these budgets, whose verdict is `word`: "PASS, as seen in this run", "FAIL"."""
+    if word != PASS:
+        return word.upper()
+    is_proven = bool(budgets) and all(one.word == PROVEN for one in budgets)
+    return "PASS, proven" if is_proven else "PASS, as seen in this run"
+
+
 def legend(words: Collection[str]) -> list[str]:
     """Return the lines of the legend below a table of verdicts. words: the values of `Verdict.word` in the table."""
     count = "count: occurrences" + "; seen: held in this run, other timings are not covered" * (SEEN in words)
-    return [count, *["not judged: too little was measured; no pass"] * (NOT_JUDGED in words)]
+    return [
+        count,
+        *["proven: holds for every start that the proof covers"] * (PROVEN in words),
+        *["not judged: too little was measured; no pass"] * (NOT_JUDGED in words),
+    ]

@@ -9,8 +9,9 @@ from types import ModuleType
 import pytest
 
 from periph_sim.proof.cover import Drifting, Window, nothing
-from periph_sim.proof.coverage_file import Choice, CoverageFile, read, text_of
+from periph_sim.proof.coverage_file import Choice, CoverageFile, read
 from periph_sim.proof.dependencies import Dependencies, dependencies
+from periph_sim.proof.saved_file import text_of
 
 
 def a_file(failures: list[str]) -> CoverageFile:

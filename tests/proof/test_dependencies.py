@@ -8,6 +8,7 @@ from pathlib import Path
 
 from periph_sim.core.input_files import TEMPORARY, inputs_of_one_command
 from periph_sim.interfaces.reports.coverage import choose
+from periph_sim.proof.dependencies import dependencies
 from periph_sim.proof.stretch import Job
 from tests.scene.runs import TIMING
 
@@ -28,3 +29,13 @@ def test_headers_of_c_sources_are_dependencies_and_compiled_files_are_not(tmp_pa
     assert depends.differences(case.parent) == []
     extra.write_text("#define EXTRA 2\n", encoding="utf-8")
     assert depends.differences(case.parent) == ["../firmware/c/extra.inc has changed"]
+
+
+def test_a_folder_that_is_a_link_has_the_files_that_it_had(tmp_path: Path) -> None:
+    """Paths are relative to the folder as it is named, not to the folder to which it links."""
+    (tmp_path / "deep" / "real").mkdir(parents=True)
+    (tmp_path / "link").symlink_to(tmp_path / "deep" / "real")
+    (tmp_path / "model.py").write_text("A = 1\n", encoding="utf-8")
+    depends = dependencies(tmp_path / "link", [tmp_path / "model.py"])
+    assert "../model.py" in depends.files
+    assert depends.differences(tmp_path / "link") == []

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ...timing.verdict import BROKEN, NOT_JUDGED, SEEN
+from ...timing.verdict import BROKEN, NOT_JUDGED, PROVEN, SEEN
 from .command_frame import (
     command,
     command_line,
@@ -51,6 +51,7 @@ def check(
     tolerance: Tolerance | None,
     update: bool,
     changes: tuple[str, ...],
+    guaranteed: bool,
     jobs: int | None,
     cluster: str | None,
     as_json: bool,
@@ -67,7 +68,8 @@ def check(
     are baselines/NAME.json beside the case, or in `baselines` of that table. If a case has a coverage
     file (prove --save), the runs that gave its worst values are repeated and compared, too.
 
-    Exit status 0: the budgets that a case lists in `breaks` are broken, all others hold, nothing hangs,
+    Exit status 0: the budgets that a case lists in `breaks` are broken, all others hold (with --guaranteed: and
+    are proven), nothing hangs,
     and all figures are those of the baselines and coverage files; 1: otherwise; 2: a case could not be run
     (the others were). Cases that are driven from outside are listed, but not run.
     """
@@ -114,6 +116,7 @@ def check(
                 on_progress=on_progress,
                 on_refused=refused.append,
                 cluster=executor,
+                guaranteed=guaranteed,
             )
         outside = [one for one in refused if one.outside]
         refused = [one for one in refused if not one.outside]
@@ -145,6 +148,7 @@ def check(
                         "not_judged": [name for name in one.outcome.not_passed if name not in one.outcome.broken],
                         "baseline": {"file": one.baseline.as_posix(), "state": one.state},
                         "coverage": _coverage(one),
+                        "proven": [verdict.name for verdict in one.outcome.verdicts if verdict.proven],
                         "findings": [asdict(finding) for finding in one.findings],
                         "causes": {name: chains.as_json(chain) for name, chain in one.causes.items()},
                         "changes": [asdict(change) for change in one.changes],
@@ -200,6 +204,7 @@ def _html(
                 one.outcome.figures.ticks_per_second,
                 [finding.text for finding in one.findings],
                 None if one.coverage is None else one.coverage.report,
+                one.proof.line,
             )
             for one in checks
         ]
@@ -218,12 +223,16 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
     say(f"check: {sum(one.passed for one in checks)} of {len(checks) + len(refused)} as they should be", style="bold")
     rows: list[tuple[tuple[str, ...], str]] = [
         *map(_row, checks),
-        *(((case.path.stem, *[""] * 6, "refused"), "red") for case in refused),
+        *(((case.path.stem, *[""] * (len(TITLES) - 2), "refused"), "red") for case in refused),
     ]
     covered = any(one.coverage is not None for one in checks)
-    columns = [place for place, title in enumerate(TITLES) if covered or title != COVERAGE]
+    left_out = {COVERAGE} if not covered else set()
+    if not any(verdict.proven for one in checks for verdict in one.outcome.verdicts):
+        left_out.add(PROVEN)
+    columns = [place for place, title in enumerate(TITLES) if title not in left_out]
     rows = [(tuple(cells[place] for place in columns), style) for cells, style in rows]
-    print_table([TITLES[place] for place in columns], rows, right=range(1, 5), whole=range(len(columns)))
+    titles = [TITLES[place] for place in columns]
+    print_table(titles, rows, right=range(1, titles.index("baseline")), whole=range(len(columns)))
     if checks:
         say(LEGEND, *[COVERAGE_LEGEND] * covered)
     say(*(f"Error: {case.why}" for case in refused))
@@ -243,6 +252,7 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
         if errors := one.outcome.result.reception():
             say(f"note: {one.outcome.figures.case}: {', '.join(errors)}")
     say(*(one.coverage.line for one in checks if one.coverage is not None and not one.coverage.findings))
+    say(*(one.proof.line for one in checks if one.proof.line))
     for one in checks:
         if one.state == "written":
             say(*(f"{one.outcome.figures.case}: {change}" for change in one.changes))
@@ -251,8 +261,8 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
                 click.echo(one.diff)
 
 
-COVERAGE = "coverage"  # the title of a column that is shown if a case has a coverage file
-TITLES = ("case", "seen", "broken", "not\njudged", "must\nbreak", "baseline", COVERAGE, "")
+COVERAGE = "coverage"  # the title of a column that is shown if a case has a coverage file; PROVEN, if one is proven
+TITLES = ("case", PROVEN, "seen", "broken", "not\njudged", "must\nbreak", "baseline", COVERAGE, "")
 LEGEND = "columns count budgets; must break: named in `breaks`; baseline: changed figures"
 COVERAGE_LEGEND = "coverage: worst values of prove --save, run again; other phases are not run"
 
@@ -260,7 +270,7 @@ COVERAGE_LEGEND = "coverage: worst values of prove --save, run again; other phas
 def _row(one: CaseCheck) -> tuple[tuple[str, ...], str]:
     """Return the cells and the style of a case's row: the numbers of budgets by verdict, and the baseline's state."""
     words = [verdict.word for verdict in one.outcome.verdicts]
-    numbers = [str(words.count(word)) for word in (SEEN, BROKEN, NOT_JUDGED)]
+    numbers = [str(words.count(word)) for word in (PROVEN, SEEN, BROKEN, NOT_JUDGED)]
     changed = sum(not change.note for change in one.changes)
     state = f"{changed} changed" if one.state == "changed" else one.state
     coverage = ""

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 HELD = "held"  # the word for a budget that no run broke
 STEP = 97  # the default of --step in cycles; it has no common divisor with usual clock dividers or lengths of waits
-WITH_TABLE = ("case", "changes", "folder", "table", "as_json")  # parameters that have an effect with --table
+WITH_TABLE = ("case", "changes", "folder", "table", "save", "as_json")  # parameters that have an effect with --table
 MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures, that are listed; --json has all
 
 
@@ -61,7 +61,11 @@ MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures,
     help="Write a case for the worst value of each budget to this folder.",
 )
 @click.option("--table", is_flag=True, help="Prove all starts with a table of states. Firmware images only.")
-@click.option("--save", is_flag=True, help="Write coverage/NAME.json beside the case, or continue it.")
+@click.option(
+    "--save",
+    is_flag=True,
+    help="Save the result beside the case, in coverage or proofs.",
+)
 @SVG
 @JSON
 def prove(
@@ -90,29 +94,35 @@ def prove(
 
     With --table, the states between rounds (or frames) are compared, and each start is run from each of these states.
     If no further state appears, the budgets are proven for all starts. This needs firmware images, constant data, and
-    units without ppm. Only --set, --witness and --json can be used with --table.
+    units without ppm. Only --set, --witness, --save and --json can be used with --table.
+
+    With --save, the result is written to coverage/NAME.json beside the case, with --table to proofs/NAME.json. A
+    coverage that was stopped is continued.
 
     Exit status 0: every budget that the output does not list as left out held at all these phases (with --table: is
     proven); 1: otherwise; 2: the command was stopped (results so far are shown, except with --table), or a file could
     not be written.
     """
-    from ...proof import coverage_file, coverage_path
+    from ...proof import coverage_file
+    from ...proof.saved_paths import coverage_path, proof_path
     from ...proof.stretch import Job
     from ..reports.coverage import choose, run_coverage
 
+    if save and changes:
+        raise click.UsageError("--save with --set: it saves results of the unchanged case; remove one of them")
     if table:
         from .prove_table import prove_with_table
 
         _refuse_others_with_table()
-        return prove_with_table(case, changes, folder, as_json)
+        if save:
+            _check_writable(proof_path(case))
+        return prove_with_table(case, changes, folder, save, as_json)
     if save and start_up:
         raise click.UsageError("--save with --start-up: a coverage file is of the rounds; remove one of them")
-    if save and changes:
-        raise click.UsageError("--save with --set: a coverage file is of the unchanged case; remove one of them")
     with running_user_code():
         workers = cluster_given(cluster, jobs)
         note_inputs([case])
-        path = coverage_path.path_for(case) if save else None
+        path = coverage_path(case) if save else None
         if path is not None:
             _check_writable(path)
         job = Job(str(case.absolute()), changes, start_up, rounds)

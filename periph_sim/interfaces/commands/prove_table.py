@@ -10,40 +10,65 @@ import click
 
 from ...core.phrases import counted
 from ...proof.closed_table import Contradiction, StartTable, TableMaker, WorstInRuns
+from ...proof.dependencies import dependencies, files_read
 from ...proof.free_run import NotClosed
+from ...proof.proof_file import proof_of
+from ...proof.saved_file import text_of
+from ...proof.saved_paths import proof_path
 from ...proof.stretch import CoveredCase, Job
-from ...scene.case.inputs_table import InputsTable
-from ...timing.verdict import BROKEN, NOT_JUDGED, figure, limit
+from ...timing.verdict import BROKEN, NOT_JUDGED, PROVEN, figure, limit
+from ..reports.baselines.files import write_all
 from ..reports.witness import case_with_inputs
 from .command_frame import print_json, print_table, progress, running_user_code, say
 from .watch import note_inputs
 
-PROVEN = "proven"  # the word for a budget that holds for every start
 HELD = "held"  # the word for a budget that no run broke, and that the table does not prove
 
 
-def prove_with_table(case: Path, changes: tuple[str, ...], folder: Path | None, as_json: bool) -> int:
+def prove_with_table(case: Path, changes: tuple[str, ...], folder: Path | None, save: bool, as_json: bool) -> int:
     """Make the table of a case, show it, and return the exit status: 0 if all budgets are proven, else 1.
 
-    folder: where the witnesses are written; None to write none. Raise ClickException if the case has no table.
+    folder: where the witnesses are written; None to write none.
+    save: True to write the proof file, if the table is closed.
+
+    Raise ClickException if the case has no table.
     """
     with running_user_code():
         note_inputs([case])
-        covered = CoveredCase(Job(str(case.absolute()), changes))
-        try:
-            with progress(covered.case.name) as on_progress:
-                made = TableMaker(covered, on_progress).make()
-        except NotClosed as error:
-            otherwise = "without --table, prove runs its phases, which proves nothing"
-            raise click.ClickException(f"{covered.case.name} has no closed table: {error}; {otherwise}") from None
-        except Contradiction as error:
-            raise click.ClickException(str(error)) from None
+        with files_read() as read:
+            covered = CoveredCase(Job(str(case.absolute()), changes))
+            made = _table(covered)
+            proof = None
+            if save and not made.has_failed:
+                proof = proof_of(made, covered, dependencies(case.absolute().parent, [*read, *covered.case.files()]))
         files = [] if folder is None else _write_witnesses(made, covered, case, changes, folder)
+        if proof is not None and proof.proven:
+            write_all({proof_path(case): text_of(proof)})
+            files.append(proof_path(case))
     if as_json:
         print_json("prove", _object(made, covered, files))
     else:
         _show(made, covered, files)
+    if save and (proof is None or not proof.proven):
+        click.echo(f"{proof_path(case)} is not written, because no budget is proven", err=True)
     return int(any(word != PROVEN for word in _words(made, covered).values()) or made.has_failed)
+
+
+def _table(covered: CoveredCase) -> StartTable:
+    """Return the table of a case. Raise ClickException if there is none."""
+
+    def announce(starts: int, seconds: float) -> None:
+        about = max(1, round(seconds))
+        click.echo(f"{covered.case.name}: {starts:,} starts to run, about {about} s of CPU", err=True)
+
+    try:
+        with progress(covered.case.name) as on_progress:
+            return TableMaker(covered, on_progress, announce).make()
+    except NotClosed as error:
+        otherwise = "without --table, prove runs its phases, which proves nothing"
+        raise click.ClickException(f"{covered.case.name} has no closed table: {error}; {otherwise}") from None
+    except Contradiction as error:
+        raise click.ClickException(str(error)) from None
 
 
 def _words(made: StartTable, covered: CoveredCase) -> dict[str, str]:
@@ -64,24 +89,14 @@ def _write_witnesses(
     made: StartTable, covered: CoveredCase, case: Path, changes: Sequence[str], folder: Path
 ) -> list[Path]:
     """Write a case for the worst value of each judged budget, and return the files."""
-    return [
-        case_with_inputs(covered, worst.verdict, _inputs(made, covered, worst), case, changes, folder)
-        for worst in made.worst().values()
-        if worst.verdict.passed or worst.verdict.broken
-    ]
-
-
-def _inputs(made: StartTable, covered: CoveredCase, worst: WorstInRuns) -> tuple[InputsTable, Fraction, int]:
-    """Return the inputs of the run with a worst value, its duration in seconds, and its seed.
-
-    The run ends before the first start after the worst value.
-    """
-    per_second, starts = covered.phases.ticks_per_second, made.starts[worst.run]
-    at = round((worst.verdict.at_s or 0) * per_second)
-    until = next((start for start in starts if start > at), starts[-1] + made.apart)
-    times = tuple(Fraction(start, per_second) for start in starts if start < until)
-    inputs = InputsTable(frames=times) if covered.phases.moved == "frames" else InputsTable(rounds=times)
-    return inputs, Fraction(until - 1, per_second), covered.case.seed
+    files = []
+    for worst in made.worst().values():
+        if worst.verdict.passed or worst.verdict.broken:
+            starts, until = made.run_of(worst, covered.phases.ticks_per_second)
+            end = Fraction(until, covered.phases.ticks_per_second)
+            run = (covered.phases.inputs_at(starts), end, covered.case.seed)
+            files.append(case_with_inputs(covered, worst.verdict, run, case, changes, folder))
+    return files
 
 
 def _show(made: StartTable, covered: CoveredCase, files: Sequence[Path]) -> None:

@@ -12,7 +12,6 @@ from ...timing.verdict import (
     FAIL,
     NOT_JUDGED,
     PASS,
-    PASS_TITLE,
     Verdict,
     assumes_lines,
     broken,
@@ -21,6 +20,7 @@ from ...timing.verdict import (
     simulated,
 )
 from ...timing.verdict import legend as meanings
+from ...timing.verdict import title as title_of
 from .command_frame import print_table, say
 
 A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
@@ -86,7 +86,7 @@ def rounded(count: int) -> str:
 
 
 def title(result: Result) -> str:
-    return PASS_TITLE if result.verdict == PASS else result.verdict.upper()
+    return title_of(result.verdict, result.budgets)
 
 
 def budget_table(budgets: Sequence[Verdict]) -> None:

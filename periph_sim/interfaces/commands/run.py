@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ...processor.user_code import FirmwareError
-from ...proof.coverage_path import path_for
+from ...proof.saved_paths import coverage_path, proof_path
 from ...records.recording import recording
 from ...scene.case.load import load
 from ...scene.result import Result
@@ -76,6 +76,7 @@ def run(
     max_error: str | None,
     record: Path | None,
     html: Path | None,
+    guaranteed: bool,
     explain: bool,
     verbose: bool,
     questions: bool,
@@ -84,12 +85,15 @@ def run(
 ) -> int:
     """Run CASE and judge its budgets.
 
-    Exit status 0: the case has budgets, all of them hold, and nothing hangs; 1: otherwise. With --questions, this
-    applies to all runs.
+    Exit status 0: the case has budgets, all of them hold (with --guaranteed: and are proven), and nothing hangs;
+    1: otherwise. With --questions, this applies to all runs.
     """
     for_one = {"--record": record, "--html": html, "--explain": explain, "--verbose": verbose}
     for option in (option for option, given in for_one.items() if given and questions):
         raise click.ClickException(f"{option} is for one run, and --questions makes many; leave one of them out")
+    if guaranteed and questions:
+        what = "--questions runs the case with other answers, which no proof covers; use --no-guaranteed"
+        raise click.ClickException(what)
     if jobs is not None and not questions:
         raise click.ClickException("--jobs needs --questions, since a single run takes one process; leave it out")
     require_distinct_outputs(record=record, html=html)
@@ -119,8 +123,13 @@ def run(
             at = scene.timebase.show(scene.kernel.now - scene.start)
             kept = "" if record is None else f"; {record} contains the run up to there"
             raise click.ClickException(f"{stopped}; this was at {at} of the run{kept}")
+        proof = None
+        if guaranteed or proof_path(case).exists():
+            from ..reports.proofs import mark_proven
+
+            proof = mark_proven(case, changes, result.budgets)
         covered = None
-        if not changes and length is None and path_for(case).exists():
+        if not changes and length is None and coverage_path(case).exists():
             from ..reports.coverage_line import phases_report
 
             covered = phases_report(case)
@@ -145,14 +154,15 @@ def run(
 
             values = [limit.values(scene.start) for limit in scene.limits]
             per_second = scene.timebase.per_second
-            report = case_report(loaded, result, values, scene.typical(), per_second, length, changes, None, covered)
+            about = "" if proof is None else proof.line
+            typical = scene.typical()
+            report = case_report(loaded, result, values, typical, per_second, length, changes, None, covered, about)
             unfinished.write_text(page([report], loaded.name, command_line()), encoding="utf-8")
     if as_json:
         print_json("run", _object(result, chains if explain else None))
     else:
         show(result, loaded, verbose, assumed)
-        if covered is not None:
-            say(covered.line)
+        say(*filter(None, ("" if covered is None else covered.line, "" if proof is None else proof.line)))
         if interrupted is not None:
             raise interrupted
         if chains:
@@ -160,7 +170,10 @@ def run(
 
             for chain in chains.values():
                 click.echo("\n".join(["", *text(chain)]))
-    return 0 if result.verdict == "pass" else 1
+    missing = proof.missing(result.budgets) if guaranteed and proof is not None else []
+    for _, reason in missing:
+        click.echo(f"guaranteed: {reason}", err=True)
+    return int(result.verdict != "pass" or bool(missing))
 
 
 def _under_questions(

@@ -26,9 +26,8 @@ SALVAGE = click.option(
 GUARANTEED = click.option(
     "--guaranteed/--no-guaranteed",
     default=None,
-    expose_value=False,
-    callback=lambda context, option, asked: _refuse_guaranteed(asked),
-    help="Require proven budgets; an error, since a run proves none.",
+    callback=lambda context, option, asked: _guaranteed(asked),
+    help="Require a proof (prove --table --save) of each budget.",
 )
 CHANGES = click.option(
     "--set",
@@ -107,17 +106,14 @@ def tolerance_option(plain: bool = False) -> Callable[[F], F]:
     return click.option("--tolerance", metavar="TIME", callback=parsed, help=help)
 
 
-def _refuse_guaranteed(asked: bool | None) -> None:
-    """Raise ClickException if --guaranteed is given, or if the project's settings contain `guaranteed = true`.
+def _guaranteed(asked: bool | None) -> bool:
+    """Return True if budgets must be proven: by the option, or by `guaranteed = true` in the project's settings.
 
     asked: True for --guaranteed, False for --no-guaranteed, None if neither option is given.
     """
     from ...scene.project import project_of
-    from ...timing.verdict import NOTHING_PROVEN
 
-    if asked:
-        raise click.ClickException(f"--guaranteed: {NOTHING_PROVEN}; remove the option")
+    if asked is not None:
+        return asked
     with usage_errors_in_one_sentence():
-        project = project_of(Path())
-    if asked is None and project.settings.guaranteed:
-        raise click.ClickException(f"{project.where('guaranteed')}: {NOTHING_PROVEN}; remove it or use --no-guaranteed")
+        return project_of(Path()).settings.guaranteed

@@ -16,7 +16,7 @@ from ...scene.case.model import BadCase
 from ...scene.case.origin import named_files, texts_in
 from .command_frame import command, say, usage_errors_in_one_sentence
 from .result_text import HEADLINES, broken_lines, budget_table, title
-from .shared_options import CHANGES, GUARANTEED
+from .shared_options import CHANGES
 
 if TYPE_CHECKING:
     from ..reports.baselines.outcome import Outcome, RejectedCase
@@ -27,7 +27,6 @@ PAUSE = 0.3  # seconds between checks of the files; polling needs no library and
 @command("run", "periph-sim watch timing/imu_hil.toml", "periph-sim watch case.toml --set controller.period='5 ms'")
 @click.argument("case", type=click.Path(path_type=Path))
 @CHANGES
-@GUARANTEED
 def watch(case: Path, changes: tuple[str, ...]) -> int:
     """Run CASE again whenever one of its files changes, until Ctrl-C.
 

@@ -43,9 +43,9 @@ def worst(
 ) -> int:
     """Explain the worst occurrence of each budget of CASE, step by step.
 
-    BUDGET selects budgets by name; the default is all. One run of the case is judged. If a coverage file (prove --save)
-    matches the case, and its runs have a worse value of a budget, that occurrence is explained instead. With --set or
-    --seconds, the coverage file is not used.
+    BUDGET selects budgets by name; the default is all. One run of the case is judged. If a coverage or a proof that was
+    saved (prove --save) matches the case, and its runs have a worse value of a budget, that occurrence is explained
+    instead. With --set or --seconds, saved results are not used.
 
     Exit status 0: all selected budgets hold; 1: otherwise.
     """
@@ -53,7 +53,7 @@ def worst(
     from ...scene.scene import Scene
     from ..reports.explain import chain as chains
     from ..reports.explain.explain import explain
-    from ..reports.worst_phases import worst_at_phases
+    from ..reports.saved_worst import saved_worst
 
     with running_user_code():
         loaded = load(case, list(changes))
@@ -68,25 +68,25 @@ def worst(
         with progress(loaded.name) as on_progress:
             result = scene.run(length, on_progress)
         verdicts = [verdict for verdict in result.budgets if not budgets or verdict.name in budgets]
-        at_phases = {} if changes or length is not None else worst_at_phases(case, verdicts)
-        if not (at_phases or changes or length is not None):
+        saved = {} if changes or length is not None else saved_worst(case, verdicts)
+        if not (saved or changes or length is not None):
             _say_if_out_of_date(case)
-        verdicts = [at_phases[one.name].verdict if one.name in at_phases else one for one in verdicts]
-        in_run = [verdict for verdict in verdicts if verdict.name not in at_phases]
+        verdicts = [saved[one.name].verdict if one.name in saved else one for one in verdicts]
+        in_run = [verdict for verdict in verdicts if verdict.name not in saved]
         found = {one.window.verdict.name: one for one in explain(loaded, in_run, scene.typical(), length)}
-        found |= {name: one.explained for name, one in at_phases.items() if one.explained is not None}
+        found |= {name: one.explained for name, one in saved.items() if one.explained is not None}
         if svg is not None:
             _write(svg, found)
     if as_json:
         shown = {name: chains.as_json(one.chain) for name, one in found.items()}
-        for name, at_phase in at_phases.items():
+        for name, worst_saved in saved.items():
             if name in shown:
-                shown[name] |= {"phases": list(at_phase.phases), "seed": at_phase.seed}
+                shown[name] |= worst_saved.inputs
         print_json("worst", {"case": result.case, "budgets": shown})
     elif not verdicts:
         click.echo(f"{result.case}: it has no budget, so there is no worst case")
     else:
-        texts = ([at_phases[one.name].text] if one.name in at_phases else [] for one in verdicts)
+        texts = ([saved[one.name].text] if one.name in saved else [] for one in verdicts)
         lines = (_lines(verdict, found.get(verdict.name)) for verdict in verdicts)
         click.echo("\n\n".join("\n".join([*text, *each]) for text, each in zip(texts, lines, strict=True)))
     return 0 if all(verdict.passed for verdict in verdicts) else 1
@@ -94,10 +94,10 @@ def worst(
 
 def _say_if_out_of_date(case: Path) -> None:
     """Print on standard error why the coverage file of a case is not used, if there is one that does not match."""
-    from ...proof.coverage_path import path_for
+    from ...proof.saved_paths import coverage_path
     from ..reports.coverage_line import phases_report
 
-    report = phases_report(case) if path_for(case).exists() else None
+    report = phases_report(case) if coverage_path(case).exists() else None
     if report is not None and not report.worst:
         click.echo(f"{report.line}; this is the worst of one run", err=True)
 

@@ -19,7 +19,7 @@ from typing import Any
 
 import pytest
 
-from ...proof import coverage_path
+from ...proof.saved_paths import coverage_path
 from ...scene.case.discover import is_case
 from .keys import CASES
 
@@ -63,7 +63,7 @@ class CaseFile(pytest.File):
             if budget.name in getattr(self._plan.case, "breaks", ()):
                 item.add_marker(pytest.mark.xfail(reason=KNOWN, raises=AssertionError, strict=True))
             yield item
-        if coverage_path.path_for(self.path).exists():
+        if coverage_path(self.path).exists():
             yield CoverageItem.from_parent(self, name=COVERAGE, number=None, line=1)
 
     def run(self) -> Any:

@@ -27,12 +27,13 @@ from ...scene.firmware_loader import Firmware
 from ...scene.prepared import PreparedScene
 from ...scene.result import Result
 from ...scene.scene import Scene
-from ...timing.verdict import NOTHING_PROVEN, Verdict, figure, instant, limit
+from ...timing.verdict import Verdict, figure, instant, limit
 from ...traces.capture.capture import Capture
 from ...traces.formats.record_table import Columns, RecordTable
 from ..reports.explain.chain import Chain, text
 from ..reports.explain.explain import chain_of, explain
 from ..reports.explain.window import Window, windows_of_edges, windows_of_table
+from ..reports.proofs import NO_PROOF, ProofReport, mark_proven
 
 OnJudged = Callable[["Run", Sequence[Verdict]], None]
 
@@ -93,6 +94,7 @@ class Run:
     result: the figures that `periph-sim run` shows.
     budgets: a dictionary from the names of budgets to verdicts.
     records: the table of all records if the run was made with `record=True`, else None.
+    proof: what the saved proof of the case says.
     """
 
     plan: Plan
@@ -106,6 +108,7 @@ class Run:
     _edges: Capture | None
     _typical: list[Verdict]
     _on_judged: OnJudged
+    proof: ProofReport = NO_PROOF
 
     def __repr__(self) -> str:
         return f"<run of {self.result.case}, {self.result.simulated_s:g} s: {self.result.verdict}>"
@@ -154,8 +157,8 @@ class Run:
     def assert_budgets(self, *names: str, guaranteed: bool = False) -> None:
         """Raise AssertionError, with a table and a diagram, if any of these budgets does not hold.
 
-        guaranteed: True to require a proof that the budgets always hold. The assertion then always fails, since a run
-            is no proof.
+        guaranteed: True to require a saved proof of the budgets, which `periph-sim prove --table --save` writes. It is
+            a proof of a case file without changes.
 
         Raise NoSuchBudget if the case has no budget with one of the names, and ValueError if no name is given.
         """
@@ -186,8 +189,9 @@ class Run:
         broken = [verdict for verdict in verdicts if not verdict.passed]
         if broken:
             raise AssertionError(failure_text(self, broken, len(verdicts)))
-        if guaranteed:
-            raise AssertionError(f"{self.result.case}: guaranteed=True: {NOTHING_PROVEN}; leave guaranteed out")
+        missing = self.proof.missing(verdicts) if guaranteed else []
+        if missing:
+            raise AssertionError("\n".join(f"{self.result.case}: {text}" for _, text in missing))
 
 
 def run_plan(plan: Plan, on_judged: OnJudged, *, keep_edges: bool = False, record: bool = False) -> Run:
@@ -208,6 +212,9 @@ def run_plan(plan: Plan, on_judged: OnJudged, *, keep_edges: bool = False, recor
     transfers: list[Transfer] = []
     scene.on_transfer(transfers.append)
     result = scene.run(plan.length)
+    proof = ProofReport("", otherwise="its firmware is a function, and a proof is of a case file")
+    if plan.case.file is not None and not plan.programs:
+        proof = mark_proven(plan.case.file, plan.case.changes, result.budgets)
     now, per_second = scene.kernel.now, Fraction(scene.timebase.per_second)
     return Run(
         plan=plan,
@@ -221,6 +228,7 @@ def run_plan(plan: Plan, on_judged: OnJudged, *, keep_edges: bool = False, recor
         _edges=None if log is None else replace(log.capture(scene.timebase, now), path=Path(result.case)),
         _typical=scene.typical(),
         _on_judged=on_judged,
+        proof=proof,
     )
 
 

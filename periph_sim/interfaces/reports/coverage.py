@@ -20,9 +20,10 @@ from time import monotonic, process_time
 
 from ...proof import coverage_file
 from ...proof.cover import Covered, Coverer, Window, cover_part, joined_at_end, nothing, windows_of
-from ...proof.coverage_file import BadCoverage, Choice, CoverageFile
+from ...proof.coverage_file import Choice, CoverageFile
 from ...proof.dependencies import Dependencies, dependencies, files_read
 from ...proof.near import chosen_phases, parts_of
+from ...proof.saved_file import BadSavedFile, text_of
 from ...proof.stretch import CoveredCase, Job
 from ...traces.formats import atomic_write
 from .cluster import ClusterError, ClusterExecutor, worker_pool
@@ -181,13 +182,13 @@ def save(coverage: Coverage, path: Path) -> None:
         return
     path.parent.mkdir(exist_ok=True)
     with atomic_write(path) as unfinished:
-        unfinished.write_text(coverage_file.text_of(saved), encoding="utf-8")
+        unfinished.write_text(text_of(saved), encoding="utf-8")
 
 
 def _has_complete_coverage(path: Path) -> bool:
     try:
         there = coverage_file.read(path)
-    except BadCoverage:
+    except BadSavedFile:
         return False
     return there is not None and there.is_complete
 

@@ -18,8 +18,9 @@ from msgspec.structs import replace
 
 from ...core.phrases import counted
 from ...core.tolerance import Cycles, Tolerance, in_seconds
-from ...proof.coverage_file import BadCoverage, CoverageFile, current
-from ...proof.coverage_path import path_for
+from ...proof.coverage_file import CoverageFile, current
+from ...proof.saved_file import BadSavedFile
+from ...proof.saved_paths import coverage_path
 from ...proof.stretch import STUCK, CoveredCase, Job
 from ...scene.result import Result
 from ...timing.verdict import FAIL, Verdict, broken, figure
@@ -69,10 +70,10 @@ def check_coverage(case: Path, changes: tuple[str, ...] = (), tolerance: int | T
     changes: the "key=value" texts with which the case is read.
     tolerance: the largest allowed difference of times, as for `check`.
     """
-    path = path_for(case)
+    path = coverage_path(case)
     try:
         found = current(case)
-    except BadCoverage as error:
+    except BadSavedFile as error:
         return without_runs(path, "unreadable", str(error))
     if found is None:
         return without_runs(path, "unreadable", f"{path.as_posix()}: it has been removed during the check")

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from msgspec import Struct
 
-from ...proof.coverage_file import BadCoverage, Choice, CoverageFile, current
-from ...proof.coverage_path import path_for
+from ...proof.coverage_file import Choice, CoverageFile, current
+from ...proof.saved_file import BadSavedFile
+from ...proof.saved_paths import coverage_path
 from ...timing.verdict import Verdict
 
 
@@ -33,9 +34,9 @@ def phases_report(case: Path) -> PhasesReport | None:
     """
     try:
         found = current(case)
-    except BadCoverage as error:
+    except BadSavedFile as error:
         return PhasesReport(str(error), "", {})
-    return None if found is None else report_of(path_for(case), *found)
+    return None if found is None else report_of(coverage_path(case), *found)
 
 
 def report_of(path: Path, file: CoverageFile, differences: Sequence[str]) -> PhasesReport:

@@ -10,7 +10,6 @@ from xml.etree import ElementTree as xml
 
 import pytest
 
-from periph_sim.timing.verdict import NOTHING_PROVEN
 from tests.interfaces.commands.conftest import Run
 from tests.interfaces.reports.baselines.desk import change, put
 from tests.interfaces.reports.covered_desk import put_case
@@ -162,11 +161,11 @@ def test_a_pyproject_says_where_cases_and_baselines_are_and_what_is_the_default(
     came = periph_sim("check", "--update-baseline", "--no-guaranteed")
     assert (came.status, came.err) == (0, "") and "\nwritten: ci/figures/other.json\n" in came.out
     monkeypatch.chdir("timing")
-    for command in (("check",), ("run", "../bench/other.toml")):
-        came = periph_sim(*command)
-        assert (came.status, came.out) == (2, "")
-        told = f"pyproject.toml, line 4: guaranteed: {NOTHING_PROVEN}; remove it or use --no-guaranteed\n"
-        assert came.err.startswith("Error: ") and came.err.endswith(told)
+    told = "there is no ../bench/proofs/other.json; prove --table --save writes it"
+    came = periph_sim("run", "../bench/other.toml")
+    assert came.status == 1 and f"guaranteed: no budget is proven: {told}" in came.err.splitlines()
+    came = periph_sim("check")
+    assert came.status == 1 and "no budget is proven: there is no " in came.out
     came = periph_sim("check", "--no-guaranteed")
     assert came.status == 0 and "small" not in came.out
     assert periph_sim("run", "../bench/other.toml", "--no-guaranteed").status == 0
@@ -263,12 +262,6 @@ def test_the_short_cases_of_the_repository_are_as_their_baselines_say(
     monkeypatch.chdir(ROOT)
     came = periph_sim("check", "--jobs", "1", f"timing/{case}")
     assert came.status == 0, came.out
-
-
-def test_guaranteed_is_refused_since_nothing_is_proven(periph_sim: Run, cases: Path):
-    came = periph_sim("check", "--jobs", "1", "--update-baseline", "--guaranteed")
-    assert (came.status, came.out) == (2, "") and not (cases / "baselines").exists()
-    assert came.err == f"Error: --guaranteed: {NOTHING_PROVEN}; remove the option\n"
 
 
 def test_json_and_table_claim_nothing_for_other_timings(periph_sim: Run, cases: Path):

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.interfaces.commands.conftest import Run
+from tests.proof.proven_slave import write_slave
 from tests.proof.test_closed_table import PERIOD, write_echo
 
 MORE = """
@@ -22,7 +23,8 @@ def test_budgets_of_one_round_are_proven_and_others_are_named(periph_sim: Run, t
     path = write_echo(tmp_path)
     path.write_text(path.read_text(encoding="utf-8") + MORE, encoding="utf-8")
     came = periph_sim("prove", str(path), "--table")
-    assert (came.status, came.err) == (1, "")
+    assert came.status == 1
+    assert came.err.startswith(f"fast_echo: {PERIOD} starts to run, about ") and came.err.endswith(" s of CPU\n")
     assert came.out.splitlines()[0] == f"fast_echo: table of {PERIOD} starts, {PERIOD} of them run: closed"
     words = {line.split()[0]: line.split()[-1] for line in came.out.splitlines() if line.startswith(" ")}
     assert (words["echo"], words["pause"]) == ("proven", "held")
@@ -42,6 +44,16 @@ def test_a_broken_budget_has_a_witness_that_breaks_it(periph_sim: Run, tmp_path:
     assert again["budgets"][0]["worst"] == shown["budgets"]["echo"]["worst"]
 
 
+def test_the_witness_of_a_value_without_an_instant_is_a_whole_run(periph_sim: Run, tmp_path: Path):
+    case = write_slave(tmp_path, "")
+    came = periph_sim("prove", str(case), "--table", "--witness", str(tmp_path))
+    assert came.status == 0
+    (budget,) = json.loads(periph_sim("run", str(tmp_path / "image_register_slave_wrong_bytes.toml"), "--json").out)[
+        "budgets"
+    ]
+    assert (budget["worst"], budget["verdict"], budget["at_s"]) == (0, "pass", None)
+
+
 def test_a_case_without_a_table_is_refused_in_a_sentence(periph_sim: Run, tmp_path: Path):
     path = write_echo(tmp_path)
     came = periph_sim("prove", str(path), "--table", "--set", "unit.dsp.ppm=1")
@@ -50,7 +62,7 @@ def test_a_case_without_a_table_is_refused_in_a_sentence(periph_sim: Run, tmp_pa
     assert came.err.endswith("; without --table, prove runs its phases, which proves nothing\n")
 
 
-@pytest.mark.parametrize("option", [["--step", "5"], ["--start-up"], ["--jobs", "2"], ["--save"], ["--rounds", "5"]])
+@pytest.mark.parametrize("option", [["--step", "5"], ["--start-up"], ["--jobs", "2"], ["--rounds", "5"]])
 def test_an_option_without_effect_is_refused(option: list[str], periph_sim: Run, tmp_path: Path):
     came = periph_sim("prove", str(write_echo(tmp_path)), "--table", *option)
     assert came.status == 2

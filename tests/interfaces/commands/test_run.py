@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.timing.verdict import NOTHING_PROVEN
 from periph_sim.traces import formats
 from tests.interfaces.commands.conftest import CASE, Run
 from tests.scene.runs import TIMING
@@ -223,13 +222,6 @@ def test_an_event_that_cannot_be_is_refused_with_near_names(periph_sim: Run, des
     assert (came.status, came.out) == (2, "")
     assert "there is no wire 'SLC'; did you mean SCL?" in came.err
     assert len(came.err.splitlines()) == 1
-
-
-def test_guaranteed_is_refused_in_one_sentence_since_nothing_is_proven(periph_sim: Run):
-    case = str(TIMING / "imu_hil_published.toml")
-    came = periph_sim("run", case, "--guaranteed")
-    assert (came.status, came.out) == (2, "")
-    assert came.err == f"Error: --guaranteed: {NOTHING_PROVEN}; remove the option\n"
 
 
 def test_a_pass_says_what_was_seen_and_claims_nothing_for_other_timings(periph_sim: Run):

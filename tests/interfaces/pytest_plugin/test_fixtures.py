@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.timing.verdict import NOTHING_PROVEN
-
 from .project import SMALL
 
 SCENE = """
@@ -147,8 +145,8 @@ MISTAKES = {
     f'{SMALL_RUN}.assert_budgets("respons")': "case small has no budget 'respons'; did you mean response?",
     f'{SMALL_RUN}.budgets["wrong"]': "case small has no budget 'wrong'; did you mean wrong bytes?",
     f"{SMALL_RUN}.assert_budgets()": "assert_budgets: give at least one budget; assert_all() judges *",
-    f'{SMALL_RUN}.assert_budgets("response", guaranteed=True)': f"small: guaranteed=True: {NOTHING_PROVEN}; leave *",
-    f"{SMALL_RUN}.assert_all(guaranteed=True)": f"small: guaranteed=True: {NOTHING_PROVEN}; leave guaranteed out",
+    f'{SMALL_RUN}.assert_budgets("response", guaranteed=True)': "small: no budget is proven: there is no *",
+    f"{SMALL_RUN}.assert_all(guaranteed=True)": "small: no budget is proven: there is no *",
     'scene("timing/smal.toml")': "timing/smal.toml: there is no such case file * did you mean timing/small.toml?",
     'scene("timing/small.toml", "controler.rate=1 kHz")': "*: there is no key 'controler'; did you mean controller?",
     'scene("timing/small.toml", seconds="7")': "seconds='7': *",

@@ -17,7 +17,7 @@ from msgspec.structs import replace
 
 from periph_sim.interfaces.reports.baselines.check import check
 from periph_sim.interfaces.reports.coverage import choose, run_coverage
-from periph_sim.proof.coverage_path import path_for
+from periph_sim.proof.saved_paths import coverage_path
 from periph_sim.proof.stretch import Job
 from tests.interfaces.reports.baselines.desk import FIRMWARE
 
@@ -77,8 +77,8 @@ def save_coverage(case: Path) -> Path:
     found = choose(Job(str(case.absolute()), rounds=3), 1, ONLY)
     files = {file: digest for file, digest in found.depends.files.items() if not file.startswith("..")}
     found.depends = replace(found.depends, files=files)
-    run_coverage(found, 1, None, path_for(case))
-    return path_for(case)
+    run_coverage(found, 1, None, coverage_path(case))
+    return coverage_path(case)
 
 
 def put_covered(folder: Path) -> None:
@@ -94,5 +94,5 @@ def put_covered(folder: Path) -> None:
 
 def change_coverage(case: Path, **keys: Any) -> None:
     """Change keys of the coverage file of a case."""
-    tree = json.loads(path_for(case).read_text(encoding="utf-8"))
-    path_for(case).write_text(json.dumps(tree | keys), encoding="utf-8")
+    tree = json.loads(coverage_path(case).read_text(encoding="utf-8"))
+    coverage_path(case).write_text(json.dumps(tree | keys), encoding="utf-8")

@@ -3,6 +3,7 @@
     paths --> cases --> processes --> outcomes --> compared, explained, judged --> CaseCheck
                                                    or written as new baselines
           cases with a coverage file --> processes --> runs of its worst values --> CoverageCheck --^
+          proof files --> proven verdicts --^
 
 The order of the results is that of the case files, and does not depend on the number of processes.
 """
@@ -22,6 +23,7 @@ from ....scene.case.discover import cases_below
 from ....timing.verdict import broken
 from ..cluster import ClusterError, ClusterExecutor
 from ..explain.chain import Chain
+from ..proofs import NO_PROOF, ProofReport, mark_proven
 from .compare import Change, compare, explain, moved_accesses
 from .coverage_runs import not_run, start_coverages
 from .event_chain import EventLine
@@ -59,6 +61,7 @@ class CaseCheck:
     causes: a dictionary from each budget that broke unexpectedly to the explanation of its worst occurrence.
     findings: the reasons why the check fails.
     coverage: the result of checking the coverage file of the case; None if there is no such file.
+    proof: what the proof file of the case says.
     """
 
     outcome: Outcome
@@ -69,14 +72,18 @@ class CaseCheck:
     causes: dict[str, Chain] = field(default_factory=dict)
     findings: list[Finding] = field(default_factory=list)
     coverage: CoverageCheck | None = None
+    proof: ProofReport = NO_PROOF
 
     @property
     def passed(self) -> bool:
         return not self.findings
 
 
-def judge(check: CaseCheck) -> list[Finding]:
-    """Return all findings of a check. Findings about limits of budgets come first."""
+def judge(check: CaseCheck, guaranteed: bool = False) -> list[Finding]:
+    """Return all findings of a check. Findings about limits of budgets come first.
+
+    guaranteed: True for a finding about each budget that holds and is not proven.
+    """
     outcome = check.outcome
     top = outcome.name_line or 1
     findings = []
@@ -93,7 +100,9 @@ def judge(check: CaseCheck) -> list[Finding]:
             line = outcome.breaks_line or line
             text = f"{verdict.name} holds, but is listed in breaks; remove it there if the bug is fixed"
             findings.append(Finding(verdict.name, line, text))
-    others: list[tuple[str | None, str]] = [(None, text) for text in outcome.trouble]
+    holding = [verdict for verdict in outcome.verdicts if verdict.passed and verdict.name not in outcome.breaks]
+    others = check.proof.missing(holding) if guaranteed else []
+    others += [(None, text) for text in outcome.trouble]
     if check.state == "missing":
         others.append((None, f"it has no baseline {check.baseline}; write one with --update-baseline"))
     elif check.state == "changed":
@@ -140,6 +149,7 @@ def check(
     on_progress: Callable[[float], None] | None = None,
     on_refused: Callable[[RejectedCase], None] | None = None,
     cluster: ClusterExecutor | None = None,
+    guaranteed: bool = False,
 ) -> list[CaseCheck]:
     """Run cases and compare them with their baselines.
 
@@ -153,6 +163,7 @@ def check(
     on_refused: a function that is called with each case that cannot be run or compared, or that needs an outside party.
         The other cases continue.
     cluster: the cluster that runs the cases; None for processes.
+    guaranteed: True to require that each budget that holds is proven.
 
     Raise BadCheck if `on_refused` is None and a case cannot be run or compared or needs an outside party. If `update`
     is True, raise BadCheck if a case cannot be run. A script that calls this function with more than one process needs
@@ -190,7 +201,8 @@ def check(
                 on_refused(RejectedCase(path, f"{path}: {STOPPED}: {why}"))
             checks = [one for one in checks if one.outcome.path not in lost]
     for one_check in checks:
-        one_check.findings = judge(one_check)
+        one_check.proof = mark_proven(one_check.outcome.path, changes, one_check.outcome.verdicts)
+        one_check.findings = judge(one_check, guaranteed)
     return checks
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ....core.tolerance import Tolerance
-from ....proof.coverage_path import path_for
+from ....proof.saved_paths import coverage_path
 from .files import BadCheck
 from .workers import Start
 
@@ -29,7 +29,7 @@ def start_coverages(
     """
     found: dict[Path, Callable[[], CoverageCheck | None]] = {}
     for case, changes in cases:
-        if path_for(case).exists():
+        if coverage_path(case).exists():
             from ..coverage_check import check_coverage  # imported here, because few cases have such a file
 
             found[case] = _or_finding(case, start(check_coverage, case, changes, tolerance))
@@ -46,14 +46,14 @@ def _or_finding(case: Path, wait: Callable[[], CoverageCheck]) -> Callable[[], C
         try:
             return wait()
         except BadCheck as error:
-            return without_runs(path_for(case), "changed", f"at a phase of its coverage: {error}")
+            return without_runs(coverage_path(case), "changed", f"at a phase of its coverage: {error}")
 
     return result
 
 
 def not_run(case: Path, why: str) -> CoverageCheck | None:
     """Return the result for the coverage file of a case that is not run; None if there is no file."""
-    path = path_for(case)
+    path = coverage_path(case)
     if not path.exists():
         return None
     from ..coverage_check import without_runs

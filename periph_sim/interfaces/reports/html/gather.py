@@ -91,6 +91,7 @@ class CaseReport:
     changes: the "key=value" texts with which the case was read.
     counts: a dictionary from names to counts of the run, such as bytes on the bus.
     coverage: what the coverage file of the case says; None if there is no file.
+    proof: what the proof file of the case says; "" if there is no file.
     """
 
     name: str
@@ -108,6 +109,7 @@ class CaseReport:
     budgets: tuple[BudgetReport, ...]
     commit: str = ""
     coverage: PhasesReport | None = None
+    proof: str = ""
 
 
 MOST_OF_PASSED = 3_000  # maximum number of events in the timeline of a budget without failure
@@ -125,6 +127,7 @@ def case_report(
     changes: Sequence[str] = (),
     findings: Sequence[str] | None = None,
     coverage: PhasesReport | None = None,
+    proof: str = "",
 ) -> CaseReport:
     """Return the report of a case that has been run.
 
@@ -137,6 +140,7 @@ def case_report(
     findings: the findings of `periph-sim check`; the case passes if the list is empty. None without a check; the case
         then passes if the run passes.
     coverage: what the coverage file of the case says; None if there is no file.
+    proof: what the proof file of the case says; "" if there is no file.
 
     Raise the errors of a Scene and its run.
     """
@@ -175,6 +179,7 @@ def case_report(
         budgets=tuple(budgets),
         commit=commit_of(case.folder),
         coverage=coverage,
+        proof=proof,
     )
 
 
@@ -187,10 +192,11 @@ def report_of_file(
     per_second: int,
     findings: Sequence[str],
     coverage: PhasesReport | None = None,
+    proof: str = "",
 ) -> CaseReport:
     """Return the report of a case file that was run for the duration that it states. Worker processes can call this."""
     case = load(path, list(changes))
-    return case_report(case, result, values, typical, per_second, None, changes, findings, coverage)
+    return case_report(case, result, values, typical, per_second, None, changes, findings, coverage, proof)
 
 
 def _others(

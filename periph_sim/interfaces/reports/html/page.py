@@ -18,7 +18,7 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 from markupsafe import Markup
 
 from .... import form
-from ....timing.verdict import PASS_TITLE, Verdict, assumes, figure, in_words, instant, legend, limit
+from ....timing.verdict import PASS, Verdict, assumes, figure, in_words, instant, legend, limit, title
 from ..explain.chain import Chain, Part, bound, largest
 from .distribution import number, plot
 from .gather import BudgetReport, CaseReport
@@ -114,7 +114,7 @@ def _standing(one: BudgetReport) -> str:
 def _title(case: CaseReport) -> str:
     """Return the verdict of a case in the words of the terminal."""
     held = case.verdict == "pass" and all(one.verdict.passed for one in case.budgets)
-    return PASS_TITLE if held else case.verdict.upper()
+    return title(PASS, [one.verdict for one in case.budgets]) if held else case.verdict.upper()
 
 
 def _share(one: BudgetReport) -> float | None:

@@ -1,0 +1,80 @@
+"""The saved proof of a case: which verdicts of a run are proven, and why the others are not.
+
+case --proof file--> ProofReport --mark--> Verdict.proven, a line, and reasons for `--guaranteed`
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from msgspec import Struct
+
+from ...proof.saved_paths import proof_path
+from ...timing.verdict import Verdict
+
+
+class ProofReport(Struct, frozen=True):
+    """What the proof file of a case says.
+
+    line: a sentence about the file; "" if there is none.
+    proven: the names of the proven budgets. It is empty if the file does not match the case.
+    reasons: a dictionary from other budgets to the reason why they are not proven.
+    otherwise: the reason for all budgets that are in neither of them.
+    """
+
+    line: str
+    proven: frozenset[str] = frozenset()
+    reasons: dict[str, str] = {}
+    otherwise: str = ""
+
+    def missing(self, verdicts: Sequence[Verdict]) -> list[tuple[str | None, str]]:
+        """Return, for each verdict that is not proven, the name of the budget and a sentence with the reason.
+
+        If no budget of the case is proven, the list has one pair, with None as the name.
+        """
+        missing = [one for one in verdicts if not one.proven]
+        if missing and not self.proven:
+            return [(None, f"no budget is proven: {self.otherwise}")]
+        return [
+            (one.name, f"{one.name} is not proven: {self.reasons.get(one.name, self.otherwise)}") for one in missing
+        ]
+
+
+NO_PROOF = ProofReport("")
+
+
+def proof_report(case: Path, changes: Sequence[str] = ()) -> ProofReport:
+    """Return what the proof file of a case says.
+
+    changes: the "key=value" texts with which the case is read. A proof is of the unchanged case.
+    """
+    path = proof_path(case)
+    if not path.exists():
+        return ProofReport("", otherwise=f"there is no {path.as_posix()}; prove --table --save writes it")
+    from ...proof.proof_file import RENEW, current  # imported here, because few cases have a proof
+    from ...proof.saved_file import BadSavedFile
+
+    if changes:
+        return ProofReport("", otherwise=f"{path.as_posix()} is of the case without changes")
+    try:
+        found = current(case)
+    except BadSavedFile as error:
+        return ProofReport(str(error), otherwise=str(error))
+    if found is None:  # removed since
+        return ProofReport("", otherwise=f"there is no {path.as_posix()}")
+    file, differences = found
+    if differences:
+        more = f" and {len(differences) - 1} more" if len(differences) > 1 else ""
+        line = f"{path.as_posix()} is out of date: {differences[0]}{more}; {RENEW}"
+        return ProofReport(line, otherwise=line)
+    line = f"{path.as_posix()}: {file.line}"
+    return ProofReport(line, frozenset(file.proven), file.not_proven, f"{path.as_posix()} does not have it")
+
+
+def mark_proven(case: Path, changes: Sequence[str], verdicts: Sequence[Verdict]) -> ProofReport:
+    """Set `proven` in the verdicts of a case's run, and return what the proof file says."""
+    report = proof_report(case, changes)
+    for verdict in verdicts:
+        verdict.proven = verdict.name in report.proven
+    return report

@@ -1,0 +1,88 @@
+"""The worst occurrences of the saved results of a case, a coverage and a proof, which are run again and explained.
+
+coverage or proof that matches the case --starts, seed--> run --> verdict, explanation
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import NamedTuple
+
+from ...proof import coverage_file, proof_file
+from ...proof.cover import Worst
+from ...proof.coverage_file import Choice
+from ...proof.proof_file import ProofFile, ProvenBudget
+from ...proof.saved_paths import coverage_path, proof_path
+from ...proof.stretch import CoveredCase, Job
+from ...scene.scene import Scene
+from ...timing.verdict import Verdict
+from .coverage_line import phase_text
+from .explain.explain import Explained, explain
+
+
+class SavedWorst(NamedTuple):
+    """The worst occurrence of a budget in a saved result.
+
+    text: a line that names the file and what is special about the run.
+    explained: the explanation of the occurrence; None if it has no instant.
+    inputs: the run in which it occurs, for JSON: its phases and seed, or its starts in seconds.
+    """
+
+    verdict: Verdict
+    text: str
+    explained: Explained | None
+    inputs: dict[str, object]
+
+
+def saved_worst(case: Path, verdicts: Sequence[Verdict]) -> dict[str, SavedWorst]:
+    """Return a dictionary from the names of budgets to their worst occurrences in the saved results.
+
+    It contains only budgets whose value there is nearer to the limit, or farther beyond it, than the value in
+    `verdicts`. A file that does not match the case, or is not complete, is not used.
+    """
+    coverage, proof = coverage_file.current(case), proof_file.current(case)
+    found: dict[str, SavedWorst] = {}
+    for one in verdicts:
+        nearest = one
+        if coverage is not None and not coverage[1] and coverage[0].is_complete:
+            worst = coverage[0].found.worst.get(one.name)
+            if worst is not None and _is_nearer(worst.verdict, nearest):
+                found[one.name] = _at_phases(case, coverage[0].choice, worst)
+                nearest = worst.verdict
+        if proof is not None and not proof[1]:
+            proven = proof[0].proven.get(one.name)
+            if proven is not None and _is_nearer(proven.worst, nearest):
+                found[one.name] = _of_proof(case, proof[0], proven)
+    return found
+
+
+def _at_phases(case: Path, choice: Choice, worst: Worst) -> SavedWorst:
+    """Return the worst occurrence of a budget in a coverage."""
+    scene = CoveredCase(Job(str(case.absolute()), rounds=choice.rounds)).scene(worst.phases, worst.seed)
+    text = f"at {phase_text(worst.phases, choice)}, the worst of {coverage_path(case)}:"
+    return _again(scene, worst.verdict.name, text, {"phases": list(worst.phases), "seed": worst.seed})
+
+
+def _of_proof(case: Path, file: ProofFile, proven: ProvenBudget) -> SavedWorst:
+    """Return the worst occurrence of a budget in the runs of a proof."""
+    covered = CoveredCase(Job(str(case.absolute())))
+    end = Fraction(proven.until, file.ticks_per_second)
+    scene = covered.scene_of(covered.phases.inputs_at(proven.starts), end, covered.case.seed)
+    starts = [start / file.ticks_per_second for start in proven.starts]
+    text = f"in a run with other {file.moved}, the worst of {proof_path(case)}:"
+    return _again(scene, proven.worst.name, text, {f"{file.moved}_s": starts})
+
+
+def _is_nearer(one: Verdict, other: Verdict) -> bool:
+    return one.margin is not None and (other.margin is None or one.margin < other.margin)
+
+
+def _again(scene: Scene, budget: str, text: str, inputs: dict[str, object]) -> SavedWorst:
+    """Run the scene of a worst occurrence, and explain it."""
+    result = scene.run()
+    (verdict,) = (one for one in result.budgets if one.name == budget)
+    typical = [one for one in scene.typical() if one.name == budget]
+    explained = next(iter(explain(scene.case, [verdict], typical)), None)
+    return SavedWorst(verdict, text, explained, inputs)

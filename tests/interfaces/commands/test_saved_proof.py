@@ -1,0 +1,156 @@
+"""A saved proof on the command line: `prove --table --save`, and what `run`, `check` and `worst` make of the file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.interfaces.commands.conftest import Run
+from tests.proof.proven_slave import FIRMWARE, PROVEN, save_proof, write_slave
+from tests.proof.test_closed_table import write_echo
+
+SHORT = '\n[[budget]]\nname = "short round"\nmeasure = "round"\nmax = "1 us"\n'
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a case with a saved proof."""
+    case = write_slave(tmp_path_factory.mktemp("saved"))
+    save_proof(case)
+    return case
+
+
+@pytest.fixture
+def whole(tmp_path: Path, saved: Path) -> Path:
+    """Return a case of which all budgets are proven, in a folder of this test."""
+    case = write_slave(tmp_path, "")
+    save_proof(case)
+    return case
+
+
+def words(out: str) -> dict[str, str]:
+    """Return a dictionary from the budgets in a table to their verdicts."""
+    rows = [line.split("  ") for line in out.splitlines() if line.startswith(" ")]
+    return {row[0].strip(): row[-1].strip() for row in rows}
+
+
+def test_prove_saves_a_closed_table_and_run_shows_it(periph_sim: Run, tmp_path: Path):
+    case = write_slave(tmp_path)
+    came = periph_sim("prove", str(case), "--table", "--save", "--json")
+    assert json.loads(came.out)["written"] == [str(tmp_path / "proofs" / "slave.json")]
+    came = periph_sim("run", str(case))
+    assert (came.status, came.err) == (0, "")
+    found = words(came.out)
+    assert {name: found[name] for name in (*PROVEN, "round", "slack", "load")} == {
+        "wrong bytes": "proven", "reaction": "proven", "round": "seen", "slack": "seen", "load": "seen",
+    }  # fmt: skip
+    assert came.out.startswith("image_register_slave: PASS, as seen in this run\n")
+    assert "slave.json: 2 of 5 budgets proven for all sequences of rounds that start at least" in came.out
+
+
+def test_a_case_whose_budgets_are_all_proven(periph_sim: Run, whole: Path):
+    came = periph_sim("run", str(whole), "--guaranteed", "--seconds", "0.02")
+    assert (came.status, came.err) == (0, "")
+    assert came.out.startswith("image_register_slave: PASS, proven\n")
+    assert json.loads(periph_sim("run", str(whole), "--json").out)["budgets"][0]["proven"] is True
+
+
+def test_a_broken_table_is_not_saved(periph_sim: Run, tmp_path: Path):
+    case = write_slave(tmp_path, SHORT)
+    came = periph_sim("prove", str(case), "--table", "--save")
+    assert came.status == 1
+    assert came.err.endswith(f"{tmp_path / 'proofs' / 'slave.json'} is not written, because no budget is proven\n")
+    assert not (tmp_path / "proofs" / "slave.json").exists()
+
+
+def test_a_proof_of_a_changed_case_cannot_be_saved(periph_sim: Run, saved: Path):
+    came = periph_sim("prove", str(saved), "--table", "--save", "--set", "seed=2")
+    assert came.status == 2
+    assert "--save with --set: it saves results of the unchanged case; remove one of them" in came.err
+
+
+def test_guaranteed_fails_with_the_reason_for_each_budget(periph_sim: Run, saved: Path):
+    came = periph_sim("run", str(saved), "--guaranteed")
+    assert came.status == 1
+    assert came.err.splitlines() == [
+        "guaranteed: round is not proven: a percentile describes all occurrences of a run",
+        "guaranteed: slack is not proven: its values depend on the start of the next round",
+        "guaranteed: load is not proven: it is a share of a whole run",
+    ]
+
+
+def test_a_change_ends_the_proof(periph_sim: Run, whole: Path):
+    file = whole.parent / "proofs" / "slave.json"
+    came = periph_sim("run", str(whole), "--guaranteed", "--set", "seed=2")
+    assert came.status == 1
+    assert words(came.out)["wrong bytes"] == "seen"
+    assert came.err == f"guaranteed: no budget is proven: {file} is of the case without changes\n"
+    firmware = whole.parent / FIRMWARE
+    firmware.write_text(firmware.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    came = periph_sim("run", str(whole), "--guaranteed")
+    old = f"{file} is out of date: {FIRMWARE} has changed; write it again with prove --table --save"
+    assert (came.status, came.err) == (1, f"guaranteed: no budget is proven: {old}\n")
+    assert words(came.out)["wrong bytes"] == "seen"
+    assert came.out.endswith(f"{old}\n")
+
+
+def test_a_case_without_a_proof_and_a_file_that_is_none(periph_sim: Run, tmp_path: Path):
+    case = write_slave(tmp_path, "")
+    file = tmp_path / "proofs" / "slave.json"
+    came = periph_sim("run", str(case), "--guaranteed")
+    what = f"guaranteed: no budget is proven: there is no {file}; prove --table --save writes it\n"
+    assert (came.status, came.err) == (1, what)
+    file.parent.mkdir()
+    file.write_text("{}", encoding="utf-8")
+    came = periph_sim("run", str(case), "--guaranteed")
+    assert came.status == 1
+    assert f"{file}: is no proof of this version of periph-sim" in came.err
+    assert words(came.out)["wrong bytes"] == "seen"
+
+
+def test_other_answers_are_covered_by_no_proof(periph_sim: Run, whole: Path):
+    came = periph_sim("run", str(whole), "--guaranteed", "--questions")
+    assert (came.status, came.out) == (2, "")
+    told = "Error: --questions runs the case with other answers, which no proof covers; use --no-guaranteed\n"
+    assert came.err == told
+
+
+def test_check_shows_proven_budgets_and_requires_proofs(periph_sim: Run, saved: Path, tmp_path: Path):
+    bare = write_slave(tmp_path, "")
+    options = ("--jobs", "1", "--update-baseline")
+    came = periph_sim("check", str(saved), *options)
+    row = next(line.split() for line in came.out.splitlines() if line.startswith(" image_register_slave"))
+    assert (came.status, row[1:5]) == (0, ["2", "3", "0", "0"])
+    came = periph_sim("check", str(saved), str(bare), *options, "--guaranteed", "--json")
+    shown = json.loads(came.out)["cases"]
+    assert came.status == 1
+    assert [one["proven"] for one in shown] == [[*PROVEN], []]
+    assert [finding["text"] for finding in shown[0]["findings"]] == [
+        "round is not proven: a percentile describes all occurrences of a run",
+        "slack is not proven: its values depend on the start of the next round",
+        "load is not proven: it is a share of a whole run",
+    ]
+    (finding,) = shown[1]["findings"]
+    assert finding["text"].startswith("no budget is proven: there is no ")
+
+
+def test_the_html_report_names_the_proof(periph_sim: Run, saved: Path, tmp_path: Path):
+    page = tmp_path / "report.html"
+    assert periph_sim("run", str(saved), "--html", str(page)).status == 0
+    text = page.read_text(encoding="utf-8")
+    assert "slave.json: 2 of 5 budgets proven for all sequences of rounds" in text
+    assert 'data-show="proven" aria-pressed="false">proven 2<' in text
+
+
+def test_worst_explains_the_run_of_a_proof_that_is_nearer_to_the_limit(periph_sim: Run, tmp_path: Path):
+    """The only frame of the case does not meet the wait of the echo at the worst instant of its pass."""
+    case = write_echo(tmp_path)
+    save_proof(case)
+    in_run = json.loads(periph_sim("worst", str(case), "--seconds", "0.01", "--json").out)["budgets"]["echo"]
+    in_proof = json.loads(periph_sim("worst", str(case), "--json").out)["budgets"]["echo"]
+    assert "frames_s" in in_proof and "frames_s" not in in_run
+    assert in_proof["length_us"] > in_run["length_us"]
+    came = periph_sim("worst", str(case))
+    assert came.out.startswith(f"in a run with other frames, the worst of {tmp_path / 'proofs' / 'echo.json'}:\n")

@@ -1,0 +1,75 @@
+"""The saved proof of a case: what it contains, and what ends it.
+
+table --> proofs/slave.json --> proven budgets, as long as the case, its firmware and periph_sim are as they were
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from periph_sim.proof.proof_file import ProofFile, current, read
+from periph_sim.proof.saved_file import BadSavedFile, text_of
+from periph_sim.proof.saved_paths import proof_path
+from periph_sim.proof.stretch import PERCENTILE, CoveredCase, Job
+from tests.proof.proven_slave import FIRMWARE, PROVEN, save_proof, write_slave
+
+
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, ProofFile]:
+    """Return a case, and the contents of its saved proof."""
+    case = write_slave(tmp_path_factory.mktemp("proof"))
+    return case, save_proof(case)
+
+
+def test_a_budget_is_proven_if_all_its_limits_are(desk: tuple[Path, ProofFile]):
+    _, proof = desk
+    assert tuple(proof.proven) == PROVEN
+    assert proof.not_proven == {
+        "round": PERCENTILE,
+        "slack": "its values depend on the start of the next round",
+        "load": "it is a share of a whole run",
+    }
+    assert proof.line.startswith("2 of 5 budgets proven for all sequences of rounds that start at least ")
+
+
+def test_what_is_read_is_what_was_written(desk: tuple[Path, ProofFile]):
+    case, proof = desk
+    assert current(case) == (proof, [])
+    assert text_of(proof) == proof_path(case).read_text(encoding="utf-8")
+
+
+def test_the_starts_of_a_worst_value_give_it_again(desk: tuple[Path, ProofFile]):
+    case, proof = desk
+    covered = CoveredCase(Job(str(case)))
+    for name, proven in proof.proven.items():
+        end = Fraction(proven.until, proof.ticks_per_second)
+        result = covered.scene_of(covered.phases.inputs_at(proven.starts), end, covered.case.seed).run()
+        (verdict,) = [one for one in result.budgets if one.name == name]
+        assert verdict.worst == proven.worst.worst
+
+
+@pytest.mark.parametrize("name", ["slave.toml", FIRMWARE, "start.inc"])
+def test_a_changed_file_ends_a_proof(name: str, desk: tuple[Path, ProofFile]):
+    case, proof = desk
+    file = case.parent / name
+    before = file.read_bytes()
+    try:
+        file.write_bytes(before + b"\n")
+        assert current(case) == (proof, [f"{name} has changed"])
+    finally:
+        file.write_bytes(before)
+
+
+@pytest.mark.parametrize("text", ["", "{}", '{"version": 2}', "not JSON", "\0"])
+def test_a_file_that_is_no_proof_is_named(text: str, tmp_path: Path):
+    path = tmp_path / "slave.json"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(BadSavedFile, match=r"is no proof of this version of periph-sim .*; write it again with prove"):
+        read(path)
+
+
+def test_a_case_without_a_proof(tmp_path: Path):
+    assert current(tmp_path / "slave.toml") is None

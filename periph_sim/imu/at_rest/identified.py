@@ -25,22 +25,19 @@ from .rest import SENSORS, UNITS, Sensor
 GRAVITY = np.array([0.0, 0.0, -1.0])  # output of an ideal level accelerometer at rest in g (section 4.3.4)
 
 
-def parameters_of_axes(
-    axes: Mapping[str, IdentifiedAxis], hard_iron: bool, start: ImuParameters | None = None
-) -> ImuParameters:
-    """Return a parameter set that is updated with the identified columns of a recording.
+def parameters_of_axes(axes: Mapping[str, IdentifiedAxis], hard_iron: bool) -> ImuParameters:
+    """Return the parameter set of Table 4.1, updated with the identified columns of a recording.
 
     The magnetometer's mean minus its hard iron becomes the earth field. A slow term of the noise (bias instability or
     random walk) that does not differ significantly from 0 becomes 0.
 
     axes: a dictionary from the name of a column, such as "gyroscope_x", to its identified parameters.
     hard_iron: True if the magnetometer's bias is the difference from a recording without the disturbance, so that the
-        bias is the hard iron. False to keep the hard iron of `start`.
-    start: the set to update; None for Table 4.1.
+        bias is the hard iron. False to keep the hard iron of Table 4.1.
 
     Raise BadParameter if a column belongs to no sensor, an axis is missing, or a unit differs from that of the model.
     """
-    imu = start or ImuParameters()
+    imu = ImuParameters()
     wanted = {f"{sensor}_{axis}": sensor for sensor in SENSORS for axis in AXES}
     for name in axes:
         if name not in wanted:

@@ -15,13 +15,13 @@ from msgspec.structs import replace
 
 from ..host_frame import ACCELERATION, ANGLE
 from ..models.parameters import (
+    NONE,
     AccelerometerParameters,
     GyroscopeParameters,
     ImuParameters,
     MagnetometerParameters,
-    Norm,
-    Spherical,
 )
+from ..models.quantity import Vector
 from .frames import Ints
 from .sweep import Floats, InputSweep, Sample
 
@@ -56,6 +56,10 @@ def meant(attitude: Callable[[int], Attitude], acceleration: float = 0.0) -> Int
     angles = [np.asarray(attitude(k)) / ANGLE for k in (2, 1, 0)]
     exact: Floats = np.concatenate([*angles, np.full(3, acceleration / ACCELERATION)])
     return np.rint(exact).astype(np.int64)
+
+
+def still(ago: int) -> Attitude:
+    return (0.0, 0.0, 0.0)
 
 
 def pitching(value: float, imu: ImuParameters) -> Sample:
@@ -120,7 +124,7 @@ def spinning(value: float) -> Sample:
 
 
 def accelerated(value: float) -> Sample:
-    return Sample(AS_BUILT, sent(lambda ago: (0.0, 0.0, 0.0), value))
+    return Sample(AS_BUILT, sent(still, value))
 
 
 MOTIONS = (
@@ -195,45 +199,22 @@ VERTICAL = 0.2  # vertical field in gauss, which remains when the horizontal fie
 TURN_RATE = 500.0  # rate of the rotation for lever arms, in deg/s
 
 
-def still(ago: int) -> Attitude:
-    return (0.0, 0.0, 0.0)
+def in_field(field: Vector, attitude: Callable[[int], Attitude] = still, **examined: str) -> Sample:
+    """Return the sample of a resting body in a field.
 
-
-def along_z(value: float, spherical: Spherical, vertical: float = VERTICAL) -> Sample:
-    """Return the sample of a resting body in a field with a small horizontal part.
-
-    value: the horizontal part of the field in gauss.
-    spherical: the method that is examined (see MagnetometerParameters). The reference uses "four-quadrant".
-    vertical: the vertical part of the field in gauss.
+    field: the field in gauss, in the axes of a body whose roll, pitch and yaw are 0.
+    attitude: the same as for `meant`.
+    examined: the method that is examined, `spherical` or `norm` of MagnetometerParameters. The reference has the
+        default method.
     """
-    sensor = MagnetometerParameters(earth_field=(value, 0.0, vertical), hard_iron=(0.0, 0.0, 0.0))
+    sensor = MagnetometerParameters(earth_field=field, hard_iron=NONE)
     true = ImuParameters(magnetometer=sensor)
-    return Sample(ImuParameters(magnetometer=replace(sensor, spherical=spherical)), sent(still), true)
+    return Sample(ImuParameters(magnetometer=replace(sensor, **examined)), sent(attitude), true)
 
 
-def turned(value: float, spherical: Spherical) -> Sample:
-    """Return the sample of a resting body in a field that points north and down.
-
-    value: the yaw of the body in degrees.
-    spherical: as for `along_z`.
-    """
-    sensor = MagnetometerParameters(earth_field=(0.3, 0.0, 0.2), hard_iron=(0.0, 0.0, 0.0))
-    true = ImuParameters(magnetometer=sensor)
-    counts = sent(lambda ago: (0.0, 0.0, radians(value)))
-    return Sample(ImuParameters(magnetometer=replace(sensor, spherical=spherical)), counts, true)
-
-
-def strong(value: float, norm: Norm) -> Sample:
-    """Return the sample of a resting body in a field with three equal components.
-
-    value: the strength of the field in gauss.
-    norm: the method that is examined (see MagnetometerParameters). The reference uses "squares".
-    """
-    part = value / 3**0.5
-    sensor = MagnetometerParameters(earth_field=(part, part, part), hard_iron=(0.0, 0.0, 0.0))
-    return Sample(
-        ImuParameters(magnetometer=replace(sensor, norm=norm)), sent(still), ImuParameters(magnetometer=sensor)
-    )
+def turned(value: float) -> Sample:
+    """Return the sample of a resting body in a field that points north and down. value: the yaw in degrees."""
+    return in_field((0.3, 0.0, 0.2), lambda ago: (0.0, 0.0, radians(value)), spherical="plain")
 
 
 def lever(value: float, reversing: bool) -> Sample:
@@ -261,7 +242,7 @@ FIELDS = (
         "gauss",
         0.3,
         0.0,
-        lambda value: along_z(value, "four-quadrant"),
+        lambda value: in_field((value, 0.0, VERTICAL), spherical="four-quadrant"),
     ),
     InputSweep(
         "field along z, plain",
@@ -269,7 +250,7 @@ FIELDS = (
         "gauss",
         0.3,
         0.0,
-        lambda value: along_z(value, "plain"),
+        lambda value: in_field((value, 0.0, VERTICAL), spherical="plain"),
     ),
     InputSweep(
         "field along z, rotation",
@@ -277,7 +258,7 @@ FIELDS = (
         "gauss",
         0.3,
         0.0,
-        lambda value: along_z(value, "rotation"),
+        lambda value: in_field((value, 0.0, VERTICAL), spherical="rotation"),
     ),
     InputSweep(
         "no field, plain",
@@ -285,7 +266,7 @@ FIELDS = (
         "gauss",
         0.3,
         0.0,
-        lambda value: along_z(value, "plain", vertical=0.0),
+        lambda value: in_field((value, 0.0, 0.0), spherical="plain"),
     ),
     InputSweep(
         "yaw of the field, plain",
@@ -293,10 +274,15 @@ FIELDS = (
         "deg",
         0,
         180,
-        lambda value: turned(value, "plain"),
+        turned,
     ),
     InputSweep(
-        "field strength", "rho from squares, as written", "gauss", 0.5, 1000, lambda value: strong(value, "squares")
+        "field strength",
+        "rho from squares, as written",
+        "gauss",
+        0.5,
+        1000,
+        lambda value: in_field((value / 3**0.5,) * 3, norm="squares"),
     ),
     InputSweep(
         "field strength, IQmag",
@@ -304,7 +290,7 @@ FIELDS = (
         "gauss",
         0.5,
         1000,
-        lambda value: strong(value, "mag"),
+        lambda value: in_field((value / 3**0.5,) * 3, norm="mag"),
     ),
     InputSweep(
         "lever arm, steady",

@@ -23,9 +23,8 @@ from pathlib import Path
 import numpy as np
 
 from ...core.phrases import shorten
-from .capture import MOST_DIGITS, BadCapture, Capture, Channel, Positions, Span
+from .capture import MOST_DIGITS, MOST_POSITION, BadCapture, Capture, Channel, Positions, Span
 
-MOST_POSITION = 1 << 62
 FASTEST_ANALYSER = 10**10  # a rate in samples per second that no logic analyser exceeds
 # Maximum length in samples (0.7 s at 100 MHz) of a pause, which is a time without edges, that is always accepted.
 LONGEST_PAUSE = 1 << 26

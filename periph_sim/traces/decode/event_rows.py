@@ -61,7 +61,7 @@ class Rows(NamedTuple):
     """A table of events: a tuple of columns, which are arrays of equal length.
 
     at, end  int64   positions, as in `I2cTable`, `UartTable` and `spi.Event`
-    bus      uint8   number of the bus in the list of buses to decode
+    bus      uint8   number of the bus in the list of buses to decode; 0 until the buses are numbered
     event    uint8   index into EVENTS
     value    int32   address, byte or bits; -1 if there is no value. The type is int64 for a data line of an SPI bus
     bits     uint8   number of bits on the wire; but 10 for an address row whose value has all ten bits
@@ -83,14 +83,12 @@ def no_rows() -> Rows:
     return Rows._make(np.empty(0, kind) for kind in kinds)
 
 
-def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
+def i2c_rows(table: I2cTable) -> Rows:
     """Return the rows of an I2C table.
 
     The detail of a complete or cut byte is its direction; that of a reserved address is also its purpose. A 10-bit
     address with R/W = 1 after a repeated START has one byte. If the other byte was sent earlier in the same transfer,
     the value of the address row has all ten bits.
-
-    bus: the number of the bus.
     """
     is_byte = (table.bits >= 8) | (table.kind == i2c_table.I2cRowKind.CUT)
     detail = (table.read + np.uint8(1)) * is_byte
@@ -110,18 +108,16 @@ def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
         same &= value[low] >> 8 == value[again] & 3
         value[again[same]] = value[low[same]]
         bits[again[same]] = 10
-    return Rows(table.at, table.end, np.full_like(table.kind, bus), table.kind, value, bits, detail)
+    return Rows(table.at, table.end, np.zeros_like(table.kind), table.kind, value, bits, detail)
 
 
-def uart_rows(table: UartTable, bus: int = 0) -> Rows:
+def uart_rows(table: UartTable) -> Rows:
     """Return the rows of a UART table."""
     detail = OF_FAULTS[table.parity_error + 2 * table.frame_error + 4 * table.glitched]
-    return Rows(
-        table.at, table.end, np.full_like(table.kind, bus), OF_UART[table.kind], table.value, table.bits, detail
-    )
+    return Rows(table.at, table.end, np.zeros_like(table.kind), OF_UART[table.kind], table.value, table.bits, detail)
 
 
-def spi_rows(events: Sequence[spi.Event], is_mosi: bool, bus: int = 0) -> Rows:
+def spi_rows(events: Sequence[spi.Event], is_mosi: bool) -> Rows:
     """Return the rows of one data line of an SPI bus, and the rows of its chip select.
 
     is_mosi: True for the line MOSI, False for MISO.
@@ -129,7 +125,7 @@ def spi_rows(events: Sequence[spi.Event], is_mosi: bool, bus: int = 0) -> Rows:
     rows = []
     for one in events:
         value = one.mosi if is_mosi else one.miso
-        rows.append((one.at, one.end, bus, EVENTS.index(one.kind), -1 if value is None else value, one.bits, 0))
+        rows.append((one.at, one.end, 0, EVENTS.index(one.kind), -1 if value is None else value, one.bits, 0))
     kinds = (np.int64, np.int64, np.uint8, np.uint8, np.int64, np.uint8, np.uint8)
     columns = zip(*rows, strict=True) if rows else [()] * len(kinds)
     return Rows._make(np.array(column, kind) for column, kind in zip(columns, kinds, strict=True))

@@ -60,17 +60,16 @@ class Guess:
     measured: the baud rate according to the edges.
     frames: the number of decoded frames.
     errors: the share of wrong frames among the decoded frames.
-    off: the average difference of low pulses from a whole number of bits, in bits.
     also: other shapes that decode equally well, but are less likely or supported by fewer values.
     sure: a certainty from 0 to 1, which is no probability. The value is small if frames are few, if frames are wrong,
-        if `off` is large, or if another shape fits, but has too few values for a decision.
+        if low pulses differ from whole numbers of bits, or if another shape fits, but has too few values for a
+        decision.
     """
 
     line: Line
     measured: float
     frames: int
     errors: float
-    off: float
     also: tuple[str, ...]
     sure: float
 
@@ -153,7 +152,7 @@ def _best(rate: Fraction, step: int, parts: list[Channel], shape: str | None, in
     doubt = any(one.values < ENOUGH and one.line.shape != PLAIN for one in others)
     sure = max(0.0, 1 - 2 * best.errors) * max(0.0, 1 - 4 * off) * best.frames / (best.frames + 3)
     sure *= 0.5 if doubt else 1.0
-    return Guess(best.line, measured, best.frames, best.errors, off, also, sure)
+    return Guess(best.line, measured, best.frames, best.errors, also, sure)
 
 
 def _only_longer(line: Line, than: Line) -> bool:

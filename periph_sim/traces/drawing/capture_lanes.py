@@ -25,7 +25,6 @@ def wire_lanes(
     span: Span,
     seconds: Seconds,
     columns: int,
-    colour: str = BLACK,
     expected: Mapping[tuple[int, int], int] | None = None,
 ) -> list[Lane]:
     """Return the lanes of the bus and of its bytes, followed by the lanes of other wires that change within the span.
@@ -38,12 +37,12 @@ def wire_lanes(
     lanes: list[Lane] = []
     names = [channel.name for channel in capture.channels]
     if all(name in names for name in BUS):
-        bus = [_wave(capture.channel(name), span, seconds, colour) for name in BUS]
+        bus = [_wave(capture.channel(name), span, seconds) for name in BUS]
         boxes = _boxes(capture, span, seconds, columns, expected or {})
         if boxes or any(lane.edges for lane in bus):
-            lanes += [*bus, *([Lane("bytes", "bus", colour, boxes=boxes)] if boxes else [])]
+            lanes += [*bus, *([Lane("bytes", "bus", BLACK, boxes=boxes)] if boxes else [])]
     for channel in capture.channels:
-        wave = _wave(channel, span, seconds, colour)
+        wave = _wave(channel, span, seconds)
         if channel.name not in BUS and wave.edges:
             lanes.append(wave)
     return lanes
@@ -61,10 +60,10 @@ def bit_of(capture: Capture, otherwise: int) -> int:
     return otherwise
 
 
-def _wave(channel: Channel, span: Span, seconds: Seconds, colour: str) -> Lane:
+def _wave(channel: Channel, span: Span, seconds: Seconds) -> Lane:
     cut = channel.cut(span)
     edges = tuple((seconds(at), to) for at, to in zip(cut.edges.tolist(), cut.levels.tolist(), strict=True))
-    return Lane(channel.name, "bus" if channel.name in BUS else "wires", colour, initial=cut.initial, edges=edges)
+    return Lane(channel.name, "bus" if channel.name in BUS else "wires", BLACK, initial=cut.initial, edges=edges)
 
 
 def _boxes(

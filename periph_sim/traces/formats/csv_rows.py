@@ -17,10 +17,8 @@ from typing import IO
 import numpy as np
 
 from ..capture import size_limits as limits
-from ..capture.capture import BadCapture, Levels, Positions
+from ..capture.capture import MOST_POSITION, BadCapture, Levels, Positions
 from ..capture.sampling import exact_time
-
-MOST_INT64 = 1 << 62  # maximum time that is stored in 64 bits
 
 
 def numbered_rows(path: Path, file: IO[str], expected: str, way_out: str) -> Iterator[tuple[int, list[str]]]:
@@ -107,7 +105,7 @@ class Rows:
             return
         if len(self._kept) * (self._columns + 1) >= limits.MOST_EDGES:
             raise self.bad(line, f"more than {limits.MOST_EDGES} cells", "a shorter capture", "export a part of it")
-        if now > MOST_INT64 and isinstance(self._times, array):
+        if now > MOST_POSITION and isinstance(self._times, array):
             self._times = list(self._times)
         self._times.append(now)
         self._kept.append(kind)
@@ -117,7 +115,7 @@ class Rows:
         finer = 10 ** (decimals - self.decimals)
         times = [time * finer for time in self._times]
         self._first, self._last, self.decimals = self._first * finer, self._last * finer, decimals
-        self._times = times if self._last > MOST_INT64 else array("q", times)
+        self._times = times if self._last > MOST_POSITION else array("q", times)
 
     def times(self) -> Positions:
         """Return the times of the rows with a change of a level and of the last row.
@@ -125,7 +123,7 @@ class Rows:
         The result is an array of int64 or, if a time exceeds 64 bits, of Python's integers.
         """
         times = [*self._times, self._last]
-        return np.array(times, object if self._last > MOST_INT64 else np.int64)
+        return np.array(times, object if self._last > MOST_POSITION else np.int64)
 
     def states(self, index: int) -> Levels:
         """Return the state of one channel in each row in which the level of any channel changes.

@@ -31,9 +31,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..capture.capture import UNKNOWN, BadCapture, Capture, Channel, changes, channel_of_states
+from ..capture.capture import (
+    MOST_POSITION,
+    STATE_LETTERS,
+    UNKNOWN,
+    BadCapture,
+    Capture,
+    Channel,
+    changes,
+    channel_of_states,
+)
 from ..capture.sampling import nearest, on_grid
-from .vcd import LETTERS, OURS, channel_names, timescale_of
+from .vcd import OURS, channel_names, timescale_of
 
 NAME = "FST or GHW waveform"
 SUFFIXES = (".fst", ".ghw")
@@ -44,7 +53,6 @@ FST_LENGTH = 329
 GHW_MARK = b"GHDLwave\n"
 READER = Path(__file__).with_name("wellen_worker.py")
 PATIENCE = 900  # maximum time in seconds to read a file; usually the reading process reaches its own limit earlier
-MOST_TICKS = 1 << 62
 ERROR = re.compile(r"^(?:[\w.]*(?:Error|Exception)): (.+)$", re.MULTILINE)
 NO_END = "the format does not say where the run ends, so the last change is used"
 
@@ -69,9 +77,9 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
         raise BadCapture(path, "the file", "no line of one bit", "at least one", "dump the lines of the bus")
     ticks = _ticks(head)
     last = max((int(at[-1]) for at, _ in signals if len(at)), default=0)
-    if max(last, end or 0) > MOST_TICKS:
+    if max(last, end or 0) > MOST_POSITION:
         raise BadCapture(
-            path, "its times", f"tick {max(last, end or 0)}", f"at most {MOST_TICKS}", "dump a shorter run"
+            path, "its times", f"tick {max(last, end or 0)}", f"at most {MOST_POSITION}", "dump a shorter run"
         )
     length = end if end is not None and end > last else last + 1
     if rate is not None:
@@ -127,7 +135,7 @@ def _signals(path: Path) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any
         at = np.frombuffer(done.stdout, np.uint64, count, begin + 16)
         letters = np.frombuffer(done.stdout, np.uint8, count * width, begin + 16 + 8 * count).reshape(count, width)
         begin += 16 + (8 + width) * count
-        if len(at) and (int(at.max()) > MOST_TICKS or (np.diff(at.astype(np.int64)) < 0).any()):
+        if len(at) and (int(at.max()) > MOST_POSITION or (np.diff(at.astype(np.int64)) < 0).any()):
             raise BadCapture(path, "its times", "a time that falls or is too late", "times that rise", "dump it again")
         signals.append((at.astype(np.int64), letters))
     return head, signals
@@ -189,7 +197,7 @@ def write(capture: Capture, path: Path) -> tuple[str, ...]:
     variables = []
     for number, name in enumerate(names):
         rows = which == number
-        letters = [LETTERS[state] for state in states[rows].tolist()]
+        letters = [STATE_LETTERS[state] for state in states[rows].tolist()]
         variables.append(Variable(name, 1, zip(times[:-1][rows].tolist(), letters, strict=True)))
     path.write_bytes(fst_bytes(per_second, variables, int(times[-1])))
     return tuple(notes)

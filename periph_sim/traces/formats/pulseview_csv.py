@@ -28,9 +28,9 @@ from typing import IO
 import numpy as np
 
 from ..capture import size_limits as limits
-from ..capture.capture import BadCapture, Capture, Positions, channel_of_states, rate_of
+from ..capture.capture import MOST_POSITION, BadCapture, Capture, Positions, channel_of_states, rate_of
 from ..capture.sampling import DECIMAL, nearest
-from .csv_rows import MOST_INT64, Rows
+from .csv_rows import Rows
 
 NAME = "PulseView or DSView CSV"
 SUFFIXES = (".csv", ".txt")
@@ -211,7 +211,7 @@ def _positions(path: Path, head: Head, rows: Rows) -> tuple[Positions, Fraction 
         times, rate = times // step, per_second / step
     else:
         times = nearest(times, rate / per_second)
-    if int(times[-1]) >= MOST_INT64:
+    if int(times[-1]) >= MOST_POSITION:
         raise OverflowError
     return times.astype(np.int64), rate
 

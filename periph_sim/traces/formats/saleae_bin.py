@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from ...core.input_files import open_regular
 from ..capture import size_limits as limits
-from ..capture.capture import UNKNOWN, BadCapture, Capture, Channel, Levels, Positions, channel_of_states
+from ..capture.capture import MOST_POSITION, UNKNOWN, BadCapture, Capture, Channel, Levels, Positions, channel_of_states
 
 NAME = "Saleae binary (digital_N.bin or their folder)"
 SUFFIXES = (".bin", "/")
@@ -37,7 +37,6 @@ NANOSECONDS = Fraction(10**9)
 # A change may be up to OFF_GRID samples away from a sample. Errors of float64 are far smaller; errors of a wrong rate
 # are far larger.
 OFF_GRID = 0.02
-MOST_POSITIONS = float(1 << 62)
 BLOCK = 1 << 16  # number of times that are read at once
 OR_SALVAGE = ", or read the intact part with --salvage"
 
@@ -126,7 +125,7 @@ class _Grid:
     def _exact(self, path: Path, times: NDArray[np.float64]) -> NDArray[np.float64]:
         with np.errstate(over="ignore"):  # values of more than 64 bits are rejected below
             exact = (times - self._begin) * self._rate
-        if not np.all(np.abs(exact) < MOST_POSITIONS):
+        if not np.all(np.abs(exact) < MOST_POSITION):
             raise BadCapture(path, "its times", "a time beyond 64 bits", "seconds", "export it again")
         return exact
 

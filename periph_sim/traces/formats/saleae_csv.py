@@ -21,9 +21,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..capture.capture import UNKNOWN, BadCapture, Capture, Positions, changes, channel_of_states
+from ..capture.capture import MOST_POSITION, UNKNOWN, BadCapture, Capture, Positions, changes, channel_of_states
 from ..capture.sampling import LEAST_DECIMALS, OffGrid, decimals_for, nearest, quantized, rate_text
-from .csv_rows import MOST_INT64, Rows, numbered_rows
+from .csv_rows import Rows, numbered_rows
 
 NAME = "Saleae CSV"
 SUFFIXES = (".csv",)
@@ -96,7 +96,7 @@ def _positions(rows: Rows, rate: Fraction | None) -> tuple[Positions, Fraction]:
         ) from off
     except OverflowError:
         raise too_late from None
-    if at[-1] > MOST_INT64:
+    if at[-1] > MOST_POSITION:
         raise too_late
     return at, rate or per_second
 

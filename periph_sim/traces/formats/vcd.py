@@ -31,16 +31,14 @@ from typing import IO, NoReturn
 
 import numpy as np
 
-from ..capture.capture import UNKNOWN, BadCapture, Capture, changes, channel_of_states
+from ..capture.capture import MOST_POSITION, STATE_LETTERS, UNKNOWN, BadCapture, Capture, changes, channel_of_states
 from ..capture.sampling import decimals_for, nearest, on_grid, rate_text
 from ..capture.size_limits import MOST_EDGES
 
 SECONDS = {"s": 0, "ms": 3, "us": 6, "ns": 9, "ps": 12, "fs": 15}  # number of decimals of a second for each unit
-MOST_TICKS = 1 << 62
 # If a sample period cannot be a whole number of ticks, times are rounded to ticks. A sample period then has at least
 # this number of ticks, so that the error of rounding is small.
 ROUNDED_TO = 1000
-LETTERS = "01x"
 OURS, SCOPE = "periph-sim", "capture"  # the name of the writer in our files, and their scope, which `read` removes
 
 
@@ -65,18 +63,18 @@ def write_to(file: IO[str], capture: Capture, scope: tuple[str, ...] = (SCOPE,))
         notes.append(f"names that VCD cannot hold were changed: {', '.join(renamed)}")
     first = len(names)
     times = nearest(np.append(at, capture.length), per_second / (capture.rate or per_second)).tolist()
-    if times[-1] > MOST_TICKS:
+    if times[-1] > MOST_POSITION:
         raise BadCapture(
-            Path(file.name), "its length", f"{times[-1]} ticks of {scale}", f"at most {MOST_TICKS}", "cut a window"
+            Path(file.name), "its length", f"{times[-1]} ticks of {scale}", f"at most {MOST_POSITION}", "cut a window"
         )
     with VCDWriter(file, timescale=scale, date="", version=OURS) as writer:
         lines = [
-            writer.register_var((*scope, *scopes), name, "wire", size=1, init=LETTERS[state])
+            writer.register_var((*scope, *scopes), name, "wire", size=1, init=STATE_LETTERS[state])
             for (*scopes, name), state in zip((name.split(".") for name in names), states.tolist(), strict=False)
         ]
         rows = zip(times[first:-1], which[first:].tolist(), states[first:].tolist(), strict=True)
         for time, line, state in rows:
-            writer.change(lines[line], time, LETTERS[state])
+            writer.change(lines[line], time, STATE_LETTERS[state])
         writer.close(times[-1])
     return tuple(notes)
 
@@ -249,9 +247,9 @@ class _Reader:
     def _time(self, number: int, word: bytes) -> None:
         digits = word[1:]
         now = int(digits) if digits.isdigit() and len(digits) < 20 else -1
-        if not 0 <= now <= MOST_TICKS:
+        if not 0 <= now <= MOST_POSITION:
             found = repr(_text(word))
-            self._bad(number, found, f"# and a number of ticks to {MOST_TICKS}", "write the dump again")
+            self._bad(number, found, f"# and a number of ticks to {MOST_POSITION}", "write the dump again")
         if self._timed and now < self._now:
             self._bad(number, f"time {now} after {self._now}", "times that rise", "write the dump again")
         if not self._timed or now > self._now:  # values before the first `#` are at tick 0

@@ -16,14 +16,13 @@ from fractions import Fraction
 from math import gcd
 from pathlib import Path
 
-from ..capture.capture import BadCapture, Capture, changes
+from ..capture.capture import STATE_LETTERS, BadCapture, Capture, changes
 
 NAME = "WaveDrom (.wavedrom.json)"
 SUFFIXES = (".wavedrom.json",)
 
 MOST_EDGES = 1000
 MOST_BRICKS = 4000
-LETTERS = "01x"
 
 
 def write(capture: Capture, path: Path) -> None:
@@ -42,7 +41,7 @@ def write(capture: Capture, path: Path) -> None:
         _refuse(capture, f"{bricks} bricks of {brick} positions", f"at most {MOST_BRICKS}")
     waves = [["."] * bricks for _ in range(count)]
     for position, line, state in zip(at, which, states, strict=True):
-        waves[line][position // brick] = LETTERS[state]
+        waves[line][position // brick] = STATE_LETTERS[state]
     lanes = [{"name": c.name, "wave": "".join(wave)} for c, wave in zip(capture.channels, waves, strict=True)]
     long = "" if capture.rate is None else f", {_time(brick / capture.rate)} each"
     foot = {"text": f"{bricks} bricks{long}"}

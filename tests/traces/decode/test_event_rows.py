@@ -53,19 +53,19 @@ def test_of_i2c_whole_and_cut_bytes_say_who_was_asked_to_send_and_nothing_else_d
     ]
     types = (np.uint8, np.int64, np.int64, np.int64, np.int16, np.uint8, np.bool_)
     columns = zip(zip(*of, strict=True), types, strict=True)
-    rows = i2c_rows(I2cTable._make(np.array(column, of_type) for column, of_type in columns), bus=3)
+    rows = i2c_rows(I2cTable._make(np.array(column, of_type) for column, of_type in columns))
     assert told(rows) == [
-        (10, 10, 3, "start", -1, 0, ""),
-        (20, 28, 3, "address", 0x53, 8, "write"),
-        (30, 31, 3, "ack", -1, 1, ""),
-        (40, 40, 3, "repeated start", -1, 0, ""),
-        (50, 58, 3, "address", 0x53, 8, "read"),
-        (60, 61, 3, "nack", -1, 1, ""),
-        (62, 66, 3, "address low", 0x242, 8, "write"),
-        (70, 78, 3, "data", 0xA5, 8, "read"),
-        (80, 83, 3, "cut", 0b101, 3, "read"),
-        (84, 85, 3, "cut", 1, 1, "write"),
-        (90, 90, 3, "stop", -1, 0, ""),
+        (10, 10, 0, "start", -1, 0, ""),
+        (20, 28, 0, "address", 0x53, 8, "write"),
+        (30, 31, 0, "ack", -1, 1, ""),
+        (40, 40, 0, "repeated start", -1, 0, ""),
+        (50, 58, 0, "address", 0x53, 8, "read"),
+        (60, 61, 0, "nack", -1, 1, ""),
+        (62, 66, 0, "address low", 0x242, 8, "write"),
+        (70, 78, 0, "data", 0xA5, 8, "read"),
+        (80, 83, 0, "cut", 0b101, 3, "read"),
+        (84, 85, 0, "cut", 1, 1, "write"),
+        (90, 90, 0, "stop", -1, 0, ""),
     ]
     assert [column.dtype for column in rows] == KINDS
 
@@ -91,7 +91,7 @@ def test_of_uart_every_set_of_faults_has_its_words():
         np.zeros(n, np.uint8), np.arange(n), np.arange(n) + 9, np.arange(n, dtype=np.int32), np.full(n, 8, np.uint8),
         *faults, np.zeros(n, np.int32),
     )  # fmt: skip
-    rows = uart_rows(of, bus=1)
+    rows = uart_rows(of)
     assert [detail for *_, detail in told(rows)] == [
         "",
         "parity error",
@@ -102,7 +102,7 @@ def test_of_uart_every_set_of_faults_has_its_words():
         "frame error, glitch",
         "parity error, frame error, glitch",
     ]
-    assert [row[:6] for row in told(rows)] == [(case, case + 9, 1, "frame", case, 8) for case in range(n)]
+    assert [row[:6] for row in told(rows)] == [(case, case + 9, 0, "frame", case, 8) for case in range(n)]
     assert [column.dtype for column in rows] == KINDS
 
 

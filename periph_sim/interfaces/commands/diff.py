@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from ...core.tolerance import Cycles, Tolerance
+from ...traces.capture.channel_names import pairs_given
+from ...traces.decode.uart_line import Line, line_of
 from .command_frame import command, print_answer, read_capture, usage_errors_in_one_sentence
 from .shared_options import JSON, MAP, SALVAGE, tolerance_option
-
-if TYPE_CHECKING:
-    from ...core.tolerance import Tolerance
-    from ...traces.decode.uart_line import Line
 
 
 @command(
@@ -49,7 +47,6 @@ def diff(
     Exit status 0: the events are the same, and their times differ by no more than the tolerance, by
     default one sample of A plus one sample of B; 1: otherwise.
     """
-    from ...core.tolerance import Cycles
     from ...replay.channels import channel_map
     from ...traces.diff import diff_i2c, diff_uart, text_report
 
@@ -87,9 +84,6 @@ def _line(text: str) -> tuple[str | None, Line]:
 
     The channel is None if it is not stated. Raise ClickException if the rate is not stated.
     """
-    from ...traces.capture.channel_names import pairs_given
-    from ...traces.decode.uart_line import line_of
-
     given = pairs_given("--uart", text, ("rx", "baud", "format"))
     if given.get("baud", "auto") == "auto":
         raise click.ClickException(f"--uart {text}: the rate is not stated; expected baud=RATE, such as baud=115200")

@@ -28,11 +28,7 @@ from .shared_options import CHANGES, EIGHT_BITS, FRAME, JSON, MAP, RATE, SALVAGE
 
 if TYPE_CHECKING:
     from ...core.tolerance import Tolerance
-    from ...replay.i2c_closed_loop import I2cReplay
-    from ...replay.i2c_master import I2cMasterReplay
-    from ...replay.i2c_open_loop import I2cOpenReplay
     from ...replay.report import Divergence, HistoryEntry, Report
-    from ...replay.uart import UartReplay
     from ...scene.case.model import Case
     from ...traces.capture.capture import Capture
 

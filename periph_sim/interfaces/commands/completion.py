@@ -105,10 +105,11 @@ def complete_key(context: click.Context, parameter: click.Parameter, begun: str)
 @silently
 def complete_register(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
     """Offer modules and registers, and registers without their module."""
-    modules = _modules()
-    names = [*modules, *(f"{module}.{register}" for module, registers in modules.items() for register in registers)]
-    names += dict.fromkeys(register for registers in modules.values() for register in registers)
-    return next_parts(names, begun)
+    from ...f28335.parts.f28335 import PART
+
+    known = [(module.name, register.name) for module in PART.modules for register in module.registers]
+    modules, registers = (dict.fromkeys(names) for names in zip(*known, strict=True))
+    return next_parts([*modules, *map(".".join, known), *registers], begun)
 
 
 @silently
@@ -138,13 +139,6 @@ def complete_row(context: click.Context, parameter: click.Parameter, begun: str)
 
     names = [AS_GIVEN, *(f"arithmetic={name}" for name in ARITHMETICS), *(f"record {name}" for name in RECORDINGS)]
     return [name for name in names if name.startswith(begun)]
-
-
-def _modules() -> dict[str, list[str]]:
-    """Return a dictionary from the modules of the F28335 to their registers."""
-    from ...f28335.parts.f28335 import PART
-
-    return {module.name: [register.name for register in module.registers] for module in PART.modules}
 
 
 def _fields() -> Iterator[str]:

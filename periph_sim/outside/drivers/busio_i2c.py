@@ -37,9 +37,6 @@ class I2C:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.deinit()
 
-    def deinit(self) -> None:
-        self._locked = False
-
     def try_lock(self) -> bool:
         """Lock the bus for the caller. Return False if it is locked already."""
         if self._locked:
@@ -49,6 +46,8 @@ class I2C:
 
     def unlock(self) -> None:
         self._locked = False
+
+    deinit = unlock
 
     def scan(self) -> list[int]:
         """Return the addresses from 0x08 to 0x77 that a target on the bus acknowledges."""

@@ -157,10 +157,15 @@ class _Messages(ctypes.Structure):  # struct i2c_rdwr_ioctl_data
     _fields_ = [("messages", ctypes.POINTER(_Message)), ("count", ctypes.c_uint32)]
 
 
-class Adapter:
-    """An open file `/dev/i2c-N`. pause: the number of ticks that pass before each transfer."""
+class Adapter(io.RawIOBase):
+    """An open file `/dev/i2c-N`. `open` returns it as an unbuffered file object.
 
-    def __init__(self, session: Session, pause: int) -> None:
+    number: the file number.
+    pause: the number of ticks that pass before each transfer.
+    """
+
+    def __init__(self, number: int, session: Session, pause: int) -> None:
+        self._number = number
         self._session = session
         self._pause = pause
         self._address = -1
@@ -191,14 +196,24 @@ class Adapter:
             raise OSError(errno.ENOTTY, f"no request of an I2C adapter: {request:#x}")
         return 0
 
-    def write(self, data: bytes) -> int:
+    def fileno(self) -> int:
+        return self._number
+
+    def readable(self) -> bool:
+        return True
+
+    def writable(self) -> bool:
+        return True
+
+    def write(self, data: Any) -> int:
         with self._on_bus() as master:
-            SmbusTransfer(master, self._address).send(data)
+            SmbusTransfer(master, self._address).send(bytes(data))
         return len(data)
 
-    def read(self, count: int) -> bytes:
+    def readinto(self, buffer: Any) -> int:
         with self._on_bus() as master:
-            return SmbusTransfer(master, self._address).got(count)
+            buffer[:] = SmbusTransfer(master, self._address).got(len(buffer))
+        return len(buffer)
 
     def _on_bus(self) -> AbstractContextManager[Master]:
         """Return a context for a transfer with the target whose address was set. Raise OSError if none was set."""
@@ -250,31 +265,6 @@ class Adapter:
                 bus.send(message.data[: message.length])
 
 
-class _Opened(io.RawIOBase):
-    """The unbuffered file object that `open` returns for `/dev/i2c-N`."""
-
-    def __init__(self, number: int, adapter: Adapter) -> None:
-        self._number = number
-        self._adapter = adapter
-
-    def fileno(self) -> int:
-        return self._number
-
-    def readable(self) -> bool:
-        return True
-
-    def writable(self) -> bool:
-        return True
-
-    def readinto(self, buffer: Any) -> int:
-        got = self._adapter.read(len(buffer))
-        buffer[:] = got
-        return len(got)
-
-    def write(self, data: Any) -> int:
-        return self._adapter.write(bytes(data))
-
-
 @contextmanager
 def i2c_dev(sessions: Mapping[int, Session], pause: str = "100 us") -> Iterator[None]:
     """Let `/dev/i2c-N` access the bus of the session `sessions[N]` within a `with` block. This requires Linux.
@@ -304,17 +294,14 @@ def i2c_dev(sessions: Mapping[int, Session], pause: str = "100 us") -> Iterator[
             raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), text)
         session = sessions[int(number)]
         file = FIRST_FILE + len(adapters)
-        adapters[file] = Adapter(session, session.ticks(pause))
+        adapters[file] = Adapter(file, session, session.ticks(pause))
         return file
 
     def opened_by_python(path: Any, *more: Any, **named: Any) -> Any:
-        if not ours(path):
-            return real_builtin(path, *more, **named)
-        number = opened(path)
-        return _Opened(number, adapters[number])
+        return adapters[opened(path)] if ours(path) else real_builtin(path, *more, **named)
 
     def ioctl(file: Any, request: int, argument: Any = 0, *more: Any) -> Any:
-        number = file.fileno() if isinstance(file, _Opened) else file
+        number = file.fileno() if isinstance(file, Adapter) else file
         adapter = adapters.get(number) if isinstance(number, int) else None
         return adapter.ioctl(request, argument) if adapter else real_ioctl(file, request, argument, *more)
 
@@ -322,11 +309,11 @@ def i2c_dev(sessions: Mapping[int, Session], pause: str = "100 us") -> Iterator[
         if file not in adapters:
             real_close(file)
 
-    def read(file: int, count: int) -> bytes:
+    def read(file: int, count: int) -> bytes | None:
         return adapters[file].read(count) if file in adapters else real_read(file, count)
 
     def write(file: int, data: Any) -> int:
-        return adapters[file].write(bytes(data)) if file in adapters else real_write(file, data)
+        return adapters[file].write(data) if file in adapters else real_write(file, data)
 
     openers = [module for module in (builtins, io) if getattr(module, "open", None) is real_builtin]
     importers = [module for module in list(sys.modules.values()) if getattr(module, "ioctl", None) is real_ioctl]

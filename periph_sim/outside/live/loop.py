@@ -21,12 +21,11 @@ STEP = "1 ms"  # simulated time of a step; a byte waits at most this long for th
 
 
 class Door(Protocol):
-    """A connection between a session and clients, which the loop serves between steps.
+    """A connection between a session and clients, which the loop serves between steps."""
 
-    `files` returns the numbers of the files whose input the loop waits for.
-    """
-
-    def files(self) -> Sequence[int]: ...
+    def files(self) -> Sequence[int]:
+        """Return the numbers of the files whose input the loop waits for."""
+        return ()
 
     def turn(self) -> None:
         """Transfer bytes in both directions. The loop calls this between steps. The door may advance the session."""

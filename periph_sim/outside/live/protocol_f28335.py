@@ -14,7 +14,7 @@ from __future__ import annotations
 import threading
 import time
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Future
 from fractions import Fraction
 from math import ceil
@@ -31,7 +31,7 @@ from ..serial_line import SerialLine
 from ..session import Session
 from .backlog import MOST, Backlog
 from .case_for_line import case_for_line
-from .loop import Loop
+from .loop import Door, Loop
 from .pacing import Pacer
 
 KEYS = ("port", "pace", "log", "set")
@@ -40,7 +40,7 @@ WAITED = 0.01  # seconds, by the port's clock, between attempts to queue the res
 FOREVER = 3600  # limit in simulated seconds for a read without time-out at full speed
 
 
-class _Queue:
+class _Queue(Door):
     """A door between a session and the client, which is code of this process and usually in another thread.
 
     line: the serial line of the session; None after the end of the session.
@@ -55,9 +55,6 @@ class _Queue:
         self._requests: list[tuple[int, Callable[[SerialLine], None]]] = []
         self.came = Backlog()
         self.changed = threading.Condition()
-
-    def files(self) -> Sequence[int]:
-        return []
 
     def turn(self) -> None:
         with self.changed:

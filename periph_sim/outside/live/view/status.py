@@ -13,7 +13,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from typing import TypedDict
 
 from ....bus.i2c.transfer import Transfer
@@ -23,6 +23,7 @@ from ....timing.budgets import BudgetJudge
 from ....timing.verdict import FAIL, NOT_JUDGED, figure, limit
 from ...serial_line import SerialLine
 from ...session import Session
+from ..loop import Door
 from ..pacing import STEPS, TOLERATED, Pacer
 from .last_round import LastRound, Wave
 
@@ -276,15 +277,12 @@ class Board:
 EVERY = 0.25  # seconds between two snapshots
 
 
-class ViewDoor:
+class ViewDoor(Door):
     """Publisher that puts a snapshot on a board several times per second. The loop runs it like the other doors."""
 
     def __init__(self, status: Status, board: Board, clock: Callable[[], float] = time.monotonic) -> None:
         self._status, self._board, self._clock = status, board, clock
         self._due = clock()
-
-    def files(self) -> Sequence[int]:
-        return []
 
     def turn(self) -> None:
         now = self._clock()

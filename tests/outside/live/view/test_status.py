@@ -80,7 +80,7 @@ def test_a_snapshot_is_put_four_times_a_second_and_at_the_end() -> None:
     for now[0] in (0.0, 0.24, 0.25, 0.499, 0.5):
         door.turn()
         seen.append(board.after(0, 0)[0])
-    assert seen == [1, 1, 2, 2, 3] and door.files() == []
+    assert seen == [1, 1, 2, 2, 3] and door.files() == ()
     door.close()
     number, last = board.after(3, 0)
     assert number == 4 and last is not None and last["over"] and board.closed

@@ -98,32 +98,22 @@ def test_a_held_line_is_a_timeout_and_a_reset_says_which() -> None:
     assert driver.receive(b"x\xc0\x00" + WRITE + b"p") == b"3" + REFUSED + ACKED  # without START; no time-out any more
 
 
-def test_a_byte_that_a_held_line_cuts_off_is_a_timeout_and_no_ack() -> None:
-    """S 50W A, then SCL is held."""
-    session = slave(registers="0a")
-    driver = adapter(session)
-    assert driver.receive(WRITE) == ACKED
-    session.scene.wire("SCL").attach("stranger").drive(0)
-    assert driver.receive(b"\xc0\x00") == TIMED_OUT
-
-
-def test_a_start_that_cannot_be_lets_go_of_the_bus() -> None:
+@pytest.mark.parametrize(
+    ("held", "commands", "reports"),
+    [
+        ("SCL", b"\xc0\x00", TIMED_OUT),  # a byte
+        ("SDA", READ + b"\xc0\x00", TIMED_OUT * 2),  # a repeated START, and a byte
+        ("SDA", b"p\xc0\x00", TIMED_OUT),  # a STOP, and a byte, whose report is the first
+    ],
+)
+def test_what_a_held_line_cuts_off_is_a_timeout_and_no_ack(held: str, commands: bytes, reports: bytes) -> None:
+    """S 50W A, then a line is held. The bus is let go."""
     session = slave(registers="0a")
     driver = adapter(session)
     assert not driver.capturing and driver.receive(WRITE) == ACKED
-    session.scene.wire("SDA").attach("stranger").drive(0)
-    assert driver.receive(READ + b"\xc0\x00") == TIMED_OUT * 2
-    assert session.level("SCL") == 1
-
-
-def test_a_stop_that_cannot_be_is_in_the_next_report() -> None:
-    """S 50W A, then SDA is held, so there is no STOP."""
-    session = slave(registers="0a")
-    driver = adapter(session)
-    assert driver.receive(WRITE) == ACKED
-    session.scene.wire("SDA").attach("stranger").drive(0)
-    assert driver.receive(b"p\xc0\x00") == TIMED_OUT
-    assert session.level("SCL") == 1
+    session.scene.wire(held).attach("stranger").drive(0)
+    assert driver.receive(commands) == reports
+    assert session.level("SCL") == (held == "SDA")
 
 
 def test_arbitration_that_is_lost_is_reported() -> None:

@@ -18,7 +18,7 @@ from periph_sim.replay.session import SessionReplay
 from periph_sim.replay.uart import UartReplay, line_format
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
-from tests.replay.test_command import WRONG
+from tests.interfaces.commands.test_replay import WRONG
 from tests.replay.test_i2c_replay import CASES, RESPONDER
 from tests.replay.test_polling import memory, stored_and_read
 from tests.traces.formats.make_traces import FOLDER

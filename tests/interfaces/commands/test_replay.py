@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import json
 import re
-import sys
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
-from periph_sim.cli import run_command as main
+from tests.interfaces.commands.conftest import Run
 from tests.replay.make_session import samples
 from tests.replay.slow import one_read, slow_case
 from tests.replay.test_i2c_master import endless_case
 from tests.traces.formats.writers import frame_bits, sr_bytes, uart_wave
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 TRACES, CASES = ROOT / "traces", ROOT / "timing"
 HOST_FRAMES, IMU_ROUND = str(TRACES / "host_frames.sr"), str(TRACES / "imu_round.sr")
 NACK, BIT = str(TRACES / "nack.sr"), Fraction(2_000_000, 115_200)
@@ -24,28 +23,14 @@ MASTER = str(CASES / "captured_master.toml")
 LOGGER, RESPONDER = str(CASES / "uart_logger.toml"), str(CASES / "responder.toml")
 
 
-@pytest.fixture
-def call(monkeypatch, capsys):
-    """Runs a command line; returns exit status, standard output and standard error."""
-
-    def run(*arguments: str) -> tuple[object, str, str]:
-        monkeypatch.setattr(sys, "argv", ["periph-sim", *arguments])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        out, err = capsys.readouterr()
-        return ended.value.code, out, err
-
-    return run
-
-
-def test_a_uart_trace_goes_into_the_sci(call):
-    status, out, err = call("replay", HOST_FRAMES, "--case", LOGGER, "--baud", "115200")
+def test_a_uart_trace_goes_into_the_sci(periph_sim: Run):
+    status, out, err = periph_sim("replay", HOST_FRAMES, "--case", LOGGER, "--baud", "115200")
     assert (status, err) == (0, "")
     assert "uart_logger" in out and "PASS" in out and "24 of 24" in out and "FE 0, PE 0" in out
 
 
-def test_json_is_one_object_with_everything(call):
-    status, out, _ = call("replay", HOST_FRAMES, "--case", LOGGER, "--map", "rx=0", "--json")
+def test_json_is_one_object_with_everything(periph_sim: Run):
+    status, out, _ = periph_sim("replay", HOST_FRAMES, "--case", LOGGER, "--map", "rx=0", "--json")
     report = json.loads(out)
     assert status == 0
     assert (report["case"], report["kind"], report["verdict"]) == ("uart_logger", "uart", "pass")
@@ -85,35 +70,39 @@ def tens(tmp_path: Path) -> str:
     return str(case)
 
 
-def test_words_still_in_the_fifo_are_told_and_are_no_divergence(call, tens):
-    status, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--json")
+def test_words_still_in_the_fifo_are_told_and_are_no_divergence(periph_sim: Run, tens):
+    status, out, _ = periph_sim("replay", HOST_FRAMES, "--case", tens, "--json")
     report = json.loads(out)
     assert status == 0 and (report["events"], report["bytes"]) == (24, 20)
     assert not any(report[of_i2c] for of_i2c in ("transfers", "captured_transfers", "nacks", "captured_stretch_us"))
     assert "words still unread in the FIFO: 4" in report["notes"]
 
 
-def test_a_divergence_is_exit_status_1_and_tells_where(call, tens):
+def test_a_divergence_is_exit_status_1_and_tells_where(periph_sim: Run, tens):
     """The firmware sets the SCI to eight data bits; seven are said of the line, so each eighth is a stop bit."""
-    status, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--frame", "7n1")
+    status, out, _ = periph_sim("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--frame", "7n1")
     assert status == 1 and "FAIL" in out and "0 of " in out
     assert "first wrong byte" in out and "expected 00 FE at 0.000300 s" in out and "found 00 at" in out
-    notes = json.loads(call("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--frame", "7n1", "--json")[1])
+    notes = json.loads(
+        periph_sim("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--frame", "7n1", "--json")[1]
+    )
     assert notes["notes"][0].startswith("read at 115200 baud, 7n1, ") and len(notes["notes"]) > 1
     line = TENS.splitlines().index("            sci.SCIRXBUF.all") + 1
     assert f"the firmware was at tens.py:{line}, in main" in out
 
 
-def test_a_rate_that_is_off_is_noted(call, tens):
-    _, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--set", "unit.dsp.settings.brr=42")
+def test_a_rate_that_is_off_is_noted(periph_sim: Run, tens):
+    _, out, _ = periph_sim(
+        "replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--set", "unit.dsp.settings.brr=42"
+    )
     assert "note: the SCI runs at 109012 baud, -5.4 % off the line's 115200" in out
 
 
 @pytest.mark.parametrize(("oscclk", "noted"), [("30.6 MHz", False), ("30.601 MHz", True)])
-def test_a_rate_that_is_off_by_two_percent_is_not_noted(call, tens, oscclk: str, noted: bool):
+def test_a_rate_that_is_off_by_two_percent_is_not_noted(periph_sim: Run, tens, oscclk: str, noted: bool):
     """BRR = 99 makes 46875 baud of a crystal of 30 MHz."""
     changes = ["--set", "unit.dsp.settings.brr=99", "--set", f"unit.dsp.oscclk={oscclk}"]
-    _, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--baud", "46875", *changes)
+    _, out, _ = periph_sim("replay", HOST_FRAMES, "--case", tens, "--baud", "46875", *changes)
     assert ("% off the line's" in out) == noted
 
 
@@ -122,16 +111,16 @@ def test_a_rate_that_is_off_by_two_percent_is_not_noted(call, tens, oscclk: str,
     [[NACK, RESPONDER], [NACK, RESPONDER, "--loop", "open"], [NACK, MASTER], [HOST_FRAMES, LOGGER]],
     ids=["closed", "open", "master", "uart"],
 )
-def test_simulated_time_is_counted_from_the_start_of_the_case(call, arguments):
+def test_simulated_time_is_counted_from_the_start_of_the_case(periph_sim: Run, arguments):
     capture, case, *loop = arguments
     line = ["replay", capture, "--case", case, *loop, "--json"]
-    reports = [json.loads(call(*line, "--set", f"start={at}")[1]) for at in ("0 s", "10 s")]
+    reports = [json.loads(periph_sim(*line, "--set", f"start={at}")[1]) for at in ("0 s", "10 s")]
     assert reports[0]["simulated_s"] == reports[1]["simulated_s"] < 1
     assert reports[0]["agreed"] == reports[1]["agreed"] > 0
 
 
-def test_a_recording_of_the_replay(call, tmp_path):
-    status, _, _ = call("replay", HOST_FRAMES, "--case", LOGGER, "--record", str(tmp_path / "run.jsonl"))
+def test_a_recording_of_the_replay(periph_sim: Run, tmp_path):
+    status, _, _ = periph_sim("replay", HOST_FRAMES, "--case", LOGGER, "--record", str(tmp_path / "run.jsonl"))
     assert status == 0 and "SCIRXBUF" in (tmp_path / "run.jsonl").read_text()
 
 
@@ -150,25 +139,25 @@ def test_a_recording_of_the_replay(call, tmp_path):
         (["--record", "run.xyz"], "no recording is written as '.xyz'"),
     ],
 )
-def test_bad_input_is_one_sentence_and_exit_status_2(call, arguments, said):
-    status, out, err = call("replay", HOST_FRAMES, "--case", LOGGER, *arguments)
+def test_bad_input_is_one_sentence_and_exit_status_2(periph_sim: Run, arguments, said):
+    status, out, err = periph_sim("replay", HOST_FRAMES, "--case", LOGGER, *arguments)
     assert status == 2 and out == ""
     assert said in err and "Traceback" not in err
 
 
-def test_a_capture_that_is_no_capture_and_a_case_that_is_none(call, tmp_path):
+def test_a_capture_that_is_no_capture_and_a_case_that_is_none(periph_sim: Run, tmp_path):
     noise = tmp_path / "noise.bin"
     noise.write_bytes(bytes(range(256)))
-    status, _, err = call("replay", str(noise), "--case", LOGGER)
+    status, _, err = periph_sim("replay", str(noise), "--case", LOGGER)
     assert status == 2 and "noise.bin, " in err and "found" in err and "expected" in err
-    status, _, err = call("replay", HOST_FRAMES, "--case", str(tmp_path / "none.toml"))
+    status, _, err = periph_sim("replay", HOST_FRAMES, "--case", str(tmp_path / "none.toml"))
     assert status == 2 and "none.toml: cannot be read" in err
 
 
-def test_lines_without_a_transfer_are_refused(call, tmp_path):
+def test_lines_without_a_transfer_are_refused(periph_sim: Run, tmp_path):
     quiet = tmp_path / "quiet.sr"
     quiet.write_bytes(sr_bytes(["SCL", "SDA"], "1 MHz", b"\x03" * 100))
-    status, _, err = call("replay", str(quiet), "--case", RESPONDER)
+    status, _, err = periph_sim("replay", str(quiet), "--case", RESPONDER)
     assert status == 2 and "no I2C transfer on 'SCL' and 'SDA'; neither line changes in the capture" in err
 
 
@@ -179,35 +168,35 @@ def test_lines_without_a_transfer_are_refused(call, tmp_path):
         (HOST_FRAMES, LOGGER, "0.00 samples a bit at 114329.3 baud; expected at least 2, so the rate of 1 Hz or"),
     ],
 )
-def test_an_impossible_rate_is_told_before_anything_runs(call, capture, case, said):
-    status, out, err = call("replay", str(capture), "--case", case, "--rate", "1 Hz")
+def test_an_impossible_rate_is_told_before_anything_runs(periph_sim: Run, capture, case, said):
+    status, out, err = periph_sim("replay", str(capture), "--case", case, "--rate", "1 Hz")
     assert status == 2 and out == "" and said in err
 
 
-def test_a_replay_of_days_is_told_before_anything_runs(call, tmp_path):
+def test_a_replay_of_days_is_told_before_anything_runs(periph_sim: Run, tmp_path):
     """Three bits at 1 Hz are too few to tell by SCL, and two days later comes another transfer."""
     rows = [(0, 1, 1), (1, 1, 0), (2, 0, 0), (3, 1, 0), (180_000, 1, 1)]
     text = "Time [s],SCL,SDA\n" + "".join(f"{at}.000000000,{scl},{sda}\n" for at, scl, sda in rows)
     (tmp_path / "days.csv").write_text(text)
-    status, out, err = call("replay", str(tmp_path / "days.csv"), "--case", RESPONDER)
+    status, out, err = periph_sim("replay", str(tmp_path / "days.csv"), "--case", RESPONDER)
     assert status == 2 and out == "" and "there are 50 hours to play; expected at most 24" in err
 
 
-def test_what_nobody_recorded_is_told(call, tmp_path):
+def test_what_nobody_recorded_is_told(periph_sim: Run, tmp_path):
     rows = ["Time [s],SCL,SDA", "0.000000,1,1", "0.001000,X,1", "0.002000,1,1", "0.003000,1,0", "0.003010,0,0"]
     (tmp_path / "gap.csv").write_text("\n".join(rows) + "\n")
-    _, _, err = call("replay", str(tmp_path / "gap.csv"), "--case", RESPONDER)
+    _, _, err = periph_sim("replay", str(tmp_path / "gap.csv"), "--case", RESPONDER)
     assert "no whole address byte" in err
     bits = "".join(f"0.00{3100 + 20 * n},0,{n & 1}\n0.00{3110 + 20 * n},1,{n & 1}\n" for n in range(9))
     (tmp_path / "gap.csv").write_text("\n".join(rows) + "\n" + bits + "0.004000,0,0\n0.004010,1,0\n0.004020,1,1\n")
-    report = json.loads(call("replay", str(tmp_path / "gap.csv"), "--case", RESPONDER, "--json")[1])
+    report = json.loads(periph_sim("replay", str(tmp_path / "gap.csv"), "--case", RESPONDER, "--json")[1])
     said = "SCL and SDA: 1 span was not recorded, 0.001000000 s in all"
     assert any(note.startswith(said) for note in report["notes"])
 
 
-def test_the_verdict_line_says_what_it_proves_and_of_how_much(call):
+def test_the_verdict_line_says_what_it_proves_and_of_how_much(periph_sim: Run):
     def line(*arguments: str) -> tuple[object, str]:
-        status, out, _ = call("replay", *arguments)
+        status, out, _ = periph_sim("replay", *arguments)
         return status, out.splitlines()[0].partition(".sr: ")[2]
 
     filled = "timing and protocol only; "
@@ -223,27 +212,27 @@ def test_the_verdict_line_says_what_it_proves_and_of_how_much(call):
     )
 
 
-def test_ambiguous_frames_are_no_failure_unless_strict(call, tmp_path):
+def test_ambiguous_frames_are_no_failure_unless_strict(periph_sim: Run, tmp_path):
     line = bytearray(uart_wave([(Fraction(60), frame_bits(0x4F)), (Fraction(300), frame_bits(0x41))], BIT, 700))
     line[60 + int(Fraction(11, 2) * BIT)] ^= 1
     (tmp_path / "glitch.sr").write_bytes(sr_bytes(["RX"], "2 MHz", bytes(line)))
     arguments = ("replay", str(tmp_path / "glitch.sr"), "--case", LOGGER, "--baud", "115200")
-    status, out, _ = call(*arguments)
+    status, out, _ = periph_sim(*arguments)
     assert status == 0 and "glitch.sr: AMBIGUOUS (1 of 2 ambiguous)" in out.splitlines()[0]
-    assert call(*arguments, "--strict")[0] == 1
+    assert periph_sim(*arguments, "--strict")[0] == 1
 
 
-def test_an_i2c_trace_against_a_firmware(call):
-    status, out, err = call("replay", IMU_ROUND, "--case", RESPONDER)
+def test_an_i2c_trace_against_a_firmware(periph_sim: Run):
+    status, out, err = periph_sim("replay", IMU_ROUND, "--case", RESPONDER)
     assert (status, err) == (0, "")
     assert "PASS" in out and "63 of 63" in out and re.search(r"answered by the firmware +address 68\n", out)
     assert "note: an agent answers for 1E, 53, as captured" in out
     assert re.search(r"^assumes \d+ undocumented behaviours \(-v lists them\)$", out, re.MULTILINE)
 
 
-def test_an_i2c_trace_mapped_by_hand_with_an_address_and_fewer_transfers(call):
+def test_an_i2c_trace_mapped_by_hand_with_an_address_and_fewer_transfers(periph_sim: Run):
     arguments = ("--map", "scl=0,sda=1", "--address", "0x53", "--first", "2", "--longest-low", "2 us", "--json")
-    status, out, _ = call("replay", IMU_ROUND, "--case", RESPONDER, *arguments)
+    status, out, _ = periph_sim("replay", IMU_ROUND, "--case", RESPONDER, *arguments)
     report = json.loads(out)
     assert status == 0 and report["addresses"] == ["53"] and (report["events"], report["nacks"]) == (42, 2)
     assert report["lag_worst_us"] > 100, "each low phase is 3 us shorter"
@@ -265,8 +254,8 @@ def test_an_i2c_trace_mapped_by_hand_with_an_address_and_fewer_transfers(call):
         (["--set", "unit.dsp.settings.style=guess"], "unit.dsp.settings.style"),
     ],
 )
-def test_bad_input_for_i2c_is_one_sentence_and_exit_status_2(call, arguments, said):
-    status, out, err = call("replay", IMU_ROUND, "--case", RESPONDER, *arguments)
+def test_bad_input_for_i2c_is_one_sentence_and_exit_status_2(periph_sim: Run, arguments, said):
+    status, out, err = periph_sim("replay", IMU_ROUND, "--case", RESPONDER, *arguments)
     assert status == 2 and out == ""
     assert said in err and "Traceback" not in err
 
@@ -287,74 +276,79 @@ IMU, MASTER = str(CASES / "imu_hil_published.toml"), str(CASES / "captured_maste
         (["--case", MASTER, "--as", "master"], "closed", "master"),
     ],
 )
-def test_the_same_trace_in_each_way(call, arguments, loop, role):
-    status, out, _ = call("replay", IMU_ROUND, *arguments, "--json")
+def test_the_same_trace_in_each_way(periph_sim: Run, arguments, loop, role):
+    status, out, _ = periph_sim("replay", IMU_ROUND, *arguments, "--json")
     report = json.loads(out)
     assert (status, report["loop"], report["role"], report["agreed"]) == (0, loop, role, 63)
 
 
 @pytest.mark.parametrize("loop", ["closed", "open"])
-def test_a_divergence_is_told_with_what_the_chip_did_and_drawn(call, tmp_path, loop):
+def test_a_divergence_is_told_with_what_the_chip_did_and_drawn(periph_sim: Run, tmp_path, loop):
     svg = tmp_path / "wrong.svg"
-    status, out, err = call("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--svg", str(svg))
+    status, out, err = periph_sim("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--svg", str(svg))
     assert (status, err) == (1, "") and "first wrong byte" in out and "expected data read E5 at 0.001015 s" in out
     history = out.partition("the chip around the first wrong byte")[2]
     assert "W I2C-A.I2CDXR" in history and "00E4" in history and "I2C-A.I2CSTR.AAS" in history
     assert history.count("R I2C-A.I2CSTR       5600") <= 2, "polls that give the same are shown once"
     assert svg.read_text().startswith("<?xml") and "data read E4" in svg.read_text()
-    call("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--svg", str(tmp_path))
+    periph_sim("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--svg", str(tmp_path))
     assert (tmp_path / "divergence.svg").read_text() == svg.read_text()
-    report = json.loads(call("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--json")[1])
+    report = json.loads(periph_sim("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--json")[1])
     (divergence,) = report["divergences"]
     assert divergence["kind"] == "byte" and {"at_s", "what", "value"} == set(divergence["history"][0])
 
 
-def test_a_picture_of_nothing_is_not_written(call, tmp_path):
+def test_a_picture_of_nothing_is_not_written(periph_sim: Run, tmp_path):
     svg = tmp_path / "none.svg"
-    status, _, err = call("replay", NACK, "--case", RESPONDER, "--svg", str(svg))
+    status, _, err = periph_sim("replay", NACK, "--case", RESPONDER, "--svg", str(svg))
     assert status == 0 and not svg.exists() and "not written, since there is no divergence to draw" in err
-    status, _, err = call("replay", NACK, "--case", RESPONDER, *WRONG, "--svg", str(tmp_path / "no" / "where.svg"))
+    status, _, err = periph_sim(
+        "replay", NACK, "--case", RESPONDER, *WRONG, "--svg", str(tmp_path / "no" / "where.svg")
+    )
     assert status == 2 and "where.svg" in err and "expected a place that can be written to" in err
     for place in (tmp_path / "nowhere", tmp_path / "wrong.png"):
-        status, _, err = call("replay", NACK, "--case", RESPONDER, *WRONG, "--svg", str(place))
+        status, _, err = periph_sim("replay", NACK, "--case", RESPONDER, *WRONG, "--svg", str(place))
         assert status == 2 and not place.exists()
         assert f"--svg: {place} is no folder; create it, or give another, or an .svg file" in err
 
 
-def test_a_tolerance_makes_a_difference_in_time_a_failure(call, tmp_path):
+def test_a_tolerance_makes_a_difference_in_time_a_failure(periph_sim: Run, tmp_path):
     case = str(slow_case(tmp_path))
     trace = tmp_path / "read.sr"
     trace.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", samples(one_read())))
     slow = ("replay", str(trace), "--case", case, "--set", "unit.dsp.settings.wait=100")
-    status, out, _ = call(*slow)
+    status, out, _ = periph_sim(*slow)
     assert status == 0 and "first difference in time" in out and "341.4 sample periods" in out
-    assert call(*slow, "--tolerance", "80 us")[0] == 1 and call(*slow, "--tolerance", "90 us")[0] == 0
-    assert call(*slow, "--tolerance", "12000 cycles")[0] == 1 and call(*slow, "--tolerance", "13500 cycles")[0] == 0
+    assert periph_sim(*slow, "--tolerance", "80 us")[0] == 1 and periph_sim(*slow, "--tolerance", "90 us")[0] == 0
+    assert (
+        periph_sim(*slow, "--tolerance", "12000 cycles")[0] == 1
+        and periph_sim(*slow, "--tolerance", "13500 cycles")[0] == 0
+    )
 
 
-def test_a_session_of_one_file_and_of_two(call, tmp_path):
+def test_a_session_of_one_file_and_of_two(periph_sim: Run, tmp_path):
     low = ("--longest-low", "5 us", "--baud", "115200")
-    status, out, _ = call("replay", SESSION, "--case", IMU, *low)
+    status, out, _ = periph_sim("replay", SESSION, "--case", IMU, *low)
     assert status == 0 and "189 of 189" in out and "data age" in out and "23.933 ms" in out
     assert "note:" not in out  # rounds are read off the bus
-    one = json.loads(call("replay", SESSION, "--case", IMU, *low, "--json")[1])
+    one = json.loads(periph_sim("replay", SESSION, "--case", IMU, *low, "--json")[1])
     lines = ("--map", "scl=SCL,sda=SDA", "--uart-file", f"{SESSION},rx=RX", "--json")
-    two = json.loads(call("replay", SESSION, "--case", IMU, *low, *lines)[1])
+    two = json.loads(periph_sim("replay", SESSION, "--case", IMU, *low, *lines)[1])
     assert two["budgets"] == one["budgets"] and two["kind"] == one["kind"] == "session"
-    early = json.loads(call("replay", SESSION, "--case", IMU, *low, *lines, "--offset", "-1 ms")[1])
+    early = json.loads(periph_sim("replay", SESSION, "--case", IMU, *low, *lines, "--offset", "-1 ms")[1])
     ages = [next(v["worst"] for v in found["budgets"] if v["measure"] == "age") for found in (two, early)]
     assert ages[1] - ages[0] == pytest.approx(1000, abs=2)
 
 
-def test_without_sci_in_the_case_a_session_is_its_i2c_capture(call):
-    report = json.loads(call("replay", SESSION, "--case", RESPONDER, "--json")[1])
+def test_without_sci_in_the_case_a_session_is_its_i2c_capture(periph_sim: Run):
+    report = json.loads(periph_sim("replay", SESSION, "--case", RESPONDER, "--json")[1])
     assert report["kind"] == "i2c"
 
 
-def test_a_master_that_does_not_return_fails_after_the_patience_given(call, tmp_path):
+def test_a_master_that_does_not_return_fails_after_the_patience_given(periph_sim: Run, tmp_path):
     """main computes for ever behind the last STOP; the script's one pause is 92 us."""
     case = endless_case(tmp_path, "while True: dsp.compute(1000)")
-    status, out, _ = call("replay", NACK, "--case", str(case), "--as", "master", "--patience", "30 ms")
+    status, out, _ = periph_sim("replay", NACK, "--case", str(case), "--as", "master", "--patience", "30 ms")
     assert status == 1 and "19 of 19" in out
     assert "computes at line 6 of endless.py: the replay ends there, after 30." in out
 
@@ -382,17 +376,17 @@ def test_a_master_that_does_not_return_fails_after_the_patience_given(call, tmp_
         ([IMU_ROUND, "--frame", "8n1"], "--frame is for UART captures"),
     ],
 )
-def test_ways_that_do_not_go_together_are_one_sentence_and_exit_status_2(call, arguments, said):
-    status, out, err = call("replay", "--case", IMU, *arguments)
+def test_ways_that_do_not_go_together_are_one_sentence_and_exit_status_2(periph_sim: Run, arguments, said):
+    status, out, err = periph_sim("replay", "--case", IMU, *arguments)
     assert status == 2 and out == "" and said in err and "Traceback" not in err
 
 
-def test_a_page_is_written_with_both_sides_of_the_first_divergence(call, tmp_path):
+def test_a_page_is_written_with_both_sides_of_the_first_divergence(periph_sim: Run, tmp_path):
     html = tmp_path / "wrong.html"
-    status, _, err = call("replay", NACK, "--case", RESPONDER, *WRONG, "--html", str(html))
+    status, _, err = periph_sim("replay", NACK, "--case", RESPONDER, *WRONG, "--html", str(html))
     assert (status, err) == (1, "")
     text = html.read_text(encoding="utf-8")
     assert "expected data read E5 at 0.001015 s of the capture" in text and "captured SDA" in text
     both = str(tmp_path / "both.svg")
-    status, _, err = call("replay", NACK, "--case", RESPONDER, "--html", both, "--svg", both)
+    status, _, err = periph_sim("replay", NACK, "--case", RESPONDER, "--html", both, "--svg", both)
     assert status == 2 and "--svg and --html both name" in err

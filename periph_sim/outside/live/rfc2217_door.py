@@ -209,16 +209,10 @@ class Client:
 
     def send(self, back: Backlog) -> None:
         """Send Telnet answers, and then bytes from the SCI, until the client accepts no more."""
-        back.flush(self._escaped)
         self._send()
-
-    def _escaped(self, data: bytes) -> int:
-        if self._out:
+        while not self._out and (data := back.read(AT_ONCE)):
+            self._out += b"".join(self._manager.escape(data))
             self._send()
-        if self._out:
-            return 0
-        self._out += b"".join(self._manager.escape(data))
-        return len(data)
 
     def _send(self) -> None:
         try:

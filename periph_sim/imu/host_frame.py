@@ -17,7 +17,7 @@ from typing import Literal
 
 from ..devices.host_frames import ByteOrder
 from .motion import VALUES, BadMotion, Motion, sampled
-from .motion.quantities import Acceleration, Angle
+from .motion.quantities import Acceleration, Angle, six_values
 
 # The quotient of a value and the value of one count is limited to FAR, so that an infinite quotient has a count, too.
 # All quotients of FAR or more have the same count anyway: 0 if counts wrap, or the limit if they saturate.
@@ -49,14 +49,9 @@ class Encoding:
     beyond: Literal["refuse", "saturate", "wrap"] = "refuse"
 
     def __post_init__(self) -> None:
-        for name, scale in zip(VALUES, self.scales, strict=True):
+        for name, scale in zip(VALUES, six_values(self), strict=True):
             if not scale > 0:
                 raise BadMotion(f"{name}: one count is {scale:g}; expected more than 0")
-
-    @property
-    def scales(self) -> tuple[float, ...]:
-        """The angle or acceleration of one count, in rad or g, for each of the six values."""
-        return self.phi, self.theta, self.psi, self.ax, self.ay, self.az
 
     def counts(self, values: Sequence[float]) -> Frame:
         """Convert six values in rad and g to counts. Return the counts, and the names of values that exceed 16 bits.
@@ -66,7 +61,7 @@ class Encoding:
         """
         counts: list[int] = []
         beyond: list[str] = []
-        for name, value, scale in zip(VALUES, values, self.scales, strict=True):
+        for name, value, scale in zip(VALUES, values, six_values(self), strict=True):
             exact = value / scale
             count = round(max(-FAR, min(exact, FAR)))
             if not LEAST <= count <= MOST:

@@ -140,15 +140,18 @@ def usual_hold(transfers: list[Transfer], half_sample: Fraction = HALF) -> Fract
 
 def turns(transfers: list[Transfer]) -> Iterator[Turn]:
     """Yield the phases of the transfers as turns, in order. Phases with an incomplete address are left out."""
+    for phase, stop in addressed_phases(transfers):
+        assert phase.address is not None and phase.read is not None
+        ninth = phase.bytes[0].bits[8].at
+        yield Turn(phase.address, phase.read, _answer(phase), phase.start.at, ninth, None if stop is None else stop.at)
+
+
+def addressed_phases(transfers: Iterable[Transfer]) -> Iterator[tuple[Phase, Condition | None]]:
+    """Yield the phases for which `is_addressed` is true, each with the STOP that ends it; None if no STOP does."""
     for transfer in transfers:
-        for number, phase in enumerate(transfer.phases):
-            if not is_addressed(phase):
-                continue
-            assert phase.address is not None and phase.read is not None
-            last = number + 1 == len(transfer.phases)
-            stop = transfer.stop.at if last and transfer.stop is not None else None
-            ninth = phase.bytes[0].bits[8].at
-            yield Turn(phase.address, phase.read, _answer(phase), phase.start.at, ninth, stop)
+        for number, phase in enumerate(transfer.phases, 1):
+            if is_addressed(phase):
+                yield phase, transfer.stop if number == len(transfer.phases) else None
 
 
 def is_addressed(phase: Phase) -> bool:
@@ -341,8 +344,7 @@ def stretched_answers(
     long_low: the limit, in positions, above which a low phase of SCL is a stretch.
     """
     answers: dict[int, list[Answer]] = defaultdict(list)
-    phases = [phase for transfer in transfers for phase in transfer.phases if is_addressed(phase)]
-    for phase, turn in zip(phases, turns(transfers), strict=True):
+    for (phase, _), turn in zip(addressed_phases(transfers), turns(transfers), strict=True):
         stretches = _stretches(phase, long_low, ticks_per_position)
         answers[turn.address].append(replace(turn.answer, stretches=stretches))
     return answers

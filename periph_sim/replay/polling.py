@@ -28,7 +28,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ..traces.decode.i2c import Byte, Condition, Phase, Transfer, events_of
-from .i2c_script import is_addressed
+from .i2c_script import addressed_phases, is_addressed
 from .report import Happened, i2c_words
 
 
@@ -254,11 +254,8 @@ def busy_bounds(transfers: Iterable[Transfer], own: Sequence[int], us: Fraction)
 
 
 def _accesses(transfers: Iterable[Transfer], own: Sequence[int]) -> Iterator[tuple[Phase, Condition | None]]:
-    """Yield the phases with an address of the firmware, each with the STOP that ends it; None if no STOP does."""
-    for transfer in transfers:
-        for number, phase in enumerate(transfer.phases, 1):
-            if is_addressed(phase) and phase.address in own:
-                yield phase, transfer.stop if number == len(transfer.phases) else None
+    """Return the phases with an address of the firmware, each with the STOP that ends it; None if no STOP does."""
+    return ((phase, stop) for phase, stop in addressed_phases(transfers) if phase.address in own)
 
 
 def _value(phase: Phase) -> int | None:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from periph_sim.imu.host_frame import LEAST, MOST, Encoding, MotionFrames
 from periph_sim.imu.motion import VALUES, BadMotion, pieces, sines, static
+from periph_sim.imu.motion.quantities import six_values
 from tests.reachable import held
 
 SIX = st.lists(st.floats(-12, 12), min_size=6, max_size=6)
@@ -32,7 +33,7 @@ def test_a_count_is_the_nearest_and_saturating_or_wrapping_changes_only_what_is_
     saturated, beyond = Encoding(beyond="saturate").counts(values)
     wrapped, also = Encoding(beyond="wrap").counts(values)
     assert beyond == also
-    for name, value, scale, one, other in zip(VALUES, values, Encoding().scales, saturated, wrapped, strict=True):
+    for name, value, scale, one, other in zip(VALUES, values, six_values(Encoding()), saturated, wrapped, strict=True):
         assert abs(one - value / scale) <= 0.5 + 1e-9 if name not in beyond else one in (LEAST, MOST)
         assert name in beyond or one == other
         assert (other - round(value / scale)) % 0x10000 == 0

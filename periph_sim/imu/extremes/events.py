@@ -134,12 +134,21 @@ def refused(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Extreme
         ("field NaN", lambda: MagnetometerParameters(earth_field=(nan, 0.0, 0.0))),
     )
     for what, make in tried:
-        try:
-            make()
-        except BadParameter as error:
-            yield ExtremeFinding(f"parameter: {what}", EVERY, "refused", None, "", note=str(error))
-        else:
-            yield ExtremeFinding(f"parameter: {what}", EVERY, "agrees", None, "")
+        yield refusal(f"parameter: {what}", why_refused(make, BadParameter))
+
+
+def refusal(extreme: str, message: str) -> ExtremeFinding:
+    """Return the finding for an input that must be refused. message: the message of the error; "" for no error."""
+    return ExtremeFinding(extreme, EVERY, "refused" if message else "agrees", None, "", note=message or "it passed")
+
+
+def why_refused(tried: Callable[[], object], error: type[Exception]) -> str:
+    """Call `tried` and return the message of the expected error; "" if this error is not raised."""
+    try:
+        tried()
+    except error as raised:
+        return str(raised)
+    return ""
 
 
 def smallest_steps(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[ExtremeFinding]:

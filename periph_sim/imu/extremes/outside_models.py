@@ -17,7 +17,7 @@ sender's falling edge. If a bit of the sender has a length of b samples,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from fractions import Fraction
 from functools import partial
 from itertools import accumulate
@@ -47,7 +47,7 @@ from ..models.parameters import ImuParameters
 from ..models.quantity import BadParameter
 from ..noise import AxisNoise, Gaussian, NoiseTerms
 from ..numeric.float64 import Float64
-from .events import first_where
+from .events import first_where, refusal, why_refused
 from .sweep import EVERY, ExtremeFinding, Happens
 
 SYSCLK = 150_000_000
@@ -70,7 +70,7 @@ def longest_run() -> Iterator[ExtremeFinding]:
     """
     for name, hertz in (("150 MHz", SYSCLK), ("28.636363 MHz x 5", ODD_CRYSTAL)):
         begins = first_where(partial(_too_long, Timebase(hertz)), 1, 1e11)
-        message = _why(partial(Timebase(hertz).end_of_run, 0, MORE_THAN_A_CENTURY), TimeError)
+        message = why_refused(partial(Timebase(hertz).end_of_run, 0, MORE_THAN_A_CENTURY), TimeError)
         yield ExtremeFinding(
             f"length of a run, {name}",
             EVERY,
@@ -82,7 +82,7 @@ def longest_run() -> Iterator[ExtremeFinding]:
 
 
 def _too_long(base: Timebase, length: float) -> bool:
-    return bool(_why(partial(base.end_of_run, 0, Fraction(length)), TimeError))
+    return bool(why_refused(partial(base.end_of_run, 0, Fraction(length)), TimeError))
 
 
 def clocks() -> Iterator[ExtremeFinding]:
@@ -181,23 +181,10 @@ def inputs() -> Iterator[ExtremeFinding]:
     """Check that the models reject a NaN, and a period that differs from the period at which they run."""
     model = Imu(Float64(), ImuParameters())
     zero = model.at_rest.body
-    found = _why(lambda: model.check((0.0, nan, 0.0), zero, model.silence), NotFinite)
-    yield _refusal("NaN in a sample", found)
-    found = _why(lambda: ImuParameters(period=10.0).check_period(Fraction(1, 50), "once a round"), BadParameter)
-    yield _refusal("models' period of 10 s, rounds of 20 ms", found)
-
-
-def _refusal(what: str, message: str) -> ExtremeFinding:
-    return ExtremeFinding(what, EVERY, "refused" if message else "agrees", None, "", note=message or "it passed")
-
-
-def _why(tried: Callable[[], object], error: type[Exception]) -> str:
-    """Call `tried` and return the message of the expected error; "" if this error is not raised."""
-    try:
-        tried()
-    except error as refusal:
-        return str(refusal)
-    return ""
+    found = why_refused(lambda: model.check((0.0, nan, 0.0), zero, model.silence), NotFinite)
+    yield refusal("NaN in a sample", found)
+    found = why_refused(lambda: ImuParameters(period=10.0).check_period(Fraction(1, 50), "once a round"), BadParameter)
+    yield refusal("models' period of 10 s, rounds of 20 ms", found)
 
 
 BRR = 40  # value of the baud rate registers, for 114 329 bit/s

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ...core.phrases import did_you_mean
 from ...traces.formats.unit_csv import Column, line_of_row, read
-from . import ACCELERATIONS, ANGLES, VALUES, BadMotion
+from . import ACCELERATIONS, ANGLES, BadMotion
 from .pieces import Straight
 from .quantities import ACCELERATION_RANGE, ACCELERATION_UNITS, ANGLE_RANGE, ANGLE_UNITS, TIME_UNITS, shown
 
@@ -79,7 +79,3 @@ def _values(
 
 def _bad(path: Path, row: int, found: str, expected: str) -> BadMotion:
     return BadMotion(f"{path}, line {line_of_row(path, row)}: {found}; expected {expected}")
-
-
-# `motion` puts angles before accelerations in its rows. VALUES, the order of a host frame, must be the same.
-assert VALUES == ANGLES + ACCELERATIONS

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from math import inf, isfinite, pi
+from operator import attrgetter
 from typing import Annotated
 
 from ...core.convert import Before
@@ -96,6 +97,4 @@ class Pose:
 LEVEL = Pose()  # level, pointing north, at rest
 
 
-def row(pose: Pose) -> list[float]:
-    """Return the six values of a pose, in the order of a host frame."""
-    return [pose.phi, pose.theta, pose.psi, pose.ax, pose.ay, pose.az]
+six_values = attrgetter("phi", "theta", "psi", "ax", "ay", "az")  # reads the attributes in the order of a host frame

@@ -14,7 +14,7 @@ from typing import Literal
 
 from ...core.table import Table
 from . import ANGLES, VALUES, BadMotion, Motion
-from .quantities import LEVEL, Acceleration, Angle, Hertz, Pose, row
+from .quantities import LEVEL, Acceleration, Angle, Hertz, Pose, six_values
 
 
 class AngleWave(Table, frozen=True):
@@ -50,7 +50,7 @@ class Sines(Motion):
     ends = inf
 
     def __init__(self, settings: Settings) -> None:
-        self._mean = row(settings.mean)
+        self._mean = six_values(settings.mean)
         self._angles = settings.angles
         self._accelerations = settings.accelerations
 

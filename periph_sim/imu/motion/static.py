@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .pieces import Held
-from .quantities import Pose, row
+from .quantities import Pose, six_values
 
 
 @dataclass(frozen=True)
@@ -14,4 +14,4 @@ class Settings(Pose):
 
 
 def motion(settings: Settings) -> Held:
-    return Held([0.0], [row(settings)])
+    return Held([0.0], [six_values(settings)])

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from . import BadMotion
 from .pieces import Held
-from .quantities import LEVEL, Acceleration, Angle, Pose, Seconds, row
+from .quantities import LEVEL, Acceleration, Angle, Pose, Seconds, six_values
 
 
 @dataclass(frozen=True)
@@ -36,13 +36,12 @@ class Settings:
 
 def motion(settings: Settings) -> Held:
     """Build the motion. Raise BadMotion if the times do not increase."""
-    times, rows = [0.0], [row(settings.start)]
+    times, rows = [0.0], [[*six_values(settings.start)]]
     for number, step in enumerate(settings.steps):
         if step.at <= times[-1] and number:
             raise BadMotion(
                 f"steps.{number}: it is at {step.at:g} s; expected later than {times[-1]:g} s, the one before"
             )
-        asked = (step.phi, step.theta, step.psi, step.ax, step.ay, step.az)
         times.append(step.at)
-        rows.append([old if new is None else new for old, new in zip(rows[-1], asked, strict=True)])
+        rows.append([old if new is None else new for old, new in zip(rows[-1], six_values(step), strict=True)])
     return Held(times, rows)

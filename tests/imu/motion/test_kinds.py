@@ -44,7 +44,7 @@ def test_one_time_or_many_give_the_same_finite_values(name: str, times: list[flo
 
 def test_static_stays():
     motion = static.motion(static.Settings(phi=0.1, az=-0.5))
-    assert [sampled(motion, seconds) for seconds in (0.0, 1e9)] == [[0.1, 0, 0, 0, 0, -0.5]] * 2
+    assert [[*sampled(motion, seconds)] for seconds in (0.0, 1e9)] == [[0.1, 0, 0, 0, 0, -0.5]] * 2
     assert motion.ends == 0 and not at_times.rates(motion, np.array([0.0])).any()
 
 

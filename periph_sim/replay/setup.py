@@ -97,10 +97,8 @@ def alone(
 
 
 def rate_of(capture: Capture) -> Fraction:
-    """Return the number of positions per second in a capture. Raise BadReplay if it is unknown."""
-    if capture.rate is None:
-        raise BadReplay(f"{capture.path}: a replay needs a time base and the file states no rate; state the rate")
-    return capture.rate
+    """Return the number of positions per second in a capture. Raise InputError if it is unknown."""
+    return capture.rate_for("a replay needs")
 
 
 def check_length(capture: Capture, end: int) -> None:

@@ -11,6 +11,7 @@ from weakref import ref
 
 import pytest
 
+from periph_sim.core.input_error import InputError
 from periph_sim.replay import BadReplay
 from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.replay.report import Report
@@ -384,7 +385,7 @@ def test_a_capture_that_is_cut_in_its_last_transfer_says_so(slow, bits: int, not
 def test_what_cannot_be_replayed_is_refused_in_one_sentence():
     with pytest.raises(BadReplay, match="firmware responder answers one address; 2 are given"):
         replay("imu_round.sr", addresses=[0x53, 0x68])
-    with pytest.raises(BadReplay, match="a replay needs a time base and the file states no rate"):
+    with pytest.raises(InputError, match="a replay needs a time base and the file states no rate"):
         replay(dataclasses.replace(one_read(), rate=None))
     cut = new_wave()
     cut.start()

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.core.input_error import InputError
 from periph_sim.replay import BadReplay
 from periph_sim.replay.session import SessionReplay
 from periph_sim.replay.setup import Played, check_length, events_of, played, rate_of
@@ -91,5 +92,5 @@ def test_a_day_is_replayed_and_no_longer():
         UartReplay(load(TIMING / "uart_logger.toml"), serial, "RX")
     with pytest.raises(BadReplay, match="long: at 10 Hz there are 24 hours to play"):
         SessionReplay(load(TIMING / "imu_hil_published.toml"), bus, "SCL", "SDA", serial, "RX")
-    with pytest.raises(BadReplay, match="a replay needs a time base and the file states no rate"):
+    with pytest.raises(InputError, match="a replay needs a time base and the file states no rate"):
         rate_of(replace(capture, rate=None))

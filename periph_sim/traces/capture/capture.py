@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.input_error import InputError
 from ...core.phrases import did_you_mean, one_line, shorten
 from ...core.time import seconds
 
@@ -149,6 +150,12 @@ class Capture:
     def noted(self, *notes: str) -> Capture:
         """Return the capture with these notes added."""
         return replace(self, notes=(*self.notes, *notes))
+
+    def rate_for(self, what: str) -> Fraction:
+        """Return the rate. Raise InputError if it is unknown. what: the words that begin the message: `frames need`."""
+        if self.rate is None:
+            raise InputError(f"{self.path}: {what} a time base and the file states no rate; state the rate")
+        return self.rate
 
     def channel(self, wanted: str | int) -> Channel:
         """Return the channel with this name or index. An index can also be given as a text of digits.

@@ -19,7 +19,6 @@ from fractions import Fraction
 from math import ceil, floor
 from typing import NamedTuple
 
-from ...core.input_error import InputError
 from ..capture.capture import Capture
 from ..capture.sampling import grid_of, is_exact
 
@@ -162,9 +161,8 @@ def resolution_of(capture: Capture, exact: bool | None = None) -> Resolution:
 
     Raise ValueError if the capture has no rate.
     """
-    if capture.rate is None:
-        raise InputError(f"{capture.path}: limits need a time base and the file states no rate; state the rate")
+    rate = capture.rate_for("limits need")
     if capture.sampled:
-        return Resolution(capture.rate, 1)
+        return Resolution(rate, 1)
     exact = is_exact(capture) if exact is None else exact
-    return Resolution(capture.rate, 0 if exact else grid_of(capture.channels))
+    return Resolution(rate, 0 if exact else grid_of(capture.channels))

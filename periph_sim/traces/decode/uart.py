@@ -48,13 +48,12 @@ def width_of(capture: Capture, baud: Fraction | int) -> Fraction:
 
     Raise ValueError if the capture has no rate, or fewer than two positions per bit.
     """
-    if capture.rate is None:
-        raise InputError(f"{capture.path}: frames need a time base and the file states no rate; state the rate")
-    width = capture.rate / Fraction(baud)
+    rate = capture.rate_for("frames need")
+    width = rate / Fraction(baud)
     if width < 2:
         raise InputError(
             f"{capture.path}: {float(width):.2f} samples a bit at {float(baud):.7g} baud; expected at least 2, "
-            f"so the rate of {rate_text(capture.rate)} or the baud rate is wrong"
+            f"so the rate of {rate_text(rate)} or the baud rate is wrong"
         )
     return width
 

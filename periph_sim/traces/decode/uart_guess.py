@@ -95,14 +95,13 @@ def guess(
     guess.
     """
     wire = capture.channel(channel)
-    if capture.rate is None:
-        raise ValueError(f"{capture.path}: a guess of the baud rate needs a time base; state the rate")
+    rate = capture.rate_for("a guess of the baud rate needs")
     spans, step = capture.known(wire), sample_step(capture)
     parts = [wire.cut(span).without_glitches(glitch) for span in spans]
     found = [
         tried
         for turned in ((False, True) if invert is None else (invert,))
-        if (tried := _best(capture.rate, step, parts, shape, turned))
+        if (tried := _best(rate, step, parts, shape, turned))
     ]
     if not found:
         raise ValueError(

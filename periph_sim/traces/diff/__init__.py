@@ -24,7 +24,6 @@ from math import lcm
 from statistics import median_low
 from typing import NamedTuple
 
-from ...core.input_error import InputError
 from ..capture.capture import Capture
 from ..decode.uart import Line
 from .matching import Event, Group, Pair, Pairing, i2c_groups, uart_groups
@@ -73,13 +72,8 @@ def diff_uart(
 
 
 def _diff(a: Capture, b: Capture, of_a: list[Group], of_b: list[Group], tolerance: Fraction | None) -> TraceDiff:
-    rates = []
-    for capture in (a, b):
-        if capture.rate is None:
-            raise InputError(f"{capture.path}: differences in time need a rate and the file states none; state it")
-        rates.append(capture.rate)
-    both = rates[0], rates[1]
-    return compared(Pairing(both).pairs(of_a, of_b), (str(a.path), str(b.path)), both, tolerance)
+    rates = a.rate_for("differences in time need"), b.rate_for("differences in time need")
+    return compared(Pairing(rates).pairs(of_a, of_b), (str(a.path), str(b.path)), rates, tolerance)
 
 
 class Entry(NamedTuple):

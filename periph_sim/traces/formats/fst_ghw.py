@@ -42,7 +42,7 @@ from ..capture.capture import (
     channel_of_states,
 )
 from ..capture.sampling import nearest, on_grid
-from .vcd import OURS, channel_names, timescale_of
+from .vcd import OURS, STATES, channel_names, timescale_of
 
 NAME = "FST or GHW waveform"
 SUFFIXES = (".fst", ".ghw")
@@ -56,9 +56,7 @@ PATIENCE = 900  # maximum time in seconds to read a file; usually the reading pr
 ERROR = re.compile(r"^(?:[\w.]*(?:Error|Exception)): (.+)$", re.MULTILINE)
 NO_END = "the format does not say where the run ends, so the last change is used"
 
-STATE_OF = np.full(256, UNKNOWN, np.uint8)  # for the code of each letter, the state of a line
-for _letters, _state in ((b"0lL", 0), (b"1hHzZ", 1)):
-    STATE_OF[list(_letters)] = _state
+STATE_OF = np.array([STATES.get(code, UNKNOWN) for code in range(256)], np.uint8)  # by the code of each letter
 
 
 def recognises(path: Path, head: bytes) -> bool:

@@ -37,7 +37,6 @@ SAMPLES_ONLY = True
 WHAT = "sigrok session"
 CHUNK = 1 << 22  # number of bytes of a chunk, as in files of sigrok's own writer
 MOST_WIDE = 64  # maximum number of channels, which is 8 bytes per sample
-LONG_AGO = (1980, 1, 1, 0, 0, 0)  # a fixed date, so that equal captures give equal files
 SALVAGE = "read the intact part with --salvage"
 
 
@@ -238,7 +237,7 @@ def _possible_rate(capture: Capture) -> str:
 
 
 def _put(archive: zipfile.ZipFile, name: str, content: bytes | memoryview) -> None:
-    info = zipfile.ZipInfo(name, LONG_AGO)
+    info = zipfile.ZipInfo(name)  # a member without a date, so that equal captures give equal files
     info.create_system = 3
     info.external_attr = 0o644 << 16
     info.compress_type = zipfile.ZIP_DEFLATED

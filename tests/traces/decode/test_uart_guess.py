@@ -132,5 +132,7 @@ def test_a_line_without_pulses_or_a_rate_is_refused():
         guess(drawn("RX --------"), "RX")
     with pytest.raises(ValueError, match="RX has 1 edge and no pulse"):
         guess(drawn("RX ----____"), "RX")
-    with pytest.raises(ValueError, match="needs a time base; state the rate"):
+    with pytest.raises(
+        ValueError, match="a guess of the baud rate needs a time base and the file states no rate; state the rate"
+    ):
         guess(drawn("RX --__--__", rate=None), "RX")

@@ -167,16 +167,12 @@ def _is_same(saved: Verdict, now: Verdict, allowed: Fraction, covered: CoveredCa
         return True
     if saved.worst is None or now.worst is None or now.unit != "us":
         return False
-    per_us = _ticks_per_second(covered) / 10**6
+    per_us = Fraction(covered.phases.ticks_per_second, 10**6)
     return abs(round(saved.worst * per_us) - round(now.worst * per_us)) <= allowed
-
-
-def _ticks_per_second(covered: CoveredCase) -> Fraction:
-    return covered.phases.cycle / covered.phases.seconds(1)
 
 
 def _ticks(covered: CoveredCase, tolerance: int | Tolerance) -> Fraction:
     """Convert a tolerance to ticks. Cycles are SYSCLKOUT cycles of the case's first unit, as for a baseline."""
     unit = next(iter(covered.case.unit.values()))
     given = Cycles(Fraction(tolerance)) if isinstance(tolerance, int) else tolerance
-    return in_seconds(given, Fraction(unit.oscclk) * unit.pll / 2) * _ticks_per_second(covered)
+    return in_seconds(given, Fraction(unit.oscclk) * unit.pll / 2) * covered.phases.ticks_per_second

@@ -6,13 +6,14 @@ import json
 import sys
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from periph_sim.core.tolerance import Cycles
 from periph_sim.interfaces.reports import coverage_check
-from periph_sim.interfaces.reports.baselines.check import STOPPED, CaseCheck, check
-from periph_sim.interfaces.reports.baselines.coverage_runs import _or_finding
+from periph_sim.interfaces.reports.baselines.check import STOPPED, CaseCheck, _covered, check
 from periph_sim.interfaces.reports.baselines.files import BadCheck
 from periph_sim.interfaces.reports.coverage_check import CoverageCheck, check_coverage
 from periph_sim.scene.scene import Scene
@@ -216,8 +217,9 @@ def test_a_process_that_dies_in_a_run_is_a_finding():
     def dies() -> CoverageCheck:
         raise BadCheck("small.toml: its process died")
 
-    found = _or_finding(Path("cases/small.toml"), dies)()
-    assert found.findings == ((None, "at a phase of its coverage: small.toml: its process died"),)
+    case: Any = SimpleNamespace(outcome=SimpleNamespace(path=Path("cases/small.toml")))
+    found = _covered(dies, case, None)
+    assert found is not None and found.findings == ((None, "at a phase of its coverage: small.toml: its process died"),)
 
 
 def test_a_stopped_check_says_that_the_values_were_not_run(covered: Path):

@@ -19,13 +19,13 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 
 from ....core.input_files import similar_file
 from ....core.tolerance import Tolerance, in_cycles
+from ....proof.saved_paths import coverage_path
 from ....scene.case.discover import cases_below
 from ....timing.verdict import broken
 from ..cluster import ClusterError, ClusterExecutor
 from ..explain.chain import Chain
 from ..proofs import NO_PROOF, ProofReport, mark_proven
 from .compare import Change, compare, explain, moved_accesses
-from .coverage_runs import not_run, start_coverages
 from .event_chain import EventLine
 from .files import BadCheck, Baseline, path_for, read, text_of, write_all
 from .outcome import Outcome, RejectedCase, occurrence, run_again, run_case
@@ -183,19 +183,19 @@ def check(
         for one in refused:
             on_refused(one)
     checks = [_compared(outcome, before[outcome.path], 0 if update else tolerance) for outcome in outcomes]
+    covered = [one for one in checks if coverage_path(one.outcome.path).exists()]
     if stopped:
-        for one_check in checks:
-            one_check.coverage = not_run(one_check.outcome.path, STOPPED)
+        for one_check in covered:
+            one_check.coverage = _not_run(coverage_path(one_check.outcome.path))
     else:
         lost: dict[Path, str] | None = {} if keep_finished else None
         with workers(jobs, len(files), cluster) as start:
-            cases = ((one.outcome.path, one.outcome.changes) for one in checks)
-            coverages = start_coverages(cases, start, tolerance)
+            coverages = [_start_coverage(one, start, tolerance) for one in covered]
             _explain(checks, before, start, None if update else tolerance, lost)
             if update:
                 _write(checks)
-            for one_check in checks:
-                one_check.coverage = _result(coverages[one_check.outcome.path], one_check, lost)
+            for one_check, run in zip(covered, coverages, strict=True):
+                one_check.coverage = _covered(run, one_check, lost)
         if lost and on_refused is not None:
             for path, why in lost.items():
                 on_refused(RejectedCase(path, f"{path}: {STOPPED}: {why}"))
@@ -334,6 +334,31 @@ def _run_again(
     if not wanted and not broken:
         return None
     return start(run_again, outcome.path, outcome.changes, wanted, broken, outcome.typical)
+
+
+def _start_coverage(check: CaseCheck, start: Start, tolerance: int | Tolerance) -> Callable[[], CoverageCheck]:
+    """Start the runs of the worst values of a case's coverage file. Return a function that waits for the result."""
+    from ..coverage_check import check_coverage  # imported here, because few cases have such a file
+
+    return start(check_coverage, check.outcome.path, check.outcome.changes, tolerance)
+
+
+def _not_run(path: Path) -> CoverageCheck:
+    """Return the result of a coverage file whose runs are not made, because the check was stopped."""
+    from ..coverage_check import without_runs
+
+    return without_runs(path, "not run", f"{path.as_posix()}: {STOPPED}")
+
+
+def _covered(run: Callable[[], CoverageCheck], check: CaseCheck, lost: dict[Path, str] | None) -> CoverageCheck | None:
+    """Return the result of a coverage file as `_result` does. If the process of the runs died, it has a finding."""
+    from ..coverage_check import without_runs
+
+    try:
+        return _result(run, check, lost)
+    except BadCheck as error:
+        path = coverage_path(check.outcome.path)
+        return without_runs(path, "changed", f"at a phase of its coverage: {error}")
 
 
 def _result(run: Callable[[], T], check: CaseCheck, lost: dict[Path, str] | None) -> T | None:

@@ -88,10 +88,8 @@ def junit(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> str:
     for check in checks:
         _suite(root, check)
     for one in refused:
-        name, file, why = map(_safe, (one.path.stem, one.path.as_posix(), one.why))
-        suite = xml.SubElement(root, "testsuite", name=name, file=file)
-        test = xml.SubElement(suite, "testcase", classname=name, name=WHOLE, file=file, line="1")
-        xml.SubElement(test, "error", message=why, type="check").text = why
+        suite = xml.SubElement(root, "testsuite", name=_safe(one.path.stem), file=_safe(one.path.as_posix()))
+        _test(suite, WHOLE, 1, {}, [one.why], "error")
         _sums(suite)
     _sums(root)
     xml.indent(root)
@@ -112,31 +110,34 @@ def _suite(root: xml.Element, check: CaseCheck) -> None:
             "verdict": verdict.word,
             "must_break": "yes" if verdict.name in outcome.breaks else "no",
         }
-        _test(suite, check, verdict.name, outcome.lines[verdict.name], said)
-    _test(suite, check, None, outcome.name_line, {})
+        _test(suite, verdict.name, outcome.lines[verdict.name], said, _found(check, verdict.name), "failure")
+    _test(suite, WHOLE, outcome.name_line, {}, _found(check, None), "failure")
     _sums(suite)
     suite.set("time", f"{outcome.result.wall_s:.6f}")
 
 
-def _test(suite: xml.Element, check: CaseCheck, budget: str | None, line: int, said: dict[str, str]) -> None:
-    """Add a test case for a budget, or for the whole case if `budget` is None.
+def _found(check: CaseCheck, budget: str | None) -> list[str]:
+    """Return the findings about a budget, or about the whole case if `budget` is None."""
+    return [finding.text for finding in check.findings if finding.budget == budget]
 
-    All findings about the budget, or about the whole case, are lines of one failure.
 
+def _test(suite: xml.Element, name: str, line: int, said: dict[str, str], found: list[str], tag: str) -> None:
+    """Add a test case to the suite of a case.
+
+    name: the name of a budget, or WHOLE.
     line: the line in the case file; 0 if unknown.
     said: a dictionary from the names of the test case's properties to their values.
+    found: the findings, which are the lines of one element with this tag.
     """
-    where = _safe(check.outcome.path.as_posix())
-    name = WHOLE if budget is None else _safe(budget)
-    case = _safe(check.outcome.figures.case)
-    test = xml.SubElement(suite, "testcase", classname=case, name=name, file=where, line=str(line or 1))
+    place = {"classname": suite.attrib["name"], "name": _safe(name), "file": suite.attrib["file"]}
+    test = xml.SubElement(suite, "testcase", place, line=str(line or 1))
     if said:
         properties = xml.SubElement(test, "properties")
         for key, value in said.items():
             xml.SubElement(properties, "property", name=key, value=_safe(value))
-    wrong = [_safe(finding.text) for finding in check.findings if finding.budget == budget]
-    if wrong:
-        xml.SubElement(test, "failure", message=wrong[0], type="check").text = "\n".join(wrong)
+    if found:
+        wrong = [*map(_safe, found)]
+        xml.SubElement(test, tag, message=wrong[0], type="check").text = "\n".join(wrong)
 
 
 def _sums(parent: xml.Element) -> None:

@@ -33,16 +33,3 @@ stretch: a time in which a CPU or the bus has one activity (`Stretch`). A stretc
 place: a location in the firmware.
 thing: the last event of a measure, such as "refused".
 """
-
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-from ....core.registered import lazy_names
-
-if TYPE_CHECKING:
-    from .window import Window, windows, windows_of_table
-
-__all__ = ["Window", "windows", "windows_of_table"]
-
-__getattr__ = lazy_names(__name__, {"window": tuple(__all__)})

@@ -27,6 +27,7 @@ from ....processor.user_code import output_muted
 from ....records.run import Run
 from ....scene.case.model import Case
 from ....scene.firmware_loader import Firmware
+from ....scene.plan import ScenePlan
 from ....scene.scene import Scene
 from ....timing.verdict import Verdict
 from ....traces.capture.capture import Capture, Channel, Span, channel_of
@@ -152,18 +153,17 @@ def windows(
     wanted = [verdict for verdict in verdicts if verdict.at_s is not None]
     if not wanted:
         return []
-    keepers: list[_Keeper] = []
+    plan = ScenePlan(case)
+    timebase, start = plan.ticks.timebase, plan.ticks.start
+    end = start + timebase.ticks(case.duration if length is None else length, "nearest")
+    keeper = _Keeper(wanted, timebase, start, end)
 
-    def subscribe(recorder: Recorder, timebase: Timebase) -> None:
-        start = timebase.ticks(case.start, "nearest")
-        end = start + timebase.ticks(case.duration if length is None else length, "nearest")
-        keepers.append(_Keeper(wanted, timebase, start, end))
-        recorder.subscribe(RECORDED, keepers[0].add)
+    def subscribe(recorder: Recorder, _: Timebase) -> None:
+        recorder.subscribe(RECORDED, keeper.add)
         if any(verdict.measure == WRONG_BYTES for verdict in wanted):
-            recorder.subscribe((Kind.DATA,), keepers[0].expect, things={(Kind.DATA, "expected byte")})
+            recorder.subscribe((Kind.DATA,), keeper.expect, things={(Kind.DATA, "expected byte")})
 
-    scene = Scene(case, subscribe, programs)
-    (keeper,) = keepers
+    scene = Scene(plan, subscribe, programs)
     until = keeper.ends
     assumed = advance(scene, until, keeper.failures)
     while keeper.awaits_bytes and until < keeper.end:

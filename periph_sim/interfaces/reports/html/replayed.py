@@ -190,4 +190,4 @@ def _with_capture(timeline: Timeline, lanes: Lanes, agreed: float, side: Side, d
                 says = f"{i2c.NAMES[event.kind]} {text} in the capture"
                 lanes.add(boxes, at, says, text, tick(side.of_transfer(event.last)), int(wrong))
     bus, *rest = timeline.groups
-    return replace(timeline, groups=(bus, ("capture", (*captured, boxes)), *rest), says=tuple(lanes.says))
+    return replace(timeline, groups=(bus, ("capture", (*captured, boxes)), *rest))

@@ -42,7 +42,7 @@ OPTIONAL = ("chosen", "long", "labels", "strong", "places")  # keys of a lane th
 
 
 class Texts(dict[str, int]):
-    """A dictionary from texts to indices. Each text is stored once. The first line of a text is its title."""
+    """A dictionary from texts to indices. In JSON, each text is stored once."""
 
     def place(self, text: str) -> int:
         return self.setdefault(text, len(self))
@@ -57,10 +57,10 @@ class Lane:
     initial: the level of a wave before the first edge.
     chosen: True if the explanation is about the lane. At first, only chosen lanes are drawn.
     at, end: the ticks of the events. Only boxes have an end.
-    says, labels: the indices of each event's text and label in `Texts`. Edges have no label.
+    says, labels: the text and the label of each event. The first line of a text is its title. Edges have no label.
     strong: 1 for each event that is drawn as more important, such as a write among reads or a wrong byte; 0 for the
         others; empty if the lane has no such events.
-    places: the index of each mark's location in the firmware in `Texts`; empty if the locations are unknown.
+    places: the location of each mark in the firmware; empty if the locations are unknown.
     """
 
     kind: str
@@ -70,22 +70,25 @@ class Lane:
     chosen: bool = False
     at: list[int] = field(default_factory=list)
     end: list[int] = field(default_factory=list)
-    says: list[int] = field(default_factory=list)
-    labels: list[int] = field(default_factory=list)
+    says: list[str] = field(default_factory=list)
+    labels: list[str] = field(default_factory=list)
     strong: list[int] = field(default_factory=list)
-    places: list[int] = field(default_factory=list)
+    places: list[str] = field(default_factory=list)
 
-    def json(self) -> dict[str, Any]:
-        """Convert to JSON. A tick is given as the distance from the previous tick, so most numbers are short."""
+    def json(self, texts: Texts) -> dict[str, Any]:
+        """Convert to JSON. A tick is given as the distance from the previous tick, so most numbers are short.
+
+        texts: the texts of all lanes. A text is given as its index.
+        """
         keys: dict[str, Any] = {"name": self.name, "unit": self.unit, "chosen": int(self.chosen), "kind": self.kind}
         keys |= {"initial": self.initial} if self.kind == "wave" else {}
         keys |= {
             "at": [tick - before for before, tick in pairwise([0, *self.at])],
             "long": [end - at for at, end in zip(self.at, self.end, strict=False)],
-            "labels": self.labels,
-            "says": self.says,
+            "labels": [*map(texts.place, self.labels)],
+            "says": [*map(texts.place, self.says)],
             "strong": self.strong if any(self.strong) else [],
-            "places": self.places,
+            "places": [*map(texts.place, self.places)],
         }
         return {key: value for key, value in keys.items() if value or key not in OPTIONAL}
 
@@ -101,7 +104,6 @@ class Timeline:
     shown: the range of ticks that is visible at first.
     kept: the one or two ranges of ticks whose records were kept.
     groups: name and lanes of each group.
-    says: the texts that lanes refer to by index.
     rows: the rows of the protocol table, in time order.
     """
 
@@ -113,10 +115,11 @@ class Timeline:
     shown: tuple[int, int]
     kept: tuple[tuple[int, int], ...]
     groups: tuple[tuple[str, tuple[Lane, ...]], ...]
-    says: tuple[str, ...]
     rows: tuple[Row, ...] = ()
 
     def json(self) -> dict[str, Any]:
+        texts = Texts()
+        groups = [{"name": name, "lanes": [lane.json(texts) for lane in lanes]} for name, lanes in self.groups]
         return {
             "origin": str(self.origin),  # as text, since the number may be too large for JavaScript
             "begin": self.begin,
@@ -125,24 +128,16 @@ class Timeline:
             "cycles": self.cycles,
             "shown": self.shown,
             "kept": self.kept,
-            "groups": [{"name": name, "lanes": [lane.json() for lane in lanes]} for name, lanes in self.groups],
-            "says": self.says,
+            "groups": groups,
+            "says": list(texts),
             "rows": self.rows,
         }
 
 
 def only_chosen(timeline: Timeline) -> Timeline:
-    """Return the timeline with only the chosen lanes and their texts."""
-    says = Texts()
-
-    def again(lane: Lane) -> Lane:
-        labels, own, places = (
-            [says.place(timeline.says[n]) for n in texts] for texts in (lane.labels, lane.says, lane.places)
-        )
-        return replace(lane, labels=labels, says=own, places=places)
-
-    groups = tuple((name, tuple(again(lane) for lane in lanes if lane.chosen)) for name, lanes in timeline.groups)
-    return replace(timeline, groups=tuple(one for one in groups if one[1]), says=tuple(says))
+    """Return the timeline with only the chosen lanes."""
+    groups = ((name, tuple(lane for lane in lanes if lane.chosen)) for name, lanes in timeline.groups)
+    return replace(timeline, groups=tuple(one for one in groups if one[1]))
 
 
 @dataclass
@@ -151,13 +146,11 @@ class Lanes:
 
     cycles: a dictionary from units to ticks per cycle of SYSCLKOUT.
     most: the maximum number of records that the timeline shows.
-    says: the texts that lanes refer to by index.
     """
 
     window: Window
     cycles: dict[str, float]
     most: int
-    says: Texts = field(default_factory=Texts)
 
     def __post_init__(self) -> None:
         self.kept = within_reach(self.window, self.most)
@@ -191,7 +184,6 @@ class Lanes:
             shown=(window.drawn.begin - self.zero, window.drawn.end - 1 - self.zero),
             kept=tuple((span.begin - self.zero, span.end - 1 - self.zero) for span in self.kept),
             groups=tuple((name, tuple(lanes)) for name, lanes in groups if lanes),
-            says=tuple(self.says),
             rows=tuple(rows(window, self._seen, self.zero)),
         )
 
@@ -205,9 +197,9 @@ class Lanes:
         strong: 1 to draw the event as more important than the others, else 0; None in a lane without such events.
         """
         lane.at.append(begin - self.zero)
-        lane.says.append(self.says.place(says))
+        lane.says.append(says)
         if lane.kind != "wave":
-            lane.labels.append(self.says.place(label))
+            lane.labels.append(label)
         if end is not None:
             lane.end.append(max(end, begin) - self.zero)
         if strong is not None:
@@ -363,7 +355,7 @@ class Lanes:
             value = of.decode(record.value) if of is not None else f"{record.value:#06x}"
             says = f"{'read' if way == 'R' else 'write of'} {module} {value}\nat {record.text}"
             self.add(lane, record.tick, says, f"{record.value:X}", strong=int(way == "W"))
-            lane.places.append(self.says.place(record.text))
+            lane.places.append(record.text)
         return [*lanes.values()]
 
     def _notes(self) -> list[Lane]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from periph_sim.interfaces.reports.html.gather import BudgetReport, CaseReport, case_report
 from periph_sim.interfaces.reports.html.over_time import OverTime, over_time
-from periph_sim.interfaces.reports.html.timeline import Lane, Texts, Timeline
+from periph_sim.interfaces.reports.html.timeline import Lane, Timeline
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.budgets import Values
@@ -96,17 +96,14 @@ def drawn() -> Timeline:
     span   "work" from 0 to 10 us
     REG    read at -1 us, written at 2 us
     """
-    says = Texts()
-    moved = [says.place("LINE fell\nheld low by dsp"), *[says.place("moved")] * 2]
+    moved = ["LINE fell\nheld low by dsp", "moved", "moved"]
     line = Lane("wave", "LINE", initial=1, at=[-10 * US, 5 * US, 15 * US], says=moved)
     words = Lane("boxes", "SCIFFRX.RXFFST", "dsp", at=[-100 * US, 5 * US], end=[5 * US, 200 * US])
-    words.labels = [says.place("3"), says.place("4")]
-    words.says = [says.place("RXFFST = 3"), says.place("RXFFST became 4")]
-    span = Lane("boxes", "span", "dsp", at=[0], end=[10 * US])
-    span.labels, span.says = [says.place("work")], [says.place("span work\nat main:7")]
-    register = Lane("marks", "REG", "dsp", at=[-1 * US, 2 * US], labels=[says.place("11"), says.place("<b>")])
-    register.says = [says.place("read REG = 0x0011\nat main:3"), says.place("write of REG\nat main:4")]
-    register.strong, register.places = [0, 1], [says.place("main:3"), says.place("main:4")]
+    words.labels, words.says = ["3", "4"], ["RXFFST = 3", "RXFFST became 4"]
+    span = Lane("boxes", "span", "dsp", at=[0], end=[10 * US], labels=["work"], says=["span work\nat main:7"])
+    register = Lane("marks", "REG", "dsp", at=[-1 * US, 2 * US], labels=["11", "<b>"])
+    register.says = ["read REG = 0x0011\nat main:3", "write of REG\nat main:4"]
+    register.strong, register.places = [0, 1], ["main:3", "main:4"]
     return Timeline(
         origin=12_345 * US,
         begin=0,
@@ -116,7 +113,6 @@ def drawn() -> Timeline:
         shown=(-20 * US, 30 * US),
         kept=((-100 * US, 200 * US),),
         groups=(("pins", (line,)), ("flags", (words,)), ("firmware", (span,)), ("accesses", (register,))),
-        says=tuple(says),
     )
 
 

@@ -216,10 +216,10 @@ def test_the_waves_of_the_first_of_several_failing_cases_are_visible_without_scr
 
 def test_a_wrong_byte_is_marked_with_the_expected_one_in_waves_and_protocol(opened: Open) -> None:
     timeline = drawn()
-    says = ("0x12 not 0x11", *timeline.says[1:])
-    boxes = Lane("boxes", "bytes", at=[0, 10 * US], end=[9 * US, 19 * US], labels=[0, 1], says=[0, 1], strong=[1, 0])
+    boxes = Lane("boxes", "bytes", at=[0, 10 * US], end=[9 * US, 19 * US], strong=[1, 0])
+    boxes.labels = boxes.says = ["0x12 not 0x11", "0x13"]
     row = Row(0, 20 * US, "I2C", "START", "0x68", "R", "ACK", (("12", "ACK", "11"), ("13", "NACK", "")), True)
-    timeline = replace(timeline, groups=(("I2C bus", (boxes,)),), says=says, rows=(row,))
+    timeline = replace(timeline, groups=(("I2C bus", (boxes,)),), rows=(row,))
     page = opened(report(budget("late", 12.0, timeline=timeline)))
     assert page.locator(".box.wrong").count() == 1 and page.locator(".box").count() == 2
     assert page.locator("text.wrong").text_content() == "0x12 not 0x11"

@@ -145,7 +145,8 @@ def test_further_failures_are_counted_and_marked_as_known_if_all_are(
 
 def test_texts_of_a_case_cannot_break_out_of_their_place(small: CaseReport) -> None:
     evil = "</script><script>alert(3)</script>\"'><img src=x onerror=alert(4)>&amp;"
-    timeline = replace(drawn(), says=(evil, *drawn().says[1:]))
+    timeline = drawn()
+    timeline.groups[0][1][0].says[0] = evil
     one = replace(
         budget(evil, 40.0, timeline=timeline),
         source=evil,

@@ -48,11 +48,7 @@ def test_a_wrong_byte_is_marked_in_the_waves_of_the_replay_and_of_the_capture_be
     marked = {}
     for name in ("bytes", "captured bytes"):
         lane = lanes[name]
-        marked[name] = [
-            (row.timeline.says[label], at)
-            for label, at, strong in zip(lane.labels, lane.at, lane.strong, strict=True)
-            if strong
-        ]
+        marked[name] = [one[:2] for one in zip(lane.labels, lane.at, lane.strong, strict=True) if one[2]]
     assert marked["bytes"] == [("0x20 not 0x21", 0)]
     assert marked["captured bytes"] == [("0x21", 0)], "aligned at the last event that agreed"
     assert [data for line in row.timeline.rows for data in line.data if data[2]] == [("20", "NACK", "21")]

@@ -50,11 +50,8 @@ def profile(
         with progress(case.stem) as on_progress:
             run = report.profiled(load(case, list(changes)), length, on_progress, lines is not None)
         if flames is not None:
-            stacks = report.speedscope(run.profiles, run.ticks_per_second, run.name, run.place_of)
-            flames.write_text(json.dumps(stacks), encoding="utf-8")
+            flames.write_text(json.dumps(report.speedscope(run)), encoding="utf-8")
         if lines is not None:
-            files = report.covered_files((p.image, p.functions, run.coverage[unit]) for unit, p in run.programs.items())
-            lines.write_text(report.tracefile(files, run.name), encoding="utf-8")
-    found = run.profiles, run.ticks_per_second, run.place_of
-    print_answer("profile", report.as_json(*found) if as_json else report.text(*found, verbose))
+            lines.write_text(report.tracefile(report.covered_files(run), run.name), encoding="utf-8")
+    print_answer("profile", report.as_json(run) if as_json else report.text(run, verbose))
     return 0

@@ -10,7 +10,8 @@ The execution count of a line is the highest count of its instructions. Sources:
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from fractions import Fraction
 
 from msgspec import Struct
@@ -27,17 +28,35 @@ from ...scene.scene import Scene
 
 LONGEST_TEXT = 20  # number of functions that are shown without -v
 FINE = 1000  # in us; times below this value are shown with three decimals
-PlaceOf = Callable[[str, str], str]  # a function from a unit and a function's name to the location of the function
 
 
-def text(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: PlaceOf, every: bool = False) -> str:
+class Profiled(Struct, frozen=True):
+    """The profiles of a run.
+
+    name: the name of the case.
+    programs, profiles: dictionaries from units with an image to their programs and profiles.
+    coverage: a dictionary from units with an image to their coverage; empty if no coverage was requested.
+    """
+
+    name: str
+    ticks_per_second: int
+    programs: dict[str, ImageProgram]
+    profiles: dict[str, Profile]
+    coverage: dict[str, Coverage]
+
+    def place_of(self, unit: str, function: str) -> str:
+        """Return the source location at which a function of a unit's image begins."""
+        return self.programs[unit].place_of(function)
+
+
+def text(run: Profiled, every: bool = False) -> str:
     """Format a table of 80 columns for each unit. every: True to show all called functions, not only LONGEST_TEXT."""
     lines: list[str] = []
-    for unit, profile in profiles.items():
+    for unit, profile in run.profiles.items():
         found = profile.functions()
         whole = sum(one.own for one in found) or 1
         shown = found if every else found[:LONGEST_TEXT]
-        per_us = ticks_per_second / 1_000_000
+        per_us = run.ticks_per_second / 1_000_000
         rows = [
             (
                 one.name,
@@ -46,7 +65,7 @@ def text(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: Place
                 _us(one.total / per_us),
                 _us(one.waits / per_us),
                 str(one.calls),
-                _begins_at(place_of(unit, one.name)),
+                _begins_at(run.place_of(unit, one.name)),
             )
             for one in shown
         ]
@@ -79,22 +98,23 @@ def _json_place(place: str) -> dict[str, object]:
     return line | {"pc": f"{at.pc:#08x}"}
 
 
-def as_json(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: PlaceOf) -> dict[str, object]:
+def as_json(run: Profiled) -> dict[str, object]:
     """Return the profile as a dictionary with times in seconds."""
+    per_second = run.ticks_per_second
     return {
         "units": {
             unit: [
                 {
                     "function": one.name,
                     "calls": one.calls,
-                    "self_s": one.own / ticks_per_second,
-                    "total_s": one.total / ticks_per_second,
-                    "waits_s": one.waits / ticks_per_second,
+                    "self_s": one.own / per_second,
+                    "total_s": one.total / per_second,
+                    "waits_s": one.waits / per_second,
                 }
-                | _json_place(place_of(unit, one.name))
+                | _json_place(run.place_of(unit, one.name))
                 for one in profile.functions()
             ]
-            for unit, profile in profiles.items()
+            for unit, profile in run.profiles.items()
         }
     }
 
@@ -105,24 +125,18 @@ SCHEMA = "https://www.speedscope.app/file-format-schema.json"
 Frame = tuple[str, str, int]  # the function, its file ("" if unknown), and its line (0 if unknown)
 
 
-def speedscope(
-    profiles: Mapping[str, Profile], ticks_per_second: int, name: str, place_of: Callable[[str, str], str]
-) -> dict[str, object]:
-    """Return the flame graph as JSON. It has the call stacks of each unit in alphabetical order, with their seconds.
-
-    name: the title of the flame graph.
-    place_of: a function from a unit and a function's name to the location of the function.
-    """
+def speedscope(run: Profiled) -> dict[str, object]:
+    """Return the flame graph as JSON. It has the call stacks of each unit in alphabetical order, with their seconds."""
     frames: dict[Frame, int] = {}
 
     def number(unit: str, function: str) -> int:
-        place = place_of(unit, function)
+        place = run.place_of(unit, function)
         return frames.setdefault((function, getattr(place, "path", ""), getattr(place, "line", 0)), len(frames))
 
     made: list[dict[str, object]] = []
-    for unit, profile in profiles.items():
+    for unit, profile in run.profiles.items():
         stacks = sorted(stack for stack in profile.stacks if stack)
-        weights = [profile.stacks[stack] / ticks_per_second for stack in stacks]
+        weights = [profile.stacks[stack] / run.ticks_per_second for stack in stacks]
         made.append(
             {
                 "type": "sampled",
@@ -136,7 +150,7 @@ def speedscope(
         )
     return {
         "$schema": SCHEMA,
-        "name": name,
+        "name": run.name,
         "exporter": "periph-sim",
         "activeProfileIndex": 0,
         "shared": {
@@ -148,6 +162,7 @@ def speedscope(
     }
 
 
+@dataclass
 class FileCoverage:
     """The coverage of one source file.
 
@@ -157,20 +172,16 @@ class FileCoverage:
     functions: a dictionary from (line, name) to the execution count of the function with this name.
     """
 
-    def __init__(self) -> None:
-        self.lines: Counter[int] = Counter()
-        self.branches: Counter[tuple[int, int, int]] = Counter()
-        self.functions: Counter[tuple[int, str]] = Counter()
+    lines: Counter[int] = field(default_factory=Counter)
+    branches: Counter[tuple[int, int, int]] = field(default_factory=Counter)
+    functions: Counter[tuple[int, str]] = field(default_factory=Counter)
 
 
-Covered = tuple[Image, FunctionMap, Coverage]
-
-
-def covered_files(programs: Iterable[Covered]) -> dict[str, FileCoverage]:
+def covered_files(run: Profiled) -> dict[str, FileCoverage]:
     """Return a dictionary from source files to coverage, for all lines with code. Counts of several units are added."""
     found: dict[str, FileCoverage] = defaultdict(FileCoverage)
-    for image, functions, counts in programs:
-        for file, of_file in _files(image, functions, counts).items():
+    for unit, program in run.programs.items():
+        for file, of_file in _files(program.image, program.functions, run.coverage[unit]).items():
             found[file].lines.update(of_file.lines)
             found[file].branches.update(of_file.branches)
             found[file].functions.update(of_file.functions)
@@ -219,25 +230,6 @@ def _record(file: str, of_file: FileCoverage, name: str) -> Iterator[str]:
     yield f"LF:{len(of_file.lines)}"
     yield f"LH:{sum(count > 0 for count in of_file.lines.values())}"
     yield "end_of_record"
-
-
-class Profiled(Struct, frozen=True):
-    """The profiles of a run.
-
-    name: the name of the case.
-    programs, profiles: dictionaries from units with an image to their programs and profiles.
-    coverage: a dictionary from units with an image to their coverage; empty if no coverage was requested.
-    """
-
-    name: str
-    ticks_per_second: int
-    programs: dict[str, ImageProgram]
-    profiles: dict[str, Profile]
-    coverage: dict[str, Coverage]
-
-    def place_of(self, unit: str, function: str) -> str:
-        """Return the source location at which a function of a unit's image begins."""
-        return self.programs[unit].place_of(function)
 
 
 def profiled(

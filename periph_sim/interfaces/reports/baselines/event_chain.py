@@ -16,11 +16,11 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from hashlib import blake2b
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from ....core.records import Kind, Record, Recorder
 from ....core.time import Timebase
@@ -28,6 +28,9 @@ from ....processor.user_code import output_muted
 from ....scene.case.model import Case
 from ....scene.scene import Scene
 from ..explain.chain import place_of
+
+K = TypeVar("K", bound=Hashable)
+V = TypeVar("V")
 
 LONGEST = 32  # maximum number of events of a chain
 AROUND = Fraction(5, 1000)  # in seconds; a START is searched up to this time before an occurrence, a STOP after it
@@ -184,14 +187,21 @@ def _moved(event: str, then: int | None, now: int | None, cycles: Callable[[int]
 
 
 def _times(chain: list[str]) -> Times:
-    """Parse the lines of a chain. Events with the same text are numbered from 0."""
-    times: Times = {}
-    seen: Counter[str] = Counter()
-    for line in chain:
-        tick, _, event = line.partition(" ")
-        times[event, seen[event]] = int(tick)
-        seen[event] += 1
-    return times
+    """Parse the lines of a chain."""
+    return numbered((event, int(tick)) for tick, _, event in (line.partition(" ") for line in chain))
+
+
+def numbered(events: Iterable[tuple[K, V]]) -> dict[tuple[K, int], V]:
+    """Return the values of events. The key of an event is extended by its number, from 0, among events with this key.
+
+    So the n-th event with a key can be compared with the n-th event with the same key of another run.
+    """
+    seen: Counter[K] = Counter()
+    found = {}
+    for key, value in events:
+        found[key, seen[key]] = value
+        seen[key] += 1
+    return found
 
 
 def _length(cycles: str) -> str:

@@ -8,7 +8,6 @@ later, and not as missing.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -19,6 +18,7 @@ from ....processor.user_code import output_muted
 from ....records.record_text import happened_where
 from ....scene.prepared import PreparedScene
 from .. import REFUSED
+from ..baselines.event_chain import numbered
 from .dependence import Dependence
 from .explore import Attempt
 
@@ -27,7 +27,8 @@ MOST_EXPLAINED = 20  # maximum number of runs whose first difference is searched
 # Length of a slice in seconds. An event counts as missing if the other run has it neither in the same slice nor in the
 # next slice.
 SLICE = Fraction(1, 1000)
-Occurrence = tuple[Kind, str, str, int]  # kind, where and what of a record, and its number, from 0, among equal ones
+# The kind, where and what of a record, and its number, from 0, among the records that are equal in these.
+Occurrence = tuple[tuple[Kind, str, str], int]
 
 
 class Event(NamedTuple):
@@ -70,13 +71,7 @@ class _RecordedRun:
 
     def occurrences(self, first: int) -> dict[Occurrence, tuple[int, str]]:
         """Return the tick and the text of each record from index `first` on."""
-        seen: Counter[tuple[Kind, str, str]] = Counter()
-        found: dict[Occurrence, tuple[int, str]] = {}
-        for record in self.records[first:]:
-            topic = record.kind, record.where, record.what
-            found[*topic, seen[topic]] = record.tick, happened_where(record)
-            seen[topic] += 1
-        return found
+        return numbered(((r.kind, r.where, r.what), (r.tick, happened_where(r))) for r in self.records[first:])
 
 
 def first_differences(

@@ -6,7 +6,7 @@ Window, case --> Evidence: phases on the bus, low phases of SCL, accesses, chang
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import islice, pairwise
@@ -20,7 +20,6 @@ from ....scene.case.model import Case
 from ....scene.context import CaseTicks
 from .chain import Chain, FirmwarePlace, Part, Step, place_of
 from .cpu_activity import CODE, DOING, Stretch, all_episodes, episodes, phrase, timeline, units
-from .recorded_phase import RecordedPhase
 from .window import Window
 
 I2C, SCI = I2C_A.name, "SCI-A"
@@ -28,6 +27,33 @@ SMALL = Fraction(1, 100)  # a wait or a service routine is listed if it takes mo
 LONG = Fraction(1, 10**6)  # in seconds; code without a record that takes longer than this is listed separately
 BACK = 16  # maximum number of causes that are followed back from an end of an occurrence
 MOST = 12  # maximum number of listed service routines, spans and waits of an occurrence; the longest are listed
+
+
+@dataclass(frozen=True)
+class RecordedPhase:
+    """A phase of a transfer according to the records: from a START or repeated START to the next START or STOP.
+
+    name: the name of the addressed device; "" if unknown.
+    start: "START" or "repeated START".
+    answered: the tick at which SCL falls after the ACK bit of the address; None if the phase or the records end before
+        this tick.
+    data: the records of the bytes after the address.
+    """
+
+    name: str
+    begin: int
+    end: int
+    address: int
+    read: bool
+    acked: bool
+    answered: int | None
+    start: str
+    data: tuple[Record, ...]
+
+    def __str__(self) -> str:
+        """Format the phase: "gyroscope (0x68 R)", or "0x68 R" if no name is known."""
+        asked = f"0x{self.address:02X} {'R' if self.read else 'W'}"
+        return f"{self.name} ({asked})" if self.name else asked
 
 
 class Evidence:

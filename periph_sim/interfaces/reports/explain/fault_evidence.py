@@ -22,8 +22,7 @@ from ....f28335.gpio.register_map import control_register
 from ....f28335.i2c.descriptor import I2C_A
 from ....records.record_text import bus_byte, happened
 from .chain import Part, Step, place_of
-from .evidence import I2C, Evidence
-from .recorded_phase import RecordedPhase
+from .evidence import I2C, Evidence, RecordedPhase
 from .window import I2C_BUS
 
 ONES = 0xFF  # the byte that is read when no party drives SDA

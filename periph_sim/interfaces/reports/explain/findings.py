@@ -25,7 +25,7 @@ from ....timing.measures.factory import measure_named
 from ....timing.measures.measure import Measure
 from .chain import Part, Step
 from .cpu_activity import episodes
-from .evidence import I2C, SCI, Evidence, in_time
+from .evidence import I2C, SCI, Evidence, RecordedPhase, in_time
 from .fault_evidence import (
     ONES,
     answering,
@@ -42,7 +42,6 @@ from .fault_evidence import (
     waited_for,
 )
 from .occurrence import LATE
-from .recorded_phase import RecordedPhase
 
 DERIVED_FROM = {
     Kind.TRANSFER: (Kind.BUS, Kind.EDGE),

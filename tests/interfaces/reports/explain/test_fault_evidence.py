@@ -13,12 +13,11 @@ import pytest
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_i2c
-from periph_sim.interfaces.reports.explain.evidence import Evidence
+from periph_sim.interfaces.reports.explain.evidence import Evidence, RecordedPhase
 from periph_sim.interfaces.reports.explain.explain import Explained
 from periph_sim.interfaces.reports.explain.fault_evidence import answering, bytes_sent
 from periph_sim.interfaces.reports.explain.findings import FINDINGS, Ends
 from periph_sim.interfaces.reports.explain.picture import svg_picture, text_picture
-from periph_sim.interfaces.reports.explain.recorded_phase import RecordedPhase
 from periph_sim.interfaces.reports.html.protocol import bytes_of
 from periph_sim.interfaces.reports.html.protocol import rows as rows_of
 from periph_sim.processor.dsp import Dsp

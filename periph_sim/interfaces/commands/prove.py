@@ -345,7 +345,8 @@ def _write_witnesses(found: Coverage, case: Path, changes: Sequence[str], folder
     try:
         for worst in found.found.worst.values():
             if worst.verdict.passed or worst.verdict.broken:
-                files.append(witness_file(found, worst, case, changes, folder))
+                run = (*found.case.phases.inputs(worst.phases), worst.seed)
+                files.append(witness_file(found.case, worst.verdict, run, case, changes, folder))
     except BadCapture as error:  # the file cannot be written
         return files, str(error)
     return files, ""

@@ -18,7 +18,7 @@ from ...proof.saved_paths import proof_path
 from ...proof.stretch import CoveredCase, Job
 from ...timing.verdict import BROKEN, NOT_JUDGED, PROVEN, figure, limit
 from ..reports.baselines.files import write_all
-from ..reports.witness import case_with_inputs
+from ..reports.witness import witness_file
 from .command_frame import print_json, print_table, progress, running_user_code, say
 from .watch import note_inputs
 
@@ -95,7 +95,7 @@ def _write_witnesses(
             starts, until = made.run_of(worst, covered.phases.ticks_per_second)
             end = Fraction(until, covered.phases.ticks_per_second)
             run = (covered.phases.inputs_at(starts), end, covered.case.seed)
-            files.append(case_with_inputs(covered, worst.verdict, run, case, changes, folder))
+            files.append(witness_file(covered, worst.verdict, run, case, changes, folder))
     return files
 
 

@@ -10,7 +10,6 @@ from collections.abc import Collection, Sequence
 from fractions import Fraction
 from pathlib import Path
 
-from ...proof.cover import Worst
 from ...proof.stretch import CoveredCase
 from ...scene.case.inputs_table import InputsTable
 from ...scene.case.load import apply, case_of
@@ -20,27 +19,13 @@ from ...timing.budget_plan import PER_MILLE
 from ...timing.verdict import Verdict
 from ...traces.formats import atomic_write
 from .case_text import Tree, move_files, toml
-from .coverage import Coverage
 
 NAME = re.compile(r"[^A-Za-z0-9]+")
 IN_FILES = re.compile(r"[^\w.-]+")
 DIGITS = 12  # decimals of a second; more if a tick is shorter than a picosecond
 
 
-def witness_file(coverage: Coverage, worst: Worst, case: Path, changes: Sequence[str], folder: Path) -> Path:
-    """Write the case in which a budget has its worst value, run it, and return its path.
-
-    worst: the worst value of the budget, and the run in which it occurs.
-    case, changes: the case of the coverage as the user gave it.
-    folder: the folder of the new file.
-
-    Raise BadCapture if the file cannot be written.
-    """
-    inputs, duration = coverage.case.phases.inputs(worst.phases)
-    return case_with_inputs(coverage.case, worst.verdict, (inputs, duration, worst.seed), case, changes, folder)
-
-
-def case_with_inputs(
+def witness_file(
     covered: CoveredCase,
     worst: Verdict,
     run: tuple[InputsTable, Fraction, int],
@@ -50,7 +35,11 @@ def case_with_inputs(
 ) -> Path:
     """Write the case of one run, in which a budget has the value `worst`. Run it, and return its path.
 
-    run: the inputs, the duration in seconds, and the seed. The other arguments, and errors, are as for `witness_file`.
+    run: the inputs, the duration in seconds, and the seed.
+    case, changes: the case of the coverage as the user gave it.
+    folder: the folder of the new file.
+
+    Raise BadCapture if the file cannot be written.
     """
     inputs, duration, seed = run
     _, tree = read(case, "case")

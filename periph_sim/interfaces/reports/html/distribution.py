@@ -102,6 +102,15 @@ def scale_of(unit: str, largest: int, per_ns: int) -> tuple[str, int, int]:
 
 WIDTH, HEIGHT = 560, 244
 LEFT, RIGHT, TOP, BOTTOM = 46, 18, 58, 40
+# The size of the drawing, and the edges of the box that the axes enclose.
+PAPER = {
+    "width": WIDTH,
+    "height": HEIGHT,
+    "left": LEFT,
+    "right": WIDTH - RIGHT,
+    "top": TOP,
+    "bottom": HEIGHT - BOTTOM,
+}
 BREAK = 78  # width of the part of the axis after a break, in units of the drawing
 REACH = 1.5  # a limit is on scale if its distance from the values is at most this multiple of the values' range
 ROWS = 2  # number of rows for the texts of limits
@@ -140,8 +149,6 @@ class Plot:
     across, up: position and text of each label of the horizontal and of the vertical axis.
     breaks: the positions of breaks of the horizontal axis.
     summary: a text for screen readers.
-    left, right, top, bottom: the edges of the box that the axes enclose.
-    width, height: the size of the drawing.
     """
 
     bars: tuple[Bar, ...]
@@ -152,12 +159,6 @@ class Plot:
     breaks: tuple[float, ...]
     unit: str
     summary: str
-    left: float = LEFT
-    right: float = WIDTH - RIGHT
-    top: float = TOP
-    bottom: float = HEIGHT - BOTTOM
-    width: int = WIDTH
-    height: int = HEIGHT
 
 
 def plot(spread: Distribution, least_is_worst: bool = False) -> Plot:
@@ -166,7 +167,7 @@ def plot(spread: Distribution, least_is_worst: bool = False) -> Plot:
     least_is_worst: True if the nearest limit is a `min`. Then the smallest value is marked, otherwise the largest.
     """
     scale = _Scale(spread)
-    bottom = HEIGHT - BOTTOM
+    bottom = PAPER["bottom"]
     most = max(max(one.count for one in spread.bins), 9)
 
     def rise(count: int) -> float:

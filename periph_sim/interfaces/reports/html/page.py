@@ -20,7 +20,7 @@ from markupsafe import Markup
 from .... import form
 from ....timing.verdict import PASS, Verdict, assumes, figure, in_words, instant, legend, limit, title
 from ..explain.chain import Chain, Part, bound, largest
-from .distribution import number, plot
+from .distribution import PAPER, number, plot
 from .gather import BudgetReport, CaseReport
 from .over_time import shown_unit, time_plot
 
@@ -91,7 +91,7 @@ def _template() -> Template:
     pages.filters |= {"legend": legend, "title": _title}
     pages.filters |= {"gist": _gist, "allowed": _allowed, "parts": _parts}
     style, script = (Markup("\n".join(map(_text, names))) for names in (STYLES, SCRIPTS))
-    pages.globals |= {"plot": plot, "time_plot": time_plot, "style": style, "script": script}
+    pages.globals |= {"plot": plot, "paper": PAPER, "time_plot": time_plot, "style": style, "script": script}
     return pages.get_template("report.html")
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.interfaces.reports.html.distribution import MOST, Plot, distribution, plot
+from periph_sim.interfaces.reports.html.distribution import MOST, PAPER, Plot, distribution, plot
 from periph_sim.timing.budgets import Values
 
 PER_NS = 3
@@ -89,12 +89,12 @@ def plotted(numbers: list[int], unit: str = "time", **limits: int) -> Plot:
 def test_all_of_it_is_on_the_paper_and_in_order(numbers: list[int], limits: list[int], unit: str) -> None:
     found = plotted(numbers, unit, **{f"p{n}": limit for n, limit in enumerate(limits)})
     for bar in found.bars:
-        assert found.left <= bar.x and bar.x + bar.width <= found.right + 1
-        assert found.top <= bar.y and abs(bar.y + bar.height - found.bottom) < 0.02
+        assert PAPER["left"] <= bar.x and bar.x + bar.width <= PAPER["right"] + 1
+        assert PAPER["top"] <= bar.y and abs(bar.y + bar.height - PAPER["bottom"]) < 0.02
     places = [bar.x for bar in found.bars]
     assert places == sorted(places)
     for rule in (*found.limits, found.worst):
-        assert found.left <= rule.x <= found.right
+        assert PAPER["left"] <= rule.x <= PAPER["right"]
     texts = [x for x, _ in found.across]
     assert texts == sorted(texts) and len(texts) >= 1
 

@@ -5,21 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import ExitStack
 from types import TracebackType
-from typing import TYPE_CHECKING
 
 import click
 
+from ...core.records import Recorder
+from ...core.time import Timebase
+from ...outside.live.loop import Door
+from ...outside.live.pacing import Pacer
 from ...outside.live.view.browser import Browser
 from ...outside.live.view.last_round import LastRound
-from ...outside.live.view.status import Board, Status, ViewDoor
-
-if TYPE_CHECKING:
-    from ...core.records import Recorder
-    from ...core.time import Timebase
-    from ...outside.live.loop import Door
-    from ...outside.live.pacing import Pacer
-    from ...outside.serial_line import SerialLine
-    from ...outside.session import Session
+from ...outside.live.view.status import Board, Status
+from ...outside.serial_line import SerialLine
+from ...outside.session import Session
 
 WIRES = ("SCL", "SDA", "RX", "TX")
 
@@ -41,7 +38,6 @@ class LiveDisplay:
         self._is_shown = in_terminal or address is not None
         self._board = Board()
         self._wave = None if address is None else LastRound(WIRES)
-        self._door: ViewDoor | None = None
         self._status: Status | None = None
         self._parts = ExitStack()  # closes the page and the view in the terminal
         if address is not None:
@@ -53,8 +49,8 @@ class LiveDisplay:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        if error is None and self._door is not None:
-            self._door.close()
+        if error is None and self._status is not None:
+            self._status.close()
         self._board.close()
         self._parts.close()
 
@@ -71,9 +67,8 @@ class LiveDisplay:
         """
         if not self._is_shown:
             return ()
-        self._status = Status(session, line, pacer, where, self._wave)
-        self._door = ViewDoor(self._status, self._board)
-        return (self._door,)
+        self._status = Status(session, line, pacer, self._board, where, self._wave)
+        return (self._status,)
 
     def begin(self) -> None:
         """Begin the display in the terminal. Call this method after all output that precedes the session."""

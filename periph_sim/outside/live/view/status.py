@@ -30,6 +30,7 @@ from .last_round import LastRound, Wave
 WINDOW = 2.0  # seconds over which rates are averaged
 SELDOM = 10.0  # seconds between calculations of a percentile, which takes long because it needs all values
 PATIENCE = 1.0  # seconds without a new snapshot after which a reader of a board may check other conditions
+EVERY = 0.25  # seconds between two snapshots
 SAID = 3  # number of the latest messages that are shown
 FLAGS = {
     "SCI": ("SCIRXST.BRKDT", "SCIRXST.FE", "SCIRXST.OE", "SCIRXST.PE", "SCIFFRX.RXFFOVF"),
@@ -100,11 +101,53 @@ class StatusSnapshot(TypedDict):
     over: bool
 
 
-class Status:
-    """Maker of snapshots of a session.
+class Board:
+    """The latest snapshot and its number, counted from 1. A slow reader misses snapshots; `put` never waits for it."""
 
-    where: the address at which clients reach the session.
+    def __init__(self) -> None:
+        self._changed = threading.Condition()
+        self._number = 0
+        self._latest: StatusSnapshot | None = None
+        self.closed = False
+
+    def put(self, snapshot: StatusSnapshot) -> None:
+        with self._changed:
+            self._number += 1
+            self._latest = snapshot
+            self._changed.notify_all()
+
+    def close(self) -> None:
+        """Mark the latest snapshot as the last one, so that readers do not wait for a later one."""
+        with self._changed:
+            self.closed = True
+            self._changed.notify_all()
+
+    def after(self, number: int, timeout: float) -> tuple[int, StatusSnapshot | None]:
+        """Wait for a snapshot with a higher number than `number`. Return its number and the snapshot.
+
+        Return (`number`, None) if there is none after `timeout` seconds, or if the board is closed.
+        """
+        with self._changed:
+            self._changed.wait_for(lambda: self._number > number or self.closed, timeout)
+            return (self._number, self._latest) if self._number > number else (number, None)
+
+    def snapshots(self) -> Iterator[StatusSnapshot | None]:
+        """Yield the latest snapshot, then each newer one, until the board is closed and its last snapshot was yielded.
+
+        If there is none for PATIENCE seconds, yield None, so that the reader can check other conditions.
+        """
+        number, closed = 0, False
+        while not closed:
+            closed = self.closed
+            number, snapshot = self.after(number, PATIENCE)
+            yield snapshot
+
+
+class Status(Door):
+    """Publisher that puts a snapshot of a session on a board several times per second. The loop runs it like any door.
+
     line: the serial line; None if the session is connected to a bus.
+    where: the address at which clients reach the session.
     wave: the source of the waveform; None if no waveform is displayed.
     """
 
@@ -113,13 +156,15 @@ class Status:
         session: Session,
         line: SerialLine | None,
         pacer: Pacer,
+        board: Board,
         where: str = "",
         wave: LastRound | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.where = where
-        self._session, self._line, self._pacer, self._wave = session, line, pacer, wave
+        self._session, self._line, self._pacer, self._board, self._wave = session, line, pacer, board, wave
         self._clock = clock
+        self._due = clock()
         self._said: deque[str] = deque(maxlen=SAID)
         self._readings: dict[str, SensorReading] = {}
         self._rounds = 0
@@ -143,6 +188,17 @@ class Status:
     def say(self, sentence: str) -> None:
         """Add a message about a client or port, such as that a client has connected."""
         self._said.append(sentence)
+
+    def turn(self) -> None:
+        now = self._clock()
+        if now >= self._due:
+            self._due = now + EVERY
+            self._board.put(self.snapshot())
+
+    def close(self) -> None:
+        """Put the last snapshot on the board and close the board."""
+        self._board.put(self.snapshot(over=True))
+        self._board.close()
 
     def snapshot(self, over: bool = False) -> StatusSnapshot:
         session, scene, line = self._session, self._session.scene, self._line
@@ -230,67 +286,3 @@ class Status:
             "tolerated": TOLERATED,
             "when_late": pacer.when_late,
         }
-
-
-class Board:
-    """The latest snapshot and its number, counted from 1. A slow reader misses snapshots; `put` never waits for it."""
-
-    def __init__(self) -> None:
-        self._changed = threading.Condition()
-        self._number = 0
-        self._latest: StatusSnapshot | None = None
-        self.closed = False
-
-    def put(self, snapshot: StatusSnapshot) -> None:
-        with self._changed:
-            self._number += 1
-            self._latest = snapshot
-            self._changed.notify_all()
-
-    def close(self) -> None:
-        """Mark the latest snapshot as the last one, so that readers do not wait for a later one."""
-        with self._changed:
-            self.closed = True
-            self._changed.notify_all()
-
-    def after(self, number: int, timeout: float) -> tuple[int, StatusSnapshot | None]:
-        """Wait for a snapshot with a higher number than `number`. Return its number and the snapshot.
-
-        Return (`number`, None) if there is none after `timeout` seconds, or if the board is closed.
-        """
-        with self._changed:
-            self._changed.wait_for(lambda: self._number > number or self.closed, timeout)
-            return (self._number, self._latest) if self._number > number else (number, None)
-
-    def snapshots(self) -> Iterator[StatusSnapshot | None]:
-        """Yield the latest snapshot, then each newer one, until the board is closed and its last snapshot was yielded.
-
-        If there is none for PATIENCE seconds, yield None, so that the reader can check other conditions.
-        """
-        number, closed = 0, False
-        while not closed:
-            closed = self.closed
-            number, snapshot = self.after(number, PATIENCE)
-            yield snapshot
-
-
-EVERY = 0.25  # seconds between two snapshots
-
-
-class ViewDoor(Door):
-    """Publisher that puts a snapshot on a board several times per second. The loop runs it like the other doors."""
-
-    def __init__(self, status: Status, board: Board, clock: Callable[[], float] = time.monotonic) -> None:
-        self._status, self._board, self._clock = status, board, clock
-        self._due = clock()
-
-    def turn(self) -> None:
-        now = self._clock()
-        if now >= self._due:
-            self._due = now + EVERY
-            self._board.put(self._status.snapshot())
-
-    def close(self) -> None:
-        """Put the last snapshot on the board and close the board."""
-        self._board.put(self._status.snapshot(over=True))
-        self._board.close()

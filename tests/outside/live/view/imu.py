@@ -9,7 +9,7 @@ from typing import Any
 from periph_sim.outside import Session
 from periph_sim.outside.live.pacing import Pacer
 from periph_sim.outside.live.view.last_round import LastRound
-from periph_sim.outside.live.view.status import Status
+from periph_sim.outside.live.view.status import Board, Status
 from tests.outside.sessions import FIRMWARE, Records, case
 
 MODULES = ["I2C-A", "SCI-A", "GPIO", "TIMER0", "TIMER1"]
@@ -48,7 +48,7 @@ class Imu:
         clock.session = self.session
         self.pacer.wait(0)
         if watched:
-            self.status = Status(self.session, self.line, self.pacer, "/dev/pts/1", self.wave, clock)
+            self.status = Status(self.session, self.line, self.pacer, Board(), "/dev/pts/1", self.wave, clock)
 
     def passes(self, length: str) -> None:
         self.session.advance(self.session.now + self.session.ticks(length))

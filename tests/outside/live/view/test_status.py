@@ -13,7 +13,7 @@ from periph_sim.devices.sensor_rounds import Round
 from periph_sim.outside import Session
 from periph_sim.outside.live.pacing import Pacer
 from periph_sim.outside.live.view.last_round import KEPT, LastRound
-from periph_sim.outside.live.view.status import Board, Status, ViewDoor
+from periph_sim.outside.live.view.status import Board, Status
 from tests.outside.live.view.imu import FRAME, Clock, Imu
 from tests.outside.sessions import case
 
@@ -76,7 +76,7 @@ def test_a_snapshot_is_put_four_times_a_second_and_at_the_end() -> None:
     snapshot    1         2         3    4, over
     """
     imu, now, board = watched(), [0.0], Board()
-    door, seen = ViewDoor(imu.status, board, lambda: now[0]), []
+    door, seen = Status(imu.session, imu.line, imu.pacer, board, clock=lambda: now[0]), []
     for now[0] in (0.0, 0.24, 0.25, 0.499, 0.5):
         door.turn()
         seen.append(board.after(0, 0)[0])
@@ -118,7 +118,7 @@ def test_rates_are_those_of_the_last_two_seconds_and_sentences_the_last_three() 
     """A snapshot each second of the clock, half a second of the session; 100 bytes are sent in the first."""
     session, clock, shown = Session(case("uart_logger", ("SCI-A",)), ("RX",)), Clock(), []
     clock.session, line = session, session.serial("scia")
-    status = Status(session, line, Pacer(session.ticks_per_second, clock=clock), clock=clock)
+    status = Status(session, line, Pacer(session.ticks_per_second, clock=clock), Board(), clock=clock)
     line.write(bytes(100))
     for number in range(6):
         status.say(f"{number}")
@@ -229,7 +229,7 @@ def test_without_rounds_it_is_what_the_serial_lines_did() -> None:
 def test_a_case_without_bus_or_sensors_has_neither_readings_nor_attitude() -> None:
     session = Session(case("uart_logger", ("SCI-A",)), ("RX",))
     imu = Imu()
-    told = Status(session, session.serial("scia"), imu.pacer).snapshot()
+    told = Status(session, session.serial("scia"), imu.pacer, Board()).snapshot()
     assert (told["readings"], told["attitude"], told["wave"], told["budgets"]) == ([], None, None, [])
 
 

@@ -73,9 +73,9 @@ class LiveDisplay:
     def begin(self) -> None:
         """Begin the display in the terminal. Call this method after all output that precedes the session."""
         if self._in_terminal:
-            from .live_view import LiveView  # imported here, because only the terminal needs Rich
+            from .live_view import start_view  # imported here, because only the terminal needs Rich
 
-            self._parts.callback(LiveView(self._board).close)
+            self._parts.callback(start_view(self._board).join)
             self._is_viewed = True
 
     def say(self, sentence: str) -> None:

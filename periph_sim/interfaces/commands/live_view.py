@@ -21,24 +21,20 @@ BAR = 30  # number of columns of the longest bar in the chart of lateness
 TURNS = 0.0005  # in seconds; after this time, Python switches from the printing thread to the session's
 
 
-class LiveView:
-    """The view in the terminal. Its thread prints the snapshots on a board until the board is closed."""
+def start_view(board: Board) -> threading.Thread:
+    """Print the snapshots on a board in the terminal, in place. Return the thread, which ends after the last one."""
+    console = Console()
 
-    def __init__(self, board: Board) -> None:
-        self._board, self._console = board, Console()
-        sys.setswitchinterval(TURNS)
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
-
-    def close(self) -> None:
-        """Wait until the last snapshot has been printed. Call this method after closing the board."""
-        self._thread.join()
-
-    def _run(self) -> None:
-        with Live(console=self._console, auto_refresh=False) as live:
-            for snapshot in self._board.snapshots():
+    def run() -> None:
+        with Live(console=console, auto_refresh=False) as live:
+            for snapshot in board.snapshots():
                 if snapshot is not None:
-                    live.update(screen(snapshot, self._console.height), refresh=True)
+                    live.update(screen(snapshot, console.height), refresh=True)
+
+    sys.setswitchinterval(TURNS)
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    return thread
 
 
 def screen(status: StatusSnapshot, height: int = 100) -> RenderableType:

@@ -71,6 +71,7 @@ class CoveredCase:
     left_out: the budgets and inputs that are not covered, as a dictionary from the name of each to the reason.
     not_whole: the budgets of which a limit is not covered, as a dictionary from the name of each to the reason.
     runs: the number of runs so far.
+    unknowns: the options on which these runs depend, as in `Result.unknowns`.
 
     Raise BadCase if the case has no free phase, or no budget is left.
     """
@@ -97,6 +98,7 @@ class CoveredCase:
         self.phases = Phases(self._plan, job.start_up, job.rounds)
         self.left_out |= _inputs_left_out(case, self.phases)
         self.runs = 0
+        self.unknowns: set[str] = set()
 
     @property
     def case(self) -> Case:
@@ -153,17 +155,17 @@ class CoveredCase:
             result = scene.run()
         except RUN_ERRORS as error:
             return Outcome((), frozenset({ENDED}), {ENDED: str(error)})
-        return outcome_of(result)
+        return self._outcome(result)
 
     def finish(self, scene: Scene) -> Outcome:
         """End the run of a scene now and return the outcome."""
-        return outcome_of(scene.finish(scene.kernel.now - scene.start))
+        return self._outcome(scene.finish(scene.kernel.now - scene.start))
 
-
-def outcome_of(result: Result) -> Outcome:
-    failures = {verdict.name for verdict in result.budgets if verdict.broken}
-    reasons = {STUCK: result.stuck[0]} if result.stuck and result.verdict == FAIL else {}
-    return Outcome(tuple(result.budgets), frozenset(failures | reasons.keys()), reasons)
+    def _outcome(self, result: Result) -> Outcome:
+        self.unknowns.update(result.unknowns)
+        failures = {verdict.name for verdict in result.budgets if verdict.broken}
+        reasons = {STUCK: result.stuck[0]} if result.stuck and result.verdict == FAIL else {}
+        return Outcome(tuple(result.budgets), frozenset(failures | reasons.keys()), reasons)
 
 
 def _inputs_left_out(case: Case, phases: Phases) -> dict[str, str]:

@@ -25,7 +25,9 @@ if TYPE_CHECKING:
 
 HELD = "held"  # the word for a budget that no run broke
 STEP = 97  # the default of --step in cycles; it has no common divisor with usual clock dividers or lengths of waits
-WITH_TABLE = ("case", "changes", "folder", "table", "save", "as_json")  # parameters that have an effect with --table
+# The parameters that have an effect with --table, and with --questions.
+WITH_TABLE = ("case", "changes", "folder", "table", "save", "questions", "as_json")
+WITH_QUESTIONS = ("case", "changes", "step", "only", "rounds", "start_up", "table", "questions", "jobs", "as_json")
 MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures, that are listed; --json has all
 
 
@@ -66,6 +68,7 @@ MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures,
     is_flag=True,
     help="Save the result beside the case, in coverage or proofs.",
 )
+@click.option("--questions", is_flag=True, help="Repeat it with other answers to open questions.")
 @SVG
 @JSON
 def prove(
@@ -80,6 +83,7 @@ def prove(
     folder: Path | None,
     table: bool,
     save: bool,
+    questions: bool,
     svg: Path | None,
     as_json: bool,
 ) -> int:
@@ -96,6 +100,9 @@ def prove(
     If no further state appears, the budgets are proven for all starts. This needs firmware images, constant data, and
     units without ppm. Only --set, --witness, --save and --json can be used with --table.
 
+    With --questions, this is repeated with each other answer to the open questions on which the case depends, and with
+    pairs of related answers. The output names the budgets whose verdict depends on an answer.
+
     With --save, the result is written to coverage/NAME.json beside the case, with --table to proofs/NAME.json. A
     coverage that was stopped is continued.
 
@@ -111,9 +118,17 @@ def prove(
     if save and changes:
         raise click.UsageError("--save with --set: it saves results of the unchanged case; remove one of them")
     if table:
+        _refuse_others("--table", (*WITH_TABLE, "jobs") if questions else WITH_TABLE)
+    if questions:
+        from ..reports.questions.covered_rows import Cover
+        from .prove_questions import prove_under_questions
+
+        _refuse_others("--questions", WITH_QUESTIONS)
+        between = None if only is None else _between(only)
+        return prove_under_questions(case, changes, Cover(step, between, rounds, start_up, table), jobs, as_json)
+    if table:
         from .prove_table import prove_with_table
 
-        _refuse_others_with_table()
         if save:
             _check_writable(proof_path(case))
         return prove_with_table(case, changes, folder, save, as_json)
@@ -148,14 +163,14 @@ def prove(
     return int(any(word != HELD for word in _words(found).values()) or bool(found.windows or found.found.drifting))
 
 
-def _refuse_others_with_table() -> None:
-    """Raise UsageError if an option is given that has no effect with --table."""
+def _refuse_others(option: str, effective: Sequence[str]) -> None:
+    """Raise UsageError if an option is given that has no effect with this one. effective: those that have."""
     context = click.get_current_context()
     for parameter in context.command.params:
         name = parameter.name or ""
         is_given = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-        if is_given and name not in WITH_TABLE:
-            raise click.UsageError(f"{parameter.opts[0]} has no effect with --table; remove it")
+        if is_given and name not in effective:
+            raise click.UsageError(f"{parameter.opts[0]} has no effect with {option}; remove it")
 
 
 def _draw(found: Coverage, place: Path) -> Path:

@@ -47,17 +47,12 @@ def witness_file(
         apply(tree, change)
     move_files(tree, case.parent, folder)
     name = f"{IN_FILES.sub('_', covered.case.name)}_{_part_of_name(covered, worst.name)}"
-    digits = max(DIGITS, len(str(covered.phases.ticks_per_second)))
-    moved: Tree = {"sends_later": _seconds(inputs.sends_later, digits)} if inputs.sends_later else {}
-    for key in ("frames", "rounds"):
-        times = getattr(inputs, key)
-        moved |= {key: [_seconds(time, digits) for time in times]} if times else {}
     if "budget" in tree:
         tree["budget"] = _covered(tree["budget"], {one.name for one in covered.case.budget})
     tree["name"] = name
     tree["about"] = f"The worst value of {worst.name!r} in a coverage of {covered.case.name}."
-    tree["duration"], tree["seed"] = _seconds(duration, digits), seed
-    tree["inputs"] = {**tree.get("inputs", {}), **moved}
+    tree["duration"], tree["seed"] = _seconds(covered, duration), seed
+    tree["inputs"] = {**tree.get("inputs", {}), **input_texts(covered, inputs)}
     file = folder / f"{name}.toml"
     written = case_of(tree, file)
     result = Scene(written.model_copy(update={"budget": covered.case.budget})).run()
@@ -83,6 +78,16 @@ def _covered(budgets: list[Tree], names: Collection[str]) -> list[Tree]:
     return [{key: value for key, value in budget.items() if key not in PER_MILLE} for budget in kept]
 
 
-def _seconds(time: Fraction, digits: int) -> str:
+def input_texts(covered: CoveredCase, inputs: InputsTable) -> Tree:
+    """Return the starts of a table [inputs] as a case file has them."""
+    texts: Tree = {"sends_later": _seconds(covered, inputs.sends_later)} if inputs.sends_later else {}
+    for key in ("frames", "rounds"):
+        times = getattr(inputs, key)
+        texts |= {key: [_seconds(covered, time) for time in times]} if times else {}
+    return texts
+
+
+def _seconds(covered: CoveredCase, time: Fraction) -> str:
+    digits = max(DIGITS, len(str(covered.phases.ticks_per_second)))
     whole, rest = divmod(round(time * 10**digits), 10**digits)
     return f"{whole}.{rest:0{digits}} s"

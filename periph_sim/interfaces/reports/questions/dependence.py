@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ....scene.result import Result
-from ....timing.verdict import SEEN, Verdict, figure
+from ....timing.verdict import PROVEN, SEEN, Verdict, figure
 from ..sweep.runs import Row
 from .explore import Exploration, is_stuck
 
@@ -18,7 +18,7 @@ class Departure(NamedTuple):
     """A run in which the verdict of a budget differs from that of the case as it is.
 
     number: the index of the run in `Exploration.attempts`.
-    word: the verdict of the budget in this run: "seen" if it passes, "broken" or "not judged". In the Dependence
+    word: the verdict of the budget in this run (`Verdict.word`). In the Dependence
         named RUN, which is not about a budget: "stuck", "cannot be made", or "seen" for all other runs.
     found: the worst value of the budget, or the reason why the run is stuck or cannot be made.
     """
@@ -45,7 +45,7 @@ class Dependence:
     @property
     def holds(self) -> bool:
         """True if the budget passes in every run."""
-        return self.word == SEEN and not self.departures
+        return self.word in (SEEN, PROVEN) and not self.departures
 
 
 def dependences(explored: Exploration) -> list[Dependence]:

@@ -26,7 +26,7 @@ from ....scene.case.model import BadCase
 from ....scene.prepared import PreparedScene
 from ....scene.result import Result
 from ....timing.verdict import FAIL
-from ..sweep.runs import Job, Row
+from ..sweep.runs import Job, Row, rows_of
 from ..sweep.sweep import row_batches
 from .question import Answer, Question, questions_of
 
@@ -71,6 +71,7 @@ def explore(
     length: Fraction,
     jobs: int | None = None,
     bars: Bars = lambda step: nullcontext(),
+    make: Callable[[str, Sequence[str]], Row] | None = None,
 ) -> Exploration:
     """Run a case as it is and with other answers. The result does not depend on `jobs`.
 
@@ -79,17 +80,18 @@ def explore(
     jobs: the number of worker processes; None for one per core.
     bars: a function that returns the context of a step, such as "60 pairs". The context yields None, or a function that
         is called with the completed share of the step, 0 to 1.
+    make: a function that returns the result of many runs, as in `sweep.runs.Job`; None to run the case once.
 
     Raise BadCase if the case has no budget or touches no question, and the errors of a run if the case as it is cannot
     be run.
     """
     scene = PreparedScene(file, changes).scene()
-    default = scene.run(length)
+    job = Job(str(file.absolute()), str(file), length, {}, make)
+    default = scene.run(length) if make is None else _made(job, changes)
     if not default.budgets:
         raise BadCase(f"{file}: the case has no budget that an answer could break; add one, or leave out --questions")
     if not default.unknowns:
         raise BadCase(f"{file}: the run depends on no undocumented behaviour; leave out --questions")
-    job = Job(str(file.absolute()), str(file), length, {})
     workers = jobs or os.cpu_count() or 1
 
     def made(tried: Sequence[tuple[Answer, ...]], what: str) -> list[Attempt]:
@@ -120,6 +122,14 @@ def explore(
     touched = set[str]().union(*(touched_by(attempt.row) for attempt in (*alone, *pairs)))
     not_varied = tuple(sorted(touched - varied.keys()))
     return Exploration(default, (Attempt((), default), *alone, *pairs), tuple(varied.values()), not_varied)
+
+
+def _made(job: Job, changes: Sequence[str]) -> Result:
+    """Return the row of the case as it is. Raise BadCase if there is none."""
+    (row,) = rows_of(job, [changes])
+    if isinstance(row, str):
+        raise BadCase(row)
+    return row
 
 
 def touched_by(row: Row) -> set[str]:

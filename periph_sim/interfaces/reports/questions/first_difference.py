@@ -19,6 +19,7 @@ from ....records.record_text import happened_where
 from ....scene.prepared import PreparedScene
 from .. import REFUSED
 from ..baselines.event_chain import numbered
+from .covered_rows import CoveredResult
 from .dependence import Dependence
 from .explore import Attempt
 
@@ -80,16 +81,23 @@ def first_differences(
     """Return the first difference of each run in which the verdict of a budget differs, at most MOST_EXPLAINED.
 
     A run with one other answer is compared with the case as it is. A run with two other answers is compared with the
-    run that has only the first of them.
+    run that has only the first of them. Both have the starts with which the first of these budgets has its worst value,
+    if the row is of many runs.
 
-    length: the duration of each run in seconds.
+    length: the duration of a run of the case as it is, in seconds.
 
     The result is a dictionary from the numbers of runs, as in `Departure`; None for a run without a difference.
     """
-    numbers = sorted({departure.number for one in found for departure in one.departures})
+    first = {each.number: one.name for one in reversed(found) for each in reversed(one.departures)}
     prepared = PreparedScene(file, changes)
-    texts = {number: [answer.change for answer in attempts[number].answers] for number in numbers[:MOST_EXPLAINED]}
-    return {number: first_difference(prepared, answers[:-1], answers, length) for number, answers in texts.items()}
+    differences: dict[int, FirstDifference | None] = {}
+    for number in sorted(first)[:MOST_EXPLAINED]:
+        attempt = attempts[number]
+        run = attempt.row.runs.get(first[number]) if isinstance(attempt.row, CoveredResult) else None
+        starts, seconds = ((), length) if run is None else (run.starts, run.length)
+        answers = [*starts, *(answer.change for answer in attempt.answers)]
+        differences[number] = first_difference(prepared, answers[:-1], answers, seconds)
+    return differences
 
 
 @output_muted()

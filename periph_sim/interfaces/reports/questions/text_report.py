@@ -8,14 +8,16 @@ from ....core.phrases import counted
 from ....core.text_table import paragraph, text_table
 from ....scene.result import Result
 from ....timing.verdict import SEEN, figure, limit, simulated
+from .covered_rows import CoveredResult
 from .dependence import Departure, Dependence
 from .explore import Exploration
 from .first_difference import FirstDifference
 from .question import Question
 
 Differences = Mapping[int, FirstDifference | None]  # first differences by the numbers of runs
+HOLDS_AT = "holds: at these phases, in the states that their runs reached"
+PROVEN_FOR = "proven: for all starts that `prove --table` names, with the clocks, rates and data of the case"
 MOST_NAMED = 6  # maximum number of runs that are named for a budget
-HOLDS = "holds whatever the answers are"
 
 
 def text(explored: Exploration, found: Sequence[Dependence], differences: Differences) -> str:
@@ -27,16 +29,18 @@ def text(explored: Exploration, found: Sequence[Dependence], differences: Differ
     result, attempts = explored.default, explored.attempts
     alone, pairs = counted(explored.count(1), "other answer"), counted(explored.count(2), "pair")
     lines = paragraph(
-        f"{result.case}: {counted(len(attempts), 'run')} of {simulated(result.simulated_s)}: the case as it is, "
+        f"{result.case}: {_attempts(result, len(attempts))}: the case as it is, "
         f"{alone} one at a time, and {pairs}, to {counted(len(explored.questions), 'open question')}"
     )
     rows = [_row(one) for one in found]
     lines += ["", *text_table(("budget", "limit", "worst", "with other answers"), rows, (1, 2)), ""]
     lines += paragraph(
-        "worst: of all these runs. Besides single answers, pairs were tried of related answers that break nothing "
-        "alone, and of an answer with those to the questions that arise only with it. "
+        f"worst: of all these {_kind(result)}s. Besides single answers, pairs were tried of related answers that break "
+        "nothing alone, and of an answer with those to the questions that arise only with it. "
         "Other combinations were not tried."
     )
+    if isinstance(result, CoveredResult):
+        lines += paragraph(PROVEN_FOR if result.is_table else HOLDS_AT)
     if explored.not_varied:
         names = ", ".join(explored.not_varied)
         lines += paragraph(f"Not varied, because only a pair, or an answer that breaks something, uses them: {names}")
@@ -54,6 +58,18 @@ def text(explored: Exploration, found: Sequence[Dependence], differences: Differ
     return "\n".join(lines)
 
 
+def _kind(result: Result) -> str:
+    if not isinstance(result, CoveredResult):
+        return "run"
+    return "table" if result.is_table else "coverage"
+
+
+def _attempts(result: Result, number: int) -> str:
+    """Return a phrase with the number of attempts, and what each of them is."""
+    each = result.what if isinstance(result, CoveredResult) else simulated(result.simulated_s)
+    return f"{counted(number, _kind(result))} of {each}"
+
+
 def _row(one: Dependence) -> tuple[str, ...]:
     """Return the cells of a budget."""
     worst = one.worst
@@ -61,7 +77,8 @@ def _row(one: Dependence) -> tuple[str, ...]:
         ("", "") if worst is None else (limit(worst.limit, worst.unit, worst.which), figure(worst.worst, worst.unit))
     )
     if not one.departures:
-        return one.name, *cells, HOLDS if one.holds else f"{one.word} whatever the answers are"
+        word = "holds" if one.word == SEEN else one.word
+        return one.name, *cells, f"{word} whatever the answers are"
     said = [_departure(departure) for departure in one.departures[:MOST_NAMED]]
     more = len(one.departures) - len(said)
     listed = "; ".join([*said, *([f"{more} more"] if more else [])])

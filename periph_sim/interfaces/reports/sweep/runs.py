@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Context, Decimal
 from fractions import Fraction
@@ -162,12 +162,14 @@ class Job:
     shown: the path of the case file as the caller wrote it, for messages.
     length: the duration of each run in seconds; None for the duration that the case states.
     programs: a dictionary from units to firmware that is given as functions.
+    make: a function that returns the row of a file and its changes; None to run the case once.
     """
 
     file: str
     shown: str
     length: Fraction | None
     programs: Mapping[str, Firmware]
+    make: Callable[[str, Sequence[str]], Row] | None = None
 
 
 def rows_of(job: Job, runs: Sequence[Sequence[str]]) -> list[Row]:
@@ -182,6 +184,9 @@ def _prepared(file: str, text: str) -> PreparedScene:
 
 
 def _row(job: Job, changes: Sequence[str]) -> Row:
+    if job.make is not None:
+        row = job.make(job.file, changes)
+        return _as_named(job, row) if isinstance(row, str) else row
     try:
         prepared = _prepared(job.file, text_of(Path(job.file), "case"))
         return prepared.scene(changes, None, job.programs).run(job.length)

@@ -1,0 +1,30 @@
+"""`periph-sim prove --questions`: the phases or the table of a case with each other answer to the open questions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ...proof.stretch import CoveredCase, Job
+from ...scene.case.load import load
+from ..reports.questions import text_report
+from ..reports.questions.covered_rows import Cover
+from ..reports.questions.dependence import dependences
+from ..reports.questions.explore import explore
+from ..reports.questions.first_difference import first_differences
+from .command_frame import print_json, progress, running_user_code, say
+
+
+def prove_under_questions(case: Path, changes: tuple[str, ...], cover: Cover, jobs: int | None, as_json: bool) -> int:
+    """Cover a case with other answers to open questions, show the verdicts, and return the exit status."""
+    with running_user_code():
+        duration = load(case, list(changes)).duration
+        explored = explore(case, changes, duration, jobs, progress, cover.row)
+        found = dependences(explored)
+        differences = first_differences(case, changes, duration, explored.attempts, found)
+        left_out = CoveredCase(Job(str(case.absolute()), changes, cover.start_up, cover.rounds)).left_out
+    if as_json:
+        print_json("prove --questions", text_report.as_json(explored, found, differences) | {"not_covered": left_out})
+    else:
+        say(text_report.text(explored, found, differences))
+        say(*(f"not covered: {name}: {reason}" for name, reason in left_out.items()))
+    return 0 if all(one.holds for one in found) else 1

@@ -1,0 +1,146 @@
+"""Results of many runs of a case, a coverage or a table, in the form of the result of one run.
+
+    case with other answers --phases or starts--> worst value of each budget --> CoveredResult, a Row of an exploration
+
+A worst value names the run that has it, so that the first difference can be searched in this run.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+
+from msgspec import Struct
+
+from ....core.phrases import counted
+from ....proof.closed_table import Contradiction, StartTable, TableMaker
+from ....proof.cover import Coverer
+from ....proof.free_run import NotClosed
+from ....proof.near import chosen_phases, parts_of
+from ....proof.stretch import RUN_ERRORS, CoveredCase, Job
+from ....scene.case.inputs_table import InputsTable
+from ....scene.result import Result
+from ....timing.verdict import FAIL, NOT_JUDGED, PASS, Verdict
+from .. import REFUSED
+from ..coverage import PART
+from ..sweep.runs import Row
+from ..witness import input_texts
+
+
+class StartedRun(Struct, frozen=True):
+    """A run of a case with given starts: the "key=value" texts of the starts, and the duration in seconds."""
+
+    starts: tuple[str, ...]
+    length: Fraction
+
+
+@dataclass
+class CoveredResult(Result):
+    """The result of a coverage or of a table. Its budgets have their worst values of all runs.
+
+    is_table: True for a table.
+    what: the number of phases, or of starts, as text.
+    runs: a dictionary from each budget to the run with its worst value.
+    """
+
+    is_table: bool = False
+    what: str = ""
+    runs: dict[str, StartedRun] = field(default_factory=dict)
+
+
+class Cover(Struct, frozen=True):
+    """The phases that are run with each answer, as in `choose` and `Job`.
+
+    table: True to make a table of all starts instead.
+    """
+
+    step: int
+    only: tuple[Fraction, Fraction] | None
+    rounds: int
+    start_up: bool
+    table: bool
+
+    def row(self, file: str, changes: Sequence[str]) -> Row:
+        """Return the result for a case with "key=value" texts, or a sentence that says why there is none."""
+        try:
+            case = CoveredCase(Job(file, tuple(changes), self.start_up, self.rounds))
+            return _of_table(case) if self.table else self._of_phases(case)
+        except NotClosed as error:
+            return f"{file}: it has no closed table: {error}"
+        except (*REFUSED, *RUN_ERRORS, Contradiction) as error:
+            return str(error)
+
+    def _of_phases(self, case: CoveredCase) -> CoveredResult:
+        bounds = (0, case.phases.count - 1) if self.only is None else case.phases.between(*self.only)
+        chosen, _ = chosen_phases(case, self.step, bounds)
+        coverer = Coverer(case, case.case.seed)
+        for part in parts_of(chosen, PART):
+            coverer.cover(part)
+        found, runs = coverer.found, {}
+        for name, worst in found.worst.items():
+            inputs, length = case.phases.inputs(worst.phases)
+            runs[name] = StartedRun((*_texts(case, inputs), f"seed={worst.seed}"), length)
+        failed = {name for names in found.failed.values() for name in names}
+        failed |= {name for one in found.drifting for name in one.names}
+        worst_of = {name: one.verdict for name, one in found.worst.items()}
+        result = _result(case, worst_of, failed, found.reasons, runs)
+        return replace(result, what=counted(len(chosen), "phase"))
+
+
+def _of_table(case: CoveredCase) -> CoveredResult:
+    table = TableMaker(case).make()
+    worst, runs, per_second = table.worst(), {}, case.phases.ticks_per_second
+    for name, one in worst.items():
+        starts, until = table.run_of(one, per_second)
+        inputs = case.phases.inputs_at(starts)
+        runs[name] = StartedRun(tuple(_texts(case, inputs)), Fraction(until, per_second))
+    verdicts = {name: one.verdict for name, one in worst.items()}
+    _mark_proven(table, case, verdicts.values())
+    outcome = table.outcomes[-1]
+    result = _result(case, verdicts, outcome.failures, outcome.reasons, runs)
+    return replace(result, what=counted(table.entries, "start"), is_table=True)
+
+
+def _mark_proven(table: StartTable, case: CoveredCase, verdicts: Iterable[Verdict]) -> None:
+    not_proven = table.not_proven(case)
+    for verdict in verdicts:
+        verdict.proven = verdict.passed and not table.has_failed and verdict.name not in not_proven
+
+
+def _result(
+    case: CoveredCase,
+    worst: dict[str, Verdict],
+    failed: Iterable[str],
+    reasons: dict[str, str],
+    runs: dict[str, StartedRun],
+) -> CoveredResult:
+    """Return the result of runs. failed: the names of what failed, as in `Outcome`."""
+    verdicts = [worst.get(one.name) or _unmeasured(one.name, one.measure) for one in case.case.budget]
+    stuck = [reason for name, reason in reasons.items() if name in failed]
+    passed = all(verdict.passed for verdict in verdicts) and not stuck
+    return CoveredResult(
+        case=case.case.name,
+        verdict=PASS if passed else FAIL,
+        simulated_s=0.0,
+        wall_s=0.0,
+        events=0,
+        wire_bytes=0,
+        sci_bytes=0,
+        budgets=verdicts,
+        counts={},
+        unknowns=sorted(case.unknowns),
+        notes=[],
+        stuck=stuck,
+        runs=runs,
+    )
+
+
+def _unmeasured(name: str, measure: str) -> Verdict:
+    return Verdict(name, measure, "", None, 0, None, 0, NOT_JUDGED, None)
+
+
+def _texts(case: CoveredCase, inputs: InputsTable) -> list[str]:
+    """Return the starts of a run as "key=value" texts."""
+    return [f"inputs.{key}={json.dumps(value)}" for key, value in input_texts(case, inputs).items()]

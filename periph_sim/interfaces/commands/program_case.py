@@ -11,8 +11,8 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 from os.path import abspath, relpath
 from pathlib import Path
@@ -78,67 +78,59 @@ class WrittenCase(NamedTuple):
     notes: list[str]
 
 
-class Topic(NamedTuple):
+@dataclass
+class Topic:
     """The records of one kind with the same `where` and `what`.
 
     records: the number of these records.
     bits: the bits that are 1 in any of their values.
     """
 
+    kind: Kind
     where: str
     what: str
-    records: int
-    bits: int
+    records: int = 0
+    bits: int = 0
 
 
 class Seen(Listener):
     """Listener that counts the records of each topic and combines the bits of their values."""
 
     def __init__(self) -> None:
-        self._topics: list[tuple[Kind, str, str]] = []
-        self._counts: Counter[int] = Counter()
-        self._bits: Counter[int] = Counter()
+        self._topics: list[Topic] = []
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        self._topics.append((kind, where, what))
+        self._topics.append(Topic(kind, where, what))
         return len(self._topics) - 1
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
-        self._counts[tag] += 1
-        self._bits[tag] |= value
+        topic = self._topics[tag]
+        topic.records += 1
+        topic.bits |= value
 
-    def of(self, kind: Kind) -> Iterator[Topic]:
-        """Yield the topics of a kind that have records."""
-        for tag, (own, where, what) in enumerate(self._topics):
-            if own is kind and self._counts[tag]:
-                yield Topic(where, what, self._counts[tag], self._bits[tag])
-
-
-class Caller(NamedTuple):
-    """An active function.
-
-    callees: a dictionary from the functions that this function has called to the number of calls and the tick of the
-        last call.
-    """
-
-    name: str
-    callees: dict[str, tuple[int, int]]
+    def of(self, kind: Kind) -> list[Topic]:
+        """Return the topics of a kind that have records."""
+        return [topic for topic in self._topics if topic.kind is kind and topic.records]
 
 
 class LoopCalls(CallListener):
-    """Listener that keeps the active functions, the outermost first, and the functions that each has called."""
+    """Listener that keeps the functions that each active function has called, those of the outermost first.
+
+    callees: for each active function, a dictionary from the functions that it has called to the number of calls and the
+        tick of the last call.
+    """
 
     def __init__(self) -> None:
-        self.callers: list[Caller] = []
+        self.callees: list[dict[str, tuple[int, int]]] = []
 
     def called(self, name: str, tick: int) -> None:
-        if self.callers:
-            callees = self.callers[-1].callees
-            callees[name] = (callees.get(name, (0, 0))[0] + 1, tick)
-        self.callers.append(Caller(name, {}))
+        if self.callees:
+            count, _ = self.callees[-1].get(name, (0, 0))
+            self.callees[-1][name] = count + 1, tick
+        self.callees.append({})
 
     def returned(self, name: str, tick: int) -> None:
-        self.callers.pop()
+        self.callees.pop()
 
     def once_per_pass(self, handlers: set[str], since: int) -> str:
         """Return the function that the outermost loop calls once in each pass; "" if no loop calls a function.
@@ -149,8 +141,8 @@ class LoopCalls(CallListener):
         handlers: names of service routines, which no function calls.
         since: a tick; a function whose last call was not after this tick is not in the loop.
         """
-        for caller in self.callers:
-            recent = {name: count for name, (count, last) in caller.callees.items() if last > since}
+        for callees in self.callees:
+            recent = {name: count for name, (count, last) in callees.items() if last > since}
             least = min((name for name in recent if name not in handlers), key=recent.__getitem__, default="")
             if least:
                 return least if recent[least] >= OFTEN else ""
@@ -240,7 +232,8 @@ def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> W
         budgets = _as_seen(tree, target, _measures(scene, dsp, seen, calls))
         if budgets or dsp.program.finished or dsp.watchdog_resets or scene.deadlocks() or length < stretch:
             break
-    head = [f"A run of {tree['duration']} showed this.", *comments, *_clock(dsp), *_vectors(dsp, seen)]
+    vectors = (f"vector: {topic.what}{_served_by(dsp, topic.what)}" for topic in seen.of(Kind.IRQ))
+    head = [f"A run of {tree['duration']} showed this.", *comments, _clock(dsp), *vectors]
     notes += [*scene.finish(scene.timebase.ticks(length, "nearest")).stuck, *_notes(scene, dsp, seen)]
     if budgets:
         tree["budget"] = budgets
@@ -330,16 +323,11 @@ def _served_by(dsp: Dsp, vector: str) -> str:
     return f", served by {handler}" if handler else ""
 
 
-def _vectors(dsp: Dsp, seen: Seen) -> Iterator[str]:
-    for topic in seen.of(Kind.IRQ):
-        yield f"vector: {topic.what}{_served_by(dsp, topic.what)}"
-
-
-def _clock(dsp: Dsp) -> Iterator[str]:
+def _clock(dsp: Dsp) -> str:
     now, control = dsp.clock.cycle_at(dsp.processor.kernel.now), dsp.control
     pll, divsel = (control.peek(now, MAP[register].offset) for register in ("PLLCR", "PLLSTS"))
     hz = float(control.sysclk_hz)
-    yield f"clock: PLLCR = {pll}, DIVSEL = {divsel >> 7 & 3}; SYSCLKOUT is {hz / 1e6:g} MHz if the crystal has oscclk"
+    return f"clock: PLLCR = {pll}, DIVSEL = {divsel >> 7 & 3}; SYSCLKOUT is {hz / 1e6:g} MHz if the crystal has oscclk"
 
 
 def _notes(scene: Scene, dsp: Dsp, seen: Seen) -> Iterator[str]:

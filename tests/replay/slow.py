@@ -37,13 +37,18 @@ def main(dsp, settings):
 """
 
 
+def firmware_case(folder: Path, name: str, firmware: str, modules: str = '"I2C-A"', more: str = "") -> Path:
+    """A case file of one unit, with the text of its firmware in a file beside it."""
+    (folder / f"{name}.py").write_text(firmware)
+    case = folder / f"{name}.toml"
+    unit = f'[unit.dsp]\nfirmware = "{folder / name}.py"\nmodules = [{modules}]\n'
+    case.write_text(f'name = "{name}"\nduration = "1 s"\n{unit}{more}')
+    return case
+
+
 def slow_case(folder: Path, modules: str = '"I2C-A"', more: str = "") -> Path:
     """A case file; `unit.dsp.settings.wait` says how many microseconds the firmware thinks."""
-    (folder / "slow.py").write_text(FIRMWARE)
-    case = folder / "slow.toml"
-    unit = f'[unit.dsp]\nfirmware = "{folder / "slow.py"}"\nmodules = [{modules}]\n'
-    case.write_text(f'name = "slow"\nduration = "1 s"\n{unit}{more}')
-    return case
+    return firmware_case(folder, "slow", FIRMWARE, modules, more)
 
 
 def one_read(stretched: int = 0, byte: int = 0xA7) -> Capture:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import gc
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from weakref import ref
 
 import pytest
 from hypothesis import given, settings
@@ -35,16 +33,6 @@ TEXT = b"Nothing false: 42 bytes, each as it was sent"
 def replay(line: bytes | Capture, baud: int = BAUD, shape: str = "8n1", *changes: str) -> Report:
     capture = of_bytes(line, ("RX",), RATE) if isinstance(line, bytes) else line
     return UartReplay(load(TIMING / "uart_logger.toml", list(changes)), capture, "RX", line_format(baud, shape)).run()
-
-
-def test_a_replay_and_its_scene_are_let_go():
-    frames = of_bytes(bytes([1] * 100), ("RX",), 1_000_000)
-    held = UartReplay(load(TIMING / "uart_logger.toml"), frames, "RX", line_format(9600))
-    held.run()
-    replay_gone, scene_gone = ref(held), ref(held.scene)
-    del held
-    gc.collect()
-    assert (replay_gone(), scene_gone()) == (None, None)
 
 
 def sent(*frames: list[int], pause: int = 12) -> bytes:

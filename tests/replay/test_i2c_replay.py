@@ -15,10 +15,12 @@ from periph_sim.core.input_error import InputError
 from periph_sim.replay import BadReplay
 from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.replay.report import Report
+from periph_sim.replay.uart import UartReplay, line_format
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.traces import formats
 from periph_sim.traces.formats import Capture
+from tests.replay.slow import firmware_case, one_read, slow_case
 from tests.traces.decode.drawing import of_bytes
 from tests.traces.formats.make_traces import FOLDER, ROUND
 from tests.traces.formats.writers import I2cWave
@@ -69,8 +71,18 @@ def test_the_responder_answers_for_any_device_of_a_round(address, style, fifo):
     assert report.stretch_total_us == report.lag_worst_us == 0, "at 100 kHz this firmware need not stretch"
 
 
-def test_a_replay_and_its_scene_are_let_go():
-    held = I2cReplay(load(RESPONDER), formats.read(FOLDER / "imu_round.sr"), "SCL", "SDA")
+def i2c_replay() -> I2cReplay:
+    return I2cReplay(load(RESPONDER), formats.read(FOLDER / "imu_round.sr"), "SCL", "SDA")
+
+
+def uart_replay() -> UartReplay:
+    frames = of_bytes(bytes([1] * 100), ("RX",), 1_000_000)
+    return UartReplay(load(CASES / "uart_logger.toml"), frames, "RX", line_format(9600))
+
+
+@pytest.mark.parametrize("made", [i2c_replay, uart_replay])
+def test_a_replay_and_its_scene_are_let_go(made):
+    held = made()
     held.run()
     replay_gone, scene_gone = ref(held), ref(held.scene)
     del held
@@ -181,11 +193,7 @@ def main(dsp, settings):
 @pytest.fixture
 def deaf(tmp_path: Path) -> Path:
     """A case whose firmware never switches its I2C on."""
-    (tmp_path / "deaf.py").write_text(DEAF)
-    case = tmp_path / "deaf.toml"
-    unit = f'[unit.dsp]\nfirmware = "{tmp_path / "deaf.py"}"\nmodules = ["I2C-A"]\n'
-    case.write_text(f'name = "deaf"\nduration = "1 s"\n{unit}')
-    return case
+    return firmware_case(tmp_path, "deaf", DEAF)
 
 
 @pytest.mark.parametrize("addresses", [[], [0x50]])
@@ -227,11 +235,7 @@ def main(dsp, settings):
 
 
 def homonyms(folder: Path, declared: str) -> Path:
-    (folder / "homonyms.py").write_text(HOMONYMS.format(declared=declared))
-    case = folder / "homonyms.toml"
-    unit = f'[unit.dsp]\nfirmware = "{folder / "homonyms.py"}"\nmodules = ["I2C-A"]\n'
-    case.write_text(f'name = "homonyms"\nduration = "1 s"\n{unit}')
-    return case
+    return firmware_case(folder, "homonyms", HOMONYMS.format(declared=declared))
 
 
 def test_settings_that_the_firmware_does_not_declare_are_left_alone_and_named(tmp_path):
@@ -267,44 +271,10 @@ def test_what_was_filled_in_from_the_capture_is_said():
 
 # Stretching -------------------------------------------------------------------------
 
-SLOW = """
-from dataclasses import dataclass
-from fractions import Fraction
-
-from periph_sim.firmware import start_i2c
-
-
-@dataclass
-class Settings:
-    address: int = 0x50
-    wait: int = 0
-
-
-def main(dsp, settings):
-    i2c = dsp.module("I2C-A")
-    start_i2c(dsp, settings.address)
-    i2c.I2CMDR.IRS = 1
-    dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
-    dsp.compute(Fraction(settings.wait, 10**6), "thinking")
-    i2c.I2CDXR.all = 0xA7
-    dsp.spin(lambda: False)
-"""
-
 
 @pytest.fixture
 def slow(tmp_path: Path) -> Path:
-    """A case whose firmware answers one read, `wait` microseconds after its address."""
-    (tmp_path / "slow.py").write_text(SLOW)
-    case = tmp_path / "slow.toml"
-    unit = f'[unit.dsp]\nfirmware = "{tmp_path / "slow.py"}"\nmodules = ["I2C-A"]\n'
-    case.write_text(f'name = "slow"\nduration = "1 s"\n{unit}')
-    return case
-
-
-def one_read(stretched: int = 0) -> Capture:
-    wave = new_wave()
-    ask(wave, 0x50, b"\xa7", stretched)
-    return captured(wave)
+    return slow_case(tmp_path)
 
 
 def test_a_slow_firmware_stretches_and_the_rest_comes_later_by_as_much(slow):

@@ -358,24 +358,21 @@ def test_sizes_behind_the_data_are_found(tmp_path: Path):
     assert (edges(capture), capture.length) == ({"a": [1, 5000, 10_000, 20_000]}, 30_000)
 
 
-def test_a_damaged_chunk_is_dropped_with_all_behind_it(tmp_path: Path):
+@pytest.mark.parametrize(
+    ("chunk", "found", "note"),
+    [
+        ("logic-1-2", [1, 5000], "it and all samples after 10000 are dropped"),
+        ("logic-1-1", [1, 100, 101, 5000], "its samples are read up to 10000, some may be wrong"),
+    ],
+)
+def test_a_damaged_chunk_is_dropped_with_all_behind_it_unless_it_is_the_first(
+    tmp_path: Path, chunk: str, found: list[int], note: str
+):
     content = bytearray(chunked())
-    content[content.index(b"logic-1-2") + 9 + 100] = 0
+    content[content.index(chunk.encode()) + 9 + 100] = 0
     capture = salvaged(tmp_path, bytes(content))
-    assert (edges(capture), capture.length) == ({"a": [1, 5000]}, 10_000)
-    assert capture.notes == (
-        "logic-1-2 holds bytes that do not fit their CRC-32: it and all samples after 10000 are dropped",
-    )
-
-
-def test_damage_in_the_first_chunk_leaves_no_better_than_that(tmp_path: Path):
-    content = bytearray(chunked())
-    content[content.index(b"logic-1-1") + 9 + 100] = 0
-    capture = salvaged(tmp_path, bytes(content))
-    assert (edges(capture), capture.length) == ({"a": [1, 100, 101, 5000]}, 10_000)
-    assert capture.notes == (
-        "logic-1-1 holds bytes that do not fit their CRC-32: its samples are read up to 10000, some may be wrong",
-    )
+    assert (edges(capture), capture.length) == ({"a": found}, 10_000)
+    assert capture.notes == (f"{chunk} holds bytes that do not fit their CRC-32: {note}",)
 
 
 def test_chunks_behind_a_missing_one_are_dropped(tmp_path: Path):

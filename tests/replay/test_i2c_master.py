@@ -13,6 +13,7 @@ from periph_sim.replay.report import Report
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
 from periph_sim.traces.formats import Capture
+from tests.replay.slow import firmware_case
 from tests.replay.test_as_master import wave_of
 from tests.traces.decode.drawing import of_bytes
 from tests.traces.formats.make_traces import FOLDER
@@ -180,10 +181,7 @@ def main(dsp, settings: Settings):
 
 def endless_case(folder: Path, then: str) -> Path:
     """A case whose firmware executes its script and then this statement."""
-    (folder / "endless.py").write_text(SCRIPTED.format(then=then))
-    case = folder / "endless.toml"
-    case.write_text('name = "endless"\nduration = "1 s"\n[unit.dsp]\nfirmware = "endless.py"\nmodules = ["I2C-A"]')
-    return case
+    return firmware_case(folder, "endless", SCRIPTED.format(then=then))
 
 
 @pytest.mark.parametrize(

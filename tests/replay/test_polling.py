@@ -14,6 +14,7 @@ from periph_sim.scene.case.load import load
 from periph_sim.traces.decode.i2c import events, transfers
 from periph_sim.traces.decode.uart import Line
 from periph_sim.traces.formats import Capture
+from tests.replay.slow import firmware_case
 from tests.replay.test_i2c_replay import CASES, ask, captured, new_wave, replay
 from tests.traces.decode.drawing import of_bytes
 
@@ -94,13 +95,7 @@ def stored_and_read(refused: int, *, wait_us: int = 200, again: bool = False, wr
 
 @pytest.fixture
 def memory(tmp_path: Path) -> Path:
-    (tmp_path / "memory.py").write_text(EEPROM)
-    case = tmp_path / "memory.toml"
-    case.write_text(
-        'name = "memory"\nabout = "a memory"\nduration = "1 ms"\n[unit.dsp]\nfirmware = "memory.py"\n'
-        'modules = ["I2C-A"]\nsettings = { busy_us = 0 }\n'
-    )
-    return case
+    return firmware_case(tmp_path, "memory", EEPROM, more="settings = { busy_us = 0 }\n")
 
 
 def played(case: Path, capture: Capture, busy_us: int, *changes: str, **options) -> Report:

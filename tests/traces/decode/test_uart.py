@@ -192,12 +192,3 @@ def test_wrong_options_are_refused(options: dict[str, Any], message: str):
     with pytest.raises(ValueError) as caught:
         Line(**options)
     assert str(caught.value) == message
-
-
-def test_a_capture_without_a_rate_or_with_too_low_a_rate_is_refused():
-    with pytest.raises(ValueError, match="frames need a time base and the file states no rate; state the rate"):
-        uart.events(drawn("RX ----", rate=None), "RX", MEGA)
-    with pytest.raises(
-        ValueError, match=r"0.00 samples a bit at 100000 baud; expected at least 2, so the rate of 1 Hz"
-    ):
-        uart.events(drawn("RX ----", rate=1), "RX", MEGA)

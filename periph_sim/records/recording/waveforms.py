@@ -28,7 +28,7 @@ from ...core.registers import RegisterMap
 from ...core.time import GHZ, Timebase
 from ...f28335.i2c.register_map import I2C_MAP
 from ...f28335.sci.register_map import SCI_MAP
-from ...traces.capture.capture import Capture, Channel, channel_of_states
+from ...traces.capture.capture import Capture, Channel, changes_only, channel_of_states
 from ...traces.capture.sampling import resampled
 from ...traces.decode.i2c_table import I2cRowKind as Row
 from ...traces.decode.i2c_table import I2cTable, i2c_table
@@ -79,10 +79,7 @@ class Signal:
         """
         at = np.concatenate([np.zeros(1, np.int64), np.frombuffer(self._at, np.int64)])
         values = np.concatenate([np.full(1, self.initial, np.int64), np.frombuffer(self._values, np.int64)])
-        last = np.append(at[1:] != at[:-1], True)
-        at, values = at[last], values[last]
-        new = np.append(True, values[1:] != values[:-1])
-        return at[new], values[new]
+        return changes_only(at, values)
 
 
 class RunSignals:

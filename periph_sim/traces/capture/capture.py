@@ -16,7 +16,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -228,11 +228,7 @@ def channel_of_states(name: str, index: int, at: Positions, states: Levels, leng
     A span in which the level is unknown has no edges: the level before the span is assumed throughout. For a span at
     the beginning, the level after the span is assumed, or 1 if the level is never known.
     """
-    if len(at):
-        last = np.append(at[1:] != at[:-1], True)
-        at, states = at[last], states[last]
-    changed = np.append(True, states[1:] != states[:-1])[: len(at)]
-    at, states = at[changed], states[changed]
+    at, states = changes_only(at, states)
     known = states != UNKNOWN
     levels, places = states[known], at[known]
     initial = int(levels[0]) if len(levels) else 1
@@ -245,6 +241,17 @@ def channel_of_states(name: str, index: int, at: Positions, states: Levels, leng
     elif begin:
         holes.insert(0, (0, begin))
     return Channel(name, index, initial, edges, tuple(Span(*hole) for hole in holes))
+
+
+def changes_only(at: Positions, values: NDArray[Any]) -> tuple[Positions, NDArray[Any]]:
+    """Return positions and values without repetitions: positions increase, and successive values are different.
+
+    at: positions, which may repeat but never decrease. The last of several values at one position counts.
+    """
+    last = np.append(at[1:] != at[:-1], True)[: len(at)]
+    at, values = at[last], values[last]
+    new = np.append(True, values[1:] != values[:-1])[: len(at)]
+    return at[new], values[new]
 
 
 def changes(capture: Capture) -> tuple[Positions, NDArray[np.int64], Levels]:
@@ -273,8 +280,7 @@ def _states(channel: Channel, length: int) -> tuple[Positions, Levels]:
     hole = np.searchsorted(begins, at, side="right") - 1
     spans = np.array([span.end for span in channel.unknown] or [0], np.int64)
     states[(hole >= 0) & (at < spans[hole])] = UNKNOWN
-    kept = np.append(True, states[1:] != states[:-1])
-    return at[kept], states[kept]
+    return changes_only(at, states)
 
 
 def gaps(capture: Capture, *channels: Channel) -> list[Span]:

@@ -1,4 +1,7 @@
-"""Numbers in text as exact fractions, and their units. Numbers that would take long to compute are rejected."""
+"""Numbers in text as exact fractions, and their units. Numbers that would take long to compute are rejected.
+
+Times are also formatted as text, in a suitable unit.
+"""
 
 from __future__ import annotations
 
@@ -64,3 +67,16 @@ def unknown_unit(number: str, unit: str, known: Iterable[str]) -> str:
     alike = [one for one in folded if sorted(one) == sorted(written)] or get_close_matches(written, folded, 1, 0.5)
     hint = f"; did you mean {number} {folded[alike[0]]}?" if alike and {*alike[0]} & {*written[:1]} else ""
     return f"unit {shown} is none of {', '.join(folded.values())}{hint}"
+
+
+def short_time(ns: Fraction) -> str:
+    """Format a time, given in nanoseconds, in a suitable unit with at most three decimals."""
+    for unit, size in (("ns", 1), ("us", 10**3), ("ms", 10**6)):
+        if abs(ns) < 1000 * size:
+            return f"{trimmed(ns / size)} {unit}"
+    return f"{trimmed(ns / 10**9)} s"
+
+
+def trimmed(value: Fraction) -> str:
+    """Format a number with at most three decimals, without zeros at its end."""
+    return f"{float(value):.3f}".rstrip("0").rstrip(".")

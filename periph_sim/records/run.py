@@ -16,7 +16,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.exact_number import short_time
 from ..core.input_files import open_input, similar_file
+from ..core.phrases import counted
 from ..core.records import Kind, Record
 from ..core.registers import Field, Register
 from ..f28335.parts.f28335 import PART
@@ -27,7 +29,6 @@ from .register_maps import register_of
 
 Rows = NDArray[np.int64]
 
-UNITS = (("ns", 1), ("us", 10**3), ("ms", 10**6))
 HEAD = 64  # number of bytes at the start of a file by which a recording is recognized
 WAY_OUT = "record one with periph-sim run CASE --record RUN.psr"
 SYSCLK_HZ = 150_000_000  # SYSCLKOUT of an F28335 at full speed
@@ -344,15 +345,12 @@ class Run:
         unit: the unit whose cycles are counted, such as "dsp". If `unit` is "", as for a wire, cycles are given only if
             all units have the same clock.
         """
-        ns = self.seconds(ticks) * 10**9
-        suits, size = next(((u, size) for u, size in UNITS if abs(ns) < 1000 * size), ("s", 10**9))
-        text = f"{float(ns / size):.3f}".rstrip("0").rstrip(".")
+        text = short_time(self.seconds(ticks) * 10**9)
         if unit not in self._clocks and not self.counts_alike:
-            return f"{text} {suits}"
+            return text
         clock = self.clock(unit)
         since = clock.begins[-1] if begin is None else begin
-        cycles = clock.cycles(since, since + ticks)
-        return f"{text} {suits} ({cycles} cycle{'s' * (cycles != 1)})"
+        return f"{text} ({counted(clock.cycles(since, since + ticks), 'cycle')})"
 
 
 def _mhz(hz: Fraction) -> str:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.core.exact_number import MAX_EXPONENT, exact_number
+from periph_sim.core.exact_number import MAX_EXPONENT, exact_number, short_time
 from periph_sim.core.time import TimeError, seconds
 
 
@@ -80,3 +80,8 @@ def test_a_time_above_a_thousand_years_is_refused(text):
     with pytest.raises(TimeError, match="is longer than 365250 d, the longest time that can be given"):
         seconds(text)
     assert seconds("365250 d") == 365_250 * 86_400
+
+
+def test_times_are_in_the_largest_unit_in_which_they_are_not_below_one():
+    texts = [short_time(Fraction(ns)) for ns in (0, -999, 1000, 1_234_567, 10**9, 2 * 10**12)]
+    assert texts == ["0 ns", "-999 ns", "1 us", "1.235 ms", "1 s", "2000 s"]

@@ -16,6 +16,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from ...core.exact_number import short_time, trimmed
 from ...core.text_table import paragraph, text_table
 from ..decode.i2c import Party
 from .limits import STRETCHED, Bounds, Limit, Mode, Resolution
@@ -204,7 +205,7 @@ class Report:
         lines = text_table(MEASURED, [_measured(self, row) for row in self.rows], (2, 3, 4))
         rules = text_table(RULES, [_rule(self, row) for row in self.rows], (2,))
         period = self.resolution.period
-        exactness = f"each time good to {_short(period)} either way" if period else "times exact"
+        exactness = f"each time good to {short_time(period)} either way" if period else "times exact"
         title = f"{self.name}: I2C limits of mode {self.mode.value}, {exactness}"
         remarks = [line for note in _remarks(self) for line in paragraph(f"note: {note}")]
         return "\n".join([title, "", *lines, "", *rules, "", *remarks, _conclusion(self)])
@@ -234,11 +235,11 @@ def limit_text(bounds: Bounds) -> str:
     if bounds.least is None and bounds.most is None:
         return "-"
     if bounds.most is None:
-        return f"min {_short(Fraction(bounds.least or 0))}"
+        return f"min {short_time(Fraction(bounds.least or 0))}"
     if bounds.least is None:
-        return f"max {_short(Fraction(bounds.most))}"
+        return f"max {short_time(Fraction(bounds.most))}"
     least = Fraction(bounds.least, 1000 if bounds.most >= 1000 else 1)
-    return f"{_trimmed(least)} to {_short(Fraction(bounds.most))}"
+    return f"{trimmed(least)} to {short_time(Fraction(bounds.most))}"
 
 
 def _measured(report: Report, row: Row) -> tuple[str, ...]:
@@ -252,8 +253,8 @@ def _measured(report: Report, row: Row) -> tuple[str, ...]:
     return (
         row.limit.symbol,
         limit_text(row.bounds),
-        _short(resolution.ns(row.least)) if row.least is not None else "-",
-        _short(resolution.ns(row.most)) if row.most is not None else "-",
+        short_time(resolution.ns(row.least)) if row.least is not None else "-",
+        short_time(resolution.ns(row.most)) if row.most is not None else "-",
         str(row.count) if row.count else "-",
         verdict,
     )
@@ -305,7 +306,7 @@ def _conclusion(report: Report) -> str:
 
 def _place(report: Report, place: Occurrence) -> str:
     by = f", driven by the {place.party.value}" if place.party else ""
-    length = _short(report.resolution.ns(place.length))
+    length = short_time(report.resolution.ns(place.length))
     return f"{length} at {float(report.seconds(place.at)):.9f} s (position {place.at}){by}"
 
 
@@ -337,16 +338,3 @@ def _json_row(report: Report, row: Row) -> dict[str, object]:
             for place in row.worst
         ],
     }
-
-
-def _short(ns: Fraction) -> str:
-    """Format a time in a suitable unit with at most three decimals."""
-    for unit, size in (("ns", 1), ("us", 10**3), ("ms", 10**6)):
-        if abs(ns) < 1000 * size:
-            return f"{_trimmed(ns / size)} {unit}"
-    return f"{_trimmed(ns / 10**9)} s"
-
-
-def _trimmed(value: Fraction) -> str:
-    text = f"{float(value):.3f}"
-    return text.rstrip("0").rstrip(".")

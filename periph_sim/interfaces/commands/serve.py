@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import dataclasses
 import sys
+import threading
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -111,15 +113,8 @@ def serve(
         raise click.UsageError(f"{' and '.join(serial)}: for serial ports only; --i2cdriver serves the I2C bus")
     if view and not sys.stdout.isatty():
         raise click.UsageError("--view needs a terminal; --browser shows the same on a page")
-    loops: list[Loop] = []
-    asked: list[int] = []
-
-    def end_it(number: int, _: object) -> None:
-        asked.append(number)
-        for loop in loops:
-            loop.stop()
-
-    with running_user_code() if as_json else usage_errors_in_one_sentence(), signals_calling(end_it):
+    stopped = threading.Event()
+    with running_user_code() if as_json else usage_errors_in_one_sentence(), signals_calling(lambda *_: stopped.set()):
         served = case_for_line(case, sci, changes) if bus is None else case_for_bus(case, changes)
         shown = LiveDisplay(view, None if browser is None else address_given("--browser", browser))
         with Session(served, log=log, subscribe=shown.subscribe) as session:
@@ -134,23 +129,18 @@ def serve(
                     from ...outside.live.i2cdriver_door import I2cDriverDoor
 
                     door = I2cDriverDoor(session, Path(bus) if bus else None)
-                try:
+                with closing(door):
                     session.advance(session.now + ticks(time_given("--warm-up", warm_up), "nearest"))
                     pacer = Pacer(session.ticks_per_second, pace_given(pace), when_late)
                     end = None if length is None else session.now + ticks(time_given("--for", length), "nearest")
-                    loop = Loop(session, pacer, [door, *shown.doors(session, line, pacer, door.path)])
-                    loops.append(loop)
-                    if asked:
-                        loop.stop()
+                    doors = [door, *shown.doors(session, line, pacer, door.path)]
                     for sentence in session.case.replaced:
                         click.echo(sentence, err=True)
                     click.echo(door.path, err=as_json)
                     if shown.url:
                         click.echo(shown.url, err=as_json)
                     shown.begin()
-                    loop.run(end)
-                finally:
-                    door.close()
+                    Loop(session, pacer, doors, stopped=stopped).run(end)
             for sentence in _not_handed_over(line, door):
                 click.echo(sentence, err=True)
             result = session.finish()

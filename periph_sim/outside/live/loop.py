@@ -1,6 +1,6 @@
 """Loop that advances a session in steps, in the session's thread. A pacer delays each step until it is due.
 
-doors --turn--> session --advance by a step--> doors --turn--> ...      until `stop`, or a tick
+doors --turn--> session --advance by a step--> doors --turn--> ...      until it is stopped, or a tick
 
 A door is a connection between the session and clients. Between the steps, the doors transfer bytes.
 """
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import select
 import signal
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -32,23 +33,30 @@ class Door(Protocol):
 
 
 class Loop:
-    """Loop that advances a session in steps. step: the simulated time of a step."""
+    """Loop that advances a session in steps.
 
-    def __init__(self, session: Session, pacer: Pacer, doors: Sequence[Door], step: str = STEP) -> None:
+    step: the simulated time of a step.
+    stopped: an event that ends `run` after the present step. Any thread or signal handler may set it.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        pacer: Pacer,
+        doors: Sequence[Door],
+        step: str = STEP,
+        stopped: threading.Event | None = None,
+    ) -> None:
         self._session = session
         self._pacer = pacer
         self._doors = doors
         self._step = max(1, session.ticks(step))
-        self._stopped = False
-
-    def stop(self) -> None:
-        """End `run` after the present step. Any thread or signal handler may call this."""
-        self._stopped = True
+        self.stopped = stopped or threading.Event()
 
     def run(self, until: int | None = None) -> None:
-        """Run until tick `until` or until `stop` is called; if `until` is None, until `stop` is called."""
+        """Run until `stopped` is set or tick `until` is reached. until: None for no limit."""
         session = self._session
-        while not self._stopped and (until is None or session.now < until):
+        while not self.stopped.is_set() and (until is None or session.now < until):
             due = session.now + self._step
             due = due if until is None else min(due, until)
             self._wait(due)
@@ -61,7 +69,7 @@ class Loop:
     def _wait(self, due: int) -> None:
         """Wait for the real time of tick `due`, the end of a step. Meanwhile, the doors transfer bytes that arrive."""
         left = self._pacer.wait(due)
-        while left > 0 and not self._stopped:
+        while left > 0 and not self.stopped.is_set():
             files = [file for door in self._doors for file in door.files()]
             if not files:
                 time.sleep(left)  # on Windows, select requires at least one file

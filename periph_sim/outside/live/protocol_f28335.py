@@ -143,6 +143,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         changes = tuple(every.get("set", ()))
         self.result, self.lost = None, 0
         self._failed = ""
+        self._stopped = threading.Event()
         self._thread = None
         if not pace:
             self._build(path, port, pace, given.get("log"), changes)
@@ -176,7 +177,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         self._session = Session(self.case, log=log)
         self._queue = _Queue(self._session.serial(port, self._baudrate, self._form()))
         self.pacer = Pacer(self._session.ticks_per_second, pace)
-        self._loop = Loop(self._session, self.pacer, [self._queue])
+        self._loop = Loop(self._session, self.pacer, [self._queue], stopped=self._stopped)
 
     def _end(self) -> None:
         """End the session and delete all references to it. Only the thread that ran the session may call this."""
@@ -195,10 +196,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         if self._thread is None:
             self._end()
         else:
-            loop = self._loop
-            if loop is not None:
-                loop.stop()
-            del loop
+            self._stopped.set()
             self._thread.join()
         if self.lost:
             said = f"{self._port}: {self.lost} unread bytes of the SCI were discarded, since only a megabyte is kept"

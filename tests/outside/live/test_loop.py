@@ -71,7 +71,7 @@ def test_each_step_waits_turns_advances_and_the_last_one_is_as_long_as_is_left()
 
 
 def test_a_door_may_move_time_itself_and_stop_the_loop() -> None:
-    calls, session, loop = made(lambda: setattr(session, "now", 1000), lambda: None, lambda: loop.stop())
+    calls, session, loop = made(lambda: setattr(session, "now", 1000), lambda: None, lambda: loop.stopped.set())
     loop.run()
     assert ", ".join(calls) == (
         "wait 1000, turn, reached 1000, wait 2000, turn, advance 2000, reached 2000, "
@@ -96,7 +96,7 @@ def test_while_it_waits_input_of_a_door_is_taken_at_once(monkeypatch: pytest.Mon
 
 def test_one_that_is_stopped_waits_no_longer(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("periph_sim.outside.live.loop.select.select", lambda files, *_: (files, [], []))
-    calls, _, loop = made(lambda: loop.stop(), lefts=(0.5, 0.5, 0.5))
+    calls, _, loop = made(lambda: loop.stopped.set(), lefts=(0.5, 0.5, 0.5))
     loop.run(1000)
     assert ", ".join(calls) == "wait 1000, turn, wait 1000, turn, advance 1000, reached 1000, turn"
 

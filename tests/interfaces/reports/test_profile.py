@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import json
-from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
-from periph_sim.interfaces.reports.profile import profiled
 from periph_sim.processor.image_files.assemble import assemble_file
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase
 from tests.interfaces.commands.conftest import Run, periph_sim  # noqa: F401
 
 # 1 ms at 7.5 MHz behind reset: 7500 cycles. _work has 104: RPT 1, NOP 99, LRETR 4, to an even
@@ -66,7 +62,7 @@ def test_time_goes_to_the_function_that_executes_and_sleep_is_told_apart(periph_
     assert work["self_s"] == work["total_s"] == pytest.approx(10 * 104 / 7.5e6)
     assert boot["total_s"] == pytest.approx(1e-3)
     assert boot["self_s"] == pytest.approx(1e-3 - 10 * 104 / 7.5e6)
-    assert work["waits_s"] == 0
+    assert work["waits_s"] == 0 and boot["waits_s"] > 0.8e-3
     assert (work["file"], work["line"], work["pc"]) == ("own.asm", 19, "0x009013")
     came = periph_sim("profile", "own.toml")
     assert "own.asm:19" in came.out and max(map(len, came.out.splitlines())) <= 80
@@ -177,57 +173,3 @@ def test_a_wait_is_as_long_as_it_was_though_the_clock_is_another_one_behind_it(p
     Path("own.out").write_bytes(assemble_file(Path("own.asm"))[1])
     found = profile(periph_sim, "--seconds", "0.005")["_c_int00"]
     assert 4.3e-3 < found["waits_s"] < 131_072 / 30e6
-
-
-RUN_SOURCE = """\
- .sect ".text", 0x9000
- .global _c_int00, _work
-_c_int00:
- LCR _work
- LCR _work
- IDLE
-_work:
- RPT #99
- || NOP
- LRETR
-"""
-RUN_CASE = """\
-name = "own"
-duration = "1 ms"
-[unit.dsp]
-image = "own.asm"
-modules = []
-"""
-
-
-@pytest.fixture
-def case_file(tmp_path: Path) -> Path:
-    (tmp_path / "own.asm").write_text(RUN_SOURCE)
-    (tmp_path / "own.toml").write_text(RUN_CASE)
-    return tmp_path / "own.toml"
-
-
-def test_time_goes_to_functions_and_to_sleep(case_file: Path):
-    told: list[float] = []
-    found = profiled(load(case_file), Fraction(1, 10_000), told.append)
-    assert (found.name, found.coverage, told[-1]) == ("own", {}, 1.0)
-    main, work = found.profiles["dsp"].functions()
-    cycle = found.ticks_per_second * 4 // 30_000_000  # OSCCLK by 4, as after a reset
-    assert [(one.name, one.calls) for one in (main, work)] == [("_c_int00", 1), ("_work", 2)]
-    assert main.total == found.ticks_per_second // 10_000
-    assert 2 * 100 * cycle <= work.own == work.total < 2 * 130 * cycle and work.waits == 0
-    assert main.waits > 0.9 * main.own
-    assert found.place_of("dsp", "_work") == "_work (own.asm:8, 0x009005)"
-
-
-def test_each_instruction_is_counted_where_that_is_asked_for(case_file: Path):
-    found = profiled(load(case_file), Fraction(1, 10_000), coverage=True)
-    assert set(found.coverage) == {"dsp"} and [*found.coverage["dsp"].executed_at.values()] == [1, 2, 2, 2, 1, 1]
-
-
-def test_a_case_without_an_image_has_no_profile(tmp_path: Path):
-    (tmp_path / "x.toml").write_text(
-        RUN_CASE.replace('image = "own.asm"', 'firmware = "responder"').replace("[]", '["I2C-A"]')
-    )
-    with pytest.raises(BadCase, match="no unit runs an image, and a profile is of images; give a unit image = "):
-        profiled(load(tmp_path / "x.toml"))

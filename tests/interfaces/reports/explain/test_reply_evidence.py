@@ -27,14 +27,18 @@ from tests.scene.small import case
 def explained(
     replies: dict[bytes, bytes], ask: str = "a", text: str = "OK", duration: str = "2 ms", bits: int = 8
 ) -> tuple[Verdict, Explained]:
-    program = answers("SCI-A", replies, sciccr=bits - 1)
+    expect = {"name": "told", "from": "SCI-A", "after_send": "ask", "within": "1 ms", "text": text}
+    return asked(answers("SCI-A", replies, sciccr=bits - 1), ask, expect, duration, bits)
+
+
+def asked(
+    program: Program, ask: str, expect: dict[str, str], duration: str, bits: int = 8, modules: tuple[str, ...] = ()
+) -> tuple[Verdict, Explained]:
+    """Return the verdict on the reply to a send at 100 us, and its explanation."""
     programs = {"dsp": Firmware("dsp", lambda dsp, settings: program(dsp), None)}
-    table = {
-        "bits": bits,
-        "send": [{"to": "SCI-A", "name": "ask", "at": "100 us", "text": ask}],
-        "expect": [{"name": "told", "from": "SCI-A", "after_send": "ask", "within": "1 ms", "text": text}],
-    }
-    small = case(unit={"dsp": unit("SCI-A")}, serial=table, duration=duration)
+    send = {"to": "SCI-A", "name": "ask", "at": "100 us", "text": ask}
+    table = {"bits": bits, "send": [send], "expect": [expect]}
+    small = case(unit={"dsp": unit("SCI-A", *modules)}, serial=table, duration=duration)
     (verdict,) = Scene(small, None, programs).run().budgets
     return verdict, explain(small, [verdict], programs=programs)["told"]
 
@@ -132,14 +136,8 @@ def test_unsolicited_characters_of_a_run_are_told_with_their_writes():
 
 def steps_of(program: Program, *modules: str, text: str = "ab") -> list[str]:
     """Return the steps of a reply that never came to a send of `text` at 100 us, to which OK is expected."""
-    programs = {"dsp": Firmware("dsp", lambda dsp, settings: program(dsp), None)}
-    table = {
-        "send": [{"to": "SCI-A", "name": "ask", "at": "100 us", "text": text}],
-        "expect": [{"name": "told", "from": "dsp.SCI-A", "after_send": "ask", "within": "1 ms", "text": "OK"}],
-    }
-    small = case(unit={"dsp": unit("SCI-A", *modules)}, serial=table, duration="3 ms")
-    verdicts = Scene(small, None, programs).run().budgets
-    return [step.what for step in explain(small, verdicts, programs=programs)["told"].chain.steps]
+    expect = {"name": "told", "from": "dsp.SCI-A", "after_send": "ask", "within": "1 ms", "text": "OK"}
+    return [step.what for step in asked(program, text, expect, "3 ms", modules=modules)[1].chain.steps]
 
 
 def test_a_reply_that_never_came_is_told_with_what_was_read_and_where_the_firmware_is():

@@ -16,7 +16,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import AbstractContextManager, closing, contextmanager, suppress
 from importlib import import_module
 from importlib.util import find_spec
 from platform import python_version
@@ -127,21 +127,17 @@ class ClusterExecutor(Executor):
         if sent.cancelled():
             self._lose(GONE)
             return
-        error = sent.exception()
-        result = None
-        try:
-            if error is not None:
-                raise ClusterError(self._why(error)) from None
-            result = self._result_of(*sent.result())
-        except BaseException as raised:
-            error = raised
         with suppress(Exception):  # the call was cancelled meanwhile, or the cluster was lost
-            if error is None:
-                future.set_result(result)
-            else:
+            try:
+                future.set_result(self._result_of(sent))
+            except BaseException as error:
                 future.set_exception(error)
 
-    def _result_of(self, kind: Kind, data: bytes) -> object:
+    def _result_of(self, sent: Future[Reply]) -> object:
+        error = sent.exception()
+        if error is not None:
+            raise ClusterError(self._why(error)) from None
+        kind, data = sent.result()
         if kind is Kind.DIED:
             raise BrokenProcessPool(DIED)
         if kind is Kind.REFUSED:
@@ -215,11 +211,8 @@ def _connected(address: str) -> Iterator[ClusterExecutor]:
         reason = _reason(error)
         expected = "expected the address of a scheduler, for instance 10.0.0.5:8786"
         raise ClusterError(f"--cluster {address}: no Dask scheduler answers ({reason}); {expected}") from None
-    executor = ClusterExecutor(client, address)
-    try:
+    with closing(ClusterExecutor(client, address)) as executor:
         yield executor
-    finally:
-        executor.close()
 
 
 def _client(address: str) -> Any:

@@ -2,12 +2,11 @@
 
     CaseReports --jinja2--> assets/report.html, with assets/*.css and assets/*.js inside
 
-Every text of a case is escaped: by the template engine in HTML, by `_data` in JSON.
+Every text of a case is escaped by the template engine, in HTML and in JSON.
 """
 
 from __future__ import annotations
 
-import json
 import platform
 from collections.abc import Sequence
 from functools import cache
@@ -86,7 +85,8 @@ def _template() -> Template:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    pages.filters |= {"data": _data, "figure": figure, "instant": instant, "limit": limit, "share": _share}
+    pages.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "ensure_ascii": False}
+    pages.filters |= {"figure": figure, "instant": instant, "limit": limit, "share": _share}
     pages.filters |= {"standing": _standing, "instants": _instants, "assumes": assumes}
     pages.filters |= {"legend": legend, "title": _title}
     pages.filters |= {"gist": _gist, "allowed": _allowed, "parts": _parts}
@@ -97,11 +97,6 @@ def _template() -> Template:
 
 def _text(name: str) -> str:
     return (files(__package__) / "assets" / name).read_text(encoding="utf-8")
-
-
-def _data(value: object) -> Markup:
-    """Return a value as compact JSON for a script element. `<` is escaped, so that no text can end the element."""
-    return Markup(json.dumps(value, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c"))
 
 
 def _standing(one: BudgetReport) -> str:

@@ -114,16 +114,7 @@ class PreparedScene:
         BadRecording if `record` is a file that this run has read.
         """
         case = self.plan(changes).case
-        try:
-            length = None if seconds is None else duration(seconds)
-        except ValueError as error:
-            raise BadCase(f"seconds={seconds!r}: {error}") from None
-        firmware = {
-            unit: program if isinstance(program, Firmware) else Firmware(unit, program, None)
-            for unit, program in (programs or {}).items()
-        }
-        for unit in firmware.keys() - case.unit.keys():
-            raise BadCase(f"programs: case {case.name} has no unit {unit!r}; it has {', '.join(case.unit) or 'none'}")
+        length, firmware = length_and_firmware(case, seconds, programs)
         if record is None:
             return self.scene(changes, None, firmware).run(length)
         from ..records.recording import recording
@@ -135,6 +126,26 @@ class PreparedScene:
                 result = scene.run(length)
                 ended_at(scene.kernel.now, scene.clocks())
         return result
+
+
+def length_and_firmware(
+    case: Case, seconds: str | Fraction | None, programs: Mapping[str, Program | Firmware] | None
+) -> tuple[Fraction | None, dict[str, Firmware]]:
+    """Return the duration of a run in seconds, and the firmware of units, from the arguments of `PreparedScene.run`.
+
+    Raise BadCase if `seconds` is no duration, or if the case has no unit with one of the names.
+    """
+    try:
+        length = None if seconds is None else duration(seconds)
+    except ValueError as error:
+        raise BadCase(f"seconds={seconds!r}: {error}") from None
+    firmware = {
+        unit: program if isinstance(program, Firmware) else Firmware(unit, program, None)
+        for unit, program in (programs or {}).items()
+    }
+    for unit in firmware.keys() - case.unit.keys():
+        raise BadCase(f"programs: case {case.name} has no unit {unit!r}; it has {', '.join(case.unit) or 'none'}")
+    return length, firmware
 
 
 def _refuse_changes(changes: Sequence[str]) -> None:

@@ -155,6 +155,7 @@ def assumptions(names: Sequence[str], case: Case, verbose: bool) -> list[str]:
 
 
 def _answer(name: str, case: Case) -> str:
+    from ..reports.questions.question import shown
     from .regs import OPTIONS
 
     owner, _, rest = name.partition(".")
@@ -166,8 +167,4 @@ def _answer(name: str, case: Case) -> str:
         group, option, given = case.chip[owner].model, rest, case.chip[owner].options
     default = OPTIONS[group]().unrecorded()[option]
     value = given.get(option, default)
-    return f"= {_text(value)}{', the default' if value == default else f'; the default is {_text(default)}'}"
-
-
-def _text(value: Value) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
+    return f"= {shown(value)}{', the default' if value == default else f'; the default is {shown(default)}'}"

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import pickle
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, fields
@@ -21,10 +21,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.table import duration
 from ....scene.case.load import UnknownKey, load
 from ....scene.case.model import BadCase, Case
 from ....scene.firmware_loader import Firmware
+from ....scene.prepared import Program, length_and_firmware
 from ....scene.result import Result
 from ....timing.verdict import FAIL, Verdict
 from ..cluster import ClusterError, ClusterExecutor, worker_pool
@@ -168,8 +168,6 @@ def _numbers_or_texts(values: list[object]) -> Column:
 AT_A_TIME = 8  # number of runs that are sent to a worker together, because sending takes as long as a short run
 FEW = 64  # if a sweep has at most this number of runs, they are sent one by one, so that all workers receive some
 
-Program = Callable[[Any, Any], None]
-
 
 class SweepStopped(KeyboardInterrupt):
     """Raised after Ctrl-C or SIGTERM, or if a cluster is lost.
@@ -220,14 +218,10 @@ def sweep(
         raise BadCase(f"jobs={jobs} with an executor, which has its own workers; give only one of them")
     if jobs is not None and jobs < 1:
         raise BadCase(f"jobs={jobs}: expected 1 or more")
-    try:
-        length = None if seconds is None else duration(seconds)
-    except ValueError as error:
-        raise BadCase(f"seconds={seconds!r}: {error}") from None
     runs = runs_of(changes)
     texts = [texts_of(run) for run in runs]
-    name = _check(Path(case), texts, programs or {})
-    firmware = {unit: p if isinstance(p, Firmware) else Firmware(unit, p, None) for unit, p in (programs or {}).items()}
+    loaded = _loaded(Path(case), texts)
+    length, firmware = length_and_firmware(loaded, seconds, programs)
     job = Job(str(Path(case).absolute()), str(case), length, firmware)
     workers = min(jobs or os.cpu_count() or 1, len(runs))
     if executor is None and workers > 1:
@@ -242,21 +236,18 @@ def sweep(
         if not rows:
             raise
         reason = str(error) if isinstance(error, ClusterError) else ""
-        raise SweepStopped(sweep_of(name, runs[: len(rows)], rows), len(runs), reason) from None
+        raise SweepStopped(sweep_of(loaded.name, runs[: len(rows)], rows), len(runs), reason) from None
     if isinstance(rows[0], str) and not any(isinstance(row, Result) for row in rows):
         raise BadCase(rows[0])
-    return sweep_of(name, runs, rows)
+    return sweep_of(loaded.name, runs, rows)
 
 
-def _check(file: Path, texts: Texts, programs: Iterable[str]) -> str:
-    """Return the name of the case. Raise BadCase for an unknown key or unit.
+def _loaded(file: Path, texts: Texts) -> Case:
+    """Return the case. Raise BadCase for an unknown key.
 
     A wrong value is not reported here, but in the row of its run.
     """
     case = load(file)
-    for unit in programs:
-        if unit not in case.unit:
-            raise BadCase(f"programs: case {case.name} has no unit {unit!r}; it has {', '.join(case.unit) or 'none'}")
     seen: set[tuple[str, ...]] = set()
     for changes in texts:
         keys = tuple(change.partition("=")[0] for change in changes)
@@ -268,7 +259,7 @@ def _check(file: Path, texts: Texts, programs: Iterable[str]) -> str:
                 raise
             except BadCase:
                 pass
-    return case.name
+    return case
 
 
 def _check_sent(firmware: Mapping[str, Firmware]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from types import TracebackType
 
 import click
@@ -21,7 +21,7 @@ from ...outside.session import Session
 WIRES = ("SCL", "SDA", "RX", "TX")
 
 
-class LiveDisplay:
+class LiveDisplay(AbstractContextManager["LiveDisplay"]):
     """The display of a live session, as a context manager. At its end, it displays the session's last snapshot.
 
     in_terminal: True to display the session in the terminal.
@@ -44,9 +44,6 @@ class LiveDisplay:
             browser = Browser(self._board, address[1], address[0])
             self._parts.callback(browser.close)
             self.url = browser.url
-
-    def __enter__(self) -> LiveDisplay:
-        return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         if error is None and self._status is not None:

@@ -6,6 +6,7 @@ Source: CircuitPython 9.2, shared-bindings, busio.I2C.
 from __future__ import annotations
 
 import errno
+from contextlib import AbstractContextManager
 from types import TracebackType
 
 from ..session import Session
@@ -15,7 +16,7 @@ Buffer = bytearray | memoryview
 ADDRESSES = range(0x08, 0x78)  # the 7-bit addresses that are not reserved
 
 
-class I2C:
+class I2C(AbstractContextManager["I2C"]):
     """A `busio.I2C` on the bus of a session. frequency: the frequency of SCL in Hz.
 
     pause: the simulated time that passes before each transfer, because a driver's `time.sleep` does not advance
@@ -30,9 +31,6 @@ class I2C:
         session.i2c.rate = f"{frequency} Hz"
         self._pause = session.ticks(pause)
         self._locked = False
-
-    def __enter__(self) -> I2C:
-        return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.deinit()

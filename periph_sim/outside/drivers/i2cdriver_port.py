@@ -9,6 +9,7 @@ import os
 import select
 import threading
 from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -87,14 +88,11 @@ class I2cDriverPort:
 
             with Session(case, outside, log=log) as session:
                 session.advance(session.ticks(run_up))
-                door = I2cDriverDoor(session, self._link, pause)
-                try:
+                with closing(I2cDriverDoor(session, self._link, pause)) as door:
                     self.path = door.path if self._link is None else str(self._link)
                     self._ready.set()
                     self._serve(session, door)
                     self.result = session.finish()
-                finally:
-                    door.close()
         except Exception as error:
             self._failed = error
         self._ready.set()

@@ -35,7 +35,7 @@ RATES = {value: int(name[1:]) for name, value in vars(termios).items() if name[0
 
 
 OPENED, CLOSED = 0x20, 0x08 | 0x10  # masks of events: IN_OPEN; IN_CLOSE_WRITE or IN_CLOSE_NOWRITE
-EVENT = struct.Struct("iIII")  # an inotify event: watch, mask, cookie, length of a name
+EVENT = struct.Struct("iIII")  # an inotify event: watch, mask, cookie, length of a name (0 for a watched file)
 EVENTS_AT_ONCE = 4096  # maximum number of bytes of inotify events that one read returns
 
 
@@ -78,11 +78,7 @@ class Openings:
                 data = os.read(self._file, EVENTS_AT_ONCE)
             except BlockingIOError:
                 break
-            while data:
-                _, mask, _, length = EVENT.unpack_from(data)
-                data = data[EVENT.size + length :]
-                if mask & (OPENED | CLOSED):
-                    found.append(mask)
+            found += [mask for _, mask, _, _ in EVENT.iter_unpack(data) if mask & (OPENED | CLOSED)]
         return found
 
 

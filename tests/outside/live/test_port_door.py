@@ -6,7 +6,7 @@ import io
 import os
 import select
 import tty
-from fractions import Fraction
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -15,14 +15,12 @@ serial = pytest.importorskip("serial", reason="pyserial is not installed: the ex
 
 from periph_sim.outside import OutsideError, Session  # noqa: E402
 from periph_sim.outside.live import port_door  # noqa: E402
-from periph_sim.outside.live.loop import Loop  # noqa: E402
-from periph_sim.outside.live.pacing import Pacer  # noqa: E402
 from periph_sim.outside.live.port_door import (  # noqa: E402
     GONE,
     PortDoor,
     in_our_words,
 )
-from tests.outside.live.echo import written  # noqa: E402
+from tests.outside.live.echo import Echo, written  # noqa: E402
 
 
 class Cable:
@@ -59,81 +57,79 @@ def got(cable: Cable, count: int) -> bytes:
     return came
 
 
-def passes(session: Session, door: PortDoor, length: str) -> None:
-    Loop(session, Pacer(session.ticks_per_second, Fraction(0)), [door]).run(session.now + session.ticks(length))
+class Plugged(Echo):
+    """A session whose line is at a cable."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
+        self.cable, self.said, self.now = Cable(folder / "ttyUSB0"), [], 0.0
+        self.door = PortDoor(self.line, str(self.cable.name), 115_200, "8n1", self.said.append, lambda: self.now)
 
 
-def test_a_port_that_goes_in_mid_frame_is_told_and_opened_again(tmp_path: Path) -> None:
-    cable, said, now = Cable(tmp_path / "ttyUSB0"), [], [0.0]
-    session = Session(written(tmp_path), ("RX", "TX"))
-    line = session.serial("scia")
-    door = PortDoor(line, str(cable.name), 115_200, "8n1", said.append, lambda: now[0])
+@pytest.fixture
+def plugged(tmp_path: Path) -> Iterator[Plugged]:
+    one = Plugged(tmp_path)
+    yield one
+    one.door.close()
+    one.cable.unplug()
+
+
+def test_a_port_that_goes_in_mid_frame_is_told_and_opened_again(plugged: Plugged) -> None:
+    cable, said, line, door = plugged.cable, plugged.said, plugged.line, plugged.door
     with pytest.raises(OutsideError, match="ttyUSB0: another program has it open; close it there first"):
         PortDoor(line, str(cable.name), 115_200, "8n1")
-    passes(session, door, "1 ms")
+    plugged.passes("1 ms")
     send(cable, door, b"abc")
-    passes(session, door, "0.1 ms")
+    plugged.passes("0.1 ms")
     assert (line.sent, line.received) == (2, 0)  # the first is under way, and the second has its place
     cable.unplug()
-    passes(session, door, "1.2 ms")
+    plugged.passes("1.2 ms")
     assert said == [f"{cable.name}: {GONE}; it will be opened again once it is back"] and door.files() == []
-    now[0] = 1.5
-    passes(session, door, "1.2 ms")
+    plugged.now = 1.5
+    plugged.passes("1.2 ms")
     cable.plug()
-    passes(session, door, "1.2 ms")
+    plugged.passes("1.2 ms")
     assert len(said) == 1
-    now[0] = 2.4  # less than a second after the last attempt
-    passes(session, door, "1.2 ms")
+    plugged.now = 2.4  # less than a second after the last attempt
+    plugged.passes("1.2 ms")
     assert len(said) == 1
-    now[0] = 2.6
-    passes(session, door, "1.2 ms")
+    plugged.now = 2.6
+    plugged.passes("1.2 ms")
     send(cable, door, b"d")
-    passes(session, door, "1.2 ms")
+    plugged.passes("1.2 ms")
     assert said[1:] == [f"{cable.name} is back"]
     assert (line.sent, line.received, got(cable, 4)) == (4, 4, b"bcde")
-    door.close()
-    cable.unplug()
 
 
-def test_a_port_that_went_is_left_alone_for_a_second(tmp_path: Path) -> None:
+def test_a_port_that_went_is_left_alone_for_a_second(plugged: Plugged) -> None:
     """
     s      0             0.99      1.0
     port   gone, there   there     there
     door   closed        closed    open
     """
-    cable, now = Cable(tmp_path / "ttyUSB0"), [0.0]
-    session = Session(written(tmp_path), ("RX", "TX"))
-    door = PortDoor(session.serial("scia"), str(cable.name), 115_200, "8n1", clock=lambda: now[0])
-    cable.unplug()
-    door.turn()
-    cable.plug()
-    for now[0], is_open in ((0.0, False), (0.99, False), (1.0, True)):
-        door.turn()
-        assert bool(door.files()) == is_open
-    door.close()
-    cable.unplug()
+    plugged.cable.unplug()
+    plugged.door.turn()
+    plugged.cable.plug()
+    for plugged.now, is_open in ((0.0, False), (0.99, False), (1.0, True)):
+        plugged.door.turn()
+        assert bool(plugged.door.files()) == is_open
 
 
-def test_a_port_without_a_file_number_as_on_windows_is_polled_at_each_step(tmp_path: Path, monkeypatch) -> None:
-    cable = Cable(tmp_path / "ttyUSB0")
-    line = Session(written(tmp_path), ("RX", "TX")).serial("scia")
-    door = PortDoor(line, str(cable.name), 115_200, "8n1")
-    send(cable, door, b"y")
+def test_a_port_without_a_file_number_as_on_windows_is_polled_at_each_step(plugged: Plugged, monkeypatch) -> None:
+    door = plugged.door
+    send(plugged.cable, door, b"y")
     monkeypatch.setattr(door._port, "fileno", io.RawIOBase().fileno)
     assert door.files() == []
     door.turn()
-    assert line.waiting == 1
+    assert plugged.line.waiting == 1
     monkeypatch.undo()
-    door.close()
 
 
 def test_a_port_that_is_ahead_of_the_line_waits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """100 bytes may wait: the next one stays in the system until one is sent, and is counted if it is lost."""
     monkeypatch.setattr(port_door, "MOST", 100)
-    cable = Cable(tmp_path / "ttyUSB0")
-    session = Session(written(tmp_path), ("RX", "TX"))
-    line = session.serial("scia")
-    door = PortDoor(line, str(cable.name), 115_200, "8n1")
+    plugged = Plugged(tmp_path)
+    cable, line, door = plugged.cable, plugged.line, plugged.door
     line.write(b"x" * 99)
     assert len(door.files()) == 1
     send(cable, door, b"y")

@@ -18,7 +18,7 @@ __version__ = "0.1.0"  # the wheel's metadata and `periph-sim --version` read th
 if TYPE_CHECKING:
     from importlib.machinery import ModuleSpec
 
-    from .api import make_case, run
+    from .api import make_case, run, scenarios
     from .core.kernel import SimulationStuck
     from .interfaces.reports.baselines.check import CaseCheck, check
     from .interfaces.reports.baselines.files import BadCheck
@@ -67,13 +67,14 @@ __all__ = [
     "make_case",
     "read_capture",
     "run",
+    "scenarios",
     "sweep",
     "why",
     "write_capture",
 ]
 
 _HOMES = {
-    "api": ("make_case", "run"),
+    "api": ("make_case", "run", "scenarios"),
     "core.kernel": ("SimulationStuck",),
     "processor.dsp": ("Dsp",),
     "processor.user_code": ("FirmwareError",),

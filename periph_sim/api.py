@@ -8,13 +8,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .scene.case.load import case_of_tables
 from .scene.case.model import Case
 from .scene.firmware_loader import Firmware
 from .scene.prepared import PreparedScene, Program
 from .scene.result import Result
+
+if TYPE_CHECKING:
+    from .proof.scenarios import Scenarios
 
 
 def make_case(changes: Sequence[str] = (), **tables: Any) -> Case:
@@ -25,6 +28,22 @@ def make_case(changes: Sequence[str] = (), **tables: Any) -> Case:
     Raise BadCase if a table is invalid.
     """
     return case_of_tables(tables, f"make_case({tables.get('name', '')})", changes)
+
+
+def scenarios(case: str | Path, changes: Sequence[str] = ()) -> Scenarios:
+    """Return the values of a case's budgets for any sequences of starts, from its closed table (docs/proof.md).
+
+    The table is made here, which takes seconds to minutes. The values of many scenarios then follow without further
+    runs, see `Scenarios.values`.
+
+    case: the path of a case whose only free starts are rounds, or frames, of a firmware image.
+    changes: texts "key=value" that change the case as `--set` does.
+
+    Raise BadCase if the case cannot be read, has no closed table, or breaks a budget.
+    """
+    from .proof.scenarios import Scenarios  # imported here, because only this function needs the proofs
+
+    return Scenarios(case, changes)
 
 
 def run(

@@ -27,7 +27,7 @@ LEVELS = {
 NAMES = {
     name: (
         f"periph_sim.{name} was removed: its arithmetic knew one firmware only; `periph-sim prove` runs the phases of "
-        "any case, and periph_sim.sweep many scenarios one by one"
+        "any case, periph_sim.sweep many scenarios one by one, and periph_sim.scenarios those of an image with a table"
     )
     for name in ("schedule", "BadSchedule", "ScheduleResult")
 }

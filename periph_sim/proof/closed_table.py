@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from random import Random
 from time import process_time
@@ -148,6 +148,8 @@ class TableMaker:
 
     on_progress: called with the part of the known entries that were run.
     on_estimate: called once, with the number of entries of the first orbit and an estimate of the CPU time in seconds.
+    on_run: called at the end of each run, with the run and the places from which its rounds after the first one began.
+        The scenes then keep all values of their budgets.
     """
 
     def __init__(
@@ -155,16 +157,19 @@ class TableMaker:
         covered: CoveredCase,
         on_progress: Callable[[float], None] | None = None,
         on_estimate: Callable[[int, float], None] | None = None,
+        on_run: Callable[[FreeRun, Sequence[RestPlace]], None] | None = None,
     ) -> None:
         self._covered = covered
         self._on_progress = on_progress
         self._on_estimate = on_estimate
+        self._on_run = on_run
         self._timed_from = 0.0  # the CPU time at which the first entry was begun
         self._ignored = check(covered.case)
         self._random = Random(1)
         self._places: dict[bytes, RestPlace] = {}  # from the digest of a state of rest to its place
         self._open: list[list[int]] = []  # for each orbit, the ticks of the entries that were not run yet, ascending
-        self._entries: dict[RestPlace, TableEntry] = {}
+        self.entries: dict[RestPlace, TableEntry] = {}  # by the place at the start of the round
+        self.first: TableEntry | None = None  # the first round of each run
         self.table = StartTable([], 0, 0, 0, [], [], set(), set())
 
     def make(self) -> StartTable:
@@ -177,7 +182,7 @@ class TableMaker:
             self._run(again=0)
             if table.has_failed:
                 return table
-        wanted = _revisits(len(self._entries))
+        wanted = _revisits(len(self.entries))
         while table.again < wanted or any(self._open):
             self._run(again=wanted)
             if table.has_failed:
@@ -186,21 +191,27 @@ class TableMaker:
 
     def _run(self, again: int) -> None:
         """Run up to ROUNDS_A_RUN rounds: of open entries, or of random entries until `again` were run again."""
-        run, table = FreeRun(self._covered, self._ignored), self.table
+        run, table = FreeRun(self._covered, self._ignored, self._on_run is not None), self.table
         measures = MeasuresAtRest(run.scene.limits)
         measures.rest(run.now)
         table.apart = max(table.apart, run.now - run.scene.start - run.starts[0] + 1)
         place = self._place(run)
+        if not table.starts:
+            self.first = TableEntry(place, run.now - run.scene.start - run.starts[0], run.records.digest)
+        begun: list[RestPlace] = []
         for _ in range(ROUNDS_A_RUN):
             if again and table.again >= again:
                 break
             tick = self._random.randrange(table.orbits[place.orbit]) if again else self._next_tick(place)
             if tick is None:
                 break
+            begun.append(RestPlace(place.orbit, tick))
             place = self._round(run, measures, place, tick)
         table.starts.append(run.starts)
         table.outcomes.append(self._covered.finish(run.scene))
         measures.finish(table.outcomes[-1].verdicts)
+        if self._on_run is not None:
+            self._on_run(run, begun)
         table.spanning |= measures.spanning
         table.lacking |= measures.lacking
 
@@ -210,7 +221,7 @@ class TableMaker:
         if here:
             return here[bisect_right(here, place.tick) % len(here)]
         ways: dict[int, dict[int, int]] = {}  # from an orbit and the orbit after it to the tick of an entry
-        for at, entry in self._entries.items():
+        for at, entry in self.entries.items():
             ways.setdefault(at.orbit, {}).setdefault(entry.after.orbit, at.tick)
         first: dict[int, int] = {}  # from an orbit to the first tick of the way to it
         waiting = deque([place.orbit])
@@ -236,12 +247,12 @@ class TableMaker:
         after = self._place(run)
         self.table.apart = max(self.table.apart, settled - start + 1)
         entry, at = TableEntry(after, run.now - start, records), RestPlace(place.orbit, tick)
-        known = self._entries.get(at)
+        known = self.entries.get(at)
         if known is not None:
             self.table.again += 1
             self._compare(at, known, entry)
             return after
-        self._entries[at] = entry
+        self.entries[at] = entry
         here = self._open[place.orbit]
         del here[bisect_left(here, tick)]
         self.table.entries += 1

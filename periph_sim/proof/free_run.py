@@ -67,10 +67,10 @@ class FreeRun:
     long: the number of ticks after which instants are long past.
     """
 
-    def __init__(self, covered: CoveredCase, ignored: Sequence[str]) -> None:
-        """ignored: as for `normal_state`."""
+    def __init__(self, covered: CoveredCase, ignored: Sequence[str], keep_values: bool) -> None:
+        """ignored: as for `normal_state`. keep_values: as for `Scene`."""
         self.records = RoundRecords()
-        self.scene: Scene = covered.free_scene(self.records)
+        self.scene: Scene = covered.free_scene(self.records, keep_values)
         self.starts: list[int] = []
         self._ignored = ignored
         (self._dsp, *_) = self.scene.units.values()

@@ -115,15 +115,20 @@ class CoveredCase:
         case = self.case.model_copy(update={"inputs": inputs, "duration": duration, "seed": seed})
         return Scene(ScenePlan(case, self._plan))
 
-    def free_scene(self, listener: Listener) -> Scene:
+    def free_scene(self, listener: Listener, keep_values: bool) -> Scene:
         """Return a scene, not yet run, in which no start that can move is scheduled.
 
         listener: receives the records of accesses, interrupts, and events and frames on lines.
+        keep_values: as for `Scene`.
         """
         inputs = InputsTable(frames=()) if self.phases.moved == "frames" else InputsTable(rounds=())
         case = self.case.model_copy(update={"inputs": inputs})
         kinds = [Kind.ACCESS, Kind.IRQ, Kind.BUS, Kind.FRAME]
-        return Scene(ScenePlan(case, self._plan), lambda recorder, _: recorder.subscribe(kinds, listener))
+        return Scene(
+            ScenePlan(case, self._plan),
+            lambda recorder, _: recorder.subscribe(kinds, listener),
+            keep_values=keep_values,
+        )
 
     def looks_back(self) -> dict[str, set[str]]:
         """Return a dictionary from each covered budget to the ranges on which its values depend (`Measure.looks_back`).

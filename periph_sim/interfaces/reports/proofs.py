@@ -15,7 +15,7 @@ from ...timing.verdict import Verdict
 
 
 class ProofReport(Struct, frozen=True):
-    """What the proof file of a case says.
+    """Summary of the proof file of a case.
 
     line: a sentence about the file; "" if there is none.
     proven: the names of the proven budgets. It is empty if the file does not match the case.

@@ -1,0 +1,126 @@
+"""Values from a closed table: those of ordinary runs with the same starts, round by round.
+
+starts --table--> values [scenario, round]
+       --Scene--> kept values of the budget, by round
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from periph_sim.proof.scenarios import Scenarios
+from periph_sim.scene.case.inputs_table import InputsTable
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+from periph_sim.scene.scene import Scene
+from tests.proof.proven_slave import write_slave
+from tests.proof.test_closed_table import write_echo
+from tests.scene.runs import TIMING
+
+ROUNDS = 12
+NEVER = '\n[[budget]]\nname = "never"\nmeasure = "from access W I2C-A.I2CSAR to bus STOP"\nmax = "1 s"\n'
+
+
+@pytest.fixture(scope="module")
+def echo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Scenarios]:
+    """Return the case of the fast echo, and its scenarios."""
+    case = write_echo(tmp_path_factory.mktemp("echo"))
+    return case, Scenarios(case)
+
+
+def drawn(scenarios: Scenarios, count: int, seed: int) -> NDArray[np.int64]:
+    """Return starts that are the least distance or up to a millisecond more apart."""
+    random = np.random.default_rng(seed)
+    distances = scenarios.apart + random.integers(0, scenarios.ticks_per_second // 1000, (count, ROUNDS))
+    distances[random.random((count, ROUNDS)) < 0.2] = scenarios.apart
+    distances[:, 0] = scenarios.first
+    return np.cumsum(distances, axis=1)
+
+
+def in_runs(case: Path, scenarios: Scenarios, starts: NDArray[np.int64], budget: str) -> NDArray[np.float64]:
+    """Run each scenario, and return the largest value of a budget in each round; NaN for none."""
+    found = np.full(starts.shape, np.nan)
+    for number, row in enumerate(starts):
+        times = tuple(Fraction(int(start), scenarios.ticks_per_second) for start in row)
+        inputs = InputsTable(frames=times) if scenarios.moved == "frames" else InputsTable(rounds=times)
+        end = Fraction(int(row[-1]) + scenarios.apart, scenarios.ticks_per_second)
+        scene = Scene(load(case).model_copy(update={"inputs": inputs, "duration": end}), keep_values=True)
+        scene.run()
+        (limit,) = (one for one in scene.limits if one.budget.name == budget)
+        values = limit.values(scene.start)
+        assert values is not None
+        for value, at in zip(values.values, values.at, strict=True):
+            place = number, int(np.searchsorted(row, at, "right")) - 1
+            found[place] = np.fmax(found[place], float(limit.show(int(value))))
+    return found
+
+
+def test_values_are_those_of_ordinary_runs(echo: tuple[Path, Scenarios]):
+    case, scenarios = echo
+    starts = drawn(scenarios, 25, 1)
+    values = scenarios.values(starts)["echo"]
+    assert np.array_equal(values, in_runs(case, scenarios, starts, "echo"))
+    assert len(np.unique(values)) > 20
+
+
+def test_rounds_of_a_controller_and_budgets_that_are_left_out(tmp_path: Path):
+    case = write_slave(tmp_path)
+    scenarios = Scenarios(case)
+    assert (scenarios.budgets, scenarios.moved) == (("reaction",), "rounds")
+    assert scenarios.left_out == {
+        "wrong bytes": "it has one number for the whole run",
+        "round": "a percentile describes all occurrences of a run",
+        "slack": "its values depend on the start of the next round",
+        "load": "it is a share of a whole run",
+    }
+    starts = drawn(scenarios, 10, 2)
+    assert np.array_equal(scenarios.values(starts)["reaction"], in_runs(case, scenarios, starts, "reaction"))
+
+
+def test_more_scenarios_are_as_good_as_fewer(echo: tuple[Path, Scenarios]):
+    _, scenarios = echo
+    starts = drawn(scenarios, 5000, 3)
+    values = scenarios.values(starts)["echo"]
+    assert np.array_equal(scenarios.values(starts[17:18])["echo"], values[17:18])
+    assert np.array_equal(scenarios.values(starts[:, :3])["echo"], values[:, :3])
+
+
+def test_a_round_without_a_value_is_nan(tmp_path: Path):
+    """The slave never writes I2CSAR."""
+    scenarios = Scenarios(write_slave(tmp_path, NEVER))
+    assert scenarios.budgets == ("never",)
+    assert np.isnan(scenarios.values(drawn(scenarios, 2, 4))["never"]).all()
+
+
+@pytest.mark.parametrize(
+    ("starts", "reason"),
+    [
+        (np.array([1]), r"int64 of shape \(1,\); expected int64 of shape \(n, rounds\)"),
+        (np.zeros((0, 3), np.int64), r"int64 of shape \(0, 3\)"),
+        (np.array([[0.5]]), "float64 of shape"),
+        (np.array([[1, 2]]), "a first start is not at tick "),
+    ],
+)
+def test_starts_that_the_table_does_not_cover(starts: NDArray[np.int64], reason: str, echo: tuple[Path, Scenarios]):
+    with pytest.raises(ValueError, match=f"^starts: .*{reason}"):
+        echo[1].values(starts)
+
+
+def test_starts_that_are_too_close(echo: tuple[Path, Scenarios]):
+    scenarios = echo[1]
+    starts = np.array([[scenarios.first, scenarios.first + scenarios.apart - 1]])
+    with pytest.raises(ValueError, match=f"two starts are less than {scenarios.apart} ticks apart"):
+        scenarios.values(starts)
+    assert scenarios.values(np.add(starts, [[0, 1]]))["echo"].shape == (1, 2)
+
+
+def test_a_case_without_a_table_and_one_that_breaks_a_budget(tmp_path: Path):
+    with pytest.raises(BadCase, match=r"^responder has no closed table: unit dsp runs no image"):
+        Scenarios(TIMING / "responder.toml")
+    with pytest.raises(BadCase, match=r"^fast_echo: echo failed in a run of its table; "):
+        Scenarios(write_echo(tmp_path, 0.2))

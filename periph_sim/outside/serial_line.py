@@ -52,10 +52,9 @@ class SerialLine:
         self.wrong = self.sent = self.received = 0
         self.waiting = 0
         self._got = bytearray()
-        # An entry is (bytes, name of the bit to send wrong, ninth bit), or the level to which RX moves to begin (0) or
-        # to end (1) a break.
-        self._queue: deque[tuple[bytes, Wrong, int] | int] = deque()
-        self._place = 0  # index of the next byte in the first entry of `_queue`
+        # An entry is (bytes that were not sent yet, name of the bit to send wrong, ninth bit), or the level to which RX
+        # moves to begin (0) or to end (1) a break.
+        self._queue: deque[tuple[bytearray, Wrong, int] | int] = deque()
         self._begins: deque[int] = deque()  # ticks of the future start bits that are already scheduled
         self.broken = False
         self._parts = 1  # number of parts into which a tick is divided, so that a bit is a whole number of parts
@@ -98,7 +97,7 @@ class SerialLine:
             raise OutsideError("wrong parity: the format has none; set one, as in 8e1")
         if data:
             self.hold_break(False)
-            self._queue.append((bytes(data), wrong, self._ninth))
+            self._queue.append((bytearray(data), wrong, self._ninth))
             self.waiting += len(data)
 
     def hold_break(self, on: bool) -> None:
@@ -131,7 +130,6 @@ class SerialLine:
             return 0
         discarded, self.waiting = self.waiting, 0
         self._queue.clear()
-        self._place = 0
         self._queue.append(1)  # ends a break of the previous client
         self.broken = False
         return discarded
@@ -158,12 +156,11 @@ class SerialLine:
                 self._queue.popleft()
                 continue
             data, wrong, ninth = first
-            self._frame(begin, data[self._place], wrong, ninth)
-            self._place += 1
+            self._frame(begin, data[0], wrong, ninth)
+            del data[:1]
             self.waiting -= 1
-            if self._place == len(data):
+            if not data:
                 self._queue.popleft()
-                self._place = 0
 
     def next_begin(self) -> int:
         """Return the earliest tick at which the first entry of the queue can move RX; NEVER if the queue is empty."""

@@ -202,12 +202,7 @@ def run_plan(plan: Plan, on_judged: OnJudged, *, keep_edges: bool = False, recor
     record: True to keep all records and the edges of all wires.
     """
     columns = Columns()
-
-    def subscribe(recorder: Recorder, timebase: Timebase) -> None:
-        if record:
-            recorder.subscribe(RECORDED, columns)
-
-    scene = plan.scene(subscribe)
+    scene = plan.scene((lambda recorder, _: recorder.subscribe(RECORDED, columns)) if record else None)
     log = WireLog(*scene.wires.values()) if keep_edges or record else None
     transfers: list[Transfer] = []
     scene.on_transfer(transfers.append)

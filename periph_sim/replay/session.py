@@ -39,7 +39,7 @@ from .i2c_closed_loop import I2cReplay
 from .replay import Progress
 from .report import FAIL, NOT_JUDGED, PASS, Report
 from .setup import LEAD, PATIENCE, TAIL, check_length, rate_of, unit_with
-from .uart import line_events, play_line
+from .uart import play_line
 
 OF_ROUNDS = ("round", "missed rounds", "nacked rounds", "slack")
 PAUSE = 2  # maximum pause on RX within a frame, in character times
@@ -146,7 +146,7 @@ class SessionReplay(I2cReplay):
         scene = self._session_scene
         dsp = scene.units[self._answering.unit]
         line = line_of(dsp) if self._wanted is None else self._wanted
-        words = line_events(self._serial, self._rx, line)
+        words = uart.events(self._serial, self._rx, line)
         self._serial_doubt = line_errors(self._serial, self._rx, line, words)[1]
         frames = [word for word in words if word.kind is uart.UartRowKind.FRAME]
         per_position = scene.timebase.per_second / self._serial_rate

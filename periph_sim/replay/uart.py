@@ -77,14 +77,6 @@ def play_line(scene: Scene, capture: Capture, channel: str | int, origin: int) -
     return notes + gap_notes(capture, line)
 
 
-def line_events(capture: Capture, channel: str | int, line: decode.Line) -> list[decode.Event]:
-    """Decode a channel. Raise BadReplay if the sample rate of the capture is too low for the line's baud rate."""
-    try:
-        return decode.events(capture, channel, line)
-    except ValueError as error:
-        raise BadReplay(str(error)) from None
-
-
 class UartReplay(Replay):
     """Replay of one channel of a capture into SCI-A.
 
@@ -156,7 +148,7 @@ class UartReplay(Replay):
             return ""
         self.kernel.run_until(self.origin)
         self._line = line = self._line_to_read()
-        self._events = line_events(self._capture, self._channel.index, line)
+        self._events = decode.events(self._capture, self._channel.index, line)
         end = self.origin + int(self._capture.length * self.timebase.per_second / self._rate)
         if not any(event.kind is UartRowKind.CUT for event in self._events[-2:]):
             end += self.timebase.ticks(1 / Fraction(line.baud) + TAKEN, "up")

@@ -209,7 +209,7 @@ def bytes_of_device(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
     who = sender(evidence, phase)
     first = first_word(evidence, phase)
     memory = _part(evidence, phase)
-    written = dict(_writes(evidence, phase)) if memory is not None else {}
+    written = dict(_writes(evidence, phase, memory)) if memory is not None else {}
     steps = []
     for number, byte in enumerate(phase.data):
         said = f"{_byte_text(evidence, phase, number)}, sent by {who}"
@@ -263,14 +263,11 @@ def _pointer(memory: eeprom.Part, phase: RecordedPhase) -> int:
     return ((block << 8 if memory.word == 1 else 0) + word) % memory.size
 
 
-def _writes(evidence: Evidence, read: RecordedPhase) -> Iterator[tuple[int, Record]]:
+def _writes(evidence: Evidence, read: RecordedPhase, memory: eeprom.Part) -> Iterator[tuple[int, Record]]:
     """Yield the word address and the record of each byte that was written to a memory before a read.
 
     At the end of a page, the word address wraps to the beginning of the page.
     """
-    memory = _part(evidence, read)
-    if memory is None:
-        return
     who = evidence.devices.get(read.address, "")
     for phase in evidence.phases:
         ours = phase.end <= read.begin and not phase.read and evidence.devices.get(phase.address, "") == who

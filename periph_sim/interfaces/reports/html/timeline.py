@@ -300,10 +300,9 @@ class Lanes:
         lane = Lane(kind, what, unit, initial, chosen=changes[0][3:5] in self.chosen_flags)
         if kind == "wave":
             return self._add_edges(lane, changes, lambda record: f"{self._because(record)}{about}")
+        first = changes[0]._replace(tick=self.kept[0].begin, value=initial, cause=0)
         ends = [record.tick for record in changes] + [self.kept[-1].end]
-        says = f"{happened(changes[0]._replace(value=initial))}{about}"
-        self.add(lane, self.kept[0].begin, says, number(initial), ends[0])
-        for record, end in zip(changes, ends[1:], strict=True):
+        for record, end in zip([first, *changes], ends, strict=True):
             says = f"{happened(record)}{self._because(record)}{about}"
             self.add(lane, record.tick, says, number(record.value), end)
         return lane

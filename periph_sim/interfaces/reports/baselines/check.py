@@ -171,9 +171,9 @@ def check(
     """
     files = case_files(paths)
     refused: list[RejectedCase] = []
-    keep_finished = on_refused is not None and not update
+    lost: dict[Path, str] | None = {} if on_refused is not None and not update else None
     before = _baselines(files, None if update else refused)
-    ran, stopped = _run_each(files, jobs, cluster, changes, keep_values, on_progress, keep_finished=keep_finished)
+    ran = _run_each(files, jobs, cluster, changes, keep_values, on_progress, lost)
     refused += [one for one in ran if isinstance(one, RejectedCase)]
     outcomes = [one for one in ran if isinstance(one, Outcome) and one.path in before]
     wrong = [one for one in refused if on_refused is None or not one.outside]
@@ -184,11 +184,10 @@ def check(
             on_refused(one)
     checks = [_compared(outcome, before[outcome.path], 0 if update else tolerance) for outcome in outcomes]
     covered = [one for one in checks if coverage_path(one.outcome.path).exists()]
-    if stopped:
+    if lost:
         for one_check in covered:
             one_check.coverage = _not_run(coverage_path(one_check.outcome.path))
     else:
-        lost: dict[Path, str] | None = {} if keep_finished else None
         with workers(jobs, len(files), cluster) as start:
             coverages = [_start_coverage(one, start, tolerance) for one in covered]
             _explain(checks, before, start, None if update else tolerance, lost)
@@ -196,10 +195,10 @@ def check(
                 _write(checks)
             for one_check, run in zip(covered, coverages, strict=True):
                 one_check.coverage = _covered(run, one_check, lost)
-        if lost and on_refused is not None:
-            for path, why in lost.items():
-                on_refused(RejectedCase(path, f"{path}: {STOPPED}: {why}"))
-            checks = [one for one in checks if one.outcome.path not in lost]
+    if lost and on_refused is not None:
+        for path, why in lost.items():
+            on_refused(RejectedCase(path, f"{path}: {why}"))
+        checks = [one for one in checks if one.outcome.path not in lost]
     for one_check in checks:
         one_check.proof = mark_proven(one_check.outcome.path, changes, one_check.outcome.verdicts)
         one_check.findings = judge(one_check, guaranteed)
@@ -213,35 +212,31 @@ def _run_each(
     changes: Sequence[str],
     keep_values: bool,
     on_progress: Callable[[float], None] | None,
-    *,
-    keep_finished: bool,
-) -> tuple[list[Outcome | RejectedCase], bool]:
-    """Run each case. Return the results, and True if Ctrl-C, SIGTERM or the loss of the cluster stopped the runs.
+    lost: dict[Path, str] | None,
+) -> list[Outcome | RejectedCase]:
+    """Run each case. Return the results of the finished cases.
 
-    keep_finished: True to return the results of the finished cases after such a stop, and a RejectedCase for each other
-        case; False to raise KeyboardInterrupt or ClusterError.
+    lost: a dictionary to which each case is added that Ctrl-C, SIGTERM or the loss of the cluster stopped, with the
+        reason; None to raise KeyboardInterrupt or ClusterError.
     """
     came: dict[Path, Outcome | RejectedCase] = {}
-    why = STOPPED
     try:
         with workers(jobs, len(files), cluster) as start:
             waiting = [(path, start(run_case, path, tuple(changes), keep_values)) for path in files]
             for done, (path, result) in enumerate(waiting, 1):
                 try:
-                    came[path] = result()
+                    found = _result(result, path, lost)
                 except BadCheck as error:
-                    came[path] = RejectedCase(path, str(error))
-                except ClusterError as error:
-                    if not keep_finished:
-                        raise
-                    why = f"{STOPPED}: {error}"
+                    found = RejectedCase(path, str(error))
+                if found is not None:
+                    came[path] = found
                 if on_progress is not None:
                     on_progress(done / len(files))
     except KeyboardInterrupt:
-        if not keep_finished:
+        if lost is None:
             raise
-    stopped = [path for path in files if path not in came]
-    return [*came.values(), *(RejectedCase(path, f"{path}: {why}") for path in stopped)], bool(stopped)
+        lost |= {path: STOPPED for path in files if path not in came and path not in lost}
+    return [*came.values()]
 
 
 def _baselines(files: Iterable[Path], refused: list[RejectedCase] | None) -> dict[Path, Baseline | None]:
@@ -302,7 +297,7 @@ def _explain(
     runs = [_run_again(one.outcome, before[one.outcome.path], start, tolerance is None) for one in checks]
     for one, run in zip(checks, runs, strict=True):
         baseline = before[one.outcome.path]
-        chains, one.causes = (None if run is None else _result(run, one, lost)) or ({}, {})
+        chains, one.causes = (None if run is None else _result(run, one.outcome.path, lost)) or ({}, {})
         one.outcome.figures = one.outcome.figures.with_chains({name: chain.lines for name, chain in chains.items()})
         if chains and baseline is not None and tolerance is not None:
             now = one.outcome.figures.budgets
@@ -355,20 +350,20 @@ def _covered(run: Callable[[], CoverageCheck], check: CaseCheck, lost: dict[Path
     from ..coverage_check import without_runs
 
     try:
-        return _result(run, check, lost)
+        return _result(run, check.outcome.path, lost)
     except BadCheck as error:
         path = coverage_path(check.outcome.path)
         return without_runs(path, "changed", f"at a phase of its coverage: {error}")
 
 
-def _result(run: Callable[[], T], check: CaseCheck, lost: dict[Path, str] | None) -> T | None:
+def _result(run: Callable[[], T], case: Path, lost: dict[Path, str] | None) -> T | None:
     """Return the result of a call; None if the cluster that makes it is lost. lost: as in `_explain`."""
     try:
         return run()
     except ClusterError as error:
         if lost is None:
             raise
-        lost[check.outcome.path] = str(error)
+        lost[case] = f"{STOPPED}: {error}"
         return None
 
 

@@ -27,9 +27,7 @@ from ..traces.diff.align import align, numbered
 NOTHING = "nothing more"
 
 BYTE, ACK, EVENT, TIMING = "byte", "ACK", "event", "timing"
-KINDS = (BYTE, ACK, EVENT, TIMING)  # kinds of divergences
-
-# How reports name the first divergence of each kind.
+# For each kind of divergence, the name of its first divergence in reports.
 FIRST = {
     BYTE: "first wrong byte",
     ACK: "first wrong ACK",
@@ -80,7 +78,7 @@ class Divergence:
     index: the number of events before the divergence.
     expected, found: the event in the capture and in the replay, as text.
     capture_s, replay_s: the times of these events in seconds since the capture began; None if there is no event.
-    kind: one of KINDS.
+    kind: a key of FIRST.
     history: the changes of the chip's registers around the divergence.
     cause: a phrase that names the causing statement of the firmware, or another cause; "" if unknown.
     """

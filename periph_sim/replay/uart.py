@@ -107,7 +107,7 @@ class UartReplay(Replay):
         self._channel = capture.channel(channel)
         self._wanted = wanted
         self._words: list[tuple[int, int]] = []  # tick and value of each read of SCIRXBUF
-        self.errors = {"FE": 0, "PE": 0, **dict.fromkeys(FLAGS.values(), 0)}
+        self._times_set = dict.fromkeys(FLAGS.values(), 0)  # for each flag, how often it was set
         self._subscribe = subscribe
         self._unit = unit = unit_with(case, "SCI-A")
         forced: dict[str, object] = {}
@@ -123,17 +123,15 @@ class UartReplay(Replay):
 
     def _listen(self, recorder: Recorder, timebase: Timebase) -> None:
         """Subscribe functions without `self`: a recorder that holds `self`, and so the scene, keeps it for ever."""
-        words, errors, unit = self._words, self.errors, self._unit
+        words, flags, unit = self._words, self._times_set, self._unit
 
         def accessed(record: Record) -> None:
             if record.what == "R SCI-A.SCIRXBUF" and record.where == unit:
                 words.append((record.tick, record.value))
-                errors["FE"] += SCIRXBUF["SCIFFFE"].extract(record.value)
-                errors["PE"] += SCIRXBUF["SCIFFPE"].extract(record.value)
 
         def flagged(record: Record) -> None:
             if record.value and record.what in FLAGS and record.where == f"{unit}.SCI-A":
-                errors[FLAGS[record.what]] += 1
+                flags[FLAGS[record.what]] += 1
 
         recorder.subscribe([Kind.ACCESS], accessed)
         recorder.subscribe([Kind.FLAG], flagged)
@@ -166,7 +164,8 @@ class UartReplay(Replay):
         frames = [event for event in events if event.kind is UartRowKind.FRAME]
         breaks = [event for event in events if event.kind is UartRowKind.BREAK]
         wrong, doubt = line_errors(self._capture, self._channel.index, line, events)
-        judged = Settled(events, line, self._rate, self.received())
+        words = self.received()
+        judged = Settled(events, line, self._rate, words)
         outcome = compare(judged.expected, judged.found)
         divergence = outcome.divergence
         notes = self._notes + self._rate_notes(line) + self._ambiguous_notes(judged.ambiguous, len(frames))
@@ -199,8 +198,9 @@ class UartReplay(Replay):
             ambiguous=len(judged.ambiguous),
             captured_errors=wrong,
             unjudged=unjudged,
-            bytes=len(self._words),
-            errors=self.errors,
+            bytes=len(words),
+            errors={"FE": sum(word.frame_error for word in words), "PE": sum(word.parity_error for word in words)}
+            | self._times_set,
         )
 
     def sides(self, divergence: Divergence) -> tuple[Side, Side, float]:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from os.path import relpath
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVarTuple
 
 from ...scene.case.load import case_of
-from ...scene.case.model import BadCase
+from ...scene.case.model import BadCase, Case
 from ...scene.case.origin import texts_in
 from ...scene.scene import Scene
 
+Ts = TypeVarTuple("Ts")
 Tree = dict[str, Any]
 
 
@@ -42,14 +43,16 @@ def usable_budgets(tree: Tree, target: Path, budgets: Iterable[Tree]) -> list[Tr
 
     For example, a case cannot have a budget of the latency of an interrupt that no PIE line requests.
     """
-    found: list[Tree] = []
-    for budget in budgets:
-        try:
-            Scene(case_of({**tree, "budget": [budget]}, target)).close()
-        except BadCase:
-            continue
-        found.append(budget)
-    return found
+    return [budget for budget in budgets if can_be_built(case_of, {**tree, "budget": [budget]}, target)]
+
+
+def can_be_built(make: Callable[[*Ts], Case], *arguments: *Ts) -> bool:
+    """Return True if a scene can be built from the case that `make` returns for these arguments."""
+    try:
+        Scene(make(*arguments)).close()
+    except BadCase:
+        return False
+    return True
 
 
 def toml(tree: Tree) -> str:

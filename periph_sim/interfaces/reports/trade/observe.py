@@ -19,11 +19,12 @@ from numpy.typing import NDArray
 
 from ....bus.i2c.transfer import Transfer
 from ....records.recording import recording
-from ....scene.case.model import BadCase, Case
+from ....scene.case.model import Case
 from ....scene.plugins import sensors_of
 from ....scene.scene import Scene
 from ....timing.budget_schema import Budget
 from ....timing.verdict import NOT_JUDGED
+from ..case_text import can_be_built
 
 SAMPLE = 6  # number of bytes of a sample; a read of this length contains one sample
 UNITS = ("s", 1), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)
@@ -180,17 +181,10 @@ def _measurable(case: Case) -> Case:
 
     If a row takes its units from another case, budgets about the original firmware may not fit these units.
     """
-    try:
-        Scene(case)
-    except BadCase:
-        kept = tuple(budget for budget in case.budget if _can_have(case, budget))
-        return case.model_copy(update={"budget": kept, "breaks": ()})
-    return case
 
+    def with_budgets(*budgets: Budget) -> Case:
+        return case.model_copy(update={"budget": budgets, "breaks": ()})
 
-def _can_have(case: Case, budget: Budget) -> bool:
-    try:
-        Scene(case.model_copy(update={"budget": (budget,), "breaks": ()}))
-    except BadCase:
-        return False
-    return True
+    if can_be_built(lambda: case):
+        return case
+    return with_budgets(*(budget for budget in case.budget if can_be_built(with_budgets, budget)))

@@ -19,10 +19,8 @@ from functools import cache
 from random import Random, SystemRandom
 from typing import Any
 
-from periph_sim.core.records import Recorder
-from periph_sim.core.time import Timebase
 from periph_sim.interfaces.reports.baselines.compare import compare
-from periph_sim.interfaces.reports.baselines.event_chain import BusBytes
+from periph_sim.interfaces.reports.baselines.event_chain import EventDigests
 from periph_sim.interfaces.reports.baselines.files import Baseline
 from periph_sim.interfaces.reports.baselines.outcome import baseline_of
 from periph_sim.scene.case.load import load
@@ -90,15 +88,12 @@ def _usual(phase: Phase) -> Baseline:
 
 
 def _figures(phase: Phase, module: Any) -> Baseline:
-    run, sent = phase.run, list[BusBytes]()
+    run = phase.run
     case = load(ROOT / "timing" / f"{run.case}.toml", [*run.changes, *phase.changes, STALLED])
-
-    def subscribe(recorder: Recorder, _: Timebase) -> None:
-        sent.append(BusBytes(recorder))
-
-    scene = Scene(case, subscribe, programs={"dsp": Firmware("mutant", module.main, module.Settings)})
+    digests = EventDigests(case.start)
+    scene = Scene(case, digests.subscribe, programs={"dsp": Firmware("mutant", module.main, module.Settings)})
     result = scene.run(scene.timebase.seconds(scene.timebase.ticks(run.seconds + " s", "nearest")))
-    return baseline_of(scene, result).model_copy(update={"bus_bytes": sent[0].digests})
+    return baseline_of(scene, result).model_copy(update={"bus_bytes": digests.bus_bytes})
 
 
 class Sample:

@@ -322,7 +322,9 @@ def check(case: Case) -> tuple[str, ...]:
         if not unit.image:
             raise NotClosed(f"unit {name} runs no image, and other firmware has a part of its state on a stack")
         if unit.ppm:
-            raise NotClosed(f"unit.{name}.ppm is not 0, so a cycle is not a whole number of ticks")
+            other = "host" if case.controller is None else "controller"
+            why = "so a cycle is not a whole number of ticks; give the difference of the clocks to"
+            raise NotClosed(f"unit.{name}.ppm is not 0, {why} {other}.ppm")
     for table in ("chip", "device", "serial", "fault", "outside", "transceiver", "rounds", "watch"):
         if getattr(case, table):
             raise NotClosed(f"the state of [{table}] is not compared")

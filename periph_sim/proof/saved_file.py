@@ -55,4 +55,9 @@ def read(path: Path, kind: type[T], what: str, renew: str) -> T | None:
 
 def current(contents: T | None, case: Path) -> tuple[T, list[str]] | None:
     """Return the contents of a case's file, with a phrase for each changed dependency; None if there are none."""
-    return None if contents is None else (contents, contents.dependencies.differences(case.parent))
+    if contents is None:
+        return None
+    differences = contents.dependencies.differences(case.parent)
+    if case.name not in contents.dependencies.files:  # the file was copied
+        differences.insert(0, f"it is of another case file than {case.name}")
+    return contents, differences

@@ -63,6 +63,14 @@ def test_a_changed_file_ends_a_proof(name: str, desk: tuple[Path, ProofFile]):
         file.write_bytes(before)
 
 
+def test_a_copied_proof_is_of_the_case_from_which_it_was_copied(desk: tuple[Path, ProofFile]):
+    case, proof = desk
+    other = case.with_stem("other")
+    other.write_bytes(case.read_bytes())
+    proof_path(other).write_bytes(proof_path(case).read_bytes())
+    assert current(other) == (proof, ["it is of another case file than other.toml"])
+
+
 @pytest.mark.parametrize("text", ["", "{}", '{"version": 2}', "not JSON", "\0"])
 def test_a_file_that_is_no_proof_is_named(text: str, tmp_path: Path):
     path = tmp_path / "slave.json"

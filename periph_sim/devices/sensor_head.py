@@ -23,6 +23,7 @@ from random import Random
 from ..bus.i2c.controller import I2cController
 from ..bus.i2c.transfer import Transfer
 from ..core.agent import Agent
+from ..core.chip import NEVER
 from ..core.kernel import Kernel
 from ..core.state import State
 from .sensor_rounds import Request, Round, Schedule
@@ -74,7 +75,7 @@ class SensorHead(Agent):
         self._startup = startup
         self._round: Round | None = None
         self._left: list[Transfer] = []
-        self._due: int = self._first  # the tick at which the next round is due, or the last one was
+        self._due: int = self._first  # the tick at which the next round is due, see `_plan`
         if startup:
             kernel.schedule(self._first - schedule.ahead, self, SET_UP)
         self._plan()
@@ -98,9 +99,13 @@ class SensorHead(Agent):
             self._set_up()
 
     def _plan(self) -> None:
-        """Schedule the next round, with its jitter. `_due` is the tick at which the round is due, without jitter."""
+        """Schedule the next round, with its jitter.
+
+        Set `_due` to the tick at which the round is due, without jitter. It is NEVER after the last one of a list.
+        """
         schedule = self.schedule
         if schedule.starts is not None:
+            self._due = NEVER
             if self._number < len(schedule.starts):
                 self._due = schedule.starts[self._number]
                 self._kernel.schedule(self._due, self, ROUND)

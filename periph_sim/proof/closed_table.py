@@ -81,6 +81,7 @@ class StartTable(Struct):
     entries: the number of entries that were run.
     again: the number of entries that were run again.
     apart: the least distance of two starts for which the table was made, in ticks.
+    first_rest: the tick of the first rest, from the start of the run.
     outcomes: the outcomes of the runs.
     starts: for each run, its starts, in ticks from the start of the run.
     spanning, lacking: the names of budgets, see `MeasuresAtRest`.
@@ -90,6 +91,7 @@ class StartTable(Struct):
     entries: int
     again: int
     apart: int
+    first_rest: int
     outcomes: list[Outcome]
     starts: list[list[int]]
     spanning: set[str]
@@ -118,24 +120,27 @@ class StartTable(Struct):
         until = next((start for start in starts if start > at), starts[-1] + self.apart)
         return [start for start in starts if start < until], until - 1
 
-    def not_proven(self, covered: CoveredCase) -> dict[str, str]:
+    def not_proven(self, covered: CoveredCase, apart: int | None = None) -> dict[str, str]:
         """Return a dictionary from each budget that the table does not prove to the reason.
 
         The table proves a budget if each of its values follows from one round, if all rounds are judged, and if the
         starts of the case are as far apart as those of the table.
+
+        apart: the least distance of the starts; None for that of the table.
         """
         found: dict[str, str] = {}
-        if covered.phases.least_distance() < self.apart:
-            milliseconds = self.apart / covered.phases.ticks_per_second * 1000
+        apart = self.apart if apart is None else apart
+        if covered.phases.least_distance() < apart:
+            milliseconds = apart / covered.phases.ticks_per_second * 1000
             reason = f"the case has starts that are less than {milliseconds:.4f} ms apart"
             return {budget.name: reason for budget in covered.case.budget}
-        not_before = covered.not_before()
+        not_before, first = covered.not_before(), min(starts[0] for starts in self.starts)
         for name, looks_back in covered.looks_back().items():
             if name in self.spanning:
                 found[name] = "an occurrence of it lasts from one round to the next"
             elif name in self.lacking:
                 found[name] = "a round has too few measured values, and a run of such rounds is not judged"
-            elif not_before[name] > covered.phases.first_start():
+            elif not_before[name] > first:
                 found[name] = "its `after` leaves out rounds of the table"
             elif not looks_back <= WITHIN_ROUND:
                 (further, *_) = sorted(looks_back - WITHIN_ROUND)
@@ -150,6 +155,8 @@ class TableMaker:
     on_estimate: called once, with the number of entries of the first orbit and an estimate of the CPU time in seconds.
     on_run: called at the end of each run, with the run and the places from which its rounds after the first one began.
         The scenes then keep all values of their budgets.
+    rests_first: as for `FreeRun`.
+    least_again: the least number of entries that are run again.
     """
 
     def __init__(
@@ -158,11 +165,15 @@ class TableMaker:
         on_progress: Callable[[float], None] | None = None,
         on_estimate: Callable[[int, float], None] | None = None,
         on_run: Callable[[FreeRun, Sequence[RestPlace]], None] | None = None,
+        rests_first: bool = False,
+        least_again: int = LEAST_REVISITED,
     ) -> None:
         self._covered = covered
         self._on_progress = on_progress
         self._on_estimate = on_estimate
         self._on_run = on_run
+        self._rests_first = rests_first
+        self._least_again = least_again
         self._timed_from = 0.0  # the CPU time at which the first entry was begun
         self._ignored = check(covered.case)
         self._random = Random(1)
@@ -170,7 +181,7 @@ class TableMaker:
         self._open: list[list[int]] = []  # for each orbit, the ticks of the entries that were not run yet, ascending
         self.entries: dict[RestPlace, TableEntry] = {}  # by the place at the start of the round
         self.first: TableEntry | None = None  # the first round of each run
-        self.table = StartTable([], 0, 0, 0, [], [], set(), set())
+        self.table = StartTable([], 0, 0, 0, 0, [], [], set(), set())
 
     def make(self) -> StartTable:
         """Return the table, once it is closed or a run has failed.
@@ -182,7 +193,7 @@ class TableMaker:
             self._run(again=0)
             if table.has_failed:
                 return table
-        wanted = _revisits(len(self.entries))
+        wanted = self._revisits(len(self.entries))
         while table.again < wanted or any(self._open):
             self._run(again=wanted)
             if table.has_failed:
@@ -191,12 +202,14 @@ class TableMaker:
 
     def _run(self, again: int) -> None:
         """Run up to ROUNDS_A_RUN rounds: of open entries, or of random entries until `again` were run again."""
-        run, table = FreeRun(self._covered, self._ignored, self._on_run is not None), self.table
+        run = FreeRun(self._covered, self._ignored, self._on_run is not None, self._rests_first)
+        table = self.table
         measures = MeasuresAtRest(run.scene.limits)
         measures.rest(run.now)
-        table.apart = max(table.apart, run.now - run.scene.start - run.starts[0] + 1)
+        table.first_rest = run.now - run.scene.start
         place = self._place(run)
-        if not table.starts:
+        if not self._rests_first:
+            table.apart = max(table.apart, table.first_rest - run.starts[0] + 1)
             self.first = TableEntry(place, run.now - run.scene.start - run.starts[0], run.records.digest)
         begun: list[RestPlace] = []
         for _ in range(ROUNDS_A_RUN):
@@ -257,12 +270,24 @@ class TableMaker:
         del here[bisect_left(here, tick)]
         self.table.entries += 1
         if self.table.entries == TIMED and self._on_estimate is not None:
-            (entries,) = self.table.orbits[:1]
-            seconds = (process_time() - self._timed_from) / TIMED
-            self._on_estimate(entries, seconds * (entries + _revisits(entries)))
+            self._on_estimate(self.table.orbits[0], self._estimate(self.table.orbits[0]))
         if self._on_progress is not None:
             self._on_progress(self.table.entries / sum(self.table.orbits))
         return after
+
+    def _revisits(self, entries: int) -> int:
+        """Return how many entries of a table with this number of entries are run again."""
+        return max(self._least_again, entries // REVISITED)
+
+    def _estimate(self, entries: int) -> float:
+        """Return the estimated CPU time in seconds. entries: the number of entries of the first orbit."""
+        now = process_time()
+        entry = (now - self._timed_from) / TIMED
+        if not self._rests_first:
+            return entry * (entries + self._revisits(entries))
+        # No round leads back to the first orbit, so each of its entries needs a run. The later orbit is as long.
+        FreeRun(self._covered, self._ignored, self._on_run is not None, self._rests_first)
+        return entry * (2 * entries + self._revisits(2 * entries)) + (process_time() - now) * entries
 
     def _compare(self, at: RestPlace, known: TableEntry, entry: TableEntry) -> None:
         """Raise Contradiction if two runs of an entry differ. The two states of rest may be parts of an orbit apart."""
@@ -305,11 +330,6 @@ class TableMaker:
         table.orbits.append(len(keys) * cycle)
         self._open.append(list(range(len(keys) * cycle)))
         self._timed_from = self._timed_from or process_time()
-
-
-def _revisits(entries: int) -> int:
-    """Return how many entries of a table with this number of entries are run again."""
-    return max(LEAST_REVISITED, entries // REVISITED)
 
 
 def check(case: Case) -> tuple[str, ...]:

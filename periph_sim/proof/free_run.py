@@ -59,7 +59,7 @@ class RoundRecords(Listener):
 
 
 class FreeRun:
-    """A run that begins with the first start of the case.
+    """A run whose starts are chosen one by one.
 
     scene: the scene, which the user of this class must not advance.
     starts: the ticks of the starts so far, counted from the start of the run.
@@ -67,8 +67,14 @@ class FreeRun:
     long: the number of ticks after which instants are long past.
     """
 
-    def __init__(self, covered: CoveredCase, ignored: Sequence[str], keep_values: bool) -> None:
-        """ignored: as for `normal_state`. keep_values: as for `Scene`."""
+    def __init__(self, covered: CoveredCase, ignored: Sequence[str], keep_values: bool, rests_first: bool) -> None:
+        """Advance to the first rest.
+
+        ignored: as for `normal_state`. keep_values: as for `Scene`.
+        rests_first: True if the first rest comes before the first start; False if the first start of the case does.
+
+        Raise NotClosed if the first rest would come after the first start of the case.
+        """
         self.records = RoundRecords()
         self.scene: Scene = covered.free_scene(self.records, keep_values)
         self.starts: list[int] = []
@@ -76,6 +82,12 @@ class FreeRun:
         (self._dsp, *_) = self.scene.units.values()
         self.long = self.scene.timebase.per_second // LONG_PAST
         first = self.scene.start + covered.phases.first_start()
+        if rests_first:
+            self.settle()
+            if self.now >= first:
+                at = 1000 * (self.now - self.scene.start) / self.scene.timebase.per_second
+                raise NotClosed(f"the first start must come later, because the first rest is at {at:.4f} ms")
+            return
         self.scene.advance(first - 1)
         self.records.accessed = ""  # start-up code sets up the clocks
         self.start(first)
@@ -126,6 +138,8 @@ class FreeRun:
                 self._step(self.long, until, DUE)
             self._step(2 * self.long, until, DUE)  # instants of what was due are then long past
         self.next_cycle()
+        if not self.starts:
+            self.records.accessed = ""  # start-up code sets up the clocks
         if self.records.accessed:
             what = f"the firmware accesses {self.records.accessed} after the first start"
             raise NotClosed(f"{what}, and the effects are not in the table; let it start after the start-up")

@@ -1,8 +1,8 @@
 """The file of a proof: proofs/NAME.json beside the case, with the proven budgets and everything they depend on.
 
-    StartTable --proof_of--> ProofFile --text_of--> file --current--> the proven budgets, for `run`, `check` and pytest
+    TableProof --proof_of--> ProofFile --text_of--> file --current--> the proven budgets, for `run`, `check` and pytest
 
-Only a closed table is saved. A proof holds for the case as it is in the file: a changed dependency ends it.
+Only closed tables are saved. A proof holds for the case as it is in the file: a changed dependency ends it.
 """
 
 from __future__ import annotations
@@ -14,12 +14,11 @@ from typing import Literal
 from msgspec import Struct
 
 from ..core.phrases import counted
-from ..timing.verdict import Verdict
+from ..timing.verdict import NOT_JUDGED, Verdict
 from . import saved_file
-from .closed_table import StartTable
 from .dependencies import Dependencies
 from .saved_paths import proof_path
-from .stretch import CoveredCase
+from .table_proof import TableProof
 
 RENEW = "write it again with prove --table --save"
 TOO_LITTLE = "too little was measured to judge it"
@@ -29,11 +28,13 @@ class ProvenBudget(Struct, frozen=True):
     """A proven budget.
 
     worst: the worst value of all starts.
-    starts: the starts of a run with this value, up to the value itself, in ticks from the start of the run.
+    changes: the "key=value" texts of the run with this value: its clock, if the proof is for a range of clocks.
+    starts: the starts of this run, up to the value itself, in ticks from the start of the run.
     until: the tick at which this run ends.
     """
 
     worst: Verdict
+    changes: tuple[str, ...]
     starts: tuple[int, ...]
     until: int
 
@@ -44,9 +45,11 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     case: the name of the case.
     moved: what starts, "rounds" or "frames".
     ticks_per_second: the length of a tick.
-    first: the first start, in ticks from the start of the run.
+    within_ppm: for each clock of the controller whose error differs from that of the case by at most this number, the
+        proof holds; None if it holds for the clock of the case.
+    first: the first start, in ticks from the start of the run; with a range of clocks, it can also be later.
     apart: the least distance of two starts for which the proof holds, in ticks.
-    starts: the number of starts in the table, all of which were run.
+    starts: the number of starts in the tables, all of which were run.
     again: the number of starts that were run again, and compared.
     proven: a dictionary from each proven budget to its worst value.
     not_proven: a dictionary from each other budget of the case to the reason.
@@ -56,6 +59,7 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     case: str
     moved: str
     ticks_per_second: int
+    within_ppm: float | None
     first: int
     apart: int
     starts: int
@@ -70,29 +74,30 @@ class ProofFile(Struct, frozen=True, kw_only=True):
         of = len(self.proven) + len(self.not_proven)
         apart = 1000 * Fraction(self.apart, self.ticks_per_second)
         starts = f"all sequences of {self.moved} that start at least {float(apart):.4f} ms apart"
-        return f"{len(self.proven)} of {counted(of, 'budget')} proven for {starts}"
+        clocks = "" if self.within_ppm is None else f", and all clocks within {self.within_ppm:g} ppm"
+        return f"{len(self.proven)} of {counted(of, 'budget')} proven for {starts}{clocks}"
 
 
-def proof_of(table: StartTable, covered: CoveredCase, dependencies: Dependencies) -> ProofFile:
-    """Return the contents of the proof file for a closed table."""
-    not_proven = covered.not_whole | table.not_proven(covered)
+def proof_of(made: TableProof, dependencies: Dependencies) -> ProofFile:
+    """Return the contents of the proof file for closed tables."""
+    covered, worst = made.covered, made.worst()
+    not_proven = covered.not_whole | made.not_proven()
     proven: dict[str, ProvenBudget] = {}
-    worst = table.worst()
-    for budget in covered.case.budget:
-        found = worst.get(budget.name)
-        if found is None or not found.verdict.passed:
-            not_proven.setdefault(budget.name, TOO_LITTLE)
-        elif budget.name not in not_proven:
-            starts, until = table.run_of(found, covered.phases.ticks_per_second)
-            proven[budget.name] = ProvenBudget(found.verdict, tuple(starts), until)
+    for name, word in made.words().items():
+        if word == NOT_JUDGED:
+            not_proven.setdefault(name, TOO_LITTLE)
+        elif name not in not_proven:
+            starts, until = worst[name].run()
+            proven[name] = ProvenBudget(worst[name].verdict, worst[name].part.changes, tuple(starts), until)
     return ProofFile(
         case=covered.case.name,
         moved=covered.phases.moved,
         ticks_per_second=covered.phases.ticks_per_second,
-        first=covered.phases.first_start(),
-        apart=table.apart,
-        starts=table.entries,
-        again=table.again,
+        within_ppm=None if made.within is None else float(made.within),
+        first=made.first,
+        apart=made.apart,
+        starts=made.entries,
+        again=made.again,
         proven=proven,
         not_proven=not_proven,
         dependencies=dependencies,

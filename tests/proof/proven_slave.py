@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from periph_sim.proof.closed_table import TableMaker
 from periph_sim.proof.dependencies import dependencies
 from periph_sim.proof.proof_file import ProofFile, proof_of
 from periph_sim.proof.saved_file import text_of
 from periph_sim.proof.saved_paths import proof_path
-from periph_sim.proof.stretch import CoveredCase, Job
+from periph_sim.proof.stretch import Job
+from periph_sim.proof.table_proof import prove
 from tests.scene.runs import TIMING
 
 FIRMWARE = "register_slave.asm"
@@ -53,7 +53,6 @@ def write_slave(folder: Path, budgets: str = BUDGETS) -> Path:
         (folder / name).write_bytes((source / name).read_bytes())
     text = (TIMING / "variants" / "image_register_slave.toml").read_text(encoding="utf-8")
     text = text.replace(f"../../firmware/c28x/{FIRMWARE}", FIRMWARE).replace('duration = "9 ms"', 'duration = "29 ms"')
-    text = text.replace('first = "5 ms"', 'first = "5.00001 ms"')
     case = folder / "slave.toml"
     case.write_text(text + budgets, encoding="utf-8")
     return case
@@ -61,8 +60,8 @@ def write_slave(folder: Path, budgets: str = BUDGETS) -> Path:
 
 def save_proof(case: Path) -> ProofFile:
     """Make the table of a case, save its proof, and return the contents of the file."""
-    covered = CoveredCase(Job(str(case)))
-    proof = proof_of(TableMaker(covered).make(), covered, dependencies(case.parent, covered.case.files()))
+    made = prove(Job(str(case)))
+    proof = proof_of(made, dependencies(case.parent, made.covered.case.files()))
     proof_path(case).parent.mkdir(exist_ok=True)
     proof_path(case).write_text(text_of(proof), encoding="utf-8")
     return proof

@@ -12,12 +12,12 @@ from typing import Any, cast
 
 import pytest
 
-from periph_sim.interfaces.commands.prove_table import _words
 from periph_sim.proof import closed_table
 from periph_sim.proof.closed_table import StartTable, TableMaker
 from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.measures_at_rest import MeasuresAtRest
 from periph_sim.proof.stretch import CoveredCase
+from periph_sim.proof.table_proof import Part, TableProof
 from periph_sim.scene.case.inputs_table import InputsTable
 from periph_sim.scene.scene import Scene
 from tests.proof.test_closed_table import covered, made, write_echo
@@ -112,14 +112,14 @@ def word(reason: str) -> str:
 def test_budgets_on_frames(name: str, echo: tuple[CoveredCase, StartTable]):
     case, table = echo
     assert table.not_proven(case).get(name, "") == ECHO_REASONS[name]
-    assert _words(table, case)[name] == word(ECHO_REASONS[name])
+    assert TableProof(case, None, [Part(case, table, ())]).words()[name] == word(ECHO_REASONS[name])
 
 
 @pytest.mark.parametrize("name", SLAVE_REASONS)
 def test_budgets_on_rounds(name: str, slave: tuple[CoveredCase, StartTable]):
     case, table = slave
     assert table.not_proven(case).get(name, "") == SLAVE_REASONS[name]
-    assert _words(table, case)[name] == word(SLAVE_REASONS[name])
+    assert TableProof(case, None, [Part(case, table, ())]).words()[name] == word(SLAVE_REASONS[name])
 
 
 def test_ordinary_runs_break_budgets_that_held_in_the_table(

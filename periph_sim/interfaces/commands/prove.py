@@ -24,9 +24,10 @@ if TYPE_CHECKING:
     from ..reports.coverage import Coverage
 
 HELD = "held"  # the word for a budget that no run broke
+MOST_PPM = 10_000  # highest value of --ppm
 STEP = 97  # the default of --step in cycles; it has no common divisor with usual clock dividers or lengths of waits
 # The parameters that have an effect with --table, and with --questions.
-WITH_TABLE = ("case", "changes", "folder", "table", "save", "questions", "as_json")
+WITH_TABLE = ("case", "changes", "folder", "table", "ppm", "save", "questions", "as_json")
 WITH_QUESTIONS = ("case", "changes", "step", "only", "rounds", "start_up", "table", "questions", "jobs", "as_json")
 MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures, that are listed; --json has all
 
@@ -64,6 +65,12 @@ MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures,
 )
 @click.option("--table", is_flag=True, help="Prove all starts with a table of states. Firmware images only.")
 @click.option(
+    "--ppm",
+    metavar="PPM",
+    callback=lambda context, option, text: None if text is None else _ppm_given(text),
+    help="With --table: prove it for all clocks of the controller that differ by at most this.",
+)
+@click.option(
     "--save",
     is_flag=True,
     help="Save the result beside the case, in coverage or proofs.",
@@ -82,6 +89,7 @@ def prove(
     cluster: str | None,
     folder: Path | None,
     table: bool,
+    ppm: Fraction | None,
     save: bool,
     questions: bool,
     svg: Path | None,
@@ -98,7 +106,8 @@ def prove(
 
     With --table, the states between rounds (or frames) are compared, and each start is run from each of these states.
     If no further state appears, the budgets are proven for all starts. This needs firmware images, constant data, and
-    units without ppm. Only --set, --witness, --save and --json can be used with --table.
+    units without ppm. With --ppm, this is done for each clock of the controller that gives other lengths in ticks. Only
+    --set, --ppm, --witness, --save and --json can be used with --table.
 
     With --questions, this is repeated with each other answer to the open questions on which the case depends, and with
     pairs of related answers. The output names the budgets whose verdict depends on an answer.
@@ -131,7 +140,7 @@ def prove(
 
         if save:
             _check_writable(proof_path(case))
-        return prove_with_table(case, changes, folder, save, as_json)
+        return prove_with_table(Job(str(case.absolute()), changes), ppm, case, folder, save, as_json)
     if save and start_up:
         raise click.UsageError("--save with --start-up: a coverage file is of the rounds; remove one of them")
     with running_user_code():
@@ -161,6 +170,19 @@ def prove(
     if found.stopped or failed:
         return 2
     return int(any(word != HELD for word in _words(found).values()) or bool(found.windows or found.found.drifting))
+
+
+def _ppm_given(text: str) -> Fraction:
+    """Return the number of a text for --ppm. Raise ClickException if it is no number from 0 to MOST_PPM."""
+    from ...core.exact_number import exact_number
+
+    try:
+        number = exact_number(text)
+    except ValueError:
+        number = Fraction(-1)
+    if not 0 <= number <= MOST_PPM:
+        raise click.ClickException(f"--ppm {text!r}: expected a number from 0 to {MOST_PPM:,}")
+    return number
 
 
 def _refuse_others(option: str, effective: Sequence[str]) -> None:

@@ -67,12 +67,13 @@ def _at_phases(case: Path, choice: Choice, worst: Worst) -> SavedWorst:
 
 def _of_proof(case: Path, file: ProofFile, proven: ProvenBudget) -> SavedWorst:
     """Return the worst occurrence of a budget in the runs of a proof."""
-    covered = CoveredCase(Job(str(case.absolute())))
+    covered = CoveredCase(Job(str(case.absolute()), proven.changes))
     end = Fraction(proven.until, file.ticks_per_second)
     scene = covered.scene_of(covered.phases.inputs_at(proven.starts), end, covered.case.seed)
     starts = [start / file.ticks_per_second for start in proven.starts]
-    text = f"in a run with other {file.moved}, the worst of {proof_path(case)}:"
-    return _again(scene, proven.worst.name, text, {f"{file.moved}_s": starts})
+    clock = f" and {', '.join(proven.changes)}" if proven.changes else ""
+    text = f"in a run with other {file.moved}{clock}, the worst of {proof_path(case)}:"
+    return _again(scene, proven.worst.name, text, {f"{file.moved}_s": starts, "changes": list(proven.changes)})
 
 
 def _is_nearer(one: Verdict, other: Verdict) -> bool:

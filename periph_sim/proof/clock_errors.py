@@ -1,0 +1,46 @@
+"""The errors of a controller's clock that give different runs.
+
+errors from -100 to 100 ppm --head_plan--> low 14999 to 15002 ticks, gap 149985 to 150015 ticks, ...
+                            --bisect--> one error for each combination of these lengths
+
+A controller counts each of its lengths in whole ticks. Each length is the nearest number of ticks to a quotient that
+falls as the error rises, so all errors between two errors with equal lengths have these lengths, too. The starts of
+rounds also depend on the error, but a table contains all starts.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from ..scene.case.model import Case
+from ..scene.controller import HeadPlan, head_plan
+from ..scene.plan import ScenePlan
+
+# Two errors that are less than this apart, in ppm, have no other lengths between them: the errors at which a length
+# changes are fractions of much smaller denominators, and lengths that change at the same error change together.
+LEAST = Fraction(1, 2**80)
+
+
+def clock_errors(case: Case, within: Fraction) -> list[Fraction]:
+    """Return errors of the controller's clock, in ppm and in ascending order.
+
+    For each error that differs from `controller.ppm` by at most `within`, one of them gives the same lengths.
+    """
+    assert case.controller is not None
+    found: dict[object, Fraction] = {}
+
+    def lengths(error: Fraction) -> object:
+        assert case.controller is not None
+        controller = case.controller.model_copy(update={"ppm": error})
+        plan: HeadPlan = head_plan(ScenePlan(case.model_copy(update={"controller": controller})).ticks)
+        these = plan.timing, plan.schedule.gap, plan.clear_after
+        found.setdefault(these, error)
+        return these
+
+    waiting = [(case.controller.ppm, case.controller.ppm + side) for side in (-within, within)]
+    while waiting:
+        one, other = waiting.pop(0)
+        if lengths(one) != lengths(other) and abs(other - one) > LEAST:
+            middle = (one + other) / 2
+            waiting += [(one, middle), (middle, other)]
+    return sorted(found.values())

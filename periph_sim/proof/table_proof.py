@@ -1,0 +1,180 @@
+"""A proof with closed tables: one for the case as it is, or one for each clock of a controller within a range.
+
+case --clock_errors--> changed cases --TableMaker--> Part, Part, ... --> worst values, words, least distance of starts
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import NamedTuple
+
+from ..timing.verdict import BROKEN, NOT_JUDGED, PROVEN, Verdict
+from .clock_errors import clock_errors
+from .closed_table import LEAST_REVISITED, StartTable, TableMaker, WorstInRuns
+from .cover import is_worse
+from .free_run import NotClosed
+from .stretch import CoveredCase, Job
+
+HELD = "held"  # the word for a budget that no run broke, and that the tables do not prove
+
+
+class Part(NamedTuple):
+    """One table of a proof. changes: the "key=value" texts of its case, beside those of the proof."""
+
+    covered: CoveredCase
+    table: StartTable
+    changes: tuple[str, ...]
+
+
+class WorstInProof(NamedTuple):
+    """The worst value of a budget in all tables, and the table that has it."""
+
+    part: Part
+    found: WorstInRuns
+
+    @property
+    def verdict(self) -> Verdict:
+        return self.found.verdict
+
+    def run(self) -> tuple[list[int], int]:
+        """Return the starts and the end of the run, see `StartTable.run_of`."""
+        return self.part.table.run_of(self.found, self.part.covered.phases.ticks_per_second)
+
+
+class TableProof(NamedTuple):
+    """The tables of a case. Only the last one can have failed.
+
+    covered: the case.
+    within: for each error of the controller's clock that differs from `controller.ppm` by at most this number, one of
+        the tables has its lengths; None if the clock is that of the case.
+    parts: the tables.
+    """
+
+    covered: CoveredCase
+    within: Fraction | None
+    parts: list[Part]
+
+    @property
+    def has_failed(self) -> bool:
+        return self.parts[-1].table.has_failed
+
+    @property
+    def entries(self) -> int:
+        """The number of entries that were run."""
+        return sum(part.table.entries for part in self.parts)
+
+    @property
+    def of(self) -> int:
+        """The number of entries of the tables."""
+        return sum(sum(part.table.orbits) for part in self.parts)
+
+    @property
+    def again(self) -> int:
+        """The number of entries that were run again."""
+        return sum(part.table.again for part in self.parts)
+
+    @property
+    def apart(self) -> int:
+        """The least distance of two starts for which the proof holds, in ticks."""
+        return max(part.table.apart for part in self.parts)
+
+    @property
+    def first(self) -> int:
+        """The first start for which the proof holds, in ticks from the start of the run.
+
+        With a range of clocks, the first start can also be later.
+        """
+        if self.within is None:
+            return self.covered.phases.first_start()
+        return max(part.table.first_rest for part in self.parts)
+
+    def worst(self) -> dict[str, WorstInProof]:
+        """Return a dictionary from each budget to its worst value in all tables."""
+        found: dict[str, WorstInProof] = {}
+        for part in self.parts:
+            for name, worst in part.table.worst().items():
+                if name not in found or is_worse(worst.verdict, found[name].verdict):
+                    found[name] = WorstInProof(part, worst)
+        return found
+
+    def not_proven(self) -> dict[str, str]:
+        """Return a dictionary from each budget that the tables do not prove to the reason."""
+        found: dict[str, str] = {}
+        for part in self.parts:
+            found = part.table.not_proven(part.covered, self.apart) | found
+        return found
+
+    def words(self) -> dict[str, str]:
+        """Return a dictionary from each covered budget to BROKEN, NOT_JUDGED, PROVEN or HELD."""
+        worst, not_proven, words = self.worst(), self.not_proven(), {}
+        for budget in self.covered.case.budget:
+            found = worst.get(budget.name)
+            if found is None or not (found.verdict.passed or found.verdict.broken):
+                words[budget.name] = NOT_JUDGED
+            elif found.verdict.broken:
+                words[budget.name] = BROKEN
+            else:
+                words[budget.name] = HELD if self.has_failed or budget.name in not_proven else PROVEN
+        return words
+
+
+def prove(
+    job: Job,
+    within: Fraction | None = None,
+    on_progress: Callable[[float], None] | None = None,
+    on_estimate: Callable[[int, int, float], None] | None = None,
+) -> TableProof:
+    """Make the tables of a case, up to the first one that fails.
+
+    within: as in `TableProof`.
+    on_progress: called with the part of the known entries that were run.
+    on_estimate: called once, with the number of tables, of entries in each, and an estimate of the CPU time in seconds.
+
+    Raise NotClosed if a table cannot be closed, and BadCase for a case without free starts.
+    """
+    covered = CoveredCase(job)
+    cases: list[tuple[CoveredCase, tuple[str, ...]]] = [(covered, ())]
+    if within is not None:
+        cases = _with_clocks(covered, job, within)
+    parts: list[Part] = []
+
+    def advance(done: float) -> None:
+        if on_progress is not None:
+            on_progress((len(parts) + done) / len(cases))
+
+    def estimate(entries: int, seconds: float) -> None:
+        if on_estimate is not None and not parts:
+            on_estimate(len(cases), entries, seconds * len(cases))
+
+    for one, changes in cases:
+        rests_first, least_again = within is not None, -(-LEAST_REVISITED // len(cases))
+        table = TableMaker(one, advance, estimate, None, rests_first, least_again).make()
+        parts.append(Part(one, table, changes))
+        if table.has_failed:
+            break
+    return TableProof(covered, within, parts)
+
+
+def _with_clocks(covered: CoveredCase, job: Job, within: Fraction) -> list[tuple[CoveredCase, tuple[str, ...]]]:
+    """Return the case with each of the clocks that give different runs, with the change that sets the clock."""
+    if covered.case.controller is None or covered.case.host is not None:
+        raise NotClosed("--ppm is for the clock of a [controller], and the bits of a [host] have too many lengths")
+    found: list[tuple[CoveredCase, tuple[str, ...]]] = []
+    for error in clock_errors(covered.case, within):
+        changes = (f"controller.ppm={_decimal(error)}",)
+        changed = CoveredCase(Job(job.file, (*job.changes, *changes), job.start_up, job.rounds))
+        assert changed.case.controller is not None and changed.case.controller.ppm == error, changes
+        found.append((changed, changes))
+    return found
+
+
+def _decimal(value: Fraction) -> str:
+    """Return a number whose denominator is a power of two, or a decimal number, as a decimal text without rounding."""
+    digits = 0
+    while (value * 10**digits).denominator != 1:
+        digits += 1
+    whole = value * 10**digits
+    text = f"{abs(whole.numerator):0{digits + 1}d}"
+    sign = "-" if value < 0 else ""
+    return f"{sign}{text[: len(text) - digits]}.{text[len(text) - digits :] or '0'}"

@@ -157,6 +157,10 @@ class Transfer:
     gap: int | None
     lead: tuple[Bit, ...] = ()
 
+    @property
+    def complete(self) -> bool:
+        return bool(self.phases) and self.stop is not None
+
 
 _Pulse = tuple[int, int, int | None, int | None, int | None]  # the fields of a Bit, except its driver
 

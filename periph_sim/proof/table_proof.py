@@ -5,10 +5,12 @@ case --clock_errors--> changed cases --TableMaker--> Part, Part, ... --> worst v
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
+from itertools import starmap
 from typing import NamedTuple
 
+from ..scene.case.model import Case
 from ..timing.verdict import BROKEN, NOT_JUDGED, PROVEN, Verdict
 from .clock_errors import clock_errors
 from .closed_table import LEAST_REVISITED, StartTable, TableMaker, WorstInRuns
@@ -119,54 +121,71 @@ class TableProof(NamedTuple):
         return words
 
 
+TableArguments = tuple[Job, bool, int]
+MakeTable = Callable[[Job, bool, int], StartTable]
+CallAll = Callable[[MakeTable, Sequence[TableArguments]], Iterable[StartTable]]
+
+
 def prove(
     job: Job,
     within: Fraction | None = None,
     on_progress: Callable[[float], None] | None = None,
     on_estimate: Callable[[int, int, float], None] | None = None,
+    call_all: CallAll | None = None,
 ) -> TableProof:
     """Make the tables of a case, up to the first one that fails.
 
     within: as in `TableProof`.
     on_progress: called with the part of the known entries that were run.
     on_estimate: called once, with the number of tables, of entries in each, and an estimate of the CPU time in seconds.
+    call_all: makes calls in other processes, and yields their results in order; None to make all tables in this one.
+        The first table is always made in this process.
 
     Raise NotClosed if a table cannot be closed, and BadCase for a case without free starts.
     """
     covered = CoveredCase(job)
-    cases: list[tuple[CoveredCase, tuple[str, ...]]] = [(covered, ())]
-    if within is not None:
-        cases = _with_clocks(covered, job, within)
+    errors = [None] if within is None else _errors(covered.case, within)
+    jobs = [job if error is None else _with_clock(job, error) for error in errors]
+    least_again = -(-LEAST_REVISITED // len(jobs))
     parts: list[Part] = []
 
     def advance(done: float) -> None:
         if on_progress is not None:
-            on_progress((len(parts) + done) / len(cases))
+            on_progress((len(parts) + done) / len(jobs))
 
     def estimate(entries: int, seconds: float) -> None:
-        if on_estimate is not None and not parts:
-            on_estimate(len(cases), entries, seconds * len(cases))
+        if on_estimate is not None:
+            on_estimate(len(jobs), entries, seconds * len(jobs))
 
-    for one, changes in cases:
-        rests_first, least_again = within is not None, -(-LEAST_REVISITED // len(cases))
-        table = TableMaker(one, advance, estimate, None, rests_first, least_again).make()
-        parts.append(Part(one, table, changes))
+    def tables() -> Iterator[StartTable]:
+        yield TableMaker(CoveredCase(jobs[0]), advance, estimate, None, within is not None, least_again).make()
+        arguments = [(one, within is not None, least_again) for one in jobs[1:]]
+        yield from starmap(make_table, arguments) if call_all is None else call_all(make_table, arguments)
+
+    for one, table in zip(jobs, tables(), strict=False):
+        parts.append(Part(CoveredCase(one), table, one.changes[len(job.changes) :]))
+        advance(0)
         if table.has_failed:
             break
     return TableProof(covered, within, parts)
 
 
-def _with_clocks(covered: CoveredCase, job: Job, within: Fraction) -> list[tuple[CoveredCase, tuple[str, ...]]]:
-    """Return the case with each of the clocks that give different runs, with the change that sets the clock."""
-    if covered.case.controller is None or covered.case.host is not None:
+def make_table(job: Job, rests_first: bool, least_again: int) -> StartTable:
+    """Return the table of a case. rests_first, least_again: as for `TableMaker`. Another process can call this."""
+    return TableMaker(CoveredCase(job), rests_first=rests_first, least_again=least_again).make()
+
+
+def _errors(case: Case, within: Fraction) -> list[Fraction]:
+    """Return the errors of the controller's clock that need a table. Raise NotClosed if the case cannot have them."""
+    if case.controller is None or case.host is not None:
         raise NotClosed("--ppm is for the clock of a [controller], and the bits of a [host] have too many lengths")
-    found: list[tuple[CoveredCase, tuple[str, ...]]] = []
-    for error in clock_errors(covered.case, within):
-        changes = (f"controller.ppm={_decimal(error)}",)
-        changed = CoveredCase(Job(job.file, (*job.changes, *changes), job.start_up, job.rounds))
-        assert changed.case.controller is not None and changed.case.controller.ppm == error, changes
-        found.append((changed, changes))
-    return found
+    if case.controller.initialise is not None:
+        raise NotClosed("--ppm: the start-up of controller.initialise would come at another tick for each clock")
+    return clock_errors(case, within)
+
+
+def _with_clock(job: Job, error: Fraction) -> Job:
+    return Job(job.file, (*job.changes, f"controller.ppm={_decimal(error)}"), job.start_up, job.rounds)
 
 
 def _decimal(value: Fraction) -> str:

@@ -6,12 +6,14 @@ lengths   |  gap + 1  |   gap   |  gap - 1  |      ticks; one table for each com
 
 from __future__ import annotations
 
+from concurrent.futures import ProcessPoolExecutor
 from fractions import Fraction
 from pathlib import Path
 from random import Random
 
 import pytest
 
+from periph_sim.interfaces.reports.processes import results_of
 from periph_sim.proof.clock_errors import clock_errors
 from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.stretch import Job
@@ -100,6 +102,13 @@ def test_ordinary_runs_with_any_clock_and_first_round_are_within_the_proof(whole
     assert len(set(seen["pause"])) > 2
 
 
+def test_tables_of_other_processes_are_those_of_one(whole: tuple[Path, TableProof]):
+    with ProcessPoolExecutor(2) as pool:
+        again = prove(Job(str(whole[0])), WITHIN, call_all=lambda make, calls: results_of(pool, make, calls))
+    for one, other in zip(whole[1].parts, again.parts, strict=True):
+        assert (one.changes, one.table) == (other.changes, other.table)
+
+
 def test_a_limit_that_only_a_slow_clock_breaks(tmp_path: Path):
     """The pause is up to two ticks longer with a slow clock, and 50 us with an exact one."""
     case = write_case(tmp_path, "50.0002 us")
@@ -131,3 +140,6 @@ def test_a_first_round_before_the_first_rest_and_a_case_without_a_controller(tmp
         prove(Job(str(write_slave(tmp_path / "early"))), WITHIN)
     with pytest.raises(NotClosed, match=r"^--ppm is for the clock of a \[controller\]"):
         prove(Job(str(write_echo(tmp_path))), WITHIN)
+    starts_up = ("controller.initialise=1 ms", 'controller.order=["gyroscope"]')
+    with pytest.raises(NotClosed, match=r"^--ppm: the start-up of controller\.initialise"):
+        prove(Job(str(write_case(tmp_path)), starts_up), WITHIN)

@@ -107,7 +107,7 @@ def prove(
     With --table, the states between rounds (or frames) are compared, and each start is run from each of these states.
     If no further state appears, the budgets are proven for all starts. This needs firmware images, constant data, and
     units without ppm. With --ppm, this is done for each clock of the controller that gives other lengths in ticks. Only
-    --set, --ppm, --witness, --save and --json can be used with --table.
+    --set, --ppm (with --jobs), --witness, --save and --json can be used with --table.
 
     With --questions, this is repeated with each other answer to the open questions on which the case depends, and with
     pairs of related answers. The output names the budgets whose verdict depends on an answer.
@@ -126,8 +126,10 @@ def prove(
 
     if save and changes:
         raise click.UsageError("--save with --set: it saves results of the unchanged case; remove one of them")
+    if ppm is not None and not table:
+        raise click.UsageError("--ppm needs --table; add it")
     if table:
-        _refuse_others("--table", (*WITH_TABLE, "jobs") if questions else WITH_TABLE)
+        _refuse_others("--table", (*WITH_TABLE, "jobs") if questions or ppm is not None else WITH_TABLE)
     if questions:
         from ..reports.questions.covered_rows import Cover
         from .prove_questions import prove_under_questions
@@ -140,7 +142,9 @@ def prove(
 
         if save:
             _check_writable(proof_path(case))
-        return prove_with_table(Job(str(case.absolute()), changes), ppm, case, folder, save, as_json)
+        return prove_with_table(
+            Job(str(case.absolute()), changes), ppm, jobs or os.cpu_count() or 1, case, folder, save, as_json
+        )
     if save and start_up:
         raise click.UsageError("--save with --start-up: a coverage file is of the rounds; remove one of them")
     with running_user_code():

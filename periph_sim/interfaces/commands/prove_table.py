@@ -2,35 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import ExitStack
 from fractions import Fraction
 from pathlib import Path
 
 import click
 
 from ...core.phrases import counted
-from ...proof.closed_table import Contradiction
+from ...proof.closed_table import Contradiction, StartTable
 from ...proof.dependencies import dependencies, files_read
 from ...proof.free_run import NotClosed
 from ...proof.proof_file import proof_of
 from ...proof.saved_file import text_of
 from ...proof.saved_paths import proof_path
 from ...proof.stretch import CoveredCase, Job
-from ...proof.table_proof import TableProof, WorstInProof, prove
+from ...proof.table_proof import MakeTable, TableArguments, TableProof, WorstInProof, prove
 from ...scene.case.load import load
 from ...timing.verdict import BROKEN, PROVEN, figure, limit
 from ..reports.baselines.files import write_all
+from ..reports.cluster import worker_pool
+from ..reports.processes import results_of
 from ..reports.witness import witness_file
 from .command_frame import print_json, print_table, progress, running_user_code, say
 from .watch import note_inputs
 
 
 def prove_with_table(
-    job: Job, within: Fraction | None, case: Path, folder: Path | None, save: bool, as_json: bool
+    job: Job, within: Fraction | None, jobs: int, case: Path, folder: Path | None, save: bool, as_json: bool
 ) -> int:
     """Make the table of a case, show it, and return the exit status: 0 if all budgets are proven, else 1.
 
     within: as for `TableProof`.
+    jobs: the number of worker processes, if there are several tables.
     case: the path of the case as the user gave it.
     folder: where the witnesses are written; None to write none.
     save: True to write the proof file, if the table is closed.
@@ -40,7 +45,7 @@ def prove_with_table(
     with running_user_code():
         note_inputs([case])
         with files_read() as read:
-            made = _proof(job, within)
+            made = _proof(job, within, jobs)
             proof = None
             if save and not made.has_failed:
                 proof = proof_of(made, dependencies(Path(job.file).parent, [*read, *made.covered.case.files()]))
@@ -57,7 +62,7 @@ def prove_with_table(
     return int(any(word != PROVEN for word in made.words().values()) or made.has_failed)
 
 
-def _proof(job: Job, within: Fraction | None) -> TableProof:
+def _proof(job: Job, within: Fraction | None, jobs: int) -> TableProof:
     """Return the tables of a case. Raise ClickException if there are none."""
     name = load(Path(job.file), list(job.changes)).name
 
@@ -66,13 +71,19 @@ def _proof(job: Job, within: Fraction | None) -> TableProof:
         click.echo(f"{name}: {of}{starts:,} starts to run, about {about} s of CPU", err=True)
 
     try:
-        with progress(name) as on_progress:
-            return prove(job, within, on_progress, announce)
+        with ExitStack() as pool, progress(name) as on_progress:
+
+            def call_all(make: MakeTable, arguments: Sequence[TableArguments]) -> Iterable[StartTable]:
+                return results_of(pool.enter_context(worker_pool(jobs, None)), make, arguments)
+
+            return prove(job, within, on_progress, announce, None if jobs == 1 or within is None else call_all)
     except NotClosed as error:
         otherwise = "without --table, prove runs its phases, which proves nothing"
         raise click.ClickException(f"{name} has no closed table: {error}; {otherwise}") from None
     except Contradiction as error:
         raise click.ClickException(str(error)) from None
+    except BrokenProcessPool:
+        raise click.ClickException(f"{name}: a process died while it made a table; --jobs 1 makes all in one") from None
 
 
 def _write_witnesses(made: TableProof, job: Job, case: Path, folder: Path) -> list[Path]:

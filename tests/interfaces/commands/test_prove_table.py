@@ -77,3 +77,37 @@ def test_jitter_is_covered_and_counts_of_a_run_are_named(periph_sim: Run, tmp_pa
     assert "jitter" not in came.out
     assert "the first frame exactly at 8.0000 ms" in came.out
     assert "not judged here, so run the case, too: echoed: it counts the events of a whole run" in came.out
+
+
+def test_a_range_of_clocks_has_several_tables(periph_sim: Run, tmp_path: Path):
+    case = write_slave(tmp_path, "")
+    options = ("--table", "--ppm", "4", "--set", "controller.first=8 ms", "--jobs", "1")
+    came = periph_sim("prove", str(case), *options, "--witness", str(tmp_path))
+    assert came.status == 0
+    assert came.err.startswith("image_register_slave: 3 tables of 80 starts to run, about ")
+    assert came.out.splitlines()[0] == "image_register_slave: 3 tables of 480 starts, 480 of them run: closed"
+    assert "proven: for all clocks of the controller within 4 ppm of that in the case\n" in came.out
+    assert "assumed: rates and data as in the case, and the first round after 7.0000 ms\n" in came.out
+    witness = (tmp_path / "image_register_slave_wrong_bytes.toml").read_text(encoding="utf-8")
+    assert "ppm = -4.0" in witness
+    table = json.loads(periph_sim("prove", str(case), *options, "--json").out)["table"]
+    assert (table["tables"], table["within_ppm"], table["entries"]) == (3, 4.0, 480)
+
+
+@pytest.mark.parametrize("text", ["-1", "10001", "many"])
+def test_a_range_of_clocks_that_is_none(text: str, periph_sim: Run, tmp_path: Path):
+    came = periph_sim("prove", str(write_slave(tmp_path)), "--table", "--ppm", text)
+    assert (came.status, came.err) == (2, f"Error: --ppm {text!r}: expected a number from 0 to 10,000\n")
+
+
+def test_a_range_of_clocks_needs_a_table(periph_sim: Run, tmp_path: Path):
+    came = periph_sim("prove", str(write_slave(tmp_path)), "--ppm", "1")
+    assert came.status == 2
+    assert "--ppm needs --table; add it" in came.err
+
+
+def test_a_saved_proof_names_its_range_of_clocks(periph_sim: Run, tmp_path: Path):
+    case = write_slave(tmp_path, "")
+    case.write_text(case.read_text(encoding="utf-8").replace('first = "5 ms"', 'first = "8 ms"'), encoding="utf-8")
+    assert periph_sim("prove", str(case), "--table", "--ppm", "1", "--save", "--jobs", "2").status == 0
+    assert "start at least 4.4000 ms apart, and all clocks within 1 ppm\n" in periph_sim("run", str(case)).out

@@ -11,6 +11,7 @@ from typing import Any, TypeVarTuple
 from ...scene.case.load import case_of
 from ...scene.case.model import BadCase, Case
 from ...scene.case.origin import texts_in
+from ...scene.case.toml_file import copied
 from ...scene.scene import Scene
 
 Ts = TypeVarTuple("Ts")
@@ -22,16 +23,8 @@ def move_files(tree: Tree, before: Path, after: Path) -> None:
 
     before, after: the folders of the old and of the new case, to which the paths are relative.
     """
-    named = {text for text in texts_in(tree) if 0 < len(text) < 200 and (before / text).is_file()}
-
-    def moved(value: Any) -> Any:
-        if isinstance(value, dict):
-            return {key: moved(inner) for key, inner in value.items()}
-        if isinstance(value, list):
-            return [moved(inner) for inner in value]
-        return relpath(before / value, after) if isinstance(value, str) and value in named else value
-
-    tree.update(moved(tree))
+    named = (text for text in texts_in(tree) if 0 < len(text) < 200 and (before / text).is_file())
+    tree.update(copied(tree, {text: relpath(before / text, after) for text in named}))
     for unit in tree.get("unit", {}).values():
         compile = unit.get("compile", {}) if isinstance(unit, dict) else {}
         if "include" in compile:

@@ -145,8 +145,13 @@ def _tables(text: str) -> dict[str, Any]:
     return tomllib.loads(text)
 
 
-def copied(value: Any) -> Any:
-    """Return a copy of a value in which all tables and lists are copies, so that they may be changed."""
+def copied(value: Any, texts: dict[str, str] | None = None) -> Any:
+    """Return a copy of a value in which all tables and lists are copies, so that they may be changed.
+
+    texts: a dictionary from texts that are replaced in the copy to their replacements.
+    """
     if isinstance(value, dict):
-        return {key: copied(inner) for key, inner in value.items()}
-    return [copied(inner) for inner in value] if isinstance(value, list) else value
+        return {key: copied(inner, texts) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [copied(inner, texts) for inner in value]
+    return texts.get(value, value) if texts is not None and isinstance(value, str) else value

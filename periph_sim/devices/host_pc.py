@@ -18,6 +18,7 @@ import msgspec
 
 from ..bus.uart.sender import UartSender
 from ..core.agent import Agent
+from ..core.chip import NEVER
 from ..core.kernel import Kernel
 from ..core.state import State
 
@@ -157,6 +158,7 @@ class Host(Agent):
     def _plan(self, due: int) -> None:
         schedule = self._schedule
         if schedule.starts is not None:
+            self._due_next = NEVER  # until `start_frame`
             if self._number < len(schedule.starts):
                 self._due_next = schedule.starts[self._number]
                 self._kernel.schedule(self._due_next, self, FRAME)

@@ -19,6 +19,7 @@ from bisect import bisect_left, bisect_right
 from collections import deque
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from math import ceil
 from random import Random
 from time import process_time
 
@@ -34,7 +35,8 @@ from .normal_state import LONG_PAST, NormalState, differences, digest, period_of
 from .stretch import CoveredCase, Outcome
 
 MAX_ENTRIES = 400_000
-ROUNDS_A_RUN = 256  # maximum number of rounds in one run
+ROUNDS_A_RUN = 256  # maximum number of rounds in one run; it is doubled if a run has reached no open entry
+MOST_ROUNDS_A_RUN = 2**16
 REVISITED = 20  # of this number of entries, one is run again, but at least LEAST_REVISITED are
 LEAST_REVISITED = 200
 TIMED = 20  # number of entries whose CPU time gives the estimate
@@ -82,6 +84,7 @@ class StartTable(Struct):
     again: the number of entries that were run again.
     apart: the least distance of two starts for which the table was made, in ticks.
     first_rest: the tick of the first rest, from the start of the run.
+    rests_first: True if the table has any first start after this rest; False if it has that of the case only.
     outcomes: the outcomes of the runs.
     starts: for each run, its starts, in ticks from the start of the run.
     spanning, lacking: the names of budgets, see `MeasuresAtRest`.
@@ -92,6 +95,7 @@ class StartTable(Struct):
     again: int
     apart: int
     first_rest: int
+    rests_first: bool
     outcomes: list[Outcome]
     starts: list[list[int]]
     spanning: set[str]
@@ -131,17 +135,17 @@ class StartTable(Struct):
         found: dict[str, str] = {}
         apart = self.apart if apart is None else apart
         if covered.phases.least_distance() < apart:
-            milliseconds = apart / covered.phases.ticks_per_second * 1000
-            reason = f"the case has starts that are less than {milliseconds:.4f} ms apart"
+            least = milliseconds(apart, covered.phases.ticks_per_second)
+            reason = f"the case has starts that are less than {least} apart"
             return {budget.name: reason for budget in covered.case.budget}
         not_before, first = covered.not_before(), min(starts[0] for starts in self.starts)
         for name, looks_back in covered.looks_back().items():
             if name in self.spanning:
                 found[name] = "an occurrence of it lasts from one round to the next"
-            elif name in self.lacking:
-                found[name] = "a round has too few measured values, and a run of such rounds is not judged"
             elif not_before[name] > first:
                 found[name] = "its `after` leaves out rounds of the table"
+            elif name in self.lacking:
+                found[name] = "a round has too few measured values, and a run of such rounds is not judged"
             elif not looks_back <= WITHIN_ROUND:
                 (further, *_) = sorted(looks_back - WITHIN_ROUND)
                 found[name] = f"its values depend on {further}"
@@ -155,7 +159,7 @@ class TableMaker:
     on_estimate: called once, with the number of entries of the first orbit and an estimate of the CPU time in seconds.
     on_run: called at the end of each run, with the run and the places from which its rounds after the first one began.
         The scenes then keep all values of their budgets.
-    rests_first: as for `FreeRun`.
+    rests_first: as for `FreeRun`; None for True if the first start of the case has jitter.
     least_again: the least number of entries that are run again.
     """
 
@@ -165,23 +169,24 @@ class TableMaker:
         on_progress: Callable[[float], None] | None = None,
         on_estimate: Callable[[int, float], None] | None = None,
         on_run: Callable[[FreeRun, Sequence[RestPlace]], None] | None = None,
-        rests_first: bool = False,
+        rests_first: bool | None = None,
         least_again: int = LEAST_REVISITED,
     ) -> None:
         self._covered = covered
         self._on_progress = on_progress
         self._on_estimate = on_estimate
         self._on_run = on_run
-        self._rests_first = rests_first
+        self._rests_first: bool = covered.phases.has_jitter if rests_first is None else rests_first
         self._least_again = least_again
         self._timed_from = 0.0  # the CPU time at which the first entry was begun
         self._ignored = check(covered.case)
         self._random = Random(1)
+        self._rounds = ROUNDS_A_RUN  # maximum number of rounds in the next run
         self._places: dict[bytes, RestPlace] = {}  # from the digest of a state of rest to its place
         self._open: list[list[int]] = []  # for each orbit, the ticks of the entries that were not run yet, ascending
         self.entries: dict[RestPlace, TableEntry] = {}  # by the place at the start of the round
         self.first: TableEntry | None = None  # the first round of each run
-        self.table = StartTable([], 0, 0, 0, 0, [], [], set(), set())
+        self.table = StartTable([], 0, 0, 0, 0, self._rests_first, [], [], set(), set())
 
     def make(self) -> StartTable:
         """Return the table, once it is closed or a run has failed.
@@ -190,9 +195,14 @@ class TableMaker:
         """
         table = self.table
         while not table.orbits or any(self._open):
+            before = len(self.entries)
             self._run(again=0)
             if table.has_failed:
                 return table
+            if len(self.entries) == before:
+                self._rounds *= 2
+            if self._rounds > MOST_ROUNDS_A_RUN:
+                raise NotClosed(f"a state is only reached after more than {MOST_ROUNDS_A_RUN:,} rounds")
         wanted = self._revisits(len(self.entries))
         while table.again < wanted or any(self._open):
             self._run(again=wanted)
@@ -201,18 +211,18 @@ class TableMaker:
         return table
 
     def _run(self, again: int) -> None:
-        """Run up to ROUNDS_A_RUN rounds: of open entries, or of random entries until `again` were run again."""
+        """Run up to `_rounds` rounds: of open entries, or of random entries until `again` were run again."""
         run = FreeRun(self._covered, self._ignored, self._on_run is not None, self._rests_first)
         table = self.table
         measures = MeasuresAtRest(run.scene.limits)
-        measures.rest(run.now)
+        measures.rest(run.now, is_first=self._rests_first)
         table.first_rest = run.now - run.scene.start
         place = self._place(run)
         if not self._rests_first:
             table.apart = max(table.apart, table.first_rest - run.starts[0] + 1)
             self.first = TableEntry(place, run.now - run.scene.start - run.starts[0], run.records.digest)
         begun: list[RestPlace] = []
-        for _ in range(ROUNDS_A_RUN):
+        for _ in range(self._rounds):
             if again and table.again >= again:
                 break
             tick = self._random.randrange(table.orbits[place.orbit]) if again else self._next_tick(place)
@@ -332,6 +342,11 @@ class TableMaker:
         self._timed_from = self._timed_from or process_time()
 
 
+def milliseconds(ticks: int, per_second: int) -> str:
+    """Return ticks as text in ms, rounded up to a tenth of a microsecond."""
+    return f"{ceil(Fraction(ticks * 10**7, per_second)) / 10**4:.4f} ms"
+
+
 def check(case: Case) -> tuple[str, ...]:
     """Return the names of attributes that need not be compared. Raise NotClosed if the case cannot have a table."""
     if case.controller is not None and case.host is not None:
@@ -364,7 +379,8 @@ def _longest(case: Case) -> dict[str, Fraction]:
     A controller waits until the bus has been free for a part of a bit. A burst of frames ends after two characters.
     """
     if case.host is not None:
-        return {"a character of the host": Fraction(UartFormat().length, case.host.baud)}
+        baud = case.host.baud * (1 + Fraction(case.host.error) / 100)
+        return {"a character of the host": Fraction(UartFormat().length) / baud}
     assert case.controller is not None
     one, bit = case.controller, 1 / case.controller.rate
     return {

@@ -23,11 +23,14 @@ from platform import python_version
 from tempfile import gettempdir
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from ..core.input_files import NOTED, TEMPORARY, read_regular
 
 PACKAGE = Path(__file__).parents[1]
 DIGEST = 16  # length of a digest, in bytes
+PROJECT = "pyproject.toml"
+SOURCES = (".asm", ".inc", ".h", ".c", ".out", ".toml")  # suffixes of files that a case can name, or a source include
 _read: set[str] | None = None  # the files that were opened for reading; None while they are not collected
 _hooks: list[object] = []  # the audit hook, which Python never removes
 
@@ -39,20 +42,30 @@ class Dependencies(Struct, frozen=True):
     periph_sim: the digest of the source files and data files of periph_sim.
     packages: a dictionary from the name of each other imported package to its version.
     files: a dictionary from paths, relative to the folder of the case, to digests.
+    shipped: the names of the source files of periph_sim and of libraries that were read.
+    not_read: the result of `unread` when the result was made.
+    project: the path of the nearest pyproject.toml of the case, relative to its folder; "" if there is none.
     """
 
     python: str
     periph_sim: str
     packages: dict[str, str]
     files: dict[str, str]
+    shipped: tuple[str, ...] = ()
+    not_read: tuple[str, ...] = ()
+    project: str = ""
 
     def differences(self, folder: Path) -> list[str]:
         """Return a phrase for each dependency that is different now. folder: the folder of the case."""
-        found = []
-        for path, digest in self.files.items():
-            # The system would follow a link in `folder` before it goes to a parent folder.
-            if _digest_of(Path(os.path.normpath(folder.absolute() / path))) != digest:
-                found.append(f"{path} has changed")
+        found = [
+            f"{path} has changed"
+            for path, digest in self.files.items()
+            if _digest_of(_in_folder(folder, path)) != digest
+        ]
+        found += [f"{path} is new" for path in self.unread(folder) if path not in self.not_read]
+        project = project_file(folder)
+        if project != self.project:
+            found.append(f"{project or 'no pyproject.toml'} is now the project of the case")
         if self.periph_sim != package_digest():
             found.append("periph_sim itself has changed")
         if self.python != python_version():
@@ -62,6 +75,32 @@ class Dependencies(Struct, frozen=True):
             if here != there:
                 found.append(f"it was made with {name} {there}, and this is {here or 'not installed'}")
         return found
+
+    def unread(self, folder: Path) -> list[str]:
+        """Return the files that are now beside a source file, were not read, and have the name of one that was read.
+
+        Such a file can be read instead of the one of this name in another folder.
+        """
+        sources = [path for path in self.files if path.endswith(SOURCES)]
+        names = {*self.shipped, *map(os.path.basename, sources)}
+        paths = {os.path.join(one, name) for one in {"", *map(os.path.dirname, sources)} for name in names}
+        return sorted(path for path in paths - self.files.keys() if _in_folder(folder, path).is_file())
+
+
+def _in_folder(folder: Path, path: str) -> Path:
+    """Return the path of a file, given its path relative to a folder.
+
+    The path is joined as a text: the system would follow a link in `folder` before it goes to a parent folder.
+    """
+    return Path(os.path.normpath(folder.absolute() / path))
+
+
+def project_file(folder: Path) -> str:
+    """Return the path of the nearest pyproject.toml of a folder, relative to it; "" if there is none."""
+    for one in (folder.absolute(), *folder.absolute().parents):
+        if (one / PROJECT).is_file():
+            return Path(os.path.relpath(one / PROJECT, folder.absolute())).as_posix()
+    return ""
 
 
 @contextmanager
@@ -83,11 +122,11 @@ def files_read() -> Iterator[set[str]]:
 
 def _note(event: str, arguments: tuple[object, ...]) -> None:
     if event == NOTED and _read is not None:
-        _read.add(os.path.abspath(str(arguments[0])))
+        _read.add(os.path.join(os.getcwd(), str(arguments[0])))
     elif event == "open" and _read is not None and isinstance(arguments[0], str | bytes):
         mode = arguments[1]
         if mode is None or (isinstance(mode, str) and "r" in mode):
-            _read.add(os.path.abspath(os.fsdecode(arguments[0])))
+            _read.add(os.path.join(os.getcwd(), os.fsdecode(arguments[0])))
 
 
 def dependencies(folder: Path, paths: Iterable[str | Path]) -> Dependencies:
@@ -103,15 +142,28 @@ def dependencies(folder: Path, paths: Iterable[str | Path]) -> Dependencies:
     modules = [module for name, module in tuple(sys.modules.items()) if name not in scripts]
     imported = (getattr(module, "__file__", None) for module in modules)
     files: dict[str, str] = {}
-    for path in sorted({_source(os.path.abspath(one)) for one in [*paths, *imported] if isinstance(one, str | Path)}):
-        if not _is_library(path) and os.path.isfile(path):
-            digest = _digest_of(Path(path))
-            if not digest:
-                raise ValueError(f"{path}: cannot be read again, so a change of it would not be noticed")
-            files[Path(os.path.relpath(path, folder)).as_posix()] = digest
+    shipped: set[str] = set()
+    for path in sorted({_source(_path_of(one)) for one in [*paths, *imported] if isinstance(one, str | Path)}):
+        if not os.path.isfile(path):
+            continue
+        if _is_library(path):
+            shipped.update({os.path.basename(path)} if path.endswith(SOURCES) else ())
+            continue
+        digest = _digest_of(Path(path))
+        if not digest:
+            raise ValueError(f"{path}: cannot be read again, so a change of it would not be noticed")
+        files[Path(os.path.relpath(path, folder)).as_posix()] = digest
     names = {name for module in tuple(sys.modules) if "." not in module for name in _installed().get(module, ())}
     packages = {name: _version(name) for name in sorted(names) if name != "periph_sim" and name != "periph-sim"}
-    return Dependencies(python_version(), package_digest(), packages, files)
+    versions = python_version(), package_digest(), packages
+    found = Dependencies(*versions, files, tuple(sorted(shipped)), project=project_file(folder))
+    return replace(found, not_read=tuple(found.unread(folder)))
+
+
+def _path_of(path: str | Path) -> str:
+    """Return the absolute path of a file as a text; where `..` follows a link, the path without links."""
+    text = os.path.abspath(path)
+    return text if os.path.exists(text) or not os.path.exists(path) else os.path.realpath(path)
 
 
 def _source(path: str) -> str:
@@ -145,7 +197,7 @@ def _installed() -> Mapping[str, list[str]]:
 def _version(name: str) -> str:
     try:
         return version(name)
-    except PackageNotFoundError:
+    except (PackageNotFoundError, ValueError):  # the latter for an empty name
         return ""
 
 
@@ -159,12 +211,12 @@ def _digest_of(path: Path) -> str:
 
 @lru_cache(maxsize=1)
 def package_digest() -> str:
-    """Return the digest of the source files and data files of periph_sim."""
+    """Return the digest of the source files and data files of periph_sim, firmware included."""
     found = blake2b(digest_size=DIGEST)
     for folder, folders, files in os.walk(PACKAGE):
         folders[:] = sorted(name for name in folders if name not in ("compiled", "__pycache__"))
         for name in sorted(files):
-            if name.endswith((".py", ".toml", ".json")):
+            if not name.endswith((".pyc", ".so", ".pyd")):
                 with open(os.path.join(folder, name), "rb") as file:
                     found.update(os.path.relpath(folder, PACKAGE).encode() + name.encode() + b"\0" + file.read())
     return found.hexdigest()

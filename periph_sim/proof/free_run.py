@@ -14,8 +14,9 @@ from ..scene.scene import Scene
 from .normal_state import LONG_PAST, NormalState, NotComparable, normal_state
 from .stretch import CoveredCase
 
-# Registers of the watchdog and the PLL, whose state the normal state leaves out.
-CLOCK_REGISTERS = ("WDCR", "WDKEY", "WDCNTR", "SCSR", "PLLCR", "PLLSTS")
+# Registers of the watchdog and the PLL, whose state the normal state leaves out, and the divider of LSPCLK, whose grid
+# depends on all its former values.
+CLOCK_REGISTERS = ("WDCR", "WDKEY", "WDCNTR", "SCSR", "PLLCR", "PLLSTS", "LOSPCP")
 DUE = "something is still due a second after the start of a round, such as a timer"
 CHECKS = 10  # a round is checked for its end this number of times in each unit of `long`
 
@@ -86,8 +87,11 @@ class FreeRun:
             self.settle()
             if self.now >= first:
                 at = 1000 * (self.now - self.scene.start) / self.scene.timebase.per_second
-                raise NotClosed(f"the first start must come later, because the first rest is at {at:.4f} ms")
+                what = "the first start is free, and must come after the firmware has been at rest for 2 ms"
+                raise NotClosed(f"{what}: make `first` more than {at:.4f} ms")
             return
+        if first == self.scene.start:
+            raise NotClosed("the first start is at the start of the run; make `first` later")
         self.scene.advance(first - 1)
         self.records.accessed = ""  # start-up code sets up the clocks
         self.start(first)

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from ..core.records import Kind
 from ..timing.budgets import BudgetJudge
 from ..timing.measures.event import EventMeasure
+from ..timing.measures.margin import Margin
 from ..timing.measures.measure import Measure
 from ..timing.measures.pair import FIRST, SECOND, Between
 from ..timing.verdict import Verdict
@@ -33,13 +34,16 @@ class MeasuresAtRest:
         self._judges = judges
         self._before = [(0, 0)] * len(judges)  # for each judge, the numbers of measured values and of occasions
 
-    def rest(self, now: int) -> None:
-        """Observe the measures at tick `now`, at which the scene is at rest."""
+    def rest(self, now: int, is_first: bool = False) -> None:
+        """Observe the measures at tick `now`, at which the scene is at rest. is_first: True before the first round."""
         for place, judge in enumerate(self._judges):
-            measure = judge.measure
+            measure, (values, _) = judge.measure, self._before[place]
             if lasts(measure, now):
                 self.spanning.add(judge.budget.name)
             self._count(place, measure.measured, measure.occasions)
+            waits = isinstance(measure, EventMeasure) and bool(measure._queue)  # until it is known which event is last
+            if not (is_first or waits) and measure.series and measure.occasions is None and measure.measured == values:
+                self.lacking.add(judge.budget.name)  # a run of such rounds has no value
 
     def finish(self, verdicts: Sequence[Verdict]) -> None:
         """Observe the verdicts after the end of the run. They are in the order of the judges."""
@@ -49,12 +53,10 @@ class MeasuresAtRest:
                 self.lacking.add(verdict.name)
 
     def _count(self, place: int, measured: int, occasions: int | None) -> None:
-        if occasions is None:
-            return
         budget, (values, asked) = self._judges[place].budget, self._before[place]
-        if measured - values < budget.coverage * (occasions - asked):
+        if occasions is not None and measured - values < budget.coverage * (occasions - asked):
             self.lacking.add(budget.name)
-        self._before[place] = measured, occasions
+        self._before[place] = measured, occasions or 0
 
 
 def lasts(measure: Measure, now: int) -> bool:
@@ -63,10 +65,14 @@ def lasts(measure: Measure, now: int) -> bool:
     `Measure.unfinished` does not contain all of them. It leaves out pairs whose transfer or round has had its STOP, and
     events that wait until it is known whether they are the last ones of their group.
     """
-    if measure.unfinished(now):
+    if measure.unfinished(now) or (isinstance(measure, Margin) and measure.holds_byte):
+        return True
+    if isinstance(measure, EventMeasure) and any(one is not None and one.lasts(now) for one in measure._groups):
         return True
     if not isinstance(measure, Between):
         return False
+    if measure._rule is not None and measure._rule.lasts(now):
+        return True
     ends = {one.kind for one in measure.matchers[SECOND].each}
     if not ends <= AFTER_START and any(waiting.all() for waiting in measure._of_unit.values()):
         return True

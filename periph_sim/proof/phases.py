@@ -102,6 +102,12 @@ class Phases:
         jitter = Fraction(0) if moved is None else moved.jitter
         return int(self._grid.period - jitter * self._per_second)
 
+    @property
+    def has_jitter(self) -> bool:
+        """True if the moved starts of the case have jitter."""
+        moved = self._case.host if self.moved == "frames" else self._case.controller
+        return moved is not None and bool(moved.jitter)
+
     def first_start(self) -> int:
         """Return the number of ticks from the start of a run to the first due time."""
         return self._grid.first - self._start

@@ -7,15 +7,16 @@ Only closed tables are saved. A proof holds for the case as it is in the file: a
 
 from __future__ import annotations
 
-from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
-from msgspec import Struct
+from msgspec import Meta, Struct
 
 from ..core.phrases import counted
 from ..timing.verdict import NOT_JUDGED, Verdict
 from . import saved_file
+from .closed_table import milliseconds
 from .dependencies import Dependencies
 from .saved_paths import proof_path
 from .table_proof import TableProof
@@ -36,7 +37,11 @@ class ProvenBudget(Struct, frozen=True):
     worst: Verdict
     changes: tuple[str, ...]
     starts: tuple[int, ...]
-    until: int
+    until: Annotated[int, Meta(ge=0)]
+
+    def __post_init__(self) -> None:
+        if not self.starts or self.starts[0] < 0 or any(one >= two for one, two in pairwise(self.starts)):
+            raise ValueError("the starts of a worst value are not in ascending order")
 
 
 class ProofFile(Struct, frozen=True, kw_only=True):
@@ -47,7 +52,8 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     ticks_per_second: the length of a tick.
     within_ppm: for each clock of the controller whose error differs from that of the case by at most this number, the
         proof holds; None if it holds for the clock of the case.
-    first: the first start, in ticks from the start of the run; with a range of clocks, it can also be later.
+    first: the first start, in ticks from the start of the run.
+    rests_first: True if the first start can also be later.
     apart: the least distance of two starts for which the proof holds, in ticks.
     starts: the number of starts in the tables, all of which were run.
     again: the number of starts that were run again, and compared.
@@ -58,9 +64,10 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     version: Literal[1] = 1
     case: str
     moved: str
-    ticks_per_second: int
+    ticks_per_second: Annotated[int, Meta(ge=1)]
     within_ppm: float | None
     first: int
+    rests_first: bool
     apart: int
     starts: int
     again: int
@@ -72,8 +79,8 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     def line(self) -> str:
         """A sentence with the number of proven budgets, and the starts for which the proof holds."""
         of = len(self.proven) + len(self.not_proven)
-        apart = 1000 * Fraction(self.apart, self.ticks_per_second)
-        starts = f"all sequences of {self.moved} that start at least {float(apart):.4f} ms apart"
+        apart = milliseconds(self.apart, self.ticks_per_second)
+        starts = f"all sequences of {self.moved} that start at least {apart} apart"
         clocks = "" if self.within_ppm is None else f", and all clocks within {self.within_ppm:g} ppm"
         return f"{len(self.proven)} of {counted(of, 'budget')} proven for {starts}{clocks}"
 
@@ -95,6 +102,7 @@ def proof_of(made: TableProof, dependencies: Dependencies) -> ProofFile:
         ticks_per_second=covered.phases.ticks_per_second,
         within_ppm=None if made.within is None else float(made.within),
         first=made.first,
+        rests_first=made.rests_first,
         apart=made.apart,
         starts=made.entries,
         again=made.again,

@@ -49,7 +49,7 @@ class Scenarios:
         self._worst: dict[str, dict[RestPlace, float]] = {}
         self._differing: dict[str, str] = {}  # for some budgets, two values in rounds from equal states
         try:
-            maker = TableMaker(covered, on_progress, on_run=self._observe)
+            maker = TableMaker(covered, on_progress, on_run=self._observe, rests_first=False)
             table = maker.make()
         except NotClosed as error:
             raise BadCase(f"{covered.case.name} has no closed table: {error}") from None
@@ -74,7 +74,7 @@ class Scenarios:
     def values(self, starts: NDArray[np.int64]) -> dict[str, NDArray[np.float64]]:
         """Return a dictionary from each budget to its worst value in each round, float64[n, rounds].
 
-        Values are in the unit of `Verdict.worst`, such as microseconds; NaN in a round without a value.
+        Values are in the unit of `Verdict.worst`, such as microseconds.
 
         starts: int64[n, rounds], the starts of n scenarios in ticks from the start of the run. The first start of each
             is `first`, and the others are at least `apart` after the one before.
@@ -119,14 +119,11 @@ class Scenarios:
             if reason:
                 self._without_values[name] = reason
                 continue
-            worst = dict.fromkeys(places, np.nan)
-            values = limit.values(run.scene.start)
+            values, known = limit.values(run.scene.start), self._worst.setdefault(name, {})
             for number, nearest in [] if values is None else _worst_in_rounds(values, starts):
-                worst[places[number]] = float(limit.show(nearest))
-            known = self._worst.setdefault(name, {})
-            for place, value in worst.items():
-                before = known.setdefault(place, value)
-                if before != value and not (np.isnan(before) and np.isnan(value)):
+                value = float(limit.show(nearest))
+                before = known.setdefault(places[number], value)
+                if before != value:
                     self._differing.setdefault(name, f"{before} and {value}")
 
     def _set_arrays(self, maker: TableMaker) -> None:

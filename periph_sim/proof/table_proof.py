@@ -86,11 +86,16 @@ class TableProof(NamedTuple):
     def first(self) -> int:
         """The first start for which the proof holds, in ticks from the start of the run.
 
-        With a range of clocks, the first start can also be later.
+        If `rests_first` is True, the first start can also be later.
         """
-        if self.within is None:
+        if not self.rests_first:
             return self.covered.phases.first_start()
         return max(part.table.first_rest for part in self.parts)
+
+    @property
+    def rests_first(self) -> bool:
+        """True if the proof holds for any first start from `first` on; False if it holds for `first` only."""
+        return self.parts[0].table.rests_first
 
     def worst(self) -> dict[str, WorstInProof]:
         """Return a dictionary from each budget to its worst value in all tables."""
@@ -150,6 +155,7 @@ def prove(
     errors = [None] if within is None else _errors(covered.case, within)
     jobs = [job if error is None else _with_clock(job, error) for error in errors]
     least_again = -(-LEAST_REVISITED // len(jobs))
+    rests_first = None if within is None else True
     parts: list[Part] = []
 
     def advance(done: float) -> None:
@@ -161,8 +167,8 @@ def prove(
             on_estimate(len(jobs), entries, seconds * len(jobs))
 
     def tables() -> Iterator[StartTable]:
-        yield TableMaker(CoveredCase(jobs[0]), advance, estimate, None, within is not None, least_again).make()
-        arguments = [(one, within is not None, least_again) for one in jobs[1:]]
+        yield TableMaker(CoveredCase(jobs[0]), advance, estimate, None, rests_first, least_again).make()
+        arguments = [(one, True, least_again) for one in jobs[1:]]
         yield from starmap(make_table, arguments) if call_all is None else call_all(make_table, arguments)
 
     for one, table in zip(jobs, tables(), strict=False):

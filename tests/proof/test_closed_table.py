@@ -187,7 +187,7 @@ def test_a_case_without_a_table_is_named(name: str, changes: tuple[str, ...], re
 def test_a_case_whose_starts_are_closer_than_those_of_the_table_is_not_proven(whole: tuple[CoveredCase, StartTable]):
     case, table = whole
     closer = covered(Path(case.case.file), "host.period=2 ms")
-    assert table.not_proven(closer) == {"echo": "the case has starts that are less than 2.1000 ms apart"}
+    assert table.not_proven(closer) == {"echo": "the case has starts that are less than 2.1001 ms apart"}
     jitter = covered(Path(case.case.file), "host.period=10 ms", "host.jitter=9 ms")
     assert set(table.not_proven(jitter)) == {"echo"}
 

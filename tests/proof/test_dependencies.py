@@ -39,3 +39,39 @@ def test_a_folder_that_is_a_link_has_the_files_that_it_had(tmp_path: Path) -> No
     depends = dependencies(tmp_path / "link", [tmp_path / "model.py"])
     assert "../model.py" in depends.files
     assert depends.differences(tmp_path / "link") == []
+
+
+def test_a_file_behind_a_link_and_a_parent_folder_is_a_dependency(tmp_path: Path) -> None:
+    """The system follows the link before it goes to the parent folder."""
+    (tmp_path / "deep" / "real").mkdir(parents=True)
+    (tmp_path / "link").symlink_to(tmp_path / "deep" / "real")
+    image = tmp_path / "deep" / "image.asm"
+    image.write_text("; one\n", encoding="utf-8")
+    depends = dependencies(tmp_path / "link", [tmp_path / "link" / ".." / "image.asm"])
+    assert "../deep/image.asm" in depends.files
+    image.write_text("; two\n", encoding="utf-8")
+    assert depends.differences(tmp_path / "link") == ["../deep/image.asm has changed"]
+
+
+def test_a_new_file_that_could_be_read_instead_of_one_in_another_folder(tmp_path: Path) -> None:
+    for name in ("case/image.asm", "case/unread.inc", "shared/start.inc", "shared/unread.inc"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("; one\n", encoding="utf-8")
+    case = tmp_path / "case"
+    depends = dependencies(
+        case, [case / "image.asm", tmp_path / "shared" / "start.inc", tmp_path / "shared/unread.inc"]
+    )
+    assert depends.differences(case) == []
+    (case / "other.inc").write_text("; two\n", encoding="utf-8")
+    assert depends.differences(case) == []
+    (case / "start.inc").write_text("; two\n", encoding="utf-8")
+    assert depends.differences(case) == ["start.inc is new"]
+
+
+def test_a_nearer_project(tmp_path: Path) -> None:
+    """Its plugins can change what names in the case mean."""
+    (tmp_path / "site").mkdir()
+    (tmp_path / "site" / "case.toml").touch()
+    depends = dependencies(tmp_path / "site", [tmp_path / "site" / "case.toml"])
+    (tmp_path / "pyproject.toml").touch()
+    assert depends.differences(tmp_path / "site") == ["../pyproject.toml is now the project of the case"]

@@ -90,11 +90,11 @@ def test_more_scenarios_are_as_good_as_fewer(echo: tuple[Path, Scenarios]):
     assert np.array_equal(scenarios.values(starts[:, :3])["echo"], values[:, :3])
 
 
-def test_a_round_without_a_value_is_nan(tmp_path: Path):
+def test_a_budget_without_values_is_left_out(tmp_path: Path):
     """The slave never writes I2CSAR."""
     scenarios = Scenarios(write_slave(tmp_path, NEVER))
-    assert scenarios.budgets == ("never",)
-    assert np.isnan(scenarios.values(drawn(scenarios, 2, 4))["never"]).all()
+    assert scenarios.budgets == ()
+    assert scenarios.left_out["never"].startswith("a round has too few measured values")
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ from periph_sim.proof.stretch import CoveredCase
 from periph_sim.proof.table_proof import Part, TableProof
 from periph_sim.scene.case.inputs_table import InputsTable
 from periph_sim.scene.scene import Scene
+from tests.proof.proven_slave import write_slave
 from tests.proof.test_closed_table import covered, made, write_echo
 from tests.scene.runs import TIMING
 
@@ -47,6 +48,7 @@ SLAVE_BUDGETS = [
     ("gap", "gap between rounds", 'max = "4 ms"'),
     ("round", "round", 'max = "3 ms"'),
     ("reaction", "reaction", 'max = "1 us"\ncoverage = "40 %"'),
+    ("lost", "lost flags", "max = 0"),
 ]
 SLAVE_REASONS = {
     "wrong bytes": "",
@@ -58,6 +60,7 @@ SLAVE_REASONS = {
     "gap": LASTS,
     "round": "",
     "reaction": "",
+    "lost": "its values depend on the whole run",
 }
 
 
@@ -165,7 +168,7 @@ def test_the_least_distance_contains_the_first_round(tmp_path: Path):
 def judge(occasions: list[tuple[int, int]], coverage: Fraction = Fraction(9, 10)) -> Any:
     """Return a judge whose measure counts these numbers of measured values and occasions, one pair at each rest."""
     pairs = iter(occasions)
-    measure = SimpleNamespace(measured=0, occasions=0)
+    measure = SimpleNamespace(measured=0, occasions=0, series=True)
 
     def unfinished(now: int) -> list[tuple[int, int]]:
         measure.measured, measure.occasions = next(pairs)
@@ -195,10 +198,83 @@ def test_one_round_with_too_few_values_is_enough(occasions: list[tuple[int, int]
 def test_a_run_that_is_not_judged_hides_its_values():
     """Without a rule for pairs, a second event that comes too late makes a run not judged, whatever its values are."""
     measures = MeasuresAtRest(cast(Any, []))
+    measures._before = [(0, 0)]
     verdict = SimpleNamespace(name="echo", measured=0, occasions=None, count=7, passed=False, broken=False)
     measures._judges = [judge([])]
     measures.finish(cast(Any, [verdict]))
     assert measures.lacking == {"echo"}
+
+
+# State of measures over a rest --------------------------------------------------------
+
+# The service routine of SCI-A's receiver contains the polling loop, and never ends.
+IN_A_ROUTINE = """          LCR   #_start_sci
+          EALLOW
+          MOVL  XAR4,#_echo
+          MOVL  XAR5,#0x0DC0
+          MOVL  *XAR5,XAR4
+          EDIS
+          MOVW  DP,#0x0CE0 >> 6
+          MOV   @0x20,#1          ; PIECTRL
+          MOV   @0x32,#1          ; PIEIER9
+          OR    IER,#0x100
+          MOV   @0x21,#0xFFF
+          CLRC  INTM
+here:     IDLE
+          SB    here,UNC
+"""
+SEND = "first:    LCR   #_send\n"
+NTH = [("nth", "from 22nd frame RX end of interrupt SCIRXINTA to frame TX begin, next", 'max = "1 us"')]
+
+
+def test_events_that_are_counted_in_a_service_routine_without_end(tmp_path: Path):
+    """The 22nd frame of the routine comes once in a run, so the table measures it at a few starts only."""
+    old = "          LCR   #_start_sci\n\n"
+    file = write_echo(tmp_path, 1.0, (old, IN_A_ROUTINE), ("@SCICTL2,#0\n", "@SCICTL2,#2\n"))
+    file.write_text(with_budgets(file.read_text(encoding="utf-8"), NTH), encoding="utf-8")
+    case, table = table_of(file)
+    assert table.not_proven(case)["nth"] == LASTS
+
+
+def test_a_byte_that_is_written_before_the_rest_and_sent_after_it(tmp_path: Path):
+    """The slave writes the first byte of the next read at the end of a read."""
+    case = write_slave(tmp_path, with_budgets("", [("margin", "margin of I2CDXR", 'max = "3 ms"')]))
+    file = tmp_path / "register_slave.asm"
+    text = file.read_text(encoding="utf-8")
+    for old, new in (
+        ("ended:    AND   @I2CIER", "ended:    LCR   #_send\n          AND   @I2CIER"),
+        (
+            "first:    LCR   #_send\n",
+            "first:    TBIT  @I2CSTR,#XRDY\n          SB    full,NTC\n          LCR   #_send\nfull:\n",
+        ),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    file.write_text(text, encoding="utf-8")
+    text = case.read_text(encoding="utf-8")
+    requests = text[text.index("[[controller.request]]") : text.index("[[budget]]")]
+    one = '[[controller.request]]\nname = "r"\naddress = 0x50\ncount = 1\n\n'
+    case.write_text(text.replace(requests, one), encoding="utf-8")
+    plan, table = table_of(case)
+    assert table.not_proven(plan)["margin"] == LASTS
+
+
+def test_the_first_start_of_a_case_with_jitter_is_free(tmp_path: Path):
+    """Jitter moves the first frame, too. So the table begins with the first rest, which must come before it."""
+    early = write_echo(tmp_path)
+    with pytest.raises(NotClosed, match=r"must come after the firmware has been at rest for 2 ms"):
+        made(early, "host.jitter=1 ms")
+    late = covered(early, "host.jitter=1 ms", "host.first=10 ms")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(closed_table, "LEAST_REVISITED", 10)
+        table = TableMaker(late).make()
+    assert table.rests_first and table.first_rest < late.phases.first_start()
+    assert min(starts[0] for starts in table.starts) < late.phases.first_start()
+
+
+def test_a_first_start_at_the_start_of_the_run_is_refused(tmp_path: Path):
+    with pytest.raises(NotClosed, match="the first start is at the start of the run; make `first` later"):
+        made(write_echo(tmp_path), "host.first=0 s")
 
 
 # Refused ----------------------------------------------------------------------------
@@ -258,3 +334,5 @@ def test_slow_frames_are_refused(tmp_path: Path):
     """Two of their characters last longer than a rest, so the frames of the table could be one burst."""
     with pytest.raises(NotClosed, match="a character of the host lasts longer than 1 ms"):
         made(write_echo(tmp_path), "host.baud=9600", "host.period=1 s")
+    with pytest.raises(NotClosed, match="a character of the host lasts longer than 1 ms"):
+        made(write_echo(tmp_path), "host.baud=10000", "host.error=-50", "host.period=1 s")

@@ -107,7 +107,7 @@ def prove(
     With --table, the states between rounds (or frames) are compared, and each start is run from each of these states.
     If no further state appears, the budgets are proven for all starts. This needs firmware images, constant data, and
     units without ppm. With --ppm, this is done for each clock of the controller that gives other lengths in ticks. Only
-    --set, --ppm (with --jobs), --witness, --save and --json can be used with --table.
+    --set, --ppm (with --jobs), --questions, --witness, --save and --json can be used with --table.
 
     With --questions, this is repeated with each other answer to the open questions on which the case depends, and with
     pairs of related answers. The output names the budgets whose verdict depends on an answer.

@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 
 from ...core.phrases import counted
-from ...proof.closed_table import Contradiction, StartTable
+from ...proof.closed_table import Contradiction, StartTable, milliseconds
 from ...proof.dependencies import dependencies, files_read
 from ...proof.free_run import NotClosed
 from ...proof.proof_file import proof_of
@@ -44,11 +44,16 @@ def prove_with_table(
     """
     with running_user_code():
         note_inputs([case])
+        folder_of_case = Path(job.file).parent
         with files_read() as read:
+            before = dependencies(folder_of_case, load(Path(job.file), list(job.changes)).files())
             made = _proof(job, within, jobs)
             proof = None
             if save and not made.has_failed:
-                proof = proof_of(made, dependencies(Path(job.file).parent, [*read, *made.covered.case.files()]))
+                proof = proof_of(made, dependencies(folder_of_case, [*read, *made.covered.case.files()]))
+                changed = before.differences(folder_of_case)
+                if changed:
+                    raise click.ClickException(f"{changed[0]} while the tables were made, so no proof is saved")
         files = [] if folder is None else _write_witnesses(made, job, case, folder)
         if proof is not None and proof.proven:
             write_all({proof_path(case): text_of(proof)})
@@ -78,8 +83,9 @@ def _proof(job: Job, within: Fraction | None, jobs: int) -> TableProof:
 
             return prove(job, within, on_progress, announce, None if jobs == 1 or within is None else call_all)
     except NotClosed as error:
-        otherwise = "without --table, prove runs its phases, which proves nothing"
-        raise click.ClickException(f"{name} has no closed table: {error}; {otherwise}") from None
+        raise click.ClickException(
+            f"{name} has no closed table: {error} (without --table, prove runs phases)"
+        ) from None
     except Contradiction as error:
         raise click.ClickException(str(error)) from None
     except BrokenProcessPool:
@@ -101,9 +107,11 @@ def _write_witnesses(made: TableProof, job: Job, case: Path, folder: Path) -> li
 
 def _show(made: TableProof, files: Sequence[Path]) -> None:
     covered, words, worst = made.covered, made.words(), made.worst()
-    moved, per_ms = covered.phases.moved, covered.phases.ticks_per_second / 1000
+    moved, per_second = covered.phases.moved, covered.phases.ticks_per_second
     tables = "table" if len(made.parts) == 1 else f"{len(made.parts)} tables"
-    state = "closed" if not made.has_failed else "not closed, because a run failed"
+    last = made.parts[-1]
+    failed = ", ".join(sorted(last.table.outcomes[-1].failures))
+    state = "closed" if not made.has_failed else f"not closed, because of {failed}"
     say(f"{covered.case.name}: {tables} of {made.of:,} starts, {made.entries:,} of them run: {state}", style="bold")
     rows = []
     for name, word in words.items():
@@ -115,17 +123,19 @@ def _show(made: TableProof, files: Sequence[Path]) -> None:
         )
         rows.append(((name, *shown, word), "red" if word == BROKEN else ""))
     print_table(("budget", "worst", "limit", ""), rows, right=(1, 2), whole=(1, 2, 3))
-    for reason in made.parts[-1].table.outcomes[-1].reasons.values():
+    for reason in last.table.outcomes[-1].reasons.values():
         say(f"for example: {reason}")
+    if made.has_failed and last.changes:
+        say(f"broken: with {', '.join(last.changes)}, the first of these clocks that breaks a budget")
     if PROVEN in words.values():
-        say(f"proven: for all sequences of {moved} that start at least {made.apart / per_ms:.4f} ms apart")
+        say(f"proven: for all sequences of {moved} that start at least {milliseconds(made.apart, per_second)} apart")
         one = moved.removesuffix("s")
-        if made.within is None:
-            what = f"clocks, rates and data as in the case, and the first {one} exactly at {made.first / per_ms:.4f} ms"
-        else:
+        if made.within is not None:
             say(f"proven: for all clocks of the controller within {float(made.within):g} ppm of that in the case")
-            what = f"rates and data as in the case, and the first {one} after {made.first / per_ms:.4f} ms"
-        say(f"assumed: {what}")
+        when = "after" if made.rests_first else "exactly at"
+        what = f"{'clocks, ' * (made.within is None)}rates and data as in the case, and the first {one} {when}"
+        say(f"assumed: {what} {milliseconds(made.first, per_second)}")
+        say("assumed: the answers of the case to open questions; --questions varies them")
     if made.again:
         say(f"compared: {counted(made.again, 'start')} run again after other {moved}; none differed")
     for name, reason in made.not_proven().items():

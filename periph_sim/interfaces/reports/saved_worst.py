@@ -53,7 +53,7 @@ def saved_worst(case: Path, verdicts: Sequence[Verdict]) -> dict[str, SavedWorst
                 nearest = worst.verdict
         if proof is not None and not proof[1]:
             proven = proof[0].proven.get(one.name)
-            if proven is not None and _is_nearer(proven.worst, nearest):
+            if proven is not None and proven.worst.name == one.name and _is_nearer(proven.worst, nearest):
                 found[one.name] = _of_proof(case, proof[0], proven)
     return found
 

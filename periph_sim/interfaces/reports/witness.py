@@ -50,7 +50,7 @@ def witness_file(
     if "budget" in tree:
         tree["budget"] = _covered(tree["budget"], {one.name for one in covered.case.budget})
     tree["name"] = name
-    tree["about"] = f"The worst value of {worst.name!r} in a coverage of {covered.case.name}."
+    tree["about"] = f"The worst value of {worst.name!r} that prove found for {covered.case.name}."
     tree["duration"], tree["seed"] = _seconds(covered, duration), seed
     tree["inputs"] = {**tree.get("inputs", {}), **input_texts(covered, inputs)}
     file = folder / f"{name}.toml"

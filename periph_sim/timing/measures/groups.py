@@ -66,6 +66,14 @@ class Groups:
             return first
         return self._begins_round is None or self._begins_round()
 
+    def lasts(self, now: int) -> bool:
+        """Return True if an event after tick `now` can belong to the present group, without one that begins a group."""
+        if self._ends:
+            return self.inside
+        if self._group.name != "burst" or self._frame_began == NO_TIME:
+            return False
+        return now - self._frame_ended <= PAUSE * (self._frame_ended - self._frame_began)
+
     def is_nth(self) -> bool:
         """Count an event, and return True if it is the n-th of its group."""
         self._seen += self.inside

@@ -74,6 +74,11 @@ class Margin(Measure):
             return WRITE
         return XRDY if (kind, where, what) == (Kind.FLAG, f"{self._unit}.I2C-A", "I2CSTR.XRDY") else UNWANTED
 
+    @property
+    def holds_byte(self) -> bool:
+        """True if a byte was written that the controller has not needed yet."""
+        return self._waiting != NO_TIME or self._shifting != NO_TIME
+
     def on_record(self, tag: int, tick: int, value: int) -> None:
         self.bus.settle_before(tick)
         if tag == WRITE:

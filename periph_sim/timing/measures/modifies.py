@@ -290,6 +290,7 @@ class LostFlags(Measure):
 
     def __init__(self, watched: Watched) -> None:
         super().__init__()
+        self.looks_back = "the whole run"  # a later write can show that a flag was cleared on purpose
         self.watched = watched
         self.modifies = Modifies(watched.concerns, watched.is_about, not watched.register)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.proof import closed_table
 from tests.interfaces.commands.conftest import Run
 from tests.proof.proven_slave import FIRMWARE, PROVEN, save_proof, write_slave
 from tests.proof.test_closed_table import write_echo
@@ -154,3 +155,35 @@ def test_worst_explains_the_run_of_a_proof_that_is_nearer_to_the_limit(periph_si
     assert in_proof["length_us"] > in_run["length_us"]
     came = periph_sim("worst", str(case))
     assert came.out.startswith(f"in a run with other frames, the worst of {tmp_path / 'proofs' / 'echo.json'}:\n")
+
+
+def test_a_file_that_changes_while_the_tables_are_made(
+    periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    case = write_slave(tmp_path, "")
+    make = closed_table.TableMaker.make
+
+    def edited(maker: closed_table.TableMaker) -> closed_table.StartTable:
+        table = make(maker)
+        case.write_text(case.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+        return table
+
+    monkeypatch.setattr(closed_table.TableMaker, "make", edited)
+    came = periph_sim("prove", str(case), "--table", "--save")
+    assert came.status == 2
+    assert came.err.endswith("Error: slave.toml has changed while the tables were made, so no proof is saved\n")
+    assert not (tmp_path / "proofs" / "slave.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("ticks_per_second", 0), ("proven", {"wrong bytes": {"starts": [2, 1]}}), ("moved", 1)]
+)
+def test_a_file_that_was_edited_by_hand_is_refused(key: str, value: object, periph_sim: Run, whole: Path):
+    file = whole.parent / "proofs" / "slave.json"
+    tree = json.loads(file.read_text(encoding="utf-8"))
+    if isinstance(value, dict):
+        value = {name: tree["proven"][name] | change for name, change in value.items()}
+    file.write_text(json.dumps(tree | {key: value}), encoding="utf-8")
+    came = periph_sim("run", str(whole), "--guaranteed")
+    assert came.status == 1
+    assert "is no proof of this version of periph-sim" in came.err

@@ -119,7 +119,7 @@ def test_every_line_of_shipped_machine_code_runs_in_a_case():
     ran: dict[Path, dict[int, int]] = defaultdict(dict)
     for path in IMAGES:
         run = profiled(load(path, []), Fraction("0.03") if path.stem == "imu_hil_image" else None, coverage=True)
-        found = covered_files((p.image, p.functions, run.coverage[unit]) for unit, p in run.programs.items())
+        found = covered_files(run)
         for file, of_file in found.items():
             lines = ran[Path(file).resolve()]
             for line, count in of_file.lines.items():

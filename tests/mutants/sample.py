@@ -63,6 +63,7 @@ ROOMS = {
         (
             "tests/proof",
             "tests/interfaces/commands/test_prove.py",
+            "tests/interfaces/commands/test_prove_questions.py",
             "tests/interfaces/commands/test_prove_table.py",
             "tests/interfaces/commands/test_saved_proof.py",
             "tests/interfaces/reports/test_coverage_check.py",

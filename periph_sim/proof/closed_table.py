@@ -331,8 +331,9 @@ class TableMaker:
             if keys[-1] in self._places:
                 return
         run.next_cycle()
-        names = differences(state, run.state())
-        if names:
+        last = run.state()
+        if digest(last) != key:
+            names = differences(state, last)
             more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
             raise NotClosed(f"the state does not repeat while the firmware waits: {', '.join(names[:NAMED])}{more}")
         keys = keys[: keys.index(key, 1)] if key in keys[1:] else keys

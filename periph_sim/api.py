@@ -36,10 +36,10 @@ def scenarios(case: str | Path, changes: Sequence[str] = ()) -> Scenarios:
     The table is made here, which takes seconds to minutes. The values of many scenarios then follow without further
     runs, see `Scenarios.values`.
 
-    case: the path of a case whose only free starts are rounds, or frames, of a firmware image.
+    case: the path of a case of one firmware image in which only rounds, or only frames, start freely.
     changes: texts "key=value" that change the case as `--set` does.
 
-    Raise BadCase if the case cannot be read, has no closed table, or breaks a budget.
+    Raise BadCase if the case cannot be read, has no closed table, or fails in a run of its table.
     """
     from .proof.scenarios import Scenarios  # imported here, because only this function needs the proofs
 

@@ -16,15 +16,15 @@ from ..scene.case.model import Case
 from ..scene.controller import HeadPlan, head_plan
 from ..scene.plan import ScenePlan
 
-# Two errors that are less than this apart, in ppm, have no other lengths between them: the errors at which a length
-# changes are fractions of much smaller denominators, and lengths that change at the same error change together.
+# Bisection stops at this difference, in ppm. Lengths change at no more than one error between two errors so close,
+# because these errors are fractions with far smaller denominators.
 LEAST = Fraction(1, 2**80)
 
 
 def clock_errors(case: Case, within: Fraction) -> list[Fraction]:
     """Return errors of the controller's clock, in ppm and in ascending order.
 
-    For each error that differs from `controller.ppm` by at most `within`, one of them gives the same lengths.
+    Each error that differs from `controller.ppm` by at most `within` gives the same lengths as one of them.
     """
     assert case.controller is not None
     found: dict[object, Fraction] = {}

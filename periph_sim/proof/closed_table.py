@@ -115,7 +115,7 @@ class StartTable(Struct):
         return found
 
     def run_of(self, worst: WorstInRuns, per_second: int) -> tuple[list[int], int]:
-        """Return the starts of a run up to its worst value, and the end before the next start, in ticks from its start.
+        """Return the starts up to a worst value, and the tick before the next start, both from the start of the run.
 
         If the worst value has no instant, return the whole run. per_second: the number of ticks per second.
         """
@@ -156,10 +156,11 @@ class TableMaker:
     """Makes the table of a case. Raise NotClosed if the case has no table.
 
     on_progress: called with the part of the known entries that were run.
-    on_estimate: called once, with the number of entries of the first orbit and an estimate of the CPU time in seconds.
+    on_estimate: called after TIMED entries, with the expected number of entries, and an estimate of the CPU time in
+        seconds.
     on_run: called at the end of each run, with the run and the places from which its rounds after the first one began.
         The scenes then keep all values of their budgets.
-    rests_first: as for `FreeRun`; None for True if the first start of the case has jitter.
+    rests_first: as for `FreeRun`; None: True if the starts of the case have jitter, else False.
     least_again: the least number of entries that are run again.
     """
 
@@ -280,7 +281,8 @@ class TableMaker:
         del here[bisect_left(here, tick)]
         self.table.entries += 1
         if self.table.entries == TIMED and self._on_estimate is not None:
-            self._on_estimate(self.table.orbits[0], self._estimate(self.table.orbits[0]))
+            entries = self.table.orbits[0]
+            self._on_estimate(entries * (1 + self._rests_first), self._estimate(entries))
         if self._on_progress is not None:
             self._on_progress(self.table.entries / sum(self.table.orbits))
         return after

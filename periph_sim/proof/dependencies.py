@@ -1,4 +1,4 @@
-"""Everything on which the result of a coverage depends: files, versions, and periph_sim itself.
+"""Everything on which a saved coverage or proof depends: files, versions, and periph_sim itself.
 
     runs of a case --files_read--> the files that were opened --dependencies--> their digests
     digests --differences--> phrases about what has changed since
@@ -43,7 +43,7 @@ class Dependencies(Struct, frozen=True):
     packages: a dictionary from the name of each other imported package to its version.
     files: a dictionary from paths, relative to the folder of the case, to digests.
     shipped: the names of the source files of periph_sim and of libraries that were read.
-    not_read: the result of `unread` when the result was made.
+    not_read: the value of `unread` when the result was saved.
     project: the path of the nearest pyproject.toml of the case, relative to its folder; "" if there is none.
     """
 
@@ -65,7 +65,9 @@ class Dependencies(Struct, frozen=True):
         found += [f"{path} is new" for path in self.unread(folder) if path not in self.not_read]
         project = project_file(folder)
         if project != self.project:
-            found.append(f"{project or 'no pyproject.toml'} is now the project of the case")
+            found.append(
+                f"{project} is now the project of the case" if project else "the case now has no pyproject.toml"
+            )
         if self.periph_sim != package_digest():
             found.append("periph_sim itself has changed")
         if self.python != python_version():
@@ -77,9 +79,9 @@ class Dependencies(Struct, frozen=True):
         return found
 
     def unread(self, folder: Path) -> list[str]:
-        """Return the files that are now beside a source file, were not read, and have the name of one that was read.
+        """Return the files that could now be read in place of a source file that was read.
 
-        Such a file can be read instead of the one of this name in another folder.
+        Such a file has the same name, and is in the folder of the case or of another source file.
         """
         sources = [path for path in self.files if path.endswith(SOURCES)]
         names = {*self.shipped, *map(os.path.basename, sources)}
@@ -161,7 +163,7 @@ def dependencies(folder: Path, paths: Iterable[str | Path]) -> Dependencies:
 
 
 def _path_of(path: str | Path) -> str:
-    """Return the absolute path of a file as a text; where `..` follows a link, the path without links."""
+    """Return the absolute path of a file. If it does not exist because `..` follows a link, resolve the links."""
     text = os.path.abspath(path)
     return text if os.path.exists(text) or not os.path.exists(path) else os.path.realpath(path)
 

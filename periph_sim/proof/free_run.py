@@ -72,9 +72,10 @@ class FreeRun:
         """Advance to the first rest.
 
         ignored: as for `normal_state`. keep_values: as for `Scene`.
-        rests_first: True if the first rest comes before the first start; False if the first start of the case does.
+        rests_first: True to rest before any start; False to run the first start of the case, and then rest.
 
-        Raise NotClosed if the first rest would come after the first start of the case.
+        Raise NotClosed if the scene does not come to rest, if the first start of the case is not after the first rest
+        (with `rests_first`), or if it is at the start of the run.
         """
         self.records = RoundRecords()
         self.scene: Scene = covered.free_scene(self.records, keep_values)
@@ -131,7 +132,7 @@ class FreeRun:
         """Advance to the beginning of a cycle at which nothing is due, and instants of the round are long past.
 
         Raise NotClosed if there is no such cycle within a second, or if the firmware has accessed one of
-        CLOCK_REGISTERS.
+        CLOCK_REGISTERS since the first start.
         """
         scene, until = self.scene, self.now + self.scene.timebase.per_second
         while not self._is_over():

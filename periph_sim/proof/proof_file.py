@@ -31,7 +31,7 @@ class ProvenBudget(Struct, frozen=True):
     worst: the worst value of all starts.
     changes: the "key=value" texts of the run with this value: its clock, if the proof is for a range of clocks.
     starts: the starts of this run, up to the value itself, in ticks from the start of the run.
-    until: the tick at which this run ends.
+    until: the tick at which this run ends, from its start.
     """
 
     worst: Verdict
@@ -41,7 +41,7 @@ class ProvenBudget(Struct, frozen=True):
 
     def __post_init__(self) -> None:
         if not self.starts or self.starts[0] < 0 or any(one >= two for one, two in pairwise(self.starts)):
-            raise ValueError("the starts of a worst value are not in ascending order")
+            raise ValueError("the starts of a worst value are missing, negative or not ascending")
 
 
 class ProofFile(Struct, frozen=True, kw_only=True):
@@ -49,11 +49,10 @@ class ProofFile(Struct, frozen=True, kw_only=True):
 
     case: the name of the case.
     moved: what starts, "rounds" or "frames".
-    ticks_per_second: the length of a tick.
-    within_ppm: for each clock of the controller whose error differs from that of the case by at most this number, the
-        proof holds; None if it holds for the clock of the case.
-    first: the first start, in ticks from the start of the run.
-    rests_first: True if the first start can also be later.
+    ticks_per_second: the number of ticks per second.
+    within_ppm: the greatest difference from `controller.ppm` that the proof covers; None for the case's clock only.
+    first: the tick of the first start, from the start of the run.
+    rests_first: True if the first start is any tick after `first`.
     apart: the least distance of two starts for which the proof holds, in ticks.
     starts: the number of starts in the tables, all of which were run.
     again: the number of starts that were run again, and compared.
@@ -81,7 +80,7 @@ class ProofFile(Struct, frozen=True, kw_only=True):
         of = len(self.proven) + len(self.not_proven)
         apart = milliseconds(self.apart, self.ticks_per_second)
         starts = f"all sequences of {self.moved} that start at least {apart} apart"
-        clocks = "" if self.within_ppm is None else f", and all clocks within {self.within_ppm:g} ppm"
+        clocks = "" if self.within_ppm is None else f", and all clocks of the controller within {self.within_ppm:g} ppm"
         return f"{len(self.proven)} of {counted(of, 'budget')} proven for {starts}{clocks}"
 
 

@@ -41,7 +41,7 @@ def read(path: Path, kind: type[T], what: str, renew: str) -> T | None:
 
     kind: the class of the contents. what: their name, such as "coverage". renew: a phrase that says how to renew them.
 
-    Raise BadSavedFile if the file has other contents, or is of another version of the format.
+    Raise BadSavedFile if the file cannot be read, has other contents, or is of another version of the format.
     """
     try:
         return msgspec.json.decode(read_regular(path), type=kind)
@@ -59,5 +59,5 @@ def current(contents: T | None, case: Path) -> tuple[T, list[str]] | None:
         return None
     differences = contents.dependencies.differences(case.parent)
     if case.name not in contents.dependencies.files:  # the file was copied
-        differences.insert(0, f"it is of another case file than {case.name}")
+        differences.insert(0, f"it belongs to another case file than {case.name}")
     return contents, differences

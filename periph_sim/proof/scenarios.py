@@ -22,20 +22,20 @@ from .stretch import CoveredCase, Job
 
 FIRST = RestPlace(-1, 0)  # the key of the first round in `_values`
 NO_SERIES = "it has one number for the whole run"
-JOINED = "it has further conditions"
+JOINED = "it has the key `and`"
 
 
 class Scenarios:
     """The values of a case's budgets for any sequences of starts, from its closed table.
 
-    budgets: the names of the budgets that have values: those that the table proves, with one value per occurrence.
+    budgets: the names of the budgets that have values: proven budgets with one value per occurrence.
     left_out: a dictionary from the other budgets to the reason.
     moved: what starts, "rounds" or "frames".
     ticks_per_second: the number of ticks per second.
     first: the tick of the first start, counted from the start of the run.
     apart: the least distance of two starts, in ticks.
 
-    Raise BadCase if the case cannot be read, has no closed table, or breaks a budget.
+    Raise BadCase if the case cannot be read, has no closed table, or fails in a run of its table.
     """
 
     def __init__(

@@ -69,7 +69,8 @@ class CoveredCase:
 
     phases: the phases of the case.
     left_out: the budgets and inputs that are not covered, as a dictionary from the name of each to the reason.
-    not_whole: the budgets of which a limit is not covered, as a dictionary from the name of each to the reason.
+    not_whole: the budgets that are left out, or have a percentile that is, as a dictionary from the name of each to the
+        reason.
     runs: the number of runs so far.
     unknowns: the options on which these runs depend, as in `Result.unknowns`.
 

@@ -49,8 +49,8 @@ class TableProof(NamedTuple):
     """The tables of a case. Only the last one can have failed.
 
     covered: the case.
-    within: for each error of the controller's clock that differs from `controller.ppm` by at most this number, one of
-        the tables has its lengths; None if the clock is that of the case.
+    within: the greatest difference from `controller.ppm` that the tables cover, in ppm; None for the clock of the case
+        only.
     parts: the tables.
     """
 
@@ -68,7 +68,7 @@ class TableProof(NamedTuple):
         return sum(part.table.entries for part in self.parts)
 
     @property
-    def of(self) -> int:
+    def entry_count(self) -> int:
         """The number of entries of the tables."""
         return sum(sum(part.table.orbits) for part in self.parts)
 
@@ -84,17 +84,14 @@ class TableProof(NamedTuple):
 
     @property
     def first(self) -> int:
-        """The first start for which the proof holds, in ticks from the start of the run.
-
-        If `rests_first` is True, the first start can also be later.
-        """
+        """The tick of the first start, from the start of the run; with `rests_first`, any tick after this one."""
         if not self.rests_first:
             return self.covered.phases.first_start()
         return max(part.table.first_rest for part in self.parts)
 
     @property
     def rests_first(self) -> bool:
-        """True if the proof holds for any first start from `first` on; False if it holds for `first` only."""
+        """True if the proof holds for any first start after `first`; False if it holds for `first` only."""
         return self.parts[0].table.rests_first
 
     def worst(self) -> dict[str, WorstInProof]:
@@ -109,7 +106,7 @@ class TableProof(NamedTuple):
     def not_proven(self) -> dict[str, str]:
         """Return a dictionary from each budget that the tables do not prove to the reason."""
         found: dict[str, str] = {}
-        # The fastest clock of the range makes the distances of the case's starts shorter than that of a table.
+        # The fastest clock of the range brings the starts of the case closer together than the clock of a part does.
         apart = self.apart + ceil(self.apart * 2 * (self.within or 0) / 10**6)
         for part in self.parts:
             found = part.table.not_proven(part.covered, apart) | found
@@ -145,7 +142,7 @@ def prove(
 
     within: as in `TableProof`.
     on_progress: called with the part of the known entries that were run.
-    on_estimate: called once, with the number of tables, of entries in each, and an estimate of the CPU time in seconds.
+    on_estimate: called with the number of tables, the number of entries in each, and the estimated CPU time in seconds.
     call_all: makes calls in other processes, and yields their results in order; None to make all tables in this one.
         The first table is always made in this process.
 

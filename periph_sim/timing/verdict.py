@@ -16,7 +16,7 @@ FAIL: Final = "fail"  # a limit is broken, or an event such as a wrong reply ref
 NOT_JUDGED: Final = "not judged"  # no limit is broken, but too little was measured to say that all hold
 
 SEEN: Final = "seen"  # the word for a pass: every limit held in this run
-PROVEN: Final = "proven"  # the word for a pass of a budget that holds for every start
+PROVEN: Final = "proven"  # the word for a pass that a proof covers
 BROKEN: Final = "broken"
 
 
@@ -36,7 +36,7 @@ class Verdict:
     occasions: the number of events at which a value should have been measured; None if they are not counted.
     until_s: the end of the fault that `found` describes, such as a wrong reply, which began at `at_s`; None if there is
         no such fault.
-    proven: True if a saved proof of the case says that the budget holds for every start.
+    proven: True if a table, or a saved proof, shows that the budget holds for every start that it covers.
     """
 
     name: str
@@ -186,7 +186,10 @@ def assumes_lines(names: Sequence[str]) -> list[str]:
 
 
 def title(word: str, budgets: Sequence[Verdict]) -> str:
-    """Return the title of a run with these budgets, whose verdict is `word`: "PASS, as seen in this run", "FAIL"."""
+    """Return the title of a run: "PASS, proven" if all budgets are, "PASS, as seen in this run", or "FAIL".
+
+    word: the verdict of the run.
+    """
     if word != PASS:
         return word.upper()
     is_proven = bool(budgets) and all(one.word == PROVEN for one in budgets)

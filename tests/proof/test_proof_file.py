@@ -68,7 +68,7 @@ def test_a_copied_proof_is_of_the_case_from_which_it_was_copied(desk: tuple[Path
     other = case.with_stem("other")
     other.write_bytes(case.read_bytes())
     proof_path(other).write_bytes(proof_path(case).read_bytes())
-    assert current(other) == (proof, ["it is of another case file than other.toml"])
+    assert current(other) == (proof, ["it belongs to another case file than other.toml"])
 
 
 @pytest.mark.parametrize("text", ["", "{}", '{"version": 2}', "not JSON", "\0"])

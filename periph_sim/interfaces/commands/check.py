@@ -261,7 +261,7 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
                 click.echo(one.diff)
 
 
-COVERAGE = "coverage"  # the title of a column that is shown if a case has a coverage file; PROVEN, if one is proven
+COVERAGE = "coverage"  # a title that is shown if a case has a coverage file; PROVEN is shown if a budget is proven
 TITLES = ("case", PROVEN, "seen", "broken", "not\njudged", "must\nbreak", "baseline", COVERAGE, "")
 LEGEND = "columns count budgets; must break: named in `breaks`; baseline: changed figures"
 COVERAGE_LEGEND = "coverage: worst values of prove --save, run again; other phases are not run"

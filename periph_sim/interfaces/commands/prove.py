@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 HELD = "held"  # the word for a budget that no run broke
 MOST_PPM = 10_000  # highest value of --ppm
 STEP = 97  # the default of --step in cycles; it has no common divisor with usual clock dividers or lengths of waits
-# The parameters that have an effect with --table, and with --questions.
+# The parameters that are allowed with --table, and with --questions.
 WITH_TABLE = ("case", "changes", "folder", "table", "ppm", "save", "questions", "as_json")
 WITH_QUESTIONS = ("case", "changes", "step", "only", "rounds", "start_up", "table", "questions", "jobs", "as_json")
 MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures, that are listed; --json has all
@@ -68,14 +68,14 @@ MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures,
     "--ppm",
     metavar="PPM",
     callback=lambda context, option, text: None if text is None else _ppm_given(text),
-    help="With --table: prove it for all clocks of the controller that differ by at most this.",
+    help="With --table: cover all clocks of the controller within PPM of the case's.",
 )
 @click.option(
     "--save",
     is_flag=True,
     help="Save the result beside the case, in coverage or proofs.",
 )
-@click.option("--questions", is_flag=True, help="Repeat it with other answers to open questions.")
+@click.option("--questions", is_flag=True, help="Also run with other answers to the open questions.")
 @SVG
 @JSON
 def prove(
@@ -105,19 +105,20 @@ def prove(
     proof for other states, other run times of code, or other clocks.
 
     With --table, the states between rounds (or frames) are compared, and each start is run from each of these states.
-    If no further state appears, the budgets are proven for all starts. This needs firmware images, constant data, and
-    units without ppm. With --ppm, this is done for each clock of the controller that gives other lengths in ticks. Only
-    --set, --ppm (with --jobs), --questions, --witness, --save and --json can be used with --table.
+    If no further state appears, the budgets are proven for all starts. This needs one unit, with ppm 0, that runs an
+    image, and constant data. With --ppm, this is done for each clock of the controller that gives other lengths in
+    ticks. Allowed with --table are --set, --witness, --save and --json, --ppm and --questions, and --jobs with one of
+    these two.
 
-    With --questions, this is repeated with each other answer to the open questions on which the case depends, and with
+    With --questions, the phases or the table are run again with each other answer to the open questions, and with
     pairs of related answers. The output names the budgets whose verdict depends on an answer.
 
     With --save, the result is written to coverage/NAME.json beside the case, with --table to proofs/NAME.json. A
     coverage that was stopped is continued.
 
     Exit status 0: every budget that the output does not list as left out held at all these phases (with --table: is
-    proven); 1: otherwise; 2: the command was stopped (results so far are shown, except with --table), or a file could
-    not be written.
+    proven; with --questions: with every answer); 1: otherwise; 2: the command was stopped (results so far are shown,
+    except with --table), or a file could not be written.
     """
     from ...proof import coverage_file
     from ...proof.saved_paths import coverage_path, proof_path
@@ -125,7 +126,7 @@ def prove(
     from ..reports.coverage import choose, run_coverage
 
     if save and changes:
-        raise click.UsageError("--save with --set: it saves results of the unchanged case; remove one of them")
+        raise click.UsageError("--save with --set: a saved result is of the unchanged case; remove one of them")
     if ppm is not None and not table:
         raise click.UsageError("--ppm needs --table; add it")
     if table:
@@ -146,7 +147,7 @@ def prove(
             Job(str(case.absolute()), changes), ppm, jobs or os.cpu_count() or 1, case, folder, save, as_json
         )
     if save and start_up:
-        raise click.UsageError("--save with --start-up: a coverage file is of the rounds; remove one of them")
+        raise click.UsageError("--save with --start-up: a coverage file covers the rounds; remove one of them")
     with running_user_code():
         workers = cluster_given(cluster, jobs)
         note_inputs([case])
@@ -210,7 +211,7 @@ def _draw(found: Coverage, place: Path) -> Path:
 
 
 def _check_writable(path: Path) -> None:
-    """Raise ClickException, before anything runs, if a coverage file could not be written."""
+    """Create the folder of a saved result. Raise ClickException if nothing could be written there."""
     try:
         path.parent.mkdir(exist_ok=True)
     except OSError as error:

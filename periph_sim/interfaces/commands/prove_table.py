@@ -32,15 +32,15 @@ from .watch import note_inputs
 def prove_with_table(
     job: Job, within: Fraction | None, jobs: int, case: Path, folder: Path | None, save: bool, as_json: bool
 ) -> int:
-    """Make the table of a case, show it, and return the exit status: 0 if all budgets are proven, else 1.
+    """Make the table of a case, show it, and return the exit status: 0 if all covered budgets are proven, else 1.
 
     within: as for `TableProof`.
     jobs: the number of worker processes, if there are several tables.
     case: the path of the case as the user gave it.
     folder: where the witnesses are written; None to write none.
-    save: True to write the proof file, if the table is closed.
+    save: True to write the proof file, if a budget is proven.
 
-    Raise ClickException if the case has no table.
+    Raise ClickException if the case has no table, or if the tables cannot be completed or saved.
     """
     with running_user_code():
         note_inputs([case])
@@ -68,11 +68,11 @@ def prove_with_table(
 
 
 def _proof(job: Job, within: Fraction | None, jobs: int) -> TableProof:
-    """Return the tables of a case. Raise ClickException if there are none."""
+    """Return the tables of a case. Raise ClickException if there are none, or if they cannot be completed."""
     name = load(Path(job.file), list(job.changes)).name
 
     def announce(tables: int, starts: int, seconds: float) -> None:
-        about, of = max(1, round(seconds)), f"{tables} tables of " if tables > 1 else ""
+        about, of = max(1, round(seconds)), f"{tables} tables, each of about " if tables > 1 else ""
         click.echo(f"{name}: {of}{starts:,} starts to run, about {about} s of CPU", err=True)
 
     try:
@@ -89,7 +89,8 @@ def _proof(job: Job, within: Fraction | None, jobs: int) -> TableProof:
     except Contradiction as error:
         raise click.ClickException(str(error)) from None
     except BrokenProcessPool:
-        raise click.ClickException(f"{name}: a process died while it made a table; --jobs 1 makes all in one") from None
+        why = f"{name}: a process died while it made a table"
+        raise click.ClickException(f"{why}; --jobs 1 makes all tables in this process") from None
 
 
 def _write_witnesses(made: TableProof, job: Job, case: Path, folder: Path) -> list[Path]:
@@ -108,11 +109,14 @@ def _write_witnesses(made: TableProof, job: Job, case: Path, folder: Path) -> li
 def _show(made: TableProof, files: Sequence[Path]) -> None:
     covered, words, worst = made.covered, made.words(), made.worst()
     moved, per_second = covered.phases.moved, covered.phases.ticks_per_second
-    tables = "table" if len(made.parts) == 1 else f"{len(made.parts)} tables"
+    tables = "table of" if len(made.parts) == 1 else f"{len(made.parts)} tables with together"
     last = made.parts[-1]
     failed = ", ".join(sorted(last.table.outcomes[-1].failures))
-    state = "closed" if not made.has_failed else f"not closed, because of {failed}"
-    say(f"{covered.case.name}: {tables} of {made.of:,} starts, {made.entries:,} of them run: {state}", style="bold")
+    state = "closed" if not made.has_failed else f"not closed: {failed} failed"
+    say(
+        f"{covered.case.name}: {tables} {made.entry_count:,} starts, {made.entries:,} of them run: {state}",
+        style="bold",
+    )
     rows = []
     for name, word in words.items():
         verdict = worst[name].verdict if name in worst else None

@@ -17,7 +17,7 @@ from ...timing.verdict import Verdict
 class ProofReport(Struct, frozen=True):
     """Summary of the proof file of a case.
 
-    line: a sentence about the file; "" if there is none.
+    line: a sentence about the file; "" if there is none, or the case was read with changes.
     proven: the names of the proven budgets. It is empty if the file does not match the case.
     reasons: a dictionary from other budgets to the reason why they are not proven.
     otherwise: the reason for all budgets that are in neither of them.
@@ -56,7 +56,7 @@ def proof_report(case: Path, changes: Sequence[str] = ()) -> ProofReport:
     from ...proof.saved_file import BadSavedFile
 
     if changes:
-        return ProofReport("", otherwise=f"{path.as_posix()} is of the case without changes")
+        return ProofReport("", otherwise=f"{path.as_posix()} holds for the unchanged case only")
     try:
         found = current(case)
     except BadSavedFile as error:
@@ -69,7 +69,7 @@ def proof_report(case: Path, changes: Sequence[str] = ()) -> ProofReport:
         line = f"{path.as_posix()} is out of date: {differences[0]}{more}; {RENEW}"
         return ProofReport(line, otherwise=line)
     line = f"{path.as_posix()}: {file.line}"
-    return ProofReport(line, frozenset(file.proven), file.not_proven, f"{path.as_posix()} does not have it")
+    return ProofReport(line, frozenset(file.proven), file.not_proven, f"{path.as_posix()} has no entry for it")
 
 
 def mark_proven(case: Path, changes: Sequence[str], verdicts: Sequence[Verdict]) -> ProofReport:

@@ -1,4 +1,4 @@
-"""The worst occurrences of the saved results of a case, a coverage and a proof, which are run again and explained.
+"""The worst occurrences in the saved coverage and proof of a case, run again and explained.
 
 coverage or proof that matches the case --starts, seed--> run --> verdict, explanation
 """
@@ -27,7 +27,7 @@ class SavedWorst(NamedTuple):
 
     text: a line that names the file and what is special about the run.
     explained: the explanation of the occurrence; None if it has no instant.
-    inputs: the run in which it occurs, for JSON: its phases and seed, or its starts in seconds.
+    inputs: for JSON, the phases and the seed of the run, or its starts in seconds and the changes of the case.
     """
 
     verdict: Verdict
@@ -41,6 +41,8 @@ def saved_worst(case: Path, verdicts: Sequence[Verdict]) -> dict[str, SavedWorst
 
     It contains only budgets whose value there is nearer to the limit, or farther beyond it, than the value in
     `verdicts`. A file that does not match the case, or is not complete, is not used.
+
+    Raise BadSavedFile if a file cannot be read.
     """
     coverage, proof = coverage_file.current(case), proof_file.current(case)
     found: dict[str, SavedWorst] = {}
@@ -72,7 +74,7 @@ def _of_proof(case: Path, file: ProofFile, proven: ProvenBudget) -> SavedWorst:
     scene = covered.scene_of(covered.phases.inputs_at(proven.starts), end, covered.case.seed)
     starts = [start / file.ticks_per_second for start in proven.starts]
     clock = f" and {', '.join(proven.changes)}" if proven.changes else ""
-    text = f"in a run with other {file.moved}{clock}, the worst of {proof_path(case)}:"
+    text = f"in a run whose {file.moved} start at other times{clock}, the worst of {proof_path(case)}:"
     return _again(scene, proven.worst.name, text, {f"{file.moved}_s": starts, "changes": list(proven.changes)})
 
 

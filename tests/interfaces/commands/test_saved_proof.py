@@ -69,7 +69,7 @@ def test_a_broken_table_is_not_saved(periph_sim: Run, tmp_path: Path):
 def test_a_proof_of_a_changed_case_cannot_be_saved(periph_sim: Run, saved: Path):
     came = periph_sim("prove", str(saved), "--table", "--save", "--set", "seed=2")
     assert came.status == 2
-    assert "--save with --set: it saves results of the unchanged case; remove one of them" in came.err
+    assert "--save with --set: a saved result is of the unchanged case; remove one of them" in came.err
 
 
 def test_guaranteed_fails_with_the_reason_for_each_budget(periph_sim: Run, saved: Path):
@@ -87,7 +87,7 @@ def test_a_change_ends_the_proof(periph_sim: Run, whole: Path):
     came = periph_sim("run", str(whole), "--guaranteed", "--set", "seed=2")
     assert came.status == 1
     assert words(came.out)["wrong bytes"] == "seen"
-    assert came.err == f"guaranteed: no budget is proven: {file} is of the case without changes\n"
+    assert came.err == f"guaranteed: no budget is proven: {file} holds for the unchanged case only\n"
     firmware = whole.parent / FIRMWARE
     firmware.write_text(firmware.read_text(encoding="utf-8") + "\n", encoding="utf-8")
     came = periph_sim("run", str(whole), "--guaranteed")
@@ -154,7 +154,9 @@ def test_worst_explains_the_run_of_a_proof_that_is_nearer_to_the_limit(periph_si
     assert "frames_s" in in_proof and "frames_s" not in in_run
     assert in_proof["length_us"] > in_run["length_us"]
     came = periph_sim("worst", str(case))
-    assert came.out.startswith(f"in a run with other frames, the worst of {tmp_path / 'proofs' / 'echo.json'}:\n")
+    assert came.out.startswith(
+        f"in a run whose frames start at other times, the worst of {tmp_path / 'proofs' / 'echo.json'}:\n"
+    )
 
 
 def test_a_file_that_changes_while_the_tables_are_made(

@@ -1,4 +1,4 @@
-"""Results of many runs of a case, a coverage or a table, in the form of the result of one run.
+"""A coverage or a table of a case in the form of the result of one run.
 
     case with other answers --phases or starts--> worst value of each budget --> CoveredResult, a Row of an exploration
 
@@ -30,7 +30,11 @@ from ..witness import input_texts
 
 
 class StartedRun(Struct, frozen=True):
-    """A run of a case with given starts: the "key=value" texts of the starts, and the duration in seconds."""
+    """A run of a case with given starts.
+
+    starts: the "key=value" texts of the starts and, in a coverage, of the seed.
+    length: the duration in seconds.
+    """
 
     starts: tuple[str, ...]
     length: Fraction
@@ -51,8 +55,10 @@ class CoveredResult(Result):
 
 
 class Cover(Struct, frozen=True):
-    """The phases that are run with each answer, as in `choose` and `Job`.
+    """What is run with each answer.
 
+    step, only: the phases, as in `choose`.
+    rounds, start_up: as for `Job`.
     table: True to make a table of all starts instead.
     """
 

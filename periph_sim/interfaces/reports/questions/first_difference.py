@@ -81,8 +81,8 @@ def first_differences(
     """Return the first difference of each run in which the verdict of a budget differs, at most MOST_EXPLAINED.
 
     A run with one other answer is compared with the case as it is. A run with two other answers is compared with the
-    run that has only the first of them. Both have the starts with which the first of these budgets has its worst value,
-    if the row is of many runs.
+    run that has only the first of them. If the row is a CoveredResult, both runs have the starts with which the first
+    budget whose verdict differs has its worst value.
 
     length: the duration of a run of the case as it is, in seconds.
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from ....core.phrases import counted
 from ....core.text_table import paragraph, text_table
 from ....scene.result import Result
-from ....timing.verdict import SEEN, figure, limit, simulated
+from ....timing.verdict import PROVEN, SEEN, figure, limit, simulated
 from .covered_rows import CoveredResult
 from .dependence import Departure, Dependence
 from .explore import Exploration
@@ -39,8 +39,10 @@ def text(explored: Exploration, found: Sequence[Dependence], differences: Differ
         "nothing alone, and of an answer with those to the questions that arise only with it. "
         "Other combinations were not tried."
     )
-    if isinstance(result, CoveredResult):
-        lines += paragraph(PROVEN_FOR if result.is_table else HOLDS_AT)
+    if isinstance(result, CoveredResult) and not result.is_table:
+        lines += paragraph(HOLDS_AT)
+    elif any(one.word == PROVEN for one in found):
+        lines += paragraph(PROVEN_FOR)
     if explored.not_varied:
         names = ", ".join(explored.not_varied)
         lines += paragraph(f"Not varied, because only a pair, or an answer that breaks something, uses them: {names}")

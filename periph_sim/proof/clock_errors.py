@@ -15,7 +15,9 @@ from fractions import Fraction
 from ..scene.case.model import Case
 from ..scene.controller import HeadPlan, head_plan
 from ..scene.plan import ScenePlan
+from .free_run import NotClosed
 
+MOST_CLOCKS = 500  # maximum number of tables of a proof
 # Bisection stops at this difference, in ppm. Lengths change at no more than one error between two errors so close,
 # because these errors are fractions with far smaller denominators.
 LEAST = Fraction(1, 2**80)
@@ -24,7 +26,8 @@ LEAST = Fraction(1, 2**80)
 def clock_errors(case: Case, within: Fraction) -> list[Fraction]:
     """Return errors of the controller's clock, in ppm and in ascending order.
 
-    Each error that differs from `controller.ppm` by at most `within` gives the same lengths as one of them.
+    Each error that differs from `controller.ppm` by at most `within` gives the same lengths as one of them. Raise
+    NotClosed if there are more than MOST_CLOCKS.
     """
     assert case.controller is not None
     found: dict[object, Fraction] = {}
@@ -33,6 +36,8 @@ def clock_errors(case: Case, within: Fraction) -> list[Fraction]:
         assert case.controller is not None
         controller = case.controller.model_copy(update={"ppm": error})
         plan: HeadPlan = head_plan(ScenePlan(case.model_copy(update={"controller": controller})).ticks)
+        if len(found) > MOST_CLOCKS:
+            raise NotClosed(f"the range has more than {MOST_CLOCKS} clocks with different lengths in ticks")
         these = plan.timing, plan.schedule.gap, plan.clear_after
         found.setdefault(these, error)
         return these

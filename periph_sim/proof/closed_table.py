@@ -124,17 +124,19 @@ class StartTable(Struct):
         until = next((start for start in starts if start > at), starts[-1] + self.apart)
         return [start for start in starts if start < until], until - 1
 
-    def not_proven(self, covered: CoveredCase, apart: int | None = None) -> dict[str, str]:
+    def not_proven(
+        self, covered: CoveredCase, apart: int | None = None, within: Fraction = Fraction(0)
+    ) -> dict[str, str]:
         """Return a dictionary from each budget that the table does not prove to the reason.
 
         The table proves a budget if each of its values follows from one round, if all rounds are judged, and if the
         starts of the case are as far apart as those of the table.
 
-        apart: the least distance of the starts; None for that of the table.
+        apart: the least distance of the starts; None for that of the table. within: as for `Phases.least_distance`.
         """
         found: dict[str, str] = {}
         apart = self.apart if apart is None else apart
-        if covered.phases.least_distance() < apart:
+        if covered.phases.least_distance(within) < apart:
             least = milliseconds(apart, covered.phases.ticks_per_second)
             reason = f"the case has starts that are less than {least} apart"
             return {budget.name: reason for budget in covered.case.budget}

@@ -85,9 +85,9 @@ def lasts(measure: Measure, now: int) -> bool:
     return begun > 0
 
 
-def depends_on_next(measure: Measure) -> bool:
-    """Return True if a value of a measure depends on when the next round is due."""
+def round_events(measure: Measure) -> set[str]:
+    """Return the records about the schedule of rounds that a measure uses, such as "due" and "next"."""
     if not isinstance(measure, EventMeasure):
-        return False
+        return set()
     each = [one for matcher in measure.matchers for one in matcher.each]
-    return any(one.kind is Kind.ROUND and one.what == "next" for one in each)
+    return {one.what for one in each if one.kind is Kind.ROUND}

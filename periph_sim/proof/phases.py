@@ -72,6 +72,7 @@ class Phases:
         self._start = ticks.start
         self.cycle = int(self._per_second / max(unit.oscclk * unit.pll / 2 for unit in case.unit.values()))
         self._grid = _grid(plan)
+        self._jitter = _jitter(plan, self.moved)
         is_before_rounds = start_up and case.controller is not None
         self.count = int((self._grid.first - self._start if is_before_rounds else self._grid.period) // self.cycle)
         if not self.count:
@@ -96,17 +97,18 @@ class Phases:
         """True if a run can contain only one phase."""
         return self.moved == "sends" or self.start_up
 
-    def least_distance(self) -> int:
-        """Return the least number of ticks between two starts that the case allows."""
-        moved = self._case.host if self.moved == "frames" else self._case.controller
-        jitter = Fraction(0) if moved is None else moved.jitter
-        return int(self._grid.period - jitter * self._per_second)
+    def least_distance(self, within: Fraction = Fraction(0)) -> int:
+        """Return the least number of ticks between two starts that the case allows.
+
+        within: the greatest difference of the clock's error from that of the case, in ppm.
+        """
+        longest = self._grid.period + self._jitter
+        return int(self._grid.period) - self._jitter - ceil(longest * 2 * within / 10**6)
 
     @property
     def has_jitter(self) -> bool:
         """True if the moved starts of the case have jitter."""
-        moved = self._case.host if self.moved == "frames" else self._case.controller
-        return moved is not None and bool(moved.jitter)
+        return self._jitter > 0
 
     def first_start(self) -> int:
         """Return the number of ticks from the start of a run to the first due time."""
@@ -233,3 +235,10 @@ def _grid(plan: ScenePlan) -> Grid:
     if plan.case.host is not None:
         return Grid(start + plan.host[0].first, Fraction(plan.host[0].period))
     return Grid(start, SERIAL_SPAN * plan.ticks.timebase.per_second)
+
+
+def _jitter(plan: ScenePlan, moved: Moved) -> int:
+    """Return the largest delay of a moved start, in ticks."""
+    if moved == "frames":
+        return plan.host[0].jitter
+    return plan.head.schedule.jitter if moved == "rounds" else 0

@@ -27,9 +27,10 @@ from ..scene.scene import Scene
 from ..timing.budget_plan import PER_MILLE, BudgetPlan
 from ..timing.budget_schema import Budget
 from ..timing.verdict import FAIL, Verdict, percentile
-from .measures_at_rest import depends_on_next
+from .measures_at_rest import round_events
 from .phases import ROUNDS, Phases
 
+DUE = frozenset({"due", "missed", "refused"})  # records whose tick is that at which a round is due, without jitter
 STUCK = "stuck"  # the name of a failure in which firmware waits for ever, or a line stays low
 PERCENTILE = "a percentile describes all occurrences of a run"
 ENDED = "ended by an error"  # the name of the failure of a run that was ended by one of RUN_ERRORS
@@ -143,8 +144,11 @@ class CoveredCase:
                 "this transfer" if self.case.host is None and one.measure == "wrong bytes" else each.make().looks_back
                 for one, each in plans
             }
-            if any(depends_on_next(each.make()) for _, each in plans):
+            events = set[str]().union(*(round_events(each.make()) for _, each in plans))
+            if "next" in events:
                 found[budget.name].add("the start of the next round")
+            if events & DUE and self.phases.has_jitter:
+                found[budget.name].add("the jitter of the round")
         return found
 
     def not_before(self) -> dict[str, int]:

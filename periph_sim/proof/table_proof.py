@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import starmap
-from math import ceil
 from typing import NamedTuple
 
 from ..scene.case.model import Case
@@ -106,10 +105,8 @@ class TableProof(NamedTuple):
     def not_proven(self) -> dict[str, str]:
         """Return a dictionary from each budget that the tables do not prove to the reason."""
         found: dict[str, str] = {}
-        # The fastest clock of the range brings the starts of the case closer together than the clock of a part does.
-        apart = self.apart + ceil(self.apart * 2 * (self.within or 0) / 10**6)
         for part in self.parts:
-            found = part.table.not_proven(part.covered, apart) | found
+            found = part.table.not_proven(part.covered, self.apart, self.within or Fraction(0)) | found
         return found
 
     def words(self) -> dict[str, str]:

@@ -73,6 +73,11 @@ def test_each_error_in_the_range_has_the_lengths_of_one_that_is_found(whole: tup
     assert {lengths(case, error) for error in [-WITHIN, WITHIN, *drawn]} == found
 
 
+def test_a_range_with_too_many_clocks_is_refused(whole: tuple[Path, TableProof]):
+    with pytest.raises(NotClosed, match=r"^the range has more than 500 clocks with different lengths in ticks$"):
+        clock_errors(load(whole[0], ["controller.clear_after=10 ms"]), Fraction(1000))
+
+
 def test_no_error_and_a_range_around_another_clock(whole: tuple[Path, TableProof]):
     case = load(whole[0], ["controller.ppm=50"])
     assert clock_errors(case, Fraction(0)) == [50]

@@ -19,6 +19,7 @@ from periph_sim.proof.measures_at_rest import MeasuresAtRest
 from periph_sim.proof.stretch import CoveredCase
 from periph_sim.proof.table_proof import Part, TableProof
 from periph_sim.scene.case.inputs_table import InputsTable
+from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from tests.proof.proven_slave import write_slave
 from tests.proof.test_closed_table import covered, made, write_echo
@@ -270,6 +271,29 @@ def test_the_first_start_of_a_case_with_jitter_is_free(tmp_path: Path):
         table = TableMaker(late).make()
     assert table.rests_first and table.first_rest < late.phases.first_start()
     assert min(starts[0] for starts in table.starts) < late.phases.first_start()
+
+
+def test_rounds_that_are_late_by_their_jitter_are_not_proven(tmp_path: Path):
+    """In a table, a round begins when it is due. In the case, it begins up to 4 ms later."""
+    late = [("late", "from record round due to record round end", 'max = "3 ms"')]
+    case = write_slave(tmp_path, with_budgets("", late))
+    changes = ("controller.first=20 ms", "controller.period=20 ms", "controller.jitter=4 ms")
+    plan = covered(case, *changes)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(closed_table, "LEAST_REVISITED", 10)
+        table = TableMaker(plan).make()
+    assert table.not_proven(plan) == {"late": "its values depend on the jitter of the round"}
+    verdicts = {one.name: one for one in Scene(load(case, [*changes, "duration=200 ms"])).run().budgets}
+    assert verdicts["late"].broken
+
+
+@pytest.mark.parametrize("ppm", [0, -100_000, 100_000])
+def test_the_least_distance_has_the_jitter_of_the_clock(ppm: int):
+    """A slow clock has longer periods and a longer jitter."""
+    phases = covered(SLAVE, "controller.period=30 ms", "controller.jitter=29 ms", f"controller.ppm={ppm}").phases
+    exact = Fraction(1, 1000) / (1 + Fraction(ppm, 10**6)) * phases.ticks_per_second
+    assert exact - 2 < phases.least_distance() <= exact
+    assert exact - 450 < phases.least_distance(Fraction(1)) < exact - 300
 
 
 def test_a_first_start_at_the_start_of_the_run_is_refused(tmp_path: Path):

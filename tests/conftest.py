@@ -104,7 +104,10 @@ WHOLE = (
 # Ordinary tests, but scenes of tenths of a second, one after the other.
 UNCOUNTED = (
     "tests/devices/test_host_pc.py",
+    "tests/interfaces/commands/test_prove_questions.py",
     "tests/interfaces/reports/baselines/test_check.py",
+    "tests/proof/test_clock_errors.py",
+    "tests/proof/test_table_tries.py",
     "tests/scene/test_event_budgets.py",
     "tests/scene/test_flagship.py",
     "tests/scene/test_imu_models.py",

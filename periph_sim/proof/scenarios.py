@@ -20,7 +20,7 @@ from .closed_table import Contradiction, RestPlace, TableMaker
 from .free_run import FreeRun, NotClosed
 from .stretch import CoveredCase, Job
 
-FIRST = RestPlace(-1, 0)  # the key of the first round in `_values`
+FIRST = RestPlace(-1, 0)  # the key of the first round in `_worst`
 NO_SERIES = "it has one number for the whole run"
 JOINED = "it has the key `and`"
 
@@ -47,6 +47,7 @@ class Scenarios:
         """case: the path of the case. changes: "key=value" texts. on_progress: as for `TableMaker`."""
         covered = CoveredCase(Job(str(Path(case).absolute()), tuple(changes)))
         self._worst: dict[str, dict[RestPlace, float]] = {}
+        self._without_values: dict[str, str] = {}
         self._differing: dict[str, str] = {}  # for some budgets, two values in rounds from equal states
         try:
             maker = TableMaker(covered, on_progress, on_run=self._observe, rests_first=False)
@@ -112,7 +113,6 @@ class Scenarios:
         """Keep the worst value of each budget in each round of a run."""
         places = [FIRST, *begun]
         starts = np.array(run.starts)
-        self._without_values: dict[str, str] = {}
         for limit in run.scene.limits:
             name = limit.budget.name
             reason = JOINED if limit.joined else "" if limit.measure.series else NO_SERIES

@@ -148,6 +148,7 @@ def prove(
     covered = CoveredCase(job)
     errors = [None] if within is None else _errors(covered.case, within)
     jobs = [job if error is None else _with_clock(job, error) for error in errors]
+    first = covered if within is None else CoveredCase(jobs[0])
     least_again = -(-LEAST_REVISITED // len(jobs))
     rests_first = None if within is None else True
     parts: list[Part] = []
@@ -161,12 +162,12 @@ def prove(
             on_estimate(len(jobs), entries, seconds * len(jobs))
 
     def tables() -> Iterator[StartTable]:
-        yield TableMaker(CoveredCase(jobs[0]), advance, estimate, None, rests_first, least_again).make()
+        yield TableMaker(first, advance, estimate, None, rests_first, least_again).make()
         arguments = [(one, True, least_again) for one in jobs[1:]]
         yield from starmap(make_table, arguments) if call_all is None else call_all(make_table, arguments)
 
-    for one, table in zip(jobs, tables(), strict=False):
-        parts.append(Part(CoveredCase(one), table, one.changes[len(job.changes) :]))
+    for one, table in zip(jobs, tables(), strict=True):
+        parts.append(Part(CoveredCase(one) if parts else first, table, one.changes[len(job.changes) :]))
         advance(0)
         if table.has_failed:
             break

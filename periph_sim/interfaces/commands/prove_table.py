@@ -46,10 +46,11 @@ def prove_with_table(
         note_inputs([case])
         folder_of_case = Path(job.file).parent
         with files_read() as read:
-            before = dependencies(folder_of_case, load(Path(job.file), list(job.changes)).files())
+            named = load(Path(job.file), list(job.changes)).files()
+            before = dependencies(folder_of_case, named) if save else None
             made = _proof(job, within, jobs)
             proof = None
-            if save and not made.has_failed:
+            if before is not None and not made.has_failed:
                 proof = proof_of(made, dependencies(folder_of_case, [*read, *made.covered.case.files()]))
                 changed = before.differences(folder_of_case)
                 if changed:
@@ -109,7 +110,7 @@ def _write_witnesses(made: TableProof, job: Job, case: Path, folder: Path) -> li
 def _show(made: TableProof, files: Sequence[Path]) -> None:
     covered, words, worst = made.covered, made.words(), made.worst()
     moved, per_second = covered.phases.moved, covered.phases.ticks_per_second
-    tables = "table of" if len(made.parts) == 1 else f"{len(made.parts)} tables with together"
+    tables = "table of" if len(made.parts) == 1 else f"{len(made.parts)} tables with"
     last = made.parts[-1]
     failed = ", ".join(sorted(last.table.outcomes[-1].failures))
     state = "closed" if not made.has_failed else f"not closed: {failed} failed"

@@ -85,9 +85,7 @@ def test_a_range_of_clocks_has_several_tables(periph_sim: Run, tmp_path: Path):
     came = periph_sim("prove", str(case), *options, "--witness", str(tmp_path))
     assert came.status == 0
     assert came.err.startswith("image_register_slave: 3 tables, each of about 160 starts to run, about ")
-    assert (
-        came.out.splitlines()[0] == "image_register_slave: 3 tables with together 480 starts, 480 of them run: closed"
-    )
+    assert came.out.splitlines()[0] == "image_register_slave: 3 tables with 480 starts, 480 of them run: closed"
     assert "proven: for all clocks of the controller within 4 ppm of that in the case\n" in came.out
     assert "assumed: rates and data as in the case, and the first round after 7.0001 ms\n" in came.out
     witness = (tmp_path / "image_register_slave_wrong_bytes.toml").read_text(encoding="utf-8")

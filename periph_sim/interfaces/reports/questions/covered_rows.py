@@ -2,7 +2,7 @@
 
     case with other answers --phases or starts--> worst value of each budget --> CoveredResult, a Row of an exploration
 
-A worst value names the run that has it, so that the first difference can be searched in this run.
+Each worst value comes with the run that has it, in which the first difference is then searched.
 """
 
 from __future__ import annotations
@@ -15,14 +15,15 @@ from fractions import Fraction
 from msgspec import Struct
 
 from ....core.phrases import counted
-from ....proof.closed_table import Contradiction, StartTable, TableMaker
+from ....proof.closed_table import Contradiction
 from ....proof.cover import Coverer
 from ....proof.free_run import NotClosed
 from ....proof.near import chosen_phases, parts_of
 from ....proof.stretch import RUN_ERRORS, CoveredCase, Job
+from ....proof.table_proof import TableProof, prove
 from ....scene.case.inputs_table import InputsTable
 from ....scene.result import Result
-from ....timing.verdict import FAIL, NOT_JUDGED, PASS, Verdict
+from ....timing.verdict import FAIL, NOT_JUDGED, PASS, PROVEN, Verdict
 from .. import REFUSED
 from ..coverage import PART
 from ..sweep.runs import Row
@@ -55,7 +56,7 @@ class CoveredResult(Result):
 
 
 class Cover(Struct, frozen=True):
-    """What is run with each answer.
+    """The runs that are made with each answer.
 
     step, only: the phases, as in `choose`.
     rounds, start_up: as for `Job`.
@@ -71,8 +72,8 @@ class Cover(Struct, frozen=True):
     def row(self, file: str, changes: Sequence[str]) -> Row:
         """Return the result for a case with "key=value" texts, or a sentence that says why there is none."""
         try:
-            case = CoveredCase(Job(file, tuple(changes), self.start_up, self.rounds))
-            return _of_table(case) if self.table else self._of_phases(case)
+            job = Job(file, tuple(changes), self.start_up, self.rounds)
+            return _of_table(prove(job)) if self.table else self._of_phases(CoveredCase(job))
         except NotClosed as error:
             return f"{file}: it has no closed table: {error}"
         except (*REFUSED, *RUN_ERRORS, Contradiction) as error:
@@ -95,24 +96,17 @@ class Cover(Struct, frozen=True):
         return replace(result, what=counted(len(chosen), "phase"))
 
 
-def _of_table(case: CoveredCase) -> CoveredResult:
-    table = TableMaker(case).make()
-    worst, runs, per_second = table.worst(), {}, case.phases.ticks_per_second
+def _of_table(made: TableProof) -> CoveredResult:
+    case, words, worst, runs = made.covered, made.words(), made.worst(), {}
     for name, one in worst.items():
-        starts, until = table.run_of(one, per_second)
-        inputs = case.phases.inputs_at(starts)
-        runs[name] = StartedRun(tuple(_texts(case, inputs)), Fraction(until, per_second))
+        one.verdict.proven = words[name] == PROVEN
+        starts, until = one.run()
+        texts = _texts(case, case.phases.inputs_at(starts))
+        runs[name] = StartedRun(tuple(texts), Fraction(until, case.phases.ticks_per_second))
+    outcome = made.parts[-1].table.outcomes[-1]
     verdicts = {name: one.verdict for name, one in worst.items()}
-    _mark_proven(table, case, verdicts.values())
-    outcome = table.outcomes[-1]
     result = _result(case, verdicts, outcome.failures, outcome.reasons, runs)
-    return replace(result, what=counted(table.entries, "start"), is_table=True)
-
-
-def _mark_proven(table: StartTable, case: CoveredCase, verdicts: Iterable[Verdict]) -> None:
-    not_proven = table.not_proven(case)
-    for verdict in verdicts:
-        verdict.proven = verdict.passed and not table.has_failed and verdict.name not in not_proven
+    return replace(result, what=counted(made.entries, "start"), is_table=True)
 
 
 def _result(

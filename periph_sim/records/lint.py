@@ -127,7 +127,10 @@ def held(run: Run, group: Group, register: Register, name: str) -> NDArray[np.bo
 
 
 def text(run: Run, findings: list[Finding]) -> str:
-    """Return the findings as text: for each its place, source, lint, count and first time; at the end, the total."""
+    """Return the findings as text, with the total at the end.
+
+    Each finding has its place in the firmware, the section of the manual, its lint, its count and its first time.
+    """
     lines = []
     for f in findings:
         times = "once" if f.count == 1 else f"{f.count} times, first"

@@ -28,8 +28,8 @@ MOST_READS = 3  # maximum number of reads of one register in a pass
 # of the assumed one, if a pass has one read. MORE_AGREE: this share, if a pass has several reads. GAPS_AGREE: the share
 # of changes that must be in gaps that fit the assumed length.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
-# If no pass was recorded, the loop is assumed to have one read, and the greatest common divisor of the gaps is taken as
-# the length of a pass. This needs at least FEW_GAPS gaps.
+# If no pass was recorded, the loop is assumed to have one read. If there are at least FEW_GAPS gaps, their greatest
+# common divisor is then taken as the length of a pass.
 FEW_GAPS = 3
 
 

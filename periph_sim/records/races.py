@@ -1,7 +1,7 @@
 """Time between the firmware's reads of status registers and changes of the fields that were read, for each place.
 
     reads, skipped polls  --> distance to the nearest change, in cycles --> closest, histogram by decades
-    read-modify-writes    --> flags that rose between read and write, flags cleared unintentionally
+    read-modify-writes    --> flags that rose between read and write; flags that the write cleared unintentionally
 
 A read of one field, as in `i2c.I2CSTR.XRDY == 1`, is compared with changes of that field. A read of the whole register,
 as in `i2c.I2CSTR.all` or in the read-modify-write `i2c.I2CSTR.SCD = 1`, is compared with changes of all its fields.

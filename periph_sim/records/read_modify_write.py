@@ -184,9 +184,10 @@ def _of_place(register: ClearedRegister, unit: str, name: str, place: str) -> Re
 
 
 def _lost(name: str, found: FlagOfPlace, other: bool) -> LostFlag:
-    """Return the counts of a flag at a place.
+    """Return the LostFlag of a flag at a place.
 
-    other: True if the firmware intends to clear only other flags here. If it is False, `along` and `unseen` are 0.
+    other: True if the firmware intends to clear only other flags here. If it is False, `LostFlag.along` and
+        `LostFlag.unseen` are 0.
     """
     between, along, unseen = (found.between.ticks or [], found.along.ticks or [], found.unseen.ticks or [])
     if not other:

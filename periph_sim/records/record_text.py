@@ -1,7 +1,7 @@
 """Formatting of records as text, and decoding of the values of BUS records.
 
 The value of a BUS record with a byte is the byte, shifted left by one; its lowest bit is the bit after the byte, 1 for
-NACK. Examples of a record's kind, `what` and value, and of its text (the last record names the field SCD):
+NACK. Examples of a record's kind, `what` and value, and of its text. The last record also has `field` = "SCD":
 
 BUS address 0x1A1               "controller: 0x68 W NACK (gyroscope)"
 BUS byte 0x22                   "controller: 0x11 ACK (gyroscope)"

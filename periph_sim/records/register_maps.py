@@ -41,6 +41,5 @@ def one_clears(register: Register) -> tuple[Field, ...]:
 
 
 MODIFY = 4  # maximum number of cycles between the read and the write of a read-modify-write
-# The write of a read-modify-write is at most this number of accesses of its routine after the read. With 1, it would
-# have to be the very next access.
+# The write of a read-modify-write is one of the next OVERTAKEN accesses that the routine makes after the read.
 OVERTAKEN = 3

@@ -168,6 +168,6 @@ class CapturedController:
         self._play_from(move)
 
     def _cut_after(self, move: int) -> int:
-        """Return the ticks by which `longest_low` shortens the prepared moves from index `move` on."""
+        """Return by how many ticks `longest_low` shortens the prepared moves from index `move` on, in total."""
         captured = self._captured[-1].at - self._captured[move - 1].at
         return int((captured - (self._edges[-1].at - self._edges[move - 1].at)) * self._plan.per_position)

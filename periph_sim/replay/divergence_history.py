@@ -108,8 +108,8 @@ class Role(NamedTuple):
     """The role of a unit in a replay: slave, master or receiver.
 
     module: the module that is connected to the replayed lines.
-    writes: a dictionary from the first words of an event, such as "data read", to the register to which the firmware
-        writes the value that this event shows. It has only events whose value the firmware sends.
+    writes: for the first words of an event, such as "data read", the register to which the firmware writes the value
+        that this event shows. It has only events whose value the firmware sends.
     """
 
     module: str

@@ -129,8 +129,8 @@ class Replay:
 class BusReplay(Replay):
     """A replay of SCL and SDA.
 
-    log: the edges of SCL and SDA. In an open loop, in which only the capture drives SCL and SDA, the log has the edges
-        of the back wires, which only the chip drives.
+    log: the edges of SCL and SDA. In an open loop, only the capture drives these wires. The chip drives two other wires
+        (`OneWayWire.back`), and the log has the edges of those.
     """
 
     NAME = "replay"  # name of the replayed side in a picture

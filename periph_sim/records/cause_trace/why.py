@@ -36,8 +36,8 @@ class Answer:
     value: the value of the signal; None if it is not known, as for a variable before its first recorded change.
     since: the tick from which the signal had the value; 0 if the signal had not changed before.
     back: the record that gave the value, then the causes of this record; empty if the signal had not changed before.
-        For a wire that is low, the first record is instead the last one, up to `tick`, at which the set of parties that
-        hold the wire low changed.
+        For a wire that is low, the first record is instead the last change, up to `tick`, of the set of parties that
+        hold the wire low.
     pulled_by: the parties that first pulled the wire low; empty if the signal is not a wire that is low.
     held_by: the parties that hold the wire low at `tick`; empty if the signal is not a wire that is low.
     effects: the first records, at most EFFECTS, whose cause is the record that gave the value.

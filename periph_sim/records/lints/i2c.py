@@ -38,8 +38,7 @@ def flag_wiped(run: Run, options: Options) -> Iterator[Fault]:
         i2c.I2CSTR.all = 0xFFFF  clears every flag that is cleared by writing 1
 
     These writes are no fault:
-    - a plain write of a value in which only bits of flags that are cleared by writing 1 are set; it is considered
-      intentional
+    - a plain write of a value with ones only at flags that are cleared by writing 1; it is considered intentional
     - a bit-field write that clears the flag that it names
     - a write that clears a flag left from an earlier transfer
     - a write after the STOP of the transfer

@@ -170,7 +170,8 @@ def _bus_state(lines: Capture) -> list[Signal]:
     """Return signals of the I2C bus, decoded from SCL and SDA.
 
     `busy` is 1 from START to STOP. `address`, `data`, `ack` and `nack` are 1 during these parts of a transfer. `read`
-    is the R/W bit of the last address. `byte` is the last byte, from its begin on; an address byte has the R/W bit.
+    is the R/W bit of the last address. `byte` has the value of a byte from the beginning of this byte on; the value of
+    an address byte includes the R/W bit.
     """
     table = i2c_table(lines, 0, 1)
     begins = table.kind == Row.START

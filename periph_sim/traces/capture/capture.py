@@ -97,7 +97,7 @@ class Channel:
         """Return the line without high and low pulses of fewer than `shortest` positions. All levels must be known.
 
             shortest = 3     __-_______----____        __________----____
-                             __--_-----___-____   -->  ______----________
+                             __--_-----___-____   -->  _____-----________
 
         Both edges of a short pulse are removed, from left to right. If the level after a series of short pulses differs
         from the level before this series, the last edge of the series remains. The levels before the first edge and

@@ -1,12 +1,14 @@
 """Find the lines of a capture by an option, such as `scl=0,sda=1`, or by the names of its channels.
 
-Without an option, the buses are pairs of SCL and SDA, and serial lines:
+Without an option, the names of the channels are searched. An I2C bus is a pair of SCL and SDA; RX and TX are serial
+lines:
 
 SCL, SDA                                             one bus
 EEPROM SCL, EEPROM SDA, SCL2, SDA2                   two buses: both names of a pair contain the same word or number
 Channel 0 (SDA), Channel 1 (SCL)                     one bus, because no other channel can be SCL or SDA
 SCL_A, SDA_A, SCL_B                                  one bus; SCL_B has no partner
 tb.scl, tb.dut.scl, tb.sda, tb.dut.sda               one bus if both scopes show the same edges
+UART RX, TX2                                         two serial lines
 """
 
 from __future__ import annotations
@@ -131,7 +133,7 @@ def pairs_given(option: str, text: str, known: tuple[str, ...], flags: tuple[str
 def channels_given(
     capture: Capture, option: str, text: str, given: Mapping[str, str], lines: Mapping[str, str]
 ) -> dict[str, Channel]:
-    """Return a dictionary from the lines that an option states, such as mosi, to their channels.
+    """Return the channel of each line that an option states, by the name of the line, such as mosi.
 
     given: the settings in the value of the option, as `pairs_given` returns them.
     lines: a dictionary from names of settings to lines. A line may have several names: mosi and simo are one line.

@@ -201,9 +201,9 @@ def exact_time(text: str) -> tuple[int, int]:
 def decimals_for(capture: Capture, least: int, rounded_to: int, otherwise: str = "") -> tuple[int, bool]:
     """Return the number of decimals with which seconds are written, and True if all times are then exact.
 
-    The number of decimals is the smallest, from `least` to FINEST, with which the times of all samples are exact. If
-    times cannot be exact, it is the smallest with which a sample period is at least `rounded_to` units of the last
-    decimal. Then a reader that knows the rate gets the same samples.
+    The number of decimals is as small as possible, but at least `least`. If FINEST decimals suffice, the times of all
+    samples are exact. Otherwise, a sample period is at least `rounded_to` units of the last decimal, so that a reader
+    that knows the rate gets the same samples.
 
     otherwise: a text that the message appends to the highest possible rate.
 

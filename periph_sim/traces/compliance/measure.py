@@ -133,7 +133,7 @@ def measured(
 class Measures:
     """The measured times of a capture.
 
-    times: a dictionary from the symbol of each limit that a capture can show to its measured times.
+    times: for the symbol of each limit that a capture can show, the measured times.
     starts: the number of STARTs and repeated STARTs.
     shared: the positions at which both lines change. The order of the two edges at such a position is unknown.
     coarse: True if the mode allows high or low phases of SCL that are shorter than a sample.

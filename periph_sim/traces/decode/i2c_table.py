@@ -237,7 +237,7 @@ def _bytes(seen: Counts, count: Counts, values: NDArray[np.uint8]) -> _Bytes:
 
     kind = np.where(whole, np.uint8(I2cRowKind.DATA), np.uint8(I2cRowKind.CUT))
     kind[head] = I2cRowKind.ADDRESS
-    tens = np.flatnonzero(head & (value & 0xF9 == 0xF0) & acked)  # address bytes 11110xx with R/W = 0 and a ninth bit
+    tens = np.flatnonzero(head & (value & 0xF9 == 0xF0) & acked)  # address bytes 11110xx, R/W = 0, then ACK or NACK
     tens = tens[np.append(kind, I2cRowKind.CUT)[tens + 1] == I2cRowKind.DATA]
     tens = tens[values[begin[tens] + 8] == 0]
     kind[tens + 1] = I2cRowKind.ADDRESS_LOW

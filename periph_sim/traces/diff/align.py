@@ -7,10 +7,10 @@ A run is a series of successive items that are equal in both sequences.
 
 The greedy algorithm of Myers (An O(ND) difference algorithm and its variations, 1986) finds the fewest insertions and
 deletions. Its time grows with the product of the length and the number of differences, so long captures with few
-differences are aligned quickly. This also holds if a polling loop repeats one transfer many times, for which the time
-of difflib's SequenceMatcher is quadratic. Items that occur in only one sequence are removed first. After `MOST_EDITS`
-differences, the path that reached furthest is kept, and the search restarts from the end of this path. Then the number
-of differences is not always the smallest, but the time is never quadratic.
+differences are aligned quickly. This also holds if a polling loop repeats one transfer many times. The time of
+difflib's SequenceMatcher would be quadratic then. Items that occur in only one sequence are removed first. After
+`MOST_EDITS` differences, the path that reached furthest is kept, and the search restarts from the end of this path.
+Then the number of differences is not always the smallest, but the time is never quadratic.
 
 Among several equal items, times decide which item is missing:
 
@@ -19,7 +19,7 @@ Among several equal items, times decide which item is missing:
 
 A gap between two runs contains items of only one sequence, or of both. If items repeat, a gap in one sequence can be
 moved without changing the number of equal items. The gap is placed where the lateness changes least from item to item.
-A gap that consists of repetitions is divided into one gap for each repetition, and these gaps are placed separately.
+If a gap consists of repetitions of the same items, each repetition is a gap of its own, which is placed separately.
 """
 
 from __future__ import annotations
@@ -188,7 +188,7 @@ def place_by_time(runs: Sequence[Run], a: Numbers, b: Numbers, time_a: Times, ti
 def _split(runs: list[Run], a: Numbers, b: Numbers) -> list[list[int]]:
     """Return the runs, each as a list [a, b, length].
 
-    A gap that consists of repetitions is divided by empty runs into one gap for each repetition.
+    If a gap consists of repetitions of the same items, empty runs are inserted, so that each repetition is a gap.
     """
     found: list[list[int]] = []
     for before, after in pairwise(runs):

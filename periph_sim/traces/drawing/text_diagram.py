@@ -81,7 +81,7 @@ def _lane(lane: Lane, slices: _Slices) -> list[str]:
 def _wave(initial: int, edges: Sequence[tuple[float, int]], slices: _Slices) -> list[str]:
     """Return the upper and the lower row of a wave."""
     level = initial
-    turns: dict[int, int] = {}  # a dictionary from each column with edges to the number of its edges
+    turns: dict[int, int] = {}  # for each column with edges, the number of its edges
     for at, value in edges:
         column = slices.column(at)
         if column < 0:

@@ -44,7 +44,7 @@ __all__ = ["BadCapture", "Capture", "Channel", "Format", "Span", "formats", "rat
 
 HEAD = 4096  # number of bytes of a file that `recognises` receives
 
-REFUSED = {  # a dictionary from each suffix that cannot be read to a description and a remedy
+REFUSED = {  # for each suffix that cannot be read, a description and a remedy
     ".sal": ("a Saleae session, whose layout the vendor changes at will", "export CSV or binary from Logic 2"),
     ".logicdata": ("a Saleae Logic 1 session, whose layout is not published", "export CSV from Logic"),
     ".pvs": ("a PulseView setup without samples", "give the .sr file beside it"),

@@ -118,7 +118,7 @@ class Rows:
         self._times = times if self._last > MOST_POSITION else array("q", times)
 
     def times(self) -> Positions:
-        """Return the times of the rows with a change of a level and of the last row.
+        """Return the times of the rows in which a level changes, and the time of the last row.
 
         The result is an array of int64 or, if a time exceeds 64 bits, of Python's integers.
         """

@@ -220,8 +220,8 @@ class Archive:
     def _searched(self) -> dict[str, Member]:
         """Return the members that are found by following local headers, up to the first invalid header.
 
-        If the sizes of a member follow its data, the end of the data is unknown. Then the data is assumed to extend up
-        to the end of the file, and the mark of the next header is searched for.
+        If the sizes of a member follow its data, the end of the data is not known yet. The member then has all bytes up
+        to the end of the file, and unpacking stops where the data ends. The next header is found by its mark.
         """
         found: dict[str, Member] = {}
         with mmap(self._file.fileno(), 0, access=ACCESS_READ) as data:

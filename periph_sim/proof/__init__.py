@@ -7,11 +7,11 @@
 
 Terms of this package:
 
-start: the begin of a frame of the host, of a round of the controller, or of a send of the table [serial].
+start: the beginning of a frame of the host, of a round of the controller, or of a send of the table [serial].
 moved starts: the starts whose times a coverage chooses, in place of the schedule of the case.
 period: the repeating time span within which a phase places a moved start, such as a round of the controller.
-phase: the time by which a moved start comes after the begin of its period, or a send after its time in the case, as a
-    number of cycles. It is free, because nothing fixes it: the devices have independent clocks.
+phase: the number of cycles from the beginning of a period to the moved start in it; for a send, the number of cycles by
+    which it is later than in the case. It is free, because nothing fixes it: the devices have independent clocks.
 cycle: a SYSCLKOUT cycle of the fastest unit.
 run with one phase alone: a run in which all moved starts have the same phase.
 to fail: a run fails if a budget is broken, if firmware hangs, or if an error ends the run. A phase fails if a run with

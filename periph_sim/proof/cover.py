@@ -49,14 +49,12 @@ class Drifting(Struct, frozen=True):
 class Covered(Struct):
     """The results of some phases.
 
-    held: the phases, of those to run, at which nothing failed, in a run of several phases or in a run with one phase
-        alone.
-    failed: a dictionary with all phases that were run alone. The value is the set of the names of what failed in the
-        run; an empty set if the run held.
+    held: the phases at which nothing failed, either in a run of several phases or in a run with this phase alone.
+    failed: for each phase that was run alone, the names of what failed in the run; an empty set if nothing failed.
     drifting: failures that occur only in runs whose phase increases, in the order of the phases.
     worst: a dictionary from the name of a budget to its worst value.
     judged: a dictionary from the name of a budget to the number of runs that judged it.
-    reasons: a dictionary from the name of a failure that is no broken budget to a sentence about it.
+    reasons: for the name of each failure that is no broken budget, a sentence about it.
     runs: number of runs.
     """
 
@@ -144,11 +142,13 @@ class Coverer:
         return self.found
 
     def _failing(self, phases: Sequence[int]) -> int:
-        """Find the first failure of a run with these phases, which fails. Return the number of phases covered so far.
+        """Find the first failure in a run with these phases, and return how many of the phases are then covered.
 
-        Runs with fewer of the first phases are made, to find the shortest run that fails. If one of the last REPORTED
-        phases of this run fails alone, a window begins there, and the end of the window is searched. Otherwise, the
-        failure is added to `Covered.drifting`.
+        phases: the phases of a run that has failed.
+
+        Bisection finds the smallest number of first phases with which a run fails. If one of the last REPORTED of them
+        fails alone, a window begins there, and the end of the window is searched. Otherwise, the failure is added to
+        `Covered.drifting`.
         """
         length = _first_true(lambda count: bool(self._run(phases[:count]).failures), 1, len(phases))
         suspects = range(max(0, length - REPORTED), length)
@@ -262,8 +262,8 @@ def _merged(windows: Iterable[Window]) -> list[Window]:
 def joined_at_end(windows: Sequence[Window], count: int, status: Callable[[int], frozenset[str]]) -> list[Window]:
     """Return the windows of a whole period, joined across its end, because phase 0 follows the last phase.
 
-    A window at the end of the period and a window of the same name at the begin of the period become one window. If a
-    name has only one of these two windows, the phase at the other end of the period is run alone, to set `is_closed`.
+    A window at the end of the period and a window of the same name at its beginning become one window. If a name has
+    only one of these two windows, the phase at the other end of the period is run alone, to set `is_closed`.
 
     count: the number of phases of the period.
     status: the method `Coverer.status`.

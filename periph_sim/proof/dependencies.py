@@ -163,7 +163,11 @@ def dependencies(folder: Path, paths: Iterable[str | Path]) -> Dependencies:
 
 
 def _path_of(path: str | Path) -> str:
-    """Return the absolute path of a file. If it does not exist because `..` follows a link, resolve the links."""
+    """Return the absolute path of a file, without `..` in it.
+
+    A name and the `..` after it are removed together. If the name is a symbolic link, the path may then not exist. In
+    this case, all links are resolved.
+    """
     text = os.path.abspath(path)
     return text if os.path.exists(text) or not os.path.exists(path) else os.path.realpath(path)
 

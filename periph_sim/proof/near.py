@@ -73,8 +73,8 @@ class Observed:
 def chosen_phases(covered: CoveredCase, step: int, bounds: tuple[int, int]) -> tuple[list[int], int]:
     """Return the phases to run, in ascending order, and how many of them are near a write.
 
-    Phases near a write are searched only if phases are counted from the start of a round. If there are more than
-    MAX_NEAR of them, they are not chosen, and the number is 0.
+    Phases near a write are searched only if `step` is above 1, and phases are counted from the start of a round. If
+    there are more than MAX_NEAR of them, they are not chosen, and the number is 0.
 
     step: the distance between the other phases, in cycles.
     bounds: the first and the last phase that may be run. Both are chosen.

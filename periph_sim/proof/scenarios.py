@@ -89,7 +89,7 @@ class Scenarios:
         tick = np.full(count, self._after_first.tick)
         rest = starts[:, 0] + self._first_length
         for number in range(rounds):
-            entry = np.full(count, len(self._lengths) - 1)  # the first round is behind all entries
+            entry = np.full(count, len(self._lengths) - 1)  # the first round is the last item of the arrays
             if number:
                 tick = (tick + starts[:, number] - rest) % self._periods[orbit]
                 entry = self._offsets[orbit] + tick

@@ -10,7 +10,7 @@ scene: the simulated wires of a case with all parties that are connected to them
 unit: one F28335 with its program: Python firmware, C sources or an image.
 image: a program that TI's tools have built for the F28335; the simulator executes its instructions.
 party: a unit, chip, device, controller, host or other object that drives or reads wires.
-chip: a sensor chip on the I2C bus, from a table [chip.NAME]; in `Socket.chip`, the model of a module of the F28335.
+chip: a sensor chip on the I2C bus, from a table [chip.NAME]; in `Socket.chip`, a simulated module of the F28335.
 device: a target on the I2C bus that is not a sensor chip, such as an EEPROM, from a table [device.NAME].
 controller, sensor head: the simulated I2C controller of the table [controller], which makes requests.
 master: the party that controls the I2C bus: the [controller], a unit, or an outside party.
@@ -24,7 +24,7 @@ outside party: another program that drives wires of a scene, or the log of such 
 session: the run of a scene that an outside party steps and drives (`periph_sim.outside`). Its log can be replayed.
 option, open question: a behaviour that the manuals leave open, with the answer that a case may choose.
 note: an observation for the user, for example that firmware does what a manual forbids, or that data was lost.
-model: the sensor models with which some firmware computes the values of chips; or the type of a chip or device.
+model: the type of a chip or device; or, in firmware that emulates sensor chips, the computation of their values.
 round: one execution of the requests that a master repeats periodically.
 plan: everything about a part of the scene that depends only on the case, computed once for all scenes of the case.
 record: a recorded event of a run, with its tick.

@@ -39,7 +39,7 @@ class CaseTicks(Struct, frozen=True):
         return self._fitting((2 * count + parts) // (2 * parts), length)
 
     def starts(self, name: Literal["rounds", "frames"]) -> tuple[int, ...] | None:
-        """Return the ticks at which the rounds or frames start that [inputs] lists; None if it has no such list."""
+        """Return the ticks of the starts in the list `name` of [inputs]; None if [inputs] has no such list."""
         inputs = self.case.inputs
         times = None if inputs is None else getattr(inputs, name)
         return None if times is None else tuple(self.start + self.ticks(time) for time in times)

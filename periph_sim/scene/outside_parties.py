@@ -73,7 +73,7 @@ def _without(party: str, lines: str, case: Case, driven: Case) -> Case:
 
     party: the replaced party, "controller" or "host".
     lines: the wires of `party`, for the sentence.
-    case: the case with `party`, whose budgets are considered.
+    case: the case with `party`. Its budgets are those that are kept or left out.
     driven: the same case without `party`.
     """
     kept = tuple(budget for budget, judged in zip(case.budget, _judged(case, driven), strict=True) if judged)

@@ -24,7 +24,7 @@ class Pairs:
 
     sci_line: a function that takes a unit and a module, and returns the line function of this SCI. A line function
         returns the bit length and the format with which a party sends now.
-    outside: a dictionary from a party that drives a pair, but is not an SCI, to the party's line function.
+    outside: for each party that drives a pair, but is not an SCI, its line function.
     """
 
     def __init__(self, context: SceneContext, sci_line: Callable[[str, str], Line]) -> None:
@@ -41,7 +41,7 @@ class Pairs:
         return self._transceivers.get((unit, module))
 
     def lines(self) -> Mapping[str, Line]:
-        """Return a dictionary from the name of a pair, which is one wire in the scene, to a line function.
+        """Return a line function for each pair, by its name. A pair is one wire in the scene.
 
         The line function returns the bit length and the format of the party that drives the pair now. If no party
         drives the pair, the function returns those of the pair's first SCI.

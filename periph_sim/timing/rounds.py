@@ -5,10 +5,11 @@
     MasterSchedule --'                          '--> rounds due, rounds missed
 
 A transfer fulfils a request if it begins with the same address and R/W bit, and writes the same bytes, up to a NACK. A
-transfer that matches no request belongs to no round. A round begins with its first START, or at the latest time that
-its schedule allows if the START comes later. It ends with the STOP of its last request. If the first request comes
-again before the last one was made, the round is broken off and the next round begins. A round is missed if it does not
-begin, or if one of its requests is skipped: a later request, or the first request of the next round, is made instead.
+transfer that matches no request belongs to no round. A round begins with its first START, and ends with the STOP of its
+last request. If the START comes later than `MasterSchedule.late` allows, the duration of the round counts from the
+latest time that is allowed. If the first request comes again before the last one was made, the round is broken off and
+the next round begins. A round is missed if it does not begin, or if one of its requests is skipped: a later request, or
+the first request of the next round, is made instead.
 
 If the master is a simulated controller, its rounds are due by a fixed schedule. If the master is firmware, or a party
 in a capture, its clock is not known: a round is due one period after the start of the round before, and is missed if it
@@ -197,7 +198,7 @@ class BusRounds:
     def finish(self, now: int) -> None:
         """Report the rounds that were due but did not begin before the run ended at tick `now`.
 
-        A transfer that is in progress at this time counts as the begin of a round if no round is in progress.
+        A transfer that is in progress at this time counts as the first of a round if no round is in progress.
         """
         begun_at = self._begun_at()
         if self._schedule is not None:

@@ -264,7 +264,7 @@ class CaseFile:
         return tree
 
     def _changed(self, changes: Sequence[str]) -> Case | None:
-        """Return the changed case, of which only the changed tables are checked.
+        """Return the changed case. Only its changed tables are checked.
 
         Return None if a changed key is unknown or has a wrong value.
         """

@@ -148,7 +148,7 @@ def _tables(text: str) -> dict[str, Any]:
 def copied(value: Any, texts: dict[str, str] | None = None) -> Any:
     """Return a copy of a value in which all tables and lists are copies, so that they may be changed.
 
-    texts: a dictionary from texts that are replaced in the copy to their replacements.
+    texts: a dictionary from texts to the texts that replace them in the copy.
     """
     if isinstance(value, dict):
         return {key: copied(inner, texts) for key, inner in value.items()}

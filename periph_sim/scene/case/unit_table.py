@@ -35,7 +35,7 @@ class Code(Table, frozen=True, kw_only=True):
 class StubTable(Table, frozen=True, kw_only=True):
     """The value that an image reads from a register that is not modelled.
 
-    register: name as `periph-sim image` shows it, `ADC.ADCST`, `eCAN-A + 0x08`, or address
+    register: address, or name as `periph-sim image` shows it, such as `ADC.ADCST` or `eCAN-A + 0x08`
     value: value read, whatever was written
     after: valid from this time; a register may have several entries
     """

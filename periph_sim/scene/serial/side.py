@@ -114,8 +114,8 @@ class SerialSide:
         characters of all SCIs in [serial]. The measure for notes, `_unasked`, counts only characters of SCIs from which
         replies are expected.
 
-        Return a function that returns characters as text, and a function that returns why the send that the measure
-        names never began.
+        Return two functions. The first one formats characters as text. The second one returns the reason why the send
+        with the name of the measure never began.
         """
         self._is_judged |= not measure.name
         table, named = self._table, partial(sci_named, self._case)

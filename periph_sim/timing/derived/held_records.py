@@ -1,7 +1,7 @@
 """Records of the time for which one unit, and no other party, holds SCL low during each transfer.
 
 thing       tick                        value
-held alone  START of each transfer      the sum of the times within the transfer, in ticks
+held alone  START of each transfer      the sum of the durations within the transfer, in ticks
 unfinished  START of the last transfer  the same sum, for a transfer that the end of the run cuts off
 """
 
@@ -23,7 +23,7 @@ HELD_ALONE, UNFINISHED = "held alone", "unfinished"
 
 
 class HeldRecords(BusFromWires):
-    """Makes the records of the times for which only one unit, and no other party, holds SCL low."""
+    """Makes the records of the durations for which only one unit, and no other party, holds SCL low."""
 
     STATE = State("_sum", ticks="_began")
 

@@ -148,9 +148,9 @@ def group_of(event: Event, scope: Scope) -> Group:
 
 
 def stretch_of(name: str, scope: Scope, whose: str, hint: str = "") -> Group:
-    """Return the group "transfer" or "round". Raise BadEvent if the scene has no bus, or no rounds.
+    """Return a Group for transfers or for rounds. Raise BadEvent if the scene has no bus, or no rounds.
 
-    name: "transfer" or "round". whose, hint: the begin and the end of the error's text.
+    name: "transfer" or "round". whose, hint: the first and the last words of the error's text.
     """
     if not (scope.rounds if name == "round" else scope.bus):
         needs = "[controller] or [rounds]" if name == "round" else "SCL and SDA"

@@ -34,8 +34,8 @@
     event   = see `events`
     field, register, vector, span, variable = [ unit ":" ] name        a name with blanks is quoted
 
-Words are separated by blanks. A span's name may have several words before "begin" or "end". The name must be quoted if
-its first word is one with which another state begins.
+Words are separated by blanks. A span's name may have several words before "begin" or "end". If another state begins
+with the same word as the name, the name must be quoted.
 """
 
 from __future__ import annotations

@@ -103,8 +103,8 @@ class Scope(Struct):
     rounds: True if the requests of the controller's rounds are known, whichever party is the controller.
     lines: the wires that carry UART characters; if none are given, the wires in LINES that the scene has.
     pairs: the RS-485 pairs.
-    images: a dictionary from a unit that runs an image to the names in this image. If the image is not known, as in a
-        recorded run, the entry is None, and every name is accepted.
+    images: for each unit that runs an image, the names in this image. If the image is not known, as in a recorded run,
+        the entry is None, and every name is accepted.
     uncounted: a unit whose program does not report overflows of fixed-point arithmetic, because it is not Python
         firmware; "" if there is no such unit.
     measures: a dictionary from the name of a user's own measure to its text.

@@ -80,8 +80,7 @@ class ValueTest:
 
 
 class TopicTests:
-    """Tests of a record of one topic for one event of a measure. A record can be the event, or the begin or end of the
-    group in which the event is counted.
+    """Tests of whether a record of one topic is an event of a measure, or begins or ends a group with this event.
 
     place: the index of the event in the measure.
     test: the test of whether a record is the event; None if no record of the topic can be the event.

@@ -146,7 +146,8 @@ class Measure(Listener):
         self.occasions: int | None = 0 if self.asked else None
         self.is_jitter = False
         self._before: int | None = None  # for a jitter: the last value; None before the first value
-        # `_uncompared` is 1 for a jitter before its first occasion, at which no difference can be taken; else 0.
+        # `_uncompared` is 1 for a jitter before its first occasion, which does not count, because there is no earlier
+        # value to compare with. Otherwise, `_uncompared` is 0.
         self._uncompared = 0
         self._kept: tuple[array[int], array[int]] | None = None
         self.tally: Tally | None = None  # set before the first value if percentiles are needed

@@ -2,7 +2,7 @@
 
     R . . R x W      the write W belongs to the nearest earlier read R of the same statement, a few cycles before
           '---'      flags that rise in this time are not in the value that was read
-                F    a flag that the write clears is lost if the firmware did not mean it and had not read its rise
+                F    a flag that the write clears unintentionally is lost if firmware has not read it since it rose
 
 A read-modify-write is judged as soon as its read is so old that no later write can belong to the read. The flags that
 firmware intends to clear at a place in its code are known at the end of the run. Reads without a write are dropped, and
@@ -217,7 +217,7 @@ class Modifies(RecordSink):
             one = one.before
 
     def _forget(self, recent: Recent, before: int) -> None:
-        """Evaluate and drop the accesses before the tick `before`, to which no later write can belong."""
+        """Evaluate and drop the accesses before the tick `before`. Later writes cannot belong to them."""
         one = recent.oldest
         while one is not None and one.tick < before:
             if one.register is not None and one.reads:

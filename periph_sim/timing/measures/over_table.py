@@ -37,7 +37,7 @@ Ticks = NDArray[np.int64]
 
 
 class Durations(NamedTuple):
-    """Times between pairs of events, in ticks.
+    """Durations between pairs of events, in ticks.
 
     duration: from the first event to the second. start: the tick of the first event.
     """
@@ -49,7 +49,7 @@ class Durations(NamedTuple):
 def between(
     table: RecordTable, begin: str, end: str, rule: str = "", transfers_in_round: int | None = None
 ) -> Durations:
-    """Return the times from each `begin` to the `end` that belongs to it, if there is one.
+    """Return the duration from each `begin` to the `end` that belongs to it, if there is one.
 
     rule: the rule after the comma in a budget: "in order", "next" or "last"; "same transfer" or "same round" for pairs
     within a transfer or round, which ends at the START of the next transfer or round; or both: "last, same transfer".
@@ -112,7 +112,7 @@ def _named(table: RecordTable, column: str, names: frozenset[str] | None) -> NDA
 
 
 def periods(table: RecordTable, event: str) -> Durations:
-    """Return the times from each event to the next of its kind. Raise BadEvent as `between` does."""
+    """Return the duration from each occurrence of an event to the next one. Raise BadEvent as `between` does."""
     ticks = happened(table, event)
     return Durations(np.diff(ticks), ticks[:-1])
 

@@ -6,8 +6,8 @@ Parameters of a sentence are in braces; `factory` fills them in from the words o
 instead, because no sentence can express them:
 
     Margin       depends on the parties that pull the wires and on the module's own delay, which no record contains
-    Race         reconstructs the polls that were skipped, for which it needs all records of a register
-    LostFlags    depends on the flags that firmware means to clear at a place, which are known at the end of the run
+    Race         reconstructs the polls that were skipped, and needs all records of a register to do so
+    LostFlags    depends on which flags firmware intends to clear at a place; this is known only at the end of the run
     Reply        compares a reply with the characters that a case expects, and quotes the characters that came
     Unsolicited  quotes the characters that no reply of a case expects
     WatchedWire  gets the expected time of an edge from a watcher, which may be the user's own

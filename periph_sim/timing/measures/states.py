@@ -86,7 +86,7 @@ class BusiestWindow:
         self.begin = NO_TIME
         self._began = began
         self._since = NO_TIME  # the tick since which the state holds; NO_TIME if it does not hold
-        # (begin, end) of past times in the state. Times that no unfinished window can overlap are removed.
+        # (begin, end) of past intervals in the state. Intervals that no unfinished window can overlap are removed.
         self._stretches: deque[tuple[int, int]] = deque()
         self._begins: deque[int] = deque([began])  # the ticks at which unfinished windows begin
 
@@ -153,8 +153,8 @@ class TimeIn(EventMeasure):
         self._since = NO_TIME
         self._whole = False  # True if the state in progress began during the run, not before it
         self._began = 0
-        self._entered = False  # True after the state was entered
-        self._lasted = 0  # the sum of the times, for a share, which has no value before the run ends
+        self._entered = False  # True if the state has occurred at least once
+        self._lasted = 0  # for a share, the total duration of the state so far; the run's end gives the share its value
         self._seconds = window
         self._windows: BusiestWindow | None = None
 

@@ -11,7 +11,7 @@ from typing import Any, get_type_hints
 def own_annotations(kind: type) -> Mapping[str, Any]:
     """Return the annotations of a class; types may still be text.
 
-    In Python 3.14, a class does not store its annotations, but a function that returns them.
+    In Python 3.14, a class stores a function that returns its annotations, instead of the annotations themselves.
     """
     if sys.version_info >= (3, 14):
         from annotationlib import Format, get_annotations

@@ -145,7 +145,7 @@ class Snapshot(NamedTuple):
     base: Snapshot | None = None
 
     def differences(self, other: Snapshot) -> dict[str, tuple[object, object]]:
-        """Return a dictionary from the names of values that differ to pairs (value here, value in `other`)."""
+        """Return the values that differ, as a dictionary from their names to pairs (value here, value in `other`)."""
         found: dict[str, tuple[object, object]] = {}
         for name in {**self.values, **other.values}:
             here, there = (one.values.get(name, Absent()) for one in (self, other))

@@ -31,12 +31,12 @@ class State:
     chains: first elements of linked lists, whose elements have the attribute `following`.
     made: True if the attributes are complete, so that restoring can create an object of the class from them.
 
-    Some of these attributes need not be equal in two states that continue equally. `proof.normal_state` uses them:
+    Some of these attributes may differ between two states with the same future. `proof.normal_state` uses these lists:
 
     results: attributes that only reports read, and data that only makes the simulation faster.
     expires: instants that have no effect once they are long past.
-    grids: a dictionary from an attribute with an instant to the attribute with the period of its repetitions. Only the
-        distance from now to the next repetition has an effect. Both attributes may be lists.
+    grids: for each attribute with an instant that repeats periodically, the attribute with the period. Only the time
+        from now to the next repetition has an effect. Both attributes may be lists.
     """
 
     def __init__(

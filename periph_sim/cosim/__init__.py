@@ -3,9 +3,10 @@
 dut.scl, dut.sda, dut.rx --> F28335 --> dut.dsp_scl, dut.dsp_sda, dut.tx
 simulate(sources, ...)   --> a run of the simulator, called from a test of pytest
 
-A step is the simulator's smallest unit of time, and a tick is that of the case. A line is a wire that the case and the
-HDL design share. Our pins are the signals that the case drives. `dut` is the top level of the design, as in cocotb. A
-session (`outside.session.Session`) is a case that runs up to a given tick at a time, between changes of its lines.
+A step is the simulator's smallest unit of time, and a tick is the smallest unit of time of the case. A line is a wire
+that the case and the HDL design share. Our pins are the signals that the case drives. `dut` is the top level of the
+design, as in cocotb. A session (`outside.session.Session`) runs a case in parts: each part ends at a given tick, and
+lines can change between two parts.
 """
 
 from __future__ import annotations

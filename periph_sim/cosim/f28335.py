@@ -117,7 +117,7 @@ class F28335:
                 if name not in self._waiting:
                     _level(name, signal, "the beginning")
         per_second = get_sim_steps(1, "sec")
-        if begin:  # the case starts at the present simulation time, so that times of records count as in the simulator
+        if begin:  # the case starts at the simulator's present time, so that records have the simulator's times
             case = case.model_copy(update={"start": case.start + Fraction(begin, per_second)})
         self._files = ExitStack()
         subscribe, self._ended_at = self._files.enter_context(
@@ -270,7 +270,7 @@ def _now() -> int:
 
 
 def _level(name: str, signal: Any, at: str = "") -> int:
-    """Return the level of a signal, 0 or 1. Raise OutsideError with a suggestion for any other level."""
+    """Return the level of a signal. If it is neither 0 nor 1, raise OutsideError, which says how to avoid that."""
     level: str = signal._handle.get_signal_val_binstr()
     if level in LEVELS:
         return LEVELS[level]

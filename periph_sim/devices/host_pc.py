@@ -143,11 +143,10 @@ class Host(Agent):
         return self._due[number]
 
     def frame_at(self, tick: int) -> Fraction:
-        """Return the number of the frame that is due at a past tick, with a fraction between two frames.
+        """Return the position of a past tick among the frames: 2 when frame 2 is due, 2.5 half a period later.
 
-        The fraction is the time since the frame was due, as a part of a period: 2.5 is half a period after frame 2 was
-        due. If frame 3 is due more than a period after frame 2, the result is 3 for the rest of this time. Before frame
-        0 is due, the result is negative.
+        If frame 3 is due more than a period after frame 2, the result is 3 from the end of this period until frame 3
+        is due. Before frame 0 is due, the result is negative.
         """
         period = self._period
         if self._by_schedule or tick < self._first:
@@ -192,7 +191,7 @@ class Host(Agent):
         self._peer.send(data, self._schedule.gap, self._over)
 
     def _over(self, tick: int) -> None:
-        """Handle the end of a frame, whose last stop bit ends at `tick`."""
+        """Handle the end of a frame. tick: the end of its last stop bit."""
         if self._again:
             self._once_more: tuple[int, tuple[int, ...], bytes] = self._sending  # the frame to send again
             self._kernel.schedule(tick, self, FRAME_AGAIN)

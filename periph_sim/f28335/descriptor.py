@@ -73,7 +73,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     inputs, outputs: the module's signals in the table of the pin multiplexer, in the order of `INPUTS` and `OUTPUTS`
         of the chip. inputs is None if any pin can be an input of the module.
     pins: for each signal of the module, the GPIO number to which TI's start-up code assigns it.
-    wires: a dictionary from the names that a case uses to the signals of the module.
+    wires: for each name that a case may use, the signal of the module that has this name.
     bus: True if this module of every unit in a scene is connected to the same wires, as on an I2C bus.
     plain: True if a case writes the names in `wires` without the module's name before them.
     """

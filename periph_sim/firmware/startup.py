@@ -11,7 +11,7 @@ from ..processor.dsp import Dsp
 
 
 def start_pin(dsp: Dsp, pin: int) -> None:
-    """Make the pin with this GPIO number an output at level 0. Do nothing if the case gives the unit no GPIO."""
+    """Make the pin with this GPIO number an output at level 0. Do nothing if the case gives the unit no module GPIO."""
     if not dsp.has("GPIO"):
         return
     gpio = dsp.module("GPIO")
@@ -25,7 +25,7 @@ def start_pin(dsp: Dsp, pin: int) -> None:
 def start_i2c(dsp: Dsp, own_address: int = 0) -> None:
     """Set up I2C-A with a module clock of 10 MHz if SYSCLKOUT is 150 MHz, and leave it in reset (IRS = 0).
 
-    The inputs of its pins are not synchronized to SYSCLKOUT, as in TI's code. own_address: the value of I2COAR.
+    As in TI's code, the inputs of its pins are not synchronized to SYSCLKOUT. own_address: the value of I2COAR.
     """
     clocks = dsp.module("SYS")
     dsp.eallow()

@@ -228,7 +228,7 @@ def link(modules: list[str], folder: Path, cc: str, kind: BuildSettings = NORMAL
 
 
 def types_of(module: str, folder: Path) -> dict[str, str]:
-    """Return a dictionary from names of modules to .pxd texts: of a module and of all modules whose types it uses.
+    """Return the .pxd texts of a module and of all modules whose types it uses, by the names of the modules.
 
     folder: the folder of the prepared sources and their .pxd files.
     """
@@ -270,7 +270,7 @@ def fingerprint(
 
 
 def last_build(built: Path) -> dict[str, str]:
-    """Return a dictionary from the modules with an object file in the existing build to these files' fingerprints."""
+    """Return the fingerprints of the object files in the existing build, by the names of their modules."""
     try:
         found = json.loads((built / MANIFEST).read_text("utf-8"))["modules"]
         return {module: made_of for module, made_of in found.items() if (built / OBJECTS / f"{module}.o").is_file()}

@@ -43,7 +43,7 @@ BEGIN = "/* Module declarations from "  # Cython writes this comment before the 
 
 
 def arrays_of(pxds: Iterable[str]) -> dict[str, int]:
-    """Return a dictionary from the names of the arrays that these .pxd files declare to their lengths.
+    """Return the arrays that these .pxd files declare, as a dictionary from names to lengths.
 
     Raise ValueError if two arrays with the same name have different lengths.
     """

@@ -3,9 +3,10 @@
     @cython.final            no class can be derived from this class
     @cython.freelist(16)     the deallocator keeps up to 16 deleted objects for reuse
     @cython.locals(at=...)   the function declares this variable with this C type
-    trashcan (every class)   a deallocator that releases other objects uses Python's trashcan, and so no recursion
+    trashcan (every class)   a deallocator that releases other objects uses Python's trashcan, so it does not recurse
 
-Cython silently ignores a directive in an unexpected place. `declarations` writes no other directives than these.
+Cython silently ignores a directive in an unexpected place. `declarations` writes no other directives than these. Cython
+obeys `freelist` only in the source, so `source_copy` writes it there, too.
 """
 
 from __future__ import annotations

@@ -125,7 +125,7 @@ def _look_up_spelled_out(source: Source, text: str) -> str:
 
 
 LITERAL = 2**31 - 1  # the largest integer that is written as a literal; larger constants need a declared C type
-WORD = 64  # number of bits of a C integer; larger constants are not replaced
+WORD = 64  # number of bits of a C integer; constants with more bits are not replaced
 
 
 def declared(source: str, pxd: str) -> str:

@@ -3,7 +3,7 @@
     __________   _________     a spike shorter than the filters' limit is ignored
               |_|
 
-A pull-up is weak, so noise can pull a line low that is high. A line that is already low does not change.
+A pull-up is weak, so noise can pull a high line low. A line that is already low does not change.
 """
 
 from __future__ import annotations

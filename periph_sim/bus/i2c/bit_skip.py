@@ -35,7 +35,7 @@ ONES = 0xFF
 
 
 class BitTimes:
-    """The ticks of the edges of SCL during a byte, if the party that clocks the bus has times in whole ticks.
+    """The ticks of the edges of SCL during a byte, computed from the first rise and from the period of SCL.
 
     since: the tick of the first rise. low, high: the low and the high time of SCL, in ticks.
     """
@@ -57,7 +57,7 @@ class BitTimes:
 
 @final
 class CycleTimes(BitTimes):
-    """The ticks of the edges of SCL, if the clocking party gives `since`, `low` and `high` in cycles of a clock."""
+    """The ticks of the edges of SCL, computed from `since`, `low` and `high` in cycles of a clock."""
 
     __slots__ = ("_clock",)
 
@@ -84,7 +84,7 @@ class BitParty(Agent):
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
         """Return True if the party waits for the first bit of a byte and will change only SDA before the eighth bit.
 
-        low, high, hold: times of the controller, in ticks, as in `BusTiming`.
+        low, high, hold: durations of the controller, in ticks, as in `BusTiming`.
         each: True if the caller then checks with `separates`, for each change of SDA, that no party samples the change
             together with the fall of SCL; `hold` is then 0. If False, this method checks it, too, by means of `hold`.
         """
@@ -181,7 +181,7 @@ class BitSkip(Shortcut):
 
         The controller calls this when it is about to release SCL for the first bit. After a skip, the controller's
         `act(tag)` is called at the tick of the eighth rise of SCL.
-        low, high, hold: times of the controller, in ticks, as in `BusTiming`.
+        low, high, hold: durations of the controller, in ticks, as in `BusTiming`.
         """
         now, controller = self._kernel.now, self._controller
         assert controller is not None

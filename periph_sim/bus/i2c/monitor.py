@@ -64,7 +64,8 @@ class I2cMonitor(BitParty):
         self._first = True  # True if the master's next pull of SCL is part of the START
         self._let_go_at = NO_TIME  # the tick of the master's release of SCL, until SCL rises
         self._rose_at = NO_TIME
-        self._ended_at = NO_TIME  # the tick of a STOP by another party, until the master's next clock
+        # The tick of the last STOP by another party; NO_TIME if there was none since the master's last clock began.
+        self._ended_at = NO_TIME
         # The tick of the master's last pull of SCL, and the number of ticks between the master's last two pulls of SCL.
         self._pulled_at = self._clock_length = 0
         self._transfer = Transfer("", [])

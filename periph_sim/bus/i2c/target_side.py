@@ -81,8 +81,8 @@ class TargetSide(BitParty):
 
     answer: called with each address byte, R/W included; returns the reply, or None for a NACK.
     hold: ticks from the fall of SCL to a change of SDA by the target.
-    on_end: called with (stop, whole) when a phase ends whose address was acknowledged. stop: True for a STOP, False for
-        a repeated START. whole: True if the phase does not end in the middle of a byte.
+    on_end: called with (stop, whole) at the end of each phase whose address was acknowledged. stop: True for a STOP,
+        False for a repeated START. whole: True if the phase does not end in the middle of a byte.
     """
 
     STATE = State(

@@ -17,7 +17,7 @@ from ...core.time import NO_TIME
 
 
 class BusTiming(Struct, frozen=True):
-    """The times of a controller in ticks. filter: the controller ignores levels of SDA that are shorter than this."""
+    """The durations of a controller's timing, in ticks. filter: the controller ignores shorter levels of SDA."""
 
     low: int  # from the fall of SCL to its release
     high: int  # from the rise of SCL to its fall

@@ -204,7 +204,7 @@ class Adxl345Options(Answers):
 
 
 class Adxl345(RegisterChip):
-    """The chip, whose registers `RegisterPointer` connects to a bus. It acknowledges its address from power-up on."""
+    """The chip, which acknowledges its address from power-up on. `RegisterPointer` connects it to a bus."""
 
     STATE = State("fifo _clock _taken _latched")
     MAP = MAP

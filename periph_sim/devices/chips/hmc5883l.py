@@ -62,7 +62,7 @@ class Hmc5883lOptions(Answers):
 
 
 class Hmc5883l(RegisterChip):
-    """The chip, whose registers `RegisterPointer` connects to a bus. Addresses without a register read 0."""
+    """The chip. `RegisterPointer` connects it to a bus. Addresses without a register read 0."""
 
     STATE = State("_clock _taken _to_read _gains _unread _mode_unwritten _idle_by_itself", ticks="_placed _analog")
     MAP = MAP

@@ -89,7 +89,7 @@ class Itg3200Options(Answers):
 
 
 class Itg3200(RegisterChip):
-    """The chip, whose registers `RegisterPointer` connects to a bus.
+    """The chip. `RegisterPointer` connects it to a bus.
 
     temperature: function that returns degrees Celsius at a tick.
     """
@@ -145,7 +145,7 @@ class Itg3200(RegisterChip):
         return super().begin(now)
 
     def following(self, number: int) -> int:
-        """Return the register after `number`; `number` itself if it is reserved.
+        """Return the number of the next register, or `number` if register `number` is reserved.
 
         With the option pointer_stops = last_before, the pointer stays at 34, the register before the reserved ones. The
         data sheet reserves the registers 33 to 60, although 33 and 34 are GYRO_ZOUT. This model reserves 35 to 60.

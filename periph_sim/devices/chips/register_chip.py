@@ -54,7 +54,7 @@ class RegisterChip:
             cls.advance_to = former  # type: ignore[method-assign]
             what = f"{cls.__name__}.catch_up is now called advance_to; the next release ignores the old name"
             warnings.warn(what, DeprecationWarning, stacklevel=2)
-        cls.catch_up = cls.advance_to  # for `super().catch_up(now)` in subclasses
+        cls.catch_up = cls.advance_to  # subclasses written for the last release may call `super().catch_up(now)`
 
     def __init__(self, timebase: Timebase, source: Source, address: int, powered: int, ready: Fraction) -> None:
         self.address = address

@@ -31,8 +31,8 @@ class WatchContext:
     ticks: a function that converts seconds to ticks.
     start: the first tick of the run.
     tolerance: the tolerance in ticks.
-    on_deviation: a function that is called with each deviation in ticks, which is 0 or more, and the tick at which the
-        deviating edge, period or on-time begins.
+    on_deviation: a function that is called with (deviation, tick) for each edge, period or on-time. deviation: in
+        ticks, 0 or more. tick: the tick of the edge, or of the start of the period or on-time.
     refute: a function that the watcher calls to make the run fail, with the reason and the tick of the failure.
     """
 

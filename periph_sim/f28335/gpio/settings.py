@@ -106,8 +106,9 @@ class PinSettings:  # core: python
     sink: for each output signal, the pins that it drives.
     signal_at: for each pin that feeds an input signal alone, this signal.
     crowded: for each input signal to which more than one pin is assigned, these pins.
-    gpio, inputs, outputs: masks of the pins that are general-purpose, that are in `signal_at`, and that a modelled
-        module drives.
+    gpio: mask of the general-purpose pins.
+    inputs: mask of the pins in `signal_at`.
+    outputs: mask of the pins that a modelled module drives.
     """
 
     def __init__(self, values: tuple[int, ...]) -> None:

@@ -15,7 +15,7 @@ from .register_map import MDR_BC, MDR_DLB, MDR_IRS, MDR_MST, MDR_STP, MDR_STT, S
 
 
 class I2c(I2cLines):
-    """The I2C module. options: answers to open questions."""
+    """The I2C module. options: answers to open questions of the manual."""
 
     # Registers -----------------------------------------------------------------------
 

@@ -81,9 +81,10 @@ class Pie(Chip):
         self._send(group - 1)
 
     def hold(self, now: int, group: int, line: int, on: bool) -> None:
-        """Assert or release a line that its peripheral holds active. Asserting it requests once.
+        """Set the level of a line whose requests are levels, not pulses. on: True if its peripheral holds it active.
 
-        The option `pie_held_line` determines when a line that is still asserted requests again.
+        When the line becomes active, it requests an interrupt once. The option `pie_held_line` determines when a line
+        that stays active requests again.
         """
         bit = 1 << line - 1
         rose = on and not self._lines_held[group - 1] & bit

@@ -66,9 +66,9 @@ class SciFormat:
         self.break_at: int = counted_from + BREAK_TICKS[options.break_bits.unrecorded()]
 
     def parity_bit(self, word: int, address: int) -> int:
-        """Return the parity bit, with which the number of ones in word, address bit and parity bit is even or odd.
+        """Return the parity bit.
 
-        The attribute `even` says which of the two.
+        With it, the number of ones in word, address bit and parity bit is even if `even` is True, else odd.
         """
         ones = word.bit_count() + (address if self.address else 0)
         return ones & 1 if self.even else ones & 1 ^ 1

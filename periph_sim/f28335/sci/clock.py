@@ -39,7 +39,7 @@ class SciClock:
         self.period = 8
         self._tick = 0  # number of the tick that is at cycle `_cycle`
         self._cycle = NEVER  # cycle of tick `_tick`
-        # While stopped: number of LSPCLK edges after the next start, of which the last is the one of tick `_tick`.
+        # While stopped: number of LSPCLK edges from the next start to tick `_tick`, including the edge of this tick.
         self._left = 2
 
     def passed(self, now: int) -> int:

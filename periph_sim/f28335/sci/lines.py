@@ -58,7 +58,10 @@ def since(tick: int, now: int, least: int) -> int:
 
 
 class SciLines(Chip):
-    """The SCI without the effects of register accesses. name: its name in notes. options: answers to open questions."""
+    """The SCI without the effects of register accesses.
+
+    name: its name in notes. options: answers to open questions of the manual.
+    """
 
     STATE = State(
         "_layout _rx_clock _tx_clock _bits _rx _tx _autobaud _rxd _gated _suspended _rx_stopping _ccr "
@@ -110,7 +113,7 @@ class SciLines(Chip):
         self._after_write(now)
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return the numbers of SCICLK ticks of receiver and transmitter relative to now. See `proof.normal_state`."""
+        """Return the SCICLK ticks in the state, counted from the present SCICLK tick. See `proof.normal_state`."""
         received, sent = self._rx_clock.passed(cycle), self._tx_clock.passed(cycle)
         pause = -8 * (LONGEST_PAUSE if self._tx.delay == LONGEST_PAUSE - 1 else self._tx.delay) - 1
         found: dict[str, object] = {
@@ -292,7 +295,10 @@ class SciLines(Chip):
             self.loaded |= RECEIVED
 
     def _is_break_like(self, word: int, address: int) -> bool:
-        """Return True if every bit of the frame was 0. word: with FE and PE, from which the parity bit is derived."""
+        """Return True if every bit of the frame was 0.
+
+        word: the received word with the flags FE and PE. The parity bit is derived from PE.
+        """
         if word & ~PE != FE or (address and self._layout.address):
             return False
         return not self._layout.parity or bool(word & PE) != self._layout.even

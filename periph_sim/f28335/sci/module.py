@@ -47,7 +47,7 @@ AUTOBAUD_LEAST_BIT = 300  # minimum cycles of a bit: 500 kbit/s at SYSCLKOUT = 1
 
 
 class Sci(SciLines):
-    """The SCI. name: the module's name in notes. options: answers to open questions."""
+    """The SCI. name: the module's name in notes. options: answers to open questions of the manual."""
 
     mid_byte: tuple[int, ...] = (CCR, CTL1, HBAUD, LBAUD, FFTX, FFCT, PRI)
 

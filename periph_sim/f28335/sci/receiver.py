@@ -108,7 +108,10 @@ class SciRx:
             self._watch_level()
 
     def line_break(self) -> bool:
-        """Receive a break: set BRKDT and return True. If RXENA or SLEEP prevents that, return False."""
+        """Receive a break: set BRKDT and return True. Return False if this is prevented.
+
+        It is prevented if RXENA = 0, or if SLEEP = 1 and the option `brkdt_in_sleep` is "suppressed".
+        """
         if not self.enabled:
             return False
         if self.sleep and self.options.brkdt_in_sleep.assume(self.touched) == "suppressed":

@@ -14,8 +14,8 @@ leading edge, and at each trailing edge. STE rises at the last trailing edge.
 A master counts LSPCLK edges from one edge of SPICLK to the next (`LspclkTimer`); a slave follows the pins. The CPU's
 side is in `module`.
 
-`driven` is the mask of the pins that the module drives. `out` is 1 for the other pins. So wires with several outputs,
-whose level is the AND of all outputs, have the level of the one output that is driven.
+`driven` is the mask of the pins that the module drives. `out` is 1 for the other pins. The level of a wire with several
+outputs is the AND of all outputs, so it is the level of the one output that is driven.
 
 Chosen, where the manual is silent:
 - If a word waits in SPITXBUF at the last edge of SPICLK, it follows without a gap. So does a word in the FIFO if
@@ -64,7 +64,7 @@ class SpiLines(Chip):
     """The SPI without the effects of register accesses: its pins, clock, timer and outputs.
 
     name: the module's name in notes.
-    options: answers to open questions.
+    options: answers to open questions of the manual.
     driven: bit i is 1 if the module drives OUTPUTS[i].
     """
 

@@ -33,7 +33,7 @@ CCR, CTL, STS, BRR, RXEMU, RXBUF, TXBUF, DAT, FFTX, FFRX, FFCT, PRI = (register.
 
 
 class Spi(SpiLines):
-    """The SPI. name: the module's name in notes. options: answers to open questions."""
+    """The SPI. name: the module's name in notes. options: answers to open questions of the manual."""
 
     # CPU access -------------------------------------------------------------
 

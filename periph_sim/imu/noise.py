@@ -176,7 +176,7 @@ def _phase(octave: Gaussian, k: int) -> int:
 def _hold(octave: Gaussian, k: int, number: int) -> int:
     """Return the index of the value of `octave` that is used at sample `number`.
 
-    octave: the stream of octave k, of which each value is used for 2**k samples.
+    octave: the stream of octave k. Each of its values is used for 2**k samples.
     """
     return (number + _phase(octave, k)) >> k
 

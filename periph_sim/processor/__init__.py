@@ -48,7 +48,7 @@ modify: a write of a bit field by one instruction, which reads and writes the wo
 statement: the line of the firmware's source that is executed, as a `SourceLocation`.
 place: a statement, unless a class `Place` or the description of a parameter says otherwise.
 topic: all records of one kind that are about one thing, for example the reads of one register (`core.records.Topic`).
-spread: a range of times; each computation draws its duration from the range (`core.table.Spread`).
+spread: a range of durations; each computation draws its duration from the range (`core.table.Spread`).
 port: in `python`, an object for accesses to a register; in `pin_router`, an input or output of a module.
 note: a remark on the firmware, for example on an access that violates a rule of the manuals.
 frame: a peripheral frame, which is a range of registers with the same wait states. In `image.observers`, a frame is an

@@ -66,8 +66,8 @@ class DspPlan(Struct):
     skip_polls: True if passes of a wait that repeat the previous pass are skipped.
     keeps_decoded: True if an image decodes each instruction only once, False if it decodes it at each execution.
     strict: True if the run ends when the firmware violates a rule of the manuals (a note with the code "duty").
-    seed: the seed of the times that are drawn from spreads.
-    costs: the times in seconds of the first computations whose cost is a spread. The times of all later ones are drawn.
+    seed: the seed of the durations that are drawn from spreads.
+    costs: the durations, in seconds, of the first computations whose cost is a spread. Later durations are drawn.
     stall_limit: seconds of host CPU time that firmware may take at one instant of simulated time; 0 if unlimited.
     pulled_down: the GPIO numbers of the pins with an external pull-down resistor.
     part: the member of the F2833x family.

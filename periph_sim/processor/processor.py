@@ -1,11 +1,12 @@
 """One CPU: its time, bus and interrupts, and the program that runs on them.
 
     kernel --wake-up--> Processor --run--> Program --> Bus, CpuTime
-                            ^--- reach, rest, take_interrupt, iret: steps that take time; stops
+                            ^--- reach, rest, take_interrupt, iret, stops
 
-The program requests steps that take time by these methods. The result True means that the step is complete, and the
-program continues in the same call of `run`. After False, the program must stop; when the kernel wakes this CPU, the
-processor completes the step and runs the program again.
+The program calls `reach`, `rest`, `take_interrupt` or `iret` for a step that takes time. If the call returns True, the
+step is complete, and the program continues in the same call of `run`. If it returns False, the program must stop: it
+returns from `run` or calls `stops`. When the kernel wakes this CPU, the processor completes the step and runs the
+program again.
 
 A program executes instructions. It advances `CpuTime.cycle`, makes accesses in the cycles that the bus returns, and
 checks at each boundary between two instructions whether an interrupt is due (`Processor.take_interrupt`, which calls

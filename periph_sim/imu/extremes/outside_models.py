@@ -194,7 +194,7 @@ PHASES = 16  # number of instants within a sample at which the first start bit b
 BYTES = b"\x55\x00\x7f" * 4  # twelve bytes whose last data bit is 0, unlike a stop bit
 # The shortest bit (fast sender) and the longest bit (slow sender) with which all bytes are received, in samples.
 LIMITS = {"fast": Fraction(77, 10), "slow": Fraction(76, 9)}
-HALVINGS = 8  # number of bisections of an interval of half a sample per bit
+HALVINGS = 8  # number of bisections of the range of bit lengths, which is at first half a sample wide
 START = 10_000  # cycle of the first start bit
 
 

@@ -102,7 +102,7 @@ def _region(scaled_variance: Floats, relative: Floats, centre: int) -> slice:
 
 
 def _weights(relative: Floats, region: slice) -> Floats:
-    """Return the weights of the points of a region, whose sum is 1.
+    """Return the weights of the points of a region. The sum of the weights is 1.
 
     Each weight follows from the uncertainty of its point alone. Weights that also use the correlation would be optimal
     for white noise, but worse for noise that is not exactly white.

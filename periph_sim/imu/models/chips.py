@@ -15,7 +15,7 @@ from .parameters import SensorParameters, Wrap
 
 T = TypeVar("T")
 
-COARSEST = 0.01  # maximum relative error of the constant 1/Ts in an arithmetic; all rates have this relative error
+COARSEST = 0.01  # maximum relative error of 1/Ts as a number of the arithmetic; this error scales all rates
 
 
 class Angles(NamedTuple, Generic[T]):

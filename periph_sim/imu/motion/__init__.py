@@ -1,4 +1,4 @@
-"""Motions, of which a host sends frames: attitude and acceleration as functions of time.
+"""Motions: attitude and acceleration as functions of time. A host sends frames of a motion.
 
 Each file in this folder that has a function `motion` is a kind of motion. The files are found automatically. A file
 defines

@@ -93,7 +93,7 @@ def command(
 
     section: the section of `periph-sim --help` that lists the command.
     examples: the command lines with which the help of the command begins.
-    former: a dictionary from former names of options, which still work, to the present ones.
+    former: a dictionary from former names of options to the present names. The former names still work.
     """
 
     def made(function: Callable[..., object]) -> click.Command:

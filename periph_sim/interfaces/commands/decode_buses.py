@@ -149,8 +149,8 @@ def _uart(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
 def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: int, doubtful: bool = True) -> Bus:
     """Decode a serial line.
 
-    given: a dictionary from the settings that the user states to their values. If the rate is missing or "auto", all
-        missing settings are guessed.
+    given: the settings that the user states, as a dictionary from names to values. If the rate is missing or "auto",
+        all missing settings are guessed.
     shortest: pulses of fewer positions are ignored as glitches.
     doubtful: True if an uncertain guess may be used.
 

@@ -44,8 +44,8 @@ from ...timing.verdict import duration_text
 from ..reports.case_text import Tree, toml, usable_budgets
 
 UNIT = "dsp"
-# The run ends at the first of these times, in seconds, at which something can be measured (see OFTEN), or the program
-# has ended, hangs, or was reset by the watchdog. Otherwise, it ends soon after MOST_WORK instructions.
+# At each of these times, in seconds, the run ends if something can be measured (see OFTEN), or if the program has
+# ended, hangs, or was reset by the watchdog. Otherwise, it ends soon after MOST_WORK instructions.
 STRETCHES = (Fraction(20, 1000), Fraction(100, 1000), Fraction(500, 1000), Fraction(2))
 STEP = Fraction(10, 1000)
 MOST_WORK = 1_000_000
@@ -114,10 +114,10 @@ class Seen(Listener):
 
 
 class LoopCalls(CallListener):
-    """Listener that keeps the functions that each active function has called, those of the outermost first.
+    """Listener that keeps which functions each active function has called.
 
-    callees: for each active function, a dictionary from the functions that it has called to the number of calls and the
-        tick of the last call.
+    callees: a dictionary for each active function, the outermost first. For each function that the active function has
+        called, the dictionary has the number of calls and the tick of the last call.
     """
 
     def __init__(self) -> None:

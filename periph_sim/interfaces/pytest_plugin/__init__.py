@@ -60,12 +60,11 @@ def pytest_load_initial_conftests(early_config: pytest.Config) -> Iterator[None]
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, int | None]:
-    """Start the child process (see `_begin`) of a session with cases, if it is not started yet.
+    """Call `_begin` for a session with cases. At the end of the session, call `_end`.
 
-    At the end, report that the session is complete (see `_end`).
-
-    If PYTEST_XDIST_WORKER is set, `pytest_load_initial_conftests` does not start it, because this process may be a
-    worker of pytest-xdist. A session that a test in a worker has started has this variable, too, but is no worker.
+    `pytest_load_initial_conftests` has not called `_begin` if PYTEST_XDIST_WORKER is set. This variable is set in the
+    workers of pytest-xdist, which need no child process, and also in sessions that the tests of a worker start, which
+    need one. Here `_begin` can distinguish them.
     """
     if _in_tests:
         return (yield)

@@ -63,9 +63,9 @@ class ClusterExecutor(Executor):
         self._dask = client.get_executor(pure=False)
         self._address = address
         self._lock = Lock()
-        # A dictionary from each call without a result to its future of Dask, or to None while the call is being sent.
-        # An entry is removed when the result is there, because Dask repeats even a finished call if its worker ends
-        # while the future of Dask still exists.
+        # For each call without a result, its future of Dask; None while the call is being sent. An entry is removed
+        # when the result is there, because Dask repeats even a finished call if its worker ends while the future of
+        # Dask still exists.
         self._pending: dict[Future[Any], Future[Reply] | None] = {}
         self._lost = ""  # the reason why the cluster can no longer be used
         self._closed = Event()

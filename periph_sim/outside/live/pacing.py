@@ -81,9 +81,9 @@ class Pacer:
                 self.slips += 1
 
     def percentile(self, share: float) -> float:
-        """Return the lateness, in seconds, that this share of the steps does not exceed.
+        """Return the lateness, in seconds, that this share of the simulation's steps does not exceed.
 
-        The result is rounded up to one of STEPS. If the lateness is above the last of STEPS, the result is `worst`.
+        The result is rounded up to a limit of the histogram. Above the last limit, it is `worst`.
         """
         wanted, passed = share * sum(self.counts), 0
         for step, count in zip(STEPS, self.counts, strict=False):

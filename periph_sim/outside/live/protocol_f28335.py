@@ -37,7 +37,7 @@ from .pacing import Pacer
 KEYS = ("port", "pace", "log", "set")
 SLOWER = "write more slowly, or give a longer write_timeout"
 WAITED = 0.01  # seconds, by the port's clock, between attempts to queue the rest of a write
-FOREVER = 3600  # limit in simulated seconds for a read without time-out at full speed
+FOREVER = 3600  # with pace=0, simulated seconds after which a read with timeout=None ends
 
 
 class _Queue(Door):

@@ -1,7 +1,7 @@
 """Decode words of program memory into instructions.
 
-The decoder assumes OBJMODE = 1, AMODE = 0 and PAGE0 = 0, as compiled C code uses them on this chip. Words that match no
-form of `encodings.toml`, that have @SP as a 32-bit operand, or that have a reserved FPU condition are no instruction
+The decoder assumes OBJMODE = 1, AMODE = 0 and PAGE0 = 0, as compiled C code uses them on this chip. Words are no
+instruction if they match no form of `encodings.toml`, have @SP as a 32-bit operand, or have a reserved FPU condition
 [SPRU430F 3.6, Table 5-1; SPRUEO2A].
 """
 

@@ -245,7 +245,7 @@ def is_operand(kind: str, field: int) -> bool:
 
 @cache
 def fixed_operands(wide: bool) -> dict[str, int]:
-    """Return a dictionary from each operand text without an offset, "@AL" or "*XAR4++", to the value of field l.
+    """Return the value of field l for each operand text without an offset, such as "@AL" or "*XAR4++".
 
     wide: True if the operand has 32 bits.
     """

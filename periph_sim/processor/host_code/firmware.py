@@ -112,7 +112,7 @@ class HostFirmware:
 class Run:
     """One run of a C program.
 
-    assembly: a dictionary from an assembly instruction that is supported in asm() to the function that executes it.
+    assembly: for each assembly instruction that is supported in asm(), the function that executes it.
     """
 
     def __init__(self, dsp: Dsp, path: Path, base: int, layout: RegisterLayout) -> None:

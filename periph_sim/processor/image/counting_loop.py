@@ -201,7 +201,7 @@ def _address_registers(mask: int) -> Iterable[Place]:
 class RepeatedPass:
     """Evaluation of a traced pass with counters in place of values.
 
-    counters: a dictionary from each word that is a counter to its value and step at the present instruction.
+    counters: for each word that is a counter, its value and step at the present instruction.
     passes: the number of further passes for which the evaluation so far is valid.
     stores: the writes to memory so far.
     """
@@ -347,7 +347,7 @@ class CountingLoop(InstructionWatch):
     def passes(self, changed: Mapping[int, int]) -> int:
         """Return the number of passes after the traced pass that change nothing but counters.
 
-        changed: a dictionary from each memory word that the traced pass has changed to its earlier value.
+        changed: for each memory word that the traced pass has changed, its earlier value.
         """
         before, after = self._state, self._cpu.state()
         self.does_more = before[COUNTERS:] != after[COUNTERS:]
@@ -369,7 +369,7 @@ class CountingLoop(InstructionWatch):
         return repeated.passes if repeated.counters == further else 0
 
     def _counters(self, changed: Mapping[int, int]) -> dict[Place, Number]:
-        """Return a dictionary from each word that the traced pass has changed to its earlier value and its step."""
+        """Return the earlier value and the step of each word that the traced pass has changed."""
         before = register_words(self._state[0], self._state[1:COUNTERS]) | dict(changed)
         words = {address: self._memory.word(address) for address in changed}
         after = register_words(self._cpu.acc, self._cpu.xar) | words

@@ -67,7 +67,8 @@ class StackDepth(InstructionWatch):
     """Stack depth of an image: a record of each new maximum, in words.
 
     Only the stack in the section `.stack` counts. An SP outside of this section, as in a task of an RTOS, is ignored.
-    The 14 words that an interrupt saves count when the first instruction of its service routine has been executed.
+    The 14 words that an interrupt saves are included as soon as the first instruction of its service routine has been
+    executed.
     """
 
     STATE = State("_deepest")

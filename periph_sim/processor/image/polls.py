@@ -46,7 +46,7 @@ class PollSkipper:
     tracking: True if the present pass is examined.
     clean: True if the examined pass has been clean so far (see the module's description).
     counting: True if the examined pass is analysed for counters, so it may change words of memory.
-    changed: a dictionary from the address of each memory word that the examined pass has changed to its earlier value.
+    changed: for the address of each memory word that the examined pass has changed, the earlier value of the word.
     skips: True if the program sleeps instead of executing the further passes. If False, it executes them, and the sleep
         is only noted, so that the wait is recorded with the same start and end as for a sleeping program.
     asleep: True from the start of a sleep, or of a noted sleep, to its end.

@@ -53,9 +53,9 @@ class FirmwareView:
     control: SystemControl
 
     def __init__(self, name: str, seed: int, costs: Sequence[Fraction] = ()) -> None:
-        """name: the name of the unit. seed: the seed of the times that are drawn from spreads.
+        """name: the name of the unit. seed: the seed of the durations that are drawn from spreads.
 
-        costs: the times in seconds of the first computations whose cost is a spread; later times are drawn.
+        costs: the durations, in seconds, of the first computations whose cost is a spread. Later durations are drawn.
         """
         self.name: str = name
         self.sockets: dict[str, Socket] = {}

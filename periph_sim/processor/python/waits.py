@@ -68,7 +68,7 @@ def comparison_of(code: CodeType) -> FieldComparison | None:
 
 @final
 class ConditionQuery:
-    """The result of the analysis of a code object, which may be a comparison of a field with a number.
+    """The result of the analysis of a code object: the comparison of a field with a number, if the code is one.
 
     code: the code object. The reference keeps its id unique.
     known: True if the code was analysed.

@@ -58,7 +58,7 @@ class CaseCheck:
     state: whether the run equals its baseline or differs from it, or the baseline is missing or has been written.
     changes: the differences between the baseline and the run.
     diff: the change of the baseline file by `--update-baseline` as a unified diff; "" if the file was not changed.
-    causes: a dictionary from each budget that broke unexpectedly to the explanation of its worst occurrence.
+    causes: for each budget that broke unexpectedly, the explanation of its worst occurrence.
     findings: the reasons why the check fails.
     coverage: the result of checking the coverage file of the case; None if there is no such file.
     proof: what the proof file of the case says.
@@ -82,7 +82,7 @@ class CaseCheck:
 def judge(check: CaseCheck, guaranteed: bool = False) -> list[Finding]:
     """Return all findings of a check. Findings about limits of budgets come first.
 
-    guaranteed: True for a finding about each budget that holds and is not proven.
+    guaranteed: True to add a finding for each budget that holds, but is not proven.
     """
     outcome = check.outcome
     top = outcome.name_line or 1

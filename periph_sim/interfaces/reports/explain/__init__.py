@@ -9,7 +9,7 @@ evidence    queries of these records: phases on the bus, accesses, flags, CPU ac
 findings    the records at both ends of the occurrence (`Ends`), and findings from the records around an instant
   |
 explain     steps: events in order of time, with the causes of both ends
-            parts: shares of the time between the ends, which the bus, parties that hold SCL, hardware, and firmware
+            parts: the shares of the time between the ends that the bus, parties that hold SCL, hardware, and firmware
                    took
   |
 chain       the explanation as data, as text and as JSON                            (`Chain`)

@@ -252,7 +252,10 @@ class Evidence:
         return self.window.timebase.ticks(table.low or Fraction(1, 2) / table.rate, "nearest")
 
     def due_before(self, due: int) -> int:
-        """Return the tick at which the round before the round at tick `due` was due; `due` if there are no rounds."""
+        """Return the tick at which the previous round was due; `due` if there are no rounds.
+
+        due: the tick at which a round is due.
+        """
         ticks, controller = CaseTicks(self.case, self.window.timebase, self.window.start), self.case.controller
         starts = ticks.starts("rounds") or ()
         table = controller or self.case.rounds
@@ -354,8 +357,9 @@ class Evidence:
     def story(self, begin: int, end: int, waits: bool = True) -> list[Step]:
         """Return steps for the firmware's activities between two ticks.
 
-        These are all spans, the first service routine with the flag that requested it, other service routines that are
-        long (see SMALL) and, if `waits` is True, waits that are long. At most MOST activities are included.
+        The activities are all spans, the first service routine, other service routines that are long (see SMALL) and,
+        if `waits` is True, long waits. At most MOST activities are included. The flag that requested the first service
+        routine has a step, too.
         """
         least = (end - begin) * SMALL
         found = [one for one in episodes(self.window, self.unit, begin, end) if waits or one.doing != "wait"]

@@ -8,9 +8,9 @@ steps of an interval    the causes of the record at its end, back to the record 
 parts of an interval    begin |-- firmware --|-- SCL held --|-- hardware --| end; the whole interval is divided
 steps of an instant     findings from the records around the instant (`findings`)
 
-If both ends are on the bus, the parts are the bits of each transfer, the times in which a party holds SCL low, and the
-times in which the bus is free. Otherwise, the parts are the firmware up to the access that caused the end, and the
-module or the line after this access.
+If both ends are on the bus, the parts are the bits of each transfer, the intervals in which a party holds SCL low, and
+the intervals in which the bus is free. Otherwise, the parts are the firmware up to the access that caused the end, and
+the module or the line after this access.
 
 The firmware's part is divided by its activity (`cpu_activity`): spans, service routines, waits, other code.
 """
@@ -68,7 +68,7 @@ def reached(evidence: Evidence, record: Record) -> Record | None:
 
 
 def _of_bus(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
-    """Divide a time on the bus into the bits of each transfer, holds of SCL, and the times between transfers.
+    """Divide an interval on the bus into the bits of each transfer, holds of SCL, and the intervals between transfers.
 
     While the bus is free and the unit is the master, the stretches are the activities of the unit's firmware.
     """
@@ -178,8 +178,8 @@ def _blocked(evidence: Evidence, ends: Ends) -> list[Step]:
 def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
     """Return steps for an occurrence on the bus.
 
-    These are the transfers, the times in which SCL was held low, and the access that made SCL rise at the end. If the
-    occurrence is a time between two rounds that is too short, the steps describe the first of these rounds.
+    These are the transfers, the intervals in which SCL was held low, and the access that made SCL rise at the end. If
+    the occurrence is an interval between two rounds that is too short, the steps describe the first of these rounds.
     """
     begin, end = evidence.window.begin, evidence.window.end
     between = _between_rounds(evidence, ends)

@@ -4,7 +4,7 @@ byte on the bus --> the write of I2CDXR that put it there, which may have been m
 byte 0xFF on the bus --> the reason why no party drives SDA
 NACK of an address --> the write of a wrong I2COAR or of IRS = 0, or the missing write
 NACK of a byte --> the write of NACKMOD = 1
-wait that a flag from before the transfer ended at once --> the read of this flag, and when the flag rose
+wait that ended at once because a flag was still set from before the transfer --> the read of the flag, and its rise
 RSFULL --> I2CDRR was not read
 read of a memory --> the word address of each byte, and the last write to this address among the recorded transfers
 notes of a device on broken rules --> the last note before the end of the read; this note is the cause if it

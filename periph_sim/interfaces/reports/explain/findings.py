@@ -135,7 +135,7 @@ def asked(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]:
 
 
 def transfers(evidence: Evidence, begin: int, end: int) -> list[Step]:
-    """Return a Step for each phase of a transfer (see `RecordedPhase`) that begins between two ticks.
+    """Return a Step for each `RecordedPhase` that begins between two ticks.
 
     Consecutive phases with the same address share a Step if the address was not acknowledged.
     """

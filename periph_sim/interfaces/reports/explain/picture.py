@@ -120,8 +120,8 @@ def _box(window: Window, one: Stretch) -> Box:
 def flags_shown(window: Window) -> list[tuple[str, str]]:
     """Return the module and the name of each field that is shown.
 
-    These are fields that change within the picture and are related to the measure or named by it, and all fields that
-    the explanation names. A module is written as UNIT.MODULE.
+    All fields that the explanation names are shown. A field that the measure names, or that is related to its event, is
+    shown if it changes within the picture. A module is written as UNIT.MODULE.
     """
     changed = {(r.where, r.what) for r in window.between(*window.drawn, Kind.FLAG)}
     known = {(r.where, r.what) for r in window.all_records if r.kind is Kind.FLAG}

@@ -2,7 +2,7 @@
 
     case with other answers --phases or starts--> worst value of each budget --> CoveredResult, a Row of an exploration
 
-Each worst value comes with the run that has it, in which the first difference is then searched.
+Each worst value comes with the run that has it. The first difference is then searched in this run.
 """
 
 from __future__ import annotations

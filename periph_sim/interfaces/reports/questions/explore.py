@@ -145,7 +145,8 @@ def is_stuck(row: Row) -> bool:
 def breaks(default: Result, row: Row) -> bool:
     """Return True if a budget passes in the case as it is but not in `row`, or if `row` is stuck and the case is not.
 
-    default: the result of the case as it is. row: the result of a run with other answers.
+    default: the result of the case as it is. row: the result of a run with other answers. A run that could not be made
+        breaks something, too.
     """
     if isinstance(row, str) or is_stuck(row) > is_stuck(default):
         return True

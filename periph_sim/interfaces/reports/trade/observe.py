@@ -35,10 +35,10 @@ DIGITS = 13  # number of decimals of a difference, in seconds or LSB; further de
 class Observed:
     """The results of one run that are compared with another run.
 
-    verdicts: a dictionary from the budgets that this run can measure to their verdicts.
-    times: a dictionary from the budgets that limit a time to their occurrences in seconds.
-    samples: a dictionary from the chips that the controller reads to their samples: codes as int64[n, 3].
-    others: a dictionary from I2C addresses to the bytes of all reads that are no samples.
+    verdicts: for each budget that this run can measure, its verdict.
+    times: for each budget that limits a time, its occurrences in seconds.
+    samples: for each chip that the controller reads, its samples: codes as int64[n, 3].
+    others: for each I2C address, the bytes of all reads that are no samples.
     """
 
     verdicts: dict[str, str]

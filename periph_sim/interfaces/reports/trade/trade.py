@@ -189,9 +189,10 @@ class _Runs:
         return [row for row in self.rows if row.name not in self.refused]
 
     def errors(self, length: Fraction, may_be_empty: bool = False) -> dict[str, Errors]:
-        """Return a dictionary from the names of all rows without a recording to their errors.
+        """Return the errors of all rows that write no recording, by the names of the rows.
 
-        may_be_empty: False to raise BadCase if the run of the first row has no verdict, occurrence or data to compare.
+        may_be_empty: True to accept that the run of the first row has no verdict, occurrence or data to compare. If it
+            is False, BadCase is raised in this case.
         """
         found: dict[str, Errors] = {}
         reference: Observed | None = None
@@ -210,7 +211,7 @@ class _Runs:
         return found
 
     def errors_of_recorded(self, length: Fraction, unrecorded: Errors) -> dict[str, Errors]:
-        """Return a dictionary from the names of all rows with a recording to their errors.
+        """Return the errors of all rows that write a recording, by the names of the rows.
 
         If recording changes nothing in a run of `length` seconds, the errors are `unrecorded`, which are the errors of
         the unchanged case. Otherwise, the errors are the differences that recording causes.

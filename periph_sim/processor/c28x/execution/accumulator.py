@@ -1,6 +1,6 @@
 """Instructions for ACC and P: addition, subtraction, comparison and logic.
 
-A function that has the id of a form of `encodings.toml` as its name executes this form.
+A function whose name is the id of a form in `encodings.toml` executes this form.
 Source: SPRU430F chapter 6; sections 2.3 (flags) and 2.2 (OVC).
 """
 

@@ -1,6 +1,6 @@
 """Branches, calls and returns.
 
-A function that has the id of a form of `encodings.toml` as its name executes this form.
+A function whose name is the id of a form in `encodings.toml` executes this form.
 A branch that is not taken sets `Cpu.cycles` to `Operation.not_taken`. Source: SPRU430F chapter 6.
 """
 

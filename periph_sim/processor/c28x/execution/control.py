@@ -1,6 +1,6 @@
 """Instructions for status bits, interrupts and repeats, and those that stop the CPU or do nothing.
 
-A function that has the id of a form of `encodings.toml` as its name executes this form.
+A function whose name is the id of a form in `encodings.toml` executes this form.
 Stopping a program and entering or leaving a service routine are methods of `Cpu`, which a chip overrides.
 Source: SPRU430F chapters 3 and 6, SPRUEO2A chapter 4 (RPTB).
 """

@@ -1,6 +1,6 @@
 """Arithmetic, comparisons and conversions of the FPU.
 
-A function that has the id of a form of `encodings.toml` as its name executes this form.
+A function whose name is the id of a form in `encodings.toml` executes this form.
 Results are written at once, which makes no difference for a program with correct delay slots. `delay_slots.delay` makes
 an operation write its results late, as the chip does.
 Source: SPRUEO2A chapter 4.

@@ -1,6 +1,6 @@
 """Moves and flags of the FPU.
 
-A function that has the id of a form of `encodings.toml` as its name executes this form.
+A function whose name is the id of a form in `encodings.toml` executes this form.
 Source: SPRUEO2A chapter 4.
 """
 

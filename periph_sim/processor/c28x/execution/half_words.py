@@ -1,6 +1,6 @@
 """Instructions for AX and 16-bit operands: addition, subtraction, comparison, logic, bits and bytes.
 
-A function that has the id of a form of `encodings.toml` as its name executes this form.
+A function whose name is the id of a form in `encodings.toml` executes this form.
 These instructions set V after an overflow, but never clear it [Table 2-7]. Source: SPRU430F chapter 6.
 """
 

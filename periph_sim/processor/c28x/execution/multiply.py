@@ -1,6 +1,6 @@
 """Multiply, and multiply with accumulate.
 
-A function that has the id of a form of `encodings.toml` as its name executes this form.
+A function whose name is the id of a form in `encodings.toml` executes this form.
 Source: SPRU430F chapter 6; section 5.8 (program addresses that increase in each pass of RPT).
 """
 

@@ -1,6 +1,6 @@
 """Shifts of ACC, AX and ACC:P.
 
-A function that has the id of a form of `encodings.toml` as its name executes this form.
+A function whose name is the id of a form in `encodings.toml` executes this form.
 C is the last bit that was shifted out; it is 0 for a shift by 0. Source: SPRU430F chapter 6.
 """
 

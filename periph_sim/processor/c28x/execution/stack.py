@@ -1,6 +1,6 @@
 """PUSH and POP, and stack pointer alignment.
 
-A function that has the id of a form of `encodings.toml` as its name executes this form.
+A function whose name is the id of a form in `encodings.toml` executes this form.
 Of two registers that are pushed together, the second one named is at the lower address: AR0 in PUSH AR1:AR0. POP ACC,
 PUSH XAR4 and similar instructions are aliases of moves. Source: SPRU430F chapter 6.
 """

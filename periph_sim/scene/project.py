@@ -4,7 +4,8 @@
     cases = ["timing", "bench/line.toml"]   cases that `check` runs without arguments; default: the folder timing, or
                                             the folder of the pyproject.toml if there is no timing
     baselines = "ci/figures"                folder of their baselines; default: baselines/ beside each case
-    guaranteed = true                       `run` and `check` require a saved proof of each budget
+    guaranteed = true                       `run`, `check` and the tests of case files require a saved proof of
+                                            each budget
     jobs = 2                                number of processes of `check`
     tolerance = 1                           number of cycles by which times may differ from a baseline
     plugins = ["barometer.py"]              Python files that define chips, sensors and more: see `plugins`

@@ -1,14 +1,15 @@
 """Collect case files as tests: one test per budget of each TOML file in a folder of `periph_sim_cases`.
 
     timing/mine.toml --> timing/mine.toml::hangs nowhere    passes if nothing waits forever
-                         timing/mine.toml::response         passes if the budget holds
+                         timing/mine.toml::response         passes if the budget holds (and is proven, see below)
                          timing/mine.toml::coverage         passes if the worst values of its coverage file are as saved
 
 There is a test "coverage" only if the case has a coverage file, which `periph-sim prove --save` writes.
 
 The case is run once per process, by the first of its tests. The other tests use the same run. For a budget that the
 case lists in `breaks`, the test is expected to fail because the limit is broken. If such a budget is not judged, this
-is an unexpected failure.
+is an unexpected failure. With `guaranteed = true` in the settings of the case's project, each other budget must be
+proven.
 """
 
 from __future__ import annotations
@@ -43,10 +44,12 @@ class CaseFile(pytest.File):
         """Yield the tests. Raise CollectError, whose message is one sentence, if the case cannot be built."""
         from ...processor.user_code import output_muted
         from ...scene.case.load import load
+        from ...scene.project import project_of
         from ..commands.command_frame import is_mistake
         from .runs import Plan
 
         try:
+            self.settings = project_of(self.path.parent).settings
             self._plan = Plan(load(self.path))
             with output_muted():
                 self._plan.scene()
@@ -103,9 +106,10 @@ class CaseItem(pytest.Item):
             return
         verdict = run.result.budgets[self._number]
         self.user_properties.extend(properties(run.result.case, verdict))
-        if not verdict.passed and not verdict.broken and self.get_closest_marker("xfail") is not None:
+        must_break = self.get_closest_marker("xfail") is not None
+        if not verdict.passed and not verdict.broken and must_break:
             pytest.fail(f"{verdict.name} is not judged, so it is unknown if it breaks: {verdict.found}", pytrace=False)
-        run.assert_budgets(verdict.name)
+        run.assert_budgets(verdict.name, guaranteed=self.parent.settings.guaranteed and not must_break)
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *args: Any, **more: Any) -> Any:
         """Return the text of a failure: the broken budgets, the message of a user's error, or an internal traceback."""
@@ -126,12 +130,11 @@ class CoverageItem(CaseItem):
     """
 
     def runtest(self) -> None:
-        from ...scene.project import project_of
         from ..reports.coverage_check import check_coverage
         from ..reports.explain.chain import relative
 
-        tolerance = project_of(self.path.parent).settings.tolerance
-        found = check_coverage(relative(self.path), (), tolerance)
+        assert isinstance(self.parent, CaseFile)
+        found = check_coverage(relative(self.path), (), self.parent.settings.tolerance)
         self.user_properties.append((f"periph-sim coverage of {self.path.stem}", found.state))
         self.add_report_section("call", "coverage", found.line)
         if found.findings:

@@ -30,7 +30,7 @@ from ...scene.scene import Scene
 from ...timing.verdict import Verdict, figure, instant, limit
 from ...traces.capture.capture import Capture
 from ...traces.formats.record_table import Columns, RecordTable
-from ..reports.explain.chain import Chain, text
+from ..reports.explain.chain import Chain, relative, text
 from ..reports.explain.explain import chain_of, explain
 from ..reports.explain.window import Window, windows_of_edges, windows_of_table
 from ..reports.proofs import NO_PROOF, ProofReport, mark_proven
@@ -209,7 +209,7 @@ def run_plan(plan: Plan, on_judged: OnJudged, *, keep_edges: bool = False, recor
     result = scene.run(plan.length)
     proof = ProofReport("", otherwise="its firmware is a function, and a proof is of a case file")
     if plan.case.file is not None and not plan.programs:
-        proof = mark_proven(plan.case.file, plan.case.changes, result.budgets)
+        proof = mark_proven(relative(plan.case.file), plan.case.changes, result.budgets)
     now, per_second = scene.kernel.now, Fraction(scene.timebase.per_second)
     return Run(
         plan=plan,

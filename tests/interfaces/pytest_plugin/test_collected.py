@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.interfaces.reports.covered_desk import put_case
+from tests.proof.proven_slave import FIRMWARE, save_proof, write_slave
 
 from .project import BARE_INI, SMALL
 
@@ -263,3 +264,45 @@ def test_a_coverage_file_is_one_more_test(project: pytest.Pytester, covered_once
     put_case(project.path / "timing", service=3008)
     project.makefile(".toml", pyproject="[tool.periph-sim]\ntolerance = 2\n")
     project.runpytest_inprocess("-k", "coverage").assert_outcomes(passed=1, deselected=3)
+
+
+GUARANTEED = "[tool.periph-sim]\nguaranteed = true\n"
+
+
+def test_a_project_can_require_a_proof_of_each_budget(project: pytest.Pytester) -> None:
+    project.makefile(".toml", pyproject=GUARANTEED)
+    result = project.runpytest_inprocess("-v")
+    result.assert_outcomes(passed=1, failed=3)
+    why = "small: no budget is proven: there is no timing/proofs/small.json; prove --table --save writes it"
+    assert result.outlines.count(why) == 3
+    result.stdout.fnmatch_lines(["timing/small.toml::hangs nowhere PASSED*"])
+
+
+def test_a_proven_budget_passes_until_its_proof_is_out_of_date(project: pytest.Pytester) -> None:
+    project.makefile(".toml", pyproject=GUARANTEED)
+    (project.path / "timing" / "small.toml").unlink()
+    case = write_slave(project.path / "timing", "")
+    save_proof(case)
+    project.runpytest_inprocess().assert_outcomes(passed=2)
+    firmware = project.path / "timing" / FIRMWARE
+    firmware.write_text(firmware.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    result = project.runpytest_inprocess()
+    result.assert_outcomes(passed=1, failed=1)
+    why = f"timing/proofs/slave.json is out of date: {FIRMWARE} has changed; write it again with prove --table --save"
+    assert f"image_register_slave: no budget is proven: {why}" in result.outlines
+
+
+def test_a_known_bug_needs_no_proof_and_must_break(project: pytest.Pytester) -> None:
+    project.makefile(".toml", pyproject=GUARANTEED)
+    (project.path / "timing" / "small.toml").write_text('breaks = ["response", "wrong bytes"]\n' + TIGHT)
+    result = project.runpytest_inprocess("-k", "response or wrong")
+    result.assert_outcomes(failed=1, xfailed=1, deselected=2)
+    result.stdout.fnmatch_lines(["[[]XPASS(strict)] known to break"])
+
+
+def test_an_unknown_key_of_the_project_is_an_error(project: pytest.Pytester) -> None:
+    project.makefile(".toml", pyproject="[tool.periph-sim]\nguarantee = true\n")
+    result = project.runpytest_inprocess()
+    result.assert_outcomes(errors=1)
+    why = "pyproject.toml, line 2: there is no key 'tool.periph-sim.guarantee'; did you mean guaranteed?"
+    assert why in result.outlines

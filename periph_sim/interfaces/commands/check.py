@@ -204,7 +204,7 @@ def _html(
                 one.outcome.figures.ticks_per_second,
                 [finding.text for finding in one.findings],
                 None if one.coverage is None else one.coverage.report,
-                one.proof.line,
+                one.proof_line,
             )
             for one in checks
         ]
@@ -252,7 +252,7 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
         if errors := one.outcome.result.reception():
             say(f"note: {one.outcome.figures.case}: {', '.join(errors)}")
     say(*(one.coverage.line for one in checks if one.coverage is not None and not one.coverage.findings))
-    say(*(one.proof.line for one in checks if one.proof.line))
+    say(*(one.proof_line for one in checks if one.proof_line))
     for one in checks:
         if one.state == "written":
             say(*(f"{one.outcome.figures.case}: {change}" for change in one.changes))

@@ -158,11 +158,13 @@ def run(
             typical = scene.typical()
             report = case_report(loaded, result, values, typical, per_second, length, changes, None, covered, about)
             unfinished.write_text(page([report], loaded.name, command_line()), encoding="utf-8")
+    missing = [text for _, text in proof.missing(result.budgets)] if guaranteed and proof is not None else []
     if as_json:
         print_json("run", _object(result, chains if explain else None))
     else:
         show(result, loaded, verbose, assumed)
-        say(*filter(None, ("" if covered is None else covered.line, "" if proof is None else proof.line)))
+        lines = "" if covered is None else covered.line, "" if proof is None else proof.line_beside(missing)
+        say(*filter(None, lines))
         if interrupted is not None:
             raise interrupted
         if chains:
@@ -170,8 +172,7 @@ def run(
 
             for chain in chains.values():
                 click.echo("\n".join(["", *text(chain)]))
-    missing = proof.missing(result.budgets) if guaranteed and proof is not None else []
-    for _, reason in missing:
+    for reason in missing:
         click.echo(f"guaranteed: {reason}", err=True)
     return int(result.verdict != "pass" or bool(missing))
 

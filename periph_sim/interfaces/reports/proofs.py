@@ -5,7 +5,7 @@ case --proof file--> ProofReport --mark--> Verdict.proven, a line, and reasons f
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from msgspec import Struct
@@ -39,6 +39,10 @@ class ProofReport(Struct, frozen=True):
         return [
             (one.name, f"{one.name} is not proven: {self.reasons.get(one.name, self.otherwise)}") for one in missing
         ]
+
+    def line_beside(self, texts: Iterable[str]) -> str:
+        """Return `line` for an output that has these texts, too; "" if one of them contains it."""
+        return "" if any(self.line in text for text in texts) else self.line
 
 
 NO_PROOF = ProofReport("")

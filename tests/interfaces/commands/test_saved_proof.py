@@ -93,8 +93,19 @@ def test_a_change_ends_the_proof(periph_sim: Run, whole: Path):
     came = periph_sim("run", str(whole), "--guaranteed")
     old = f"{file} is out of date: {FIRMWARE} has changed; write it again with prove --table --save"
     assert (came.status, came.err) == (1, f"guaranteed: no budget is proven: {old}\n")
-    assert words(came.out)["wrong bytes"] == "seen"
-    assert came.out.endswith(f"{old}\n")
+    assert words(came.out)["wrong bytes"] == "seen" and old not in came.out
+    assert periph_sim("run", str(whole)).out.endswith(f"{old}\n")
+
+
+def test_check_names_a_proof_that_is_out_of_date_once(periph_sim: Run, whole: Path):
+    firmware = whole.parent / FIRMWARE
+    firmware.write_text(firmware.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    page = whole.parent / "report.html"
+    options = ("--jobs", "1", "--update-baseline", "--html", str(page))
+    for option, status in (("--guaranteed", 1), ("--no-guaranteed", 0)):
+        came = periph_sim("check", str(whole), *options, option)
+        assert (came.status, came.out.count("is out of date: ")) == (status, 1)
+        assert page.read_text(encoding="utf-8").count("is out of date: ") == 1
 
 
 def test_a_case_without_a_proof_and_a_file_that_is_none(periph_sim: Run, tmp_path: Path):

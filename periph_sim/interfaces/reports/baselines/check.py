@@ -78,6 +78,11 @@ class CaseCheck:
     def passed(self) -> bool:
         return not self.findings
 
+    @property
+    def proof_line(self) -> str:
+        """A sentence about the proof file; "" if there is none, or a finding contains the sentence."""
+        return self.proof.line_beside(finding.text for finding in self.findings)
+
 
 def judge(check: CaseCheck, guaranteed: bool = False) -> list[Finding]:
     """Return all findings of a check. Findings about limits of budgets come first.

@@ -211,13 +211,16 @@ def _draw(found: Coverage, place: Path) -> Path:
 
 
 def _check_writable(path: Path) -> None:
-    """Create the folder of a saved result. Raise ClickException if nothing could be written there."""
-    try:
-        path.parent.mkdir(exist_ok=True)
-    except OSError as error:
-        raise click.ClickException(f"--save: {path.parent}: {(error.strerror or 'an error').lower()}") from None
-    if not os.access(path.parent, os.W_OK):
-        raise click.ClickException(f"--save: {path.parent} is not writable; change its permissions")
+    """Raise ClickException if a saved result could not be written in its folder, or the folder not be created.
+
+    If the folder of the case does not exist, do nothing, because the case cannot be read.
+    """
+    folder = path.parent
+    if os.path.lexists(folder) and not folder.is_dir():
+        raise click.ClickException(f"--save: {folder}: it is no folder; move or remove it")
+    there = folder if folder.exists() else folder.parent
+    if there.exists() and not os.access(there, os.W_OK):
+        raise click.ClickException(f"--save: {there} is not writable; change its permissions")
 
 
 def _between(text: str) -> tuple[Fraction, Fraction]:

@@ -25,7 +25,7 @@ from ...proof.dependencies import Dependencies, dependencies, files_read
 from ...proof.near import chosen_phases, parts_of
 from ...proof.saved_file import BadSavedFile, text_of
 from ...proof.stretch import CoveredCase, Job
-from ...traces.formats import atomic_write
+from .baselines.files import write_all
 from .cluster import ClusterError, ClusterExecutor, worker_pool
 from .processes import results_of
 
@@ -180,9 +180,7 @@ def save(coverage: Coverage, path: Path) -> None:
     saved = coverage.saved()
     if not saved.is_complete and _has_complete_coverage(path):
         return
-    path.parent.mkdir(exist_ok=True)
-    with atomic_write(path) as unfinished:
-        unfinished.write_text(text_of(saved), encoding="utf-8")
+    write_all({path: text_of(saved)})
 
 
 def _has_complete_coverage(path: Path) -> bool:

@@ -63,7 +63,26 @@ def test_a_broken_table_is_not_saved(periph_sim: Run, tmp_path: Path):
     came = periph_sim("prove", str(case), "--table", "--save")
     assert came.status == 1
     assert came.err.endswith(f"{tmp_path / 'proofs' / 'slave.json'} is not written, because no budget is proven\n")
-    assert not (tmp_path / "proofs" / "slave.json").exists()
+    assert not (tmp_path / "proofs").exists()
+
+
+def test_a_case_that_is_refused_leaves_no_folder(periph_sim: Run, desk: Path):
+    came = periph_sim("prove", "small.toml", "--table", "--save")
+    assert came.status == 2 and "has no closed table" in came.err
+    assert not Path("proofs").exists()
+    came = periph_sim("prove", "smal.toml", "--save")
+    assert came.status == 2 and not Path("coverage").exists()
+    came = periph_sim("prove", "none/small.toml", "--table", "--save")
+    assert came.status == 2 and "none/small.toml: cannot be read" in came.err
+
+
+@pytest.mark.parametrize("is_there", [False, True])
+def test_a_folder_that_is_not_writable(is_there: bool, periph_sim: Run, desk: Path, monkeypatch: pytest.MonkeyPatch):
+    read_only = desk / "proofs" if is_there else desk
+    read_only.mkdir(exist_ok=True)
+    monkeypatch.setattr("os.access", lambda path, mode: Path(path) != read_only)
+    came = periph_sim("prove", str(desk / "small.toml"), "--table", "--save")
+    assert (came.status, came.err) == (2, f"Error: --save: {read_only} is not writable; change its permissions\n")
 
 
 def test_a_proof_of_a_changed_case_cannot_be_saved(periph_sim: Run, saved: Path):

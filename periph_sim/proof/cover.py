@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
+from pathlib import Path
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -335,11 +336,14 @@ def _extended(fails: Callable[[int], bool], phase: int, step: int, end: int) -> 
 
 
 @lru_cache(maxsize=1)
-def _case_of(job: Job) -> CoveredCase:
-    """Return the case of a job. The last case is kept, because a worker process runs many parts of one job."""
+def _case_of(job: Job, folder: Path) -> CoveredCase:
+    """Return the case of a job. The last case is kept, because a worker process runs many parts of one job.
+
+    folder: the current folder, at which the path in `job` starts.
+    """
     return CoveredCase(job)
 
 
 def cover_part(job: Job, phases: Sequence[int], seed: int) -> Covered:
     """Run these phases, which are in ascending order, and return the results. Worker processes call it."""
-    return Coverer(_case_of(job), seed).cover(phases)
+    return Coverer(_case_of(job, Path.cwd()), seed).cover(phases)

@@ -45,7 +45,7 @@ class Scenarios:
         on_progress: Callable[[float], None] | None = None,
     ) -> None:
         """case: the path of the case. changes: "key=value" texts. on_progress: as for `TableMaker`."""
-        covered = CoveredCase(Job(str(Path(case).absolute()), tuple(changes)))
+        covered = CoveredCase(Job(str(case), tuple(changes)))
         self._worst: dict[str, dict[RestPlace, float]] = {}
         self._without_values: dict[str, str] = {}
         self._differing: dict[str, str] = {}  # for some budgets, two values in rounds from equal states

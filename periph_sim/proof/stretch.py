@@ -41,7 +41,7 @@ RUN_ERRORS = (FirmwareError, SimulationStuck, NoSuchAddress)  # errors of a run 
 class Job(Struct, frozen=True):
     """The case of a coverage, in a form that can be sent to another process.
 
-    file: the path of the case.
+    file: the path of the case as the user gave it, which messages name; relative paths start at the current folder.
     changes: changes of keys of the case, as in the option `--set`.
     start_up, rounds: as for `Phases`.
     """

@@ -143,9 +143,7 @@ def prove(
 
         if save:
             _check_writable(proof_path(case))
-        return prove_with_table(
-            Job(str(case.absolute()), changes), ppm, jobs or os.cpu_count() or 1, case, folder, save, as_json
-        )
+        return prove_with_table(Job(str(case), changes), ppm, jobs or os.cpu_count() or 1, folder, save, as_json)
     if save and start_up:
         raise click.UsageError("--save with --start-up: a coverage file covers the rounds; remove one of them")
     with running_user_code():
@@ -154,7 +152,7 @@ def prove(
         path = coverage_path(case) if save else None
         if path is not None:
             _check_writable(path)
-        job = Job(str(case.absolute()), changes, start_up, rounds)
+        job = Job(str(case), changes, start_up, rounds)
         found = choose(job, step, None if only is None else _between(only))
         saved = None if path is None else coverage_file.read(path)
         if saved is not None and not found.continue_from(saved) and saved.is_complete:

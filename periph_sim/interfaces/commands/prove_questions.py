@@ -25,7 +25,7 @@ def prove_under_questions(case: Path, changes: tuple[str, ...], cover: Cover, jo
         explored = explore(case, changes, duration, jobs, progress, cover.row)
         found = dependences(explored)
         differences = first_differences(case, changes, duration, explored.attempts, found)
-        left_out = CoveredCase(Job(str(case.absolute()), changes, cover.start_up, cover.rounds)).left_out
+        left_out = CoveredCase(Job(str(case), changes, cover.start_up, cover.rounds)).left_out
     if as_json:
         print_json("prove --questions", text_report.as_json(explored, found, differences) | {"not_covered": left_out})
     else:

@@ -30,32 +30,31 @@ from .watch import note_inputs
 
 
 def prove_with_table(
-    job: Job, within: Fraction | None, jobs: int, case: Path, folder: Path | None, save: bool, as_json: bool
+    job: Job, within: Fraction | None, jobs: int, folder: Path | None, save: bool, as_json: bool
 ) -> int:
     """Make the table of a case, show it, and return the exit status: 0 if all covered budgets are proven, else 1.
 
     within: as for `TableProof`.
     jobs: the number of worker processes, if there are several tables.
-    case: the path of the case as the user gave it.
     folder: where the witnesses are written; None to write none.
     save: True to write the proof file, if a budget is proven.
 
     Raise ClickException if the case has no table, or if the tables cannot be completed or saved.
     """
+    case = Path(job.file)
     with running_user_code():
         note_inputs([case])
-        folder_of_case = Path(job.file).parent
         with files_read() as read:
-            named = load(Path(job.file), list(job.changes)).files()
-            before = dependencies(folder_of_case, named) if save else None
+            named = load(case, list(job.changes)).files()
+            before = dependencies(case.parent, named) if save else None
             made = _proof(job, within, jobs)
             proof = None
             if before is not None and not made.has_failed:
-                proof = proof_of(made, dependencies(folder_of_case, [*read, *made.covered.case.files()]))
-                changed = before.differences(folder_of_case)
+                proof = proof_of(made, dependencies(case.parent, [*read, *made.covered.case.files()]))
+                changed = before.differences(case.parent)
                 if changed:
                     raise click.ClickException(f"{changed[0]} while the tables were made, so no proof is saved")
-        files = [] if folder is None else _write_witnesses(made, job, case, folder)
+        files = [] if folder is None else _write_witnesses(made, job, folder)
         if proof is not None and proof.proven:
             write_all({proof_path(case): text_of(proof)})
             files.append(proof_path(case))
@@ -94,7 +93,7 @@ def _proof(job: Job, within: Fraction | None, jobs: int) -> TableProof:
         raise click.ClickException(f"{why}; --jobs 1 makes all tables in this process") from None
 
 
-def _write_witnesses(made: TableProof, job: Job, case: Path, folder: Path) -> list[Path]:
+def _write_witnesses(made: TableProof, job: Job, folder: Path) -> list[Path]:
     """Write a case for the worst value of each judged budget, and return the files."""
     files = []
     for worst in made.worst().values():
@@ -103,7 +102,7 @@ def _write_witnesses(made: TableProof, job: Job, case: Path, folder: Path) -> li
             end = Fraction(until, covered.phases.ticks_per_second)
             run = (covered.phases.inputs_at(starts), end, covered.case.seed)
             changes = (*job.changes, *worst.part.changes)
-            files.append(witness_file(covered, worst.verdict, run, case, changes, folder))
+            files.append(witness_file(covered, worst.verdict, run, Path(job.file), changes, folder))
     return files
 
 

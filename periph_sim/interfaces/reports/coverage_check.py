@@ -80,7 +80,7 @@ def check_coverage(case: Path, changes: tuple[str, ...] = (), tolerance: int | T
     file, differences = found
     differences = [f"{change} is set" for change in changes] + differences
     try:
-        covered = CoveredCase(Job(str(case.absolute()), changes, rounds=file.choice.rounds))
+        covered = CoveredCase(Job(str(case), changes, rounds=file.choice.rounds))
     except REFUSED as error:
         return without_runs(path, "changed", f"{path.as_posix()}: its runs cannot be made again: {error}; {RENEW}")
     other = _other_phases(file, covered)

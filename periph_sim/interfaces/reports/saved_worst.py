@@ -62,14 +62,14 @@ def saved_worst(case: Path, verdicts: Sequence[Verdict]) -> dict[str, SavedWorst
 
 def _at_phases(case: Path, choice: Choice, worst: Worst) -> SavedWorst:
     """Return the worst occurrence of a budget in a coverage."""
-    scene = CoveredCase(Job(str(case.absolute()), rounds=choice.rounds)).scene(worst.phases, worst.seed)
+    scene = CoveredCase(Job(str(case), rounds=choice.rounds)).scene(worst.phases, worst.seed)
     text = f"at {phase_text(worst.phases, choice)}, the worst of {coverage_path(case)}:"
     return _again(scene, worst.verdict.name, text, {"phases": list(worst.phases), "seed": worst.seed})
 
 
 def _of_proof(case: Path, file: ProofFile, proven: ProvenBudget) -> SavedWorst:
     """Return the worst occurrence of a budget in the runs of a proof."""
-    covered = CoveredCase(Job(str(case.absolute()), proven.changes))
+    covered = CoveredCase(Job(str(case), proven.changes))
     end = Fraction(proven.until, file.ticks_per_second)
     scene = covered.scene_of(covered.phases.inputs_at(proven.starts), end, covered.case.seed)
     starts = [start / file.ticks_per_second for start in proven.starts]

@@ -271,6 +271,33 @@ def test_a_case_without_a_budget_that_prove_can_judge_is_refused(periph_sim: Run
     assert came.status == 2 and "there is no budget that can be judged at single phases" in came.err
 
 
+@pytest.mark.parametrize("options", [[], ["--table"], ["--questions"]])
+@pytest.mark.parametrize("folder", ["", "../{name}/"])
+def test_an_error_names_the_files_as_run_does(periph_sim: Run, desk: Path, options: list[str], folder: str) -> None:
+    case = f"{folder.format(name=desk.name)}listener.toml"
+    wrong = ["budget.0.maks=1"] if options == ["--table"] else ["budget.0.maks=1", "unit.dsp.firmware=listenr.py"]
+    for changes in map(sets, wrong):
+        told = periph_sim("run", case, *changes).err
+        assert told.startswith(f"Error: {case}, --set ")
+        assert periph_sim("prove", case, *options, *changes).err == told
+    told = periph_sim("run", f"{case}x").err
+    assert told.startswith(f"Error: {case}x: cannot be read ")
+    assert periph_sim("prove", f"{case}x", *options).err == told
+
+
+def test_the_same_path_in_another_folder_is_another_case(
+    periph_sim: Run, desk: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    options = (*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1")
+    assert periph_sim(*options).status == 0
+    other = desk / "other"
+    other.mkdir()
+    case = listener(other)
+    case.write_text(case.read_text(encoding="utf-8").replace('max = "1 us"', 'max = "1 ns"'), encoding="utf-8")
+    monkeypatch.chdir(other)
+    assert periph_sim(*options).status == 1
+
+
 def test_run_and_worst_say_why_a_damaged_or_old_coverage_is_not_used(periph_sim: Run) -> None:
     assert periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--save").status == 0
     Path("listener.py").write_text(Path("listener.py").read_text(encoding="utf-8") + "\n", encoding="utf-8")

@@ -252,13 +252,12 @@ class PollSkipper:
         An interrupt ends the sleep, too.
 
         Return the wait that begins. Return None, without a sleep, if a posted write or an interrupt is pending, or if
-        the next pass would read other values.
+        the next pass would read other values. The loop is then examined anew.
         """
         time, lease, spin = self._time, self._lease, self._spin
-        if time.lands < NEVER or self._core.earliest() < NEVER:
-            return None
         spin.since = self.since
-        if not lease.begin(spin):
+        if time.lands < NEVER or self._core.earliest() < NEVER or not lease.begin(spin):
+            self.tracking = False
             return None
         self._most, until = most, NEVER
         if most < NEVER:
@@ -271,7 +270,7 @@ class PollSkipper:
         else:
             self.tracking = False
             time.watch(until)
-        self.asleep = True
+        self.asleep, self._step = True, 1
         return spin
 
     def woken(self, now: int) -> int:
@@ -290,8 +289,6 @@ class PollSkipper:
             self.replaying = now > time.cycle
         self.tracking = False
         self._examine_at = self._passes + 1
-        if self._most < NEVER:
-            self._step = 1
         return passes
 
     def begins_at(self, passes: int) -> int:

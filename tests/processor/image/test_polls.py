@@ -183,3 +183,13 @@ def test_a_watchdog_reset_ends_a_wait_for_what_the_reset_changes():
     told = [[(one.tick, one.what, one.value) for one in some] for some in waits]
     assert [one[1:] for one in told[0]] == [(SCICTL2, 1), (SCICTL2, 0), (SCICTL2, 1)]
     assert told[0] == told[1]
+
+
+def test_a_bit_that_is_not_tested_changes_while_a_pass_is_examined():
+    """TXRDY and TXEMPTY change at some time after the loop has begun. It is skipped all the same."""
+    for before in range(120):
+        wait = f"MOVW DP,#0x1C1; MOV @0x7059,#0x41; RPT #{before} || NOP; w: TBIT @0x7054,#0; SB w,NTC"
+        hardware = HARDWARE.format(baud=1, period=60_000, interrupts="NOP")
+        rig = Rig(HEAD + hardware + lines(wait, "w", 0) + " ESTOP0\n" + ROUTINE.format(every=2), "SCI-A", "TIMER0")
+        rig.run(1_500_000)
+        assert rig.cpu.polls.asleep, before

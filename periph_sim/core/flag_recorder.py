@@ -58,6 +58,19 @@ class WaitingInputs:
         self._last: Input | None = None
         self._spare: Input | None = None  # the first of a linked list of Input objects that can be used again
 
+    def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
+        """Return how long it takes until each input has its effect. Past inputs are only causes of records.
+
+        See `proof.normal_state`.
+        """
+        waiting: list[int] = []
+        one = self._first
+        while one is not None:
+            if one.cycle > cycle:
+                waiting.append(one.cycle - cycle)
+            one = one.following
+        return {"_count": tuple(waiting), "_last": None, "_first": None}
+
     def add(self, cycle: int, cause: int) -> None:
         """Add an input that takes effect in `cycle`. cause: the number of its record; if it is 0, nothing is added."""
         given = self._spare

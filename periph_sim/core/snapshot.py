@@ -247,7 +247,7 @@ class Collector:
         kind, items = type(value).__name__, list(value.items() if isinstance(value, dict) else value)
         if isinstance(value, array):
             kind = f"{ARRAY}{value.typecode}"
-        if _are_plain(items):
+        if _are_plain(value) and (not isinstance(value, dict) or _are_plain(value.values())):
             if isinstance(value, set | frozenset):
                 items.sort()
             if time is not Time.NONE:

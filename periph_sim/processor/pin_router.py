@@ -44,9 +44,17 @@ class Router(Agent):
     )
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return how many changes of the GPIO module the router has not applied yet. See `proof.normal_state`."""
+        """Return the levels of pads as an access would pass them, and the number of changes that it would apply.
+
+        See `proof.normal_state`.
+        """
         gpio = self._gpio
-        return {"_routes": gpio.routes_version - self._routes, "_outs": gpio.out_version - self._outs}
+        pads = gpio.pads ^ (self._levels_on_wires() ^ gpio.pads) & self._unread
+        return {
+            "_routes": gpio.routes_version - self._routes,
+            "_outs": gpio.out_version - self._outs,
+            "_gpio.pads": pads,
+        }
 
     def __init__(
         self,

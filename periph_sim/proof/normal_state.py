@@ -31,6 +31,7 @@ from ..scene.state import modules_of
 
 EXPIRED = "expired"  # replaces an instant that is long past
 LONG_PAST = 1000  # fraction of a second: instants are long past after 1 ms
+PLAIN_TYPES = {*PLAIN}
 DIGEST = 16  # length of a digest, in bytes
 
 NormalState = dict[str, object]
@@ -43,11 +44,14 @@ class NotComparable(Exception):
 class AttributePlan(NamedTuple):
     """The way in which the attributes of a class are collected.
 
+    kind: the name of the class. state: its declared state.
     names: the attributes that are stored as they are, if their values are plain.
     values: a function that returns their values for an object.
     others: the other attributes that count.
     """
 
+    kind: str
+    state: State
     names: tuple[str, ...]
     values: Callable[[object], Any]
     others: tuple[str, ...]
@@ -56,9 +60,9 @@ class AttributePlan(NamedTuple):
 class NormalCollector(Collector):
     """Collects the normal form of the state of modules.
 
-    long_past: for each unit of time, how long ago instants are that are long past.
+    long_past: for each unit of time, the age from which on an instant is long past.
     ignored: names of attributes that are not compared.
-    periods: the periods of the grids in the state, with their unit of time.
+    periods: a dictionary from the name of each attribute that is on a grid of cycles to the period.
     """
 
     def __init__(
@@ -66,8 +70,9 @@ class NormalCollector(Collector):
     ) -> None:
         self._long_past = long_past
         self._ignored = ignored
-        self._instead: dict[tuple[int, str], object] = {}
-        self.periods: set[tuple[Time, int]] = set()
+        self._owners = {name.rpartition(".")[0] for name in ignored}
+        self._instead: dict[int, dict[str, object]] = {}  # for the identity of an object, values by attribute
+        self.periods: dict[str, int] = {}
         super().__init__(modules, tick, 0)
 
     def _attributes(self, name: str, target: object) -> None:
@@ -79,45 +84,50 @@ class NormalCollector(Collector):
                 owner: object = target
                 for part in parts:
                     owner = getattr(owner, part)
-                self._instead[id(owner), attribute] = value
-        if kind not in _plans:
-            _plans[kind] = _plan(kind, {attribute for owner, attribute in self._instead if owner == id(target)})
-        plan = _plans[kind]
+                self._instead.setdefault(id(owner), {})[attribute] = value
+        instead = self._instead.get(id(target), {})
+        key = kind, frozenset(instead)
+        if key not in _plans:
+            _plans[key] = _plan(kind, instead)
+        plan = _plans[key]
         try:
             values = plan.values(target)
         except AttributeError:  # some attributes are not set yet
             values = [getattr(target, attribute, None) for attribute in plan.names]
-        stored: list[object] = [class_name(kind)]
+        stored: list[object] = [plan.kind, *values]
         self.values[name] = stored
-        for attribute, value in zip(plan.names, values, strict=True):
-            if type(value) in PLAIN:
-                stored.append(None if f"{name}.{attribute}" in self._ignored else value)
-            else:
-                stored.append("")
-                self._value(f"{name}.{attribute}", value, Time.NONE)
-        state = state_of(kind)
-        assert state is not None
+        if name in self._owners or not {*map(type, values)} <= PLAIN_TYPES:
+            for number, (attribute, value) in enumerate(zip(plan.names, values, strict=True), 1):
+                if type(value) not in PLAIN:
+                    stored[number] = ""
+                    self._value(f"{name}.{attribute}", value, Time.NONE)
+                elif f"{name}.{attribute}" in self._ignored:
+                    stored[number] = None
+        state = plan.state
         for attribute in plan.others:
-            if (id(target), attribute) in self._instead:
-                self.values[f"{name}.{attribute}"] = self._instead[id(target), attribute]
+            if attribute in instead:
+                self.values[f"{name}.{attribute}"] = instead[attribute]
             elif hasattr(target, attribute):
                 self.collect(f"{name}.{attribute}", target, attribute, state)
         for attribute in state.results:
-            if (id(target), attribute) in self._instead:
-                self.values[f"{name}.{attribute}"] = self._instead[id(target), attribute]
+            if attribute in instead:
+                self.values[f"{name}.{attribute}"] = instead[attribute]
 
     def collect(self, place: str, target: object, attribute: str, state: State) -> None:
         """See `Collector.collect`."""
         time, value = state.times[attribute], getattr(target, attribute)
         if attribute in state.grids:
-            self.values[place] = self._on_grid(value, getattr(target, state.grids[attribute]), time)
+            self.values[place] = self._on_grid(place, value, getattr(target, state.grids[attribute]), time)
         elif attribute in state.expires:
             self.values[place] = self._expiring(value, time)
         else:
             super().collect(place, target, attribute, state)
 
     def _value(self, name: str, value: Any, time: Time) -> None:
-        if type(value) is Event and not value.queued:
+        kind = type(value)
+        if kind in PLAIN:  # most values, so this is checked first
+            self.values[name] = value if time is Time.NONE else self._relative(value, time)
+        elif kind is Event and not value.queued:
             self.values[name] = "not queued"
         else:
             super()._value(name, value, time)
@@ -128,12 +138,14 @@ class NormalCollector(Collector):
         else:
             super()._container(name, value, time)
 
-    def _on_grid(self, value: Any, period: Any, time: Time) -> Any:
+    def _on_grid(self, place: str, value: Any, period: Any, time: Time) -> Any:
         if isinstance(value, list):
-            return tuple([self._on_grid(one, each, time) for one, each in zip(value, period, strict=True)])
+            pairs = enumerate(zip(value, period, strict=True))
+            return tuple([self._on_grid(f"{place}[{n}]", one, each, time) for n, (one, each) in pairs])
         if not period or abs(value) >= NEVER:
             return value
-        self.periods.add((time, period))
+        if time is Time.CYCLES:
+            self.periods[place] = period
         return (self.now[time] - value) % period
 
     def _expiring(self, value: Any, time: Time) -> Any:
@@ -161,10 +173,10 @@ def _plan(kind: type, instead: Collection[str]) -> AttributePlan:
             return ()
         return get(target) if len(plain) > 1 else (get(target),)
 
-    return AttributePlan(plain, values, tuple(name for name in counts if name not in plain))
+    return AttributePlan(class_name(kind), state, plain, values, tuple(name for name in counts if name not in plain))
 
 
-_plans: dict[type, AttributePlan] = {}
+_plans: dict[tuple[type, frozenset[str]], AttributePlan] = {}
 
 
 def normal_state(scene: Scene, ignored: Collection[str] = ()) -> NormalState:
@@ -175,9 +187,14 @@ def normal_state(scene: Scene, ignored: Collection[str] = ()) -> NormalState:
     return _collected(scene, ignored).values
 
 
+def periods_of(scene: Scene) -> dict[str, int]:
+    """Return a dictionary from each attribute of a scene's clocks and waits that repeats to its period, in cycles."""
+    return _collected(scene, ()).periods
+
+
 def period_of(scene: Scene) -> int:
     """Return the number of cycles in which all grids of a scene's clocks and waits repeat."""
-    return lcm(*(period for time, period in _collected(scene, ()).periods if time is Time.CYCLES))
+    return lcm(*periods_of(scene).values())
 
 
 def _collected(scene: Scene, ignored: Collection[str]) -> NormalCollector:
@@ -194,19 +211,20 @@ def _collected(scene: Scene, ignored: Collection[str]) -> NormalCollector:
 
 def digest(state: NormalState) -> bytes:
     """Return a number that is equal for equal normal states."""
-    return blake2b(repr(list(state.items())).encode(), digest_size=DIGEST).digest()
+    text = " ".join(state) + repr(list(state.values()))
+    return blake2b(text.encode(), digest_size=DIGEST).digest()
 
 
 def differences(one: NormalState, other: NormalState) -> list[str]:
     """Return the names of the attributes that differ in two states."""
     found: list[str] = []
-    plans = {class_name(kind): plan for kind, plan in _plans.items()}
+    plans = {(class_name(kind), len(plan.names)): plan for (kind, _), plan in _plans.items()}
     for name in {**one, **other}:
         here, there = one.get(name), other.get(name)
         if here == there:
             continue
         if isinstance(here, list) and isinstance(there, list) and here[0] == there[0]:
-            names = plans[str(here[0])].names
+            names = plans[str(here[0]), len(here) - 1].names
             pairs = zip(names, here[1:], there[1:], strict=True)
             found += [f"{name}.{attribute}" for attribute, before, after in pairs if before != after]
         else:

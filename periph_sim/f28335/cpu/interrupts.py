@@ -99,6 +99,10 @@ class CpuInterrupts:
         expires="ready _latched_at _pieack_end _returned_at",
     )
 
+    def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
+        """Leave out SP, which an image passes before each interrupt and each IRET. See `proof.normal_state`."""
+        return {"sp": None}
+
     def __init__(self, options: SystemOptions) -> None:
         latency = options.int_latency.unrecorded() - IFR_DELAY
         # Wait states of the vector fetch, in cycles. They lengthen the entry of an interrupt, and TRAP and INTR.

@@ -152,7 +152,7 @@ class ImageCpu(ImageMemory):
     def put_st1(self, value: int) -> None:
         core = self._core
         self.polls.soil()
-        core.st1 = value & ~READ_ONLY | core.st1 & READ_ONLY
+        core.st1 = (value & ~READ_ONLY | core.st1 & READ_ONLY) & ~ARP_MASK
         self.arp = value >> ARP & 7
 
     def whole_ier(self) -> int:
@@ -296,6 +296,9 @@ class ImageCpu(ImageMemory):
     def restore(self, words: list[int]) -> None:
         """Restore the context from the 14 words that IRET has read from the stack."""
         self.polls.soil()
+        for address in range(frame_of(self._core.sp), frame_of(self._core.sp) + len(words)):
+            self._unwritten(address)
+        self._core.st1 &= ~ARP_MASK  # this field is in `arp`
         if self.polls.routines:
             self.polls.routines -= 1
         self.timing.drain()

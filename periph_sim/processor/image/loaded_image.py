@@ -22,7 +22,7 @@ from ...f28335.memory.address_space import Content, area_at, full_name
 from ..c28x.decoder import Instruction, sweep
 from ..image_files.constants import Known, accesses
 from ..image_files.debug_info import FunctionMap
-from ..image_files.model import Image
+from ..image_files.model import NO_STACK, Image
 from ..operand import Operand
 from ..processor import Awaited, Processor, Program
 from ..source_location import SourceLocation, instruction_location
@@ -128,6 +128,18 @@ class LoadedImage(Program):
         name, begins = (inside.name, inside.address) if inside else ("", address)
         path, line = source or ("", 0)
         return instruction_location(name, begins, path, line, address)
+
+    def forget_stack(self) -> range:
+        """Let the free words of the section .stack, which begin at SP, count as not written; they become 0.
+
+        Return their addresses. There are none without this section.
+        """
+        first, end = self.image.stack
+        if (first, end) == NO_STACK:
+            return range(0)
+        free = range(max(first, self.cpu.sp), end)
+        self.cpu.forget(free)
+        return free
 
     def read_unwritten(self, address: int) -> None:
         """Make a note of a read of unwritten memory, once for each function."""

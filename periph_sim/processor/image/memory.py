@@ -80,6 +80,14 @@ class ImageMemory(Engine):
         else:
             self.elsewhere.fill(address, value)
 
+    def forget(self, addresses: range) -> None:
+        """Clear words of RAM, and let them count as not written."""
+        for address in addresses:
+            self._ram.put(address, 0)
+            self._written[address] = 0
+            if self._code[address >> PAGE]:
+                self.written(address)
+
     def load16(self, address: int) -> int:
         if in_plain_ram(address):
             if self._pipeline.clock < self._pipeline.until:
@@ -97,7 +105,8 @@ class ImageMemory(Engine):
             if self._pipeline.clock < self._pipeline.until:
                 self.timing.wait_for_word(address, 2)
             value = self._ram.word32(address)
-            if not value and not (self._written[address] and self._written[address + 1]):
+            # A word that was not written is 0.
+            if (not value & 0xFFFF or not value >> 16) and not (self._written[address] and self._written[address + 1]):
                 self._unwritten(address)
                 self._unwritten(address + 1)
             return value

@@ -12,6 +12,7 @@ from functools import cached_property
 
 from ...core.phrases import shorten
 
+NO_STACK = (0, 0xFFFF)  # the range of the stack if it is unknown
 LEAST_STACK = 15  # smallest number of words of a stack, which a single interrupt needs
 LONGEST_NAME = 60  # maximum number of characters of a name in a message
 
@@ -107,9 +108,9 @@ class Image:
 
     @property
     def stack(self) -> tuple[int, int]:
-        """The address range of the section .stack, (start, end); (0, 0xFFFF) if it is absent or too small."""
+        """The address range of the section .stack, (start, end); NO_STACK if it is absent or too small."""
         of_stack = (one for one in self.sections if one.name == ".stack" and one.size >= LEAST_STACK)
-        return next(((one.run, one.run + one.size) for one in of_stack), (0, 0xFFFF))
+        return next(((one.run, one.run + one.size) for one in of_stack), NO_STACK)
 
     @cached_property
     def symbol_at(self) -> dict[int, str]:

@@ -22,18 +22,19 @@ from fractions import Fraction
 from math import ceil
 from random import Random
 from time import process_time
+from typing import NamedTuple
 
 from msgspec import Struct
 
-from ..bus.uart.frame_format import UartFormat
-from ..scene.case.model import Case
 from ..timing.verdict import Verdict
 from .cover import is_worse
 from .free_run import FreeRun, NotClosed
 from .measures_at_rest import MeasuresAtRest
-from .normal_state import LONG_PAST, NormalState, differences, digest, period_of
+from .normal_state import NormalState, differences, digest, period_of
 from .stretch import CoveredCase, Outcome
+from .table_cases import check
 
+BOTH = "rounds and frames"  # what starts, if both are free
 MAX_ENTRIES = 400_000
 ROUNDS_A_RUN = 256  # maximum number of rounds in one run; it is doubled if a run has reached no open entry
 MOST_ROUNDS_A_RUN = 2**16
@@ -76,6 +77,19 @@ class WorstInRuns(Struct, frozen=True):
     run: int
 
 
+class WorstRun(NamedTuple):
+    """The run of a worst value.
+
+    starts: the starts up to the value, in ticks from the start of the run; those of frames if both are free.
+    rounds: if both are free, the starts of rounds; else None.
+    until: the tick before the next start.
+    """
+
+    starts: list[int]
+    rounds: list[int] | None
+    until: int
+
+
 class StartTable(Struct):
     """A table, which is closed unless the last run has failed.
 
@@ -84,10 +98,12 @@ class StartTable(Struct):
     again: the number of entries that were run again.
     apart: the least distance of two starts for which the table was made, in ticks.
     first_rest: the tick of the first rest, from the start of the run.
-    rests_first: True if the table has any first start after this rest; False if it has that of the case only.
+    rests_first: True if the table has entries for any first start after this rest; False if it has only the first start
+        of the case.
     outcomes: the outcomes of the runs.
-    starts: for each run, its starts, in ticks from the start of the run.
+    starts: for each run, its starts, in ticks from the start of the run: those of frames if both are free.
     spanning, lacking: the names of budgets, see `MeasuresAtRest`.
+    rounds: if both are free, the starts of rounds of each run.
     """
 
     orbits: list[int]
@@ -100,6 +116,7 @@ class StartTable(Struct):
     starts: list[list[int]]
     spanning: set[str]
     lacking: set[str]
+    rounds: list[list[int]] = []
 
     @property
     def has_failed(self) -> bool:
@@ -114,20 +131,24 @@ class StartTable(Struct):
                     found[verdict.name] = WorstInRuns(verdict, run)
         return found
 
-    def run_of(self, worst: WorstInRuns, per_second: int) -> tuple[list[int], int]:
-        """Return the starts up to a worst value, and the tick before the next start, both from the start of the run.
+    def run_of(self, worst: WorstInRuns, per_second: int) -> WorstRun:
+        """Return the run up to a worst value. If the worst value has no instant, return the whole run.
 
-        If the worst value has no instant, return the whole run. per_second: the number of ticks per second.
+        per_second: the number of ticks per second.
         """
-        starts = self.starts[worst.run]
-        at = starts[-1] if worst.verdict.at_s is None else round(worst.verdict.at_s * per_second)
-        until = next((start for start in starts if start > at), starts[-1] + self.apart)
-        return [start for start in starts if start < until], until - 1
+        starts, rounds = self.starts[worst.run], self.rounds[worst.run] if self.rounds else None
+        both = sorted([*starts, *(rounds or ())])
+        at = both[-1] if worst.verdict.at_s is None else round(worst.verdict.at_s * per_second)
+        after = [start for start in both if start > at]
+        after = after if rounds is None else after[1:]  # the next start can belong to the same round
+        until = after[0] if after else both[-1] + self.apart
+        before = None if rounds is None else [start for start in rounds if start < until]
+        return WorstRun([start for start in starts if start < until], before, until - 1)
 
     def not_proven(
         self, covered: CoveredCase, apart: int | None = None, within: Fraction = Fraction(0)
     ) -> dict[str, str]:
-        """Return a dictionary from each budget that the table does not prove to the reason.
+        """Return the budgets that the table does not prove, as a dictionary from the name of each to the reason.
 
         The table proves a budget if each of its values follows from one round, if all rounds are judged, and if the
         starts of the case are as far apart as those of the table.
@@ -157,7 +178,7 @@ class StartTable(Struct):
 class TableMaker:
     """Makes the table of a case. Raise NotClosed if the case has no table.
 
-    on_progress: called with the part of the known entries that were run.
+    on_progress: called with the fraction of the known entries that were run, 0 to 1.
     on_estimate: called after TIMED entries, with the expected number of entries, and an estimate of the CPU time in
         seconds.
     on_run: called at the end of each run, with the run and the places from which its rounds after the first one began.
@@ -218,12 +239,13 @@ class TableMaker:
         run = FreeRun(self._covered, self._ignored, self._on_run is not None, self._rests_first)
         table = self.table
         measures = MeasuresAtRest(run.scene.limits)
-        measures.rest(run.now, is_first=self._rests_first)
+        measures.rest(run.now, () if self._rests_first else ("rounds",))
         table.first_rest = run.now - run.scene.start
         place = self._place(run)
         if not self._rests_first:
-            table.apart = max(table.apart, table.first_rest - run.starts[0] + 1)
-            self.first = TableEntry(place, run.now - run.scene.start - run.starts[0], run.records.digest)
+            table.apart = max(table.apart, table.first_rest - self._starts(run)[0] + 1)
+            first = self._starts(run)[0]
+            self.first = TableEntry(place, run.now - run.scene.start - first, run.records.digest)
         begun: list[RestPlace] = []
         for _ in range(self._rounds):
             if again and table.again >= again:
@@ -233,13 +255,16 @@ class TableMaker:
                 break
             begun.append(RestPlace(place.orbit, tick))
             place = self._round(run, measures, place, tick)
-        table.starts.append(run.starts)
+        table.starts.append(self._starts(run))
         table.outcomes.append(self._covered.finish(run.scene))
         measures.finish(table.outcomes[-1].verdicts)
         if self._on_run is not None:
             self._on_run(run, begun)
         table.spanning |= measures.spanning
-        table.lacking |= measures.lacking
+        table.lacking |= measures.lacking | {name for _, name in measures.empty}  # a run of such rounds has no value
+
+    def _starts(self, run: FreeRun) -> list[int]:
+        return run.frames if self._covered.phases.moved == "frames" else run.rounds
 
     def _next_tick(self, place: RestPlace) -> int | None:
         """Return the tick of the next entry on the way to an open one; None if no open entry can be reached."""
@@ -266,7 +291,7 @@ class TableMaker:
         period = self.table.orbits[place.orbit]
         distance = (tick - place.tick) % period or period
         start = run.now + distance + period * self._random.randrange(LONGER_RESTS)
-        run.start(start)
+        run.start(**{self._covered.phases.moved: start})
         run.settle()
         records, settled = run.records.digest, run.now
         measures.rest(settled)
@@ -347,48 +372,13 @@ class TableMaker:
         self._timed_from = self._timed_from or process_time()
 
 
+def starts_text(moved: str, apart: str) -> str:
+    """Return for which starts a table holds, as text. moved: "rounds", "frames" or BOTH. apart: the least distance."""
+    if moved != BOTH:
+        return f"all sequences of {moved} that start at least {apart} apart"
+    return f"all rounds that start at least {apart} apart, and all frames that do"
+
+
 def milliseconds(ticks: int, per_second: int) -> str:
     """Return ticks as text in ms, rounded up to a tenth of a microsecond."""
     return f"{ceil(Fraction(ticks * 10**7, per_second)) / 10**4:.4f} ms"
-
-
-def check(case: Case) -> tuple[str, ...]:
-    """Return the names of attributes that need not be compared. Raise NotClosed if the case cannot have a table."""
-    if case.controller is not None and case.host is not None:
-        raise NotClosed("rounds and frames start independently of each other")
-    if len(case.unit) > 1:
-        raise NotClosed("it has more than one unit, and the phases of their clocks are free")
-    for name, unit in case.unit.items():
-        if not unit.image:
-            raise NotClosed(f"unit {name} runs no image, and other firmware has a part of its state on a stack")
-        if unit.ppm:
-            other = "host" if case.controller is None else "controller"
-            why = "so a cycle is not a whole number of ticks; give the difference of the clocks to"
-            raise NotClosed(f"unit.{name}.ppm is not 0, {why} {other}.ppm")
-    for table in ("chip", "device", "serial", "fault", "outside", "transceiver", "rounds", "watch"):
-        if getattr(case, table):
-            raise NotClosed(f"the state of [{table}] is not compared")
-    for name, length in _longest(case).items():
-        if length * LONG_PAST > 1:
-            raise NotClosed(f"{name} lasts longer than {1000 / LONG_PAST:g} ms, so its effects can outlast a rest")
-    if case.host is None:
-        return ("head._number",)
-    if case.host.motion.get("kind") != "static":
-        raise NotClosed('the bytes of the frames differ; add motion = { kind = "static" } to [host] for equal bytes')
-    return ("host._number",)
-
-
-def _longest(case: Case) -> dict[str, Fraction]:
-    """Return the times of a case that have an effect after its rounds or frames, by their names, in seconds.
-
-    A controller waits until the bus has been free for a part of a bit. A burst of frames ends after two characters.
-    """
-    if case.host is not None:
-        baud = case.host.baud * (1 + Fraction(case.host.error) / 100)
-        return {"a character of the host": Fraction(UartFormat().length) / baud}
-    assert case.controller is not None
-    one, bit = case.controller, 1 / case.controller.rate
-    return {
-        "a bit of the controller": max(bit, (one.low or bit / 2) + (one.high or bit / 2)),
-        "controller.filter": one.filter,
-    }

@@ -336,7 +336,7 @@ def _extended(fails: Callable[[int], bool], phase: int, step: int, end: int) -> 
 
 
 @lru_cache(maxsize=1)
-def _case_of(job: Job, folder: Path) -> CoveredCase:
+def case_of(job: Job, folder: Path) -> CoveredCase:
     """Return the case of a job. The last case is kept, because a worker process runs many parts of one job.
 
     folder: the current folder, at which the path in `job` starts.
@@ -346,4 +346,4 @@ def _case_of(job: Job, folder: Path) -> CoveredCase:
 
 def cover_part(job: Job, phases: Sequence[int], seed: int) -> Covered:
     """Run these phases, which are in ascending order, and return the results. Worker processes call it."""
-    return Coverer(_case_of(job, Path.cwd()), seed).cover(phases)
+    return Coverer(case_of(job, Path.cwd()), seed).cover(phases)

@@ -6,6 +6,9 @@ start(tick) --> round --> settle: nothing is in progress, and instants of the ro
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
+from typing import Any
+from weakref import ref
 from zlib import crc32
 
 from ..core.chip import NEVER
@@ -14,8 +17,8 @@ from ..scene.scene import Scene
 from .normal_state import LONG_PAST, NormalState, NotComparable, normal_state
 from .stretch import CoveredCase
 
-# Registers of the watchdog and the PLL, whose state the normal state leaves out, and the divider of LSPCLK, whose grid
-# depends on all its former values.
+# Registers of the watchdog, of the PLL and of the divider of LSPCLK. The normal state leaves out the watchdog and the
+# PLL, and the edges of LSPCLK depend on all former values of the divider.
 CLOCK_REGISTERS = ("WDCR", "WDKEY", "WDCNTR", "SCSR", "PLLCR", "PLLSTS", "LOSPCP")
 DUE = "something is still due a second after the start of a round, such as a timer"
 CHECKS = 10  # a round is checked for its end this number of times in each unit of `long`
@@ -48,7 +51,8 @@ class RoundRecords(Listener):
     def on_record(self, tag: int, tick: int, value: int) -> None:
         if tag in self._accesses:
             self.accessed = self.accessed or self._accesses[tag]
-        self._digest = hash((self._digest, tag, tick - self._start, value))
+        # hash(-1) is hash(-2), so numbers are made odd
+        self._digest = hash((self._digest, tag, 2 * (tick - self._start) + 1, 2 * value + 1))
 
     def begin(self, tick: int) -> None:
         """Begin a new digest. tick: ticks of the records are counted from here."""
@@ -62,28 +66,47 @@ class RoundRecords(Listener):
 class FreeRun:
     """A run whose starts are chosen one by one.
 
+    At each rest, the free words of the stack are cleared and count as not written. No run reads them before it writes
+    them, since such a read ends the run with NotClosed. So their contents do not matter.
+
     scene: the scene, which the user of this class must not advance.
-    starts: the ticks of the starts so far, counted from the start of the run.
+    frames, rounds: the ticks of the starts so far, counted from the start of the run.
     records: the digest of the round since the last start.
-    long: the number of ticks after which instants are long past.
+    long: the number of ticks after which an instant is long past, so that it has no effect any more.
     """
 
-    def __init__(self, covered: CoveredCase, ignored: Sequence[str], keep_values: bool, rests_first: bool) -> None:
+    def __init__(
+        self,
+        covered: CoveredCase,
+        ignored: Sequence[str],
+        keep_values: bool,
+        rests_first: bool,
+        records: RoundRecords | None = None,
+    ) -> None:
         """Advance to the first rest.
 
         ignored: as for `normal_state`. keep_values: as for `Scene`.
-        rests_first: True to rest before any start; False to run the first start of the case, and then rest.
+        rests_first: True to rest before any start; False to run the first start of the case, and then rest. If both
+            rounds and frames are free, this is the first start of each.
+        records: receives the records of rounds; None for a new RoundRecords.
 
-        Raise NotClosed if the scene does not come to rest, if the first start of the case is not after the first rest
-        (with `rests_first`), or if it is at the start of the run.
+        Raise NotClosed if the scene does not come to rest, or if a first start of the case is at the start of the run.
+        With `rests_first`, also raise it if this start is not after the first rest.
         """
-        self.records = RoundRecords()
+        self.records = records or RoundRecords()
         self.scene: Scene = covered.free_scene(self.records, keep_values)
-        self.starts: list[int] = []
+        self.frames: list[int] = []
+        self.rounds: list[int] = []
         self._ignored = ignored
         (self._dsp, *_) = self.scene.units.values()
+        program: Any = self._dsp.program
+        self._program = program  # that of an image
+        self._free: range = range(0)  # addresses of the free words of the stack, at the last rest
+        # A reference from the compiled CPU to this object would keep both alive for ever.
+        self._program.cpu.reads_unwritten = partial(_read_unwritten, ref(self))
         self.long = self.scene.timebase.per_second // LONG_PAST
-        first = self.scene.start + covered.phases.first_start()
+        firsts = covered.phases.first_starts()
+        first = self.scene.start + min(firsts.values())
         if rests_first:
             self.settle()
             if self.now >= first:
@@ -95,7 +118,7 @@ class FreeRun:
             raise NotClosed("the first start is at the start of the run; make `first` later")
         self.scene.advance(first - 1)
         self.records.accessed = ""  # start-up code sets up the clocks
-        self.start(first)
+        self.start(**{each: self.scene.start + tick for each, tick in firsts.items()})
         self.settle()
 
     @property
@@ -116,34 +139,42 @@ class FreeRun:
         except NotComparable as error:
             raise NotClosed(str(error)) from None
 
-    def start(self, tick: int) -> None:
-        """Let a round or a frame start at this tick, and advance to it."""
-        scene = self.scene
-        self.starts.append(tick - scene.start)
-        self.records.begin(tick)
-        if scene.head is not None:
-            scene.head.start_round(tick)
-        else:
+    def start(self, frames: int | None = None, rounds: int | None = None, count_from: int | None = None) -> None:
+        """Let a frame or a round start at this tick, or one of each, and advance to the later start.
+
+        count_from: the tick from which records are counted; None for the earlier start.
+        """
+        scene, starts = self.scene, [start for start in (frames, rounds) if start is not None]
+        self.records.begin(min(starts) if count_from is None else count_from)
+        if rounds is not None:
+            self.rounds.append(rounds - scene.start)
+            assert scene.head is not None
+            scene.head.start_round(rounds)
+        if frames is not None:
             assert scene.host is not None
-            scene.host.start_frame(tick)
-        scene.advance(tick)
+            self.frames.append(frames - scene.start)
+            scene.host.start_frame(frames)
+        scene.advance(max(starts))
 
     def settle(self) -> None:
-        """Advance to the beginning of a cycle at which nothing is due, and instants of the round are long past.
+        """Advance to the beginning of a cycle at which no event is scheduled, and instants of the round are long past.
+
+        An instant is long past after `long` ticks.
 
         Raise NotClosed if there is no such cycle within a second, or if the firmware has accessed one of
         CLOCK_REGISTERS since the first start.
         """
         scene, until = self.scene, self.now + self.scene.timebase.per_second
-        while not self._is_over():
+        while not self.is_over():
             self._step(self.long // CHECKS, until, "a round lasts longer than a second")
         self._step(2 * self.long, until, "a round lasts longer than a second")  # the firmware may go on after the round
         while scene.kernel.next_time() < NEVER:
             while scene.kernel.next_time() < NEVER:
                 self._step(self.long, until, DUE)
-            self._step(2 * self.long, until, DUE)  # instants of what was due are then long past
+            self._step(2 * self.long, until, DUE)  # makes the instants of the last events long past
         self.next_cycle()
-        if not self.starts:
+        self._free = self._program.forget_stack()
+        if not (self.frames or self.rounds):
             self.records.accessed = ""  # start-up code sets up the clocks
         if self.records.accessed:
             what = f"the firmware accesses {self.records.accessed} after the first start"
@@ -159,10 +190,20 @@ class FreeRun:
             raise NotClosed(otherwise)
         self.scene.advance(self.now + ticks)
 
-    def _is_over(self) -> bool:
+    def is_over(self) -> bool:
         """Return True if no round and no frame is in progress."""
         scene = self.scene
-        if scene.head is not None:
-            return scene.head.at_rest
-        assert scene.host is not None
-        return not scene.host.is_sending
+        return (scene.head is None or scene.head.at_rest) and (scene.host is None or not scene.host.is_sending)
+
+    def read_unwritten(self, address: int) -> None:
+        """Handle a read of a word that was not written. Raise NotClosed if it was a free word of the stack."""
+        if address in self._free:
+            what = f"{self._program.place()} reads {address:#06x} on the stack"
+            raise NotClosed(f"{what}, which it has not written since the last rest")
+        self._program.read_unwritten(address)
+
+
+def _read_unwritten(run: ref[FreeRun], address: int) -> None:
+    found = run()
+    if found is not None:
+        found.read_unwritten(address)

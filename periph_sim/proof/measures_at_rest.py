@@ -7,7 +7,7 @@ round --> rest --> round        a pair that waits for its second event lasts int
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from ..core.records import Kind
 from ..timing.budgets import BudgetJudge
@@ -17,7 +17,7 @@ from ..timing.measures.measure import Measure
 from ..timing.measures.pair import FIRST, SECOND, Between
 from ..timing.verdict import Verdict
 
-# Kinds of records that a scene at rest does not make before the START of the next transfer.
+# Kinds of records that a scene at rest does not make before the START of the next transfer, if no frame comes.
 AFTER_START = frozenset([Kind.ACCESS, Kind.FLAG, Kind.IRQ, Kind.SPAN, Kind.BUS])
 
 
@@ -26,24 +26,32 @@ class MeasuresAtRest:
 
     spanning: the names of budgets of which an occurrence was not over at a rest.
     lacking: the names of budgets of which a round had too few measured values.
+    empty: the pairs of a start ("rounds", "frames") and a budget that had no value after such a start. If a case has
+        both rounds and frames, a budget is not lacking if it has a value after each round, or after each frame.
     """
 
-    def __init__(self, judges: Sequence[BudgetJudge]) -> None:
+    def __init__(self, judges: Sequence[BudgetJudge], after_start: Collection[Kind] = AFTER_START) -> None:
+        """after_start: kinds of records that a scene at rest does not make before the START of the next transfer."""
         self.spanning: set[str] = set()
         self.lacking: set[str] = set()
+        self.empty: set[tuple[str, str]] = set()
         self._judges = judges
+        self._after_start = after_start
         self._before = [(0, 0)] * len(judges)  # for each judge, the numbers of measured values and of occasions
 
-    def rest(self, now: int, is_first: bool = False) -> None:
-        """Observe the measures at tick `now`, at which the scene is at rest. is_first: True before the first round."""
+    def rest(self, now: int, starts: Collection[str] = ("rounds",)) -> None:
+        """Observe the measures at tick `now`, at which the scene is at rest.
+
+        starts: "rounds" or "frames", or both: the starts since the last rest; empty at the first rest without a start.
+        """
         for place, judge in enumerate(self._judges):
             measure, (values, _) = judge.measure, self._before[place]
-            if lasts(measure, now):
+            if lasts(measure, now, self._after_start):
                 self.spanning.add(judge.budget.name)
             self._count(place, measure.measured, measure.occasions)
             waits = isinstance(measure, EventMeasure) and bool(measure._queue)  # until it is known which event is last
-            if not (is_first or waits) and measure.series and measure.occasions is None and measure.measured == values:
-                self.lacking.add(judge.budget.name)  # a run of such rounds has no value
+            if not waits and measure.series and measure.occasions is None and measure.measured == values:
+                self.empty |= {(start, judge.budget.name) for start in starts}
 
     def finish(self, verdicts: Sequence[Verdict]) -> None:
         """Observe the verdicts after the end of the run. They are in the order of the judges."""
@@ -59,8 +67,10 @@ class MeasuresAtRest:
         self._before[place] = measured, occasions or 0
 
 
-def lasts(measure: Measure, now: int) -> bool:
+def lasts(measure: Measure, now: int, after_start: Collection[Kind] = AFTER_START) -> bool:
     """Return True if an occurrence of a measure has begun, and may end in the next round.
+
+    after_start: as for `MeasuresAtRest`.
 
     `Measure.unfinished` does not contain all of them. It leaves out pairs whose transfer or round has had its STOP, and
     events that wait until it is known whether they are the last ones of their group.
@@ -74,7 +84,7 @@ def lasts(measure: Measure, now: int) -> bool:
     if measure._rule is not None and measure._rule.lasts(now):
         return True
     ends = {one.kind for one in measure.matchers[SECOND].each}
-    if not ends <= AFTER_START and any(waiting.all() for waiting in measure._of_unit.values()):
+    if not ends <= set(after_start) and any(waiting.all() for waiting in measure._of_unit.values()):
         return True
     begun = 0
     for event in measure._queue:

@@ -30,7 +30,7 @@ from ..scene.plan import ScenePlan
 # have the same position in a round of 20 ms, which is 750,000 of these cycles, only in every 41st round.
 ROUNDS = 41
 REPEATED = 2  # repetitions of the last phase of a run: a phase can affect ages of data up to two rounds later
-WARM_UP = 3  # minimum number of periods before the first moved start, in which the firmware starts
+WARM_UP = 3  # minimum number of periods before the first moved start; the firmware starts up in them
 # Tolerance in rounds: if the period of the frames is 0.95 to 1.05 rounds, runs have exactly one frame in each round.
 NEARLY = Fraction(1, 20)
 SERIAL_SPAN = Fraction(1, 1000)  # in seconds: default of the highest phase of sends, which no period limits
@@ -39,7 +39,7 @@ Moved = Literal["frames", "rounds", "sends"]
 
 
 class Grid(NamedTuple):
-    """The times at which periods begin. first: the tick of the first begin. period: a period, in ticks, not rounded."""
+    """The times at which periods begin. first: the tick at which the first one begins. period: in ticks, exact."""
 
     first: int
     period: Fraction
@@ -67,7 +67,7 @@ class Phases:
         self.rounds = rounds
         if start_up and self.moved == "sends":
             raise case.mistake("its times are counted from the start-up anyway; leave --start-up out", "serial")
-        self._case = case
+        self._case, self._plan = case, plan
         self.ticks_per_second = self._per_second = ticks.timebase.per_second
         self._start = ticks.start
         self.cycle = int(self._per_second / max(unit.oscclk * unit.pll / 2 for unit in case.unit.values()))
@@ -100,9 +100,14 @@ class Phases:
     def least_distance(self, within: Fraction = Fraction(0)) -> int:
         """Return the least number of ticks between two starts that the case allows.
 
+        If both rounds and frames are free, this is the least distance of two rounds, or of two frames.
+
         within: the greatest difference of the clock's error from that of the case, in ppm.
         """
         longest = self._grid.period + self._jitter
+        if self.is_relative:
+            host, rounds = self._plan.host[0], self._plan.head.schedule
+            return min(int(one.period) - one.jitter for one in (host, rounds))
         return int(self._grid.period) - self._jitter - ceil(longest * 2 * within / 10**6)
 
     @property
@@ -113,6 +118,22 @@ class Phases:
     def first_start(self) -> int:
         """Return the number of ticks from the start of a run to the first due time."""
         return self._grid.first - self._start
+
+    def first_starts(self) -> dict[str, int]:
+        """Return the number of ticks from the start of a run to the first due "frames", "rounds", or each of them."""
+        if not self.is_relative:
+            return {self.moved: self.first_start()}
+        return {"frames": self._plan.host[0].first, "rounds": self.first_start()}
+
+    def not_exact(self) -> str:
+        """Return why a first start of the case is not exact, or a round does not start with a cycle; "" otherwise."""
+        host, rounds = self._plan.host[0], self._plan.head.schedule
+        for name, jitter in (("host", host.jitter), ("controller", rounds.jitter)):
+            if jitter:
+                return f'{name}.jitter moves the first start; set it to "0 ms", since all later starts are free anyway'
+        if any(tick % self.cycle for tick in (self._start, rounds.first, Fraction(rounds.period))):
+            return "its rounds do not start with cycles of the CPU; choose controller.first, period and ppm so"
+        return ""
 
     def due(self, number: int) -> int:
         """Return the tick from which the phase of moved start `number` is counted; not valid if `start_up` is True."""
@@ -145,13 +166,20 @@ class Phases:
         starts = [start - self._start for start in self.starts([*phases, *[phases[-1]] * more])]
         return self.inputs_at(starts[:-1]), Fraction(starts[-1] - 1, self._per_second)
 
-    def inputs_at(self, starts: Sequence[int]) -> InputsTable:
-        """Return a table [inputs] with moved starts at these ticks, which count from the start of the run."""
+    def inputs_at(self, starts: Sequence[int], rounds: Sequence[int] | None = None) -> InputsTable:
+        """Return a table [inputs] with moved starts at these ticks, which count from the start of the run.
+
+        rounds: the starts of rounds beside moved frames; None for those of the schedule.
+        """
         times = tuple(Fraction(start, self._per_second) for start in starts)
-        return InputsTable(frames=times) if self.moved == "frames" else InputsTable(rounds=times)
+        if self.moved != "frames":
+            return InputsTable(rounds=times)
+        return InputsTable(
+            frames=times, rounds=None if rounds is None else tuple(Fraction(one, self._per_second) for one in rounds)
+        )
 
     def cycles_after_due(self, tick: int) -> int:
-        """Return the number of cycles from the begin of the period that contains a tick to this tick."""
+        """Return the number of cycles between a tick and the start of its period."""
         number = int((tick - self._grid.first) / self._grid.period) + 1  # number of the tick's period, or higher
         while self._grid.due(number) > tick:
             number -= 1
@@ -228,7 +256,7 @@ def _rounds_per_frame(case: Case) -> int:
 
 
 def _grid(plan: ScenePlan) -> Grid:
-    """Return the begins of the periods, from which phases are counted."""
+    """Return the due times at which the periods begin. Phases are counted from these times."""
     start = plan.ticks.start
     if plan.case.controller is not None:
         return Grid(start + plan.head.schedule.first, Fraction(plan.head.schedule.period))

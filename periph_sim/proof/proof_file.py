@@ -16,7 +16,7 @@ from msgspec import Meta, Struct
 from ..core.phrases import counted
 from ..timing.verdict import NOT_JUDGED, Verdict
 from . import saved_file
-from .closed_table import milliseconds
+from .closed_table import milliseconds, starts_text
 from .dependencies import Dependencies
 from .saved_paths import proof_path
 from .table_proof import TableProof
@@ -30,7 +30,9 @@ class ProvenBudget(Struct, frozen=True):
 
     worst: the worst value of all starts.
     changes: the "key=value" texts of the run with this value: its clock, if the proof is for a range of clocks.
-    starts: the starts of this run, up to the value itself, in ticks from the start of the run.
+    starts: the starts of this run, up to the value itself, in ticks from the start of the run; those of frames if both
+        rounds and frames are free.
+    rounds: the starts of rounds in this run, if both are free; else None.
     until: the tick at which this run ends, from its start.
     """
 
@@ -38,9 +40,12 @@ class ProvenBudget(Struct, frozen=True):
     changes: tuple[str, ...]
     starts: tuple[int, ...]
     until: Annotated[int, Meta(ge=0)]
+    rounds: tuple[int, ...] | None = None
 
     def __post_init__(self) -> None:
-        if not self.starts or self.starts[0] < 0 or any(one >= two for one, two in pairwise(self.starts)):
+        each = (self.starts, self.rounds or ())
+        missing = not any(each) or any(starts and starts[0] < 0 for starts in each)
+        if missing or any(one >= two for starts in each for one, two in pairwise(starts)):
             raise ValueError("the starts of a worst value are missing, negative or not ascending")
 
 
@@ -48,7 +53,7 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     """The contents of a proof file.
 
     case: the name of the case.
-    moved: what starts, "rounds" or "frames".
+    moved: what starts: "rounds", "frames", or "rounds and frames".
     ticks_per_second: the number of ticks per second.
     within_ppm: the greatest difference from `controller.ppm` that the proof covers; None for the case's clock only.
     first: the tick of the first start, from the start of the run.
@@ -79,9 +84,8 @@ class ProofFile(Struct, frozen=True, kw_only=True):
         """A sentence with the number of proven budgets, and the starts for which the proof holds."""
         of = len(self.proven) + len(self.not_proven)
         apart = milliseconds(self.apart, self.ticks_per_second)
-        starts = f"all sequences of {self.moved} that start at least {apart} apart"
         clocks = "" if self.within_ppm is None else f", and all clocks of the controller within {self.within_ppm:g} ppm"
-        return f"{len(self.proven)} of {counted(of, 'budget')} proven for {starts}{clocks}"
+        return f"{len(self.proven)} of {counted(of, 'budget')} proven for {starts_text(self.moved, apart)}{clocks}"
 
 
 def proof_of(made: TableProof, dependencies: Dependencies) -> ProofFile:
@@ -93,11 +97,12 @@ def proof_of(made: TableProof, dependencies: Dependencies) -> ProofFile:
         if word == NOT_JUDGED:
             not_proven.setdefault(name, TOO_LITTLE)
         elif name not in not_proven:
-            starts, until = worst[name].run()
-            proven[name] = ProvenBudget(worst[name].verdict, worst[name].part.changes, tuple(starts), until)
+            starts, rounds, until = worst[name].run()
+            before = None if rounds is None else tuple(rounds)
+            proven[name] = ProvenBudget(worst[name].verdict, worst[name].part.changes, tuple(starts), until, before)
     return ProofFile(
         case=covered.case.name,
-        moved=covered.phases.moved,
+        moved=made.moved,
         ticks_per_second=covered.phases.ticks_per_second,
         within_ppm=None if made.within is None else float(made.within),
         first=made.first,

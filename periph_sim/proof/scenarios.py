@@ -112,7 +112,7 @@ class Scenarios:
     def _observe(self, run: FreeRun, begun: Sequence[RestPlace]) -> None:
         """Keep the worst value of each budget in each round of a run."""
         places = [FIRST, *begun]
-        starts = np.array(run.starts)
+        starts = np.array(run.frames or run.rounds)
         for limit in run.scene.limits:
             name = limit.budget.name
             reason = JOINED if limit.joined else "" if limit.measure.series else NO_SERIES

@@ -2,8 +2,9 @@
 
     phases 100, 101, 102 --[inputs]--> Scene --run--> Outcome: verdicts, and the names of what failed
 
-Such a run is an ordinary run of the case, judged as `periph-sim run` judges it. Budgets have no limits that describe
-the schedule of the case as a whole: limits of percentiles, of shares of time, and limits of counts that are above 0.
+Such a run is an ordinary run of the case, judged as `periph-sim run` judges it. Some limits of the budgets are left
+out, because they are meant for the whole schedule of the case: limits of percentiles, limits of shares of time, and
+limits of counts that are above 0.
 """
 
 from __future__ import annotations
@@ -26,11 +27,13 @@ from ..scene.result import Result
 from ..scene.scene import Scene
 from ..timing.budget_plan import PER_MILLE, BudgetPlan
 from ..timing.budget_schema import Budget
+from ..timing.language.matcher import Matcher
+from ..timing.measures.event import EventMeasure
 from ..timing.verdict import FAIL, Verdict, percentile
 from .measures_at_rest import round_events
 from .phases import ROUNDS, Phases
 
-DUE = frozenset({"due", "missed", "refused"})  # records whose tick is that at which a round is due, without jitter
+DUE = frozenset({"due", "missed", "refused"})  # records at the due time of a round, without jitter
 STUCK = "stuck"  # the name of a failure in which firmware waits for ever, or a line stays low
 PERCENTILE = "a percentile describes all occurrences of a run"
 ENDED = "ended by an error"  # the name of the failure of a run that was ended by one of RUN_ERRORS
@@ -57,7 +60,7 @@ class Outcome(Struct, frozen=True):
 
     verdicts: the verdicts of the covered budgets; empty if the run was ended by an error.
     failures: the names of the broken budgets, and STUCK or ENDED if the run failed in this way.
-    reasons: a dictionary from the name of each failure that is not a broken budget to a sentence about it.
+    reasons: for the name of each failure that is not a broken budget, a sentence about it.
     """
 
     verdicts: tuple[Verdict, ...]
@@ -69,9 +72,8 @@ class CoveredCase:
     """A case without the budgets that cannot be judged at single phases.
 
     phases: the phases of the case.
-    left_out: the budgets and inputs that are not covered, as a dictionary from the name of each to the reason.
-    not_whole: the budgets that are left out, or have a percentile that is, as a dictionary from the name of each to the
-        reason.
+    left_out: for each budget or input that is not covered, the reason.
+    not_whole: for each budget that is left out, or whose limits of percentiles are, the reason.
     runs: the number of runs so far.
     unknowns: the options on which these runs depend, as in `Result.unknowns`.
 
@@ -106,6 +108,15 @@ class CoveredCase:
     def case(self) -> Case:
         return self._plan.case
 
+    def leave_out(self, name: str, reason: str) -> None:
+        """Leave out a further budget. Raise BadCase if no budget is left."""
+        case = self.case
+        kept = tuple(budget for budget in case.budget if budget.name != name)
+        if not kept:
+            raise case.mistake("there is no budget that can be judged at single phases", "budget")
+        self.left_out[name] = self.not_whole[name] = reason
+        self._plan = ScenePlan(case.model_copy(update={"budget": kept}), self._plan)
+
     def scene(self, phases: Sequence[int], seed: int) -> Scene:
         """Return a scene, not yet run, in which the moved starts have these phases."""
         return self.scene_of(*self.phases.inputs(phases), seed)
@@ -123,8 +134,8 @@ class CoveredCase:
         listener: receives the records of accesses, interrupts, and events and frames on lines.
         keep_values: as for `Scene`.
         """
-        inputs = InputsTable(frames=()) if self.phases.moved == "frames" else InputsTable(rounds=())
-        case = self.case.model_copy(update={"inputs": inputs})
+        frames, rounds = (None if table is None else () for table in (self.case.host, self.case.controller))
+        case = self.case.model_copy(update={"inputs": InputsTable(frames=frames, rounds=rounds)})
         kinds = [Kind.ACCESS, Kind.IRQ, Kind.BUS, Kind.FRAME]
         return Scene(
             ScenePlan(case, self._plan),
@@ -149,6 +160,16 @@ class CoveredCase:
                 found[budget.name].add("the start of the next round")
             if events & DUE and self.phases.has_jitter:
                 found[budget.name].add("the jitter of the round")
+        return found
+
+    def events(self) -> dict[str, list[Matcher] | None]:
+        """Return a dictionary from each covered budget to its events; None if it does not consist of events."""
+        found: dict[str, list[Matcher] | None] = {}
+        for budget, plan in zip(self.case.budget, self._plan.limits, strict=True):
+            measures = [each.make() for _, each in [(budget, plan), *plan.joined]]
+            of_events = [measure for measure in measures if isinstance(measure, EventMeasure)]
+            each = [one for measure in of_events for matcher in measure.matchers for one in matcher.each]
+            found[budget.name] = each if len(of_events) == len(measures) else None
         return found
 
     def not_before(self) -> dict[str, int]:

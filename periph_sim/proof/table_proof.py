@@ -8,15 +8,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import starmap
-from typing import NamedTuple
+from typing import NamedTuple, Protocol, TypeVar, TypeVarTuple
 
 from ..scene.case.model import Case
 from ..timing.verdict import BROKEN, NOT_JUDGED, PROVEN, Verdict
 from .clock_errors import clock_errors
-from .closed_table import LEAST_REVISITED, StartTable, TableMaker, WorstInRuns
+from .closed_table import BOTH, LEAST_REVISITED, StartTable, TableMaker, WorstInRuns, WorstRun
 from .cover import is_worse
 from .free_run import NotClosed
+from .pair_table import PairMaker
 from .stretch import CoveredCase, Job
+from .table_cases import check_pair
 
 HELD = "held"  # the word for a budget that no run broke, and that the tables do not prove
 
@@ -39,8 +41,8 @@ class WorstInProof(NamedTuple):
     def verdict(self) -> Verdict:
         return self.found.verdict
 
-    def run(self) -> tuple[list[int], int]:
-        """Return the starts and the end of the run, see `StartTable.run_of`."""
+    def run(self) -> WorstRun:
+        """Return the starts and the end of the run."""
         return self.part.table.run_of(self.found, self.part.covered.phases.ticks_per_second)
 
 
@@ -62,14 +64,19 @@ class TableProof(NamedTuple):
         return self.parts[-1].table.has_failed
 
     @property
+    def moved(self) -> str:
+        """The word for the free starts: "rounds", "frames" or BOTH."""
+        return BOTH if self.covered.phases.is_relative else self.covered.phases.moved
+
+    @property
     def entries(self) -> int:
         """The number of entries that were run."""
         return sum(part.table.entries for part in self.parts)
 
     @property
     def entry_count(self) -> int:
-        """The number of entries of the tables."""
-        return sum(sum(part.table.orbits) for part in self.parts)
+        """The number of entries of the tables; those that were run if a table has failed."""
+        return max(self.entries, sum(sum(part.table.orbits) for part in self.parts))
 
     @property
     def again(self) -> int:
@@ -103,7 +110,7 @@ class TableProof(NamedTuple):
         return found
 
     def not_proven(self) -> dict[str, str]:
-        """Return a dictionary from each budget that the tables do not prove to the reason."""
+        """Return the budgets that the tables do not prove, as a dictionary from the name of each to the reason."""
         found: dict[str, str] = {}
         for part in self.parts:
             found = part.table.not_proven(part.covered, self.apart, self.within or Fraction(0)) | found
@@ -123,9 +130,14 @@ class TableProof(NamedTuple):
         return words
 
 
-TableArguments = tuple[Job, bool, int]
-MakeTable = Callable[[Job, bool, int], StartTable]
-CallAll = Callable[[MakeTable, Sequence[TableArguments]], Iterable[StartTable]]
+T = TypeVar("T")
+Ts = TypeVarTuple("Ts")
+
+
+class CallAll(Protocol):
+    """Makes calls in other processes, and yields their results in order."""
+
+    def __call__(self, work: Callable[[*Ts], T], calls: Sequence[tuple[*Ts]], /) -> Iterable[T]: ...
 
 
 def prove(
@@ -138,14 +150,15 @@ def prove(
     """Make the tables of a case, up to the first one that fails.
 
     within: as in `TableProof`.
-    on_progress: called with the part of the known entries that were run.
+    on_progress: called with the fraction of the known entries that were run, 0 to 1.
     on_estimate: called with the number of tables, the number of entries in each, and the estimated CPU time in seconds.
-    call_all: makes calls in other processes, and yields their results in order; None to make all tables in this one.
-        The first table is always made in this process.
+    call_all: None to make all calls in this process. The first of several tables is always made in this process.
 
     Raise NotClosed if a table cannot be closed, and BadCase for a case without free starts.
     """
     covered = CoveredCase(job)
+    if covered.phases.is_relative:
+        return _of_pairs(covered, job, within, on_progress, on_estimate, call_all)
     errors = [None] if within is None else _errors(covered.case, within)
     jobs = [job if error is None else _with_clock(job, error) for error in errors]
     first = covered if within is None else CoveredCase(jobs[0])
@@ -164,7 +177,9 @@ def prove(
     def tables() -> Iterator[StartTable]:
         yield TableMaker(first, advance, estimate, None, rests_first, least_again).make()
         arguments = [(one, True, least_again) for one in jobs[1:]]
-        yield from starmap(make_table, arguments) if call_all is None else call_all(make_table, arguments)
+        yield from (
+            starmap(make_table, arguments) if call_all is None or not arguments else call_all(make_table, arguments)
+        )
 
     for one, table in zip(jobs, tables(), strict=True):
         parts.append(Part(CoveredCase(one) if parts else first, table, one.changes[len(job.changes) :]))
@@ -172,6 +187,30 @@ def prove(
         if table.has_failed:
             break
     return TableProof(covered, within, parts)
+
+
+def _of_pairs(
+    covered: CoveredCase,
+    job: Job,
+    within: Fraction | None,
+    on_progress: Callable[[float], None] | None,
+    on_estimate: Callable[[int, int, float], None] | None,
+    call_all: CallAll | None,
+) -> TableProof:
+    """Make the table of a case whose rounds and frames are free. See `prove`."""
+    if within is not None:
+        raise NotClosed("--ppm is for a case with a [controller] and without [host]")
+
+    def estimate(groups: int, seconds: float) -> None:
+        if on_estimate is not None:
+            on_estimate(1, groups, seconds)
+
+    ignored = check_pair(covered.case)
+    reason = covered.phases.not_exact()
+    if reason:
+        raise NotClosed(reason)
+    maker = PairMaker(covered, job, ignored, on_progress, estimate, call_all, LEAST_REVISITED)
+    return TableProof(covered, None, [Part(covered, maker.make(), ())])
 
 
 def make_table(job: Job, rests_first: bool, least_again: int) -> StartTable:

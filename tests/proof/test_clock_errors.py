@@ -123,7 +123,7 @@ def test_a_limit_that_only_a_slow_clock_breaks(tmp_path: Path):
     assert (broken.has_failed, broken.words()["pause"]) == (True, "broken")
     (change,) = worst.part.changes
     assert -10 <= float(change.removeprefix("controller.ppm=")) < -3
-    starts, until = worst.run()
+    starts, _, until = worst.run()
     covered = worst.part.covered
     scene = covered.scene_of(covered.phases.inputs_at(starts), Fraction(until, covered.phases.ticks_per_second), 1)
     (verdict,) = [one for one in scene.run().budgets if one.name == "pause"]

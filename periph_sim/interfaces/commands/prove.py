@@ -104,11 +104,11 @@ def prove(
     Without --table, the result holds for the phases that were run, in the states that these runs reached. It is no
     proof for other states, other run times of code, or other clocks.
 
-    With --table, the states between rounds (or frames) are compared, and each start is run from each of these states.
+    With --table, the states between rounds and frames are compared, and each start is run from each of these states.
     If no further state appears, the budgets are proven for all starts. This needs one unit, with ppm 0, that runs an
     image, and constant data. With --ppm, this is done for each clock of the controller that gives other lengths in
-    ticks. Allowed with --table are --set, --witness, --save and --json, --ppm and --questions, and --jobs with one of
-    these two.
+    ticks. Allowed with --table are --set, --witness, --save, --json, --ppm and --questions, and --jobs with one of
+    these two or with a case that has a [host] and a [controller].
 
     With --questions, the phases or the table are run again with each other answer to the open questions, and with
     pairs of related answers. The output names the budgets whose verdict depends on an answer.
@@ -130,7 +130,7 @@ def prove(
     if ppm is not None and not table:
         raise click.UsageError("--ppm needs --table; add it")
     if table:
-        _refuse_others("--table", (*WITH_TABLE, "jobs") if questions or ppm is not None else WITH_TABLE)
+        _refuse_others("--table", (*WITH_TABLE, "jobs"))
     if questions:
         from ..reports.questions.covered_rows import Cover
         from .prove_questions import prove_under_questions
@@ -143,7 +143,7 @@ def prove(
 
         if save:
             _check_writable(proof_path(case))
-        return prove_with_table(Job(str(case), changes), ppm, jobs or os.cpu_count() or 1, folder, save, as_json)
+        return prove_with_table(Job(str(case), changes), ppm, jobs, folder, save, as_json)
     if save and start_up:
         raise click.UsageError("--save with --start-up: a coverage file covers the rounds; remove one of them")
     with running_user_code():

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import os
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Executor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
 from fractions import Fraction
@@ -11,14 +13,14 @@ from pathlib import Path
 import click
 
 from ...core.phrases import counted
-from ...proof.closed_table import Contradiction, StartTable, milliseconds
+from ...proof.closed_table import BOTH, Contradiction, milliseconds, starts_text
 from ...proof.dependencies import dependencies, files_read
 from ...proof.free_run import NotClosed
 from ...proof.proof_file import proof_of
 from ...proof.saved_file import text_of
 from ...proof.saved_paths import proof_path
 from ...proof.stretch import CoveredCase, Job
-from ...proof.table_proof import MakeTable, TableArguments, TableProof, WorstInProof, prove
+from ...proof.table_proof import T, TableProof, Ts, WorstInProof, prove
 from ...scene.case.load import load
 from ...timing.verdict import BROKEN, PROVEN, figure, limit
 from ..reports.baselines.files import write_all
@@ -30,12 +32,13 @@ from .watch import note_inputs
 
 
 def prove_with_table(
-    job: Job, within: Fraction | None, jobs: int, folder: Path | None, save: bool, as_json: bool
+    job: Job, within: Fraction | None, jobs: int | None, folder: Path | None, save: bool, as_json: bool
 ) -> int:
     """Make the table of a case, show it, and return the exit status: 0 if all covered budgets are proven, else 1.
 
     within: as for `TableProof`.
-    jobs: the number of worker processes, if there are several tables.
+    jobs: the number of worker processes; None for the number of cores. It has an effect if there are several tables,
+        or if both rounds and frames start.
     folder: where the witnesses are written; None to write none.
     save: True to write the proof file, if a budget is proven.
 
@@ -45,9 +48,11 @@ def prove_with_table(
     with running_user_code():
         note_inputs([case])
         with files_read() as read:
-            named = load(case, list(job.changes)).files()
-            before = dependencies(case.parent, named) if save else None
-            made = _proof(job, within, jobs)
+            loaded = load(case, list(job.changes))
+            if jobs is not None and within is None and (loaded.host is None or loaded.controller is None):
+                raise click.UsageError("--jobs has no effect with --table; remove it")
+            before = dependencies(case.parent, loaded.files()) if save else None
+            made = _proof(job, within, jobs or os.cpu_count() or 1)
             proof = None
             if before is not None and not made.has_failed:
                 proof = proof_of(made, dependencies(case.parent, [*read, *made.covered.case.files()]))
@@ -77,11 +82,14 @@ def _proof(job: Job, within: Fraction | None, jobs: int) -> TableProof:
 
     try:
         with ExitStack() as pool, progress(name) as on_progress:
+            workers: list[Executor] = []
 
-            def call_all(make: MakeTable, arguments: Sequence[TableArguments]) -> Iterable[StartTable]:
-                return results_of(pool.enter_context(worker_pool(jobs, None)), make, arguments)
+            def call_all(work: Callable[[*Ts], T], calls: Sequence[tuple[*Ts]]) -> Iterable[T]:
+                if not workers:
+                    workers.append(pool.enter_context(worker_pool(jobs, None)))
+                return results_of(workers[0], work, calls)
 
-            return prove(job, within, on_progress, announce, None if jobs == 1 or within is None else call_all)
+            return prove(job, within, on_progress, announce, None if jobs == 1 else call_all)
     except NotClosed as error:
         raise click.ClickException(
             f"{name} has no closed table: {error} (without --table, prove runs phases)"
@@ -98,9 +106,9 @@ def _write_witnesses(made: TableProof, job: Job, folder: Path) -> list[Path]:
     files = []
     for worst in made.worst().values():
         if worst.verdict.passed or worst.verdict.broken:
-            covered, (starts, until) = worst.part.covered, worst.run()
+            covered, (starts, rounds, until) = worst.part.covered, worst.run()
             end = Fraction(until, covered.phases.ticks_per_second)
-            run = (covered.phases.inputs_at(starts), end, covered.case.seed)
+            run = (covered.phases.inputs_at(starts, rounds), end, covered.case.seed)
             changes = (*job.changes, *worst.part.changes)
             files.append(witness_file(covered, worst.verdict, run, Path(job.file), changes, folder))
     return files
@@ -108,13 +116,14 @@ def _write_witnesses(made: TableProof, job: Job, folder: Path) -> list[Path]:
 
 def _show(made: TableProof, files: Sequence[Path]) -> None:
     covered, words, worst = made.covered, made.words(), made.worst()
-    moved, per_second = covered.phases.moved, covered.phases.ticks_per_second
+    moved, per_second = made.moved, covered.phases.ticks_per_second
+    starts = "meetings of rounds and frames" if moved == BOTH else "starts"
     tables = "table of" if len(made.parts) == 1 else f"{len(made.parts)} tables with"
     last = made.parts[-1]
     failed = ", ".join(sorted(last.table.outcomes[-1].failures))
     state = "closed" if not made.has_failed else f"not closed: {failed} failed"
     say(
-        f"{covered.case.name}: {tables} {made.entry_count:,} starts, {made.entries:,} of them run: {state}",
+        f"{covered.case.name}: {tables} {made.entry_count:,} {starts}, {made.entries:,} of them run: {state}",
         style="bold",
     )
     rows = []
@@ -132,16 +141,22 @@ def _show(made: TableProof, files: Sequence[Path]) -> None:
     if made.has_failed and last.changes:
         say(f"broken: with {', '.join(last.changes)}, the first of these clocks that breaks a budget")
     if PROVEN in words.values():
-        say(f"proven: for all sequences of {moved} that start at least {milliseconds(made.apart, per_second)} apart")
-        one = moved.removesuffix("s")
+        say(f"proven: for {starts_text(moved, milliseconds(made.apart, per_second))}")
+        if moved == BOTH:
+            say("proven: for rounds that start with a cycle of the CPU, and frames that start at any time")
         if made.within is not None:
             say(f"proven: for all clocks of the controller within {float(made.within):g} ppm of that in the case")
         when = "after" if made.rests_first else "exactly at"
-        what = f"{'clocks, ' * (made.within is None)}rates and data as in the case, and the first {one} {when}"
-        say(f"assumed: {what} {milliseconds(made.first, per_second)}")
+        firsts = {moved: made.first} if made.rests_first else covered.phases.first_starts()
+        each = [f"first {one.removesuffix('s')} {when} {milliseconds(at, per_second)}" for one, at in firsts.items()]
+        say(
+            f"assumed: {'clocks, ' * (made.within is None)}rates and data as in the case, "
+            f"and the {' and the '.join(each)}"
+        )
         say("assumed: the answers of the case to open questions; --questions varies them")
     if made.again:
-        say(f"compared: {counted(made.again, 'start')} run again after other {moved}; none differed")
+        what = "meeting" if moved == BOTH else "start"
+        say(f"compared: {counted(made.again, what)} run again after other {moved}; none differed")
     for name, reason in made.not_proven().items():
         say(f"not proven: {name}: {reason}")
     for name, reason in _left_out(covered).items():
@@ -155,7 +170,7 @@ def _object(made: TableProof, files: Sequence[Path]) -> dict[str, object]:
     return {
         "case": covered.case.name,
         "table": {
-            "moved": covered.phases.moved,
+            "moved": made.moved,
             "tables": len(made.parts),
             "within_ppm": None if made.within is None else float(made.within),
             "orbits": [orbit for part in made.parts for orbit in part.table.orbits],
@@ -174,7 +189,7 @@ def _object(made: TableProof, files: Sequence[Path]) -> dict[str, object]:
 
 
 def _left_out(covered: CoveredCase) -> dict[str, str]:
-    """Return what the table does not cover. It covers jitter, because later starts may come at any time."""
+    """Return what the table does not cover. Jitter is covered, because the table has starts at all times."""
     return {name: reason for name, reason in covered.left_out.items() if not name.endswith(".jitter")}
 
 

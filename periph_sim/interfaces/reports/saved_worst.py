@@ -71,7 +71,7 @@ def _of_proof(case: Path, file: ProofFile, proven: ProvenBudget) -> SavedWorst:
     """Return the worst occurrence of a budget in the runs of a proof."""
     covered = CoveredCase(Job(str(case), proven.changes))
     end = Fraction(proven.until, file.ticks_per_second)
-    scene = covered.scene_of(covered.phases.inputs_at(proven.starts), end, covered.case.seed)
+    scene = covered.scene_of(covered.phases.inputs_at(proven.starts, proven.rounds), end, covered.case.seed)
     starts = [start / file.ticks_per_second for start in proven.starts]
     clock = f" and {', '.join(proven.changes)}" if proven.changes else ""
     text = f"in a run whose {file.moved} start at other times{clock}, the worst of {proof_path(case)}:"

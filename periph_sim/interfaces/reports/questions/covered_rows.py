@@ -100,8 +100,8 @@ def _of_table(made: TableProof) -> CoveredResult:
     case, words, worst, runs = made.covered, made.words(), made.worst(), {}
     for name, one in worst.items():
         one.verdict.proven = words[name] == PROVEN
-        starts, until = one.run()
-        texts = _texts(case, case.phases.inputs_at(starts))
+        starts, rounds, until = one.run()
+        texts = _texts(case, case.phases.inputs_at(starts, rounds))
         runs[name] = StartedRun(tuple(texts), Fraction(until, case.phases.ticks_per_second))
     outcome = made.parts[-1].table.outcomes[-1]
     verdicts = {name: one.verdict for name, one in worst.items()}

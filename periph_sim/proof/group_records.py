@@ -1,0 +1,98 @@
+"""Digests of a group, which is a round, a frame, or a round and a frame that overlap.
+
+records of the service routine of an SCI --> digest of the routine, counted from its entry
+all other records                        --> digest of the group, counted from its round
+
+The two are kept apart because the routine moves with the frame, and the rest does not. `why_joined` tells whether the
+rest of the scene can notice anything of a frame except the routine.
+"""
+
+from __future__ import annotations
+
+from zlib import crc32
+
+from ..core.records import UNWANTED, Kind
+from .free_run import RoundRecords
+
+SCI = "SCI"  # the names of SCI modules and of their interrupts begin with this
+SENDING = "SCITXBUF"
+PADS = ("GPADAT", "GPBDAT", "GPCDAT")
+ROUTINE, SERIAL, SENDS, PIE, READ, WRITE, SHOWS_LINE = range(7)  # roles of records
+
+
+class GroupRecords(RoundRecords):
+    """Digests of a group.
+
+    routine: the digest of the accesses of the service routine.
+    services: the number of times that the service routine of an SCI was entered since the start of the group.
+    entered, left: the ticks at which it was entered and left last.
+    since: the accesses of the main program, and the interrupts, since the service routine was left last.
+    why_joined: a sentence about the first access by which something else than the instant of the routine matters; ""
+        if there was none in the run.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.routine = self.services = self.entered = self.left = 0
+        self.why_joined = ""
+        self.since: set[str] = set()
+        self._serving = False
+        self._roles: dict[int, int] = {}
+        self._texts: dict[int, str] = {}
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        """Return the tag of a topic. Records of lines are not wanted: those of the host move with the frame."""
+        if kind is Kind.FRAME:
+            return UNWANTED
+        super().tag_of(kind, where, what)  # notes the registers of clocks
+        tag = crc32(f"{kind.value} {where} {what}".encode())
+        module, _, register = what.split()[-1].partition(".")
+        if kind is Kind.IRQ and what.startswith(SCI):
+            self._roles[tag] = ROUTINE
+        elif kind is Kind.IRQ and what.startswith("XINT"):
+            self._texts[tag], self._roles[tag] = what, SHOWS_LINE
+        elif kind is Kind.IRQ:
+            self._texts[tag], self._roles[tag] = what, WRITE
+        elif kind is Kind.ACCESS and tag not in self._accesses:
+            self._texts[tag] = f"{where} {what}"
+            if module.startswith(SCI):
+                self._roles[tag] = SENDS if register == SENDING else SERIAL
+            elif module == "GPIO" and register.startswith(PADS):
+                self._roles[tag] = SHOWS_LINE
+            elif module == "PIE":
+                self._roles[tag] = PIE
+            else:
+                self._roles[tag] = READ if what.startswith("R ") else WRITE
+        return tag
+
+    def on_record(self, tag: int, tick: int, value: int) -> None:
+        role = self._roles.get(tag)
+        if role == ROUTINE:
+            self._serving = bool(value)
+            if value:
+                self.services, self.entered = self.services + 1, tick
+            else:
+                self.left = tick
+                self.since.clear()
+        elif role == SENDS:
+            self._join(f"it sends: {self._texts[tag]}")
+        elif self._serving and role is not None:
+            self.routine = hash((self.routine, tag, 2 * (tick - self.entered) + 1, 2 * value + 1))
+            if role in (READ, WRITE):
+                self._join(f"its service routine accesses {self._texts[tag]}")
+        elif role == SERIAL:
+            self._join(f"it accesses {self._texts[tag]} outside of the service routine")
+        elif role == SHOWS_LINE:
+            self._join(f"it depends on {self._texts[tag]}, which shows the line of the frame")
+        else:
+            if role in (READ, WRITE, PIE):
+                self.since.add(self._texts[tag])
+            if role != READ:
+                super().on_record(tag, tick, value)
+
+    def begin(self, tick: int) -> None:
+        super().begin(tick)
+        self.routine = self.services = 0
+
+    def _join(self, why: str) -> None:
+        self.why_joined = self.why_joined or why

@@ -1,0 +1,376 @@
+"""Groups of a case in which rounds and frames start independently, and the runs of such groups.
+
+    rest ---- R ============ rest          a round alone
+    rest -- X ======= R ======== rest      a frame and a round that overlap
+
+A group begins when the scene is at rest, and ends when it is at rest again. The SCI samples its line with a period, so
+all frames that start within one *cell* of this period are received at the same instant; `find_cells` runs each of these
+starts. A frame's place in a group is the distance from the start of the round to the first tick of the frame's cell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from ..core.chip import NEVER
+from .free_run import FreeRun, NotClosed
+from .group_records import SCI, GroupRecords
+from .normal_state import NormalState, differences, digest, period_of, periods_of
+from .stretch import CoveredCase
+
+NAMED = 4  # maximum number of attributes that are named if a state does not repeat
+MOST_ORBITS = 24
+MOST_AWAY = 40  # number of frames after which a state counts as one that is not reached again
+MARGIN = 8  # cycles before and after a service routine in which it may still affect the wait that it interrupts
+PASSES = 8  # passes of a wait after a service routine, after which the wait must be as before
+
+
+class Group(NamedTuple):
+    """A group from an orbit of states of rest.
+
+    round: the cycle of the orbit at which the round starts, modulo the period of all that does not belong to the SCI;
+        None for a frame alone.
+    frame: the distance from the round to the first tick of the frame's cell, in ticks; None for a round alone. For a
+        frame alone, it is counted from the beginning of the orbit.
+    """
+
+    round: int | None
+    frame: int | None
+
+
+class GroupRun(NamedTuple):
+    """The result of the run of a group. Equal groups have equal results.
+
+    after: the number of the orbit after the group.
+    shift: the ticks from the place in this orbit that was expected if the scene had done nothing, modulo the orbit.
+    main, routine: the digests of `GroupRecords`.
+    length: the number of ticks from the first start to the rest.
+    within: True if the service routine was within the given wait, which then went on; always True without a wait.
+    """
+
+    after: int
+    shift: int
+    main: int
+    routine: int
+    length: int
+    within: bool
+
+    def is_like(self, other: GroupRun) -> bool:
+        """Return True if two runs of a group, or of groups of one cell, agree."""
+        return self[:4] == other[:4]
+
+
+class Sleep(NamedTuple):
+    """A time in which the firmware waits in a loop whose passes are all equal.
+
+    begin, end: the ticks at which it begins and ends, from the start of the round. period: the ticks of a pass.
+    reads: the addresses of the registers that a pass reads, with their values.
+    """
+
+    begin: int
+    end: int
+    period: int
+    reads: tuple[tuple[int, int], ...]
+
+
+class Cells(NamedTuple):
+    """Starts of frames that are received alike: all that are in one cell.
+
+    first: the first tick of a cell, modulo `period`. period: the number of ticks of a cell.
+    begins, ends: the least and the greatest number of ticks from the first tick of a cell to the instants at which the
+        service routine is entered, and left.
+    """
+
+    first: int
+    period: int
+    begins: int
+    ends: int
+
+
+class Orbit(NamedTuple):
+    """The states of rest of one period. cycles: their number. origin: the tick of the first one, modulo the cells."""
+
+    keys: tuple[bytes, ...]
+    origin: int
+
+    @property
+    def cycles(self) -> int:
+        return len(self.keys)
+
+
+class Orbits:
+    """The orbits that were found, and the place of each of their states.
+
+    known: the orbits. places: a dictionary from the digest of a state to its orbit and its cycle in the orbit.
+    own: the number of cycles after which all repeats that does not belong to the SCI; 0 before the first orbit.
+    """
+
+    def __init__(self) -> None:
+        self.known: list[Orbit] = []
+        self.places: dict[bytes, tuple[int, int]] = {}
+        self.own = 0
+
+    def add(self, orbit: Orbit) -> int:
+        """Add an orbit, unless it is known. Return its number."""
+        if orbit.keys[0] in self.places:
+            return self.places[orbit.keys[0]][0]
+        number = len(self.known)
+        self.known.append(orbit)
+        self.places |= {key: (number, cycle) for cycle, key in enumerate(orbit.keys)}
+        return number
+
+
+class GroupRunner:
+    """A run of groups, one after the other.
+
+    records: the records of the present group.
+    at: the number of the orbit of the present state of rest, and its cycle in the orbit.
+    """
+
+    def __init__(
+        self, covered: CoveredCase, ignored: Sequence[str], orbits: Orbits, cells: Cells | None = None
+    ) -> None:
+        """Run the first round and the first frame of the case, and rest.
+
+        ignored: as for `normal_state`. cells: None while they are not known.
+        """
+        self.records = GroupRecords()
+        self.run = FreeRun(covered, ignored, False, False, self.records)
+        self.records.why_joined = ""  # start-up code sets up the SCI
+        self.orbits = orbits
+        self.cells = cells
+        (dsp, *_) = self.run.scene.units.values()
+        program: Any = dsp.program
+        self._polls: Any = program.cpu.polls
+        self._bus: Any = dsp.processor.bus
+        self._unit = dsp.name
+        self._sci = tuple(f"{name}.{SCI}" for name in self.run.scene.units)
+        self._lspclk = {f"{name}.SYS.chip.lspclk_phase" for name in self.run.scene.units}
+        self.at = self.place()
+
+    @property
+    def cycle(self) -> int:
+        """The number of ticks of a cycle."""
+        return self.run.ticks_per_cycle
+
+    def place(self) -> tuple[int, int]:
+        """Return the place of the present state of rest, see `at`. Raise NotClosed without one."""
+        key = digest(self.run.state())
+        if key not in self.orbits.places:
+            self._add_orbit()
+            key = digest(self.run.state())
+        return self.orbits.places[key]
+
+    def run_group(self, group: Group, offset: int = 0, sleep: Sleep | None = None) -> GroupRun:
+        """Run a group from the present state of rest.
+
+        offset: the number of ticks from the first start in the frame's cell to the start of the frame.
+        sleep: the wait that the service routine interrupts, and that must then go on as before; None to check nothing.
+        """
+        run, cells, cycle = self.run, self.cells, self.cycle
+        orbit = self.orbits.known[self.at[0]]
+        period, now = orbit.cycles * cycle, run.now
+        from_orbit = now - self.at[1] * cycle  # a tick at which the orbit begins
+        if group.round is None:
+            assert group.frame is not None
+            at = group.frame
+        else:
+            at = self._round_in(orbit, group) * cycle
+        start = from_orbit + at
+        while min(start, start + (group.frame or 0)) <= now:
+            start += period
+        frame = None if group.frame is None else start + (group.frame if group.round is not None else 0)
+        if frame is not None:
+            assert cells is not None
+            if (frame - cells.first) % cells.period:
+                raise AssertionError("a frame is not at the first tick of its cell")
+            frame += offset
+        first = min(one for one in (frame, start if group.round is not None else None) if one is not None)
+        run.start(frame, None if group.round is None else start, count_from=start)
+        within = sleep is None or self._waits_until(start + sleep.end, sleep)
+        run.settle()
+        if sleep is not None:
+            entered, left = self.records.entered - start, self.records.left - start
+            within = within and sleep.begin <= entered and left < sleep.end
+            within = within and (sleep.end < NEVER or self._goes_on(sleep))
+        self.check_frame(frame is not None)
+        self.at = after, there = self.place()
+        length = run.now - start
+        shift = (there * cycle - at - length) % (self.orbits.known[after].cycles * cycle)
+        return GroupRun(after, shift, self.records.digest, self.records.routine, run.now - first, within)
+
+    def check_frame(self, is_sent: bool) -> None:
+        """Raise NotClosed if the firmware has noticed more of a frame than one service routine of the SCI."""
+        records = self.records
+        if records.why_joined:
+            raise NotClosed(f"the firmware notices more of a frame than its service routine: {records.why_joined}")
+        if records.services != is_sent:
+            raise NotClosed(f"a frame has {records.services} service routines of the SCI, not one")
+
+    def sleeps(self, group: Group) -> list[Sleep]:
+        """Run a round alone and return the waits in it, the first of which has begun before it."""
+        run, kernel = self.run, self.run.scene.kernel
+        orbit = self.orbits.known[self.at[0]]
+        start = run.now + (self._round_in(orbit, group) - self.at[1]) % orbit.cycles * self.cycle
+        start += orbit.cycles * self.cycle
+        run.start(rounds=start)
+        found: list[Sleep] = []
+        asleep, begun = self._asleep(), -NEVER
+        while kernel.next_time() < NEVER or not run.is_over():
+            tick = kernel.next_time()
+            run.scene.advance(tick)
+            kernel.settle()
+            now = self._asleep()
+            if now != asleep:
+                if asleep is not None:
+                    found.append(Sleep(begun, tick - start, asleep[1] * self.cycle, asleep[2]))
+                begun, asleep = tick - start, now
+        if asleep is not None:
+            found.append(Sleep(begun, NEVER, asleep[1] * self.cycle, asleep[2]))
+        run.settle()
+        self.at = self.place()
+        return found
+
+    def _asleep(self) -> tuple[int, int, tuple[tuple[int, int], ...]] | None:
+        """Return the cycle at which a pass of the present wait began, the cycles of a pass, and its reads.
+
+        Return None if the firmware does not wait.
+        """
+        polls = self._polls
+        found = polls.normal_state(0, 0)
+        if not polls.asleep or found["_most"] != NEVER:
+            return None
+        return polls.began, found["_period"], found["_spin"]
+
+    def _waits_until(self, end: int, sleep: Sleep) -> bool:
+        """Advance to the tick before the end of a wait. Return True if the firmware is in this wait then."""
+        if end >= NEVER:
+            return True
+        self.run.scene.advance(end - 1)
+        self.run.scene.kernel.settle()
+        return self._goes_on(sleep)
+
+    def _goes_on(self, sleep: Sleep) -> bool:
+        """Return True if the firmware is in this wait, and has accessed nothing else since the service routine.
+
+        The registers that the wait reads keep their values until its end. If the firmware read something else, this
+        could depend on the time at which the routine came.
+        """
+        asleep = self._asleep()
+        if asleep is None or (asleep[1] * self.cycle, asleep[2]) != (sleep.period, sleep.reads):
+            return False
+        operands = [self._bus.find(address, 16) for address, _ in sleep.reads]
+        allowed = {f"{self._unit} R {one.place.name}.{one.register.name}" for one in operands}
+        return self.records.since <= allowed
+
+    def _round_in(self, orbit: Orbit, group: Group) -> int:
+        """Return the cycle of an orbit at which the round of a group can start, so that its frame begins a cell."""
+        assert group.round is not None
+        if group.frame is None:
+            return group.round
+        found = self.rounds_in(orbit, group.round, group.frame)
+        assert found, "no round of the orbit has a frame at this distance"
+        return found[0]
+
+    def rounds_in(self, orbit: Orbit, cycle: int, frame: int) -> list[int]:
+        assert self.cells is not None
+        first, period = orbit.origin + frame - self.cells.first, self.cells.period
+        places = range(cycle, orbit.cycles, self.orbits.own)
+        return [at for at in places if (first + at * self.cycle) % period == 0]
+
+    def like(self, group: Group) -> Group:
+        """Return a group of the present orbit that is like a group of another orbit."""
+        orbit = self.orbits.known[self.at[0]]
+        if group.frame is None:
+            return group
+        if group.round is None:
+            assert self.cells is not None
+            return Group(None, group.frame + (self.cells.first - orbit.origin - group.frame) % self.cells.period)
+        distances = range(group.frame, group.frame + self.orbits.own * self.cycle, self.cycle)
+        return next(Group(group.round, one) for one in distances if self.rounds_in(orbit, group.round, one))
+
+    def _add_orbit(self) -> None:
+        """Advance by one period, and add the orbit of the present state."""
+        run, orbits = self.run, self.orbits
+        if len(orbits.known) == MOST_ORBITS:
+            raise NotClosed(f"there are more than {MOST_ORBITS} states of rest, apart from the clocks")
+        period, sci = period_of(run.scene), self.sci_period()
+        states: list[NormalState] = []
+        keys: list[bytes] = []
+        own: list[bytes] = []
+        origin = run.now % (sci * self.cycle)
+        for _ in range(period):
+            states[:] = [run.state()]
+            keys.append(digest(states[0]))
+            own.append(digest(self._without_sci(states[0])))
+            run.next_cycle()
+        last = run.state()
+        if digest(last) != keys[0]:
+            names = differences(states[0], last)
+            raise NotClosed(f"the state does not repeat while the firmware waits: {', '.join(names[:NAMED])}")
+        repeats = next(n for n in range(1, period + 1) if own[n:] == own[:-n])
+        if orbits.own not in (0, repeats) or len(set(keys)) < period or period % repeats:
+            raise NotClosed("the states of rest have different periods")
+        orbits.own = repeats
+        orbits.add(Orbit(tuple(keys), origin))
+
+    def sci_period(self) -> int:
+        """Return the number of cycles between two samples of the SCI."""
+        periods = {p for name, p in periods_of(self.run.scene).items() if name.startswith(self._sci)}
+        if len(periods) != 1:
+            raise NotClosed("it has more than one SCI, or none is on")
+        return periods.pop()
+
+    def _without_sci(self, state: NormalState) -> NormalState:
+        return {key: value for key, value in state.items() if not key.startswith(self._sci) and key not in self._lspclk}
+
+
+def find_cells(runner: GroupRunner) -> Cells:
+    """Run a frame alone from each tick of one period of the SCI's samples, and return the cells.
+
+    Raise NotClosed if the starts of one period are received in more than two ways.
+    """
+    run, records, cycle = runner.run, runner.records, runner.cycle
+    period = runner.sci_period() * cycle
+    number, away = runner.at[0], 0
+    seen: list[tuple[int, int, int, int, int]] = []
+    while len(seen) < period:
+        here, at = runner.at
+        away = 0 if here == number else away + 1
+        if away > MOST_AWAY:  # the first state was one of the start-up
+            number, away = here, 0
+            seen.clear()
+        whole = runner.orbits.known[here].cycles * cycle
+        start = run.now + (len(seen) - at * cycle) % whole + whole
+        run.start(frames=start)
+        run.settle()
+        runner.at = runner.place()
+        runner.check_frame(is_sent=True)
+        if here == number:
+            zero = start - len(seen)
+            after, there = runner.at
+            shift = (there * cycle - run.now + zero) % (runner.orbits.known[after].cycles * cycle)
+            seen.append((records.entered - zero, records.left - zero, records.routine, after, shift))
+        if len(run.frames) > 8 * (period + MOST_AWAY):
+            raise NotClosed("a state of rest is not reached again")
+    orbit = runner.orbits.known[number]
+    ways = [n for n in range(1, period) if seen[n] != seen[n - 1]]
+    if len(ways) != 1:
+        raise NotClosed(f"frames of one period of the SCI's samples are received in {len(ways) + 1} ways")
+    (step,) = ways
+    first = (orbit.origin + step) % period
+    begins = min(seen[0][0] + period, seen[-1][0]) - step
+    ends = max(seen[0][1] + period, seen[-1][1]) - step
+    return Cells(first, period, begins, ends)
+
+
+def far_ranges(sleeps: Sequence[Sleep], cells: Cells, cycle: int) -> list[tuple[int, int, Sleep]]:
+    """Return the distances of frames whose service routine is within a wait, as (least, greatest, wait)."""
+    found = []
+    for sleep in sleeps:
+        least = sleep.begin - cells.begins + MARGIN * cycle
+        most = sleep.end - cells.ends - MARGIN * cycle - PASSES * sleep.period
+        if least <= most:
+            found.append((least, most, sleep))
+    return found

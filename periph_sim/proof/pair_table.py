@@ -1,0 +1,303 @@
+"""Closed table of a case in which rounds and frames start independently of each other.
+
+    orbit --> rounds and frames alone --> waits in a round --> groups: one by one near the ends of waits,
+                                                               first and last of each cell within a wait
+
+A group (`pair_groups`) is a round, a frame, or both together. Its place in the table is the cycle at which the round
+starts, and the distance of the frame's cell. What a frame does to the rest of the scene is the service routine of the
+SCI, which comes at a fixed time after the frame's cell, so two groups with equal places continue equally.
+
+If the routine runs while the firmware waits in a loop, the wait continues as it was, only with its passes later. So
+all groups whose routine begins at the same tick of a pass of one wait have the same effect: they are one cell. The
+first and the last group of a cell are run, and must agree. All other groups are run one by one. Random groups, also
+from within cells, are run again from other pasts, and must agree, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from math import gcd
+from random import Random
+from statistics import median
+from time import process_time
+from typing import NamedTuple
+
+from .closed_table import StartTable
+from .free_run import NotClosed
+from .pair_budgets import within_round
+from .pair_groups import Group, GroupRun, Orbits, Sleep, far_ranges, find_cells
+from .pair_run import BOTH, CHUNK, Done, Known, PairRun, RunAll, Task, alone, run_tasks
+from .stretch import CoveredCase, Job
+
+MOST_SHRINKS = 32  # maximum number of groups at an end of a wait that are not in its cell
+TIMED = 400  # number of random groups whose CPU time gives the estimate, and that reach most orbits
+REVISITED = 20  # of this number of groups that were run, one is run again, but at least `least_again` are
+NEAR_ENDS = 2  # of this number of groups that are run again, one is near an end of a cell
+
+
+class Cell(NamedTuple):
+    """Groups that differ only in the distance of the frame, and have one effect: first, first + step, ... last.
+
+    sleep: the wait that their service routines interrupt.
+    """
+
+    orbit: int
+    round: int
+    first: int
+    last: int
+    step: int
+    sleep: Sleep
+
+    @property
+    def groups(self) -> int:
+        return (self.last - self.first) // self.step + 1
+
+    def shrunk(self) -> Cell:
+        """Return this cell without its first and its last group."""
+        return self._replace(first=self.first + self.step, last=self.last - self.step)
+
+
+class PairMaker:
+    """Makes the table of a case in which rounds and frames start independently. Raise NotClosed if it has none.
+
+    on_progress: called with the fraction of the known groups that were run, 0 to 1.
+    on_estimate: called with the number of groups, and an estimate of the CPU time in seconds.
+    run_all: makes calls in other processes, and yields their results in order; None to run all groups in this one.
+    least_again: the least number of groups that are run again.
+    """
+
+    def __init__(
+        self,
+        covered: CoveredCase,
+        job: Job,
+        ignored: Sequence[str],
+        on_progress: Callable[[float], None] | None,
+        on_estimate: Callable[[int, float], None] | None,
+        run_all: RunAll | None,
+        least_again: int,
+    ) -> None:
+        self._covered, self._job, self._ignored = within_round(covered), job, ignored
+        self._on_progress, self._on_estimate, self._run_all = on_progress, on_estimate, run_all
+        self._least_again = least_again
+        self._random = Random(1)
+        self._orbits = Orbits()
+        self._ways: dict[int, dict[int, Group]] = {}
+        self._waits: dict[int, list[list[Sleep]]] = {}  # for each orbit, the waits in the rounds of each cycle
+        self.runs: dict[tuple[int, Group], GroupRun] = {}
+        self.cells: list[Cell] = []
+        self.table = StartTable([], 0, 0, 0, 0, False, [], [], set(), set())
+        self._empty: set[tuple[str, str]] = set()
+        self._expected = 0  # number of groups that are known to be run
+
+    def make(self) -> StartTable:
+        """Return the table, once it is closed or a run has failed.
+
+        Raise NotClosed if it cannot be closed, or if two runs of a group differ.
+        """
+        table = self.table
+        self.explore()
+        number = 0
+        while number < len(self._orbits.known) and not table.has_failed:
+            self._close(number)
+            number += 1
+        if not table.has_failed:
+            self._again()
+        table.apart += self._long  # within a cell, the rest can come later by a step of `FreeRun.settle`
+        return table
+
+    # Steps --------------------------------------------------------------------------
+
+    def explore(self) -> None:
+        """Find the cells of frames, and most of the orbits. Estimate the CPU time."""
+        known = Known(self._orbits, None, self._ways)
+        pair = PairRun(self._covered, self._ignored, known)
+        self._frames = pair.runner.cells = find_cells(pair.runner)
+        self._long = pair.runner.run.long
+        self._cycle = pair.runner.cycle
+        pair.end()
+        pair = PairRun(self._covered, self._ignored, self._known)
+        orbit = pair.runner.at[0]
+        for group in self._alone(orbit):
+            self._keep(orbit, group, pair.run(orbit, Task(group, 0, None)))
+        tasks, _ = self._tasks(orbit, self._find_waits(pair, orbit))
+        times = []
+        for task in [self._random.choice(tasks) for _ in range(TIMED)]:
+            begun = process_time()
+            self._keep(orbit, task.group, pair.run(orbit, task))
+            times.append(process_time() - begun)
+        each = median(times)
+        pair.end()
+        self._add(pair.done)
+        self._expected = len(tasks) * len(self._orbits.known)
+        if self._on_estimate is not None:
+            self._on_estimate(self._expected, each * self._expected * (1 + 1 / REVISITED))
+
+    def _close(self, number: int) -> None:
+        """Run all groups from an orbit, or the ends of their cells."""
+        pair = PairRun(self._covered, self._ignored, self._known)
+        waits = self._find_waits(pair, number)
+        pair.end()
+        self._add(pair.done)
+        self._run(
+            number, [Task(group, offset, None) for group in self._alone(number) for offset in self._offsets(group)]
+        )
+        tasks, cells = self._tasks(number, waits)
+        self._run(number, tasks)
+        if self.table.has_failed:
+            return
+        for _ in range(MOST_SHRINKS):
+            self.cells += [cell for cell in cells if self._is_cell(cell)]
+            cells = [cell.shrunk() for cell in cells if cell.groups > 2 and not self._is_cell(cell)]
+            ends = [(cell, frame) for cell in cells for frame in sorted({cell.first, cell.last})]
+            self._run(number, [Task(Group(cell.round, frame), 0, cell.sleep) for cell, frame in ends])
+        if cells:
+            raise NotClosed("service routines of the SCI within one wait have different effects")
+        self.table.orbits.append(
+            sum(group[0] == number for group in self.runs)
+            + sum(cell.groups - 2 for cell in self.cells if cell.orbit == number)
+        )
+
+    def _again(self) -> None:
+        """Run random groups again, and compare them with the first runs."""
+        wanted = max(self._least_again, len(self.runs) // REVISITED)
+        alone = list(self.runs)
+        by_orbit: dict[int, list[tuple[Task, GroupRun]]] = {}
+        for count in range(wanted):
+            cell = self._random.choice(self.cells) if self.cells else None
+            offset = self._random.randrange(self._frames.period)
+            if cell is None or count % NEAR_ENDS:
+                orbit, group = self._random.choice(alone)
+                expected = self.runs[orbit, group]
+            else:
+                orbit, expected = cell.orbit, self._of(cell, cell.first)
+                group = Group(cell.round, cell.first + cell.step * self._random.randrange(cell.groups))
+            task = Task(group, 0 if group.frame is None else offset, None)
+            by_orbit.setdefault(orbit, []).append((task, expected))
+        for orbit, pairs in by_orbit.items():
+            runs = self._run(orbit, [task for task, _ in pairs], keep=False)
+            for (task, expected), found in zip(pairs, runs, strict=True):
+                self._compare(orbit, task.group, expected, found)
+        self.table.again = wanted
+
+    # Groups -------------------------------------------------------------------------
+
+    @property
+    def _known(self) -> Known:
+        return Known(self._orbits, self._frames, self._ways)
+
+    def _alone(self, number: int) -> list[Group]:
+        return alone(self._orbits, number, self._frames, self._cycle)
+
+    def _offsets(self, group: Group) -> tuple[int, ...]:
+        return (0,) if group.frame is None else (0, self._frames.period - 1)
+
+    def _find_waits(self, pair: PairRun, number: int) -> list[list[Sleep]]:
+        waits = []
+        for cycle in range(self._orbits.own):
+            pair.reach(number)
+            waits.append(pair.runner.sleeps(Group(cycle, None)))
+        return waits
+
+    def _tasks(self, number: int, waits: Sequence[Sequence[Sleep]]) -> tuple[list[Task], list[Cell]]:
+        """Return the groups of an orbit to run with a round and a frame, and the cells whose ends are among them."""
+        tasks: list[Task] = []
+        cells: list[Cell] = []
+        orbit, frames = self._orbits.known[number], self._frames
+        alone = [(group, run.length) for (_, group), run in self.runs.items()]
+        least = -max(length for group, length in alone if group.round is None) - frames.period
+        most = max(length for group, length in alone if group.frame is None)
+        step = gcd(self._orbits.own * self._cycle, frames.period)
+        for cycle in range(self._orbits.own):
+            first = least + (frames.first - orbit.origin - cycle * self._cycle - least) % step
+            distances = range(first, most + 1, step)
+            near = 0  # index of the first distance that is in no task yet
+            for low, high, sleep in far_ranges(waits[cycle], frames, self._cycle):
+                apart = sleep.period * step // gcd(sleep.period, step)
+                begin = max(near, -(-(low - first) // step))
+                end = min(len(distances), (high - first) // step + 1)
+                if end - begin <= 2 * apart // step:
+                    continue
+                tasks += self._near(cycle, distances[near:begin])
+                for one in distances[begin : begin + apart // step]:
+                    last = one + (distances[end - 1] - one) // apart * apart
+                    cells.append(Cell(number, cycle, one, last, apart, sleep))
+                    tasks.append(Task(Group(cycle, one), 0, sleep))
+                    tasks.append(Task(Group(cycle, last), frames.period - 1, sleep))
+                near = end
+            tasks += self._near(cycle, distances[near:])
+        return tasks, cells
+
+    def _near(self, cycle: int, distances: range) -> Iterator[Task]:
+        for number, distance in enumerate(distances):
+            yield Task(Group(cycle, distance), self._frames.period - 1 if number % 2 else 0, None)
+
+    def _is_cell(self, cell: Cell) -> bool:
+        first, last = self._of(cell, cell.first), self._of(cell, cell.last)
+        return first.within and last.within and first.is_like(last)
+
+    def _of(self, cell: Cell, frame: int) -> GroupRun:
+        return self.runs[cell.orbit, Group(cell.round, frame)]
+
+    # Runs ---------------------------------------------------------------------------
+
+    def _run(self, orbit: int, tasks: Sequence[Task], keep: bool = True) -> list[GroupRun]:
+        """Run groups, and return their runs in order, up to the first failure. keep: True to add them to the table."""
+        calls = [
+            (self._job, self._ignored, self._known, orbit, tasks[begin : begin + CHUNK])
+            for begin in range(0, len(tasks), CHUNK)
+        ]
+        found: list[GroupRun] = []
+        for done in self._all(calls):
+            runs = self._add(done)
+            if keep:
+                for task, run in zip(tasks[len(found) : len(found) + len(runs)], runs, strict=True):
+                    self._keep(orbit, task.group, run)
+            found += runs
+            if self._on_progress is not None:
+                self._on_progress(min(1, len(self.runs) / max(1, self._expected)))
+            if self.table.has_failed:
+                break
+        return found
+
+    def _all(self, calls: Sequence[tuple[Job, Sequence[str], Known, int, Sequence[Task]]]) -> Iterable[Done]:
+        if self._run_all is None or len(calls) == 1:
+            return (run_tasks(*call) for call in calls)
+        return self._run_all(run_tasks, calls)
+
+    def _add(self, done: Done) -> list[GroupRun]:
+        """Add the outcome of runs to the table. Return the runs, with the numbers of orbits in the table."""
+        table = self.table
+        table.first_rest = done.first_rest
+        firsts = self._covered.phases.first_starts()
+        table.apart = max(table.apart, done.first_rest - min(firsts.values()) + 1)
+        table.outcomes += done.outcomes
+        table.starts += done.frames
+        table.rounds += done.rounds
+        table.spanning |= done.spanning
+        self._empty |= done.empty
+        rounds, frames = ({name for start, name in self._empty if start == each} for each in BOTH)
+        table.lacking |= done.lacking | (rounds & frames)
+        self._covered.unknowns |= done.unknowns
+        places: list[tuple[int, int]] = [(number, 0) for number in range(done.before)]
+        for orbit in done.orbits:
+            self._orbits.add(orbit)
+            places.append(self._orbits.places[orbit.keys[0]])
+        runs = []
+        for run in done.runs:
+            after, cycle = places[run.after]
+            shift = (run.shift + cycle * self._cycle) % (self._orbits.known[after].cycles * self._cycle)
+            runs.append(run._replace(after=after, shift=shift))
+        return runs
+
+    def _keep(self, orbit: int, group: Group, run: GroupRun) -> None:
+        """Add the run of a group to the table, or compare it with the first run of the group."""
+        known = self.runs.setdefault((orbit, group), run)
+        self._compare(orbit, group, known, run)
+        self._ways.setdefault(orbit, {}).setdefault(run.after, group)
+        self.table.apart = max(self.table.apart, run.length + 1)
+        self.table.entries = len(self.runs)
+
+    def _compare(self, orbit: int, group: Group, known: GroupRun, run: GroupRun) -> None:
+        if not run.is_like(known):
+            what = f"{group} from orbit {orbit}: {known} and {run}"
+            raise NotClosed(f"two runs of one meeting differ, so the firmware notices more of a frame ({what})")

@@ -1,0 +1,55 @@
+"""Cases that can have a closed table: one unit with an image, and nothing whose state cannot be compared."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from ..bus.uart.frame_format import UartFormat
+from ..scene.case.model import Case
+from .free_run import NotClosed
+from .normal_state import LONG_PAST
+
+
+def check(case: Case) -> tuple[str, ...]:
+    """Return the names of attributes that need not be compared. Raise NotClosed if the case cannot have a table."""
+    if case.controller is not None and case.host is not None:
+        raise NotClosed("rounds and frames start independently of each other")
+    return check_pair(case)
+
+
+def check_pair(case: Case) -> tuple[str, ...]:
+    """Do the same for a case in which both rounds and frames may start."""
+    if len(case.unit) > 1:
+        raise NotClosed("it has more than one unit, and the phases of their clocks are free")
+    for name, unit in case.unit.items():
+        if not unit.image:
+            raise NotClosed(f"unit {name} runs no image, and other firmware has a part of its state on a stack")
+        if unit.ppm:
+            other = "host" if case.controller is None else "controller"
+            why = "so a cycle is not a whole number of ticks; give the difference of the clocks to"
+            raise NotClosed(f"unit.{name}.ppm is not 0, {why} {other}.ppm")
+    for table in ("chip", "device", "serial", "fault", "outside", "transceiver", "rounds", "watch"):
+        if getattr(case, table):
+            raise NotClosed(f"the state of [{table}] is not compared")
+    for name, length in _longest(case).items():
+        if length * LONG_PAST > 1:
+            raise NotClosed(f"{name} lasts longer than {1000 / LONG_PAST:g} ms, so its effects can outlast a rest")
+    if case.host is not None and case.host.motion.get("kind") != "static":
+        raise NotClosed('the bytes of the frames differ; add motion = { kind = "static" } to [host] for equal bytes')
+    return ("head._number", "host._number")
+
+
+def _longest(case: Case) -> dict[str, Fraction]:
+    """Return the durations, in seconds, that decide how long a round or frame has effects after its end, by name.
+
+    A controller waits until the bus has been free for a part of a bit. A burst of frames ends after two characters.
+    """
+    found: dict[str, Fraction] = {}
+    if case.host is not None:
+        baud = case.host.baud * (1 + Fraction(case.host.error) / 100)
+        found["a character of the host"] = Fraction(UartFormat().length) / baud
+    if case.controller is not None:
+        one, bit = case.controller, 1 / case.controller.rate
+        found["a bit of the controller"] = max(bit, (one.low or bit / 2) + (one.high or bit / 2))
+        found["controller.filter"] = one.filter
+    return found

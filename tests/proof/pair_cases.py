@@ -1,0 +1,89 @@
+"""Small cases whose rounds and frames start independently.
+
+`write_lonely`: the emulator of firmware/c28x/imu_hil.asm has another address than the one that the sensor head asks.
+So the firmware waits during the whole round, and the table has few groups. Its service routine drops the frame, which
+is faster than to read it.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tests.scene.runs import TIMING
+
+FIRMWARE = TIMING.parent / "firmware" / "c28x"
+LONELY = """
+name = "lonely"
+duration = "200 ms"
+
+[unit.dsp]
+oscclk = "20 MHz"
+image = "imu.asm"
+modules = ["I2C-A", "SCI-A", "GPIO"]
+
+[controller]
+rate = "400 kHz"
+first = "12 ms"
+period = "20 ms"
+order = ["gyroscope"]
+
+[host]
+baud = 1562500
+first = "9 ms"
+period = "20 ms"
+motion = {{ kind = "static" }}
+
+[[budget]]
+name = "latency"
+measure = "interrupt latency SCIRXINTA"
+max = "{limit} us"
+
+[[budget]]
+name = "service"
+measure = "each time in interrupt SCIRXINTA"
+max = "2 us"
+
+[[budget]]
+name = "age"
+measure = "age"
+max = "50 ms"
+
+[[budget]]
+name = "line"
+measure = "from edge RX fall to interrupt SCIRXINTA enter"
+max = "2 ms"
+"""
+OTHER_ADDRESS = ("GYROSCOPE     .set 0x68", "GYROSCOPE     .set 0x6B")
+TAKES = """          MOV   @AR0,#FRAME_BYTES - 1
+take:     MOV   AL,@SCIRXBUF
+          ANDB  AL,#0xFF
+          MOV   *XAR4++,AL
+          BANZ  take,AR0--
+          OR    @SCIFFRX,#0x4000  ; RXFFOVRCLR
+          OR    @SCIFFRX,#0x0040  ; RXFFINTCLR
+"""
+DROPS = """          MOV   @SCIFFRX,#0x4020 | FRAME_BYTES  ; resets the FIFO
+          MOV   @SCIFFRX,#0x6060 | FRAME_BYTES
+"""
+FAST = ("BRR           .set 40 ", "BRR           .set 1 ")  # a sample of the line each 8 cycles
+
+
+def write_lonely(folder: Path, *changes: tuple[str, str], limit: float = 0.5) -> Path:
+    """Write the case and its firmware, and return the path of the case.
+
+    changes: replacements in the firmware. limit: the limit of the latency, in us.
+    """
+    return write_pair(folder, LONELY.format(limit=limit), OTHER_ADDRESS, FAST, *changes, (TAKES, DROPS))
+
+
+def write_pair(folder: Path, text: str, *changes: tuple[str, str]) -> Path:
+    for name in ("f28335.inc", "start.inc"):
+        (folder / name).write_bytes((FIRMWARE / name).read_bytes())
+    firmware = (FIRMWARE / "imu_hil.asm").read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in firmware, old
+        firmware = firmware.replace(old, new)
+    (folder / "imu.asm").write_text(firmware, encoding="utf-8")
+    case = folder / "pair.toml"
+    case.write_text(text, encoding="utf-8")
+    return case

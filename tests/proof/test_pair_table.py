@@ -1,0 +1,294 @@
+"""Tables of cases whose rounds and frames start independently: which close, and by what false ones are noticed.
+
+The scene of most tests is `write_lonely` at 100 MHz: a sample of the SCI's line lasts 8 cycles, a pass of the wait 10,
+and a cycle has 10 ticks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from periph_sim import form
+from periph_sim.proof import pair_table
+from periph_sim.proof.free_run import NotClosed
+from periph_sim.proof.pair_budgets import within_round
+from periph_sim.proof.pair_groups import Cells, Group, GroupRunner, Orbits, far_ranges, find_cells
+from periph_sim.proof.pair_run import Known, PairRun, Task, alone
+from periph_sim.proof.pair_table import PairMaker
+from periph_sim.proof.stretch import CoveredCase, Job
+from periph_sim.proof.table_cases import check_pair
+from periph_sim.proof.table_proof import TableProof, prove
+from periph_sim.scene.case.inputs_table import InputsTable
+from periph_sim.scene.scene import Scene
+from periph_sim.timing.verdict import PROVEN
+from tests.proof.pair_cases import write_lonely
+
+SAMPLE, PASS = 80, 100  # ticks
+compiled_only = pytest.mark.skipif(form.running == form.INTERPRETED, reason="a whole table takes minutes interpreted")
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> TableProof:
+    return prove(Job(str(write_lonely(tmp_path_factory.mktemp("lonely")))))
+
+
+def runner_of(path: Path) -> GroupRunner:
+    """Return a runner that knows the cells of frames."""
+    covered = within_round(CoveredCase(Job(str(path))))
+    runner = GroupRunner(covered, check_pair(covered.case), Orbits())
+    runner.cells = find_cells(runner)
+    return runner
+
+
+def worst_of(made: TableProof, name: str) -> float:
+    worst = made.worst()[name].verdict.worst
+    assert worst is not None
+    return worst
+
+
+# A closed table ----------------------------------------------------------------------
+
+
+@compiled_only
+def test_few_groups_stand_for_all_meetings_of_a_round_and_a_frame(whole: TableProof):
+    assert not whole.has_failed
+    assert 1000 < whole.entries < whole.entry_count / 100
+    assert whole.again >= 200
+    assert {name for name, word in whole.words().items() if word == PROVEN} == {"latency", "service"}
+    assert "which is not run at each tick" in whole.covered.left_out["line"]
+    assert whole.covered.left_out["age"] == "its values depend on the whole run"
+
+
+@compiled_only
+def test_no_ordinary_run_is_worse_than_the_table_and_some_are_as_bad(whole: TableProof):
+    """Half of the frames begin within 40 ticks of a place at which their service routine meets the wait's end."""
+    random, case, per_second = Random(7), whole.covered.case, whole.covered.phases.ticks_per_second
+    seen: dict[str, list[float]] = {"latency": [], "service": []}
+    for _ in range(60):
+        rounds, frames = [], []
+        at = per_second // 50
+        for number in range(12):
+            at += whole.apart + random.randrange(4000) * 10
+            rounds.append(at - at % 10)
+            near = random.choice([-77_000, -50_000]) + random.randrange(-40, 40) * 10
+            frames.append(at + (near if number % 2 else random.randrange(-2_000_000, 2_000_000)))
+            at = max(rounds[-1], frames[-1])
+        times = [tuple(Fraction(one, per_second) for one in starts) for starts in (frames, rounds)]
+        inputs = InputsTable(frames=times[0], rounds=times[1])
+        duration = Fraction(at + per_second // 100, per_second)
+        result = Scene(case.model_copy(update={"inputs": inputs, "duration": duration})).run()
+        for verdict in result.budgets:
+            assert verdict.worst is not None
+            seen[verdict.name].append(verdict.worst)
+    assert {name: max(values) for name, values in seen.items()} == {name: worst_of(whole, name) for name in seen}
+
+
+@compiled_only
+def test_the_run_of_the_worst_value_has_it(whole: TableProof):
+    worst = whole.worst()["latency"]
+    starts, rounds, until = worst.run()
+    covered = worst.part.covered
+    end = Fraction(until, covered.phases.ticks_per_second)
+    scene = covered.scene_of(covered.phases.inputs_at(starts, rounds), end, covered.case.seed)
+    (again,) = (verdict for verdict in scene.run().budgets if verdict.name == "latency")
+    assert again.worst == worst.verdict.worst
+
+
+@compiled_only
+def test_a_limit_just_below_the_worst_value_is_broken(whole: TableProof, tmp_path: Path):
+    limit = round(worst_of(whole, "latency") - 0.001, 3)
+    made = prove(Job(str(write_lonely(tmp_path, limit=limit))))
+    assert made.has_failed
+    assert made.words()["latency"] == "broken"
+
+
+def test_starts_that_are_closer_than_those_of_the_table_are_not_proven(tmp_path: Path):
+    path = str(write_lonely(tmp_path))
+    least = CoveredCase(Job(path)).phases.least_distance()
+    assert least == 20 * 10**6  # 20 ms, in ticks
+    assert CoveredCase(Job(path, ("host.jitter=1 ms",))).phases.least_distance() == 19 * 10**6
+    assert CoveredCase(Job(path, ("controller.period=5 ms",))).phases.least_distance() == 5 * 10**6
+
+
+# Groups ------------------------------------------------------------------------------
+
+
+def test_frames_of_one_sample_are_received_alike(tmp_path: Path):
+    runner = runner_of(write_lonely(tmp_path))
+    assert runner.cells is not None
+    assert (runner.cells.period, runner.orbits.own * runner.cycle) == (SAMPLE, PASS)
+    orbit = runner.at[0]
+    for group in alone(runner.orbits, orbit, runner.cells, runner.cycle)[-2:]:
+        runs = []
+        while len(runs) < 4:
+            here = runner.at[0]
+            run = runner.run_group(group if here == orbit else runner.like(group), Random(len(runs)).randrange(SAMPLE))
+            runs += [run] if here == orbit else []
+        assert all(run.is_like(runs[0]) for run in runs)
+
+
+def test_groups_within_one_wait_differ_only_in_the_pass_that_is_interrupted(tmp_path: Path):
+    """The service routine is entered at each tick of a pass; the same tick of another pass has the same effect."""
+    runner = runner_of(write_lonely(tmp_path))
+    cells = runner.cells
+    assert cells is not None
+    orbit = runner.at[0]
+    waits = runner.sleeps(Group(0, None))
+    (_, high, sleep), *_ = far_ranges(waits, cells, runner.cycle)
+    assert (sleep.period, len(waits)) == (PASS, 3)
+    first = next(d for d in range(high - 40 * PASS, high) if runner.rounds_in(runner.orbits.known[orbit], 0, d))
+    runs = {}
+    for tick in range(0, PASS, 20):
+        for turn in (0, 7, 30):
+            pair = Group(0, first + tick + turn * PASS)
+            while runner.at[0] != orbit:
+                runner.run_group(runner.like(pair))
+            runs[tick, turn] = runner.run_group(pair, 0, sleep)
+    assert all(run.within and run.is_like(runs[tick, 0]) for (tick, _), run in runs.items())
+
+
+# Noticed -----------------------------------------------------------------------------
+
+
+def wrong_cells(by: int) -> Callable[[GroupRunner], Cells]:
+    def find(runner: GroupRunner) -> Cells:
+        cells = find_cells(runner)
+        return cells._replace(first=(cells.first + by) % cells.period)
+
+    return find
+
+
+@compiled_only
+def test_a_wrong_beginning_of_the_cells_leads_to_a_contradiction(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Frames of one supposed cell are received at two instants."""
+    monkeypatch.setattr(pair_table, "find_cells", wrong_cells(30))
+    with pytest.raises(NotClosed, match=r"differ|have different effects|not reached again"):
+        prove(Job(str(write_lonely(tmp_path))))
+
+
+@compiled_only
+def test_an_effect_of_a_frame_within_a_wait_is_noticed(tmp_path: Path):
+    """The routine counts in XT, which nothing else uses, so each frame leads to another orbit."""
+    counts = ("          MOVW  DP,#PIEACK >> 6\n          MOV   @PIEACK", "          ADD   @_count,#1\n")
+    path = write_lonely(tmp_path)
+    text = (path.parent / "imu.asm").read_text(encoding="utf-8")
+    text = text.replace("_magnetometer:  .space 8\n", "_magnetometer:  .space 8\n_count:    .space 1\n")
+    text = text.replace(counts[0], f"          MOVW  DP,#_count >> 6\n{counts[1]}{counts[0]}")
+    (path.parent / "imu.asm").write_text(text, encoding="utf-8")
+    with pytest.raises(NotClosed, match="there are more than 24 states of rest, apart from the clocks"):
+        prove(Job(str(path)))
+
+
+# Refused -----------------------------------------------------------------------------
+
+ACK = "          MOV   @PIEACK,#0x100    ; group 9\n"
+WAIT = "asked:    TBIT  @I2CSTR,#AAS\n"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        (
+            ACK,
+            ACK + "          MOVW  DP,#GPBSET >> 6\n          MOV   @GPBSET,#MODEL_PIN\n",
+            "its service routine accesses dsp W GPIO.GPBSET",
+        ),
+        (
+            ACK,
+            ACK + "          MOVW  DP,#SCIRXBUF >> 6\n          MOV   @SCIRXBUF + 2,#1\n",
+            "it sends: dsp W SCI-A.SCITXBUF",
+        ),
+        (
+            ACK,
+            ACK + "          MOVW  DP,#0x440 >> 6\n          MOV   AL,@0x450\n",
+            r"_sci_received \(imu.asm:\d+, 0x\w+\) reads 0x0450 on the stack, which it has not written",
+        ),
+        (
+            WAIT,
+            "asked:    MOVW  DP,#GPBSET >> 6\n          MOV   AH,@GPADAT\n          MOVW  DP,#I2CMDR >> 6\n"
+            "          TBIT  @I2CSTR,#AAS\n",
+            "it depends on dsp R GPIO.GPADAT, which shows the line of the frame",
+        ),
+        (
+            WAIT,
+            "asked:    MOVW  DP,#SCICCR >> 6\n          MOV   AH,@SCIFFRX\n          MOVW  DP,#I2CMDR >> 6\n"
+            "          TBIT  @I2CSTR,#AAS\n",
+            "it accesses dsp R SCI-A.SCIFFRX outside of the service routine",
+        ),
+    ],
+)
+def test_firmware_that_notices_more_of_a_frame_is_refused(old: str, new: str, reason: str, tmp_path: Path):
+    start = ("_start_pin:", "_start_pin: MOVW DP,#0x440 >> 6\n          MOV   @0x450,#5  ; on the stack\n")
+    covered = within_round(CoveredCase(Job(str(write_lonely(tmp_path, (old, new), start)))))
+    with pytest.raises(NotClosed, match=reason):
+        pair = PairRun(covered, check_pair(covered.case), Known(Orbits(), None, {}))
+        find_cells(pair.runner)
+        pair.run(pair.runner.at[0], Task(Group(0, None), 0, None))
+
+
+FLAG = """asked:    MOVW  DP,#_taken >> 6
+          MOV   AL,@_taken
+          SB    asked,EQ
+          MOV   @_taken,#0
+          MOVW  DP,#I2CMDR >> 6
+          TBIT  @I2CSTR,#12       ; BB
+          TBIT  @I2CSTR,#AAS
+"""
+SETS = "          MOVW  DP,#_taken >> 6\n          MOV   @_taken,#1\n"
+
+
+@compiled_only
+def test_a_wait_that_the_routine_ends_has_no_cells(tmp_path: Path):
+    """The routine sets a flag, and the firmware then reads I2CSTR, whose value depends on the time of the routine."""
+    end = "          MOVW  DP,#PIEACK >> 6\n          MOV   @PIEACK,#0x100    ; group 9\n"
+    with pytest.raises(NotClosed, match="service routines of the SCI within one wait have different effects"):
+        prove(Job(str(write_lonely(tmp_path, (WAIT, FLAG), (end, SETS + end)))))
+
+
+def test_budgets_that_relate_the_routine_to_other_events_are_left_out(tmp_path: Path):
+    path = write_lonely(tmp_path)
+    texts = {
+        "irq to stop": "from interrupt SCIRXINTA enter to bus STOP, next",
+        "own": "from access W I2C-A.I2CMDR to bus START, next",
+        "flag": "each time in flag SCI-A.SCIFFRX.RXFFINT = 1",
+        "edge": "from edge RX fall to edge RX rise, next",
+    }
+    budgets = [f'\n[[budget]]\nname = "{name}"\nmeasure = "{text}"\nmax = "1 s"\n' for name, text in texts.items()]
+    path.write_text(path.read_text(encoding="utf-8") + "".join(budgets), encoding="utf-8")
+    covered = within_round(CoveredCase(Job(str(path))))
+    assert {budget.name for budget in covered.case.budget} == {"latency", "service", "own", "flag"}
+    assert covered.left_out["irq to stop"] == "it relates the service routine of the SCI to other events"
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ("host.jitter=1 ms", "host.jitter moves the first start"),
+        ("controller.jitter=1 ms", "controller.jitter moves the first start"),
+        ("controller.first=12.000001 ms", "its rounds do not start with cycles of the CPU"),
+        ("controller.ppm=30", "its rounds do not start with cycles of the CPU"),
+    ],
+)
+def test_a_case_whose_starts_are_not_those_of_the_table_is_refused(change: str, reason: str, tmp_path: Path):
+    with pytest.raises(NotClosed, match=reason):
+        prove(Job(str(write_lonely(tmp_path)), (change,)))
+
+
+def test_frames_before_a_late_first_round_are_not_in_the_table(tmp_path: Path):
+    """Between the first frame, at 9 ms, and the first round come two further frames, which are in no group."""
+    job = Job(str(write_lonely(tmp_path)), ("controller.first=52 ms",))
+    covered = CoveredCase(job)
+    maker = PairMaker(covered, job, check_pair(covered.case), None, None, None, 200)
+    maker.explore()
+    assert maker.table.apart > 43 * 10**6
+    assert covered.phases.least_distance() == 20 * 10**6
+
+
+def test_a_range_of_clocks_is_refused(tmp_path: Path):
+    with pytest.raises(NotClosed, match=r"--ppm is for a case with a \[controller\] and without \[host\]"):
+        prove(Job(str(write_lonely(tmp_path))), Fraction(10))

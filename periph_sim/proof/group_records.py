@@ -16,6 +16,7 @@ from .free_run import RoundRecords
 
 SCI = "SCI"  # the names of SCI modules and of their interrupts begin with this
 SENDING = "SCITXBUF"
+OF_XINTS = "PIEIFR12"
 PADS = ("GPADAT", "GPBDAT", "GPCDAT")
 ROUTINE, SERIAL, SENDS, PIE, READ, WRITE, SHOWS_LINE = range(7)  # roles of records
 
@@ -57,7 +58,7 @@ class GroupRecords(RoundRecords):
             self._texts[tag] = f"{where} {what}"
             if module.startswith(SCI):
                 self._roles[tag] = SENDS if register == SENDING else SERIAL
-            elif module == "GPIO" and register.startswith(PADS):
+            elif (module == "GPIO" and register.startswith(PADS)) or module == "XINT" or register == OF_XINTS:
                 self._roles[tag] = SHOWS_LINE
             elif module == "PIE":
                 self._roles[tag] = PIE

@@ -1,9 +1,13 @@
 """Budgets that a table of groups can judge: those that a frame does not change, and those of the service routine alone.
 
-I2C events, MODEL rise   the rest of the scene     equal for all groups of a cell
-SCIRXINTA, SCIFFRX       the service routine       equal for all groups of a cell
-both                     left out                  the routine moves relative to the rest
-RX fall                  left out                  the frame moves relative to its cell
+    bus, I2C flags, writes, MODEL    the rest of the scene    equal for all groups of a cell
+    SCIRXINTA, SCI accesses          the service routine      equal for all groups of a cell
+    both                             left out                 the routine moves relative to the rest
+    variables, reads, RX, RXFFST     left out                 a frame can move them
+
+Only events that are known to belong to one of the first two are judged. The digests of `GroupRecords` contain the
+writes of the rest, the events on the bus and the interrupts. Flags of the I2C module and levels of GPIO pins follow
+from these.
 """
 
 from __future__ import annotations
@@ -11,56 +15,65 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from ..core.records import Kind
-from ..timing.language.matcher import ANYTHING, Matcher
+from ..f28335.gpio.pin_mux_table import FUNCTIONS
+from ..timing.language.matcher import Matcher
 from .closed_table import WITHIN_ROUND
 from .group_records import SCI
 from .stretch import CoveredCase
 
-OF_FRAME, OF_ROUTINE, OF_REST = "frame", "routine", "rest"  # what an event belongs to
-OF_REST_ONLY = frozenset([Kind.BUS, Kind.TRANSFER, Kind.ROUND, Kind.SPAN, Kind.DATA])
+REST, ROUTINE, MOVES = "rest", "routine", "moves"  # what an event belongs to; a frame can move the events of MOVES
+ALWAYS_REST = frozenset([Kind.BUS, Kind.TRANSFER, Kind.ROUND])
+LINES = frozenset(["SCL", "SDA"])
+I2C = "I2C"
+OF_SCI = "PIEIFR9."  # the flags of group 9 of the PIE, that of SCI-A and SCI-B
 
 
-def sides(event: Matcher, pins: Collection[str]) -> set[str]:
-    """Return what an event may belong to: a frame, the service routine of the SCI, or the rest of the scene.
+def side(event: Matcher, pins: Collection[str]) -> str:
+    """Return what an event belongs to: REST, ROUTINE or MOVES.
 
-    pins: the names of wires whose edges do not belong to a frame.
+    pins: the names of the wires of GPIO pins that cannot be pins of an SCI.
     """
-    if event.kind is Kind.FRAME or (event.kind is Kind.EDGE and not set(pins).issuperset(event.where or {""})):
-        return {OF_FRAME}
-    if event.kind is Kind.EDGE or event.kind in OF_REST_ONLY:
-        return {OF_REST}
-    of_routine = event.kind is Kind.RECEIVER or (event.kind is Kind.IRQ and event.what.startswith(SCI))
-    if event.kind in (Kind.FLAG, Kind.ACCESS) and event.where is not None:
-        names = {name.partition(".")[2] for name in event.where} if event.kind is Kind.FLAG else {_module(event.what)}
-        if all(name.startswith(SCI) or name == "PIE" for name in names):
-            of_routine = True
-        elif event.what != ANYTHING and not any(name.startswith(SCI) or name == "PIE" for name in names):
-            return {OF_REST}
-    return {OF_ROUTINE} if of_routine else {OF_ROUTINE, OF_REST}
-
-
-def _module(what: str) -> str:
-    return what.split()[-1].partition(".")[0]
+    kind, what = event.kind, event.what
+    modules = {where.partition(".")[2] for where in event.where or ()}
+    if kind in ALWAYS_REST or (kind is Kind.EDGE and event.where and LINES.union(pins) >= event.where):
+        return REST
+    if kind is Kind.FLAG and modules:
+        if all(module.startswith(I2C) for module in modules):
+            return REST
+        return ROUTINE if modules == {"PIE"} and what.startswith(OF_SCI) else MOVES
+    if kind is Kind.IRQ and what:
+        return ROUTINE if what.startswith(SCI) else REST
+    if kind is Kind.ACCESS and what:
+        module = what.split()[-1].partition(".")[0]
+        if module.startswith(SCI):
+            return ROUTINE
+        return REST if what.startswith("W ") and module != "PIE" else MOVES
+    return MOVES
 
 
 def within_round(covered: CoveredCase) -> CoveredCase:
     """Leave out the budgets of a case that a table of groups cannot judge, with the reason.
 
-    Groups may lack the rounds and frames to which a budget looks back. The start of a frame is not run at each tick of
-    its cell. Within a wait, the service routine moves relative to everything else.
+    Groups may lack the rounds and frames to which a budget looks back. Within a wait, the service routine moves
+    relative to everything else. The start of a frame is not run at each tick of its cell.
     """
-    pins = {"SCL", "SDA", *(pin for unit in covered.case.unit.values() for pin in unit.pins)}
+    pins = {
+        name
+        for unit in covered.case.unit.values()
+        for name, number in unit.pins.items()
+        if not any(function.startswith(SCI) for function in FUNCTIONS[number])
+    }
     events = covered.events()
     for name, looks_back in covered.looks_back().items():
-        further = sorted(looks_back - WITHIN_ROUND)
+        further, used = sorted(looks_back - WITHIN_ROUND), events[name]
         if further:
             covered.leave_out(name, f"its values depend on {further[0]}")
-            continue
-        found = set[str]().union(*(sides(one, pins) for one in events[name] or ()))
-        if events[name] is None:
+        elif used is None:
             covered.leave_out(name, "it does not consist of events")
-        elif OF_FRAME in found:
-            covered.leave_out(name, "it measures from an edge or a byte of a frame, which is not run at each tick")
-        elif len(found) > 1:
-            covered.leave_out(name, "it relates the service routine of the SCI to other events")
+        else:
+            sides = {side(one, pins): one for one in used}
+            if MOVES in sides:
+                covered.leave_out(name, f"a frame can move {sides[MOVES].text!r} in a way that is not run")
+            elif len(sides) > 1:
+                covered.leave_out(name, "it relates the service routine of the SCI to other events")
     return covered

@@ -355,14 +355,13 @@ def find_cells(runner: GroupRunner) -> Cells:
         if len(run.frames) > 8 * (period + MOST_AWAY):
             raise NotClosed("a state of rest is not reached again")
     orbit = runner.orbits.known[number]
-    ways = [n for n in range(1, period) if seen[n] != seen[n - 1]]
-    if len(ways) != 1:
-        raise NotClosed(f"frames of one period of the SCI's samples are received in {len(ways) + 1} ways")
-    (step,) = ways
-    first = (orbit.origin + step) % period
-    begins = min(seen[0][0] + period, seen[-1][0]) - step
-    ends = max(seen[0][1] + period, seen[-1][1]) - step
-    return Cells(first, period, begins, ends)
+    steps = [n for n in range(1, period) if seen[n] != seen[n - 1]]
+    if len(steps) > 1:
+        raise NotClosed(f"frames of one period of the SCI's samples are received in {len(steps) + 1} ways")
+    step = steps[0] if steps else 0  # without a step, the first of these ticks begins a cell
+    entered = [seen[-1][0] - step, seen[0][0] - step + (period if steps else 0)]
+    left = [seen[-1][1] - step, seen[0][1] - step + (period if steps else 0)]
+    return Cells((orbit.origin + step) % period, period, min(entered), max(left))
 
 
 def far_ranges(sleeps: Sequence[Sleep], cells: Cells, cycle: int) -> list[tuple[int, int, Sleep]]:

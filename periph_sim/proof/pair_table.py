@@ -82,7 +82,6 @@ class PairMaker:
         self._random = Random(1)
         self._orbits = Orbits()
         self._ways: dict[int, dict[int, Group]] = {}
-        self._waits: dict[int, list[list[Sleep]]] = {}  # for each orbit, the waits in the rounds of each cycle
         self.runs: dict[tuple[int, Group], GroupRun] = {}
         self.cells: list[Cell] = []
         self.table = StartTable([], 0, 0, 0, 0, False, [], [], set(), set())
@@ -115,6 +114,7 @@ class PairMaker:
         self._long = pair.runner.run.long
         self._cycle = pair.runner.cycle
         pair.end()
+        self._add(pair.done)
         pair = PairRun(self._covered, self._ignored, self._known)
         orbit = pair.runner.at[0]
         for group in self._alone(orbit):
@@ -143,9 +143,9 @@ class PairMaker:
         )
         tasks, cells = self._tasks(number, waits)
         self._run(number, tasks)
-        if self.table.has_failed:
-            return
         for _ in range(MOST_SHRINKS):
+            if self.table.has_failed:
+                return
             self.cells += [cell for cell in cells if self._is_cell(cell)]
             cells = [cell.shrunk() for cell in cells if cell.groups > 2 and not self._is_cell(cell)]
             ends = [(cell, frame) for cell in cells for frame in sorted({cell.first, cell.last})]
@@ -160,13 +160,13 @@ class PairMaker:
     def _again(self) -> None:
         """Run random groups again, and compare them with the first runs."""
         wanted = max(self._least_again, len(self.runs) // REVISITED)
-        alone = list(self.runs)
+        groups = list(self.runs)
         by_orbit: dict[int, list[tuple[Task, GroupRun]]] = {}
         for count in range(wanted):
             cell = self._random.choice(self.cells) if self.cells else None
             offset = self._random.randrange(self._frames.period)
             if cell is None or count % NEAR_ENDS:
-                orbit, group = self._random.choice(alone)
+                orbit, group = self._random.choice(groups)
                 expected = self.runs[orbit, group]
             else:
                 orbit, expected = cell.orbit, self._of(cell, cell.first)
@@ -175,6 +175,8 @@ class PairMaker:
             by_orbit.setdefault(orbit, []).append((task, expected))
         for orbit, pairs in by_orbit.items():
             runs = self._run(orbit, [task for task, _ in pairs], keep=False)
+            if self.table.has_failed:
+                return
             for (task, expected), found in zip(pairs, runs, strict=True):
                 self._compare(orbit, task.group, expected, found)
         self.table.again = wanted
@@ -203,9 +205,9 @@ class PairMaker:
         tasks: list[Task] = []
         cells: list[Cell] = []
         orbit, frames = self._orbits.known[number], self._frames
-        alone = [(group, run.length) for (_, group), run in self.runs.items()]
-        least = -max(length for group, length in alone if group.round is None) - frames.period
-        most = max(length for group, length in alone if group.frame is None)
+        lengths = [(group, run.length) for (_, group), run in self.runs.items()]
+        least = -max(length for group, length in lengths if group.round is None) - frames.period
+        most = max(length for group, length in lengths if group.frame is None)
         step = gcd(self._orbits.own * self._cycle, frames.period)
         for cycle in range(self._orbits.own):
             first = least + (frames.first - orbit.origin - cycle * self._cycle - least) % step
@@ -300,4 +302,4 @@ class PairMaker:
     def _compare(self, orbit: int, group: Group, known: GroupRun, run: GroupRun) -> None:
         if not run.is_like(known):
             what = f"{group} from orbit {orbit}: {known} and {run}"
-            raise NotClosed(f"two runs of one meeting differ, so the firmware notices more of a frame ({what})")
+            raise NotClosed(f"two runs of one meeting differ, so more than the service routine matters ({what})")

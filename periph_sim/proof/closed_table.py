@@ -16,7 +16,6 @@ another rest, and compared with the first run; `Contradiction` is raised if they
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections import deque
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import ceil
@@ -31,6 +30,7 @@ from .cover import is_worse
 from .free_run import FreeRun, NotClosed
 from .measures_at_rest import MeasuresAtRest
 from .normal_state import NormalState, differences, digest, period_of
+from .orbit_ways import first_step
 from .stretch import CoveredCase, Outcome
 from .table_cases import check
 
@@ -274,17 +274,7 @@ class TableMaker:
         ways: dict[int, dict[int, int]] = {}  # from an orbit and the orbit after it to the tick of an entry
         for at, entry in self.entries.items():
             ways.setdefault(at.orbit, {}).setdefault(entry.after.orbit, at.tick)
-        first: dict[int, int] = {}  # from an orbit to the first tick of the way to it
-        waiting = deque([place.orbit])
-        while waiting:
-            orbit = waiting.popleft()
-            if self._open[orbit]:
-                return first[orbit]
-            for after, tick in ways.get(orbit, {}).items():
-                if after not in first and after != place.orbit:
-                    first[after] = first.get(orbit, tick)
-                    waiting.append(after)
-        return None
+        return first_step(ways, place.orbit, lambda orbit: bool(self._open[orbit]))
 
     def _round(self, run: FreeRun, measures: MeasuresAtRest, place: RestPlace, tick: int) -> RestPlace:
         """Run a round that starts at this tick of the orbit, and return the place after it."""

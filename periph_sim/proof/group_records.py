@@ -1,10 +1,10 @@
 """Digests of a group, which is a round, a frame, or a round and a frame that overlap.
 
-records of the service routine of an SCI --> digest of the routine, counted from its entry
-all other records                        --> digest of the group, counted from its round
+    records of the service routine of an SCI --> digest of the routine, counted from its entry
+    all other records                        --> digest of the group, counted from its round
 
-The two are kept apart because the routine moves with the frame, and the rest does not. `why_joined` tells whether the
-rest of the scene can notice anything of a frame except the routine.
+The two are kept apart because the routine moves with the frame, and the rest does not. `noticed` says whether the
+firmware can notice more of a frame than the instant of this routine.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ class GroupRecords(RoundRecords):
     routine: the digest of the accesses of the service routine.
     services: the number of times that the service routine of an SCI was entered since the start of the group.
     entered, left: the ticks at which it was entered and left last.
-    since: the accesses of the main program, and the interrupts, since the service routine was left last.
-    why_joined: a sentence about the first access by which something else than the instant of the routine matters; ""
-        if there was none in the run.
+    accessed_since: the accesses of the main program, and the interrupts, since the service routine was left last.
+    noticed: a phrase about the first access by which the firmware notices more of a frame than the instant of its
+        service routine; "" if there was none in the run.
     """
 
     def __init__(self) -> None:
         super().__init__()
         self.routine = self.services = self.entered = self.left = 0
-        self.why_joined = ""
-        self.since: set[str] = set()
+        self.noticed = ""
+        self.accessed_since: set[str] = set()
         self._serving = False
         self._roles: dict[int, int] = {}
         self._texts: dict[int, str] = {}
@@ -74,20 +74,20 @@ class GroupRecords(RoundRecords):
                 self.services, self.entered = self.services + 1, tick
             else:
                 self.left = tick
-                self.since.clear()
+                self.accessed_since.clear()
         elif role == SENDS:
-            self._join(f"it sends: {self._texts[tag]}")
+            self._notice(f"it sends: {self._texts[tag]}")
         elif self._serving and role is not None:
             self.routine = hash((self.routine, tag, 2 * (tick - self.entered) + 1, 2 * value + 1))
             if role in (READ, WRITE):
-                self._join(f"its service routine accesses {self._texts[tag]}")
+                self._notice(f"its service routine accesses {self._texts[tag]}")
         elif role == SERIAL:
-            self._join(f"it accesses {self._texts[tag]} outside of the service routine")
+            self._notice(f"it accesses {self._texts[tag]} outside of the service routine")
         elif role == SHOWS_LINE:
-            self._join(f"it depends on {self._texts[tag]}, which shows the line of the frame")
+            self._notice(f"it depends on {self._texts[tag]}, which shows the line of the frame")
         else:
             if role in (READ, WRITE, PIE):
-                self.since.add(self._texts[tag])
+                self.accessed_since.add(self._texts[tag])
             if role != READ:
                 super().on_record(tag, tick, value)
 
@@ -95,5 +95,5 @@ class GroupRecords(RoundRecords):
         super().begin(tick)
         self.routine = self.services = 0
 
-    def _join(self, why: str) -> None:
-        self.why_joined = self.why_joined or why
+    def _notice(self, why: str) -> None:
+        self.noticed = self.noticed or why

@@ -72,8 +72,10 @@ def within_round(covered: CoveredCase) -> CoveredCase:
             covered.leave_out(name, "it does not consist of events")
         else:
             sides = {side(one, pins): one for one in used}
+            # "1st interrupt of transfer" depends on where the transfer begins
+            is_numbered = any(one.group is not None for one in used)
             if MOVES in sides:
                 covered.leave_out(name, f"a frame can move {sides[MOVES].text!r} in a way that is not run")
-            elif len(sides) > 1:
+            elif len(sides) > 1 or (ROUTINE in sides and is_numbered):
                 covered.leave_out(name, "it relates the service routine of the SCI to other events")
     return covered

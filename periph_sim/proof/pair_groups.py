@@ -137,7 +137,7 @@ class GroupRunner:
         """
         self.records = GroupRecords()
         self.run = FreeRun(covered, ignored, False, False, self.records)
-        self.records.why_joined = ""  # start-up code sets up the SCI
+        self.records.noticed = ""  # start-up code sets up the SCI
         self.orbits = orbits
         self.cells = cells
         (dsp, *_) = self.run.scene.units.values()
@@ -203,8 +203,8 @@ class GroupRunner:
     def check_frame(self, is_sent: bool) -> None:
         """Raise NotClosed if the firmware has noticed more of a frame than one service routine of the SCI."""
         records = self.records
-        if records.why_joined:
-            raise NotClosed(f"the firmware notices more of a frame than its service routine: {records.why_joined}")
+        if records.noticed:
+            raise NotClosed(f"the firmware notices more of a frame than its service routine: {records.noticed}")
         if records.services != is_sent:
             raise NotClosed(f"a frame has {records.services} service routines of the SCI, not one")
 
@@ -262,7 +262,7 @@ class GroupRunner:
             return False
         operands = [self._bus.find(address, 16) for address, _ in sleep.reads]
         allowed = {f"{self._unit} R {one.place.name}.{one.register.name}" for one in operands}
-        return self.records.since <= allowed
+        return self.records.accessed_since <= allowed
 
     def _round_in(self, orbit: Orbit, group: Group) -> int:
         """Return the cycle of an orbit at which the round of a group can start, so that its frame begins a cell."""

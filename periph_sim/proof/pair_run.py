@@ -1,12 +1,15 @@
 """Runs of groups, in this process or in others.
 
-tasks: groups, all from one orbit --PairRun--> runs of scenes --> Done: the runs of the groups, new orbits, outcomes
+    tasks: groups, all from one orbit --PairRun--> runs of scenes --> Done: the runs of the groups, new orbits, outcomes
+
+A run of a scene has many groups, one after the other.
 """
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
+from functools import partial
+from operator import eq
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,11 +19,12 @@ from ..core.records import Kind
 from .cover import case_of
 from .free_run import NotClosed
 from .measures_at_rest import MeasuresAtRest
+from .orbit_ways import first_step
 from .pair_budgets import within_round
 from .pair_groups import Cells, Group, GroupRun, GroupRunner, Orbit, Orbits, Sleep
 from .stretch import CoveredCase, Job, Outcome
 
-BOTH = ("rounds", "frames")
+STARTS = ("rounds", "frames")
 MOST_TRIES = 100  # maximum number of groups and of new runs on the way to an orbit
 CHUNK = 256  # number of groups in one run
 
@@ -92,9 +96,9 @@ class PairRun:
         for tries in range(MOST_TRIES):
             if self.runner.at[0] == orbit:
                 return
-            way = self._way(orbit)
-            if way is not None:
-                self._group(Task(way[0], 0, None))
+            step = first_step(self._known.ways, self.runner.at[0], partial(eq, orbit))
+            if step is not None:
+                self._group(Task(step, 0, None))
             elif self._last is not None and tries % 2 == 0:
                 self._group(Task(self.runner.like(self._last), 0, None))
             else:
@@ -118,7 +122,7 @@ class PairRun:
     def _begin(self) -> None:
         self.runner = GroupRunner(self._covered, self._ignored, self._known.orbits, self._known.cells)
         self._measures = MeasuresAtRest(self.runner.run.scene.limits, [Kind.BUS])
-        self._measures.rest(self.runner.run.now, BOTH)
+        self._measures.rest(self.runner.run.now, STARTS)
         self.done.first_rest = self.runner.run.now - self.runner.run.scene.start
 
     def _group(self, task: Task) -> GroupRun:
@@ -126,23 +130,9 @@ class PairRun:
         found = self.runner.run_group(*task)
         self._known.ways.setdefault(orbit, {}).setdefault(found.after, task.group)
         self._last = task.group
-        starts = zip(BOTH, (task.group.round, task.group.frame), strict=True)
+        starts = zip(STARTS, (task.group.round, task.group.frame), strict=True)
         self._measures.rest(self.runner.run.now, [start for start, at in starts if at is not None])
         return found
-
-    def _way(self, orbit: int) -> list[Group] | None:
-        """Return groups that lead to an orbit from the present one; None if no such groups are known."""
-        ways: dict[int, list[Group]] = {self.runner.at[0]: []}
-        waiting = deque(ways)
-        while waiting:
-            here = waiting.popleft()
-            if here == orbit:
-                return ways[here]
-            for after, group in self._known.ways.get(here, {}).items():
-                if after not in ways:
-                    ways[after] = [*ways[here], group]
-                    waiting.append(after)
-        return None
 
 
 def alone(orbits: Orbits, number: int, cells: Cells | None, cycle: int) -> list[Group]:
@@ -161,7 +151,3 @@ def run_tasks(job: Job, ignored: Sequence[str], known: Known, orbit: int, tasks:
         pair.done.runs.append(pair.run(orbit, task))
     pair.end()
     return pair.done
-
-
-RunTasks = Callable[[Job, Sequence[str], Known, int, Sequence[Task]], Done]
-RunAll = Callable[[RunTasks, Sequence[tuple[Job, Sequence[str], Known, int, Sequence[Task]]]], Iterable[Done]]

@@ -15,18 +15,19 @@ from within cells, are run again from other pasts, and must agree, too.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import gcd
 from random import Random
 from statistics import median
 from time import process_time
 from typing import NamedTuple
 
+from .calls import CallAll
 from .closed_table import StartTable
 from .free_run import NotClosed
 from .pair_budgets import within_round
 from .pair_groups import Group, GroupRun, Orbits, Sleep, far_ranges, find_cells
-from .pair_run import BOTH, CHUNK, Done, Known, PairRun, RunAll, Task, alone, run_tasks
+from .pair_run import CHUNK, STARTS, Done, Known, PairRun, Task, alone, run_tasks
 from .stretch import CoveredCase, Job
 
 MOST_SHRINKS = 32  # maximum number of groups at an end of a wait that are not in its cell
@@ -62,7 +63,7 @@ class PairMaker:
 
     on_progress: called with the fraction of the known groups that were run, 0 to 1.
     on_estimate: called with the number of groups, and an estimate of the CPU time in seconds.
-    run_all: makes calls in other processes, and yields their results in order; None to run all groups in this one.
+    call_all: makes the calls that run groups.
     least_again: the least number of groups that are run again.
     """
 
@@ -73,11 +74,11 @@ class PairMaker:
         ignored: Sequence[str],
         on_progress: Callable[[float], None] | None,
         on_estimate: Callable[[int, float], None] | None,
-        run_all: RunAll | None,
+        call_all: CallAll,
         least_again: int,
     ) -> None:
         self._covered, self._job, self._ignored = within_round(covered), job, ignored
-        self._on_progress, self._on_estimate, self._run_all = on_progress, on_estimate, run_all
+        self._on_progress, self._on_estimate, self._call_all = on_progress, on_estimate, call_all
         self._least_again = least_again
         self._random = Random(1)
         self._orbits = Orbits()
@@ -106,8 +107,8 @@ class PairMaker:
 
     # Steps --------------------------------------------------------------------------
 
-    def explore(self) -> None:
-        """Find the cells of frames, and most of the orbits. Estimate the CPU time."""
+    def explore(self) -> PairRun:
+        """Find the cells of frames, and most of the orbits. Estimate the CPU time. Return the last run of groups."""
         known = Known(self._orbits, None, self._ways)
         pair = PairRun(self._covered, self._ignored, known)
         self._frames = pair.runner.cells = find_cells(pair.runner)
@@ -119,7 +120,7 @@ class PairMaker:
         orbit = pair.runner.at[0]
         for group in self._alone(orbit):
             self._keep(orbit, group, pair.run(orbit, Task(group, 0, None)))
-        tasks, _ = self._tasks(orbit, self._find_waits(pair, orbit))
+        tasks, _ = self.tasks(orbit, self.find_waits(pair, orbit))
         times = []
         for task in [self._random.choice(tasks) for _ in range(TIMED)]:
             begun = process_time()
@@ -131,17 +132,18 @@ class PairMaker:
         self._expected = len(tasks) * len(self._orbits.known)
         if self._on_estimate is not None:
             self._on_estimate(self._expected, each * self._expected * (1 + 1 / REVISITED))
+        return pair
 
     def _close(self, number: int) -> None:
         """Run all groups from an orbit, or the ends of their cells."""
         pair = PairRun(self._covered, self._ignored, self._known)
-        waits = self._find_waits(pair, number)
+        waits = self.find_waits(pair, number)
         pair.end()
         self._add(pair.done)
         self._run(
             number, [Task(group, offset, None) for group in self._alone(number) for offset in self._offsets(group)]
         )
-        tasks, cells = self._tasks(number, waits)
+        tasks, cells = self.tasks(number, waits)
         self._run(number, tasks)
         for _ in range(MOST_SHRINKS):
             if self.table.has_failed:
@@ -193,14 +195,15 @@ class PairMaker:
     def _offsets(self, group: Group) -> tuple[int, ...]:
         return (0,) if group.frame is None else (0, self._frames.period - 1)
 
-    def _find_waits(self, pair: PairRun, number: int) -> list[list[Sleep]]:
+    def find_waits(self, pair: PairRun, number: int) -> list[list[Sleep]]:
+        """Return the waits in a round from each cycle of an orbit."""
         waits = []
         for cycle in range(self._orbits.own):
             pair.reach(number)
             waits.append(pair.runner.sleeps(Group(cycle, None)))
         return waits
 
-    def _tasks(self, number: int, waits: Sequence[Sequence[Sleep]]) -> tuple[list[Task], list[Cell]]:
+    def tasks(self, number: int, waits: Sequence[Sequence[Sleep]]) -> tuple[list[Task], list[Cell]]:
         """Return the groups of an orbit to run with a round and a frame, and the cells whose ends are among them."""
         tasks: list[Task] = []
         cells: list[Cell] = []
@@ -249,7 +252,7 @@ class PairMaker:
             for begin in range(0, len(tasks), CHUNK)
         ]
         found: list[GroupRun] = []
-        for done in self._all(calls):
+        for done in self._call_all(run_tasks, calls):
             runs = self._add(done)
             if keep:
                 for task, run in zip(tasks[len(found) : len(found) + len(runs)], runs, strict=True):
@@ -260,11 +263,6 @@ class PairMaker:
             if self.table.has_failed:
                 break
         return found
-
-    def _all(self, calls: Sequence[tuple[Job, Sequence[str], Known, int, Sequence[Task]]]) -> Iterable[Done]:
-        if self._run_all is None or len(calls) == 1:
-            return (run_tasks(*call) for call in calls)
-        return self._run_all(run_tasks, calls)
 
     def _add(self, done: Done) -> list[GroupRun]:
         """Add the outcome of runs to the table. Return the runs, with the numbers of orbits in the table."""
@@ -277,7 +275,7 @@ class PairMaker:
         table.rounds += done.rounds
         table.spanning |= done.spanning
         self._empty |= done.empty
-        rounds, frames = ({name for start, name in self._empty if start == each} for each in BOTH)
+        rounds, frames = ({name for start, name in self._empty if start == each} for each in STARTS)
         table.lacking |= done.lacking | (rounds & frames)
         self._covered.unknowns |= done.unknowns
         places: list[tuple[int, int]] = [(number, 0) for number in range(done.before)]

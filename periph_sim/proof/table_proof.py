@@ -5,13 +5,13 @@ case --clock_errors--> changed cases --TableMaker--> Part, Part, ... --> worst v
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from fractions import Fraction
-from itertools import starmap
-from typing import NamedTuple, Protocol, TypeVar, TypeVarTuple
+from typing import NamedTuple
 
 from ..scene.case.model import Case
 from ..timing.verdict import BROKEN, NOT_JUDGED, PROVEN, Verdict
+from .calls import CallAll, call_here
 from .clock_errors import clock_errors
 from .closed_table import BOTH, LEAST_REVISITED, StartTable, TableMaker, WorstInRuns, WorstRun
 from .cover import is_worse
@@ -130,29 +130,19 @@ class TableProof(NamedTuple):
         return words
 
 
-T = TypeVar("T")
-Ts = TypeVarTuple("Ts")
-
-
-class CallAll(Protocol):
-    """Makes calls in other processes, and yields their results in order."""
-
-    def __call__(self, work: Callable[[*Ts], T], calls: Sequence[tuple[*Ts]], /) -> Iterable[T]: ...
-
-
 def prove(
     job: Job,
     within: Fraction | None = None,
     on_progress: Callable[[float], None] | None = None,
     on_estimate: Callable[[int, int, float], None] | None = None,
-    call_all: CallAll | None = None,
+    call_all: CallAll = call_here,
 ) -> TableProof:
     """Make the tables of a case, up to the first one that fails.
 
     within: as in `TableProof`.
     on_progress: called with the fraction of the known entries that were run, 0 to 1.
     on_estimate: called with the number of tables, the number of entries in each, and the estimated CPU time in seconds.
-    call_all: None to make all calls in this process. The first of several tables is always made in this process.
+    call_all: makes the calls, except that the first of several tables is always made in this process.
 
     Raise NotClosed if a table cannot be closed, and BadCase for a case without free starts.
     """
@@ -177,9 +167,7 @@ def prove(
     def tables() -> Iterator[StartTable]:
         yield TableMaker(first, advance, estimate, None, rests_first, least_again).make()
         arguments = [(one, True, least_again) for one in jobs[1:]]
-        yield from (
-            starmap(make_table, arguments) if call_all is None or not arguments else call_all(make_table, arguments)
-        )
+        yield from call_all(make_table, arguments)
 
     for one, table in zip(jobs, tables(), strict=True):
         parts.append(Part(CoveredCase(one) if parts else first, table, one.changes[len(job.changes) :]))
@@ -195,7 +183,7 @@ def _of_pairs(
     within: Fraction | None,
     on_progress: Callable[[float], None] | None,
     on_estimate: Callable[[int, int, float], None] | None,
-    call_all: CallAll | None,
+    call_all: CallAll,
 ) -> TableProof:
     """Make the table of a case whose rounds and frames are free. See `prove`."""
     if within is not None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from random import Random
 
@@ -15,6 +16,7 @@ import pytest
 
 from periph_sim import form
 from periph_sim.proof import pair_table
+from periph_sim.proof.calls import call_here
 from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.pair_budgets import within_round
 from periph_sim.proof.pair_groups import Cells, Group, GroupRunner, Orbits, far_ranges, find_cells
@@ -152,6 +154,26 @@ def test_groups_within_one_wait_differ_only_in_the_pass_that_is_interrupted(tmp_
     assert all(run.within and run.is_like(runs[tick, 0]) for (tick, _), run in runs.items())
 
 
+@compiled_only
+def test_each_meeting_is_run_or_in_a_cell(tmp_path: Path):
+    """For each cycle, the distances of the single groups and of the cells are all distances in a row, each once."""
+    job = Job(str(write_lonely(tmp_path)))
+    covered = CoveredCase(job)
+    maker = PairMaker(covered, job, check_pair(covered.case), None, None, call_here, 200)
+    pair = maker.explore()
+    tasks, cells = maker.tasks(0, maker.find_waits(pair, 0))
+    ends = {Group(cell.round, frame) for cell in cells for frame in (cell.first, cell.last)}
+    assert ends <= {task.group for task in tasks}
+    assert all((cell.last - cell.first) % cell.step == cell.step % cell.sleep.period == 0 for cell in cells)
+    for cycle in range(PASS // 10):
+        found = [task.group.frame for task in tasks if task.group.round == cycle and task.group not in ends]
+        for cell in (cell for cell in cells if cell.round == cycle):
+            found += range(cell.first, cell.last + 1, cell.step)
+        distances = sorted(one for one in found if one is not None)
+        assert {two - one for one, two in pairwise(distances)} == {20}
+        assert distances[0] < -2_000_000 and distances[-1] > 2_000_000
+
+
 # Noticed -----------------------------------------------------------------------------
 
 
@@ -263,6 +285,7 @@ def test_only_events_that_no_frame_moves_are_judged(tmp_path: Path):
         "line by name": "from edge LINE fall to edge LINE rise, next",
         "pie": "from access W PIE.PIEACK to interrupt SCIRXINTA enter, next",
         "first": "interrupt latency SCIRXINTA to first access",
+        "numbered": "from 1st access R SCI-A.SCIFFRX of transfer to interrupt SCIRXINTA leave, next",
         "edges": "from edge SCL fall to edge SCL rise, next",
     }
     budgets = [f'\n[[budget]]\nname = "{name}"\nmeasure = "{text}"\nmax = "1 s"\n' for name, text in texts.items()]
@@ -270,6 +293,7 @@ def test_only_events_that_no_frame_moves_are_judged(tmp_path: Path):
     path.write_text(text.replace('"GPIO"]\n', '"GPIO"]\npins = { MODEL = 34, LINE = 28 }\n', 1), encoding="utf-8")
     covered = within_round(CoveredCase(Job(str(path))))
     assert {budget.name for budget in covered.case.budget} == {"latency", "service", "own", "pin", "edges"}
+    assert covered.left_out["numbered"] == covered.left_out["irq to stop"]
     assert covered.left_out["irq to stop"] == "it relates the service routine of the SCI to other events"
     assert covered.left_out["reads"] == "a frame can move 'access R I2C-A.I2CSTR' in a way that is not run"
 
@@ -292,7 +316,7 @@ def test_frames_before_a_late_first_round_are_not_in_the_table(tmp_path: Path):
     """Between the first frame, at 9 ms, and the first round come two further frames, which are in no group."""
     job = Job(str(write_lonely(tmp_path)), ("controller.first=52 ms",))
     covered = CoveredCase(job)
-    maker = PairMaker(covered, job, check_pair(covered.case), None, None, None, 200)
+    maker = PairMaker(covered, job, check_pair(covered.case), None, None, call_here, 200)
     maker.explore()
     assert maker.table.apart > 43 * 10**6
     assert covered.phases.least_distance() == 20 * 10**6

@@ -13,6 +13,7 @@ from pathlib import Path
 import click
 
 from ...core.phrases import counted
+from ...proof.calls import T, Ts, call_here
 from ...proof.closed_table import BOTH, Contradiction, milliseconds, starts_text
 from ...proof.dependencies import dependencies, files_read
 from ...proof.free_run import NotClosed
@@ -20,7 +21,7 @@ from ...proof.proof_file import proof_of
 from ...proof.saved_file import text_of
 from ...proof.saved_paths import proof_path
 from ...proof.stretch import CoveredCase, Job
-from ...proof.table_proof import T, TableProof, Ts, WorstInProof, prove
+from ...proof.table_proof import TableProof, WorstInProof, prove
 from ...scene.case.load import load
 from ...timing.verdict import BROKEN, PROVEN, figure, limit
 from ..reports.baselines.files import write_all
@@ -85,11 +86,13 @@ def _proof(job: Job, within: Fraction | None, jobs: int) -> TableProof:
             workers: list[Executor] = []
 
             def call_all(work: Callable[[*Ts], T], calls: Sequence[tuple[*Ts]]) -> Iterable[T]:
+                if len(calls) < 2:
+                    return call_here(work, calls)
                 if not workers:
                     workers.append(pool.enter_context(worker_pool(jobs, None)))
                 return results_of(workers[0], work, calls)
 
-            return prove(job, within, on_progress, announce, None if jobs == 1 else call_all)
+            return prove(job, within, on_progress, announce, call_here if jobs == 1 else call_all)
     except NotClosed as error:
         raise click.ClickException(
             f"{name} has no closed table: {error} (without --table, prove runs phases)"

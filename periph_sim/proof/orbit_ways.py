@@ -1,0 +1,28 @@
+"""Ways from one orbit of states of rest to another: `closed_table` goes by starts, `pair_run` by groups."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import TypeVar
+
+T = TypeVar("T")
+
+
+def first_step(ways: Mapping[int, Mapping[int, T]], here: int, is_wanted: Callable[[int], bool]) -> T | None:
+    """Return the first step of a shortest way from an orbit to a wanted one; None if there is no way.
+
+    ways: for each orbit, a dictionary from the orbits after it to the step that leads there.
+    here: the orbit at which the way begins. It does not count as wanted.
+    """
+    first: dict[int, T] = {}
+    waiting = deque([here])
+    while waiting:
+        orbit = waiting.popleft()
+        for after, step in ways.get(orbit, {}).items():
+            if after not in first and after != here:
+                first[after] = first.get(orbit, step)
+                if is_wanted(after):
+                    return first[after]
+                waiting.append(after)
+    return None

@@ -1,7 +1,7 @@
 """Assemble one line of source: find the form of the instruction and encode its words.
 
-A form is one row of `encodings.toml`. Every syntax of that table is accepted, without regard to case and spaces. If
-several forms fit, the shortest one is used, as by TI's assembler: `MOV @AL,#0` has one word.
+A form is one row of `encodings.toml`. Every syntax of that table is accepted; case and spaces do not matter. If several
+forms fit, the one with the fewest words is used, as in TI's assembler: `MOV @AL,#0` has one word.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def _value(node: ast.expr, symbols: Mapping[str, int], here: int) -> int:
 
 
 class Parsed(NamedTuple):
-    """A source line as a form and its operands. operands: for each operand, its parsing function and its text."""
+    """A parsed instruction: its form and operands. operands: for each operand, its parsing function and its text."""
 
     encoding: Encoding
     operands: tuple[tuple[Read, str], ...]
@@ -148,10 +148,10 @@ def parse(source: str, address: int, symbols: Mapping[str, int]) -> Parsed:
 
 @cache
 def _forms() -> Mapping[str, list[Encoding]]:
-    """Return a dictionary from a mnemonic to its forms, in the order in which `parse` tries them.
+    """Return the forms of each mnemonic, in the order in which `parse` tries them.
 
-    Forms with fewer words come first. Among forms of equal length, aliases come last. Among the remaining ones, forms
-    with fewer operands come first: `MOVL P,ACC` before `MOVL loc32,ACC`.
+    Forms with fewer words come first. Forms with equally many words are ordered by two rules: aliases come after other
+    forms, and then forms with fewer operands come first, such as `MOVL P,ACC` before `MOVL loc32,ACC`.
     """
     forms: dict[str, list[Encoding]] = {}
     for encoding in encodings():
@@ -172,6 +172,6 @@ def _pattern(encoding: Encoding) -> re.Pattern[str]:
 
 
 def _flexible(literal: str) -> str:
-    """Return the pattern of a literal text, which accepts spaces between its tokens."""
+    """Return a pattern for a literal text. The pattern accepts spaces between the tokens of the text."""
     pieces = re.findall(r"\w+|\s+|\|\||<<|\S", literal)
     return r"\s*".join(re.escape(piece) for piece in pieces if piece.strip())

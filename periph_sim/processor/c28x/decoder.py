@@ -1,8 +1,8 @@
 """Decode words of program memory into instructions.
 
 The decoder assumes OBJMODE = 1, AMODE = 0 and PAGE0 = 0, as compiled C code uses them on this chip. Words are no
-instruction if they match no form of `encodings.toml`, have @SP as a 32-bit operand, or have a reserved FPU condition
-[SPRU430F 3.6, Table 5-1; SPRUEO2A].
+instruction if they match no form (no row) of `encodings.toml`, if their operand is not allowed in the form, such as @SP
+as a 32-bit operand, or if their FPU condition is reserved [SPRU430F 3.6, Table 5-1; SPRUEO2A].
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Instruction(NamedTuple):
 
     @property
     def values(self) -> dict[str, int]:
-        """The value of each field of the form."""
+        """The value of each field of the instruction, by the letter of the field in `encodings.toml`."""
         return self.encoding.values(self.pair)
 
     @property
@@ -104,9 +104,9 @@ def decode(first: int, second: int) -> Encoding | None:
 
 
 def other_unit(first: int) -> str:
-    """Return the name of hardware of other C28x parts that would execute this word, such as "the TMU of an F2837x".
+    """Return the name of the unit in other C28x parts that would execute this word, such as "the TMU of an F2837x".
 
-    Return "" if no other part has such hardware. first: the first word of an instruction.
+    Return "" if no part has such a unit. first: the first word of an instruction.
     """
     if first in TMU:
         return "the TMU of an F2837x"

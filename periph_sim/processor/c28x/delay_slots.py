@@ -1,13 +1,13 @@
 """Delay slots of the FPU: find instructions that read a late result too early, and model the value that they read.
 
-    MPYF32 R0H,R1H,R2H    2p: the result is available one instruction later
-    NOP                   the delay slot; the program must have it, since the CPU does not wait for the result
-    ADDF32 R3H,R0H,R4H
+    MPYF32 R0H,R1H,R2H    latency 2p: the late result, R0H, is written only after the next instruction
+    NOP                   the delay slot: an instruction that does not use R0H, because the CPU does not wait for it
+    ADDF32 R3H,R0H,R4H    reads the result
 
 `not_kept` finds instructions in a delay slot that read the register or the flags of the late result. An operation that
-was passed to `delay` models the late result: in the delay slot, R0H still has its old value. The result is written
-after the instruction in the delay slot, even if that instruction writes R0H, too. If an interrupt is taken before the
-delay slot, the result is written before the interrupt. LUF and LVF are set together with the result.
+was passed to `delay` models the late result: the instruction in the delay slot reads the old value of R0H. The result
+is written after this instruction, even if this instruction writes R0H, too. If an interrupt is taken before the delay
+slot, the result is written before the interrupt. LUF and LVF are set together with the result.
 
 Source: SPRUEO2A 3.1, 3.2; the column `latency` of `encodings.toml`.
 """
@@ -29,12 +29,12 @@ FLAGS = 1 << 8  # the bit of LUF and LVF in a mask whose bits 0 to 7 are R0H to 
 NAMES = (*(f"R{number}H" for number in range(8)), "LUF and LVF")
 FLAG_BITS = LUF | LVF
 CONDITIONS = (12, 13)  # codes of the conditions that test LUF and LVF
-AT_ONCE = "RaH"  # two parallel instructions with the latency "2p/1" load this register without a delay slot
+AT_ONCE = "RaH"  # in a pair of parallel instructions with the latency "2p/1", the load of RaH has no delay slot
 BLOCKS = frozenset(("RPTB_label_RC", "RPTB_label_loc16"))
 
 
 def late_results(instruction: Instruction) -> int:
-    """Return the mask of the FPU registers, and of FLAGS, that this instruction writes one instruction later."""
+    """Return the mask of the FPU registers, and of FLAGS, that this instruction writes only after the next one."""
     encoding = instruction.encoding
     if not encoding.latency:
         return 0
@@ -61,7 +61,9 @@ def read_registers(instruction: Instruction) -> int:
 def not_kept(instruction: Instruction, word_at: Callable[[int], int]) -> Iterator[str]:
     """Yield a sentence if this instruction has a late result that the instruction in the delay slot reads.
 
-    For RPTB, check the last instruction of the repeated block, whose delay slot is the first instruction of the block.
+    For RPTB, check instead the last instruction of the repeated block. The first instruction of the block is then in
+    its delay slot.
+
     word_at: returns the word of program memory at an address.
     """
     if instruction.encoding.id in BLOCKS:
@@ -109,7 +111,7 @@ def _registers(names: Iterable[str], values: Mapping[str, int]) -> int:
 
 
 def delay(f: Operation) -> None:
-    """Model the delay slot: make this operation write its late results only after the next operation."""
+    """Model the delay slot: make an operation write its late results only after the next operation."""
     f.plain = f.execute
     f.execute = _delayed
 
@@ -142,7 +144,7 @@ def _delayed(cpu: Cpu, f: Operation) -> None:
 
 
 def arrive(cpu: Cpu) -> None:
-    """Write the pending late results. Call this function when an interrupt is taken before the delay slot."""
+    """Write the pending late results. Call this function when an interrupt is taken."""
     number: int
     for number in range(8):
         if cpu.due >> number & 1:

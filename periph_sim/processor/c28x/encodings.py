@@ -1,4 +1,4 @@
-"""The instruction set as data: the forms of `encodings.toml` with their fields, and the texts of operand fields.
+"""The instruction set as data: the forms of `encodings.toml` with their fields, and the operand texts of field l.
 
 A form is one encoding of an instruction, with one syntax of its operands. Each letter of its bits is a field:
 
@@ -27,7 +27,7 @@ CYCLES_WHERE = re.compile(r"(\w) (&|=) (\w+): (\d+)")
 
 
 class BitField(NamedTuple):
-    """The position of a field in a pair of words. mask: its bits, shifted to bit 0."""
+    """The position of a field in a pair of words: the field is `pair >> shift & mask`."""
 
     shift: int
     mask: int
@@ -42,19 +42,21 @@ class Encoding:
 
     also: a second syntax of the form, or "".
     words: the number of words, 1 or 2.
-    mask, value: the fixed bits of the pair of words, and their values.
-    fields: a dictionary from the letter of a field to its position.
-    bounds: a dictionary from the letter of a field to its allowed values; other values belong to other forms.
-    kind: core, fpu, c2xlp, c27x, emu or trap.
+    mask, value: a pair of words matches the form if pair & mask == value. The fixed bits are 1 in the mask.
+    fields: for the letter of each field, its position.
+    bounds: for the letter of a field whose values are limited, the allowed values. Words with other values belong to
+        another form.
+    kind: the class of the instruction: core, fpu, c2xlp, c27x, emu (for emulators) or trap.
     alias_of: the id of a more general form that encodes the same words; "" if this form is no alias.
     shift_bias: the shift count minus the value of field s.
-    cycles, not_taken: the cycles of the instruction alone, and those of a branch that is not taken.
-    cycles_where: "y & 0x30: 2" means 2 cycles if field y has any of these bits, "k = 15: 4" means 4 cycles if field k
-        is 15; "" if the cycles do not depend on a field.
+    cycles: the cycles of one execution; for a conditional jump, call or return, the cycles if it is taken.
+    not_taken: the cycles of a conditional jump, call or return that is not taken; otherwise equal to `cycles`.
+    cycles_where: a condition on a field, and the cycles if it is true. "y & 0x30: 2" means 2 cycles if field y has any
+        of the bits 0x30, "k = 15: 4" means 4 cycles if field k is 15. "" if the cycles do not depend on a field.
     repeated: R if RPT #N makes the CPU execute the instruction N + 1 times in N + R cycles; 0 if the instruction cannot
         be repeated.
-    latency: "2p" if the result is available one instruction later; "2p/1" or "2p/2p" for two parallel instructions,
-        one latency for each; "" if the result is available at once.
+    latency: "2p" if the FPU writes the result only after the next instruction; "" if it is written at once. For two
+        parallel instructions, the latency of each: "2p/1" or "2p/2p".
     depends: the status bits on which the effect depends, as a text.
     reads, writes: the names of the registers and memory that are read and written. A name may end with the phase of the
         pipeline: "SP@D2".
@@ -92,7 +94,7 @@ class Encoding:
         )
 
     def values(self, pair: int) -> dict[str, int]:
-        """Return a dictionary from the letter of each field to its value in this pair."""
+        """Return the value of each field in this pair, by the letter of the field."""
         return {name: place.of(pair) for name, place in self.fields.items()}
 
     def pair(self, values: Mapping[str, int]) -> int:
@@ -106,9 +108,9 @@ class Encoding:
         return pair
 
     def cycles_of(self, values: Mapping[str, int]) -> tuple[int, int]:
-        """Return (cycles if a branch is taken, cycles if it is not taken) for these field values.
+        """Return `cycles` and `not_taken` for these field values, with `cycles_where` taken into account.
 
-        Both numbers are equal if the instruction is not a branch.
+        Both numbers are equal if the instruction is not a conditional jump, call or return.
         """
         if where := CYCLES_WHERE.fullmatch(self.cycles_where):
             value, number = values[where[1]], int(where[3], 0)
@@ -212,7 +214,7 @@ DIRECT, STACK, INDEXED = range(0x40), range(0x40, 0x80), range(0xC0, 0x100)
 def operand_texts(wide: bool) -> tuple[str, ...]:
     """Return the operand text for each of the 256 values of field l. wide: True if the operand has 32 bits."""
     xar, words = range(8), range(0x40)
-    # For a 32-bit operand ACC or P, field l has two values; the assembler emits the second value.
+    # Two values of field l encode ACC as a 32-bit operand, and two encode P. The assembler emits the second one.
     named = ("@ACC", "@ACC", "@P", "@P", "@XT", "@SP") if wide else ("@AH", "@AL", "@PH", "@PL", "@T", "@SP")
     return (
         *(f"@{word:#x}" for word in words),
@@ -245,8 +247,9 @@ def is_operand(kind: str, field: int) -> bool:
 
 @cache
 def fixed_operands(wide: bool) -> dict[str, int]:
-    """Return the value of field l for each operand text without an offset, such as "@AL" or "*XAR4++".
+    """Return the value of field l for each operand text, except those with a data page offset or a stack offset.
 
+    Examples are "@AL", "*XAR4++" and "*+XAR4[2]". "*XAR4" is a short form of "*+XAR4[0]".
     wide: True if the operand has 32 bits.
     """
     texts = operand_texts(wide)

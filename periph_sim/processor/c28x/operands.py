@@ -1,10 +1,12 @@
-"""Operands in assembly text. The syntax of a form is split into parts, which format and parse its fields.
+"""Operands in assembly text. The syntax of a form, a row of `encodings.toml`, is split into parts.
+
+A part converts the fields of an operand to text, and the text of an operand to fields:
 
     "MOV loc16,#16"        ->  parts "MOV ", loc16, ",", #16
     show  {l: 0x41, c: 7}  ->  "MOV *-SP[1],#7"
     read  "*-SP[1]", "#7"  ->  {l: 0x41}, {c: 7}
 
-The text of a relative branch has the target address; the field has the distance.
+In the text of a relative branch, the operand is the target address; in the field, it is the distance to the target.
 
 Source: SPRU430F chapter 6, SPRUEO2A chapter 4 (syntax); the operand kinds are those of `encodings.toml`.
 """
@@ -21,7 +23,7 @@ from .encodings import WIDE, Encoding, fixed_operands, is_operand, operand_texts
 
 Values = Mapping[str, int]  # maps the letter of a field to its value
 Evaluate = Callable[[str], int]  # returns the value of an expression
-Read = Callable[[str, int, Evaluate], dict[str, int]]  # parses (text, instruction's address, evaluate) to field values
+Read = Callable[[str, int, Evaluate], dict[str, int]]  # (text, address of the instruction, evaluate) -> field values
 
 
 class BadInstruction(ValueError):
@@ -31,7 +33,7 @@ class BadInstruction(ValueError):
 class Part(NamedTuple):
     """A part of the syntax of a form: an operand, or a literal text.
 
-    show: returns the text for field values and the address of the instruction.
+    show: returns the text; its arguments are the field values and the address of the instruction.
     pattern: a regular expression for the texts that `read` accepts; "" for a literal text.
     read: parses the text of an operand, see `Read`; None for a literal text.
     literal: the literal text; "" for an operand.
@@ -57,7 +59,8 @@ def ranged(number: int, least: int, most: int, text: str) -> int:
 
 CALLS = ("LB", "LC", "LCR", "FFC")
 PMA_PAGE = 0x3F_0000  # the upper bits of program addresses in C2xLP instructions
-# `<<` and `|` may be operators in an expression; `<<` before a shift operand `#...`, and `||`, end the expression.
+# `<<` and `|` can be operators of an expression. But `<<` before `#` begins a shift operand, and `||` begins a parallel
+# instruction, so these two end the expression.
 IMMEDIATE = r"#(?:[^,|<]|<<(?!\s*#)|(?<!\|)\|(?!\|))+?"
 
 
@@ -76,7 +79,7 @@ def number_part(token: str, encoding: Encoding) -> Part | None:
             return f"#{number - mask - 1 if number > mask >> 1 else number}"
         return f"#{number}" if number < 10 else f"#{number:#x}"
 
-    label = r"|[A-Za-z_$][\w$.]*" if encoding.mnemonic in CALLS else ""  # the target of a call may be given without #
+    label = r"|[A-Za-z_$][\w$.]*" if encoding.mnemonic in CALLS else ""  # a label may be written without #
     return Part(
         show, IMMEDIATE + label, lambda text, at, evaluate: {"c": _immediate(text, evaluate, least, most) & mask}
     )
@@ -98,16 +101,16 @@ def shift_part(token: str, encoding: Encoding) -> Part | None:
 
 
 def optional_shift_part(token: str, encoding: Encoding) -> Part | None:
-    """Return the part for an optional shift `<<#0..15` in field s; None if the form has no field s.
+    """Return the part for a shift `<<#0..15` in field s, which may be omitted; None if the form has no field s.
 
-    If the source line has no shift, field s is 0.
+    If the shift is omitted in the source line, field s is 0.
     """
     inner = shift_part(token.removeprefix("<<"), encoding)
     return inner and _optional(inner, "<<", {"s": 0}, lambda values, at: f"<<{inner.show(values, at)}")
 
 
 def _optional(inner: Part, prefix: str, omitted: dict[str, int], show: Callable[[Values, int], str]) -> Part:
-    """Return a part for `prefix` and `inner`, which may be omitted together. omitted: the field values in that case."""
+    """Return a part for `prefix` and then `inner`. Both may be omitted; the field values are then `omitted`."""
 
     def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
         given = text.strip().removeprefix(prefix).strip()
@@ -264,7 +267,7 @@ def _operand(token: str, encoding: Encoding) -> Part:
         found = names.get(spaceless.upper(), names.get(f"@{spaceless.upper()}"))  # a register needs no @
         if found is not None:
             return found
-        if spaceless.startswith("@"):  # the text is an address, and field l has the offset in its data page
+        if spaceless.startswith("@"):  # the text is an address; field l is the offset of this address in its data page
             return evaluate(spaceless[1:]) & 0x3F
         stack = re.fullmatch(r"\*-SP\[(.+)\]", spaceless, re.I)
         if stack:
@@ -300,9 +303,9 @@ def _one_of(field: str, names: Mapping[str, int], shown: Callable[[int], str]) -
 
 
 def _bit_names(field: str, bits: Mapping[str, int]) -> Part:
-    """Return the part for a mask, shown as the names of its bits, "NF,ZF". Bits without a name are one number, "0x40".
+    """Return the part for a mask, whose text is the names of its bits, "NF,ZF". Bits without a name are one number.
 
-    bits: a dictionary from a name to the number of its bit.
+    bits: for each name, the number of its bit.
     """
 
     def show(values: Values, at: int) -> str:
@@ -321,7 +324,10 @@ def _bit_names(field: str, bits: Mapping[str, int]) -> Part:
 
 
 def _flags_and_values(token: str, encoding: Encoding) -> Part:
-    """Return the part for flags of STF with new values, "RNDF32=1,TF=0". A bit without a name has a number, "8=1"."""
+    """Return the part for flags of STF with new values, "RNDF32=1,TF=0".
+
+    A bit without a name has a number, "8=1". A "?" follows the value of a flag that is not selected, "TF=1?".
+    """
 
     def show(values: Values, at: int) -> str:
         named = {bit: name for name, bit in STF_BITS.items()}

@@ -2,9 +2,9 @@
 
 An instruction waits for registers and words that earlier instructions write, and for its own fetch.
 
-    hazards        the registers that an instruction needs early, and those that it writes late
+    hazards        the registers that an instruction needs in D2, and those that it writes only in the later phase E
     Pipeline       stalls for registers and memory words that an earlier instruction has not written yet
-    FetchQueue     stalls for instructions from memory with wait states
+    FetchQueue     stalls because the instruction itself is fetched from memory with wait states
 
 Source: SPRU430F 4.2 to 4.4, 5.x; SPRUFB0D 2.2 (flash); TI wiki "C28x Pipeline Conflicts"; the columns `reads` and
 `writes` of `encodings.toml`.
@@ -25,25 +25,26 @@ from .execution.cpu import Operation
 
 # Hazards ----------------------------------------------------------------------------------------------------------
 #
-# Masks of registers: bits 0 to 7 are XAR0 to XAR7, bit 8 is DP, bit 9 is SP, and bit 10 is XAR(ARP).
+# Masks of registers: bits 0 to 7 are XAR0 to XAR7, bit 8 is DP, bit 9 is SP, and bit 10 is XAR(ARP), the XARn that the
+# field ARP selects.
 #
 #     needs   registers that an instruction reads or writes in phase D2
 #     makes   registers that an instruction writes in phase E, three phases after D2
 #
-# An instruction of several cycles does its last access in its last cycle: PUSH loc16 reads, then writes.
+# An instruction of several cycles makes its last access in its last cycle: PUSH loc16 first reads, then writes.
 #
-# Jumps and calls are an exception: they pass D2 in their first cycle, and the words that they push go on to phase W.
-# In the other cycles of a jump or call, the CPU fetches from the target [SPRU430F 4.3.2].
+# Jumps and calls are an exception: they leave D2 after their first cycle, and the words that a call pushes go on to
+# phase W. In the other cycles of a jump or call, the CPU fetches from the target [SPRU430F 4.3.2].
 #
-# The instructions of `is_held` are another exception: they stay in D2 until their own writes in E or W are done.
-# So later instructions need not wait for their results. The number of their cycles includes this time:
+# Instructions for which `is_held` is True are another exception: they stay in D2 until their own writes in E or W are
+# done, so later instructions need not wait for the results. The cycles of such an instruction include this time:
 #
 #     NORM after RPT     N + 4 cycles: one for each of N + 1 passes, and three from D2 to E
 #     PWRITE after RPT   N + 5 cycles: one for each of N + 1 passes, and four from D2 to W
 #     POP DP:ST1         5 cycles, from D2 to W, since the new ST1 applies to the next instruction
 
 DP, SP, BY_ARP = 1 << 8, 1 << 9, 1 << 10
-REGISTERS = 0x3FF  # mask of all registers, without the bit for XAR(ARP)
+REGISTERS = 0x3FF  # mask of XAR0 to XAR7, DP and SP
 NUMBERED = re.compile(r"X?AR([0-7])$")
 FIELDS = {"ARn": "n", "XARn": "n", "ARm": "m"}
 HELD = frozenset(["NORM", "PWRITE"])  # mnemonics for which `is_held` is True; it is also True for POP of ST1
@@ -52,7 +53,7 @@ BY_ARP_FROM, PUSHES, POPS, CIRCULAR = 0xAE, 0xBD, 0xBE, 0xBF
 
 @cache
 def hazards(encoding: Encoding, field: int, n: int, m: int) -> tuple[int, int]:
-    """Return the masks (needs, makes) of a form. field, n, m: values of the fields l, n and m; -1 if absent."""
+    """Return the masks (needs, makes) of an instruction. field, n, m: its fields l, n and m; -1 for an absent field."""
     numbers = {"n": n, "m": m}
     needs = _in_phase("D2", (*encoding.reads, *encoding.writes), numbers)
     makes = 0 if is_held(encoding) else _in_phase("E", encoding.writes, numbers)
@@ -72,7 +73,7 @@ def is_held(encoding: Encoding) -> bool:
 
 
 def writes_at_once(encoding: Encoding) -> bool:
-    """Return True if the memory write of an instruction of this form leaves D2 in the first cycle."""
+    """Return True if the memory write of an instruction of this form passes D2 in the first cycle."""
     return "PC" in encoding.writes or is_held(encoding)
 
 
@@ -80,7 +81,7 @@ def _in_phase(phase: str, places: Iterable[str], numbers: Mapping[str, int]) -> 
     """Return the mask of the registers that a form uses in a phase of the pipeline, such as "D2".
 
     places: entries of the columns `reads` and `writes`, such as "XARn@D2".
-    numbers: a dictionary from "n" and "m" to the values of these fields.
+    numbers: the values of the fields n and m, by "n" and "m".
     """
     mask = 0
     for place in places:
@@ -100,7 +101,10 @@ def _in_phase(phase: str, places: Iterable[str], numbers: Mapping[str, int]) -> 
 
 
 def addressing(field: int) -> int:
-    """Return the mask of the registers that form the address of an operand [SPRU430F Table 5-1]. field: field l."""
+    """Return the mask of the registers from which the address of an operand is computed [SPRU430F Table 5-1].
+
+    field: the value of field l, which encodes the operand.
+    """
     if field < 0x40:
         return DP
     if field < 0x80 or field in (PUSHES, POPS):
@@ -120,27 +124,27 @@ def addressing(field: int) -> int:
 
 DEPTH = 4  # largest number of blocks in the fetch queue
 QUEUE_PACKED = 6 + DEPTH  # length of `FetchQueue.packed_queue`
-LONG_AGO = 1 << 7  # cycles after which an event has no effect any more, since the queue is filled within 4 * 17 cycles
+LONG_AGO = 1 << 7  # an event more cycles ago has no effect, because the queue is filled within 4 * 17 cycles
 
 
 @final
 class FetchQueue:
-    """The instruction fetch queue of up to four blocks of 32 or 64 bits. One block arrives each `_cycles` cycles.
+    """The instruction fetch queue of up to four blocks of 32 or 64 bits. One block arrives every `_cycles` cycles.
 
     A block contains the words that one fetch reads. Its number is its address divided by its length.
 
     Fetching continues while instructions execute, until the queue is full; a discontinuity, such as a jump, empties the
-    queue. The queue is used only for memory with wait states. In other memory a block arrives in each cycle, so no
+    queue. The queue is used only for memory with wait states. From other memory, a block arrives in each cycle, so no
     instruction waits. A data read of the same memory may be inserted between two fetches.
 
     expected: the address of the next instruction if there is no discontinuity.
-    packed_queue: the state as `pack` has written it last.
+    packed_queue: the state that the last call of `pack` has written.
     """
 
     STATE = State("expected _bits _cycles _newest _place", cycles="_ready _issued _consumed")
 
     def __init__(self) -> None:
-        self._consumed: Annotated[list[int], DEPTH] = [0] * DEPTH  # by slot: the cycle from which on it is free
+        self._consumed: Annotated[list[int], DEPTH] = [0] * DEPTH  # for each slot, the cycle from which on it is free
         self._place = DEPTH - 1  # mask: the slot of block n is slot `n & _place` of `_consumed`
         self._newest = 0  # the number of the last block that an instruction needed: address >> _bits
         self._ready = 0  # the cycle at which block `_newest` was available
@@ -176,7 +180,10 @@ class FetchQueue:
             self._consumed[place] = 0
 
     def wait(self, cycle: int, address: int, behind: int) -> int:
-        """Return the cycles from now until the instruction at `address` is fetched. behind: the address after it."""
+        """Return the number of cycles, from `cycle` on, until the instruction at `address` is fetched.
+
+        behind: the address after the instruction.
+        """
         ready = self._need(behind - 1 >> self._bits)
         self.expected = behind
         self._issued = ready if ready > cycle else cycle
@@ -212,7 +219,7 @@ class FetchQueue:
 
 # Stalls -----------------------------------------------------------------------------------------------------------
 
-LANE = 10  # number of bits of a lane of `Pipeline.pending`, one for each register in REGISTERS
+LANE = 10  # number of bits of each lane (part) of `Pipeline.pending`; a lane has one bit for each register in REGISTERS
 ONCE_EACH = 0x100401  # bit 0 of each of the three lanes of `Pipeline.pending`
 BEHIND = 3  # cycles that an instruction waits if it reads a word that the instruction directly before it writes
 STORES = 4  # number of stores that are remembered; an instruction makes at most two, and at most one in a cycle
@@ -223,22 +230,24 @@ STORES_PACKED = 1 + 3 * STORES  # length of `Pipeline.packed_stores`
 class Pipeline:
     """Stalls in D2, in which an instruction waits for a register or word that an earlier instruction writes.
 
-    Directly after that instruction, the wait is 3 cycles; each cycle between the two instructions makes it one cycle
-    shorter. Registers are written in phase E, three phases after D2, and memory in phase W. `clock` excludes the wait
-    states of memory, since these stop all instructions alike.
+    The wait is 3 cycles directly after the earlier instruction; each cycle between the two instructions makes it one
+    cycle shorter. Registers are written in phase E, three phases after D2, and memory in phase W. `clock` excludes the
+    wait states of memory, because they stop all instructions in the pipeline.
 
     enabled: False if no instruction stalls.
-    pending: three lanes of 10 bits, the masks of the registers that will be written in 1, 2 and 3 cycles.
+    pending: three masks of 10 bits, the lanes: the registers that will be written in 1, 2 and 3 cycles. The mask for 1
+        cycle is in the lowest bits.
     clock: the number of cycles that instructions have spent in D2.
     until: the value of `clock` from which on no read waits for a word.
-    packed_stores: the state as `pack` has written it last.
+    packed_stores: the state that the last call of `pack` has written.
     """
 
     STATE = State("enabled pending clock until _at _first _last _ready")
 
     def __init__(self) -> None:
         self.enabled = True
-        # The last stores: first and last address, and the value of `clock` from which on the words can be read.
+        # For each of the last stores: its first and last address, and the value of `clock` from which on reads of these
+        # words do not wait.
         self._first: Annotated[list[int], STORES] = [0] * STORES
         self._last: Annotated[list[int], STORES] = [0] * STORES
         self._ready: Annotated[list[int], STORES] = [0] * STORES

@@ -28,7 +28,7 @@ def sum32(cpu: Cpu, a: int, b: int, carry: int = 0, saturates: bool = True) -> i
 def difference32(cpu: Cpu, a: int, b: int, borrow: int = 0, saturates: bool = True) -> int:
     """Return a - b - borrow, and set N, Z and C. After an overflow, return what `overflowed` returns.
 
-    C is 0 if the exact result, without signs, is negative (a borrow), otherwise 1.
+    C is 0 if the subtraction of the unsigned numbers needs a borrow, otherwise 1.
     """
     total = a - b - borrow
     result = total & M32
@@ -258,7 +258,7 @@ def MINL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
 
 
 def MAXCUL_P_loc32(cpu: Cpu, f: Operation) -> None:
-    """Set P to the lower half of a 64-bit maximum. MAXL has compared the upper halves before and set N and Z."""
+    """Set P to the lower half of a 64-bit maximum. MAXL has compared the upper halves and set N and Z before."""
     value = cpu.read32()
     if cpu.n and not cpu.z:
         cpu.p = value

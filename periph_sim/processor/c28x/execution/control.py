@@ -1,4 +1,4 @@
-"""Instructions for status bits, interrupts and repeats, and those that stop the CPU or do nothing.
+"""Instructions for status bits, interrupts and repeats, and instructions that stop the CPU or do nothing.
 
 A function whose name is the id of a form in `encodings.toml` executes this form.
 Stopping a program and entering or leaving a service routine are methods of `Cpu`, which a chip overrides.
@@ -175,7 +175,7 @@ def RPT_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def _begin_block(cpu: Cpu, f: Operation, count: int) -> None:
-    """Set RB for `count` repetitions of a block: the f.z words after this instruction."""
+    """Set RB so that a block is repeated `count` times. The block consists of the f.z words after this instruction."""
     end = f.address + 1 + f.z & 0x7F
     cpu.rb = (RA if count else 0) | f.z << RSIZE | end << RE | count
 

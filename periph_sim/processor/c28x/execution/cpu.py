@@ -1,7 +1,7 @@
-"""The CPU that executes an operation: its operands, memory, stack and control.
+"""The state of the CPU, and the access of an operation, which is a decoded instruction, to operands, memory and stack.
 
-    locate          finds the address of the operand, and applies the effects of the addressing mode, in phase D2
-    read16, write16 access the operand: memory at that address, or the register that field l names
+    locate          finds the address of the operand, and applies the effects of the addressing mode
+    read16, write16 access the operand: memory at this address, or the register that field l selects
     load16, store16 access memory; a subclass for a chip with a bus overrides them
 
 Values are unsigned integers of their width. Source: SPRU430F chapters 2 and 5.
@@ -28,21 +28,22 @@ class Operation:
     b to z: the values of the fields with these letters in `encodings.toml`; -1 for a field that the form does not have.
     address, next: the address of this instruction, and the address after its last word.
     place: equal to `address`; -1 after the words of the instruction were overwritten.
-    cycles, not_taken: the cycles of the instruction, and those of a branch that is not taken.
+    cycles: the cycles of one execution; for a conditional jump, call or return, the cycles if it is taken.
+    not_taken: the cycles of a conditional jump, call or return that is not taken; otherwise equal to `cycles`.
     repeated: R if RPT #N makes the CPU execute the instruction N + 1 times in N + R cycles; 0 if the instruction cannot
         be repeated.
     wide: True if the operand has 32 bits.
     byte: True if the operand is a byte.
-    accesses: READS, WRITES, both or 0, for the operand of field l.
-    absolute: READS, WRITES or 0, for the operand *(0:16).
+    accesses: READS, WRITES, both or 0: the accesses to the operand that field l encodes.
+    absolute: READS, WRITES or 0: the access to the operand *(0:16), whose address is in the instruction.
     following: the operation at `next`; None until that operation is executed after this one.
-    goal: the operation to which this one jumped last; None before the first jump.
+    goal: the operation to which this one has jumped last; None before its first jump.
     needs, makes: masks of the registers for which the pipeline waits, see `pipeline.hazards`.
     at_once: True if the write to memory leaves phase D2 in the first cycle, see `pipeline.writes_at_once`.
     jumps: True if the instruction can write PC.
     loops: True for a branch, which can close a loop; False for calls and returns.
-    late: mask of the FPU registers that are written one instruction later, with the bit FLAGS for LUF and LVF.
-    plain: the function that writes all results at once. It is set only if `execute` writes late results later.
+    late: mask of the FPU registers that are written only after the next instruction; the bit FLAGS is for LUF and LVF.
+    plain: the function that writes all results at once. It is set only by `delay_slots.delay`, which changes `execute`.
     waited: True if the instruction is in memory with wait states.
     tested: mask of the bits of the operand that TBIT or AND AX,loc16,#16 tests; 0 for other instructions.
     block, block_end: for an instruction that accesses data, the address range of the memory block that contains the
@@ -94,7 +95,7 @@ class Cpu(Registers):
         self.repeat = -1
         self.passes = 0
 
-    # Memory, overridden by a chip ---------------------------------------------------
+    # Memory; a subclass for a chip overrides these methods ---------------------------
 
     def load16(self, address: int) -> int:
         raise NotImplementedError
@@ -118,7 +119,7 @@ class Cpu(Registers):
     # Operands -----------------------------------------------------------------------
 
     def locate(self, f: Operation) -> None:  # core: C only
-        """Set `ea` to the address that field l encodes, and apply the effects of its mode [SPRU430F Table 5-1]."""
+        """Set `ea` to the address that field l encodes, and change registers as its mode does [SPRU430F Table 5-1]."""
         self.field = field = f.l
         self.high_byte = False
         step = 2 if f.wide else 1
@@ -254,10 +255,10 @@ class Cpu(Registers):
         if self.ea < 0 and self.field in (0xA8, 0xA9):
             self.nz32(value)
 
-    # Control, overridden by a chip with time and interrupts -------------------------
+    # Control; a subclass with time and interrupts overrides these methods ------------
 
     def enter(self, vector: int) -> None:
-        """Enter the service routine of the vector with this number. The routine returns to `pc`."""
+        """Enter the service routine of a vector. The routine returns to `pc`. vector: the number of the vector."""
         raise IllegalOperation(f"vector {vector} is entered, but this CPU has no interrupts")
 
     def intr_clears_flag(self, bit: int) -> bool:
@@ -295,12 +296,12 @@ class Cpu(Registers):
         return self.load32(self.sp)
 
     def push_pair(self, low: int, high: int) -> None:  # core: C only
-        """Push two words one by one, `low` first, so that SP may be odd."""
+        """Push two words one by one, `low` first. Unlike `push32`, this stores them at SP even if SP is odd."""
         self.push16(low)
         self.push16(high)
 
     def pop_pair(self) -> int:  # core: C only
-        """Pop two words one by one, so that SP may be odd. Return them as 32 bits; the first one is the upper half."""
+        """Pop two words one by one, even if SP is odd. Return them as 32 bits, with the first one as the upper half."""
         high = self.pop16()
         return self.pop16() | high << 16
 

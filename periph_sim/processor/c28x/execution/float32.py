@@ -1,8 +1,10 @@
 """Arithmetic of the FPU on float32 bits, with rounding, underflow and overflow.
 
-The exact result, an integer, is rounded once, to nearest even or towards zero. Denormal operands and results are 0, NaN
-is treated as infinity, and an overflow gives infinity. A result has the float32 in bits 31:0, and may have the bit
-UNDERFLOW or OVERFLOW above them. Source: SPRUEO2A section 2.3; details that it does not specify are chosen here.
+The exact result, an integer times a power of 2, is rounded once, to nearest even or towards zero. Denormal operands and
+results are 0, NaN is treated as infinity, and an overflow gives infinity. Bits 31:0 of a result are the float32. Above
+them is the bit UNDERFLOW or OVERFLOW, if that has occurred.
+
+Source: SPRUEO2A section 2.3. Details that the manual does not specify are chosen here.
 """
 
 # core: compiled
@@ -13,7 +15,7 @@ SIGN, EXPONENT, FRACTION = 1 << 31, 0xFF, 0x7F_FFFF
 HIDDEN = 1 << 23
 INFINITY = EXPONENT << 23
 BIAS = 150  # a float32 is an integer mantissa of 24 bits times 2 ** (exponent field - BIAS)
-LARGEST = EXPONENT - BIAS - 1  # largest exponent of 2 in a finite float32, written as in BIAS
+LARGEST = EXPONENT - BIAS - 1  # largest exponent of 2 by which the integer mantissa of a finite float32 is multiplied
 MANTISSA_BITS = 24
 APART = 32  # if the exponents of two summands differ by more, the smaller summand only affects the rounding
 
@@ -60,7 +62,9 @@ def width(value: int) -> int:  # core: noexcept
 
 
 def rounded(mantissa: int, exponent: int, to_nearest: bool, sign_of_zero: int = 0) -> int:
-    """Return mantissa * 2 ** exponent as a float32, with UNDERFLOW or OVERFLOW. The mantissa has up to 62 bits.
+    """Return mantissa * 2 ** exponent as a float32, with UNDERFLOW or OVERFLOW if that occurs.
+
+    mantissa: a signed number of up to 62 bits.
 
     to_nearest: True to round to nearest even, False to round towards zero.
     sign_of_zero: the bits to return for a result of 0 or an underflow: 0 or SIGN.
@@ -158,7 +162,7 @@ def fraction(bits: int) -> int:
 
 
 def order(bits: int) -> int:  # core: noexcept
-    """Return an integer that compares as the float does. Zeros and denormals are equal, and NaN equals infinity."""
+    """Return an integer for the comparison of floats. Zeros and denormals are equal, and NaN equals infinity."""
     if is_zero(bits):
         return 0
     size = bits & 0x7FFF_FFFF

@@ -1,8 +1,8 @@
 """Arithmetic, comparisons and conversions of the FPU.
 
 A function whose name is the id of a form in `encodings.toml` executes this form.
-Results are written at once, which makes no difference for a program with correct delay slots. `delay_slots.delay` makes
-an operation write its results late, as the chip does.
+The functions write their results at once. For a program with correct delay slots, this makes no difference to the chip,
+which writes some results only after the next instruction. `delay_slots.delay` makes an operation do the same.
 Source: SPRUEO2A chapter 4.
 """
 
@@ -41,7 +41,10 @@ def nearest(cpu: Cpu) -> bool:
 
 
 def result(cpu: Cpu, number: int, value: int) -> None:
-    """Write a result of `float32` to RnH. Set LUF if it has UNDERFLOW, LVF if it has OVERFLOW. number: the n of RnH."""
+    """Write a result of `float32` to RnH. Set LUF if it has the bit UNDERFLOW, and LVF if it has the bit OVERFLOW.
+
+    number: the n of RnH.
+    """
     cpu.r[number] = value & BITS
     if value & UNDERFLOW:
         cpu.stf |= LUF
@@ -50,7 +53,7 @@ def result(cpu: Cpu, number: int, value: int) -> None:
 
 
 def moved(cpu: Cpu, number: int, bits: int) -> None:
-    """Write RnH as a move does. Set NF and ZF by the bits as a float, and NI and ZI by the bits as an integer.
+    """Write RnH as a move does: set NF and ZF by the value as a float, and NI and ZI by the value as an integer.
 
     number: the n of RnH.
     """
@@ -161,7 +164,7 @@ def NEGF32_RaH_RbH_CNDF(cpu: Cpu, f: Operation) -> None:
         cpu.stf = cpu.stf & ~(NF | ZF) | (ZF if zero else NF if bits & SIGN else 0)
 
 
-# Two parallel operations, which both read the old values ------------------------------------------------------------
+# Two parallel operations; both read the values before the instruction ----------------------------------------------
 
 
 def _with_load(cpu: Cpu, f: Operation, value: int) -> None:
@@ -233,7 +236,7 @@ def MACF32_R7H_R6H_RdH_ReH_RfH_par_MOV32_RaH_mem32(cpu: Cpu, f: Operation) -> No
 
 
 def MACF32_R7H_R3H_mem32_indXAR7inc(cpu: Cpu, f: Operation) -> None:
-    """Accumulate in R3H in passes 1, 3, ... of RPT, in R7H in passes 2, 4, ..."""
+    """Accumulate in R3H in passes 1, 3, 5, ... of RPT, and in R7H in passes 2, 4, 6, ..."""
     total, product = (7, 6) if cpu.passes & 1 else (3, 2)
     address = cpu.xar[7]
     cpu.xar[7] = address + 2 & M32
@@ -258,7 +261,7 @@ def CMPF32_RaH_0_0(cpu: Cpu, f: Operation) -> None:
 
 
 def clean(bits: int) -> int:
-    """Return the value that MAXF32 and MINF32 write: NaN as infinity, a denormal as +0."""
+    """Return the value that MAXF32 and MINF32 write: infinity for NaN, +0 for a zero or a denormal."""
     if is_infinite(bits):
         return bits & SIGN | INFINITY
     return 0 if is_zero(bits) else bits

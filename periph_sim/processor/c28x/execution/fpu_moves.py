@@ -111,7 +111,10 @@ def TESTTF_CNDF(cpu: Cpu, f: Operation) -> None:
 
 
 def MOVST0_FLAG(cpu: Cpu, f: Operation) -> None:
-    """Copy the selected flags of STF to ST0. Two flags that belong to the same bit of ST0 are ORed."""
+    """Copy the selected flags of STF to ST0. If two of them belong to the same bit of ST0, they are ORed.
+
+    LVF and LUF are cleared in STF when they are copied.
+    """
     v = (LVF if f.g & 1 else 0) | (LUF if f.g & 2 else 0)
     n = (NF if f.g & 4 else 0) | (NI if f.g & 8 else 0)
     z = (ZF if f.g & 0x10 else 0) | (ZI if f.g & 0x20 else 0)

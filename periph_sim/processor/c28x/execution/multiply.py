@@ -146,7 +146,7 @@ def accumulate(cpu: Cpu, address: int) -> None:
 
 
 def stepping(cpu: Cpu, by: int) -> int:
-    """Return XAR7. Then add `by` to XAR7, unless the addressing mode of the operand has changed XAR7 already."""
+    """Return XAR7. If the addressing mode of the operand has not changed XAR7, then add `by` to XAR7."""
     address = cpu.xar[7]
     own = cpu.field in (0x87, 0x8F) or (cpu.arp == 7 and 0xB9 <= cpu.field <= 0xBC)
     if not own:
@@ -176,9 +176,9 @@ def XMACD_P_loc16_ind_pma(cpu: Cpu, f: Operation) -> None:
 
 
 def dual(cpu: Cpu, address: int) -> None:
-    """Load XT with the operand. Add the product of the upper halves of XT and of program memory at `address` to ACC.
+    """Load XT with the operand, and multiply its halves with those of the 32 bits of program memory at `address`.
 
-    Add the product of the lower halves to P. Both products are shifted by PM.
+    Add the product of the upper halves to ACC, and the product of the lower halves to P, both shifted by PM.
     """
     cpu.xt = cpu.read32()
     factor = program32(cpu, address)

@@ -26,8 +26,8 @@ from . import (
 )
 from .cpu import READS, WRITES, Operation
 
-# Ids of forms for a single address register, such as MOVB_XAR6_8. The function of the form for any address register,
-# such as MOVB_XARn_8, executes them.
+# Ids of forms that encode one certain address register, such as MOVB_XAR6_8. The function for all address registers,
+# MOVB_XARn_8 in this example, executes these forms.
 OF_ONE_XAR = re.compile(r"((?:[A-Z]+|MOVL_loc32)_X?AR)(\d)(_[a-z0-9]+)?")
 MODULES = (accumulator, half_words, multiply, shifts, moves, stack, branches, control, fpu, fpu_moves)
 

@@ -17,11 +17,11 @@ CODE = 0x3F_FFFF  # mask of the bits of a program address
 SIGN16, SIGN32 = 1 << 15, 1 << 31
 ACC_UNIT = 1 << 32  # weight of bit 0 of ACC in ACC:P
 
-ST1_RESET = 0x0A0B  # as the boot ROM leaves ST1: OBJMODE, M0M1MAP, VMAP, DBGM and INTM are 1
+ST1_RESET = 0x0A0B  # value of ST1 at the end of the boot ROM: OBJMODE, M0M1MAP, VMAP, DBGM and INTM are 1
 SP_RESET = 0x400
 ARP, ARP_MASK = 13, 0xE000  # lowest bit and mask of the field ARP in ST1
 SPA = 1 << 4
-READ_ONLY = 0x00A0  # LOOP and IDLESTAT in ST1
+READ_ONLY = 0x00A0  # mask of LOOP and IDLESTAT in ST1
 
 # Masks of the bits of STF, the status register of the FPU.
 LVF, LUF, NF, ZF, NI, ZI, TF, RND32 = (1 << bit for bit in (0, 1, 2, 3, 4, 5, 6, 9))
@@ -45,7 +45,7 @@ class Registers:
     due: mask of the FPU registers that have a pending late result (see `delay_slots`).
     due_r: the pending results, by the number of the register.
     due_flags: the flags LUF and LVF that are set together with the pending results.
-    before_r: R0H to R7H before the present instruction.
+    before_r: R0H to R7H before the present instruction; only `delay_slots` uses it.
     """
 
     STATE = State(
@@ -118,7 +118,7 @@ class Registers:
         self.put_ifr(self.ifr & mask)
 
     def put_ovc(self, value: int) -> None:  # core: C only
-        """Set OVC to the low 6 bits of a value, which are a signed number."""
+        """Set OVC to the low 6 bits of a value, as a signed number."""
         self.ovc = ((value & 0x3F) ^ 0x20) - 0x20
 
     def nz16(self, value: int) -> None:  # core: C only
@@ -189,11 +189,11 @@ class Registers:
         self.n, self.z = self.acc >> 31, int(not self.acc | self.p)
 
     def x16(self, value: int) -> int:  # core: C only
-        """Return 16 bits extended to 32: with the sign if SXM is 1, else with zeros."""
+        """Return a 16-bit value extended to 32 bits: with its sign if SXM is 1, else with zeros."""
         return value | HIGH16 if self.sxm and value & SIGN16 else value
 
     def psh(self) -> int:  # core: C only
-        """Return P shifted as PM selects, in 32 bits."""
+        """Return P, shifted as PM selects, and limited to 32 bits."""
         if self.pm == 0:
             return self.p << 1 & M32
         return s32(self.p) >> self.pm - 1 & M32

@@ -1,8 +1,8 @@
 """PUSH and POP, and stack pointer alignment.
 
 A function whose name is the id of a form in `encodings.toml` executes this form.
-Of two registers that are pushed together, the second one named is at the lower address: AR0 in PUSH AR1:AR0. POP ACC,
-PUSH XAR4 and similar instructions are aliases of moves. Source: SPRU430F chapter 6.
+An instruction that pushes two registers, such as PUSH AR1:AR0, stores the second one, here AR0, at the lower address.
+POP ACC, PUSH XAR4 and similar instructions are aliases of moves. Source: SPRU430F chapter 6.
 """
 
 # core: compiled

@@ -1,8 +1,9 @@
 """Boot modes of an image, and stubs: values that reads of unmodelled registers return.
 
     entry   The program begins at its entry point, as if a debugger started it; SYSCLKOUT is as after a reset.
-    flash   It begins at 0x33FFF6, where the boot ROM jumps if GPIO87 to GPIO84 are high; SYSCLKOUT is OSCCLK / 2.
-    ram     It begins at 0, where the boot ROM jumps in the mode "M0 SARAM"; SYSCLKOUT is OSCCLK / 2.
+    flash   The program begins at 0x33FFF6, to which the boot ROM jumps if GPIO87 to GPIO84 are high; SYSCLKOUT is
+            OSCCLK / 2.
+    ram     The program begins at 0, to which the boot ROM jumps in the mode "M0 SARAM"; SYSCLKOUT is OSCCLK / 2.
 
 The run time of the boot ROM, and the words that its stack leaves in M0, are not modelled. Source: SPRU963A.
 """
@@ -49,7 +50,7 @@ def entry_of(image: Image, boot: Boot) -> int:
 
 
 def stubbed(register: str | int, memory: AddressMap) -> int:
-    """Return the address of a register that is to have a stub. Raise BadStub if it is modelled, or is no register.
+    """Return the address of a register that gets a stub. Raise BadStub if `register` is modelled, or is no register.
 
     register: a name, such as ADC.ADCST, or an address.
     """

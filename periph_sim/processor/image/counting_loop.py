@@ -1,16 +1,16 @@
 """Counting loops: find the number of further passes of a loop that change only counters, and skip these passes.
 
     executed pass --> trace; the words that the pass has changed --> counters: value and step
-    trace, evaluated again with counters in place of values --> number of passes in which nothing else differs
+    trace, evaluated again with counters in place of values --> number of passes in which only the counters differ
 
 A counter is a 16-bit word in ACC, in an XARn or in plain RAM that changes by the same amount, its step, in each pass.
 An instruction that reads no counter has the same effect in each pass. An instruction that reads a counter must be a
-`Sum`, so its result is a counter, too. The flags that the sum sets can change only in a pass in which an operand or the
-exact result reaches or crosses a multiple of half its range, which is 0x8000 for a word.
+`Sum`, so its result is a counter, too. The flags that a sum sets can differ from those of the traced pass only after an
+operand or the exact result has reached or crossed a multiple of 0x8000, or of 0x8000_0000 for a sum of two words.
 
-At the end of the second evaluation, each counter must have changed by its step, and all other registers and the
-pipeline must be as before. Then all passes before the first change of a flag take the same cycles and branches, and
-make the same accesses.
+At the end of the evaluation, each counter must have changed by its step. All other registers and the pipeline must be
+as before the traced pass. Then all passes before the first change of a flag take the same cycles and branches, and make
+the same accesses.
 """
 
 from __future__ import annotations
@@ -39,11 +39,11 @@ WORD, HALF = 1 << 16, 1 << 15
 Place = str | int  # a 16-bit word: the name of a half of a register, or a memory address
 
 XAR = tuple((f"AR{n}", f"AR{n}H") for n in range(8))
-# Maps the name of a register to its words, the low word first.
+# For the name of each register, its words, the low word first.
 WORDS: dict[str, tuple[Place, ...]] = {"AL": ("AL",), "AH": ("AH",), "ACC": ("AL", "AH")}
 WORDS |= {f"XAR{n}": XAR[n] for n in range(8)} | {f"AR{n}": XAR[n][:1] for n in range(8)}
 OPERAND = ("loc", *LOCATIONS)  # names in `encodings.toml` of the operand that field l selects
-# The names in the columns `reads` and `writes` of `encodings.toml` that this module can handle, except "stack".
+# The names in the columns `reads` and `writes` of `encodings.toml` that this module can handle, in addition to "stack".
 KNOWN = re.compile(
     r"(loc|mem)(16|32)|ACC|AL|AX|X?AR.*|P|PH|PL|T|TL|XT|OVC|ST0|ST1|STF|R[0-7a-f]H|R0H-R7H|SP|DP|PC|RPC|RPTC|RB|IER"
     r"|address"
@@ -59,7 +59,7 @@ def register_words(acc: int, xar: Sequence[int]) -> dict[Place, int]:
 
 
 class NotCounting(Exception):
-    """Raised if a traced pass does more than count, so that further passes may have other results."""
+    """Raised if a traced pass does more than change counters, so that further passes may have other results."""
 
 
 class Traced(NamedTuple):
@@ -67,11 +67,11 @@ class Traced(NamedTuple):
 
     f: the instruction.
     at: the cycle in which the instruction was executed.
-    operand: the words of the operand of field l, the low word first; empty if they cannot be counters.
-    pointers: mask of the registers that form the address of the operand.
+    operand: the words of the operand that field l encodes, the low word first; empty if they cannot be counters.
+    pointers: mask of the registers from which the address of the operand is computed.
     needs: mask of the registers that the instruction needs in phase D2.
     sp: SP before and after the instruction.
-    values: a dictionary from a word to its value after the instruction.
+    values: the values after the instruction of ACC and XAR0 to XAR7, and of the operand and pushed words in RAM.
     """
 
     f: Operation
@@ -87,16 +87,16 @@ Store = tuple[int, int, int, int]  # a write to memory: cycle, address, value, a
 
 
 class Number(NamedTuple):
-    """An operand or result of one or two words. value: its value in one pass. step: its change from pass to pass."""
+    """An operand or a result of one or two words. value: its value in one pass. step: its change in each pass."""
 
     value: int
     step: int
 
 
 def passes_within(number: Number, size: int) -> int:
-    """Return the number of further passes in which a number does not become a multiple of `size`.
+    """Return the number of further passes before a number reaches or crosses a multiple of `size`.
 
-    Return 0 if the number is a multiple of `size` already, but NEVER if its step is 0.
+    Return NEVER if the step of the number is 0; otherwise, return 0 if it is a multiple of `size` already.
     """
     value, step = number
     if not step:
@@ -119,7 +119,7 @@ COMPARISON = re.compile(
 
 
 class Sum(NamedTuple):
-    """The sum that an instruction computes: result = left + sign * right. A copy adds 0.
+    """The sum that an instruction computes: result = left + sign * right. For a copy, `right` is 0.
 
     result: the name of the operand that is written, such as "ACC" or "loc"; "" if only the flags are written.
     left: the name of an operand.
@@ -133,9 +133,9 @@ class Sum(NamedTuple):
     right: str
 
     def number(self, c: int) -> int | None:
-        """Return the value of `right`; None if it names an operand. A signed immediate is returned as its low 16 bits.
+        """Return the value of `right`; None if it is the name of an operand.
 
-        c: the value of field c, which contains the immediate.
+        A signed immediate is extended to 16 bits. c: the value of field c, which contains the immediate.
         """
         if self.right.isdigit():
             return int(self.right)
@@ -169,14 +169,14 @@ def places_of(name: str, traced: Traced) -> tuple[Place, ...]:
 
 
 def reads(traced: Traced) -> Iterable[Place]:
-    """Return the words that an instruction reads and that may be counters. Raise NotCounting if this is unknown."""
+    """Return the words that an instruction reads and that may be counters. Raise NotCounting if they are unknown."""
     return _used(traced.f.encoding.reads, traced, range(traced.sp[1], traced.sp[0]), traced.needs)
 
 
 def writes(traced: Traced) -> Iterable[Place]:
     """Return the words that an instruction writes and that may be counters.
 
-    Raise NotCounting if this is unknown, or if the instruction writes a byte, or writes only under a condition.
+    Raise NotCounting if they are unknown, or if the instruction writes a byte, or writes only under a condition.
     """
     encoding = traced.f.encoding
     if "LSB" in encoding.id or "MSB" in encoding.id or ("_COND" in encoding.id and "PC" not in encoding.writes):
@@ -199,7 +199,7 @@ def _address_registers(mask: int) -> Iterable[Place]:
 
 
 class RepeatedPass:
-    """Evaluation of a traced pass with counters in place of values.
+    """Evaluates a traced pass with counters in place of values.
 
     counters: for each word that is a counter, its value and step at the present instruction.
     passes: the number of further passes for which the evaluation so far is valid.
@@ -214,8 +214,8 @@ class RepeatedPass:
     def step(self, traced: Traced) -> None:
         """Evaluate the next instruction.
 
-        Raise NotCounting if it uses a counter as an address, or reads a counter but does not compute a `Sum`. Raise it
-        also if the result of the sum cannot be expressed as a counter.
+        Raise NotCounting if the instruction uses a counter as an address, if it reads a counter but does not compute a
+        `Sum`, or if the result of the sum cannot be expressed as a counter.
         """
         if any(place in self.counters for place in _address_registers(traced.pointers)):
             raise NotCounting
@@ -231,7 +231,7 @@ class RepeatedPass:
                 self.stores.append((traced.at, place, traced.values[place], number.step if number else 0))
 
     def _counts(self, traced: Traced, done: Sum) -> bool:
-        """Compute the result of a sum with counters. Return False, without effect, if no operand is a counter.
+        """Compute the result of a sum, and return True. Return False, without effect, if no operand is a counter.
 
         Raise NotCounting if the result cannot be expressed as a counter.
         """
@@ -282,9 +282,10 @@ def _value(words: Sequence[Place], traced: Traced) -> int:
 
 
 class CountingLoop(InstructionWatch):
-    """Trace of one pass of a loop. The pass begins when this object is made.
+    """Traces one pass of a loop, which begins when this object is made, and advances counters for skipped passes.
 
-    does_more: True if the pass changes more than counters, so that later passes need not be traced.
+    does_more: True if the traced pass changes more than counters. After a few such passes, `polls.TRIES`, the loop is
+        not traced again.
     """
 
     STATE = State(
@@ -294,11 +295,11 @@ class CountingLoop(InstructionWatch):
     )
 
     def __init__(self, cpu: ImageCpu, time: CpuTime, memory: Ram, over: Callable[[InstructionWatch], None]) -> None:
-        """over: a function that is called with this object when the pass is not analysed any more."""
+        """over: a function that is called with this object if the pass is no longer analysed."""
         self.does_more = False
         self._time = time
         self._began = time.cycle
-        self._moved = 0  # number of skipped passes, by which `move` has advanced the counters
+        self._moved = 0  # number of skipped passes for which `move` has advanced the counters
         self._stores: list[Store] = []
         self._cpu = cpu
         self._memory = memory
@@ -312,7 +313,7 @@ class CountingLoop(InstructionWatch):
         if not self._cpu.polls.counting:
             self._over(self)
             return
-        if len(self._trace) == MOST_TRACED or cpu.ovm:  # with OVM = 1, results are saturated, so they have no step
+        if len(self._trace) == MOST_TRACED or cpu.ovm:  # with OVM = 1, results saturate, so they have no constant step
             self._cpu.polls.soil()
             return
         operand = self._operand(f)
@@ -345,7 +346,7 @@ class CountingLoop(InstructionWatch):
     # Effects of further passes -----------------------------------------------------------
 
     def passes(self, changed: Mapping[int, int]) -> int:
-        """Return the number of passes after the traced pass that change nothing but counters.
+        """Return the number of passes, directly after the traced pass, that change nothing but counters.
 
         changed: for each memory word that the traced pass has changed, its earlier value.
         """
@@ -377,7 +378,7 @@ class CountingLoop(InstructionWatch):
         return {place: Number(before[place], step) for place, step in steps.items() if step}
 
     def cut_off(self, cycles: int) -> None:
-        """Make the stores of an incomplete skipped pass, which a reset has ended. Stores after the reset are not made.
+        """Make the stores of a skipped pass that a reset has interrupted, up to the reset.
 
         cycles: the number of cycles from the start of this pass to the reset.
         """

@@ -1,10 +1,10 @@
-"""The C28x of an image on a unit's bus: executes instructions, makes accesses, and updates the interrupt logic.
+"""The CPU of a unit that runs an image: it makes accesses on the unit's bus, and updates the interrupt logic.
 
     ImageMemory --loads, stores--> Ram | Bus | UnmappedMemory
     ImageCpu    --ST1, IER, IFR--> CpuInterrupts
 
-Accesses are made in the present cycle. Before an access, the program calls `access_at`, which returns the cycle in
-which the access can be made.
+Accesses are made in the present cycle of the CPU. Before an access, the program obtains the cycle in which the access
+can be made from `access_at`, and advances the CPU to this cycle.
 """
 
 # core: compiled
@@ -37,8 +37,8 @@ class ImageCpu(ImageMemory):
     """The CPU that executes an image.
 
     ended: True if ESTOP0 was reached.
-    returning: True if IRET was executed and `ImageProgram` has not completed the return yet.
-    idling: True if IDLE was executed and no interrupt has ended it yet.
+    returning: True from the execution of IRET until `ImageProgram` completes the return.
+    idling: True from the execution of IDLE until an interrupt ends it.
     """
 
     STATE = State("ended returning idling _kept")
@@ -54,7 +54,7 @@ class ImageCpu(ImageMemory):
         self.reset()
 
     def reset(self) -> None:
-        """Set the registers as the boot ROM leaves them; memory keeps its contents."""
+        """Set the registers to their values at the end of the boot ROM. Memory keeps its contents."""
         Cpu.__init__(self)
         self.left = 0
         self.timing.drain()
@@ -82,7 +82,10 @@ class ImageCpu(ImageMemory):
         return made
 
     def _prepare(self, made: Operation, first: int, second: int) -> None:
-        """Set the properties of a decoded instruction that its execution needs. first, second: its words."""
+        """Set the properties of a decoded instruction that depend on the timing and on FPU delay slots.
+
+        first, second: the words of the instruction.
+        """
         self.timing.prepare(made)
         if made.encoding.kind == "fpu":
             found = decode_at(made.address, first, second)
@@ -144,7 +147,7 @@ class ImageCpu(ImageMemory):
         waits = self.elsewhere.read_waits(address)
         return cycle + waits + self.timing.read(self.pc, address, cycle, waits)
 
-    # Status held by the interrupt logic --------------------------------------------
+    # Status bits that are stored in the interrupt logic -----------------------------
 
     def whole_st1(self) -> int:
         return self._core.st1 & ~ARP_MASK | self.arp << ARP
@@ -193,16 +196,16 @@ class ImageCpu(ImageMemory):
             core.st1 &= ~(mask & ~INTM)
 
     def state(self) -> tuple[int, ...]:
-        """Return all that later instructions depend on, except memory and modules.
+        """Return the registers except PC and IFR, and the state of the pipeline and of the fetch queue.
 
-        The first entries are ACC and XAR0 to XAR7. The entries from TIMING on are the state of the pipeline and of the
-        fetch queue.
+        The next pass of a loop depends only on this state, memory, modules and interrupts. The first entries are ACC
+        and XAR0 to XAR7. The entries from TIMING on are the state of the pipeline and of the fetch queue.
         """
         self._pack()
         return tuple(self._packed)
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return the state of the pipeline and of the fetch queue as `state` does. See `proof.normal_state`."""
+        """Return the pipeline and the fetch queue as in `state`, and a hash of `_written`. See `proof.normal_state`."""
         first: int = 0
         second: int = 0
         for place in range(RAM_TO):
@@ -268,7 +271,7 @@ class ImageCpu(ImageMemory):
         self.ended = True
 
     def hand_over(self) -> None:
-        """Pass SP and ST1 to the interrupt logic."""
+        """Write SP and ST1 to the interrupt logic."""
         self._core.sp = self.sp
         self._core.st1 = self.whole_st1()
 
@@ -281,7 +284,7 @@ class ImageCpu(ImageMemory):
         ]  # fmt: skip
 
     def begin_routine(self, address: int) -> None:
-        """Enter the service routine at an address. In RB, bit RAS receives the value of RA, and RA becomes 0."""
+        """Enter the service routine at an address. In RB, copy bit RA to bit RAS, and clear RA."""
         self.timing.drain()
         self.polls.soil()
         self.polls.routines += 1

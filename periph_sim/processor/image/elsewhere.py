@@ -4,10 +4,10 @@
     PARTID           contains the number of the part
     ADC_cal          returns at once; on the chip, this routine only sets trims of the ADC
     math tables      of the boot ROM contain what TI's IQmath and fast floating-point libraries read (`rom_tables`)
-    boot ROM         otherwise reads as 0, and a note is made; calling it, or reading its version, is an error
+    boot ROM         other words read as 0, and a note is made; calling a routine, or reading the version, is an error
     XINTF zones      are memory with the minimum of one wait state, and a note is made; XTIMING is ignored
     frames           of modules that are not modelled, or not in the unit, keep what is written, and a note is made
-    stubs            are values that reads of a word return, regardless of writes
+    stubs            are values that reads of a word return, regardless of writes to the word
 
 Source: SPRS439M Figure 3-2, Tables 3-5 and 3-8 to 3-11; SPRUFB0D Tables 86 to 96 (EALLOW); SPRUI07 Table 2-19.
 """
@@ -56,8 +56,8 @@ NO_FLASH_API = "erasing and programming flash, as TI's flash API does, is not mo
 class UnmappedMemory:
     """The words outside of RAM and of the modelled modules.
 
-    changed: called when a stub is added or changed; None to call nothing.
-    stubs: a dictionary from an address to the value that reads of the address return now.
+    changed: a function that is called when a stub is added or changed; None to call nothing.
+    stubs: for each address with a stub, the value that reads of the address return now.
     to_come: the addresses that have no stub yet, but get one later in the run.
     """
 
@@ -67,7 +67,7 @@ class UnmappedMemory:
     _part: Part
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return two remainders in place of the words and of their properties. See `proof.normal_state`."""
+        """Return two hash values in place of the words and their properties. See `proof.normal_state`."""
         first: int = 0
         second: int = 0
         for place in range(FRAMES_END):
@@ -83,7 +83,7 @@ class UnmappedMemory:
         self._frames: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END  # words of frames and of XINTF zone 0
         # For each word in `_frames`, a mask of SEEN, STUBBED, PROTECTED and REGISTER.
         self._states: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END
-        self._stored = {ADC_CAL: LRETR}  # maps an address after the frames to its word
+        self._stored = {ADC_CAL: LRETR}  # for each address from FRAMES_END on that was set, its word
         for address, value in FRAME_RESET.items():
             self._frames[address] = value
         self._noted: set[str] = set()
@@ -93,7 +93,7 @@ class UnmappedMemory:
         self.set_part(PART)
 
     def set_part(self, part: Part) -> None:
-        """Use the memory map of this part of the family."""
+        """Use the memory map of this part, a member of the F2833x family."""
         self._part = part
         self._flash_begin = part.flash.start
         self._stored[PARTID] = part.part_id
@@ -142,9 +142,9 @@ class UnmappedMemory:
         return self._frames[address] if address < FRAMES_END else self._stored.get(address, ERASED)
 
     def write(self, cycle: int, address: int, value: int) -> bool:
-        """Write a word. Return True if its memory keeps the value, False if the write is ignored.
+        """Write a word. Return True if the memory keeps the value, False if the write is ignored.
 
-        Raise IllegalOperation if the word does not exist, or for a command of the flash.
+        Raise IllegalOperation if the word does not exist, or if it is a command register of the flash.
         """
         known: int = self._states[address] if address < FRAMES_END else 0
         if known & SEEN and (self._core.eallow or not known & PROTECTED):
@@ -214,7 +214,7 @@ class UnmappedMemory:
         return 2 if wide else 1, first, later
 
     def _waits(self, content: Content) -> tuple[int, int]:
-        """Return the wait states of a first access, and those of subsequent accesses."""
+        """Return (wait states of a first access, wait states of each access that follows directly)."""
         if content is Content.FLASH:
             waits = self._frames[FBANKWAIT]
             return max(waits & 0xF, 1), max(waits >> PAGEWAIT & 0xF, 1)

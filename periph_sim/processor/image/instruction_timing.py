@@ -4,7 +4,9 @@
     late     during execution: waits for words that were just written, and wait states of data in program memory
     landing  after a jump: the second fetch of a 32-bit instruction at an odd address
 
-Rules whose numbers TI does not document are options. Source: SPRU430F 4.3, 4.4; SPRS439M Table 3-5; SPRUFB0D 2.2.
+If TI does not document a number of cycles, an option (`SystemOptions`) selects it.
+
+Source: SPRU430F 4.3, 4.4; SPRS439M Table 3-5; SPRUFB0D 2.2.
 """
 
 # core: compiled
@@ -38,8 +40,8 @@ class InstructionTiming:
     pipeline: computes stalls between instructions.
     queue: computes waits for fetches from memory with wait states.
     late: the additional cycles of the present instruction.
-    conflicts: False once it is known that a data access takes no additional cycles if the instruction is in the same
-        memory block.
+    conflicts: False if it is known that an access to data in the same memory block as the instruction takes no
+        additional cycles.
     """
 
     STATE = State("pipeline queue conflicts late")
@@ -79,7 +81,7 @@ class InstructionTiming:
             f.cycles = self._options.push_acc_cycles.assume(self._core.touched)
 
     def stall(self, f: Operation, cpu: Cpu, cycle: int) -> int:
-        """Return the number of cycles that an instruction waits in D2; 0 for passes after RPT except the first."""
+        """Return the number of cycles that an instruction waits in D2. After RPT, only the first pass waits."""
         if cpu.passes:
             return 0
         waits: int = 0
@@ -101,7 +103,10 @@ class InstructionTiming:
         return waits
 
     def wait_for_word(self, address: int, words: int) -> None:
-        """Add to `late` the cycles that a read of words waits for earlier writes of them. words: number of words."""
+        """Add to `late` the cycles that a read waits for earlier writes of the same words.
+
+        address: the address of the first word. words: the number of words.
+        """
         waits = self.pipeline.read(address, words)
         if waits:
             self._options.stalls.assume(self._core.touched)
@@ -125,7 +130,8 @@ class InstructionTiming:
     def read(self, code: int, address: int, cycle: int, waits: int) -> int:
         """Return the cycles that a data read of `address` by the instruction at `code` waits for fetches.
 
-        If `code` or `address` is not in flash, return 0. In flash, fetches continue while instructions are executed.
+        The read waits only if both addresses are in flash, where fetches continue while instructions are executed.
+        Otherwise, return 0.
         waits: the wait states of the read itself.
         """
         if address in FLASH and code in FLASH and self._shared.assume(self._core.touched):

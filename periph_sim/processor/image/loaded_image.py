@@ -1,8 +1,9 @@
 """An image in the memory of its CPU: source lines, texts about errors and waits, and observers.
 
-The text about a wait names the registers that its loop reads, and the bits that the loop tests. These are the bits of
-the first TBIT or AND with a mask in the loop; if there is none, all bits. A loop that reads no register and has an exit
-waits for memory. Each memory word that it reads is named by the last symbol at or before the address of the word.
+The text about a wait names the registers that the loop reads, and the bits that the loop tests. The tested bits are
+those of the first TBIT or AND with a mask in the loop; if it has no such instruction, they are all bits. A loop that
+reads no register and has an exit waits for memory. The text then names each memory word that the loop reads by the last
+symbol at or before the address of the word.
 """
 
 # core: compiled
@@ -30,7 +31,7 @@ from .cpu import ImageCpu
 from .observers import CallListener, CallStack, InstructionWatch
 
 LAST_JUMPS = 8  # number of jumps that an error message lists; a power of two
-LONGEST = 64  # maximum number of words of a loop whose code is examined
+LONGEST = 64  # maximum length, in words, of a loop whose code is examined for the text about its wait
 ALL = 0xFFFF
 MEMORY = "memory"  # what a loop waits for if the words that it reads are unknown
 LCR_WORDS = 2
@@ -39,7 +40,7 @@ ENDLESS = "endless loop"  # what a loop waits for if it reads nothing
 
 
 class UnmodelledWait(NamedTuple):
-    """A wait for unmodelled registers. It continues while service routines interrupt it.
+    """A wait for unmodelled registers. It is still in progress while a service routine interrupts it.
 
     since: the cycle at which the wait began.
     loop: the addresses of the first and the last instruction of its loop. The last one is the branch back.
@@ -55,9 +56,9 @@ class UnmodelledWait(NamedTuple):
     addresses: list[int]
 
     def goes_on(self, cpu: ImageCpu) -> bool:
-        """Return True if the program is in the loop, in a function called by it, or in a routine that interrupts it.
+        """Return True if the program is in the loop, in a function that it calls, or in a routine that interrupts it.
 
-        The caller must also call this at each entry of a service routine, and drop the wait if the result is False.
+        Call this method also at each entry of a service routine, and discard the wait if the result is False.
         """
         routines = cpu.polls.routines
         if routines != self.routines:
@@ -69,7 +70,7 @@ class UnmodelledWait(NamedTuple):
 
 
 class LoadedImage(Program):
-    """A program whose image is in the memory of its CPU. cpu: the registers and memory of the CPU."""
+    """A program whose image is in the memory of its CPU. cpu: the CPU with its registers and memory."""
 
     STATE = State("cpu _jumps _jumped _calls _waits_for _watches _unwritten _at", results="_jumps _jumped")
 
@@ -130,9 +131,9 @@ class LoadedImage(Program):
         return instruction_location(name, begins, path, line, address)
 
     def forget_stack(self) -> range:
-        """Let the free words of the section .stack, which begin at SP, count as not written; they become 0.
+        """Clear the free words of the section .stack, from SP to its end, and mark them as not written.
 
-        Return their addresses. There are none without this section.
+        Return their addresses; an empty range if the image has no section .stack.
         """
         first, end = self.image.stack
         if (first, end) == NO_STACK:
@@ -142,7 +143,7 @@ class LoadedImage(Program):
         return free
 
     def read_unwritten(self, address: int) -> None:
-        """Make a note of a read of unwritten memory, once for each function."""
+        """Make a note of a read of unwritten memory; only one note for each function."""
         name = self.functions.name_at(self._at)
         if name not in self._unwritten:
             self._unwritten.add(name)
@@ -152,7 +153,7 @@ class LoadedImage(Program):
             )
 
     def error_text(self, why: str) -> str:
-        """Return an error message that adds the place, the last jumps and the registers to `why`, the reason."""
+        """Return an error message with the reason `why`, the place, the registers and the last jumps."""
         cpu = self.cpu
         last = [self._jumps[n & LAST_JUMPS - 1] for n in range(max(0, self._jumped - LAST_JUMPS), self._jumped)]
         jumps = ", ".join(f"{self.functions.name_at(address)} {address:#08x}" for address in last)
@@ -170,7 +171,7 @@ class LoadedImage(Program):
     def _awaited(self, loop: tuple[int, int], operands: Sequence[Operand], elsewhere: Sequence[int]) -> Awaited:
         """Return a description of the wait in a loop.
 
-        loop: the addresses of its first instruction and of the branch that closes it.
+        loop: the addresses of the first instruction of the loop, and of the branch that closes it.
         operands: the registers of modules that the loop reads.
         elsewhere: the addresses of the unmodelled words that the loop reads.
         """
@@ -193,7 +194,10 @@ class LoadedImage(Program):
         return Awaited(" and ".join(names or [MEMORY]), "", True)
 
     def _unanswered(self, addresses: Sequence[int]) -> str:
-        """Return why these unmodelled words do not change, and what to add to the case; "" if a stub comes later."""
+        """Return why these unmodelled words do not change, and what to add to the case.
+
+        Return "" if the case adds a stub for one of them later in the run.
+        """
         memory, table = self.cpu.elsewhere, f"[[unit.{self._processor.name}.stub]]"
         if any(address in memory.to_come for address in addresses):
             return ""
@@ -206,7 +210,10 @@ class LoadedImage(Program):
         return f'it is not modelled; answer it by {table} with register = "{full_name(addresses[0])}" and a value'
 
     def _word_name(self, address: int) -> str:
-        """Return the name of a memory word, "symbol+offset"; its address if no symbol is before it in its section."""
+        """Return the name of a memory word, "symbol+offset".
+
+        Return its address if its section has no symbol at or before the word.
+        """
         section = next((one for one in self.image.sections if one.runs_at(address)), None)
         before = [at for at in self.image.symbol_at if section is not None and section.run <= at <= address]
         if not before:
@@ -217,7 +224,7 @@ class LoadedImage(Program):
     # Observers -------------------------------------------------------------------------
 
     def add_call_listener(self, listener: CallListener) -> None:
-        """Add a listener to calls of functions. Call this method before the first instruction is executed."""
+        """Add a listener to function calls. Call this method before the first instruction is executed."""
         if self._calls is None:
             self._calls = CallStack(self.functions, self._clock)
             self._calls.began(self.cpu.pc, self._processor.time.cycle)
@@ -242,14 +249,14 @@ class LoadedImage(Program):
         self._watches = [watch, *self._watches]
 
     def unwatch_instructions(self, watch: InstructionWatch) -> None:
-        """Remove an observer if it was added. An observer may remove itself while it receives an instruction."""
+        """Remove an observer, if present. An observer may remove itself while it receives an instruction."""
         self._watches = [one for one in self._watches if one is not watch]
 
 
 def fields_of(register: Register, mask: int) -> str:
-    """Return the names of the fields with bits of a mask, joined by "+".
+    """Return the names of the fields of a register that have bits in a mask, joined by "+".
 
-    Return "all" if the mask contains all bits of a word, or no bit of any field.
+    Return "all" if all 16 bits are set in the mask, or no bit of any field.
     """
     if mask == ALL:
         return "all"
@@ -258,7 +265,10 @@ def fields_of(register: Register, mask: int) -> str:
 
 @lru_cache(maxsize=256)
 def mask_of(first: int, words: tuple[int, ...]) -> int:
-    """Return the mask of the bits that a loop tests. first: the address of the loop. words: its code."""
+    """Return the mask of the bits that a loop tests; ALL if no instruction with a mask is found.
+
+    first: the address of the loop. words: its code.
+    """
     for one in _instructions(first, words):
         mnemonic, values = one.encoding.mnemonic, one.values
         if mnemonic == "TBIT" and "b" in values:

@@ -1,4 +1,4 @@
-"""Memory of the CPU of an image: loads, stores and fetches of code, each made in the present cycle.
+"""Memory of the CPU that runs an image: loads, stores and fetches of code, each made in the present cycle.
 
 load16, store16 --> Ram
                 --> Bus: registers of modules
@@ -32,8 +32,8 @@ LOW_RAM = 0x800  # M0 and M1 are below this address
 STACK_FIELDS, BEHIND_STACK_FIELDS = 0x40, 0x80  # the first value of field l for *-SP[n], and the value after the last
 PUSHES, POPS = 0xBD, 0xBE  # values of field l for *SP++ and *--SP
 WAITED_FROM = 0xC000  # L4 to L7, which begin here, have wait states as program memory
-L0_AGAIN, L4_AGAIN = 0x3F_8000, 0x3F_C000  # L0 to L3 appear a second time between these addresses
-MIRROR = L0_AGAIN - 0x8000  # distance of the second address of a word from the first
+L0_AGAIN, L4_AGAIN = 0x3F_8000, 0x3F_C000  # L0 to L3 are mapped a second time, from the first address to the second
+MIRROR = L0_AGAIN - 0x8000  # the second address of a word minus its first address
 
 
 def in_plain_ram(address: int) -> bool:  # core: noexcept
@@ -47,7 +47,8 @@ class ImageMemory(Engine):
     timing: the additional cycles of instructions.
     polls: detects waits of the program.
     watched: the observer of writes to variables; None if there is none.
-    reads_unwritten: called with an address at the first read of a word that was not written before; None for no call.
+    reads_unwritten: a function that is called, with the address, at the first read of a word that was not written
+        before; None to call nothing.
     """
 
     STATE = State("elsewhere timing polls watched _tested _written _slots_seen")
@@ -64,7 +65,7 @@ class ImageMemory(Engine):
         self._pipeline = self.timing.pipeline
         self._decoding = False
         self._tested = 0  # mask of the bits of its operand that the present instruction tests
-        # For each RAM word: 1 if it was written, or if a read of it while it was unwritten has been reported.
+        # For each RAM word: 1 if it was written, or if a read of the unwritten word has been reported; otherwise 0.
         self._written: Annotated[list[UInt16], RAM_TO] = [0] * RAM_TO
         self.watched: VariableRecords | None = None
         self.polls = PollSkipper(self._time, self._core, skip_polls)
@@ -81,7 +82,7 @@ class ImageMemory(Engine):
             self.elsewhere.fill(address, value)
 
     def forget(self, addresses: range) -> None:
-        """Clear words of RAM, and let them count as not written."""
+        """Clear words of RAM, and mark them as not written."""
         for address in addresses:
             self._ram.put(address, 0)
             self._written[address] = 0
@@ -105,7 +106,7 @@ class ImageMemory(Engine):
             if self._pipeline.clock < self._pipeline.until:
                 self.timing.wait_for_word(address, 2)
             value = self._ram.word32(address)
-            # A word that was not written is 0.
+            # An unwritten word is 0, so `_written` is tested only if one of the two words is 0.
             if (not value & 0xFFFF or not value >> 16) and not (self._written[address] and self._written[address + 1]):
                 self._unwritten(address)
                 self._unwritten(address + 1)
@@ -170,8 +171,8 @@ class ImageMemory(Engine):
     def _even(self, address: int, how: str) -> int:
         """Return the even address that a 32-bit access uses in place of the odd address `address` [SPRU430F 5.11].
 
-        Raise IllegalOperation if `address` is that of the operand of field l, because this is a mistake of the program.
-        Addressing modes that use SP are an exception, because SP may be odd.
+        Raise IllegalOperation if `address` is the address of the operand that field l encodes. An odd address is then a
+        mistake of the program, unless the addressing mode uses SP, which may be odd.
         how: the words "read from" or "written to", for the message.
         """
         on_stack = STACK_FIELDS <= self.field < BEHIND_STACK_FIELDS or self.field in (PUSHES, POPS)

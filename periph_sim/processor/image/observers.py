@@ -1,4 +1,4 @@
-"""Observers of an image: of executed instructions, of calls of functions, and of writes to variables.
+"""Observers of a running image: of executed instructions, function calls, and writes to variables.
 
     ImageProgram --executed--> InstructionWatch: Coverage, StackDepth
     ImageProgram --jumped, push--> CallStack --called, returned--> CallListener: FunctionSpans, Profile, PresetMemory
@@ -43,8 +43,8 @@ class InstructionWatch:
 class Coverage(InstructionWatch):
     """Coverage of an image: executions of each instruction, and taken jumps.
 
-    executed_at: a dictionary from the address of an instruction to the number of its executions.
-    jumped_at: a dictionary from the address of an instruction to the number of its executions that ended in a jump.
+    executed_at: for the address of each executed instruction, the number of executions.
+    jumped_at: for the address of each instruction that has jumped, the number of executions that ended in a jump.
     """
 
     def __init__(self) -> None:
@@ -59,8 +59,8 @@ class Coverage(InstructionWatch):
 
 
 SECTION = ".stack"
-STACK = "stack"  # in records, in place of the name of a register
-CPU = "CPU"  # in records, in place of the name of a module
+STACK = "stack"  # written to records where other records have the name of a register
+CPU = "CPU"  # written to records where other records have the name of a module
 
 
 class StackDepth(InstructionWatch):
@@ -98,8 +98,8 @@ class Frame:
     """An active function.
 
     first, end: the range of its addresses; `end` is the address after its last word.
-    return_to: the address to which the function returns, after a call or in the interrupted code; NOWHERE for the first
-        function.
+    return_to: the address to which the function returns: the address after a call, or one in the interrupted code.
+        NOWHERE for the first function.
     since: the tick at which the function began.
     """
 
@@ -114,7 +114,7 @@ class Frame:
 
 
 class CallListener:
-    """A listener to calls of functions. tick: when the first instruction after the call or return begins."""
+    """A listener to function calls. tick: the tick at which the first instruction after the call or return begins."""
 
     def called(self, name: str, tick: int) -> None:
         """Receive the start of a function."""
@@ -123,7 +123,7 @@ class CallListener:
         """Receive the end of the innermost active function."""
 
     def slept(self, ticks: int) -> None:
-        """Receive a time in which the innermost function has slept and executed no instruction."""
+        """Receive the duration of a sleep, in which the innermost function has executed no instruction."""
 
 
 class CallStack:
@@ -131,7 +131,7 @@ class CallStack:
 
     A call pushes a frame with its return address. A jump to that address ends the frame and all frames inside it. A
     jump to another function is a tail call: that function replaces the innermost function. So the innermost frame is
-    right even with an RTOS, which returns through frames that it has made, and with `exit`, which never returns.
+    also right with an RTOS, which builds the frames through which it returns, and with `exit`, which never returns.
 
     frames: the active functions, the innermost last.
     """
@@ -151,7 +151,7 @@ class CallStack:
             listener.called(frame.name, frame.since)
 
     def began(self, pc: int, cycle: int) -> None:
-        """Receive the start of the program at `pc`; all frames end."""
+        """End all frames, and add the frame of the function at `pc`, where the program starts."""
         self._drop(0, cycle)
         self.push(pc, NOWHERE, cycle)
 
@@ -182,7 +182,7 @@ class CallStack:
             self.push(pc, frame.return_to, cycle)
 
     def slept(self, ticks: int) -> None:
-        """Pass to the listeners a time without instructions: in IDLE, or in a wait whose passes were skipped."""
+        """Pass the duration of a sleep to the listeners: of IDLE, or of a wait whose passes were skipped."""
         for listener in self._listeners:
             listener.slept(ticks)
 
@@ -205,9 +205,9 @@ class CallStack:
 
 
 class FunctionSpans(CallListener):
-    """SPAN records of the starts and ends of functions.
+    """Makes SPAN records of the starts and ends of functions.
 
-    A function that calls itself is one span, from its first call to its last return.
+    If a function calls itself, the outermost call and all calls inside it are one span.
     """
 
     STATE = State("_depth")
@@ -242,8 +242,8 @@ class FunctionTime(Struct, frozen=True):
 
     calls: the number of calls.
     own: the time in the code of the function itself.
-    total: `own` and the time in functions that it called and in service routines that interrupted it.
-    waits: the part of `own` in which it slept, in IDLE or in a wait whose passes were skipped.
+    total: `own`, and the time in functions that it called and in service routines that interrupted it.
+    waits: the part of `own` in which the program slept, in IDLE or in a wait whose passes were skipped.
     """
 
     name: str
@@ -256,9 +256,9 @@ class FunctionTime(Struct, frozen=True):
 class Profile(CallListener):
     """Profile of an image: the time in each stack of functions, (outermost, ..., innermost).
 
-    stacks: a dictionary from a stack to its time in ticks.
-    waits: a dictionary from a stack to the part of that time without instructions, in ticks.
-    calls: a dictionary from the name of a function to the number of its calls.
+    stacks: for each stack, its time in ticks.
+    waits: for each stack, the part of its time in which the program slept, in ticks.
+    calls: for the name of each function, the number of its calls.
     """
 
     def __init__(self) -> None:
@@ -278,11 +278,11 @@ class Profile(CallListener):
         self._stack = self._stack[:-1]
 
     def slept(self, ticks: int) -> None:
-        """Add a time without instructions to `waits`."""
+        """Add the duration of a sleep to `waits`."""
         self.waits[self._stack] += ticks
 
     def count_to(self, tick: int) -> None:
-        """Add the time up to this tick to that of the present stack."""
+        """Add the time since the last call of this method, up to `tick`, to the time of the present stack."""
         if tick > self._since:
             self.stacks[self._stack] += tick - self._since
             self._since = tick
@@ -303,10 +303,10 @@ class Profile(CallListener):
 
 
 class VariableRecords:
-    """FLAG records of `UNIT.memory` for each change of a variable.
+    """Makes FLAG records of `UNIT.memory`, one for each change of a variable.
 
-    addresses: a dictionary from an address to the variables that have a word there.
-    values: a dictionary from the name of a variable to its last recorded value.
+    addresses: for each address, the variables that contain the word at this address.
+    values: for the name of each variable, its last recorded value, or its initial value before the first record.
     """
 
     STATE = State("values")
@@ -320,7 +320,7 @@ class VariableRecords:
         unit: str,
         place: Callable[[], str | None],
     ) -> None:
-        """Read the initial values from memory, in which the image is loaded. place: returns the present statement."""
+        """Read the initial values from memory, where the image must be loaded. place: returns the present statement."""
         self._place = place
         self.addresses: dict[int, list[Variable]] = {}
         self._ram, self._recorder, self._clock = ram, recorder, clock
@@ -332,7 +332,7 @@ class VariableRecords:
                 self.addresses.setdefault(address, []).append(variable)
 
     def written(self, address: int, cycle: int) -> None:
-        """Record each variable with a changed value after a write of a word. address: one of `addresses`."""
+        """Record each variable that a write of the word at `address` has changed. address: a key of `addresses`."""
         for variable in self.addresses[address]:
             value = self._value(variable)
             if value != self.values[variable.name]:
@@ -351,9 +351,9 @@ MAIN = ("main", "_main")
 
 
 class PresetMemory(CallListener):
-    """Initial values that a case sets for variables.
+    """Stores the initial values that a case sets for variables.
 
-    They are stored before the program begins, and again when main begins, since start-up code may overwrite them.
+    `put` stores them before the program begins, and again when main begins, because start-up code may overwrite them.
     """
 
     STATE = State()

@@ -1,21 +1,21 @@
 """Detection of waits in an image: loops whose passes all have the same result until a register that they read changes.
 
-    backward branch is repeated --> state of the CPU as before --> Lease: a watch on the registers that were read
+    a backward branch repeats --> the state of the CPU is as before --> Lease: a watch on the registers that were read
     --> sleep --> woken: the pass in progress is replayed from its start; reads in the past return the earlier values
 
 A pass is *clean* under these conditions:
 
-- It changed no word of RAM, and wrote nothing else except the key register of the watchdog.
-- It read no register that changes with time, or whose read has an effect.
+- It changed no word of RAM. Outside of RAM, it wrote only to the key register of the watchdog, if at all.
+- It read no register that changes with time, and no register whose read has an effect.
 - It changed no interrupt mask (INTM, IER), and did not access IFR.
-- No interrupt was taken in it. If a listener observes calls, it made no call.
+- No interrupt was taken during the pass. If a listener observes calls, the pass made no call.
 
-If the registers, the pipeline and the fetch queue are equal before and after two clean passes of equal length, the next
-pass has the same result as long as the module registers that the pass reads keep their values. So skipping a pass does
-not change any cycle or bit.
+If two clean passes have the same number of cycles, and leave the registers of the CPU, the pipeline and the fetch queue
+as they were, then the next pass has the same result as long as the module registers that it reads keep their values. So
+skipping it does not change any cycle or bit of the run.
 
-After a pass that changes a counter, in a register or in memory, further passes may change only the counters
-(`counting_loop`). Such passes are skipped in the same way, and the counters are advanced.
+A pass may also change nothing but counters, in registers or in memory (`counting_loop`). Such passes are skipped in the
+same way, and the counters are advanced.
 """
 
 # core: compiled
@@ -32,10 +32,10 @@ from ..operand import Operand
 from ..polling import Lease, Spin
 
 FIRST_EXAMINED = 2  # number of passes of a loop before a pass is examined
-LONGEST = 1024  # maximum number of passes between two examined passes of a loop that is no wait
+LONGEST = 1024  # maximum number of passes between two examined passes of a loop that is not found to be a wait
 COUNTS_FROM = 64  # number of passes before a loop is analysed for counters, which is slow
-FEWEST = 8  # if fewer further passes than this only count, they are executed instead of skipped
-NOT_ALWAYS = ("began", "live_from", "_next", "_period", "_most", "_spin", "_values")  # used in a sleep or in a replay
+FEWEST = 8  # minimum number of counting passes that are skipped; if there are fewer, they are executed
+NOT_ALWAYS = ("began", "live_from", "_next", "_period", "_most", "_spin", "_values")  # used in sleeps and replays
 TRIES = 3  # number of failed analyses for counters after which a loop is not analysed again
 
 
@@ -47,14 +47,15 @@ class PollSkipper:
     clean: True if the examined pass has been clean so far (see the module's description).
     counting: True if the examined pass is analysed for counters, so it may change words of memory.
     changed: for the address of each memory word that the examined pass has changed, the earlier value of the word.
-    skips: True if the program sleeps instead of executing the further passes. If False, it executes them, and the sleep
-        is only noted, so that the wait is recorded with the same start and end as for a sleeping program.
-    asleep: True from the start of a sleep, or of a noted sleep, to its end.
+    skips: True if the program sleeps instead of executing the further passes. If it is False, the program executes
+        them, and the sleep is only noted: the wait is recorded with the start and the end that a sleep would have.
+    asleep: True during a sleep or a noted sleep.
     replaying: True while a pass is replayed. Its reads before the cycle `live_from` return the values that the examined
         pass has read.
     elsewhere: the addresses of the unmodelled words that the examined pass has read.
     routines: the number of active service routines.
-    restarts: True if the examined pass has restarted the watchdog, so further passes must not be skipped.
+    restarts: True if the examined pass has written the key register of the watchdog. Further passes must then not be
+        skipped, because they restart the watchdog, too.
     began: the cycle at which the examined pass began.
     since: the cycle at which the first pass of the loop ended.
     """
@@ -82,7 +83,7 @@ class PollSkipper:
         self.forget()
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return what the program's future depends on: the sleep, or the replay of a pass. See `proof.normal_state`."""
+        """Return the parts of a sleep or replay that affect the future of the program. See `proof.normal_state`."""
         found: dict[str, object] = dict.fromkeys(NOT_ALWAYS)
         found["_examine_at"] = self._examine_at - self._passes
         if self.replaying:
@@ -131,8 +132,8 @@ class PollSkipper:
     def is_repeatable(self) -> bool:
         """Return True, at the start of a pass, if the previous pass was examined and clean.
 
-        The caller then compares the states and calls `repeats`. If the previous pass was not examined, begin to examine
-        the present pass. If it was not clean, examine the loop later.
+        The caller then compares the states and calls `repeats`. Otherwise, begin to examine the present pass if the
+        previous pass was not examined, or examine the loop later if the previous pass was not clean.
         """
         if self.tracking and self.clean:
             return True
@@ -144,7 +145,7 @@ class PollSkipper:
         return False
 
     def examine_later(self) -> None:
-        """Examine the loop again after a number of passes that is doubled each time, up to LONGEST."""
+        """Examine the loop again after some passes. Their number doubles with each call, up to LONGEST."""
         self._step = min(2 * self._step, LONGEST)
         self._examine_at = self._passes + self._step
         self.tracking = False
@@ -152,7 +153,7 @@ class PollSkipper:
     def repeats(self, as_before: bool) -> bool:
         """Return True, at the start of a pass, if two clean passes of equal length have left the state unchanged.
 
-        Call this method if `is_repeatable` is True. as_before: the result of `ImageCpu.is_as_before` now.
+        Call this method if `is_repeatable` is True. as_before: the present result of `ImageCpu.is_as_before`.
         """
         cycle = self._time.cycle
         equal: bool
@@ -169,10 +170,10 @@ class PollSkipper:
     # Passes that count -------------------------------------------------------------
 
     def may_count(self) -> bool:
-        """Begin to examine the pass that begins now, and to analyse it for counters. Return True if this is done.
+        """Begin to examine the pass that begins now, and to analyse it for counters. Return True.
 
-        It is not done if the loop has made too few passes, if too many analyses have failed, or if the pass is examined
-        already. Call this method if the previous pass was not repeatable.
+        Return False, without effect, if the loop has made too few passes, if too many analyses have failed, or if the
+        pass is examined already. Call this method if the previous pass was not repeatable.
         """
         if self.tracking or self._passes < COUNTS_FROM or self._failed.get(self._branch, 0) >= TRIES:
             return False
@@ -185,7 +186,7 @@ class PollSkipper:
         return True
 
     def counted(self) -> bool:
-        """Return True, at the end of the analysed pass, if it was clean and had the length of the pass before it."""
+        """Return True, at the end of the analysed pass, if it was clean and as long as the pass before it."""
         cycle = self._time.cycle
         alike: bool = self.clean and cycle - self.began == self._period
         self.began = cycle
@@ -194,7 +195,7 @@ class PollSkipper:
         return alike
 
     def count_failure(self) -> None:
-        """Count a failed analysis, in which the loop did more than count."""
+        """Count a failed analysis: the loop did more than change counters."""
         self._failed[self._branch] = self._failed.get(self._branch, 0) + 1
 
     @property
@@ -223,7 +224,10 @@ class PollSkipper:
         self._spin.begin_pass(self._time.cycle)
 
     def note(self, operand: Operand, value: int) -> None:
-        """Append the read of a module's register to the reads of the examined pass."""
+        """Append the read of a module's register to the reads of the examined pass.
+
+        If the register changes with time, or its read has an effect, the pass is not clean.
+        """
         self._spin.note(operand, value << operand.shift, None)
         self._values.append(value)
         if not operand.steady:
@@ -235,7 +239,10 @@ class PollSkipper:
         self._values.append(value)
 
     def restart(self) -> None:
-        """Mark the examined pass as one that writes the key register of the watchdog."""
+        """Set `restarts`, because the examined pass writes the key register of the watchdog.
+
+        A pass that is analysed for counters is then not clean.
+        """
         self.restarts = True
         if self.counting:
             self.clean = False
@@ -249,10 +256,10 @@ class PollSkipper:
     def sleep(self, most: int = NEVER) -> Spin | None:
         """Put the program to sleep until a value that it polls may differ, or for `most` passes.
 
-        An interrupt ends the sleep, too.
+        An interrupt ends the sleep, too. Return the wait that begins.
 
-        Return the wait that begins. Return None, without a sleep, if a posted write or an interrupt is pending, or if
-        the next pass would read other values. The loop is then examined anew.
+        Return None, without a sleep, if a posted write or an interrupt is pending, or if the next pass would read other
+        values. The loop is then examined again.
         """
         time, lease, spin = self._time, self._lease, self._spin
         spin.since = self.since
@@ -274,7 +281,7 @@ class PollSkipper:
         return spin
 
     def woken(self, now: int) -> int:
-        """End the sleep at cycle `now`, from which on a pass may have another result.
+        """End the sleep at cycle `now`. From this cycle on, a pass may have another result.
 
         Return the number of complete passes since the sleep began. If these were skipped, the pass in progress is
         replayed from its start, and its reads before `now` return the earlier values.
@@ -296,7 +303,7 @@ class PollSkipper:
         return self.began + passes * self._period
 
     def resume(self, cycle: int) -> None:
-        """Wake a sleeping program. Call this method when a stub was added or has changed its value."""
+        """Wake the program if it sleeps. Call this method when a stub was added or has changed its value."""
         if self.asleep:
             self._time.resume_by(max(cycle, self.began))
 

@@ -1,9 +1,9 @@
-"""A firmware image as a program, which runs until it must wait, sleeps or ends.
+"""A firmware image as a program. It runs until it must wait, sleeps or ends.
 
     Processor --run--> ImageProgram: begin (operand found) --reach (cycle of the access)--> finish --> next instruction
                           ^--- stops if something else may act before that cycle; the instruction is kept in `_ready`
 
-An instruction takes the cycles of the manual's table, those that `instruction_timing` adds, the wait states of
+The cycles of an instruction are those of the manual's table, those that `instruction_timing` adds, the wait states of
 registers, and the waits for earlier writes on the bus.
 
 Source: SPRU430F chapters 3 and 4.
@@ -38,7 +38,7 @@ from .polls import FEWEST
 class ImageProgram(LoadedImage):
     """A program that executes an image.
 
-    instructions: the number of executed instructions, with those of skipped passes.
+    instructions: the number of executed instructions, including those of skipped passes.
     skipped: the number of instructions of skipped passes.
     """
 
@@ -63,7 +63,7 @@ class ImageProgram(LoadedImage):
     ) -> None:
         """entry: the address at which execution begins.
 
-        skip_polls: True if passes of a wait that repeat the previous pass are skipped.
+        skip_polls: True to skip passes of a wait that would repeat the previous pass.
         keeps_decoded: True if each instruction is decoded once, False if it is decoded at each execution.
         """
         super().__init__(processor, clock, image, entry, ImageCpu(processor, options, skip_polls, keeps_decoded))
@@ -74,7 +74,8 @@ class ImageProgram(LoadedImage):
         self._asleep_at = 0  # the tick at which the last sleep began
         self._loop_due = False  # True at the start of a pass of a loop that should be examined
         self._back = -1  # the address of the branch that closed the last executed pass of a wait; -1 for none
-        # _counted: number of instructions up to the start of the present pass. _pass: number of instructions of a pass.
+        # _counted: number of instructions up to the start of the present pass.
+        # _pass: number of instructions in each pass of the present wait.
         self._counted = self._pass = 0
         self._unmodelled: UnmodelledWait | None = None  # the last wait that has read unmodelled words only
         self._counting: CountingLoop | None = None  # set while a pass is traced, or counting passes are skipped
@@ -82,7 +83,10 @@ class ImageProgram(LoadedImage):
         self._sp = 0  # SP after the last instruction
 
     def begin(self) -> None:
-        """Start the program: set PC to the entry, and the other registers as the boot ROM leaves them; keep memory."""
+        """Start the program: set PC to the entry, and the other registers to their values at the end of the boot ROM.
+
+        Memory keeps its contents.
+        """
         self.cpu.reset()
         self.cpu.pc = self._entry
         self._sp = self.cpu.sp
@@ -95,7 +99,10 @@ class ImageProgram(LoadedImage):
             self._calls.began(self._entry, self._processor.time.cycle)
 
     def kill(self, how: type[BaseException]) -> None:
-        """End the program and its sleep, if any, so that a later reset of registers does not wake it. how: not used."""
+        """End the program, and its sleep if it sleeps, so that a later reset of registers does not wake it.
+
+        how: not used.
+        """
         LoadedImage.kill(self, how)
         time = self._processor.time
         now = self._clock.cycle_at(time.instant()[1])
@@ -108,7 +115,7 @@ class ImageProgram(LoadedImage):
             self._record_wait(now, 0)
         polls.forget()
 
-    # Turns --------------------------------------------------------------------------
+    # Execution ----------------------------------------------------------------------
 
     def run(self, until: int) -> Stop | None:
         """Execute instructions until the program must stop. Return the reason; see `Program.run`."""
@@ -215,7 +222,8 @@ class ImageProgram(LoadedImage):
     def _sleeps(self) -> bool:
         """Put the program to sleep at the start of a pass that must repeat the previous ones.
 
-        Return False if the program stays awake. If passes must not be skipped, the sleep is only noted.
+        Return True if it sleeps, False if it stays awake. If `polls.skips` is False, the sleep is only noted, and the
+        program executes the passes.
         """
         polls, passed = self.cpu.polls, self.instructions - self._counted
         self._counted = self.instructions
@@ -239,7 +247,7 @@ class ImageProgram(LoadedImage):
             return False
         self._pass = passed
         if self._counting is not None and not polls.reads:
-            return True  # the loop reads nothing that changes, so it is no wait and is not recorded
+            return True  # the loop only counts, and reads nothing that others change, so it is not recorded as a wait
         self.spin = spin
         self._unmodelled = None
         if self._counting is None:
@@ -249,7 +257,7 @@ class ImageProgram(LoadedImage):
         return True
 
     def _keep_unmodelled(self, since: int) -> None:
-        """Keep the loop as a wait for unmodelled registers if its passes read no other registers.
+        """Store the present loop in `_unmodelled` if it reads unmodelled words, but no registers of modules.
 
         since: the cycle at which the wait began.
         """
@@ -259,9 +267,10 @@ class ImageProgram(LoadedImage):
             self._unmodelled = UnmodelledWait(since, loop, cpu.sp, polls.routines, list(polls.elsewhere))
 
     def _sleeps_counting(self) -> Spin | None:
-        """At the end of a traced pass, put the program to sleep for the passes that only count, and return the wait.
+        """Put the program to sleep, at the end of a traced pass, for the passes that change only counters.
 
-        Return None, without a sleep, if there are too few such passes.
+        Return the wait that begins. Return None, without a sleep, if there are too few such passes, or if
+        `PollSkipper.sleep` returns None.
         """
         polls, loop = self.cpu.polls, self._counting
         assert loop is not None
@@ -277,7 +286,7 @@ class ImageProgram(LoadedImage):
         return None
 
     def _follow_wait(self) -> None:
-        """End a wait whose passes are executed, not skipped, if a sleeping program would have been woken by now."""
+        """End a wait whose passes are executed, not skipped, if a sleeping program would have been woken already."""
         time, back = self._processor.time, self._back
         self._back = -1
         if time.wakes <= time.cycle:
@@ -287,7 +296,7 @@ class ImageProgram(LoadedImage):
                 self._loop_due = self.cpu.polls.again(back, time.cycle)
 
     def _woken(self, cycle: int) -> None:
-        """End a wait at this cycle, from which on the result of a pass may differ; see `PollSkipper.woken`."""
+        """End a wait at a cycle from which on a pass may have another result; see `PollSkipper.woken`."""
         polls, counting = self.cpu.polls, self._counting
         passes = polls.woken(cycle)
         self.spin = self._counting = None
@@ -322,7 +331,7 @@ class ImageProgram(LoadedImage):
         return found._replace(since=wait.since, place=self.place_at(wait.loop[1]))
 
     def _slept(self) -> bool:
-        """Wait in IDLE. Return True when an interrupt that IER enables ends it, False if the program must stop."""
+        """Wait in IDLE. Return True if an interrupt that IER enables has ended IDLE, False if the program must stop."""
         processor, core = self._processor, self._processor.core
         time = processor.time
         if not self._idle_began:
@@ -340,7 +349,7 @@ class ImageProgram(LoadedImage):
         return True
 
     def _ended(self) -> Stop:
-        """Return ENDED after ESTOP0 once all posted writes have landed; until then, return WAITS."""
+        """Return ENDED if all posted writes before ESTOP0 have taken effect; otherwise, return WAITS."""
         time = self._processor.time
         if self.returned_at is None:
             self.returned_at = time.cycle
@@ -378,8 +387,8 @@ class ImageProgram(LoadedImage):
             self._calls.on_return(self.cpu.pc, self._processor.time.cycle + cpu_costs.IRET)
 
     def _left_stack(self, f: Operation) -> bool:
-        """Return True if SP, which is now outside of `.stack`, has left it by a push or pop of instruction `f`.
+        """Return True if SP, which is now outside of the section .stack, has left it by instruction `f`.
 
-        Firmware may set SP to another stack by a write to SP.
+        Return False if `f` is a write to SP, because firmware may select another stack in this way.
         """
         return self._stack_begin <= self._sp <= self._stack_end and not (f.l == SP_FIELD and f.accesses & WRITES)

@@ -5,8 +5,8 @@
     0x3FE712  square root            0x3FEBDC  sine and cosine, floating point
     0x3FE824  arctangent             0x3FF0DE  arctangent and exponential, floating point
 
-TI documents the contents of the tables, not their words, so the words are computed. All 4732 words equal the tables in
-TI's published sources: those of the F2802x boot ROM (IQmath) and of the library FPUfastRTS 1.00. Source: SPRU963A
+TI documents what the tables contain, but not their words, so the words are computed. All 4732 words are equal to those
+in TI's published sources: the F2802x boot ROM (IQmath) and the library FPUfastRTS 1.00. Source: SPRU963A
 section 1.1; F28335.cmd (addresses).
 """
 
@@ -17,9 +17,9 @@ from collections.abc import Iterable, Iterator
 from functools import cache
 from struct import pack, unpack
 
-PERIOD = 512  # samples in a period of sine; the table is a quarter longer, so it has a period of cosine, too
-MANTISSAS = range(128)  # normalized operands of division and square root, in steps of 1/256 from 1/2 to 1
-INTERVALS = 65  # intervals of the arctangent, each 1/64 wide
+PERIOD = 512  # samples in a period of sine; the table is a quarter longer, so that it contains a period of cosine, too
+MANTISSAS = range(128)  # indices of the intervals, each 1/256 wide, of operands from 1/2 to 1 (division, square root)
+INTERVALS = 65  # number of intervals of the arctangent, each 1/64 wide
 FORMATS = range(1, 31)  # Q1 to Q30
 WORD = 0xFFFF_FFFF
 LOWEST = -(1 << 31)
@@ -36,11 +36,11 @@ def words() -> tuple[int, ...]:
 
 def _fixed_point() -> Iterator[int]:
     yield from _scaled(_sines(math.pi), 30)
-    yield from (0x4000_0000, 1, 0, WORD - 1, 0, 0, WORD)  # 2.0 in Q29; constants to round and limit the quotient
+    yield from (0x4000_0000, 1, 0, WORD - 1, 0, 0, WORD)  # 2.0 in Q29, then constants that round and limit the quotient
     quotients = [256 / (128.5 + n) for n in MANTISSAS]
     yield from _scaled((0, *quotients, *(-one for one in reversed(quotients))), 29)
     yield from _scaled((1.5,), 30)
-    yield from (0x8000, 0, 0xFFFF_0000, 0x7FFF)  # constants to round and limit the square root
+    yield from (0x8000, 0, 0xFFFF_0000, 0x7FFF)  # constants that round and limit the square root
     yield from _scaled((1, 0.5, math.sqrt(0.5), 0), 30)
     yield from _scaled((math.sqrt(256 / (128.5 + n)) for n in MANTISSAS), 30)
     yield from _scaled((2,), 29)
@@ -49,7 +49,7 @@ def _fixed_point() -> Iterator[int]:
     yield from _scaled(_arctangents(), 30)
     for q in reversed(FORMATS):
         half = 1 << q - 1
-        yield from (half, 0, WORD, half - 1, 0, -half)  # constants to round and limit a product
+        yield from (half, 0, WORD, half - 1, 0, -half)  # constants that round and limit a product
     for q in FORMATS:
         low = max(-q * math.log(2), LOWEST / (1 << q))
         yield from _scaled((math.log((2**31 - 1) / (1 << q)), low), q)
@@ -57,7 +57,7 @@ def _fixed_point() -> Iterator[int]:
 
 
 def _floating_point() -> Iterator[float]:
-    # TI's value of pi, a little too large, makes the sample at pi the float -0.0.
+    # TI used a value of pi that is a little too large, so the sample at pi is rounded to -0.0.
     yield from _sines(3.1415926535898)
     yield from (2, 1.570796327)
     yield from _arctangents()
@@ -79,10 +79,10 @@ def _arctangents() -> Iterator[float]:
 
 
 def _reciprocals() -> Iterator[float]:
-    """Yield the factors of the power series of exp, the last one first."""
+    """Yield the factors 1/n of the power series of exp, from 1/11 to 1/2."""
     return (1 / n for n in range(11, 1, -1))
 
 
 def _scaled(numbers: Iterable[float], q: int) -> Iterator[int]:
-    """Yield numbers in a Q format, rounded to nearest."""
+    """Yield numbers in the format Qq (q bits after the binary point), rounded to nearest."""
     return (round(number * (1 << q)) for number in numbers)

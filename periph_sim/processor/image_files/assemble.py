@@ -1,4 +1,4 @@
-"""An assembler for C28x source text; the source gives the address of each section.
+"""An assembler for C28x source text. No linker is needed, because the source states the address of each section.
 
             .sect   ".text", 0x8000      ; name and run address; a third number is the load address, if that differs
     _main:  MOVW    DP, #0x7900 >> 6
@@ -9,11 +9,11 @@
             LRETR
             .reserve ".stack", 0x400, 0x300
 
-.word and .long store numbers, .string stores characters, .space stores zero words, .reserve reserves words. NAME .set
-EXPRESSION names a number. .align 2 aligns to an even address. .entry NAME sets the entry point, which is `_c_int00` by
-default. .global NAME makes a label a function or a variable; other labels are local to their function. .include "FILE"
-inserts the lines of a file in the same folder, or of a shipped file. The first pass assigns addresses, the second emits
-words.
+.word and .long store numbers, .string stores characters, .space stores words of 0, .reserve reserves words. NAME .set
+EXPRESSION defines a name for a number. .align 2 aligns to an even address. .entry NAME sets the entry point, which is
+`_c_int00` by default. .global NAME makes a label a function or a variable; other labels are local to their function.
+.include "FILE" inserts the lines of a file in the same folder, or of a file that is shipped with periph_sim. The first
+pass over the source assigns addresses, the second pass emits words.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class _Block:
     """A section that is being assembled.
 
     address, load: its run address and its load address.
-    at: the run address after the pieces so far.
+    at: the run address of the next piece.
     pieces: for each piece of the section, its source line, its run address, and the function that returns its words for
         this address and the values of all symbols.
     """
@@ -81,9 +81,9 @@ class _Source:
     """The first pass over the source lines, which collects the symbols, and the sections with their pieces.
 
     blocks, reserved: the sections with contents, and those that only reserve memory.
-    symbols: a dictionary from a symbol to its value.
-    sections: a dictionary from a symbol to the name of its section; "" for a symbol that .set defines.
-    globals: a dictionary from a .global name to its line.
+    symbols: for each symbol, its value.
+    sections: for each symbol, the name of its section; "" for a symbol that .set defines.
+    globals: for each name that .global states, the source line of .global.
     entry: the name of the entry point.
     entry_line: the line of .entry; NOWHERE if there is none.
     """
@@ -115,7 +115,10 @@ class _Source:
         return evaluate(text, self.symbols, self.blocks[-1].at if self.blocks else 0)
 
     def text(self, text: str, path: str, included: str = "") -> None:
-        """Process all lines of a file. text: its contents. included: its name if .include names it; otherwise ""."""
+        """Process all lines of a file.
+
+        text: the contents of the file. path: its path. included: its name; "" for the main source.
+        """
         for number, line in enumerate(text.splitlines(), 1):
             outer, self._place = self._place, _Place(path, number, included)
             with _errors_at(self._place):
@@ -225,10 +228,11 @@ def _operands(text: str) -> list[str]:
 
 
 def assemble(text: str, path: Path | None = None) -> Image:
-    """Return the image of a program. text: the source. Raise BadImage, with the source line, for an error.
+    """Return the image of a program. Raise BadImage, with the source line, for an error.
 
-    path: the path of the source, for the debug data; included files are searched in its folder. With None, the image
-        has no debug data.
+    text: the source text.
+    path: the path of the source, for the debug data. Included files are searched in its folder. If it is None, the
+        image has no debug data.
     """
     source = _Source(Path() if path is None else path.parent)
     source.text(text, str(path))
@@ -270,7 +274,7 @@ def sources_of(path: Path) -> list[Path]:
 
 @contextmanager
 def _errors_at(place: _Place) -> Iterator[None]:
-    """Raise an error within the block as BadImage with this source line."""
+    """Convert a BadInstruction, raised within the `with` block, to BadImage with this source line."""
     try:
         yield
     except BadInstruction as error:
@@ -278,7 +282,7 @@ def _errors_at(place: _Place) -> Iterator[None]:
 
 
 def included(name: str, folder: Path) -> Path:
-    """Return the path of a file that .include names: a file in this folder, or else a file shipped with periph_sim."""
+    """Return the path of a file: the one in this folder if it exists, or else one that is shipped with periph_sim."""
     shipped = SHIPPED / name
     return shipped if not (folder / name).exists() and shipped.is_file() else folder / name
 
@@ -297,8 +301,8 @@ def assemble_file(path: Path) -> tuple[Image, bytes]:
     """Return the image of a source file, and the bytes of its .out file. Raise BadImage with the path for an error.
 
     If the folder has no such file, use the program of this name that is shipped with periph_sim. If the folder does not
-    exist, its name may be mistyped. So a shipped program is then used only if the folder has the name of the folder of
-    the shipped programs.
+    exist, its name may be mistyped, so a shipped program is then used only if the last two parts of the folder's path
+    are those of the folder of shipped programs.
     """
     folder = path.parent
     is_there = folder.is_dir() or folder.parts[-2:] == SHIPPED.parts[-2:]
@@ -323,11 +327,11 @@ COPY, ADVANCE_PC, ADVANCE_LINE, SET_FILE = 1, 2, 3, 4  # standard opcodes of a D
 END_SEQUENCE, SET_ADDRESS = 1, 2  # extended opcodes of a DWARF line program, DW_LNE_...
 OPERANDS = bytes((0, 1, 1, 1, 1, 0, 0, 0, 1))  # number of operands of each of the standard opcodes 1 to 9
 
-Row = tuple[int, str, int]  # address, file and line of an instruction
+Row = tuple[int, str, int]  # address, file and line of a piece
 
 
 def debug_sections(file: str, sequences: Sequence[tuple[Sequence[Row], int]]) -> dict[str, bytes]:
-    """Return a dictionary from the name of a DWARF section to its contents.
+    """Return the contents of the DWARF sections for the source lines, by the names of the sections.
 
     file: the path of the main source.
     sequences: for each section of code, its rows in ascending order of addresses, and the address after its end.
@@ -371,9 +375,9 @@ def _text(text: str) -> bytes:
 
 
 def _leb(number: int) -> bytes:
-    """Return a number as signed LEB128: seven bits in each byte, and bit 6 of the last byte is the sign.
+    """Return a number as signed LEB128: seven bits in each byte; bit 6 of the last byte is the sign.
 
-    For numbers from 0 on, the result is valid as unsigned LEB128, too.
+    For numbers from 0 on, the result can also be read as unsigned LEB128.
     """
     coded = bytearray()
     while True:

@@ -4,8 +4,8 @@
 
 The *virtual* address in a section header is the load address, the *physical* address is the run address.
 
-Source: SPRAAO8. Two facts are known only from linked images: which sections are loaded, and that the size of a COPY
-section counts bytes unless it is a text or data section.
+Source: SPRAAO8. Two facts are not documented, but were found in linked images: which sections are loaded, and that the
+size of a COPY section counts bytes if it is neither a text nor a data section.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class SectionHeader(NamedTuple):
 
 
 def is_coff(data: bytes) -> bool:
-    """Return True if the data are TI COFF of any version, for any processor."""
+    """Return True if the data begin like a TI COFF file of any version, for any processor."""
     return len(data) >= 2 and struct.unpack_from("<H", data)[0] in VERSIONS
 
 
@@ -112,7 +112,10 @@ class _Strings:
             self._table = data[at : at + size]
 
     def name(self, field: bytes) -> str:
-        """Return the name in a field of 8 bytes: the name itself, or zero and the offset of a longer name."""
+        """Return the name that a field of 8 bytes contains, or to which it refers.
+
+        The field is the name itself, or 4 bytes of 0 and the offset of a longer name in the table.
+        """
         zero, offset = struct.unpack("<II", field)
         if zero or not offset:
             return field.rstrip(b"\0").decode("latin-1")
@@ -159,9 +162,9 @@ def _section(header: SectionHeader, data: bytes) -> Section:
 def _initial(headers: list[SectionHeader], data: bytes) -> Iterator[tuple[int, tuple[int, ...]]]:
     """Yield (address, words) of each .cinit record that a loader applies, in programs linked with --ram_model.
 
-    A record begins with a word that is a signed count; 0 ends the list. After a positive count n, one word is the
-    address, and n words are the values. After a negative count -n, two words are the address, the low word first, and n
-    words are the values.
+    A record begins with a word that is a signed count; 0 ends the list. A positive count n is followed by one word with
+    the address and n words with the values. A negative count -n is followed by two words with the address, the low word
+    first, and n words with the values.
     """
     for header in headers:
         if header.name != ".cinit" or not header.size or header.flags & (COPY | DATA) != COPY | DATA:
@@ -240,7 +243,7 @@ class _NewStrings:
         self._names = b""
 
     def field(self, name: str) -> bytes:
-        """Return the 8 bytes of a name field: the name, or zero and the offset of a longer name in the table."""
+        """Return the 8 bytes of a name field: the name, or 4 bytes of 0 and the offset of a long name in the table."""
         raw = name.encode("latin-1")
         if len(raw) <= SHORT_NAME:
             return raw.ljust(SHORT_NAME, b"\0")

@@ -1,11 +1,11 @@
-"""Find the memory accesses in code whose addresses are constants, without executing the code.
+"""Find accesses to constant memory addresses in code, without executing the code.
 
     MOVW DP,#0x1C5        DP = 0x1C5
     MOVL XAR4,#0x0085F0   XAR4 = 0x0085F0
     MOVL @0x2,XAR4        write of 0x0085F0 to 0x1C5 << 6 | 2
 
-The values of DP, SP and XAR0 to XAR7 are tracked within a function and over its forward branches. A value from memory,
-from an argument or from most arithmetic is unknown. Accesses to unknown addresses are not found.
+The values of DP, SP and XAR0 to XAR7 are tracked within a function and over its forward branches. A value is unknown if
+it comes from memory, from an argument, or from most arithmetic. Accesses to unknown addresses are not found.
 
 Source: SPRU430F chapter 5 (addresses).
 """
@@ -42,7 +42,7 @@ class Access(NamedTuple):
 
 
 class Known:
-    """Known values of registers. A value is None if it is unknown."""
+    """Values of the address registers. A value is None if it is unknown."""
 
     def __init__(self, dp: int | None = None, xar: Iterable[int | None] = (None,) * 8, sp: int | None = None) -> None:
         self.dp = dp
@@ -59,11 +59,11 @@ def accesses(
     """Yield every access that has a known address.
 
     instructions: the result of `sweep`: instructions, and the addresses of words that are no instructions.
-    functions: the addresses at which functions begin; no register value is known there.
+    functions: the addresses at which functions begin. All register values are unknown there.
     begin: the register values before the first instruction; None if all are unknown.
     """
     known = begin or Known()
-    waiting: dict[int, Known] = {}  # maps the target of a forward branch to the values known there
+    waiting: dict[int, Known] = {}  # for the target of each forward branch, the known values there
     reached = True
     for instruction in instructions:
         if isinstance(instruction, int) or instruction.address in functions:
@@ -102,7 +102,7 @@ def _width(instruction: Instruction) -> int:
 
 
 def _address(field: int, known: Known, width: int) -> int | None:
-    """Return the address that field l encodes; None if the operand is a register, or the address is unknown."""
+    """Return the address that field l encodes; None if the operand is a register, or if the address is unknown."""
     if field in DIRECT:
         return None if known.dp is None else known.dp << PAGE | field
     if field in STACK:

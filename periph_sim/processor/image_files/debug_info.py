@@ -1,7 +1,7 @@
 """Functions and source lines of an image by address, from its debug data (DWARF).
 
-Functions without debug data are taken from the symbols. TI's compilers write DWARF 2 or 3. Addresses are run addresses
-in words. Unreadable debug data are left out.
+Functions without debug data are found by their symbols. TI's compilers write DWARF 2 or 3. Addresses are run addresses
+in words. Debug data that cannot be read are ignored.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ T = TypeVar("T")
 
 
 class SourceLine(NamedTuple):
-    """Line of a source file. file: the path that was given to the compiler."""
+    """A line of a source file. file: the path that was passed to the compiler."""
 
     file: str
     line: int
@@ -42,7 +42,7 @@ class FunctionRange(NamedTuple):
 
 
 class DebugInfo:
-    """Debug data of an image. damaged: why the data could not be read completely; "" if they are undamaged."""
+    """Debug data of an image. damaged: why the data could not be read completely; "" if no damage was found."""
 
     def __init__(self, image: Image) -> None:
         self.damaged = ""
@@ -71,7 +71,7 @@ class DebugInfo:
         return self.lines[at][1] if at >= 0 else None
 
     def each(self, parse: Callable[[DWARFInfo, CompileUnit], Iterator[T]]) -> list[T]:
-        """Return everything that `parse` yields for the compilation units, up to the first damaged data."""
+        """Return all that `parse` yields for the compilation units. Stop at damaged data, and set `damaged`."""
         found: list[T] = []
         if self._dwarf is None:
             return found
@@ -116,7 +116,7 @@ def _lines(dwarf: DWARFInfo, unit: CompileUnit) -> Iterator[tuple[int, SourceLin
         if state.end_sequence:
             yield state.address, None
         elif after is None or after.end_sequence or after.address != state.address:
-            # Of several lines at one address, only the last one is used.
+            # If several lines begin at one address, only the last one is used.
             files = program["file_entry"]
             place = state.file if program["version"] >= 5 else state.file - 1
             file = text_of(files[place].name) if 0 <= place < len(files) else "?"
@@ -128,7 +128,7 @@ def text_of(raw: bytes | str) -> str:
 
 
 class Function(NamedTuple):
-    """Function of an image.
+    """A function of an image.
 
     address: its run address.
     size: its number of words.
@@ -144,7 +144,7 @@ class Function(NamedTuple):
 
 
 class FunctionMap:
-    """Functions of an image. debug: its debug data. functions: all functions, ordered by section and address."""
+    """The functions of an image. debug: its debug data. functions: all functions, ordered by section and address."""
 
     def __init__(self, image: Image) -> None:
         self.debug = DebugInfo(image)
@@ -165,7 +165,7 @@ class FunctionMap:
         return inside.name if inside else f"{address:#08x}"
 
     def named(self, name: str) -> Function | None:
-        """Return the function of a name, at the lowest address if several have it; None if there is none."""
+        """Return the function with this name; None if there is none. If there are several, use the lowest address."""
         return next((function for function in self._by_address if function.name == name), None)
 
 

@@ -1,9 +1,10 @@
-"""Reader for C28x ELF files as the linker writes them for EABI.
+"""Reader for C28x ELF files, as TI's linker writes them for programs in EABI.
 
 Addresses count words, sizes count bytes. The physical address of a segment is the load address, the virtual address is
 the run address.
 
-Source: SPRAC71B chapters 4 and 13. Tested with our own files only: no public F28335 image of this format is known.
+Source: SPRAC71B chapters 4 and 13. Tested only with our own files, because no public F28335 image of this format is
+known.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Cycles of each instruction of a function with their reasons, as text and as JSON.
 
-Instructions are counted in the order of addresses, and no conditional branch is taken; the cycles of a taken branch are
-shown beside those of the branch that is not taken. Stalls are counted if earlier instructions write a register or a
-word that the instruction needs. Accesses through pointers, registers of modules, and wait states of memory are not
-counted, because they are known only in a run.
+Instructions are counted in the order of their addresses, as if no conditional branch were taken. The cycles of a taken
+branch are only shown, in front of those that are counted. A stall is counted if an earlier instruction writes a
+register or a word that the instruction needs. Stalls for words that are accessed through pointers, and wait states of
+modules and memory, are not counted, because they are known only in a run.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .debug_info import Function, FunctionMap
 from .model import BadImage, Image
 
 WAITED = range(0xC000, 0x1_0000)  # L4 to L7, where a fetch of 32 bits takes 2 cycles
-OPEN = {"MOVL *SP++,ACC": "push_acc_cycles"}  # maps an instruction to the option that determines its cycles
+OPEN = {"MOVL *SP++,ACC": "push_acc_cycles"}  # for an instruction, the option that determines its cycles
 UNC_BRANCH = "B_off16_COND"
 
 
@@ -29,10 +29,10 @@ class Row(NamedTuple):
     """The cycles of one instruction.
 
     text: the instruction in assembler syntax.
-    published: the cycles in the manual's table; "7/4" means 7 cycles if taken, 4 if not.
-    stall: the additional cycles of the pipeline.
-    why: the reasons of the stall, wait states, and the options on which the cycles depend.
-    line: the source line; "" if it is unknown.
+    published: the cycles in the manual's table. "7/4" means 7 cycles if a branch is taken, 4 if it is not.
+    stall: the additional cycles that the instruction waits in the pipeline.
+    why: the reasons for the stall, the wait states of the fetch, and the option on which the cycles depend.
+    line: the number of the source line; "" if it is unknown.
     """
 
     address: int
@@ -108,9 +108,7 @@ def function_cycles(image: Image, name: str) -> FunctionCycles:
 def _word(found: Instruction, wide: bool, pages: Mapping[int, int]) -> tuple[int, int] | None:
     """Return (key, number of words) of an operand that is addressed by DP or SP; None for other operands.
 
-    Equal keys mean equal addresses.
-
-    wide: True if the operand has 32 bits.
+    Two operands with equal keys have equal addresses. wide: True if the operand has 32 bits.
     pages: for each of the masks DP and SP, the number of changes of this register so far.
     """
     field = found.values.get("l", 0xFF)
@@ -122,7 +120,7 @@ def _word(found: Instruction, wide: bool, pages: Mapping[int, int]) -> tuple[int
 
 
 def _written(found: Instruction) -> int:
-    """Return the registers DP and SP that the instruction writes, as a mask of the constants DP and SP."""
+    """Return the mask of those of the registers DP and SP that an instruction writes."""
     writes = places(found.encoding.writes)
     moved = SP if found.values.get("l", 0) in (0xBD, 0xBE) else 0
     return (DP if "DP" in writes else 0) | (SP if "SP" in writes else 0) | moved

@@ -1,7 +1,7 @@
 """Summary of an image, as text and as JSON: sections, vectors, registers, unknown words and functions.
 
-The code is read, not executed. So registers that are accessed through a pointer in memory, and vectors that a loop
-copies from a table, are not found.
+The code is decoded, but not executed. So registers that are accessed through a pointer in memory, and vectors that a
+loop copies from a table, are not found.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Unknown(NamedTuple):
 class Register(NamedTuple):
     """A register that code accesses at a constant address.
 
-    reads, writes: the number of instructions that read, and of those that write the register.
+    reads, writes: the number of instructions that read the register, and of those that write it.
     functions: the names of the functions that access the register.
     """
 
@@ -65,7 +65,7 @@ class Inspection:
 
     entry_name: the symbol or function at the entry; the address of the entry if there is none.
     instructions, words: the numbers of instructions and words in the code sections.
-    debug_damaged: the reason why the debug data could not be read completely; "" if there is none.
+    debug_damaged: the reason why the debug data could not be read completely; "" if they are undamaged.
     """
 
     image: Image
@@ -137,7 +137,7 @@ def _registers(named: list[tuple[Access, str]]) -> Iterator[Register]:
 
 
 def contents_of(section: Section) -> str:
-    """Return the kind of a section's contents: "code", "data", "registers" or "reserved"; "" if not in memory."""
+    """Return the kind of a section: "code", "data", "registers" or "reserved"; "" if it is not in memory."""
     if section.loaded:
         return "code" if section.code else "data"
     if not section.allocated:

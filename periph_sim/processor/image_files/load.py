@@ -1,8 +1,8 @@
 """Loading of images from a linker's output file, checked for the F28335.
 
 `parse` checks that no two loaded sections overlap, that each is in loadable memory, and that the entry is in loaded
-code. Reserved memory, and the run addresses of copied code, may overlap on purpose, by UNION in the linker's command
-file.
+code. Reserved memory, and the memory to which code is copied, may overlap, because UNION in the linker's command file
+makes sections share memory on purpose.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from .model import BadImage, Image, quoted
 OTHER_PART = "a part with a CLA (F2803x, F2806x or F2837x)"  # its images have sections whose names begin with "Cla1"
 ELF_MAGIC = b"\x7fELF"
 WAY_OUT = "give the linker's .out file, or assembly (.asm)"
-LARGEST = 1 << 28  # maximum number of bytes of a file, most of which would be debug data
+LARGEST = 1 << 28  # maximum number of bytes of a file; in a file of this size, most bytes are debug data
 
 
 def load(path: Path) -> Image:
@@ -66,7 +66,7 @@ def parse(data: bytes) -> Image:
 
 
 def require_loadable(image: Image, part: Part) -> None:
-    """Raise BadImage if a section is in memory that this part of the family does not have, or that cannot be loaded."""
+    """Raise BadImage if a section is in memory that cannot be loaded, or that this part of the family does not have."""
     named = [(f"section {quoted(one.name)} lies", one) for one in image.loaded]
     placed = [(what, address, one.size) for what, one in named for address in (one.address, one.run)]
     placed += [(f".cinit initialises {len(words)} words", address, len(words)) for address, words in image.initial]
@@ -77,7 +77,7 @@ def require_loadable(image: Image, part: Part) -> None:
 
 
 def shared_memory(image: Image) -> list[str]:
-    """Return a sentence about each pair of sections that overlap in RAM."""
+    """Return a sentence about each pair of sections whose run addresses overlap in RAM."""
     placed = [section for section in image.sections if section.allocated and section.size]
     in_ram = [one for one in placed if (area := area_at(one.run)) is not None and area.content is Content.RAM]
     notes = []

@@ -1,7 +1,7 @@
 """Images: the contents of a linker's output file.
 
-Addresses count words of 16 bits. The contents of a section are loaded at `Section.address`. Start-up code may copy them
-to `Section.run`, where they are used. Symbols and source lines have run addresses.
+Addresses count words of 16 bits. The contents of a section are loaded at `Section.address`, and are used at
+`Section.run`. Start-up code copies them if these addresses differ. Symbols and source lines have run addresses.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from functools import cached_property
 from ...core.phrases import shorten
 
 NO_STACK = (0, 0xFFFF)  # the range of the stack if it is unknown
-LEAST_STACK = 15  # smallest number of words of a stack, which a single interrupt needs
+LEAST_STACK = 15  # minimum number of words of a stack, because a single interrupt needs this number
 LONGEST_NAME = 60  # maximum number of characters of a name in a message
 
 
@@ -32,7 +32,7 @@ class Section:
 
     address, run: its load address and its run address.
     size: its number of words.
-    words: the loaded contents; empty if the section only reserves memory, or is not in memory.
+    words: the contents that are loaded; empty if the section only reserves memory, or is not in memory.
     allocated: True if the section occupies memory of the chip.
     code: True if the section contains instructions.
     """
@@ -64,10 +64,10 @@ class Section:
 
 @dataclass(frozen=True)
 class Symbol:
-    """Symbol of an image.
+    """A symbol of an image: the name of an address or of a number.
 
-    address: its run address; for a symbol that names a number, the number.
-    section: the name of its section; "" for a symbol that names a number.
+    address: the run address; for a symbol that names a number, the number.
+    section: the name of the section that contains the address; "" for a symbol that names a number.
     external: True if the symbol is visible in other source files.
     label: True for a label inside a function, which the compiler has generated.
     """
@@ -85,8 +85,8 @@ class Image:
 
     kind: "TI COFF2", "ELF" or "assembled".
     entry: the address of the entry point.
-    initial: (address, words) of the initial values that a loader writes into reserved memory.
-    debug: a dictionary from the name of a DWARF section to its contents.
+    initial: for each block of initial values that a loader writes into reserved memory, (address, words).
+    debug: for the name of each DWARF section, its contents.
     tool_version: the version of the linker; 0 if it is not known.
     """
 
@@ -114,7 +114,7 @@ class Image:
 
     @cached_property
     def symbol_at(self) -> dict[int, str]:
-        """A dictionary from an address to a symbol; symbols of functions are preferred to labels inside functions."""
+        """For each address with symbols, the name of one of them. Labels inside functions are the last choice."""
         named: dict[int, str] = {}
         for symbol in sorted(self.symbols, key=lambda symbol: (symbol.label, not symbol.external, symbol.name)):
             if symbol.section:

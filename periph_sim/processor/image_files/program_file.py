@@ -11,7 +11,7 @@ SOURCE = ".asm"
 
 
 def program_in(path: Path) -> Image:
-    """Load an image from a file, or assemble a source. Raise BadImage, with the path, if there is no F28335 image."""
+    """Load an image from a file, or assemble a source file. Raise BadImage, with the path, if this fails."""
     if path.suffix != SOURCE:
         return load(path)
     from .assemble import assemble_file  # imported only for sources, because the import is slow

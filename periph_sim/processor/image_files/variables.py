@@ -1,7 +1,8 @@
 """Variables of an image by name: address, length and number format.
 
-    x               a variable as declared in the debug data; an unsigned word if it is only in the symbol table
-    x.member, x[3]  a part of a structure or an array, as declared; x[3] is an unsigned word if x is only a symbol
+    x               a variable as declared in the debug data; an unsigned word if x is only in the symbol table
+    x.member, x[3]  a part of a structure or an array, as declared; x[3] is an unsigned word if x is only in the symbol
+                    table
     0x9042          the unsigned word at an address
     x-long          an unsigned number of 32 bits at the address of x, whatever the type of x
 
@@ -26,7 +27,7 @@ from .debug_info import DebugInfo, text_of
 from .model import Image
 
 UNSIGNED, SIGNED, FLOAT = "unsigned", "signed", "float"
-KINDS = {4: FLOAT, 5: SIGNED, 6: SIGNED}  # maps a DW_ATE encoding to a number format; all others are unsigned
+KINDS = {4: FLOAT, 5: SIGNED, 6: SIGNED}  # for a DW_ATE encoding, the number format; all others are unsigned
 FAR = "DW_TAG_lo_user"  # the name that the library gives to the tag 0x4080, TI's qualifier `far`
 QUALIFIERS = ("DW_TAG_const_type", "DW_TAG_volatile_type", "DW_TAG_restrict_type", "DW_TAG_atomic_type", FAR)
 OF_MEMBERS = ("DW_TAG_structure_type", "DW_TAG_union_type", "DW_TAG_class_type")
@@ -38,7 +39,7 @@ STEP = re.compile(r"\.([^.\[]+)|\[(\d{1,6})\]")
 
 
 class BadVariable(ValueError):
-    """Raised if a name is no variable of the image, or a value does not fit the variable.
+    """Raised if a name is no variable of the image, or if a value does not fit the variable.
 
     The message is one sentence.
     """
@@ -68,7 +69,7 @@ def inside(kind: DIE, name: str, path: str) -> tuple[int, DIE]:
     kind, name: the type and the name of the variable. path: members and indices, such as ".member[3]".
     """
     offset, at = 0, 0
-    indices = 0  # number of indices so far of a multidimensional array
+    indices = 0  # number of indices of the present, multidimensional array that have been processed
     while at < len(path):
         step = STEP.match(path, at)
         if step is None:
@@ -118,9 +119,9 @@ def _members(plain: DIE) -> Iterator[tuple[str, DIE]]:
 
 
 def _member(whole: str, plain: DIE | None, name: str) -> tuple[int, DIE]:
-    """Return (word offset in its structure, type) of a member; the offset in a union is 0.
+    """Return (word offset, type) of a member of a structure; the offset is 0 in a union.
 
-    whole, plain: the name and the type of the structure.
+    whole, plain: the name and the type of the structure. name: the name of the member.
     """
     found = dict(_members(plain)) if plain is not None else {}
     if not found:
@@ -147,7 +148,7 @@ def _offset(member: str, entry: DIE) -> int:
 
 
 def sizes_of(array: DIE) -> list[int]:
-    """Return the number of elements in each dimension of an array; an empty list if a number is not stated."""
+    """Return the number of elements in each dimension of an array; an empty list if one of them is not stated."""
     found = []
     for child in array.iter_children():
         if child.tag == "DW_TAG_subrange_type":
@@ -170,7 +171,7 @@ def size_of(kind: DIE) -> int:
         return int(plain.attributes["DW_AT_byte_size"].value)
     if plain.tag == ARRAY:
         return size_of(plain.get_DIE_from_attribute("DW_AT_type")) * prod(sizes_of(plain))
-    return 2  # the type is a pointer, since all other types state their size
+    return 2  # the type is a pointer, because all other types state their size
 
 
 LONG = "-long"  # a name in C has no hyphen, so this suffix is unambiguous
@@ -180,7 +181,7 @@ INDEX = re.compile(r"\[(\d{1,6})\]")
 
 
 class Variable(Struct, frozen=True):
-    """Variable of an image. words: its number of words. kind: UNSIGNED, SIGNED or FLOAT."""
+    """A variable of an image. words: its number of words, 1 or 2. kind: its format: UNSIGNED, SIGNED or FLOAT."""
 
     name: str
     address: int

@@ -166,12 +166,12 @@ def _forms() -> Mapping[str, list[Encoding]]:
 
 @cache
 def _pattern(encoding: Encoding) -> re.Pattern[str]:
-    """Return the pattern of a source line of this form, with one group for each operand."""
+    """Return the regular expression of source lines of this form, with one group for each operand."""
     pieces = [_flexible(part.literal) if part.read is None else f"({part.pattern})" for part in parts_of(encoding)]
     return re.compile(r"\s*".join(pieces), re.IGNORECASE)
 
 
 def _flexible(literal: str) -> str:
-    """Return a pattern for a literal text. The pattern accepts spaces between the tokens of the text."""
+    """Return the regular expression of a literal text. It accepts spaces between the tokens of the text."""
     pieces = re.findall(r"\w+|\s+|\|\||<<|\S", literal)
     return r"\s*".join(re.escape(piece) for piece in pieces if piece.strip())

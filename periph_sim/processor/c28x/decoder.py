@@ -135,7 +135,7 @@ def sweep(address: int, words: Sequence[int]) -> Iterator[Instruction | int]:
 
 @cache
 def _candidates() -> tuple[tuple[Encoding, ...], ...]:
-    """Return, for each value of the upper byte of the first word, the forms that can match, without aliases."""
+    """Return, for each value of the upper byte of the first word, the forms that can match, except aliases."""
     table: list[list[Encoding]] = [[] for _ in range(256)]
     for encoding in encodings():
         if encoding.alias_of:

@@ -51,7 +51,7 @@ def literal(text: str) -> Part:
 
 
 def ranged(number: int, least: int, most: int, text: str) -> int:
-    """Return a number if it is from `least` to `most`; else raise BadInstruction, which quotes `text`."""
+    """Return a number if it is from `least` to `most`; else raise BadInstruction with a message that quotes `text`."""
     if not least <= number <= most:
         raise BadInstruction(f"{text.strip()!r} is {number}, outside {least} to {most}")
     return number

@@ -124,7 +124,7 @@ def addressing(field: int) -> int:
 
 DEPTH = 4  # largest number of blocks in the fetch queue
 QUEUE_PACKED = 6 + DEPTH  # length of `FetchQueue.packed_queue`
-LONG_AGO = 1 << 7  # an event more cycles ago has no effect, because the queue is filled within 4 * 17 cycles
+LONG_AGO = 1 << 7  # cycles; an older event has no effect, because the queue is filled within 4 * 17 cycles
 
 
 @final
@@ -147,7 +147,7 @@ class FetchQueue:
         self._consumed: Annotated[list[int], DEPTH] = [0] * DEPTH  # for each slot, the cycle from which on it is free
         self._place = DEPTH - 1  # mask: the slot of block n is slot `n & _place` of `_consumed`
         self._newest = 0  # the number of the last block that an instruction needed: address >> _bits
-        self._ready = 0  # the cycle at which block `_newest` was available
+        self._ready = 0  # the cycle from which on block `_newest` is available
         self._bits = 1  # number of address bits within a block
         self._cycles = 1  # number of cycles in which one block arrives
         self._issued = 0  # the cycle at which the last instruction left the queue

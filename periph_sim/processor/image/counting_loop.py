@@ -282,7 +282,9 @@ def _value(words: Sequence[Place], traced: Traced) -> int:
 
 
 class CountingLoop(InstructionWatch):
-    """Traces one pass of a loop, which begins when this object is made, and advances counters for skipped passes.
+    """Traces one pass of a loop. Later, it advances the counters for skipped passes.
+
+    The traced pass begins when this object is made.
 
     does_more: True if the traced pass changes more than counters. After a few such passes, `polls.TRIES`, the loop is
         not traced again.

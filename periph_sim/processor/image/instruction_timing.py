@@ -139,7 +139,7 @@ class InstructionTiming:
         return 0
 
     def repeats(self, count: int) -> int:
-        """Return the repeat count that RPT uses. count: the value of its operand, which may not fit RPTC."""
+        """Return the repeat count that RPT uses. count: its operand, which may be too large for RPTC."""
         if count <= 0xFF:
             return count
         return count & (1 << self._options.rptc_width.assume(self._core.touched)) - 1

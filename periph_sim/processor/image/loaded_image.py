@@ -81,7 +81,7 @@ class LoadedImage(Program):
         self.image = image
         self._processor = processor
         self._clock = clock
-        self._jumps: Annotated[list[int], LAST_JUMPS] = [0] * LAST_JUMPS  # ring of the addresses of the last jumps
+        self._jumps: Annotated[list[int], LAST_JUMPS] = [0] * LAST_JUMPS  # ring buffer: addresses of the last jumps
         self._jumped = 0  # number of jumps so far
         self._places: dict[int, SourceLocation] = {}  # results of `place`
         self._functions: FunctionMap | None = None

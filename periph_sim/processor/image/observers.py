@@ -41,7 +41,7 @@ class InstructionWatch:
 
 
 class Coverage(InstructionWatch):
-    """Coverage of an image: executions of each instruction, and taken jumps.
+    """Counts the executions and the taken jumps of each instruction.
 
     executed_at: for the address of each executed instruction, the number of executions.
     jumped_at: for the address of each instruction that has jumped, the number of executions that ended in a jump.
@@ -64,7 +64,7 @@ CPU = "CPU"  # written to records where other records have the name of a module
 
 
 class StackDepth(InstructionWatch):
-    """Stack depth of an image: a record of each new maximum, in words.
+    """Makes a record of each new maximum of the stack depth, in words.
 
     Only the stack in the section `.stack` counts. An SP outside of this section, as in a task of an RTOS, is ignored.
     The 14 words that an interrupt saves are included as soon as the first instruction of its service routine has been
@@ -254,7 +254,7 @@ class FunctionTime(Struct, frozen=True):
 
 
 class Profile(CallListener):
-    """Profile of an image: the time in each stack of functions, (outermost, ..., innermost).
+    """Profile of an image: the time in each stack of active functions, (outermost, ..., innermost).
 
     stacks: for each stack, its time in ticks.
     waits: for each stack, the part of its time in which the program slept, in ticks.

@@ -209,7 +209,10 @@ class PollSkipper:
         return self.reads_modules or len(self.elsewhere) > 0
 
     def changes(self, address: int, before: int) -> None:
-        """Take into account that the examined pass changes a word of memory. before: the earlier value of the word."""
+        """Handle a change of a memory word by the examined pass. before: the earlier value of the word.
+
+        If the pass is analysed for counters, store the earlier value. Otherwise, the pass is not clean.
+        """
         if not self.counting:
             self.clean = False
         elif address not in self.changed:
@@ -310,7 +313,7 @@ class PollSkipper:
     def answer(self, cycle: int) -> bool:
         """Return True if a read in this cycle must return a value of the examined pass, which `answered` returns.
 
-        If not, end the replay.
+        Return False, and end the replay, if the read must be made.
         """
         self.replaying = cycle < self.live_from and self._next < len(self._values)
         return self.replaying

@@ -77,7 +77,7 @@ class ImageProgram(LoadedImage):
         # _counted: number of instructions up to the start of the present pass.
         # _pass: number of instructions in each pass of the present wait.
         self._counted = self._pass = 0
-        self._unmodelled: UnmodelledWait | None = None  # the last wait that has read unmodelled words only
+        self._unmodelled: UnmodelledWait | None = None  # the last wait that read only unmodelled words
         self._counting: CountingLoop | None = None  # set while a pass is traced, or counting passes are skipped
         self._stack_begin, self._stack_end = image.stack
         self._sp = 0  # SP after the last instruction

@@ -2,7 +2,8 @@
 
     file header 22 | optional header 28 | section headers 48 each | raw data | symbols 18 each | strings
 
-The *virtual* address in a section header is the load address, the *physical* address is the run address.
+The numbers are lengths in bytes. The *virtual* address in a section header is the load address, the *physical* address
+is the run address.
 
 Source: SPRAAO8. Two facts are not documented, but were found in linked images: which sections are loaded, and that the
 size of a COPY section counts bytes if it is neither a text nor a data section.

@@ -42,7 +42,7 @@ class Access(NamedTuple):
 
 
 class Known:
-    """Values of the address registers. A value is None if it is unknown."""
+    """Values of DP, SP and XAR0 to XAR7 at a point of the program. A value is None if it is unknown."""
 
     def __init__(self, dp: int | None = None, xar: Iterable[int | None] = (None,) * 8, sp: int | None = None) -> None:
         self.dp = dp

@@ -108,7 +108,9 @@ def function_cycles(image: Image, name: str) -> FunctionCycles:
 def _word(found: Instruction, wide: bool, pages: Mapping[int, int]) -> tuple[int, int] | None:
     """Return (key, number of words) of an operand that is addressed by DP or SP; None for other operands.
 
-    Two operands with equal keys have equal addresses. wide: True if the operand has 32 bits.
+    Two operands with equal keys have equal addresses.
+
+    wide: True if the operand has 32 bits.
     pages: for each of the masks DP and SP, the number of changes of this register so far.
     """
     field = found.values.get("l", 0xFF)

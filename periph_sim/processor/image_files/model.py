@@ -69,7 +69,7 @@ class Symbol:
     address: the run address; for a symbol that names a number, the number.
     section: the name of the section that contains the address; "" for a symbol that names a number.
     external: True if the symbol is visible in other source files.
-    label: True for a label inside a function, which the compiler has generated.
+    label: True for a label inside a function, for example one that the compiler has generated.
     """
 
     name: str

@@ -1,6 +1,6 @@
 """Instructions for ACC and P: addition, subtraction, comparison and logic.
 
-A function whose name is the id of a form in `encodings.toml` executes this form.
+A form is one encoding of an instruction, a row of `encodings.toml`. The function named like the row executes the form.
 Source: SPRU430F chapter 6; sections 2.3 (flags) and 2.2 (OVC).
 """
 

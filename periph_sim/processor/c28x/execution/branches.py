@@ -1,6 +1,6 @@
 """Branches, calls and returns.
 
-A function whose name is the id of a form in `encodings.toml` executes this form.
+A form is one encoding of an instruction, a row of `encodings.toml`. The function named like the row executes the form.
 A branch that is not taken sets `Cpu.cycles` to `Operation.not_taken`. Source: SPRU430F chapter 6.
 """
 

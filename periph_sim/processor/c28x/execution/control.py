@@ -1,6 +1,6 @@
 """Instructions for status bits, interrupts and repeats, and instructions that stop the CPU or do nothing.
 
-A function whose name is the id of a form in `encodings.toml` executes this form.
+A form is one encoding of an instruction, a row of `encodings.toml`. The function named like the row executes the form.
 Stopping a program and entering or leaving a service routine are methods of `Cpu`, which a chip overrides.
 Source: SPRU430F chapters 3 and 6, SPRUEO2A chapter 4 (RPTB).
 """

@@ -1,4 +1,4 @@
-"""The state of the CPU, and the access of an operation, which is a decoded instruction, to operands, memory and stack.
+"""The CPU that executes an operation, a decoded instruction: access to its operands, to memory and to the stack.
 
     locate          finds the address of the operand, and applies the effects of the addressing mode
     read16, write16 access the operand: memory at this address, or the register that field l selects
@@ -39,7 +39,7 @@ class Operation:
     following: the operation at `next`; None until that operation is executed after this one.
     goal: the operation to which this one has jumped last; None before its first jump.
     needs, makes: masks of the registers for which the pipeline waits, see `pipeline.hazards`.
-    at_once: True if the write to memory leaves phase D2 in the first cycle, see `pipeline.writes_at_once`.
+    at_once: True if the write to memory passes phase D2 in the first cycle, see `pipeline.writes_at_once`.
     jumps: True if the instruction can write PC.
     loops: True for a branch, which can close a loop; False for calls and returns.
     late: mask of the FPU registers that are written only after the next instruction; the bit FLAGS is for LUF and LVF.
@@ -119,7 +119,10 @@ class Cpu(Registers):
     # Operands -----------------------------------------------------------------------
 
     def locate(self, f: Operation) -> None:  # core: C only
-        """Set `ea` to the address that field l encodes, and change registers as its mode does [SPRU430F Table 5-1]."""
+        """Set `ea` to the address that field l encodes [SPRU430F Table 5-1].
+
+        Change registers as the addressing mode does, for example increment XARn.
+        """
         self.field = field = f.l
         self.high_byte = False
         step = 2 if f.wide else 1

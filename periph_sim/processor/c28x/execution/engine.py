@@ -82,14 +82,14 @@ class Engine(Cpu):
         return found
 
     def begin(self, f: Operation) -> None:
-        """Find the address of the operand, and apply the effects of its mode on address registers."""
+        """Find the address of the operand, and apply its addressing mode to registers, for example increment XARn."""
         if f.l >= 0:
             self.locate(f)
 
     def finish(self, f: Operation) -> int:
         """Execute the instruction, for which `begin` was called, and return its cycles.
 
-        Then `pc` is the address of the next instruction. While passes of RPT remain, `pc` does not change.
+        Afterwards, `pc` is the address of the next instruction. While passes of RPT remain, `pc` does not change.
         """
         repeated = self.left
         self.pc, self.cycles = f.next, f.cycles

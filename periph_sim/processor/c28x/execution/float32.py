@@ -65,7 +65,6 @@ def rounded(mantissa: int, exponent: int, to_nearest: bool, sign_of_zero: int = 
     """Return mantissa * 2 ** exponent as a float32, with UNDERFLOW or OVERFLOW if that occurs.
 
     mantissa: a signed number of up to 62 bits.
-
     to_nearest: True to round to nearest even, False to round towards zero.
     sign_of_zero: the bits to return for a result of 0 or an underflow: 0 or SIGN.
     """

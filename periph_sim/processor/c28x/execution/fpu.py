@@ -1,8 +1,8 @@
 """Arithmetic, comparisons and conversions of the FPU.
 
-A function whose name is the id of a form in `encodings.toml` executes this form.
-The functions write their results at once. For a program with correct delay slots, this makes no difference to the chip,
-which writes some results only after the next instruction. `delay_slots.delay` makes an operation do the same.
+A form is one encoding of an instruction, a row of `encodings.toml`. The function named like the row executes the form.
+The functions write their results at once, but the chip writes some results only after the next instruction. A program
+with correct delay slots computes the same in both cases. `delay_slots.delay` makes an operation write as the chip does.
 Source: SPRUEO2A chapter 4.
 """
 

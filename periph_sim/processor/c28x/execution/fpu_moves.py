@@ -1,6 +1,6 @@
 """Moves and flags of the FPU.
 
-A function whose name is the id of a form in `encodings.toml` executes this form.
+A form is one encoding of an instruction, a row of `encodings.toml`. The function named like the row executes the form.
 Source: SPRUEO2A chapter 4.
 """
 

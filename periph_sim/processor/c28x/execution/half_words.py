@@ -1,6 +1,6 @@
 """Instructions for AX and 16-bit operands: addition, subtraction, comparison, logic, bits and bytes.
 
-A function whose name is the id of a form in `encodings.toml` executes this form.
+A form is one encoding of an instruction, a row of `encodings.toml`. The function named like the row executes the form.
 These instructions set V after an overflow, but never clear it [Table 2-7]. Source: SPRU430F chapter 6.
 """
 

@@ -1,6 +1,6 @@
 """Moves between registers and memory, and arithmetic of address registers.
 
-A function whose name is the id of a form in `encodings.toml` executes this form.
+A form is one encoding of an instruction, a row of `encodings.toml`. The function named like the row executes the form.
 Forms that differ only in the address register have one function: `MOVB_XARn_8` executes `MOVB_XAR6_8` with n = 6.
 Source: SPRU430F chapter 6; section 5.8 (addresses that increase in each pass of RPT).
 """

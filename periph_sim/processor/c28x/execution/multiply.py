@@ -1,6 +1,6 @@
 """Multiply, and multiply with accumulate.
 
-A function whose name is the id of a form in `encodings.toml` executes this form.
+A form is one encoding of an instruction, a row of `encodings.toml`. The function named like the row executes the form.
 Source: SPRU430F chapter 6; section 5.8 (program addresses that increase in each pass of RPT).
 """
 

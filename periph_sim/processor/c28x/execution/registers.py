@@ -34,7 +34,7 @@ class IllegalOperation(Exception):
 
 
 class Registers:
-    """The registers of a CPU, and the fields of ST0, by their names.
+    """The registers of a CPU. The fields of ST0 are separate attributes.
 
     xar: XAR0 to XAR7.
     ovc: the overflow counter, -32 to 31.

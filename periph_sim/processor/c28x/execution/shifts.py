@@ -1,6 +1,6 @@
 """Shifts of ACC, AX and ACC:P.
 
-A function whose name is the id of a form in `encodings.toml` executes this form.
+A form is one encoding of an instruction, a row of `encodings.toml`. The function named like the row executes the form.
 C is the last bit that was shifted out; it is 0 for a shift by 0. Source: SPRU430F chapter 6.
 """
 

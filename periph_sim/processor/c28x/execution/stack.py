@@ -1,6 +1,6 @@
 """PUSH and POP, and stack pointer alignment.
 
-A function whose name is the id of a form in `encodings.toml` executes this form.
+A form is one encoding of an instruction, a row of `encodings.toml`. The function named like the row executes the form.
 An instruction that pushes two registers, such as PUSH AR1:AR0, stores the second one, here AR0, at the lower address.
 POP ACC, PUSH XAR4 and similar instructions are aliases of moves. Source: SPRU430F chapter 6.
 """

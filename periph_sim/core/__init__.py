@@ -3,9 +3,9 @@
 Terms that all packages use:
 scene: the units, parties and wires of one case, built and ready to run.
 unit: one F28335 with its program.
-party: a participant with a name that pulls or samples wires: a unit, a device, a controller, a fault.
+party: a named participant that pulls wires low or samples them: a unit, a device, a controller, a fault.
 agent: an object through which a party acts; the kernel runs its events (`agent.Agent`).
-to settle: to take the level that results from all pulls; wires do this at the end of each phase of a tick (`kernel`).
+to settle: to take the level that results from all pulls. Wires do so at the end of each phase of a tick (`kernel`).
 record: one noted event of a run (`records`). The present record is the one whose effects are simulated now.
 shortcut: a sequence of events that is skipped, because its final state was set in one step (`agent.Shortcut`).
 touched: a set with the names of the options on which the run has depended so far (`options`).

@@ -140,7 +140,7 @@ class Key:
 
 @lru_cache(maxsize=256)  # bounded, because a firmware file that is loaded again has new classes
 def keys_of(kind: type) -> dict[str, Key]:
-    """Return a dictionary from names in files to the keys of a `Table` or a dataclass, in the order of the fields."""
+    """Return the keys of a `Table` or a dataclass by their names in files, in the order of the fields."""
     return _keys_of_dataclass(kind) if dataclasses.is_dataclass(kind) else _keys_of_struct(kind)
 
 

@@ -78,5 +78,5 @@ def short_time(ns: Fraction) -> str:
 
 
 def trimmed(value: Fraction) -> str:
-    """Format a number with at most three decimals, without zeros at its end."""
+    """Format a number with at most three decimals, without trailing zeros after the decimal point."""
     return f"{float(value):.3f}".rstrip("0").rstrip(".")

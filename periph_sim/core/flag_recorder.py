@@ -59,9 +59,10 @@ class WaitingInputs:
         self._spare: Input | None = None  # the first of a linked list of Input objects that can be used again
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return how long it takes until each input has its effect. Past inputs are only causes of records.
+        """Return the values that are compared in place of attributes; see `proof.normal_state`.
 
-        See `proof.normal_state`.
+        Only the number of cycles until each input takes effect is compared. Inputs that have taken effect have no
+        influence on the run: they are only causes of records.
         """
         waiting: list[int] = []
         one = self._first
@@ -187,7 +188,8 @@ class FlagRecorder:
         self._loads_data = any(register.data for register in registers)
         self._read = registers  # the registers that the last call of `look` has read
         self._writes = -1  # the chip's `writes` at the last call of `look`
-        self._touched: frozenset[str] = frozenset()  # copy of `Chip.touched`, to which `look` must not add names
+        # Copy of `Chip.touched`. With it, `look` removes the names that its own reads add.
+        self._touched: frozenset[str] = frozenset()
 
     def look(self, cycle: int) -> bool:
         """Read the registers as a debugger does. Return True if any has changed.

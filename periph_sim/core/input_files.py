@@ -1,4 +1,4 @@
-"""Input files named by users: opening them without blocking, and protection from being replaced by an output.
+"""Input files that users name: opening them without blocking, and not replacing them with an output.
 
 A command remembers the files that it reads. Its outputs call `is_input` before they replace a file.
 """
@@ -16,7 +16,7 @@ from typing import BinaryIO
 
 from .phrases import nearest
 
-NOTED = "periph_sim.input"  # name of the audit event for an input file, also for one that only a compiler reads
+NOTED = "periph_sim.input"  # name of the audit event for an input file, even if only a compiler reads the file
 TEMPORARY = "periph_sim_compiled_"  # how the names of temporary folders begin; files in these folders are no inputs
 MOST = 1 << 24  # maximum size, in bytes, of a file that is read as a whole
 
@@ -38,7 +38,7 @@ def inputs_of_one_command() -> Iterator[None]:
 
 
 def similar_file(path: Path) -> str:
-    """Return a phrase with the existing paths that resemble a path that does not exist; "" if none does."""
+    """Return a phrase that suggests existing paths similar to the missing `path`; "" if there is none to suggest."""
     try:
         near = _similar_paths(path)
     except (OSError, ValueError):

@@ -304,7 +304,7 @@ class Kernel:
             self.shortcut.materialize()
 
     def replay(self, since: int, agent: Agent, tag: int) -> None:
-        """Run skipped events: go back to tick `since`, call `agent.act(tag)`, and run the events that follow from it.
+        """Run skipped events: go back to tick `since`, call `agent.act(tag)`, and run the events that this call causes.
 
         Events are run up to the tick and the phase in which this method was called; later events stay queued.
         """

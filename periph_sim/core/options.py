@@ -1,4 +1,4 @@
-"""Options: answers to open questions about the hardware, that is, to behaviour that TI does not document.
+"""Options: answers to open questions about the hardware. They concern behaviour that TI does not document.
 
     class I2cOptions(Answers):
         int_line: TextOption = choice("pulse", "level", question="...")
@@ -10,7 +10,7 @@ Each option is a field of a subclass of `Answers`. Its metadata has the possible
 question and the registers that it concerns, so that docs and messages need not repeat them. A model gets an answer only
 from `assume`, which it calls where the answer decides its behaviour. `assume` adds the name of the option to a set,
 `touched`, so that a report can list the options on which the run depended. `unrecorded` is for calculations outside the
-run and for values that are stored until they decide something; tests/options/test_unrecorded.py lists its callers.
+run, and for answers that are stored and have an effect only later; tests/options/test_unrecorded.py lists its callers.
 """
 
 # core: compiled

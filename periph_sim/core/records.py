@@ -1,8 +1,8 @@
 """Records of a run and the subscriptions to them.
 
 A record is one noted event. It has a kind, a number, a time in ticks, a place, and the number of the record that caused
-it (0: none). Producers ask `Recorder.wants` whether a kind has subscribers; most of them do so only once, when a scene
-is built. Records without a subscriber are not made.
+it (0: none). Producers call `Recorder.wants` to find out whether a kind has subscribers; most of them do so only once,
+when a scene is built. Records without a subscriber are not made.
 A subscription to edges, flags or accesses can be limited to some wires or registers: its subjects.
 
     producer --> Topic.emit --> listeners: tag, tick, value            (budgets)
@@ -45,7 +45,7 @@ class Kind(Enum):
     RECEIVER = "receiver"  # an SCI's number of waiting words changes, or a character is received or lost
     DATA = "data"  # bytes that were read, with their correctness, age or error
 
-    __hash__ = object.__hash__  # the hash of the identity: each member is a single object, and Enum's own hash is slow
+    __hash__ = object.__hash__  # the hash of the object's identity, because the hash method of Enum is slow
 
 
 TIMED_OUT = "timeout"  # the text of the WAIT record at the end of a wait that timed out; "" if the wait ended otherwise
@@ -272,9 +272,9 @@ class Recorder:
         """Subscribe `party` to the records of these kinds.
 
         A listener or a sink receives only the topics for which its `tag_of` returns a tag.
-        only: a dictionary from a kind to the needed subjects: wires for EDGE and FRAME; registers for FLAG and ACCESS,
-            with unit and module ("dsp.I2C-A.I2CSTR"). None, or a kind that is not in it, means all subjects. The party
-            may also receive subjects that others need.
+        only: for each kind that it contains, the needed subjects: wires for EDGE and FRAME; registers for FLAG and
+            ACCESS, with unit and module ("dsp.I2C-A.I2CSTR"). All subjects of all other kinds are needed; if `only` is
+            None, those of all kinds. The party may also receive subjects that others need.
         things: the pairs of kind and thing that the party needs; `tag_of` is not called for others. None means all.
         """
         for kind in kinds:
@@ -302,7 +302,7 @@ class Recorder:
 
     @property
     def names_things(self) -> bool:
-        """True if any subscriber has named the things that it needs."""
+        """True if any subscriber has named the things that it needs (argument `things` of `subscribe`)."""
         return any(things is not None for parties in self._parties.values() for _, things in parties)
 
     def named_things(self, kind: Kind) -> set[str]:
@@ -336,9 +336,9 @@ class Recorder:
         return topic
 
     def carried(self, action: Callable[[], None]) -> Callable[[], None]:
-        """Return a function that calls `action` with the present cause, even if `cause` has changed before the call.
+        """Return a function that calls `action` while `cause` has the value that it has now.
 
-        If there is no present cause, return `action` itself.
+        If `cause` is 0 now, return `action` itself.
         """
         return partial(self._under, self.cause, action) if self.cause else action
 

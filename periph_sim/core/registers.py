@@ -150,7 +150,7 @@ class Register(Struct, frozen=True, dict=True):
     yields: Yields = Yields.STATE
     read_acts: bool = False  # True if a read has an effect beyond its fields: it takes a word from a FIFO, for example
     data: str = ""  # the name of the field that contains the data word, if `yields` is DATA
-    # `upper` is the name of the register with bits 31:16, if C headers join both registers to one 32-bit register.
+    # The name of the register with bits 31:16, if C headers join it and this register (bits 15:0) to a 32-bit register.
     upper: str = ""
 
     def __post_init__(self) -> None:
@@ -243,7 +243,10 @@ class Register(Struct, frozen=True, dict=True):
         return " ".join(f"{f.name}={f.extract(value):#x}" for f in self.fields if f.extract(value))
 
     def named(self, value: int) -> NamedByte:
-        """Return the NamedByte of a byte with this register's value. `meaning` is "" if the register has one field."""
+        """Return the name of this register and the meaning of its value `value`.
+
+        The meaning is the fields as text; "" if the register has only one field.
+        """
         return NamedByte(self.name, self.fields_in(value) if len(self.fields) > 1 else "")
 
 

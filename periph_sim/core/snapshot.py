@@ -128,8 +128,8 @@ class Snapshot(NamedTuple):
     identity: pairs of a name and a text that must be equal in the scene into which the snapshot is restored.
     tick: the time of the kernel.
     number: the number of the last record.
-    cycles: a dictionary from a module to its present cycle, which is 0 for a module without a clock.
-    values: a dictionary from the name of a collected attribute or item to its value.
+    cycles: for each module, its present cycle; 0 for a module without a clock.
+    values: the values of the collected attributes and items, by their names.
     logs: for each unit that runs C sources, the log of their accesses. The stack of such a program is restored by
         executing the program again with this log.
     base: the snapshot of a checkpoint, an earlier instant of the same run; it has `logs`, and restoring can start
@@ -186,8 +186,8 @@ def absolute(value: Any, now: int) -> Any:
 class Collector:
     """Visits modules recursively and collects their state.
 
-    values: a dictionary from names to the collected values.
-    now: a dictionary from a unit of time to the present instant; for cycles, that of the visited module's clock.
+    values: the collected values, by their names.
+    now: for each unit of time, the present instant; for cycles, the present cycle of the visited module's clock.
     """
 
     def __init__(self, modules: Mapping[str, Module], tick: int, number: int) -> None:
@@ -267,8 +267,8 @@ class Collector:
     def _object(self, name: str, value: Any, time: Time) -> None:
         """Collect an object that has just been named.
 
-        An object without declared state is stored as `Foreign` and loses its name. An object in a linked list is stored
-        in the same way unless its class declares `made`, because the place of an object in the list may change.
+        An object without declared state is stored as `Foreign` and loses its name. The same is done for an object in a
+        linked list whose class does not declare `made`, because the place of an object in the list may change.
         """
         kind = type(value)
         state = state_of(kind)
@@ -345,7 +345,11 @@ def _chained(first: Any) -> Iterator[Any]:
 
 
 def _item_differences(name: str, here: Any, there: Any) -> dict[str, tuple[object, object]]:
-    """Return the items in which two plain containers of equal kind and length differ; of other values, both values."""
+    """Return the differences of a value in two snapshots.
+
+    For two containers of plain values with the same type and length, these are the items that differ. For all other
+    values, they are the two whole values.
+    """
     both = isinstance(here, PlainContainer) and isinstance(there, PlainContainer)
     if not both or here.kind != there.kind or here.kind == "Random" or len(here.items) != len(there.items):
         return {name: (here, there)}

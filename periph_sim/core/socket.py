@@ -2,8 +2,8 @@
 
     wire edge, CPU access, wake-up --> chip --> wires, interrupt requests, records
 
-An input that may have changed the chip's outputs ends in `publish`. An input that can have changed only the time of the
-next wake-up ends in `_plan`. So no output, request or wake-up is missed.
+After an input that may have changed the chip's outputs, the socket calls `publish`. After an input that can have
+changed only the time of the next wake-up, it calls `_plan`. So no output, request or wake-up is missed.
 """
 
 # core: compiled without checks for None
@@ -48,7 +48,7 @@ class ChipObserver:
     __slots__ = ()
 
     def look(self, cycle: int) -> None:
-        """Called after an input at `cycle` that may have changed readable values."""
+        """Handle an input at `cycle` that may have changed readable values of the chip."""
         raise NotImplementedError
 
 

@@ -28,7 +28,8 @@ class State:
     plain: attributes that are values, objects with declared state, containers of values or objects, or callbacks.
     ticks, cycles, records: integers, or containers of integers, that a snapshot stores relative to the present tick,
         the present cycle or the number of the last record.
-    chains: first elements of linked lists, whose elements have the attribute `following`.
+    chains: attributes with the first element of a linked list. The attribute `following` of each element leads to the
+        next one.
     made: True if the attributes are complete, so that restoring can create an object of the class from them.
 
     Some of these attributes may differ between two states with the same future. `proof.normal_state` uses these lists:

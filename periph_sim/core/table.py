@@ -54,7 +54,7 @@ class Table(Struct, frozen=True, kw_only=True):
         return new
 
     def model_dump(self) -> dict[str, Any]:
-        """Return a dictionary from the name of a field to its value, without fields whose names begin with _."""
+        """Return the values of the fields by their names, without fields whose names begin with _."""
         return {name: getattr(self, name) for name in self.__struct_fields__ if name[0] != "_"}
 
 
@@ -132,7 +132,7 @@ def _length(text: str) -> Fraction | str:
 
 
 class Spread(Struct, frozen=True):
-    """A time in seconds of which only the range is known, such as a computing time or the write time of an EEPROM.
+    """A range of times in seconds, for a time that is not exactly known, such as the write time of an EEPROM.
 
     Each use of the time, such as a call of `Dsp.compute`, draws a value in this range.
 

@@ -1,8 +1,8 @@
 """Time as a whole number of ticks, with exact conversion of seconds and clock cycles.
 
 The tick rate is the LCM of 1 GHz and all clocks whose cycles must be whole ticks: with SYSCLKOUT at 150 MHz a tick is
-1/3 ns and a cycle 20 ticks. For other clocks (a ppm error, a 24 MHz analyser) the exact time of the n-th edge is
-rounded down to a tick, so these clocks never drift.
+1/3 ns and a cycle 20 ticks. For other clocks (such as one with a ppm error) the exact time of the n-th edge is rounded
+down to a tick, so rounding errors do not add up.
 """
 
 # core: compiled
@@ -27,7 +27,7 @@ LONGEST = 365_250 * DAY  # maximum length of time, in seconds, that a user can w
 MOST_TICKS = LAST_TICK  # maximum length of time in ticks
 MOST = NEVER  # maximum product that compiled code may compute, because its integers have 64 bits
 # If a nanosecond has more ticks than this, messages about times that are too long suggest a crystal of a round
-# frequency, because ticks are then longer.
+# frequency, because it makes ticks longer.
 USUAL_PER_NS = 1000
 
 UNITS: dict[str, Fraction] = {
@@ -44,7 +44,7 @@ Rounding = Literal["exact", "down", "up", "nearest"]
 
 
 class TimeError(ValueError):
-    """Error: a text that is no time, a time that is too long or no whole number of ticks, or an invalid frequency."""
+    """Error: a text is not a time, a time is too long or not a whole number of ticks, or a frequency is invalid."""
 
 
 def round_ratio(value: Fraction, rounding: Rounding) -> BigInt:
@@ -159,7 +159,11 @@ class Clock:
     )
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return the distance of a tick from the beginning of a cycle, if a cycle is a whole number of ticks."""
+        """Return the values that are compared in place of attributes; see `proof.normal_state`.
+
+        If a cycle is a whole number of ticks, the time from the start of a cycle to `tick` replaces all other instants.
+        Otherwise no attribute is replaced.
+        """
         if self._den != 1:
             return {}
         return {"_tick0": (tick - self._tick0) % self._num, **dict.fromkeys(["_cycle0", "_last_tick", "_last_cycle"])}

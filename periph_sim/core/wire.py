@@ -264,7 +264,7 @@ class Wire(Settleable):
             self._watches = watch.following
         else:
             before.following = watch.following
-        if sampler.due == BY_WIRE:  # this wire can no longer notify it of the change of level, so the kernel must
+        if sampler.due == BY_WIRE:  # this wire can no longer notify the sampler of the new level, so the kernel must
             sampler.due = NOT_DUE
             self.kernel.request_sample(sampler)
 

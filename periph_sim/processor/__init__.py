@@ -46,7 +46,7 @@ replay: a second execution of the pass in which a sleeping CPU was woken. It beg
     before the cycle of the wake-up return the values that the last executed pass has read.
 modify: a write of a bit field by one instruction, which reads and writes the word with the field.
 statement: the line of the firmware's source that is executed, as a `SourceLocation`.
-place: a statement, unless a class `Place` or the description of a parameter says otherwise.
+place: a statement. A class `Place`, or the description of a parameter, may give the word another meaning.
 topic: all records of one kind that are about one thing, for example the reads of one register (`core.records.Topic`).
 spread: a range of durations; each computation draws its duration from the range (`core.table.Spread`).
 port: in `python`, an object for accesses to a register; in `pin_router`, an input or output of a module.

@@ -84,7 +84,7 @@ class Bus:
     _pf2_write_ws: IntOption
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Leave out the last posted write if it has landed. See `proof.normal_state`."""
+        """Replace `_posted_last` by True if no write is posted, else by False. See `proof.normal_state`."""
         return {"_posted_last": self._posted is None}
 
     def __init__(
@@ -395,6 +395,6 @@ class Bus:
     # Both ------------------------------------------------------------------------
 
     def _require_met(self, at: int) -> None:
-        """Raise RuntimeError unless the program has called `CpuTime.meet` in cycle `at`, before this access."""
+        """Raise RuntimeError if the program has not called `CpuTime.meet` in cycle `at`, before this access."""
         if self._time.met != at:
             raise RuntimeError(f"{self._name}: an access in cycle {at} has effects; call CpuTime.meet before it")

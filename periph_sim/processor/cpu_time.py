@@ -56,7 +56,7 @@ class CpuTime:
         self._until = NEVER  # the cycle that the time of a sleeping CPU does not exceed
 
     def instant(self) -> tuple[int, int]:
-        """Return two numbers, of which at least one changes whenever simulated time passes."""
+        """Return two numbers. At least one of them changes whenever simulated time passes."""
         return self.cycle, self._kernel.now
 
     @property
@@ -172,7 +172,7 @@ class CpuTime:
         self._kernel.reschedule(self._wake, tick, 0)
 
     def resume_by(self, cycle: int) -> None:
-        """Schedule a wake-up at `cycle`, unless an earlier one is scheduled. While `watching`, only update `wakes`."""
+        """Schedule a wake-up at `cycle`, or keep an earlier one. While `watching`, do the same with `wakes` only."""
         if self.watching:
             self.wakes = min(self.wakes, cycle)
             return

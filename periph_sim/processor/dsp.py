@@ -59,7 +59,7 @@ class DspPlan(Struct):
     """Description of a unit, from which `Dsp` builds it.
 
     modules: the names of the modules that the case requests.
-    wires: a dictionary from a GPIO number to the wire at its pin.
+    wires: the wires at the pins, by GPIO number.
     oscclk_hz, ppm: the nominal frequency of the crystal, and its error in parts per million.
     pll: the multiplier in PLLCR that the start-up code sets.
     from_boot: True if the firmware begins with the state after a reset, False if TI's start-up code has run before.
@@ -73,8 +73,8 @@ class DspPlan(Struct):
     part: the member of the F2833x family.
     code: the cycles that Python firmware takes for the code that a C compiler would place around its accesses.
     system: answers to open questions about the CPU and system control.
-    options: a dictionary from a group of options to answers to open questions about modules. If a group is missing, its
-        modules use the default answers.
+    options: for each group of options, the answers to open questions about modules. If a group is missing, its modules
+        use the default answers.
     """
 
     name: str
@@ -102,10 +102,9 @@ class Dsp(FirmwareView):
 
     resets: the number of resets since the start.
     clock_history: (tick, frequency) of each change of SYSCLKOUT.
-    note_places: a dictionary from (module, tick) to the statement that violated a rule of the manuals, or wrote a word
-        that was lost.
-    lost_counts: a dictionary from each note on a lost word, for example in a full transmit FIFO, to the number of its
-        occurrences.
+    note_places: for (module, tick) of a violated rule of the manuals, or of a written word that was lost, the statement
+        that caused it.
+    lost_counts: for each note on a lost word, for example in a full transmit FIFO, the number of its occurrences.
     watchdog_resets: tick and statement of each reset by the watchdog.
     on_reset: functions that are called at each reset.
     sources: the C sources that the unit runs; None for other firmware.
@@ -352,7 +351,7 @@ class Dsp(FirmwareView):
         self.gate(cycle)
 
     def _from_reset(self) -> None:
-        """Run the firmware after a reset. If it has no start-up code, run TI's start-up code before."""
+        """Run the firmware after a reset. If it has no start-up code of its own, run TI's start-up code first."""
         if not self.plan.from_boot:
             control = self.module("SYS")
             self.eallow()

@@ -24,9 +24,9 @@ from .user_code import FirmwareError
 class FirmwareNotes:
     """The notes on the firmware of one CPU.
 
-    counts: a dictionary from a note to the number of its occurrences.
-    first_at: a dictionary from a note to the tick of its first occurrence.
-    places: a dictionary from a note to the statement of its first occurrence, if the statement is known.
+    counts: for each note, the number of its occurrences.
+    first_at: for each note, the tick of its first occurrence.
+    places: for each note, the statement of its first occurrence, if the statement is known.
     strict: True if a note with the code "duty" ends the run.
     placed: True if posted writes keep the statement that issued them until they land.
     """

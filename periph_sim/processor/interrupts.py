@@ -48,7 +48,7 @@ class InterruptLines:
         return partial(self._cpu_requested, CPU_VECTORS[descriptor.interrupts[0].vector])
 
     def follow_pie(self, cycle: int) -> None:
-        """Pass the pulses that the PIE has made on INT1 to INT12 to the CPU."""
+        """Pass to the CPU the pulses that the PIE has made on the lines INT1 to INT12."""
         pulses, self._pie.pulses = self._pie.pulses, 0
         number = 1
         while pulses:

@@ -41,7 +41,7 @@ class Operand:
         time must be set to its cycle (`CpuTime.meet`).
     looks: True if the value of `Chip.see` is all that a read needs: the register has 16 bits, a read has no effect, the
         module needs no update, and no callback receives the record of the read.
-    reads, writes: the topics of the records of reads and writes; not set unless `recorded`.
+    reads, writes: the topics of the records of reads and writes; set only if `recorded`.
     placed: True if records of reads contain the statement.
     """
 

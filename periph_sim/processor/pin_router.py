@@ -44,9 +44,10 @@ class Router(Agent):
     )
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return the levels of pads as an access would pass them, and the number of changes that it would apply.
+        """Return the values that are compared in place of attributes; see `proof.normal_state`.
 
-        See `proof.normal_state`.
+        These are the levels of the pads as the GPIO module would have them after an access, and the numbers of changes
+        of routes and of outputs that are not applied yet.
         """
         gpio = self._gpio
         pads = gpio.pads ^ (self._levels_on_wires() ^ gpio.pads) & self._unread
@@ -70,10 +71,10 @@ class Router(Agent):
         outputs: dict[str, Port],
         xint: Socket | None,
     ) -> None:
-        """who: the name of the unit. wires: a dictionary from a GPIO number to the wire at the pad.
+        """who: the name of the unit. wires: the wires at the pads, by GPIO number.
 
         pulled_down: the GPIO numbers of pads that an external resistor holds low while nothing drives them.
-        inputs, outputs: dictionaries from a signal of the pin table to the input or output of its peripheral.
+        inputs, outputs: for each signal of the pin table, the input or output of its peripheral.
         xint: the module with the external interrupts; None if the unit does not have it.
         """
         self._kernel = kernel

@@ -17,8 +17,10 @@ registers and the pending instruction.
                                             |                               |                     |
                                     context to the stack             PIE, vector table    context from the stack
 
-The saved context of an interrupt is only in memory, so firmware may return through another frame, or through one that
-it built. Source: SPRU430F section 3.4, Table 3-4 (context); SPRUFB0D sections 8.1 to 8.5, Table 112 (vectors).
+The saved context of an interrupt is only in memory, so firmware may return with the context of another interrupt, or
+with a context that it has built itself.
+
+Source: SPRU430F section 3.4, Table 3-4 (context); SPRUFB0D sections 8.1 to 8.5, Table 112 (vectors).
 """
 
 # core: compiled

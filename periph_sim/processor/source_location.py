@@ -1,7 +1,7 @@
 """Locations in firmware as text: "function:line" in Python, "_serve (imu_hil.asm:77, 0x009051)" in an image.
 
 Without debug data, a location in an image is "_serve+0x11 (0x009051)". In a running scene, a location also has the path
-of the file; a location in a recording is only the text, of which `parsed` returns the parts.
+of the file. In a recording, a location is only the text; `parsed` returns the parts of the text.
 """
 
 # core: compiled

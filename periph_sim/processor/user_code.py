@@ -61,7 +61,7 @@ class RunWatch(Protocol):
     stall_limit: float
 
     def instant(self) -> tuple[int, int]:
-        """Return values that differ when the user code has made progress."""
+        """Return two values. At least one of them changes when the user code makes progress."""
 
 
 class _Watch:

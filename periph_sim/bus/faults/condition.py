@@ -54,7 +54,7 @@ class Condition(SdaPuller):
             self._kernel.call_at(now + self._late, partial(self._strike, rise))
 
     def _strike(self, rise: int) -> None:
-        """Make the START or STOP, unless the bit is 0, or SCL has fallen since its rise number `rise`.
+        """Make the START or STOP. Do nothing if the bit is 0, or if SCL has fallen since its rise with number `rise`.
 
         Called when the time `late` has passed since that rise.
         """

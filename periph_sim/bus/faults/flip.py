@@ -37,7 +37,7 @@ class Flip(SdaPuller):
             self._pull(True)
 
     def pulled(self, line: int, now: int, pulling: int) -> None:
-        """Release SDA when the sender of a 0 releases it while SCL is high: this is a STOP, for which SDA must rise."""
+        """Release SDA if the other party releases SDA while SCL is high: this is a STOP, for which SDA must rise."""
         if self._pulls and self._scl.level and not self._is_one and self._alone():
             self._pull(False)
 

@@ -86,7 +86,7 @@ class BitParty(Agent):
 
         low, high, hold: durations of the controller, in ticks, as in `BusTiming`.
         each: True if the caller then checks with `separates`, for each change of SDA, that no party samples the change
-            together with the fall of SCL; `hold` is then 0. If False, this method checks it, too, by means of `hold`.
+            together with the fall of SCL; `hold` is then 0. If False, this method checks this itself, with `hold`.
         """
         return True
 
@@ -127,7 +127,7 @@ class BitParty(Agent):
 class BitSkip(Shortcut):
     """The shortcut that skips the first seven bits of bytes on one bus.
 
-    passed: number of bytes of which seven bits were skipped.
+    passed: number of bytes so far in which bits were skipped.
     """
 
     __slots__ = (
@@ -171,7 +171,7 @@ class BitSkip(Shortcut):
         self._fell = NO_TIME
         self._shown = ONES
         self._steady = BitTimes()  # the edges of SCL in the last byte that `skips` skipped
-        self._times = self._steady  # the edges of SCL in the last byte of which bits were skipped
+        self._times = self._steady  # the edges of SCL in the last byte in which bits were skipped
         self._ends = 0  # the tick at which the skipped bits end
         self._eighth: Event | None = None
         self._tag = 0

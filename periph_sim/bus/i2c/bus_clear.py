@@ -4,8 +4,8 @@
     SDA  ______________|‾‾‾|_____|‾‾‾‾    at the latest where it reads a 1 as a NACK
                                 STOP
 
-The STOP is also tried if SDA is still low after nine clocks, because an F28335 may then be holding it: it took the fall
-of SDA for a START, reads the zeros that follow as a general call, and acknowledges in the ninth clock.
+The STOP is also tried if SDA is still low after nine clocks, because an F28335 may then be holding SDA: it took the
+first fall of SDA for a START, reads the zeros that follow as a general call, and acknowledges in the ninth clock.
 
 Source: UM10204 section 3.1.16.
 """

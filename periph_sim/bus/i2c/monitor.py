@@ -3,9 +3,9 @@
     SCL, SDA, parties --> START, clocks, STOP of the master --> Transfer: phases, bytes, ACKs, times, stretching
 
 The master is the party that pulls SDA for the START and then SCL. A clock begins when the master pulls SCL. A START or
-STOP is the master's own pull or release of SDA while SCL is high. So a spike by another party, or a slave that has lost
-count of the bits, changes the bits that the master reads, but not the STARTs, clocks and STOPs of the transfer. If SCL
-stays low after the master's release, the clock is stretched. The master can be an agent, firmware or a capture.
+STOP is the master's own pull or release of SDA while SCL is high. So a spike by another party, or a target that has
+lost count of the bits, changes the bits that the master reads, but not the STARTs, clocks and STOPs of the transfer. If
+SCL stays low after the master's release, the clock is stretched. The master can be an agent, firmware or a capture.
 
 Source: UM10204 sections 3.1.4 to 3.1.10, Table 10 (tSP).
 """
@@ -32,7 +32,7 @@ class I2cMonitor(BitParty):
 
     on_transfer: called with each transfer at its STOP, or, if the master has given it up, at the next START. It is not
         called if no address byte was complete.
-    names: a dictionary from addresses to the names of transfers with these addresses.
+    names: for each known address, the name of the transfers that begin with this address.
     filter: the minimum length, in ticks, of a level of SDA; shorter levels are ignored.
     """
 
@@ -44,7 +44,10 @@ class I2cMonitor(BitParty):
     )
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Leave out the levels of the last sample, since the monitor passes bits only. See `proof.normal_state`."""
+        """Leave out the last sample of `_stream`, which has no effect, because the monitor passes bits, not samples.
+
+        See `proof.normal_state`.
+        """
         return {"_stream.levels": None}
 
     def __init__(

@@ -36,7 +36,7 @@ class Reply(Protocol):
     """Reply to a START with its address.
 
     stretches: triples (byte, bit, ticks). SCL is held low for `ticks` after the fall that precedes the bit. Byte -1 is
-        the address. Of the address only bit 8, the ACK, can be stretched, because there is no reply before it.
+        the address. In the address, only bit 8, the ACK, can be stretched, because the reply is not known earlier.
     """
 
     @property

@@ -1,4 +1,4 @@
-"""Sender of bursts of characters, valid and invalid ones, and breaks.
+"""Sender of bursts of valid or invalid characters, and of breaks.
 
     burst  --queue--> | character | gap | character |      one burst after the other, never two at once
                       begin                         end

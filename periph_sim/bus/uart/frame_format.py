@@ -14,7 +14,7 @@ class UartFormat(Struct, frozen=True):
     """The format of the frames on a line.
 
     bits: number of data bits, 1 to 8.
-    parity: "none", "even" or "odd", of the data and the address bit.
+    parity: the parity of the data and the address bit: "none", "even" or "odd".
     stop: number of stop bits, 1 or 2.
     address: True if an address bit follows the data.
     """

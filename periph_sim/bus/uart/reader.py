@@ -9,7 +9,7 @@ if that is earlier.
     wire  ──┐___┌───┐___...───┌──────┐___     a fall begins a character if the line is free again
             begin        free again  begin    the previous character is counted now, or at the end of the run
 
-The counter needs no events: the start of a character determines when the line is free again.
+`UartCounter` needs no events: the start of a character determines when the line is free again.
 """
 
 # core: compiled

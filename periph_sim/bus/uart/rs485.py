@@ -2,8 +2,8 @@
 
     TX --> driver --on by DE--> pair --> receiver --> RX     (off while its own driver is on, unless `hears_itself`)
 
-A pair without an active driver is idle: its bias makes it a 1. If several drivers are on at once, a 0 of any of them
-wins. More than one active driver is a collision, whatever levels they drive.
+A pair without an active driver is idle: bias resistors hold it at 1. If several drivers are on at once, a 0 of any of
+them wins. More than one active driver is a collision, whatever levels they drive.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ class EdgeSender(Agent):
         raise NotImplementedError
 
     def last_edge(self) -> None:
-        """Called when the last edge has been made."""
+        """Handle the end of the edges. Called when the last edge has been made; by default nothing is done."""
 
     def make(self, edges: list[int]) -> None:
         """Make edges at these ticks. The list begins with the latest edge. The earliest edge is a fall."""
@@ -72,7 +72,9 @@ class EdgeSender(Agent):
 
 @lru_cache(maxsize=16)
 def _known_edges(frame_format: UartFormat) -> dict[int, list[int]]:
-    """Return the cache of a format, which `send` fills: for each byte, the indices of bits that begin with an edge."""
+    """Return a cache for frames of this format. For each byte, `send` stores the indices of the bits that begin with an
+    edge.
+    """
     return {}
 
 

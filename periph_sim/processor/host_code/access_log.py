@@ -85,7 +85,7 @@ class LoggedRun(Run):
     ) -> None:
         """log: the log of the earlier run; None to begin a new log.
 
-        rest: the cycle at which the log ends, and the cycles that remain then of the computation in progress.
+        rest: the cycle at which the log ends, and the remaining cycles of the computation that is then in progress.
         """
         super().__init__(dsp, path, base, layout)
         self.log = array(ITEM) if log is None else log.items[: log.length]
@@ -199,7 +199,7 @@ def re_execute(firmware: HostFirmware, log: AccessLog, rest: tuple[int, int]) ->
     Raise NotRestorable if the accesses of the program differ from those in the log. Only the states of the CPU and the
     kernel change, not those of modules and wires.
 
-    rest: the cycle at which the log ends, and the cycles that remain then of the computation in progress.
+    rest: the cycle at which the log ends, and the remaining cycles of the computation that is then in progress.
     """
     processor = firmware.dsp.processor
     firmware.make_run = partial(LoggedRun, log=log, rest=rest)

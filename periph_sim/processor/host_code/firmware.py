@@ -358,7 +358,7 @@ class Run:
     def load(self, at: int, size: int, places: Sequence[Place]) -> None:
         """Read the registers at these places, and store their values in the host's memory.
 
-        at, size: the bytes that the C code reads, all of which belong to these places.
+        at, size: the bytes that the C code reads. All of them belong to these places.
         """
         for place in places:
             self._load(place)

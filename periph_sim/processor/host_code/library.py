@@ -289,7 +289,7 @@ def compiled(sources: Sources, folder: Path) -> list[str]:
 
 
 def linked(objects: Sequence[str], undefined: bool, base: int, library: Path) -> Path:
-    """Link objects to the file `library`, and return its path. Raise BadSources if something is missing.
+    """Link objects to the file `library`, and return its path. Raise BadSources if the linker fails.
 
     undefined: True to link UBSan, which reports undefined behaviour. base: the host address of the chip's word 0.
     """

@@ -316,10 +316,12 @@ class RegisterLayout:
 
 
 def _aligned(bit: int, width: int, container: int) -> int:
-    """Return the first bit of a bit field: `bit`, or the start of the next container if the field does not fit before.
+    """Return the first bit of a bit field: `bit` if the field fits in the present container, else that of the next one.
+
+    A container is a storage unit of the declared type. A bit field does not cross the end of a container.
 
     width: number of bits of the field.
-    container: number of bits of its declared type.
+    container: number of bits of a container.
     """
     return bit if bit % container + width <= container else -(-bit // container) * container
 

@@ -45,7 +45,7 @@ class Span:  # core: python
 
 
 class FirmwareView:
-    """One unit as its firmware uses it. sockets: a dictionary from the name of a module to its socket."""
+    """One unit as its firmware uses it. sockets: the sockets of its modules, by the names of the modules."""
 
     cpu: Cpu
     waits: Waits

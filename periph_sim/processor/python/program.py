@@ -80,7 +80,7 @@ _threads = _Threads()
 class PythonProgram(Program):
     """A program that consists of Python functions.
 
-    handlers: a dictionary from the name of a vector to its service routine.
+    handlers: the service routines, by the names of their vectors.
     entered: the service routine that must be called next.
     stall_limit: seconds of CPU time that the firmware may take at one instant of simulated time; 0 if unlimited.
     placed: returns the present statement of firmware that is not written in Python; None for Python firmware.
@@ -254,7 +254,7 @@ class PythonProgram(Program):
             self.kill(GreenletExit)
 
     def instant(self) -> tuple[int, int]:
-        """Return two numbers, of which at least one changes whenever simulated time passes."""
+        """Return two numbers. At least one of them changes whenever simulated time passes."""
         return self._processor.time.instant()
 
     # Places and routines ---------------------------------------------------------

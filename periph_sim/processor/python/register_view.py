@@ -106,7 +106,7 @@ class Port:
     def when(self, *, mask: object = None, value: object = None, **wanted: object) -> Condition:
         """Return the condition that a field has a value, when(XRDY=1), or that register & mask == value.
 
-        Raise Misuse unless exactly one of these two forms is used.
+        Raise Misuse for any other arguments.
         """
         if len(wanted) + (mask is not None or value is not None) != 1 or (mask is None) != (value is None):
             raise Misuse(f"{self.where}.when needs one field and its number, when(NAME=1), or a mask= and a value=")
@@ -142,7 +142,7 @@ class PortField:
     """
 
     def __init__(self, number: int, register: Register, words: int, field: Field | None, where: str) -> None:
-        """words: LOW, HIGH or BOTH words, which an access transfers. where: the full name for messages."""
+        """words: the words that an access transfers: LOW, HIGH or BOTH. where: the full name for messages."""
         self.number = number
         self._register = register
         self._words = words

@@ -5,7 +5,7 @@
 Passes are skipped as follows. A pass whose reads have no side effect is executed once. Further passes have the same
 result until a register that the pass has read changes, or an interrupt is due. Then the pass in progress is replayed
 from its start, and its reads in the past return the earlier values. The condition is called only if a read returns
-another value. So a wait ends at the cycle at which polling pass by pass would have ended, at the cost of one event.
+another value. So a wait ends at the cycle at which polling pass by pass would have ended, but needs only one event.
 
 A condition is a function, or a `Condition` on one register, whose passes execute no Python code. A function that does
 the same as a `Condition` is replaced by a `Condition` at its second wait:
@@ -68,7 +68,7 @@ def comparison_of(code: CodeType) -> FieldComparison | None:
 
 @final
 class ConditionQuery:
-    """The result of the analysis of a code object: the comparison of a field with a number, if the code is one.
+    """The result of the analysis of a code object: the comparison of a field with a number, if it makes one.
 
     code: the code object. The reference keeps its id unique.
     known: True if the code was analysed.
@@ -107,7 +107,7 @@ class Recogniser:
         self._program = program
         self._queries: dict[int, ConditionQuery] = {}
         self._latest: ConditionQuery | None = None  # the query that was used last
-        self._earlier: ConditionQuery | None = None  # the query used before `_latest`; often, two alternate
+        self._earlier: ConditionQuery | None = None  # the query used before `_latest`; two functions often alternate
 
     def condition(self, function: object) -> Condition | None:
         """Return the condition equivalent to a function; None if there is none, and at the function's first wait."""
@@ -169,7 +169,8 @@ class Waits:
         Return True as soon as the condition holds. Return False at the end of the first pass at which `timeout` cycles,
         including the cycles of interrupts, have passed since the start of the wait.
 
-        pass_cycles: the cycles of a pass, unless its reads take more; None to compute them from the reads.
+        pass_cycles: the cycles of a pass; if its reads take longer, a pass ends after the reads. None to compute the
+        cycles of a pass from its reads.
         """
         return self._wait(condition, None, pass_cycles, timeout) == READY
 
@@ -240,7 +241,7 @@ class Waits:
         return spin
 
     def _skip(self, spin: Spin) -> bool:
-        """Sleep through the passes that must repeat the present pass, and prepare the replay of the pass in progress.
+        """Sleep through passes with the same result as the present one, and prepare the replay of the pass in progress.
 
         Return True after a sleep if the result of the next pass depends on the values of its reads alone. Otherwise
         return False. If passes must not be skipped, keep their reads in `Spin.last`, and do not sleep.

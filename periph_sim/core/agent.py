@@ -83,7 +83,7 @@ class Settleable:
 
 
 class SampledParty:
-    """A subscriber to settled levels, which it passes to an agent.
+    """A subscriber to the settled levels of lines. It passes these levels to an agent.
 
     due: how the party will be notified: NOT_DUE, REQUESTED or BY_WIRE.
     plain: True if the party is notified by a call of `agent.sampled`; False if it is notified by a call of `deliver`.

@@ -55,7 +55,7 @@ def joined(notes: Iterable[tuple[int, Note]]) -> list[tuple[int, Note]]:
 
 
 class WriteOrigins(Protocol):
-    """Numbers of the records of writes to a chip. They trace an edge at an output to the write of the output's data.
+    """Numbers of records of writes. With them, an edge at an output is traced to the write of the data that is sent.
 
     mark: the number of the record of the next write. The caller sets it before the write.
     out_mark: the number of the record of the write whose data the outputs carry now; 0 if there is none.

@@ -59,8 +59,8 @@ class Kernel:
     nested_owner: the agent whose nested loop runs events now; None for the outer loop.
     released: set by an event to make the nested loop return, because the wait of its owner is over.
     outer_loop: the coroutine of the event loop that runs when no agent runs a nested one. It is set by agents.
-    fault: an exception that an event in a nested loop raised. It does not belong to the firmware that blocks there, so
-        the outer loop raises it again.
+    fault: an exception that an event in a nested loop raised. It is no error of the firmware that blocks there, so the
+        outer loop raises it again.
     """
 
     STATE = State("_queue", ticks="now")
@@ -135,12 +135,12 @@ class Kernel:
         self._queue.remove(event)
 
     def next_time(self) -> int:
-        """Return the time of the next event (ticks), or NEVER."""
+        """Return the time of the next event (ticks); NEVER if the queue is empty."""
         first = self._queue.first
         return NEVER if first is None else first.time
 
     def next_event(self) -> Event | None:
-        """Return the next event, or None. `Event.following` leads to the later events."""
+        """Return the next event; None if the queue is empty. `Event.following` leads to the later events."""
         return self._queue.first
 
     def quiet_until(self) -> int:

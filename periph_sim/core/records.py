@@ -272,9 +272,9 @@ class Recorder:
         """Subscribe `party` to the records of these kinds.
 
         A listener or a sink receives only the topics for which its `tag_of` returns a tag.
-        only: for each kind that it contains, the needed subjects: wires for EDGE and FRAME; registers for FLAG and
-            ACCESS, with unit and module ("dsp.I2C-A.I2CSTR"). All subjects of all other kinds are needed; if `only` is
-            None, those of all kinds. The party may also receive subjects that others need.
+        only: for each kind in it, the needed subjects: wires for EDGE and FRAME; registers for FLAG and ACCESS, with
+            unit and module ("dsp.I2C-A.I2CSTR"). If a kind is missing, or `only` is None, all subjects are needed. The
+            party may also receive subjects that others need.
         things: the pairs of kind and thing that the party needs; `tag_of` is not called for others. None means all.
         """
         for kind in kinds:

@@ -14,7 +14,7 @@ HOMES = {
     "firmware model": "periph_sim.imu.firmware_model",  # implements `scene.unit.FirmwareModel`
     "host frames": "periph_sim.imu.host_frames",  # implements `devices.host_frames.HostFrames`
     "plugins": "periph_sim.scene.plugins",  # defines the function `known_formats`, which finds plugins' capture formats
-    "sensors": "periph_sim.imu.sensors",  # defines the dictionary `SENSORS`, from names in the key `order` to sensors
+    "sensors": "periph_sim.imu.sensors",  # defines `SENSORS`: the sensors, by their names in the key `order`
 }
 
 

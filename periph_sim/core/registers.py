@@ -47,7 +47,7 @@ class OnWrite(Enum):
 
 
 class Tie(Enum):
-    """Priority when hardware sets a field in the cycle of a CPU write."""
+    """The side that has priority if hardware sets a field in the same cycle in which the CPU writes it."""
 
     SOFTWARE = "software"
     HARDWARE = "hardware"
@@ -104,7 +104,7 @@ class Field(Struct, frozen=True, dict=True):
         return f"{self.msb}" if self.msb == self.lsb else f"{self.msb}:{self.lsb}"
 
     def extract(self, value: int) -> int:
-        """Return the value of this field in the value of a register."""
+        """Return the value that this field has in a register value."""
         return (value & self.mask) >> self.lsb
 
     def put(self, value: int, number: int) -> int:

@@ -1,8 +1,8 @@
 """Time as a whole number of ticks, with exact conversion of seconds and clock cycles.
 
 The tick rate is the LCM of 1 GHz and all clocks whose cycles must be whole ticks: with SYSCLKOUT at 150 MHz a tick is
-1/3 ns and a cycle 20 ticks. For other clocks (such as one with a ppm error) the exact time of the n-th edge is rounded
-down to a tick, so rounding errors do not add up.
+1/3 ns and a cycle 20 ticks. For other clocks (a crystal with a ppm error, a 24 MHz logic analyser), the exact time of
+the n-th edge is rounded down to a tick, so rounding errors do not add up.
 """
 
 # core: compiled
@@ -161,7 +161,7 @@ class Clock:
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
         """Return the values that are compared in place of attributes; see `proof.normal_state`.
 
-        If a cycle is a whole number of ticks, the time from the start of a cycle to `tick` replaces all other instants.
+        If a cycle is a whole number of ticks, the time from the start of a cycle to `tick` replaces all instants.
         Otherwise no attribute is replaced.
         """
         if self._den != 1:

@@ -151,7 +151,7 @@ class Bus:
     def find(self, address: int, width: int) -> Operand | None:
         """Return the operand of the register at an address; None if no register is there.
 
-        width: 16 or 32. A 32-bit operand begins at the even address at or before this one.
+        width: 16 or 32. A 32-bit operand begins at the last even address up to `address`.
         """
         if not 0 <= address < REGISTERS_END:
             return None

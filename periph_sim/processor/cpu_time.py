@@ -172,7 +172,10 @@ class CpuTime:
         self._kernel.reschedule(self._wake, tick, 0)
 
     def resume_by(self, cycle: int) -> None:
-        """Schedule a wake-up at `cycle`, or keep an earlier one. While `watching`, do the same with `wakes` only."""
+        """Schedule a wake-up at `cycle`, or keep a scheduled one that is earlier.
+
+        While `watching`, schedule nothing, but set `wakes` to `cycle` if that is earlier.
+        """
         if self.watching:
             self.wakes = min(self.wakes, cycle)
             return

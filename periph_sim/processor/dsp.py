@@ -102,8 +102,7 @@ class Dsp(FirmwareView):
 
     resets: the number of resets since the start.
     clock_history: (tick, frequency) of each change of SYSCLKOUT.
-    note_places: for (module, tick) of a violated rule of the manuals, or of a written word that was lost, the statement
-        that caused it.
+    note_places: by (module, tick), the statements that violated a rule of the manuals or wrote a word that was lost.
     lost_counts: for each note on a lost word, for example in a full transmit FIFO, the number of its occurrences.
     watchdog_resets: tick and statement of each reset by the watchdog.
     on_reset: functions that are called at each reset.

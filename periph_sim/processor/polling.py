@@ -26,7 +26,7 @@ class Poll:
     """A read in a pass.
 
     value: the words that were read.
-    before: in a replay, the words that this read returns if it is made before the change.
+    before: in a replay, the words that this read returns if it is before the cycle of the wake-up.
     where: the statement in the firmware; None if it is not known yet.
     """
 

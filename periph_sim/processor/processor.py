@@ -58,7 +58,7 @@ CODE_ADDRESS = 0x3F_FFFF  # mask of the bits of a vector that the CPU uses
 
 
 class Stop(Enum):
-    """Reason why a program has stopped. Unless it has ended, the processor runs it again at the next wake-up."""
+    """Reason why a program has stopped. If it has not ended, the processor runs it again at the next wake-up."""
 
     WAITS = "something else may act before the cycle that it has to reach"
     SLEEPS = "it sleeps at an instruction boundary"

@@ -68,8 +68,8 @@ class _Watch:
     """The guard of the process against user code that takes too much CPU time at one instant of simulated time.
 
     A separate thread checks all user code ten times a second. It measures the CPU time of the thread that executes the
-    user code. No CPU time passes while that thread blocks, or waits for a loaded machine. User code in a debugger is
-    not stopped. The exception is raised in the executing thread between two bytecodes.
+    user code. No CPU time passes while that thread blocks, or waits because the machine is loaded. User code in a
+    debugger is not stopped. The exception is raised in the executing thread between two bytecodes.
 
     stops: the threads in which user code was stopped; while the list is empty, `leave` need not be called.
     """

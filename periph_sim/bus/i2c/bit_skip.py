@@ -170,7 +170,7 @@ class BitSkip(Shortcut):
         self._since = NO_TIME  # the tick at which the skipped bits began
         self._fell = NO_TIME
         self._shown = ONES
-        self._steady = BitTimes()  # the edges of SCL in the last byte that `skips` skipped
+        self._steady = BitTimes()  # the edges of SCL in the last byte for which `skips` has returned True
         self._times = self._steady  # the edges of SCL in the last byte in which bits were skipped
         self._ends = 0  # the tick at which the skipped bits end
         self._eighth: Event | None = None

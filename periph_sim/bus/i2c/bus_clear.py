@@ -5,7 +5,7 @@
                                 STOP
 
 The STOP is also tried if SDA is still low after nine clocks, because an F28335 may then be holding SDA: it took the
-first fall of SDA for a START, reads the zeros that follow as a general call, and acknowledges in the ninth clock.
+fall of SDA for a START, reads the zeros that follow as a general call, and acknowledges in the ninth clock.
 
 Source: UM10204 section 3.1.16.
 """

@@ -58,7 +58,7 @@ class Rule:
     """A disturbance of a target. By default nothing is changed.
 
     refuses: True if the bytes are not acknowledged.
-    replace: a function from the byte that the target would send to the byte that is sent.
+    replace: a function that gets the byte that the target would send, and returns the byte to send instead.
     strike: disturbs the lines; called at the fall of SCL before an ACK or before the first bit of a byte.
     held: the line that `strike` holds low, if there is one.
     phase: number of phases so far whose R/W bit matches `when.access`.

@@ -33,7 +33,7 @@ Stretches = tuple[tuple[int, int, int], ...]
 
 
 class Reply(Protocol):
-    """Reply to a START with its address.
+    """A target's reply to a START and the address that follows it.
 
     stretches: triples (byte, bit, ticks). SCL is held low for `ticks` after the fall that precedes the bit. Byte -1 is
         the address. In the address, only bit 8, the ACK, can be stretched, because the reply is not known earlier.

@@ -316,7 +316,7 @@ class RegisterLayout:
 
 
 def _aligned(bit: int, width: int, container: int) -> int:
-    """Return the first bit of a bit field: `bit` if the field fits in the present container, else that of the next one.
+    """Return the first bit of a bit field: `bit` if the field fits in its container, else the start of the next one.
 
     A container is a storage unit of the declared type. A bit field does not cross the end of a container.
 

@@ -158,7 +158,7 @@ class PythonProgram(Program):
             raise found from error
 
     def _end(self) -> None:
-        """End the turn of firmware that has returned or raised. If it was not killed, the outer loop continues."""
+        """End the turn of firmware that has returned or raised. If it was not killed, let the outer loop continue."""
         self._end_watch()
         if self._greenlet is not None:
             self._processor.stops(Stop.ENDED)

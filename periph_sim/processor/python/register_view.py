@@ -136,7 +136,7 @@ STATE = frozenset(Port.__slots__)
 
 @final
 class PortField:
-    """A name of a port: a field, or whole words of the register.
+    """A named attribute of a port: a field, or whole words of the register.
 
     number: the index of this name among the names of the port. mask: the bits of the register that this name selects.
     """

@@ -244,7 +244,8 @@ class Waits:
         """Sleep through passes with the same result as the present one, and prepare the replay of the pass in progress.
 
         Return True after a sleep if the result of the next pass depends on the values of its reads alone. Otherwise
-        return False. If passes must not be skipped, keep their reads in `Spin.last`, and do not sleep.
+        return False. If passes must not be skipped, do not sleep, but store the reads of the present pass in
+        `Spin.last`.
         """
         time, core = self._time, self._cpu.core
         if not spin.made or time.lands < NEVER or core.earliest() < NEVER:

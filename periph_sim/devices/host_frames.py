@@ -33,7 +33,7 @@ class HostFrames(Protocol):
     """The Python module that defines the frames of a [host].
 
     FRAME_BYTES: the length of a frame.
-    PARTS: a dictionary from the name of each part of a frame to the slice of its three values.
+    PARTS: for the name of each part of a frame, such as "angles", the slice of the frame that has its three values.
     ADDRESSES: the I2C addresses that `data` accepts.
     """
 
@@ -45,7 +45,7 @@ class HostFrames(Protocol):
         """Return the dataclass of [host.encoding]."""
 
     def motion_settings(self) -> Mapping[str, type[object]]:
-        """Return a dictionary from the name of each kind of [host.motion] to the dataclass of its settings."""
+        """Return the dataclass of the settings of each kind of [host.motion], by the name of the kind."""
 
     def encoding_of(self, given: dict[str, object]) -> Any:
         """Return the encoding of the frames, an object with the attribute `byte_order`.
@@ -72,9 +72,9 @@ class HostFrames(Protocol):
         """Return the values of a frame from its bytes, low byte first."""
 
     def shown(self, values: Sequence[T]) -> Mapping[str, Sequence[T]]:
-        """Return a dictionary from the name of each chip to the x, y and z of its registers, taken from a frame.
+        """Return the x, y and z in the registers of each chip, by the chip's name. values: those of a frame.
 
-        This holds for firmware that copies the values of a frame to the registers. Firmware with a `ChipModel`
+        The result is valid for firmware that copies the values of a frame to the registers. Firmware with a `ChipModel`
         computes the registers from the values instead.
         """
 

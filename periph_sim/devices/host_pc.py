@@ -34,7 +34,7 @@ class HostSchedule(msgspec.Struct, frozen=True):
 
     first: the time from the start of the run to the first frame.
     period: the exact period of the frames.
-    jitter: the maximum delay of a frame, uniformly distributed.
+    jitter: the maximum random delay of a frame. Delays are uniformly distributed from 0 to this maximum.
     gap: the pause between bytes, in bits.
     lose: the bytes that are not sent, as pairs (number of the frame, index of the byte in the frame).
     frames: number of frames; None for no end.
@@ -61,7 +61,8 @@ class HostSchedule(msgspec.Struct, frozen=True):
 class Host(Agent):
     """An agent that sends the frames of a schedule.
 
-    frames, bytes: the numbers of frames and bytes that it has begun to send.
+    frames: the number of frames that the host has begun to send.
+    bytes: the number of bytes in these frames, without the bytes that are not sent (`HostSchedule.lose`).
     late: the number of frames that were left out because the previous frame was still being sent.
     sent: functions called with (number, values, tick at which the last stop bit ends) at the end of each frame, also of
         a repeated frame.
@@ -157,7 +158,7 @@ class Host(Agent):
     def _plan(self, due: int) -> None:
         schedule = self._schedule
         if schedule.starts is not None:
-            self._due_next = NEVER  # until `start_frame`
+            self._due_next = NEVER  # after the last start in the list, until `start_frame` adds a frame
             if self._number < len(schedule.starts):
                 self._due_next = schedule.starts[self._number]
                 self._kernel.schedule(self._due_next, self, FRAME)

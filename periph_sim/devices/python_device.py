@@ -49,7 +49,7 @@ class DevicePin:
 class DeviceBus:
     """The environment of the device: time, the clock line, pins, notes and random numbers.
 
-    random: the device's own generator, with equal numbers in every run of one case.
+    random: the device's own generator of random numbers. It gives the same numbers in every run of a case.
     """
 
     def __init__(self, place: TargetContext, per_second: int, guard: UserCode) -> None:

@@ -101,7 +101,7 @@ class SensorHead(Agent):
     def _plan(self) -> None:
         """Schedule the next round, with its jitter.
 
-        Set `_due` to the tick at which the round is due, without jitter. It is NEVER after the last one of a list.
+        Set `_due` to the tick at which the round is due, without jitter. After the last start of a list, it is NEVER.
         """
         schedule = self.schedule
         if schedule.starts is not None:

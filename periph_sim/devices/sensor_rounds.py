@@ -105,7 +105,7 @@ def register_bytes(chip: ChipData, xyz: Sequence[Any]) -> bytes:
 
 
 def known_sensors() -> Mapping[str, ChipData]:
-    """Return a dictionary from the name of each sensor, as used in the key `order` of a case, to its data."""
+    """Return the data of each known sensor, by its name, as used in the key `order` of a case."""
     return cast(Mapping[str, ChipData], registered("sensors").SENSORS)
 
 
@@ -115,7 +115,7 @@ class Schedule(Struct, frozen=True):
     first: the time from the start of the run to the first round.
     period: the exact period of the rounds.
     gap: the pause between two transfers of a round, in addition to the bus-free time.
-    jitter: the maximum delay of each round, uniformly distributed.
+    jitter: the maximum random delay of a round. Delays are uniformly distributed from 0 to this maximum.
     rounds: number of rounds; None for no end.
     ahead: the time before `first` at which the chips are set up, if there are start-up requests.
     starts: the ticks at which the rounds begin; None if `first`, `period` and `jitter` determine these ticks.

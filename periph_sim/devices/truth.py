@@ -25,7 +25,7 @@ class Truth(Protocol):
     """The true values. They do not depend on what the firmware does during the run."""
 
     def at(self, seconds: Fraction) -> Mapping[str, Axes]:
-        """Return a dictionary from the name of each chip to x, y and z in LSB.
+        """Return x, y and z of each chip in LSB, by the name of the chip.
 
         seconds: the time since the first frame was due; negative before this frame.
         """

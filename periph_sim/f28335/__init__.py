@@ -10,11 +10,11 @@ owner: the code that calls a chip: its socket (`core.socket`), the unit, or a te
 wake-up: a call of the chip's method `wake`. The owner makes it at the cycle that the chip has put in `next_wake`.
 note: a message for the user (`core.chip.Note`). Its code is "duty" if firmware does what the manual forbids.
 request: one pulse on an interrupt line. "X requests at once" means that the interrupt is requested in this cycle.
-option: a question that TI's documents leave open, with its possible answers (`core.options`). The docstrings of the
-    modules list further behaviour that these documents leave open under "Chosen"; it has no option.
-use of an option: a step of the run that depends on the answer. `assume` returns the answer and records the use, by the
-    name of the option in the set `touched`; `unrecorded` only returns the answer.
-XRS: the reset of the chip, by its pin of this name or by the watchdog.
+option: a question that TI's documents leave open, with its possible answers (`core.options`). Under "Chosen", the
+    docstrings list other behaviour that these documents leave open. It has no option: only one answer is modelled.
+use of an option: a step of the run that depends on the answer. `assume` returns the answer and adds the name of the
+    option to the set `touched`, which records the use; `unrecorded` only returns the answer.
+XRS: the reset of the whole F28335, by its pin of this name or by the watchdog.
 standard mode: the mode of an SCI or SPI without FIFOs (SCIFFENA = 0, SPIFFENA = 0).
 SYSCLKOUT: the clock of the CPU. LSPCLK: the clock of SCI and SPI, SYSCLKOUT divided. OSCCLK: the clock of the crystal.
 EALLOW: the instruction after which writes to protected registers take effect, until the instruction EDIS.

@@ -3,8 +3,8 @@
     i2c/descriptor.py: I2C_A --+
     sci/descriptor.py: SCIS  --+--> parts/f28335.py: Part --> addresses, clocks, interrupts, pins, wires, options
 
-The code that builds units, wires pins, parses names of events, checks cases, and runs the commands `why` and `regs`
-reads descriptors. To add a module, add a folder with a descriptor, a register map and a chip, and an entry in
+Descriptors are read by the code that builds units, connects pins, parses names of events and checks cases, and by the
+commands `why` and `regs`. To add a module, add a folder with a descriptor, a register map and a chip, and an entry in
 `parts/f28335.py`. The folders without a descriptor (`cpu`, `memory` and `parts`) are not modules.
 """
 
@@ -63,7 +63,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     header: the structures that TI's C headers declare for the module, each with its offset from `base`.
     chip: the class that models the module, such as "i2c.module.I2c" in this package. It is "" for a module that every
         unit has, and which the unit itself constructs.
-    takes: the arguments of the constructor of this class: "name", "options", both or none.
+    takes: the arguments that the constructor of the class `chip` takes: "name", "options", both or none.
     options: the name of the group of options that the module uses.
     options_class: the class of these options, written like `chip`.
     gate: the field of PCLKCR0 or PCLKCR3 that switches the module's clock; "" if there is none.
@@ -71,10 +71,10 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     clock: the clock that the module runs on, "SYSCLKOUT" or "LSPCLK".
     interrupts: its interrupts, in the order of the bits of the chip's `requests`.
     inputs, outputs: the module's signals in the table of the pin multiplexer, in the order of `INPUTS` and `OUTPUTS`
-        of the chip. inputs is None if any pin can be an input of the module.
+        of the chip. inputs is None if any pin can affect the module.
     pins: for each signal of the module, the GPIO number to which TI's start-up code assigns it.
     wires: for each name that a case may use, the signal of the module that has this name.
-    bus: True if this module of every unit in a scene is connected to the same wires, as on an I2C bus.
+    bus: True if all units of a scene connect their modules of this name to the same wires, as on an I2C bus.
     plain: True if a case writes the names in `wires` without the module's name before them.
     """
 
@@ -132,7 +132,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
                 raise self._error(f"{signal} is neither among its inputs nor among its outputs")
 
     def build(self, options: Mapping[str, Answers]) -> Chip:
-        """Return a new chip. options: the answers of a unit by group; a group that is missing has its defaults."""
+        """Return a new chip. options: the unit's answers, by group of options; missing groups have the defaults."""
         given = options.get(self.options)
         values: dict[str, Callable[[], object]] = {
             "name": lambda: self.name,
@@ -155,8 +155,8 @@ class Part(Struct, frozen=True, dict=True):
     """A chip of the family.
 
     modules: its modules, in the order in which they are listed to users.
-    flash: the addresses of its flash. Except for `part_id`, parts differ only in how many of the low addresses of the
-        F28335's flash they lack.
+    flash: the addresses of its flash. Parts differ only in `part_id` and in the start of this range: a smaller flash
+        lacks the low addresses of the F28335's flash.
     part_id: the value at the address PARTID (0x380090), by which firmware identifies the chip.
     """
 
@@ -214,5 +214,5 @@ class Part(Struct, frozen=True, dict=True):
         return {group: named_class(name) for group, name in self.options_groups.items()}
 
     def requesters(self, vector: str) -> dict[str, Interrupt]:
-        """Return the modules that can request an interrupt, by name, each with its `Interrupt`."""
+        """Return the `Interrupt` of each module that can request the interrupt `vector`, by the module's name."""
         return {one.name: found for one in self.modules for found in one.interrupts if found.vector == vector}

@@ -1,7 +1,8 @@
-"""Experiments on hardware, each of which would decide an open question. The keys are the option's group and its name.
+"""For open questions about the hardware, an experiment that would answer each of them.
 
-`run --questions` prints them. They have a file of their own, because no run needs them. If a question has no entry
-here, no experiment is known for it.
+The keys of EXPERIMENTS are the group and the name of the question's option. `run --questions` prints the experiments.
+They have a file of their own, because the simulation does not need them. If a question has no entry here, no experiment
+is known for it.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Choice of the modules that a run imports: the compiled core or its Python sources. Both give the same records.
 
-The core is the part of the package that is compiled from Python to C by Cython, because it runs for every event.
+The core is the part of the package that Cython compiles to C. It is compiled because its code runs at every event.
 
     the build matches the sources --> the compiled modules are imported
     it does not                   --> the Python sources are imported, and `note` contains the reason
@@ -22,7 +22,7 @@ Terms of this package:
 .pxd file: declares to Cython the C types of the classes and functions of one module.
 cimport: Cython's import of a C type or C function from the .pxd file of another module.
 directive: a setting of Cython, for a whole module or for one class or function.
-mark: a comment `# core: ...` at a class or function (`sources`).
+mark: a comment `# core: ...` at a class or function; the module `sources` lists these comments.
 greenlet: a coroutine with its own C stack, of the Python package `greenlet`; firmware runs in greenlets.
 """
 

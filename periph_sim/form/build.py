@@ -281,7 +281,7 @@ def last_build(built: Path) -> dict[str, str]:
 def needed(prefixes: Sequence[str], sources: Sources) -> list[str]:
     """Return the compiled modules whose names begin with one of the prefixes, and the modules whose types they use.
 
-    Without prefixes, return all compiled modules. Raise NoBuild if no name begins with a prefix.
+    Without prefixes, return all compiled modules. Raise NoBuild if no name begins with any of the prefixes.
     """
     found = sources.compiled()
     chosen = [one for one in found if any(f"{one}.".startswith(f"{prefix}.") for prefix in prefixes)]

@@ -47,8 +47,8 @@ class Function(NamedTuple):
     """The declaration of a function.
 
     kind: "cpdef" if Python and C can call it, "cdef" if only C can call it, "def" if it stays a Python function.
-    arguments: a dictionary from the name of an argument to the pair (its type, True if it has a default).
-    variables: a dictionary from the name of an annotated local variable to its type.
+    arguments: for each argument, by its name, its type, and True if it has a default.
+    variables: the types of the annotated local variables, by name.
     result: the type of the result.
     marks: the words in the comment `# core:` of the function.
     """

@@ -139,7 +139,7 @@ def declared(source: str, pxd: str) -> str:
 
 
 def with_constants(source: str, names: Mapping[str, object]) -> str:
-    """Return the source with its constants replaced. names: a dictionary from global names of the module to values."""
+    """Return the source with its constants replaced. names: the values of the module's global names."""
     tree = ast.parse(source)
     lines = [line.encode() for line in source.split("\n")]  # as bytes, because `ast` counts columns in bytes
     imported = {
@@ -177,7 +177,7 @@ def _names(tree: ast.Module) -> Iterator[ast.Name | ast.Attribute]:
 
 
 def _integer(node: ast.Name | ast.Attribute, names: Mapping[str, object]) -> int | None:
-    """Return the value of an uppercase integer constant of this module or of an imported module; None for others."""
+    """Return the value of an uppercase integer constant of this or an imported module; None if `node` is none."""
     value: object = None
     if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id.isupper():
         value = names.get(node.id)

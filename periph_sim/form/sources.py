@@ -5,9 +5,9 @@ A module is compiled if it has the line `# core: compiled`. A class in it is com
 annotation, it has the type of the first assigned value whose type can be derived.
 
 By default, Python and C can call a function (cpdef). Only C can call it (cdef) if its name begins with an underscore or
-is missing in the `__all__` of its module. It stays a Python function (def) if Cython cannot compile it as a C function,
-or if a method or a private function is used as an object, for example as a callback. `c_types` and the following
-comments express what ordinary annotations cannot:
+is missing in the `__all__` of its module. It stays a Python function (def) if Cython cannot compile it as a C function.
+Methods and private functions also stay Python functions if they are used as objects, for example as callbacks.
+`c_types` and the following comments express what ordinary annotations cannot:
 
     class Event:  # core: freelist 16                   keeps up to 16 deleted objects for reuse
     class Span:  # core: python                         stays a Python class

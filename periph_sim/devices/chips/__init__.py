@@ -15,5 +15,5 @@ from ...core.discover import modules_with
 
 @cache
 def chip_models() -> Mapping[str, type[Any]]:
-    """Return a dictionary from the name of each model to the class of the chip, a subclass of `RegisterChip`."""
+    """Return the class of each chip, a subclass of `RegisterChip`, by the name of its model."""
     return {name: module.CHIP for name, module in modules_with("CHIP", __name__, __path__).items()}

@@ -5,9 +5,9 @@
 Not modelled:
 - detection of tap, activity, inactivity and free fall; a note is added when one of these events is enabled
 - AUTO_SLEEP and the self-test force
-- the filter: a sample is the source's value at that instant
+- the filter: a sample is the value of the source at the instant of the sample
 - the INT pins, and so the event that triggers the FIFO in trigger mode
-- the minimum of 5 us between two reads of the FIFO: on a bus of up to 400 kHz, they are always further apart
+- the minimum of 5 us between two reads of the FIFO: on a bus of up to 400 kHz, the reads are always further apart
 
 Source: ADXL345 data sheet Rev 0, register map, FIFO section and the sections named at the methods.
 """

@@ -3,8 +3,8 @@
     Source (gauss) --single or at the output rate--> average, bias, gain, overflow --> DXRA to DYRB (x, z, y), Status
 
 The instants of the samples that are averaged are not documented. Here they are evenly spaced over the output period, or
-over the 6 ms of a single measurement, with the last sample at the end. The 3.4 MHz mode and the DRDY pin (RDY with a
-pulse of 250 us) are not modelled.
+over the 6 ms of a single measurement, with the last sample at the end. The 3.4 MHz mode is not modelled, nor is the pin
+DRDY, which signals new data with a pulse of 250 us.
 
 Source: Honeywell HMC5883L data sheet, sections named at the methods.
 """

@@ -86,7 +86,7 @@ class RegisterChip:
     def write(self, now: int, number: int, value: int) -> None:
         """Write the register with this number, and apply the effects of the write.
 
-        A write of a reserved or read-only register has no effect but a note.
+        A write of a reserved or read-only register only adds a note.
         """
         self.advance_to(now)
         register = self.MAP.at(number)

@@ -16,7 +16,7 @@ ZERO: Sequence[Fraction] = (Fraction(0), Fraction(0), Fraction(0))
 
 
 def held(ticks: Sequence[int], rows: Sequence[Sequence[float | Fraction]]) -> Source:
-    """Return a source that gives row n from ticks[n] on, and row 0 also before ticks[0].
+    """Return a source that gives row n from ticks[n] until the tick of the next row. Before ticks[0], it gives row 0.
 
     ticks: a list or int64[n].
     rows: a list of (x, y, z), or float64[n, 3].
@@ -57,7 +57,7 @@ def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) ->
 
 def scaled(source: Source, lsb_per_unit: Fraction) -> Source:
     """Return the source with its values converted exactly from LSB to the chip's physical unit."""
-    kept: Sequence[float | Fraction] | None = None  # cached: the last values of `source`; `axes` has them converted
+    kept: Sequence[float | Fraction] | None = None  # cached: the last values of `source`; `axes` has the converted ones
     axes: Sequence[Fraction] = ZERO
 
     def at(tick: int) -> Sequence[Fraction]:

@@ -92,7 +92,7 @@ class Family(Protocol):
 
 @cache
 def families() -> Mapping[str, Family]:
-    """Return a dictionary from the name of each model to the module that defines it."""
+    """Return the module that defines each model, by the name of the model."""
     modules = modules_with("MODELS", __name__, __path__).values()
     return {model: cast(Family, module) for module in modules for model in module.MODELS}
 

@@ -234,7 +234,7 @@ class Rtc(PlainReply):
     def _unlock(self, value: int) -> None:
         """Apply a write of the status register.
 
-        0x02 sets WEL, 0x06 sets RWEL if WEL is already set, and 0 clears both. Other writes have no effect but a note.
+        0x02 sets WEL, 0x06 sets RWEL if WEL is already set, and 0 clears both. Any other write only adds a note.
         """
         if value == WEL | RWEL and self._latches & WEL:
             self._latches = WEL | RWEL

@@ -75,5 +75,5 @@ class Family(Protocol):
 
 @cache
 def watchers() -> Mapping[str, Family]:
-    """Return a dictionary from each kind of watcher to the module of this folder that defines this kind."""
+    """Return the module of this folder that defines each kind of watcher, by the name of the kind."""
     return {module.KIND: cast(Family, module) for module in modules_with("KIND", __name__, __path__).values()}

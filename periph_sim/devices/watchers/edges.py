@@ -4,7 +4,8 @@
     edges      10 ms    20 ms          ["10 ms", "rise"], ["20 ms", "fall"]
     deviation     |-|   ||             the n-th edge against the n-th expected one
 
-The run fails if an edge is missing or of the wrong kind, or if an edge follows the last expected one (unless `more`).
+The run fails if an edge is missing or of the wrong kind, or if an edge follows the last expected one and `more` is
+false.
 """
 
 from __future__ import annotations

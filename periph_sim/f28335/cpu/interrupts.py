@@ -5,10 +5,10 @@
                                   instruction boundary        context saved; iret restores it
 
 `CpuInterrupts` executes no instructions and stores no context. Its owner, the model of the processor, stores the result
-of `enter` in memory. At IRET the owner passes the words at this place in memory to `iret`. For an instruction such as
-CLRC INTM the owner calls the method of the same name at the cycle at which the instruction begins. It calls
-`next_taken` at each boundary between two instructions. There is no boundary inside an RPT loop, and an instruction that
-has reached pipeline stage D2 completes. If an interrupt is taken at the boundary in cycle b:
+of `enter` in memory. At IRET the owner passes the words of ST1 and IER at this place in memory to `iret`. For an
+instruction such as CLRC INTM the owner calls the method of the same name at the cycle at which the instruction begins.
+It calls `next_taken` at each boundary between two instructions. There is no boundary inside an RPT loop, and an
+instruction that has reached pipeline stage D2 completes. If an interrupt is taken at the boundary in cycle b:
 
     b                        enter(b, number): IFR bit cleared, context saved, IER bit cleared, ST1 changed
     b + vector_delay         the owner gets the vector from the PIE
@@ -100,7 +100,10 @@ class CpuInterrupts:
     )
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Leave out SP, which an image passes before each interrupt and each IRET. See `proof.normal_state`."""
+        """For comparisons of states, leave out SP. See `proof.normal_state`.
+
+        The model that executes an image (machine code) sets SP before each interrupt and each IRET.
+        """
         return {"sp": None}
 
     def __init__(self, options: SystemOptions) -> None:
@@ -232,7 +235,7 @@ class CpuInterrupts:
         return self.sp - CONTEXT_SP & 0xFFFF
 
     def iret(self, now: int, st1: int, ier: int) -> None:
-        """Execute IRET. st1, ier: their words on the stack, which firmware may have changed since they were saved."""
+        """Execute IRET. st1, ier: the words of ST1 and IER in the saved context, which firmware may have changed."""
         self.wake(now)
         if not self.st1 & INTM:
             self.notes.append(

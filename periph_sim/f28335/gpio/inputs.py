@@ -4,13 +4,15 @@
                                          +--> XINT line (changed)
                                          +--> GPxDAT read
 
-The owner reports an edge at a pad that coincides with a SYSCLKOUT edge with exact=True and the cycle of the SYSCLKOUT
-edge as `now`. It reports an edge between two SYSCLKOUT edges with exact=False and the cycle of the later one.
+When the owner reports an edge at a pad, it passes `exact` and a cycle, `now`. If the edge at the pad coincides with a
+SYSCLKOUT edge, exact is True, and `now` is the cycle of this SYSCLKOUT edge. If the edge at the pad is between two
+SYSCLKOUT edges, exact is False, and `now` is the cycle of the later one.
 
-A pin is synchronised with QSEL = 0, with QSEL = 3 if it is general-purpose, and in port C. Then the level inside the
-chip follows at the first SYSCLKOUT edge after the edge at the pad. A peripheral's pin with QSEL = 3 is asynchronous.
-Then the level follows at the first SYSCLKOUT edge that coincides with the edge at the pad or comes after it. `seen_at`
-returns this cycle, so that the owner can pass the edge to the peripheral without a wake-up of this chip.
+A pin is synchronised if QSEL = 0, if QSEL = 3 and the pin is general-purpose, or if the pin is in port C. The level
+inside the chip then follows at the first SYSCLKOUT edge after the edge at the pad. A pin of a peripheral with QSEL = 3
+is asynchronous. The level then follows at the first SYSCLKOUT edge that coincides with the edge at the pad or comes
+after it. `seen_at` returns this cycle, so that the owner can pass the edge to the peripheral without a wake-up of this
+chip.
 
 With QSEL = 1 or 2 the pin has a qualifier and is called sampled. Its changes are reported in `changed`. So are changes
 of an input signal's level that new MUX or QSEL settings cause.
@@ -56,7 +58,7 @@ class Qualifier:
     Evaluation is lazy: samples are not taken one by one. Each call counts the samples since the previous call.
 
     The qualifier only counts equal samples. So it has the erratum of the silicon: with period n and m samples, a pulse
-    of n·(m - 1) + 1 cycles passes if its phase to the samples is right, although n·m cycles were intended.
+    of only n·(m - 1) + 1 cycles passes if m samples happen to be in it, although n·m cycles were intended.
 
     Source: SPRUFB0D section 6.4.3, Tables 42 to 45, Figure 46; SPRZ272N section 3.2.
 
@@ -65,7 +67,7 @@ class Qualifier:
     - A change of the sampling period restarts the prescaler; a change between three and six samples keeps the samples
       already taken.
 
-    level: the synchronised level. All samples before the creation are taken to have the initial level.
+    level: the synchronised level. Samples before the creation of the qualifier count as equal to the initial level.
     period: cycles from one sample to the next.
     samples: number of equal samples in a row that changes the output.
     origin: a cycle in which a sample was taken.
@@ -123,7 +125,7 @@ class Qualifier:
         self.due = self._origin + ((self._done - self._origin) // self._period + lacking) * self._period
 
 
-NOT_GATED = 0b11 << 32 | ALL >> 64 << 64  # mask: pins on which GPIOINENCLK does not act, GPIO32, GPIO33 and port C
+NOT_GATED = 0b11 << 32 | ALL >> 64 << 64  # mask: the pins without effect of GPIOINENCLK: 32, 33 and port C
 WORDS = range(0, 32 * (at.SELECT - at.DATA) // at.DATA_WORDS, 16)  # number of the lowest pin in each word of GPxDAT
 
 
@@ -146,7 +148,10 @@ class GpioInputs(GpioSettings):
     _last_qualified: BigInt
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Leave out the levels before edges of earlier cycles. See `proof.normal_state`."""
+        """For comparisons of states, leave out pad levels from before an edge of an earlier cycle.
+
+        See `proof.normal_state`.
+        """
         return {"_before": self._before if self._edge_at == cycle else None}
 
     def __init__(self) -> None:

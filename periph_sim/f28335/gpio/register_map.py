@@ -101,8 +101,8 @@ GPIO = RegisterMap(
 
 
 def control_register(what: str, pin: int) -> str:
-    """Return the name of the control register of a kind that has the field of a pin.
+    """Return the name of the control register that has the field of `pin`. what: the kind of register.
 
-    For example, it is "GPBMUX1" for the kind "MUX" and pin 32.
+    For example, the result is "GPBMUX1" for the kind "MUX" and pin 32.
     """
     return next(one.name for one in GPIO if one.name[3:].rstrip("12") == what and f"GPIO{pin}" in one)

@@ -58,7 +58,7 @@ def note_for(pin: int, mux: int) -> Note | None:
 
 
 def module_of(signal: str) -> str:
-    """Return the name in the manual of the module that has a signal. The module is one that is not modelled."""
+    """Return the module to which a signal belongs, by its name in the manual. signal: one of a module in MODULES."""
     return next(module for prefix, module in MODULES.items() if signal.startswith(prefix))
 
 
@@ -96,7 +96,7 @@ AT_RESET = {register.offset: register.reset for register in at.GPIO}
 
 
 class PinSettings:  # core: python
-    """Settings of all pins. values: those of the registers in CONFIGURED, in this order.
+    """Settings of all pins. values: the values of the registers in CONFIGURED, in this order.
 
     mux: the multiplexer value of each pin, 0 to 3.
     sampled: (pin, required number of equal samples) for each pin with a qualifier.

@@ -56,14 +56,14 @@ class I2cLimits:
             )
 
     def address(self, name: str, value: int) -> None:
-        """Add a note if XA = 0 and I2COAR or I2CSAR has bits beyond the 7-bit address. name: that of the register."""
+        """Add a note if XA = 0 and I2COAR or I2CSAR has bits beyond the 7-bit address. name: "I2COAR" or "I2CSAR"."""
         if value & BEYOND_7_BITS and not self._state.mdr & MDR_XA:
             self._state.duty(
                 f"{name} = {value:#05x} has bits 9 to 7 set with XA = 0; expected 0 there", "SPRUG03B §5.8, §5.9"
             )
 
     def scl(self, low: int, high: int) -> None:
-        """Add a note if the rate, low time or high time of SCL is not allowed. low, high: these times in cycles."""
+        """Add a note if the rate, low time or high time of SCL is not allowed. low, high: the two times in cycles."""
         given = low, high, self.sysclk_hz
         if given == self._within:
             return
@@ -106,7 +106,7 @@ class I2cLimits:
         return True
 
     def divisor(self, name: str, value: int) -> None:
-        """Add a note if I2CCLKL or I2CCLKH is written 0, or is written with IRS = 1. name: that of the register."""
+        """Add a note if I2CCLKL or I2CCLKH is written with 0, or while IRS = 1. name: "I2CCLKL" or "I2CCLKH"."""
         self.written_while_enabled(name)
         if not value:
             self._state.duty(f"{name} was written 0; expected 1 to 65535", "SPRUG03B Tables 13, 14")

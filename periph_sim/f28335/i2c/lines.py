@@ -175,14 +175,14 @@ class I2cLines(Chip):
         return self.state.code_at if self.state.code_at < timer else timer
 
     def next_output(self) -> int:
-        """Return the first cycle at which a timer is due or a filtered edge does more than shift a bit, or NEVER."""
+        """Return the first cycle at which a timer is due, or a filtered edge does more than shift a bit; else NEVER."""
         return min(self._timer, self._lines.visible_due(self.silent_edges(behind_filter=True)))
 
     def silent_edges(self, behind_filter: bool = False) -> int:
-        """Return how many of the next SCL edges change no line and no readable register; -1 if any edge may change one.
+        """Return how many of the next SCL edges change neither a line nor a readable register.
 
-        The number is valid if the edges are further apart than the filter width. Edges of SDA while SCL is low also
-        change nothing.
+        Return -1 if every edge may cause such a change. Otherwise, the number is valid if the edges are further apart
+        than the filter width. Edges of SDA while SCL is low also change nothing.
         behind_filter: True to count edges at the output of the noise filter, False to count edges at the pins.
         """
         if self.state.mdr & MDR_DLB or self._suspended or self.master.answers_edges():
@@ -197,7 +197,7 @@ class I2cLines(Chip):
     # Skipped bits (see `bus.i2c.bit_skip`) -----------------------------------------
 
     def waits_for_byte(self, clocks: bool) -> bool:
-        """Return True if SCL is low before the first bit of a byte, and the module will only shift the first 7 bits.
+        """Return True if SCL is low before a byte, and the module will do nothing but shift in its first 7 bits.
 
         clocks: True if this module generates SCL during the byte.
         """

@@ -8,7 +8,7 @@ Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
 
 Chosen:
 - The module changes SDA one module clock after SCL fell.
-- If the master holds SCL low until a command, a write of 1 to STT or STP is a command even if the bit was 1 already.
+- While the master waits for a command, a write of 1 to STT or STP is a command even if the bit was 1 already.
 - With hold_scl_after_nack = false, a STOP follows a NACK automatically if STP = 1.
 - In loopback the module acknowledges itself.
 """
@@ -346,7 +346,11 @@ class I2cMaster(I2cMasterData):
     # Skipped bits (see `bus.i2c.bit_skip`) --------------------------------------------
 
     def released_bit(self) -> int:
-        """Return the bit for which SCL has just been released (8: acknowledge bit); NO_BIT for a START or STOP."""
+        """Return the index of the bit for which SCL has been released and has not risen yet; else NO_BIT.
+
+        Bits count from 0, so index 8 is the acknowledge bit of a byte of eight bits. A release of SCL for a START or
+        STOP is not for a bit.
+        """
         if not self._waits_for_rise or self._after_high != FALL or self._kind == NO_BYTE:
             return NO_BIT
         return self._bit

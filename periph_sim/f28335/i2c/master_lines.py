@@ -70,7 +70,7 @@ class I2cMasterLines:
         self._driven = 1
 
     def _d(self) -> int:
-        """Return d, the number of module clocks for which SCL is low or high beyond I2CCLKL or I2CCLKH (Table 15)."""
+        """Return d (Table 15). SCL is low for I2CCLKL + d and high for I2CCLKH + d module clocks."""
         return max(5, 8 - self.state.tm)  # 7, 6 or 5 for IPSC = 0, 1 or more
 
     def low(self) -> int:
@@ -92,7 +92,10 @@ class I2cMasterLines:
             self.pulls |= SDA
 
     def _release_after_low(self, now: int) -> None:
-        """Release SCL after the low time. If SDA was set late, because SCL was held, SDA also needs its setup time."""
+        """Schedule the release of SCL for the end of the low time.
+
+        If SDA changes late, because SCL was held low, the release also waits for the setup time of SDA.
+        """
         state = self.state
         over = self._low_from + self.low()
         if now > self._low_from + state.tm + state.filter_width:
@@ -173,7 +176,7 @@ class I2cMasterLines:
         self._stopping = False  # True from the module's STOP until this has passed the noise filter
         self._own_restart = False
         # To read from a 10-bit address, the module sends the full address, makes a repeated START by itself, and sends
-        # the first address byte again. This list has the bytes to send after such a repeated START, else none.
+        # the first address byte again. This list has the bytes to send after the repeated START; otherwise it is empty.
         self._restart_next: list[int] = []
 
     def _latch_command(self) -> None:

@@ -7,7 +7,7 @@
     10-bit    11110AA w   AAAAAAAA   [Sr  11110AA r]
 
 A byte has n bits: 8 in an address, BC in data. `bit` counts the rises of SCL in the present byte. "Rise 8" and "fall 8"
-are the edges of its n-th pulse, "rise 9" and "fall 9" those of the acknowledge bit.
+are the edges of the n-th SCL pulse of the byte, "rise 9" and "fall 9" those of the pulse of the acknowledge bit.
 
 Source: SPRUG03B sections 2, 3 and 5.8, Table 1, Table 10, Figure 17.
 
@@ -204,7 +204,7 @@ class I2cSlave(I2cSlaveData):
     # Address ------------------------------------------------------------------------
 
     def _is_ours(self) -> bool:
-        """Return True if the received byte addresses this module. Set `_read` to True if it has R/W = 1."""
+        """Return True if the received byte addresses this module. Also update `_read`, the R/W bit of the byte."""
         state, options = self.state, self.state.options
         byte, second = self._shift & 0xFF, self.phase == ADDRESS_LOW
         if self.muted:  # as the master, the module itself sent this byte

@@ -237,7 +237,7 @@ class I2cSlaveData:
         return state.options.rx_overrun_policy.assume(state.touched).partition("_")[0]
 
     def _stretches(self, point: str) -> bool:
-        """Return True if `point` is where SCL begins to be held low while a received byte cannot be stored.
+        """Return True if the slave begins to hold SCL low at `point` when a received byte cannot be stored.
 
         point: "before_ack" or "after_fall9".
         """

@@ -3,8 +3,9 @@
 This is the whole space of the chip; `memory_map` has only the modules that a scene names. Parts of the family with less
 flash than the F28335 have nothing at the low addresses of flash. Words have 16 bits.
 
-Registers of modelled modules have names such as "I2C-A.I2CMDR". So do some registers of other modules that firmware
-polls or writes when it sets up the chip. Any other register is named by its module and offset, such as "ADC + 0x01".
+Registers of modelled modules have names such as "I2C-A.I2CMDR". Other modules have such names only for some registers
+that firmware polls or writes when it sets up the chip. Any other register is named by its module and offset, such as
+"ADC + 0x01".
 
 Source: SPRS439M Figure 3-2, Tables 3-1, 3-5, 3-8 to 3-11, SPRUFB0D Tables 86 to 96; the addresses in the linker command
 files that TI ships.
@@ -132,7 +133,7 @@ NAMES = {
     0x0A86: "FBANKWAIT", 0x0A87: "FOTPWAIT", 0x0AEF: "CSMSCR",
     0x7100: "ADCTRL1", 0x7101: "ADCTRL2", 0x7118: "ADCTRL3", 0x7119: "ADCST",
 }  # fmt: skip
-# Modules that are not modelled and of which every register is EALLOW-protected.
+# Modules that are not modelled and whose registers are all EALLOW-protected.
 PROTECTED_MODULES = frozenset(("device emulation", "flash control", "CSM", "XINTF", "DMA"))
 
 MODULES: tuple[ModuleDescriptor | UnmodelledModule, ...] = (*PART.modules, *NOT_MODELLED)

@@ -70,7 +70,10 @@ class AddressMap:
         return next((place for place in self.places.values() if 0 <= address - place.base < place.size), None)
 
     def refusal(self, address: int) -> NoSuchAddress:
-        """Return the error for an address without a register, with the nearest registers, or else all modules."""
+        """Return the error for an address without a register.
+
+        The message names the nearest registers of the module at the address; if there is no module, all modules.
+        """
         place = self._place(address)
         if place is None:
             here = ", ".join(f"{p.name} {p.base:#06x}" for p in self.places.values())

@@ -55,8 +55,8 @@ def block_at(address: int) -> RamBlock | None:
     return BY_PAGE[address >> PAGE] if 0 <= address < END else None
 
 
-# Words of memory are compared by two polynomials of them modulo a prime number. Two different contents have equal
-# remainders with a probability of about 2 ** -62.
+# To compare contents of memory, two polynomials with the words as coefficients are evaluated modulo a prime number. Two
+# different contents have equal remainders with a probability of about 2 ** -62.
 MODULUS = 2**31 - 1
 FACTOR, OTHER_FACTOR = 65_599, 1_000_003
 

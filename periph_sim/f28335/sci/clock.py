@@ -98,7 +98,7 @@ class SciClock:
             self.running = True
 
     def restart(self, now: int) -> None:
-        """Let the next tick come at the next LSPCLK edge."""
+        """Move the next tick to the next LSPCLK edge."""
         self._rebase(now)
         if self.running:
             self._cycle = self.lspclk_after(now)

@@ -14,8 +14,8 @@ Chosen, where the manual is silent:
 - When the debugger halts the CPU with FREE = 0 and SOFT = 1, each direction completes its frame in progress. Then its
   clock stops. In the receiver, a frame is in progress after its start bit was accepted. With SOFT = 0 both clocks stop
   at once.
-- In autobaud the character is received, ABD is set and the new divider takes effect together, after 7/8 of the stop
-  bit.
+- In autobaud three things happen in the same cycle, after 7/8 of the stop bit: the character is received, ABD is set,
+  and the new divider takes effect.
 
 Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
 """
@@ -60,7 +60,7 @@ def since(tick: int, now: int, least: int) -> int:
 class SciLines(Chip):
     """The SCI without the effects of register accesses.
 
-    name: its name in notes. options: answers to open questions of the manual.
+    name: the module's name in notes. options: answers to open questions of the manual.
     """
 
     STATE = State(
@@ -315,7 +315,7 @@ class SciLines(Chip):
             self.requests |= RXINT
 
     def _watch_idle(self, now: int) -> None:
-        """Let the bit receiver report an idle line only while this can set RXWAKE."""
+        """Make the bit receiver report idle lines only while an idle line can set RXWAKE."""
         rx = self._rx
         watch = rx.enabled and not rx.status & ST_RXWAKE and not self._layout.address
         if watch != self._bits.watch_idle:

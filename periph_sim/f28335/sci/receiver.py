@@ -18,7 +18,7 @@ Chosen, where the manual is silent:
 - RXFIFORESET does not change RXFFOVF. Clearing SCIFFENA does not change RXFFINT.
 - RXFIFORESET = 0 does not prevent RXFFINT: with RXFFIL = 0, even the empty FIFO sets it.
 - RXFFOVF requests RXINT only when it changes from 0 to 1.
-- BRKDT needs RXENA = 1, like all flags.
+- BRKDT, like all flags, is set only while RXENA = 1.
 
 Source: TI SPRUFZ5A sections 1.2.4 to 1.2.10, tables 2-7, 2-8, 2-10.
 """
@@ -48,7 +48,8 @@ class SciRx:
         self.options = options
         self.touched = touched
         self.framing_errors = self.parity_errors = 0  # numbers of characters with these errors, since construction
-        self.loaded = False  # True if SCIRXBUF got a word, even an equal one, since the owner last set this to False
+        # True if SCIRXBUF got a word, even one equal to the old word, since the owner last set this to False.
+        self.loaded = False
         self.fifo = InterruptFifo(SCI_MAP["SCIFFRX"], True, options.fifo_int_mode, touched)
         self.reset()
 
@@ -77,7 +78,8 @@ class SciRx:
     def deliver(self, word: int, address: int, break_like: bool) -> None:
         """Receive a character: move it to SCIRXBUF or the FIFO and set flags, as RXENA, SLEEP and options say.
 
-        word: with FE and PE. address: 1 for an address frame. break_like: True if all bits, even the stop bit, were 0.
+        word: the character with the flags FE and PE. address: 1 for an address frame.
+        break_like: True if all bits, even the stop bit, were 0.
         """
         if not self.enabled:
             return

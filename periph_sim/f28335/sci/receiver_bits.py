@@ -16,7 +16,7 @@ Chosen, where the manual is silent:
   level is sampled before ten low bits of a break are over, the count begins again at the next missing stop bit.
 - Idle bits are counted from the end of the last programmed stop bit. Any low sample restarts the count, even if it is
   not part of a start bit. With exactly 80 high samples the line is idle.
-- If SW RESET is released while the line is low, four low samples are a start bit as usual.
+- If SW RESET is released while the line is low, the next four low samples are a start bit as usual.
 
 Source: TI SPRUFZ5A sections 1.2.5 to 1.2.8, table 2-7; SPRZ272N figure 3-1.
 """
@@ -40,7 +40,7 @@ PE = 1 << 14  # parity error, at its position in SCIRXBUF
 
 IDLE_TICKS = 80  # length of ten bits
 SHORT_BREAK = 16  # length of two bits: a longer low level after a missing stop bit was probably meant as a break
-VOTE = 0b11101000  # bit n: the majority of the three bits of n, each of which is a sample
+VOTE = 0b11101000  # bit n: the result of the vote if the three samples are the bits of the number n
 
 
 @final
@@ -124,7 +124,7 @@ class SciRxBits:
         self._plan()
 
     def settle(self, tick: int) -> None:
-        """Process the samples up to `tick`. If they have a start bit, a frame begins."""
+        """Process the samples up to `tick`. If they contain a start bit, a frame begins."""
         if self._break_at != FAR:
             self._end_break_on_high(tick)
         if self._open and not self.framed:

@@ -61,7 +61,7 @@ class SciTx:
         self.options = options
         self.touched = touched
         self.frames = 0  # number of frames whose start bits have begun, since construction
-        self.lost: list[str] = []  # messages about lost words; the owner makes them notes and clears the list
+        self.lost: list[str] = []  # texts of notes about lost words; the owner adds the notes and clears this list
         self.mark = 0
         self._edges: list[int] = []  # ticks of the coming edges, the last one first
         self.fifo = InterruptFifo(SCI_MAP["SCIFFTX"], False, options.fifo_int_mode, touched)

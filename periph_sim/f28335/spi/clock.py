@@ -38,9 +38,10 @@ class LspclkTimer:
         self.at = NEVER
 
     def edges_to_multiple(self, now: int, edges: int) -> int:
-        """Return how many LSPCLK edges after `now` there are up to the next one whose index is a multiple of `edges`.
+        """Return the number of LSPCLK edges from `now` until the next edge whose index is a multiple of `edges`.
 
-        This edge itself is counted, so the result is 1 to `edges`. The edge in the cycle `phase` has the index 0.
+        This edge is counted, but an edge at `now` is not, so the result is 1 to `edges`. The edge in the cycle `phase`
+        (see `set_lspclk`) has the index 0.
         """
         return edges - (now - self._phase) // self.divider % edges
 

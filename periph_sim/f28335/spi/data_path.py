@@ -65,7 +65,7 @@ class SpiFifo(InterruptFifo):
     def add_received(self, word: int) -> bool:
         """Add a received word, unless the FIFO is held empty. If it is full, drop its oldest word and set RXFFOVF.
 
-        Return True if the oldest word, which the CPU reads next, is not the same as before.
+        Return True if another word has become the oldest, which is the word that the CPU reads next.
         """
         if not self.accepts or self.add(word):
             return len(self) == 1
@@ -118,7 +118,7 @@ class TransmitBuffer:
 
     txbuf: SPITXBUF.
     full: True if SPITXBUF has a waiting character.
-    lost: texts of notes about lost words, which the owner clears.
+    lost: texts of notes about lost words. The owner adds the notes and clears this list.
     """
 
     STATE = State("txbuf full fifo lost")
@@ -183,7 +183,7 @@ class ReceiveBuffer:
     status: INT_FLAG and OVERRUN_FLAG in their positions in SPISTS.
     enables: the flags of `status` that request RXINT.
     request: True if these flags requested RXINT since the owner last set this to False.
-    loaded: True if SPIRXBUF received a word, even an equal one, since the owner last set this to False.
+    loaded: True if SPIRXBUF received a word, even one equal to the old word, since the owner last set this to False.
     """
 
     STATE = State("rxbuf enables loaded request status fifo")

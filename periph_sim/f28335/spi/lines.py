@@ -18,8 +18,9 @@ side is in `module`.
 outputs is the AND of all outputs, so it is the level of the one output that is driven.
 
 Chosen, where the manual is silent:
-- If a word waits in SPITXBUF at the last edge of SPICLK, it follows without a gap. So does a word in the FIFO if
-  TXDLY = 0. A word that is written later begins like the first word. If SPISTE has not risen yet, SPISTE stays low.
+- If a word waits in SPITXBUF at the last edge of SPICLK, it is sent without a gap. The same holds for a word in the
+  FIFO if TXDLY = 0. A word that is written later begins like the first word. If SPISTE has not risen yet, SPISTE stays
+  low.
 - A slave loads the next word at the last edge of the previous word. TXDLY has an effect on masters only.
 - If SPISTE of a slave rises in the cycle of an edge of SPICLK, the edge counts. If SPISTE falls in this cycle, the edge
   does not count.
@@ -132,7 +133,7 @@ class SpiLines(Chip):
 
     @property
     def _halves(self) -> tuple[int, int]:
-        """LSPCLK cycles in a bit for which SPICLK is at its active level, and for which it is at its idle level."""
+        """Two numbers of LSPCLK cycles: for how long SPICLK is active in a bit, and for how long it is idle."""
         period = self._brr + 1 if self._brr >= 3 else 4
         return period // 2, period - period // 2
 

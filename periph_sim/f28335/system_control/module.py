@@ -106,7 +106,7 @@ class SystemControl(Chip):
         by_watchdog = self.reset_requested
         self._pllcr = PLLCR.reset
         self._pllsts = PLLSTS.reset
-        self._locked_at = NEVER  # OSCCLK position (`oscclk`) at which the PLL is locked; NEVER if it does not lock now
+        self._locked_at = NEVER  # OSCCLK position (`oscclk`) at which the PLL will be locked; NEVER if none
         self._stored = {register.offset: register.reset for register in STORED}
         self.hspclk_divider = prescale(HISPCP.reset)
         self.lspclk_divider = prescale(LOSPCP.reset)
@@ -124,7 +124,9 @@ class SystemControl(Chip):
         self._schedule()
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Leave out OSCCLK and the watchdog while nothing is due on OSCCLK. See `proof.normal_state`.
+        """For comparisons of states, leave out OSCCLK and the watchdog while no event is due on OSCCLK.
+
+        See `proof.normal_state`.
 
         A scene whose firmware accesses the watchdog or the PLL must not be compared in this way.
         """
@@ -138,7 +140,10 @@ class SystemControl(Chip):
         return bool(self.gates & GATES[gate])
 
     def watchdog_rounds(self, since: int, now: int) -> int:
-        """Return how many full rounds of WDCNTR fit between two cycles. SYSCLKOUT must not change between them."""
+        """Return how often WDCNTR can count through all its values between two cycles.
+
+        SYSCLKOUT must not change between the two cycles.
+        """
         return self._watchdog.rounds(self._clock.at(now) - self._clock.at(since))
 
     # Inputs -----------------------------------------------------------------

@@ -79,9 +79,9 @@ class Watchdog:
         return self._count + (position - self._origin) // period - (self._since - self._origin) // period
 
     def rounds(self, parts: int) -> int:
-        """Return how many full rounds of WDCNTR, each of 256 steps, fit into a time.
+        """Return how often WDCNTR can count through all its 256 values within a duration.
 
-        parts: the time in parts of an OSCCLK period.
+        parts: the duration in parts of an OSCCLK period.
         """
         return parts // (OVERFLOW * self._period())
 

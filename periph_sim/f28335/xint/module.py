@@ -1,4 +1,6 @@
-"""External interrupts XINT1 to XINT7, which edges at pins request. For XINT1 and XINT2 a counter times the last edge.
+"""External interrupts XINT1 to XINT7, which edges at pins request.
+
+For XINT1 and XINT2 a counter measures the time since the last edge.
 
     level --> edge of the chosen polarity, if enabled --> requests
                               |

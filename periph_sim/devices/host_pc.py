@@ -113,7 +113,7 @@ class Host(Agent):
         if schedule.starts:
             self._first = schedule.starts[0]
         self._due: array[int] = array("q", [self._first])
-        self._due_next: int = self._first  # the tick at which the next frame is due, or the last one was
+        self._due_next: int = self._first  # the due tick of the next frame; after the last frame, its due tick
         self._plan(self._first)
 
     @property

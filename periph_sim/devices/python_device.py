@@ -1,14 +1,15 @@
-"""A user's own device on the bus: a `Target` around an object with hooks, to which a `DeviceBus` is passed.
+"""A user's own device on the bus: a `Target` that calls the hooks of a Python object. The object gets a `DeviceBus`.
 
-    class Device:                        a file beside the case, named by `model = "my_device.py"`
+    class Device:                        in the file that the case names: `model = "my_device.py"`
         def __init__(self, bus): ...     bus: a `DeviceBus`; (self, bus, settings) with a dataclass Settings in the file
         def on_address(self, read): ...  called at the device's address; return False for NACK
         def on_write(self, byte): ...    called with each received byte; return False for NACK
         def on_read(self): ...           return the next byte to send
         def on_stop(self): ...           called at a STOP, but not at a repeated START
 
-on_write or on_read, or both, must exist. A device without on_write does not acknowledge its address for a write, and a
-device without on_read not for a read. If a hook returns a wrong value, the error message names the line of the hook.
+on_write or on_read, or both, must exist. A device without on_write does not acknowledge its address for a write. A
+device without on_read does not acknowledge its address for a read. If a hook returns a wrong value, the error message
+names the line of the hook.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Types of the data that describe the chip's modules (`ModuleDescriptor`) and a chip of the family (`Part`).
+"""Types for the descriptions of the chip's modules (`ModuleDescriptor`) and of the chips of the family (`Part`).
 
     i2c/descriptor.py: I2C_A --+
     sci/descriptor.py: SCIS  --+--> parts/f28335.py: Part --> addresses, clocks, interrupts, pins, wires, options
@@ -61,11 +61,11 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
 
     base, size: address and length of its registers, in 16-bit words.
     header: the structures that TI's C headers declare for the module, each with its offset from `base`.
-    chip: the class that models the module, such as "i2c.module.I2c" in this package. It is "" for a module that every
-        unit has, and which the unit itself constructs.
-    takes: the arguments that the constructor of the class `chip` takes: "name", "options", both or none.
+    chip: the name of the class that models the module, such as "i2c.module.I2c" in this package. It is "" for a module
+        that every unit has, and which the unit itself constructs.
+    takes: the arguments of the constructor of this class: "name", "options", both or none.
     options: the name of the group of options that the module uses.
-    options_class: the class of these options, written like `chip`.
+    options_class: the name of the class of these options, written like `chip`.
     gate: the field of PCLKCR0 or PCLKCR3 that switches the module's clock; "" if there is none.
     input_gate: the field of PCLKCR0 or PCLKCR3 that switches the clock of its input paths only; "" if there is none.
     clock: the clock that the module runs on, "SYSCLKOUT" or "LSPCLK".

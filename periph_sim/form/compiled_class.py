@@ -47,7 +47,7 @@ class Function(NamedTuple):
     """The declaration of a function.
 
     kind: "cpdef" if Python and C can call it, "cdef" if only C can call it, "def" if it stays a Python function.
-    arguments: for each argument, by its name, its type, and True if it has a default.
+    arguments: for each argument, by name, the pair (its type, True if it has a default).
     variables: the types of the annotated local variables, by name.
     result: the type of the result.
     marks: the words in the comment `# core:` of the function.

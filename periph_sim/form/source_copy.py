@@ -177,7 +177,7 @@ def _names(tree: ast.Module) -> Iterator[ast.Name | ast.Attribute]:
 
 
 def _integer(node: ast.Name | ast.Attribute, names: Mapping[str, object]) -> int | None:
-    """Return the value of an uppercase integer constant of this or an imported module; None if `node` is none."""
+    """Return the value if the node is an uppercase integer constant of this or of an imported module; else None."""
     value: object = None
     if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id.isupper():
         value = names.get(node.id)

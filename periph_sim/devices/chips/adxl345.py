@@ -140,7 +140,10 @@ class Fifo:
 
     @property
     def watermark(self) -> bool:
-        """True if the FIFO has at least FIFO_CTL.Samples entries. At power-on both are 0, so INT_SOURCE reads 0x02."""
+        """True if the FIFO has at least FIFO_CTL.Samples entries.
+
+        At power-on there are no entries and Samples is 0, so this is True, and INT_SOURCE reads 0x02.
+        """
         return self.entries >= self.samples
 
     def set_up(self, mode: int, samples: int) -> None:

@@ -7,7 +7,7 @@ F_int is the internal sample rate, 1 or 8 kHz.
 Not modelled:
 - the INT pin and external clocks
 - the low-pass filter and its delay: a sample is the value of the source at the instant of the sample
-- the tolerance of scale and zero-rate output; the source can include them
+- the tolerances of scale and zero-rate output; the source can include them
 
 Source: InvenSense ITG-3200 Product Specification rev 1.4, sections named at the methods.
 """

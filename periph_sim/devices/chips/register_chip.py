@@ -47,7 +47,7 @@ class RegisterChip:
     UNIT = ""  # the physical unit of x, y and z
 
     def __init_subclass__(cls) -> None:
-        """Use a subclass's method `catch_up` as `advance_to`, with a warning: this was its name in the last release."""
+        """If a subclass defines `catch_up`, the former name of `advance_to`, use it as `advance_to`, and warn."""
         super().__init_subclass__()
         former = vars(cls).get("catch_up")
         if former is not None and "advance_to" not in vars(cls):

@@ -1,4 +1,4 @@
-"""A device of registers behind a pointer, described by a register map, with an optional interrupt pin.
+"""A device with registers behind a pointer and an optional interrupt pin, described in a case by a register map.
 
     START, address+W, pointer, data ... --> write, pointer advances      at = 0x02, width = 16, big
     START, address+R, data ...          --> read, pointer advances        pointer 2: bits 15:8, 3: bits 7:0

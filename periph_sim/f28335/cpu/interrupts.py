@@ -67,7 +67,7 @@ ST1_WORD, IER_WORD = 8, 10  # indices of ST1 and IER among the words of the cont
 def frame_of(sp: int) -> int:
     """Return the address of the first word of the context that is saved when SP has the value `sp`.
 
-    SP first rises by 1, and 32-bit stores go to even addresses.
+    SP first rises by 1. Then 32-bit words are stored; a store at an odd address goes to the even address before it.
     """
     return sp + 1 & 0xFFFE
 
@@ -124,7 +124,7 @@ class CpuInterrupts:
         self.reset(0)
 
     def reset(self, now: int) -> None:
-        """Set every register to its value after a hardware reset; nothing is pending or nested."""
+        """Set every register to its value after a hardware reset. No interrupt is pending, and no routine is active."""
         self.ifr = self.ier = 0
         self.st1 = ST1_RESET
         self.sp = SP_RESET

@@ -125,7 +125,8 @@ class Qualifier:
         self.due = self._origin + ((self._done - self._origin) // self._period + lacking) * self._period
 
 
-NOT_GATED = 0b11 << 32 | ALL >> 64 << 64  # mask: the pins without effect of GPIOINENCLK: 32, 33 and port C
+# Mask: the pins on which GPIOINENCLK has no effect: GPIO32, GPIO33 and port C.
+NOT_GATED = 0b11 << 32 | ALL >> 64 << 64
 WORDS = range(0, 32 * (at.SELECT - at.DATA) // at.DATA_WORDS, 16)  # number of the lowest pin in each word of GPxDAT
 
 
@@ -165,7 +166,7 @@ class GpioInputs(GpioSettings):
         self._asynchronous: BigInt = 0
         self._sampled: BigInt = 0
         self._dead: BigInt = 0  # mask: pins whose input path GPIOINENCLK = 0 switches off, so that they read 0
-        self._last_words: list[int] = []  # words of GPxDAT as computed last
+        self._last_words: list[int] = []  # the most recently computed words of GPxDAT
         # Mask of synchronised levels from which `_last_words` was computed. None if it must be computed again.
         self._last_level: int | None = None
         self._last_pads = self._last_qualified = 0

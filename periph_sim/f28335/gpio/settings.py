@@ -104,7 +104,7 @@ class PinSettings:  # core: python
     notes: (pin, note) for each pin with a reserved multiplexer value or a function of a module that is not modelled.
     source: for each input signal, the pin that feeds it; None if none or more than one is assigned to it.
     sink: for each output signal, the pins that it drives.
-    signal_at: for each pin that feeds an input signal alone, this signal.
+    signal_at: for each pin that is the only one assigned to an input signal, this signal.
     crowded: for each input signal to which more than one pin is assigned, these pins.
     gpio: mask of the general-purpose pins.
     inputs: mask of the pins in `signal_at`.

@@ -219,9 +219,9 @@ class I2cMasterLines:
         self._at(now + self.high(), STARTED)
 
     def _restart(self, now: int, own: bool) -> None:
-        """Begin a repeated START. own: False if firmware commanded it by STT; True if it is part of a longer command.
+        """Begin a repeated START. own: False if firmware commanded it by STT; True if the module makes it by itself.
 
-        The module makes a repeated START of its own after a START byte, and when it reads from a 10-bit address.
+        The module does so after a START byte, and when it reads from a 10-bit address.
         """
         self._own_restart = own
         if not own:

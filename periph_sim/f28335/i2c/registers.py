@@ -4,7 +4,7 @@
     flags and I2CIER --> arbiter --> I2CISRC, I2CINT1A      FIFO levels --> I2CINT2A
 
 The base class in `requests` has the flags, interrupts and FIFOs. The bit engines `slave` and `master` process SCL and
-SDA bit by bit. They call the methods of this side with the times of events, so this side does not depend on edges.
+SDA bit by bit. They call the methods of this module, so that it does not depend on the edges of SCL and SDA.
 
 Source: SPRUG03B sections 4 (reset), 5.
 """
@@ -38,7 +38,7 @@ from .requests import I2cRequests
 
 COMMANDS = MDR_STT | MDR_STP | MDR_NACKMOD
 
-RECEIVED, SENDING = 1 << i2c_map.DRR, 1 << i2c_map.DXR  # bits of `loaded`: I2CDRR, I2CDXR took a value
+RECEIVED, SENDING = 1 << i2c_map.DRR, 1 << i2c_map.DXR  # bits of `loaded`: I2CDRR or I2CDXR got a byte
 
 
 @final
@@ -293,7 +293,7 @@ class I2cRegisters(I2cRequests):
         return self.mdr & MDR_BC or 8
 
     def setup(self) -> int:
-        """Return the number of cycles, at least 1, from a change of SDA to the release of SCL after a hold."""
+        """Return the setup time of SDA, in cycles, before SCL is released after it was held low. It is at least 1."""
         return max(1, self.options.sda_setup_before_scl_release.assume(self.touched) * self.tm)
 
     def nack_received(self, now: int, as_slave: bool, refused: Text) -> None:

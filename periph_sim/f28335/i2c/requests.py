@@ -35,7 +35,7 @@ class I2cRequests:
 
     str: I2CSTR.
     fifo: True in FIFO mode.
-    requests: bits INT1 and INT2: I2CINT1A, I2CINT2A were requested since the owner last set this to 0.
+    requests: bit INT1 is set if I2CINT1A was requested since the owner last set this to 0; bit INT2, if I2CINT2A was.
     code: I2CISRC.INTCODE; 0 if there is none.
     code_at: the cycle at which a code is loaded into INTCODE, or NEVER.
     """

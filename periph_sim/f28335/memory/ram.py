@@ -63,7 +63,7 @@ FACTOR, OTHER_FACTOR = 65_599, 1_000_003
 
 @final
 class HighRam:
-    """The words of L0 to L7."""
+    """The words of L0 to L7, which `Ram` allocates at the first write to one of them."""
 
     STATE = State("words", made=True)
 
@@ -75,7 +75,7 @@ class HighRam:
         self.words = [0] * HIGH_WORDS
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return two remainders in place of the words, because they are too many. See `proof.normal_state`."""
+        """Return two remainders in place of the words, which are too many to compare. See `proof.normal_state`."""
         first: int = 0
         second: int = 0
         for place in range(HIGH_WORDS):
@@ -99,7 +99,7 @@ class Ram:
         self._high: HighRam | None = None
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return two remainders in place of the words, because they are too many. See `proof.normal_state`."""
+        """Return two remainders in place of the words, which are too many to compare. See `proof.normal_state`."""
         first: int = 0
         second: int = 0
         for place in range(LOW_WORDS):

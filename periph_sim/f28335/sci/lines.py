@@ -49,7 +49,7 @@ SHORT_BREAK = (
 # Attributes of receiver and transmitter that are numbers of SCICLK ticks.
 RX_TICKS = ("next_tick", "_low_from", "_high_from", "_idle_base", "_start", "_missing_stop", "_break_at")
 TX_TICKS = ("next_tick", "_began", "_end", "_last_end", "_start_at", "_load_at", "_edge_at")
-LONGEST_PAUSE = 256  # bits of the pause that FFTXDLY = 255 may mean
+LONGEST_PAUSE = 256  # length, in bits, of the pause that FFTXDLY = 255 may select (option `fftxdly_max`)
 
 
 def since(tick: int, now: int, least: int) -> int:

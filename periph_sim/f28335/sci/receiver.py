@@ -4,7 +4,7 @@
                         |
                         +--> RXRDY, FE, PE, OE, RXWAKE, RXFFST, RXFFINT, RXFFOVF --> request
 
-The owner calls `deliver` when the bit receiver has received a frame, during the stop bit.
+The owner calls `deliver` during the stop bit, when the bit receiver has received a frame.
 
 Chosen, where the manual is silent:
 - In standard mode with RXBKINTENA = 1, every character that moves to SCIRXBUF requests RXINT, even if it overwrites an
@@ -110,9 +110,9 @@ class SciRx:
             self._watch_level()
 
     def line_break(self) -> bool:
-        """Receive a break: set BRKDT and return True. Return False if this is prevented.
+        """Receive a break: set BRKDT and return True.
 
-        It is prevented if RXENA = 0, or if SLEEP = 1 and the option `brkdt_in_sleep` is "suppressed".
+        If RXENA = 0, or if SLEEP = 1 and the option `brkdt_in_sleep` is "suppressed", do nothing and return False.
         """
         if not self.enabled:
             return False

@@ -12,10 +12,11 @@ mode, inside the address bit (erratum).
 
 Chosen, where the manual is silent:
 - After a missing stop bit, a low level counts as a start bit only if a high level was sampled before it. So a break
-  yields one character. An exception is a start bit that the early search of the erratum has already accepted. If a high
-  level is sampled before ten low bits of a break are over, the count begins again at the next missing stop bit.
+  yields one character. Exception: a start bit that the early search of the erratum has already accepted stays accepted.
+- If a high level is sampled before ten low bits of a break are over, the count begins again at the next missing stop
+  bit.
 - Idle bits are counted from the end of the last programmed stop bit. Any low sample restarts the count, even if it is
-  not part of a start bit. With exactly 80 high samples the line is idle.
+  not part of a start bit. The line is idle after 80 high samples (ten bits).
 - If SW RESET is released while the line is low, the next four low samples are a start bit as usual.
 
 Source: TI SPRUFZ5A sections 1.2.5 to 1.2.8, table 2-7; SPRZ272N figure 3-1.

@@ -106,7 +106,7 @@ class SpiFifo(InterruptFifo):
         self.update_flag()
 
     def hold(self, held: bool) -> None:
-        """Empty the FIFO, clear its flags and hold it so, as SPIRST = 0 does. If `held` is False, release it."""
+        """Empty the FIFO, clear its flags and keep it empty, as SPIRST = 0 does. If `held` is False, release it."""
         self._held = held
         if held:
             self.clear()
@@ -287,7 +287,10 @@ class SpiShifter:
             self.level = self.dat >> 15
 
     def edge(self, leading: bool, data: int) -> None:
-        """Latch or put out a bit at an edge of SPICLK, as CLK_PHASE selects. data: the level at the data input."""
+        """At an edge of SPICLK, latch the data input or output the next bit, as CLK_PHASE selects.
+
+        data: the level at the data input.
+        """
         if leading == self.delayed:
             self.dat = (self.dat << 1 | data) & 0xFFFF
             self.bits += 1

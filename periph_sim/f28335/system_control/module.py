@@ -106,7 +106,8 @@ class SystemControl(Chip):
         by_watchdog = self.reset_requested
         self._pllcr = PLLCR.reset
         self._pllsts = PLLSTS.reset
-        self._locked_at = NEVER  # OSCCLK position (`oscclk`) at which the PLL will be locked; NEVER if none
+        # OSCCLK position (`oscclk`) at which the PLL will be locked; NEVER while the PLL is not locking.
+        self._locked_at = NEVER
         self._stored = {register.offset: register.reset for register in STORED}
         self.hspclk_divider = prescale(HISPCP.reset)
         self.lspclk_divider = prescale(LOSPCP.reset)
@@ -159,7 +160,7 @@ class SystemControl(Chip):
         return 0 if register is None else register.read(self._value(now, offset))[0]
 
     def write(self, now: int, offset: int, value: int) -> None:
-        """Write a register. EALLOW is not checked here: the bus has blocked writes that lack it."""
+        """Write a register. EALLOW is not checked here, because the bus blocks writes without EALLOW."""
         self._sync(now)
         if offset == PLLSTS.offset:
             self._write_pllsts(now, value)

@@ -6,8 +6,8 @@
     WDCR.WDCHK other than 5 ----------------------------------------+
 
 The watchdog is part of `SystemControl`, its owner. `SystemControl` converts between SYSCLKOUT cycles and OSCCLK
-positions (`oscclk`), delays WDINTS and WDFLAG, passes accesses of the watchdog's registers on, and requests WAKEINT
-when WDINT falls.
+positions (`oscclk`), delays WDINTS and WDFLAG, forwards accesses to the watchdog's registers, and requests WAKEINT when
+WDINT falls.
 
 Source: SPRUFB0D section 5.4, Tables 26 to 30; SPRZ272N section 3.1.3.
 

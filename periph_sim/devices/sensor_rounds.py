@@ -105,7 +105,7 @@ def register_bytes(chip: ChipData, xyz: Sequence[Any]) -> bytes:
 
 
 def known_sensors() -> Mapping[str, ChipData]:
-    """Return the data of each known sensor, by its name, as used in the key `order` of a case."""
+    """Return the data of each known sensor, by the name that the key `order` of a case uses for it."""
     return cast(Mapping[str, ChipData], registered("sensors").SENSORS)
 
 

@@ -14,8 +14,8 @@ is asynchronous. The level then follows at the first SYSCLKOUT edge that coincid
 after it. `seen_at` returns this cycle, so that the owner can pass the edge to the peripheral without a wake-up of this
 chip.
 
-With QSEL = 1 or 2 the pin has a qualifier and is called sampled. Its changes are reported in `changed`. So are changes
-of an input signal's level that new MUX or QSEL settings cause.
+With QSEL = 1 or 2 the pin has a qualifier and is called sampled. `changed` reports the changes of its level, and the
+changes of an input signal's level that new MUX or QSEL settings cause.
 
 Source: SPRUFB0D section 6, PCLKCR3 in section 5.1.
 

@@ -58,7 +58,7 @@ def note_for(pin: int, mux: int) -> Note | None:
 
 
 def module_of(signal: str) -> str:
-    """Return the module to which a signal belongs, by its name in the manual. signal: one of a module in MODULES."""
+    """Return the manual's name of the module to which a signal belongs. signal: a signal of a module in MODULES."""
     return next(module for prefix, module in MODULES.items() if signal.startswith(prefix))
 
 

@@ -4,7 +4,7 @@
     flags and I2CIER --> arbiter --> I2CISRC, I2CINT1A      FIFO levels --> I2CINT2A
 
 The base class in `requests` has the flags, interrupts and FIFOs. The bit engines `slave` and `master` process SCL and
-SDA bit by bit. They call the methods of this module, so that it does not depend on the edges of SCL and SDA.
+SDA bit by bit. They call the methods of `I2cRegisters`, so that this class does not depend on edges of SCL and SDA.
 
 Source: SPRUG03B sections 4 (reset), 5.
 """

@@ -15,7 +15,7 @@ Chosen, where the manual is silent:
   clock stops. In the receiver, a frame is in progress after its start bit was accepted. With SOFT = 0 both clocks stop
   at once.
 - In autobaud three things happen in the same cycle, after 7/8 of the stop bit: the character is received, ABD is set,
-  and the new divider takes effect.
+  and the baud divider is set.
 
 Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
 """

@@ -40,8 +40,8 @@ class SciTx:
     An entry of the FIFO has a word in its low eight bits, and the mark of this word in the bits above.
 
     level: level of TXD.
-    wut: True if TXWAKE was 1 when the word in TXSHF was loaded (WUT in the manual). In address-bit mode it is then sent
-        with address bit 1; in idle-line mode an idle time is sent in its place.
+    wut: True if TXWAKE was 1 when the word in TXSHF was loaded (WUT in the manual). If so, the word is sent
+        with address bit 1 in address-bit mode, and replaced by an idle time in idle-line mode.
     request: True if TXINT was requested since the owner last set this to False.
     mark: the mark of the next word that is written to SCITXBUF; set by the owner.
     out_mark: the mark of the word that is being sent or was sent last; 0 after a reset of the transmitter.

@@ -17,8 +17,10 @@ run with one phase alone: a run in which all moved starts have the same phase.
 to fail: a run fails if a budget is broken, if firmware hangs, or if an error ends the run. A phase fails if a run with
     this phase alone fails; otherwise, it holds.
 window: a range of phases that fail.
+rest, orbit, entry, closed table: see `closed_table`.
+group: a round, a frame, or a round and a frame that overlap, from one rest to the next; see `pair_groups`.
 
-A coverage proves nothing about other phases or states: its runs begin in the states that they happen to reach, and the
-other free inputs of the case take the values that the case draws for them. A closed table (`closed_table`) is a proof
+A coverage proves nothing about other phases or states: each round begins in the state that its run happens to have
+reached, and the other free inputs of the case take the values that the case draws for them. A closed table is a proof
 for all starts, as long as the other inputs are as stated in the case.
 """

@@ -11,11 +11,11 @@ Ts = TypeVarTuple("Ts")
 
 
 class CallAll(Protocol):
-    """Makes calls, and yields their results in order."""
+    """A function that calls `work` with each tuple of arguments in `calls`, and yields the results in this order."""
 
     def __call__(self, work: Callable[[*Ts], T], calls: Sequence[tuple[*Ts]], /) -> Iterable[T]: ...
 
 
 def call_here(work: Callable[[*Ts], T], calls: Sequence[tuple[*Ts]]) -> Iterable[T]:
-    """Make calls in this process, each when its result is asked for."""
+    """Make the calls in this process, as in `CallAll`. A call is made only when its result is requested."""
     return starmap(work, calls)

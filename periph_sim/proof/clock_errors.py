@@ -3,9 +3,10 @@
 errors from -100 to 100 ppm --head_plan--> low 14999 to 15002 ticks, gap 149985 to 150015 ticks, ...
                             --bisect--> one error for each combination of these lengths
 
-A controller counts each of its lengths in whole ticks. Each length is the nearest number of ticks to a quotient that
-falls as the error rises, so all errors between two errors with equal lengths have these lengths, too. The starts of
-rounds also depend on the error, but a table contains all starts.
+A controller counts its lengths, such as the low time of SCL and the gap between requests, in whole ticks. Each length
+is a quotient that decreases as the error increases, rounded to a whole number. Therefore, if two errors give equal
+lengths, all errors between them give these lengths, too. The starts of rounds also depend on the error, but a table
+contains all starts.
 """
 
 from __future__ import annotations
@@ -18,16 +19,16 @@ from ..scene.plan import ScenePlan
 from .free_run import NotClosed
 
 MOST_CLOCKS = 500  # maximum number of tables of a proof
-# Bisection stops at this difference, in ppm. Lengths change at no more than one error between two errors so close,
-# because these errors are fractions with far smaller denominators.
+# Bisection stops at this difference of two errors, in ppm. At most one error at which a length changes is between two
+# errors this close, because the errors at which lengths change are fractions with far smaller denominators.
 LEAST = Fraction(1, 2**80)
 
 
 def clock_errors(case: Case, within: Fraction) -> list[Fraction]:
     """Return errors of the controller's clock, in ppm and in ascending order.
 
-    Each error that differs from `controller.ppm` by at most `within` gives the same lengths as one of them. Raise
-    NotClosed if there are more than MOST_CLOCKS.
+    Each error that differs from `controller.ppm` by at most `within` gives the same lengths as one of the returned
+    errors. Raise NotClosed if there are more than MOST_CLOCKS.
     """
     assert case.controller is not None
     found: dict[object, Fraction] = {}

@@ -1,16 +1,16 @@
-"""Proof for every start: a table of states and starts of which each entry was run, and which no run leaves.
+"""Proof for every start: a table of states and starts. Each entry is run, and each run ends in a state of the table.
 
     rest in state s, next start in r ticks --one round is run--> rest in state s'
 
-Between two rounds (or frames) the scene of such a case is at *rest*: nothing is due, and the firmware waits. Its state
-(`normal_state`) then repeats with a period, because clocks and the passes of the wait do. The states of one period are
-an *orbit*. So there are only as many different starts of the next round as a period has ticks, however long the scene
-rests. An *entry* of the table is an orbit and one of its ticks. It is run once, and leads to an orbit again. If all
-entries of all orbits were run, the table is *closed*: whatever the distances of the starts are, in each round the scene
-does what it did in a run.
+Between two rounds (or frames) the scene is at *rest*: no event is due, and the firmware waits in a loop. The state of
+the scene (`normal_state`) then repeats with a period, because the clocks and the passes of the loop repeat. The states
+of one period are an *orbit*. So there are only as many different starts of the next round as a period has ticks,
+however long the scene rests. An *entry* of the table is an orbit and one of its ticks. A round that starts there is run
+once, and ends in a state of an orbit again. If all entries of all orbits were run, the table is *closed*: whatever the
+distances between starts are, each round proceeds exactly as in one of the runs.
 
-This is true if equal normal states continue equally. Entries are therefore run again, from another past and after
-another rest, and compared with the first run; `Contradiction` is raised if they differ.
+This is true if a scene continues equally from equal normal states. Some entries are therefore run again, after other
+rounds and after a rest of another length, and compared with the first run; `Contradiction` is raised if they differ.
 """
 
 from __future__ import annotations
@@ -34,20 +34,21 @@ from .orbit_ways import first_step
 from .stretch import CoveredCase, Outcome
 from .table_cases import check
 
-BOTH = "rounds and frames"  # what starts, if both are free
+BOTH = "rounds and frames"  # the word for the starts if both kinds are free
 MAX_ENTRIES = 400_000
-ROUNDS_A_RUN = 256  # maximum number of rounds in one run; it is doubled if a run has reached no open entry
+ROUNDS_A_RUN = 256  # maximum number of rounds in one run; it is doubled if a run has run no new entry
 MOST_ROUNDS_A_RUN = 2**16
-REVISITED = 20  # of this number of entries, one is run again, but at least LEAST_REVISITED are
+REVISITED = 20  # one in REVISITED entries is run again, but at least LEAST_REVISITED entries
 LEAST_REVISITED = 200
-TIMED = 20  # number of entries whose CPU time gives the estimate
-LONGER_RESTS = 3  # a rest lasts less than this number of periods more than the shortest possible rest
-WITHIN_ROUND = frozenset(["this occurrence", "this transfer", "this round"])  # values of `Measure.looks_back`
+TIMED = 20  # the CPU time of the first TIMED entries gives the estimate for all
+LONGER_RESTS = 3  # rests are longer than necessary by a random number of periods below this
+# `Measure.looks_back` has one of these values if no value of a measure depends on records before its round.
+WITHIN_ROUND = frozenset(["this occurrence", "this transfer", "this round"])
 NAMED = 4  # maximum number of attributes that are named if a state does not repeat
 
 
 class Contradiction(Exception):
-    """Two runs from equal normal states differ, so the normal state lacks something. A defect of periph-sim."""
+    """Error: two runs from equal normal states differ, so the normal state is incomplete: a defect of periph-sim."""
 
 
 class RestPlace(Struct, frozen=True):
@@ -58,7 +59,7 @@ class RestPlace(Struct, frozen=True):
 
 
 class TableEntry(Struct, frozen=True):
-    """The run of an entry.
+    """The result of the run of an entry.
 
     after: the state of rest after the round.
     length: number of ticks from the start of the round to this state.
@@ -78,11 +79,11 @@ class WorstInRuns(Struct, frozen=True):
 
 
 class WorstRun(NamedTuple):
-    """The run of a worst value.
+    """The starts and the end of the run in which a budget has its worst value. All ticks are from the start of the run.
 
-    starts: the starts up to the value, in ticks from the start of the run; those of frames if both are free.
-    rounds: if both are free, the starts of rounds; else None.
-    until: the tick before the next start.
+    starts: the ticks of the starts up to the value; only those of frames if both rounds and frames are free.
+    rounds: if both rounds and frames are free, the ticks of the starts of rounds; else None.
+    until: the tick at which the run ends, before a later start.
     """
 
     starts: list[int]
@@ -91,19 +92,20 @@ class WorstRun(NamedTuple):
 
 
 class StartTable(Struct):
-    """A table, which is closed unless the last run has failed.
+    """A table of states of rest and starts. When it is finished, it is closed, or the last run has failed.
 
-    orbits: the number of ticks of each orbit.
+    orbits: for each orbit, the number of its entries: its ticks or, in a table of `pair_table`, its groups.
     entries: the number of entries that were run.
     again: the number of entries that were run again.
-    apart: the least distance of two starts for which the table was made, in ticks.
+    apart: the least distance of two starts for which the table holds, in ticks.
     first_rest: the tick of the first rest, from the start of the run.
     rests_first: True if the table has entries for any first start after this rest; False if it has only the first start
         of the case.
     outcomes: the outcomes of the runs.
-    starts: for each run, its starts, in ticks from the start of the run: those of frames if both are free.
+    starts: for each run, its starts, in ticks from the start of the run; only those of frames if both rounds and frames
+        are free.
     spanning, lacking: the names of budgets, see `MeasuresAtRest`.
-    rounds: if both are free, the starts of rounds of each run.
+    rounds: if both rounds and frames are free, the starts of rounds of each run; else empty.
     """
 
     orbits: list[int]
@@ -123,7 +125,7 @@ class StartTable(Struct):
         return bool(self.outcomes and self.outcomes[-1].failures)
 
     def worst(self) -> dict[str, WorstInRuns]:
-        """Return a dictionary from each budget to its worst value in all runs."""
+        """Return a dictionary from the name of each budget to its worst value in all runs."""
         found: dict[str, WorstInRuns] = {}
         for run, outcome in enumerate(self.outcomes):
             for verdict in outcome.verdicts:
@@ -140,7 +142,7 @@ class StartTable(Struct):
         both = sorted([*starts, *(rounds or ())])
         at = both[-1] if worst.verdict.at_s is None else round(worst.verdict.at_s * per_second)
         after = [start for start in both if start > at]
-        after = after if rounds is None else after[1:]  # the next start can belong to the same round
+        after = after if rounds is None else after[1:]  # the next start can belong to the same group
         until = after[0] if after else both[-1] + self.apart
         before = None if rounds is None else [start for start in rounds if start < until]
         return WorstRun([start for start in starts if start < until], before, until - 1)
@@ -151,9 +153,10 @@ class StartTable(Struct):
         """Return the budgets that the table does not prove, as a dictionary from the name of each to the reason.
 
         The table proves a budget if each of its values follows from one round, if all rounds are judged, and if the
-        starts of the case are as far apart as those of the table.
+        starts of the case are at least as far apart as those of the table.
 
-        apart: the least distance of the starts; None for that of the table. within: as for `Phases.least_distance`.
+        apart: the least distance of two starts of the table, in ticks; None for `self.apart`.
+        within: as for `Phases.least_distance`.
         """
         found: dict[str, str] = {}
         apart = self.apart if apart is None else apart
@@ -176,14 +179,15 @@ class StartTable(Struct):
 
 
 class TableMaker:
-    """Makes the table of a case. Raise NotClosed if the case has no table.
+    """Makes the table of a case. The constructor raises NotClosed if the case cannot have a table.
 
-    on_progress: called with the fraction of the known entries that were run, 0 to 1.
+    on_progress: called with the fraction of the known entries that have been run, 0 to 1.
     on_estimate: called after TIMED entries, with the expected number of entries, and an estimate of the CPU time in
         seconds.
-    on_run: called at the end of each run, with the run and the places from which its rounds after the first one began.
-        The scenes then keep all values of their budgets.
-    rests_first: as for `FreeRun`; None: True if the starts of the case have jitter, else False.
+    on_run: called at the end of each run, with the run and the places at which its rounds began. If a run begins with
+        the first round of the case, the place of this round is left out. With `on_run`, scenes keep all values of their
+        budgets.
+    rests_first: as for `FreeRun`. None stands for True if the starts of the case have jitter, else for False.
     least_again: the least number of entries that are run again.
     """
 
@@ -209,7 +213,7 @@ class TableMaker:
         self._places: dict[bytes, RestPlace] = {}  # from the digest of a state of rest to its place
         self._open: list[list[int]] = []  # for each orbit, the ticks of the entries that were not run yet, ascending
         self.entries: dict[RestPlace, TableEntry] = {}  # by the place at the start of the round
-        self.first: TableEntry | None = None  # the first round of each run
+        self.first: TableEntry | None = None  # the first round, equal in all runs; None with `rests_first`
         self.table = StartTable([], 0, 0, 0, 0, self._rests_first, [], [], set(), set())
 
     def make(self) -> StartTable:
@@ -235,7 +239,11 @@ class TableMaker:
         return table
 
     def _run(self, again: int) -> None:
-        """Run up to `_rounds` rounds: of open entries, or of random entries until `again` were run again."""
+        """Make one run of up to `_rounds` rounds.
+
+        again: 0 to run entries that were not run yet. Otherwise, random entries are run, until `again` entries of the
+            table have been run again.
+        """
         run = FreeRun(self._covered, self._ignored, self._on_run is not None, self._rests_first)
         table = self.table
         measures = MeasuresAtRest(run.scene.limits)
@@ -261,23 +269,28 @@ class TableMaker:
         if self._on_run is not None:
             self._on_run(run, begun)
         table.spanning |= measures.spanning
-        table.lacking |= measures.lacking | {name for _, name in measures.empty}  # a run of such rounds has no value
+        # a run in which each round is such an empty one has no value of the budget, so it is not judged
+        table.lacking |= measures.lacking | {name for _, name in measures.empty}
 
     def _starts(self, run: FreeRun) -> list[int]:
         return run.frames if self._covered.phases.moved == "frames" else run.rounds
 
     def _next_tick(self, place: RestPlace) -> int | None:
-        """Return the tick of the next entry on the way to an open one; None if no open entry can be reached."""
+        """Return the tick of the next entry to run, from the orbit of `place`.
+
+        This is an open entry, which was not run yet, or else an entry on the way to an open one. Return None if no open
+        entry can be reached.
+        """
         here = self._open[place.orbit]
         if here:
             return here[bisect_right(here, place.tick) % len(here)]
-        ways: dict[int, dict[int, int]] = {}  # from an orbit and the orbit after it to the tick of an entry
+        ways: dict[int, dict[int, int]] = {}  # as in `first_step`; a step is the tick of an entry
         for at, entry in self.entries.items():
             ways.setdefault(at.orbit, {}).setdefault(entry.after.orbit, at.tick)
         return first_step(ways, place.orbit, lambda orbit: bool(self._open[orbit]))
 
     def _round(self, run: FreeRun, measures: MeasuresAtRest, place: RestPlace, tick: int) -> RestPlace:
-        """Run a round that starts at this tick of the orbit, and return the place after it."""
+        """Run a round that starts at `tick` of the orbit of `place`, the present place. Return the place after it."""
         period = self.table.orbits[place.orbit]
         distance = (tick - place.tick) % period or period
         start = run.now + distance + period * self._random.randrange(LONGER_RESTS)
@@ -314,12 +327,16 @@ class TableMaker:
         entry = (now - self._timed_from) / TIMED
         if not self._rests_first:
             return entry * (entries + self._revisits(entries))
-        # No round leads back to the first orbit, so each of its entries needs a run. The later orbit is as long.
+        # No round leads back to the first orbit, so each of its entries needs a run of its own. After the rounds, the
+        # table has one more orbit, which is assumed to be as long.
         FreeRun(self._covered, self._ignored, self._on_run is not None, self._rests_first)
         return entry * (2 * entries + self._revisits(2 * entries)) + (process_time() - now) * entries
 
     def _compare(self, at: RestPlace, known: TableEntry, entry: TableEntry) -> None:
-        """Raise Contradiction if two runs of an entry differ. The two states of rest may be parts of an orbit apart."""
+        """Raise Contradiction if two runs of an entry differ.
+
+        If the two runs have different lengths, their states of rest must be as far apart in the orbit as the lengths.
+        """
         period = self.table.orbits[known.after.orbit]
         tick = (known.after.tick + entry.length - known.length) % period
         if (known.after.orbit, tick, known.records) != (entry.after.orbit, entry.after.tick, entry.records):
@@ -329,7 +346,7 @@ class TableMaker:
             )
 
     def _place(self, run: FreeRun) -> RestPlace:
-        """Return the place of the present state of rest. Raise NotClosed if it does not repeat."""
+        """Return the place of the present state of rest. Raise NotClosed if this state does not repeat."""
         state = run.state()
         key = digest(state)
         if key not in self._places:
@@ -338,7 +355,7 @@ class TableMaker:
         return self._places[key]
 
     def _add_orbit(self, run: FreeRun, key: bytes, state: NormalState) -> None:
-        """Advance by one period and add the orbit, or advance to a state of a known orbit."""
+        """Advance by one period and add the orbit of its states. If a state of a known orbit is reached, stop there."""
         period, cycle = period_of(run.scene), run.ticks_per_cycle
         table = self.table
         if sum(table.orbits) + period * cycle > MAX_ENTRIES:
@@ -363,7 +380,10 @@ class TableMaker:
 
 
 def starts_text(moved: str, apart: str) -> str:
-    """Return for which starts a table holds, as text. moved: "rounds", "frames" or BOTH. apart: the least distance."""
+    """Return a phrase that says for which starts a table holds.
+
+    moved: "rounds", "frames" or BOTH. apart: the least distance of two starts, as text.
+    """
     if moved != BOTH:
         return f"all sequences of {moved} that start at least {apart} apart"
     return f"all rounds that start at least {apart} apart, and all frames that do"

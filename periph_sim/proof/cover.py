@@ -37,7 +37,9 @@ class Worst(Struct, frozen=True):
 
 
 class Drifting(Struct, frozen=True):
-    """Failures of a run whose phase increases from `first` to `last`. Its last REPORTED phases do not fail alone.
+    """Failures of a run whose phase increases from `first` to `last`.
+
+    Each of the last REPORTED phases of this run was also run alone, and did not fail.
 
     names: the names of what failed.
     """
@@ -48,13 +50,13 @@ class Drifting(Struct, frozen=True):
 
 
 class Covered(Struct):
-    """The results of some phases.
+    """The results of the runs of some phases.
 
     held: the phases at which nothing failed, either in a run of several phases or in a run with this phase alone.
     failed: for each phase that was run alone, the names of what failed in the run; an empty set if nothing failed.
     drifting: failures that occur only in runs whose phase increases, in the order of the phases.
-    worst: a dictionary from the name of a budget to its worst value.
-    judged: a dictionary from the name of a budget to the number of runs that judged it.
+    worst: for the name of each budget, its worst value.
+    judged: for the name of each budget, the number of runs that judged it.
     reasons: for the name of each failure that is no broken budget, a sentence about it.
     runs: number of runs.
     """
@@ -100,9 +102,10 @@ def _is_worse(new: Worst, old: Worst) -> bool:
 
 
 def is_worse(one: Verdict, two: Verdict) -> bool:
-    """Return True if the value of one verdict is nearer to its limit than that of the other, or if only it is broken.
+    """Return True if verdict `one` is worse than verdict `two`.
 
-    A verdict without a value is worse than none.
+    A broken verdict is worse than one that is not broken. If both or neither are broken, the verdict with the smaller
+    margin to its limit is worse, and a verdict with a margin is worse than a verdict without a margin.
     """
     if one.broken != two.broken:
         return one.broken
@@ -116,7 +119,7 @@ def nothing() -> Covered:
 
 
 class Coverer:
-    """Runner of phases of a case.
+    """Runs a case at given phases, and collects the results.
 
     seed: the seed of all random values of the runs.
     found: the results so far. They include the results that were passed to the constructor, if any.
@@ -168,7 +171,11 @@ class Coverer:
         return _first_true(lambda place: place == limit or not self.status(phases[place]), broken + 1, limit)
 
     def repeat(self, phase: int) -> None:
-        """Run a phase alone. A worst value that occurs in this run, too, is then stored as a value of this run."""
+        """Run a phase alone, to find worst values that need no run of several phases.
+
+        If a budget reaches its worst value in this run, too, this run is stored with the value instead of a run of
+        several phases.
+        """
         self._run([phase])
 
     def status(self, phase: int) -> frozenset[str]:
@@ -246,7 +253,8 @@ def _merged(windows: Iterable[Window]) -> list[Window]:
     """Return the windows after joining those that have the same name and overlap.
 
     Windows overlap if a phase held in a run of several phases, but fails alone. The failing phases before and after
-    this phase are first two groups. Each group is then extended to a window, and both windows contain this phase.
+    this phase are two separate groups at first. When each group is extended to a window, both windows contain this
+    phase.
     """
     found: list[Window] = []
     for one in sorted(windows, key=lambda each: (each.name, each.first, each.last)):
@@ -339,7 +347,7 @@ def _extended(fails: Callable[[int], bool], phase: int, step: int, end: int) -> 
 def case_of(job: Job, folder: Path) -> CoveredCase:
     """Return the case of a job. The last case is kept, because a worker process runs many parts of one job.
 
-    folder: the current folder, at which the path in `job` starts.
+    folder: the current folder, to which a relative path in `job` refers. It is only a part of the key of the cache.
     """
     return CoveredCase(job)
 

@@ -29,7 +29,7 @@ class Choice(msgspec.Struct, frozen=True):
     moved, start_up, rounds: as in `Phases`.
     count: the number of all phases, `Phases.count`.
     cycle_ps: the length of a cycle in picoseconds.
-    chosen, near: number of phases that were chosen, and of those that are near a write.
+    chosen, near: the number of chosen phases, and how many of them are near a write (`near`).
     step: the distance between the other chosen phases, in cycles.
     bounds: the first and the last phase that may be run.
     digest: the digest of the chosen phases.

@@ -30,7 +30,7 @@ from ..core.input_files import NOTED, TEMPORARY, read_regular
 PACKAGE = Path(__file__).parents[1]
 DIGEST = 16  # length of a digest, in bytes
 PROJECT = "pyproject.toml"
-SOURCES = (".asm", ".inc", ".h", ".c", ".out", ".toml")  # suffixes of files that a case can name, or a source include
+SOURCES = (".asm", ".inc", ".h", ".c", ".out", ".toml")  # suffixes of files that a case names or sources include
 _read: set[str] | None = None  # the files that were opened for reading; None while they are not collected
 _hooks: list[object] = []  # the audit hook, which Python never removes
 
@@ -41,10 +41,10 @@ class Dependencies(Struct, frozen=True):
     python: the version of Python.
     periph_sim: the digest of the source files and data files of periph_sim.
     packages: a dictionary from the name of each other imported package to its version.
-    files: a dictionary from paths, relative to the folder of the case, to digests.
+    files: for the path of each file, relative to the folder of the case, its digest.
     shipped: the names of the source files of periph_sim and of libraries that were read.
     not_read: the value of `unread` when the result was saved.
-    project: the path of the nearest pyproject.toml of the case, relative to its folder; "" if there is none.
+    project: the path of the case's pyproject.toml, as `project_file` returns it.
     """
 
     python: str
@@ -79,9 +79,10 @@ class Dependencies(Struct, frozen=True):
         return found
 
     def unread(self, folder: Path) -> list[str]:
-        """Return the files that could now be read in place of a source file that was read.
+        """Return the paths of existing files that a new run could read in place of a source file that was read.
 
-        Such a file has the same name, and is in the folder of the case or of another source file.
+        Such a file has the name of a source file that was read, and is in the folder of the case or of another source
+        file.
         """
         sources = [path for path in self.files if path.endswith(SOURCES)]
         names = {*self.shipped, *map(os.path.basename, sources)}
@@ -92,13 +93,17 @@ class Dependencies(Struct, frozen=True):
 def _in_folder(folder: Path, path: str) -> Path:
     """Return the path of a file, given its path relative to a folder.
 
-    The path is joined as a text: the system would follow a link in `folder` before it goes to a parent folder.
+    A `..` in `path` removes the name before it from the text of the joined path. The operating system would instead
+    follow a symbolic link in `folder` first, and then go to the parent folder of its target.
     """
     return Path(os.path.normpath(folder.absolute() / path))
 
 
 def project_file(folder: Path) -> str:
-    """Return the path of the nearest pyproject.toml of a folder, relative to it; "" if there is none."""
+    """Return the path of pyproject.toml in a folder or in its nearest parent folder that has this file.
+
+    The path is relative to `folder`; "" if there is no such file.
+    """
     for one in (folder.absolute(), *folder.absolute().parents):
         if (one / PROJECT).is_file():
             return Path(os.path.relpath(one / PROJECT, folder.absolute())).as_posix()
@@ -134,8 +139,8 @@ def _note(event: str, arguments: tuple[object, ...]) -> None:
 def dependencies(folder: Path, paths: Iterable[str | Path]) -> Dependencies:
     """Return the dependencies of a result. Raise ValueError, with a sentence, for a file that cannot be read now.
 
-    Files of Python and of installed packages are not listed, because their versions are. Files of periph_sim are not
-    listed, because their common digest is.
+    Files of Python and of installed packages are not listed. The versions of Python and of the packages are listed
+    instead. Files of periph_sim are not listed either, because one digest includes all of them.
 
     folder: the folder of the case.
     paths: the files that the runs have read. The files of imported modules are added.
@@ -196,14 +201,17 @@ def _is_library(path: str) -> bool:
 
 @lru_cache(maxsize=1)
 def _installed() -> Mapping[str, list[str]]:
-    """Return a dictionary from modules to the packages that contain them. To make it takes about half a second."""
+    """Return a dictionary from modules to the packages that contain them.
+
+    It is cached, because it takes about half a second to make.
+    """
     return packages_distributions()
 
 
 def _version(name: str) -> str:
     try:
         return version(name)
-    except (PackageNotFoundError, ValueError):  # the latter for an empty name
+    except (PackageNotFoundError, ValueError):  # ValueError: the name is empty
         return ""
 
 

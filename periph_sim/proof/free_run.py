@@ -21,17 +21,17 @@ from .stretch import CoveredCase
 # PLL, and the edges of LSPCLK depend on all former values of the divider.
 CLOCK_REGISTERS = ("WDCR", "WDKEY", "WDCNTR", "SCSR", "PLLCR", "PLLSTS", "LOSPCP")
 DUE = "something is still due a second after the start of a round, such as a timer"
-CHECKS = 10  # a round is checked for its end this number of times in each unit of `long`
+CHECKS = 10  # the end of a round is searched in steps of `FreeRun.long` divided by this number
 
 
 class NotClosed(Exception):
-    """The case cannot be proven with a table. The message is a phrase that says why."""
+    """Error: the case cannot be proven with a table. The message is a phrase that says why."""
 
 
 class RoundRecords(Listener):
     """Digest of what the firmware and the parties do in a round: writes, interrupts, events and frames on lines.
 
-    accessed: the first access to one of CLOCK_REGISTERS; "" before it.
+    accessed: the first access to one of CLOCK_REGISTERS, as text; "" if there was none.
     """
 
     def __init__(self) -> None:
@@ -44,14 +44,14 @@ class RoundRecords(Listener):
         module, _, register = what.split()[-1].partition(".")
         if kind is Kind.ACCESS and module == "SYS" and register in CLOCK_REGISTERS:
             self._accesses[tag] = f"{where} {what}"
-        elif kind is Kind.ACCESS and what.startswith("R "):  # reads of a wait that is not skipped yet
+        elif kind is Kind.ACCESS and what.startswith("R "):  # the number of recorded reads of a wait varies
             return UNWANTED
         return tag
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
         if tag in self._accesses:
             self.accessed = self.accessed or self._accesses[tag]
-        # hash(-1) is hash(-2), so numbers are made odd
+        # hash(-1) equals hash(-2), so all numbers are made odd
         self._digest = hash((self._digest, tag, 2 * (tick - self._start) + 1, 2 * value + 1))
 
     def begin(self, tick: int) -> None:
@@ -66,8 +66,8 @@ class RoundRecords(Listener):
 class FreeRun:
     """A run whose starts are chosen one by one.
 
-    At each rest, the free words of the stack are cleared and count as not written. No run reads them before it writes
-    them, since such a read ends the run with NotClosed. So their contents do not matter.
+    At each rest, the free words of the stack are cleared and count as not written. Their contents have no effect,
+    because NotClosed is raised if the firmware reads one of these words before it has written it.
 
     scene: the scene, which the user of this class must not advance.
     frames, rounds: the ticks of the starts so far, counted from the start of the run.
@@ -100,9 +100,9 @@ class FreeRun:
         self._ignored = ignored
         (self._dsp, *_) = self.scene.units.values()
         program: Any = self._dsp.program
-        self._program = program  # that of an image
+        self._program = program  # the program of an image
         self._free: range = range(0)  # addresses of the free words of the stack, at the last rest
-        # A reference from the compiled CPU to this object would keep both alive for ever.
+        # The reference is weak: a reference from the compiled CPU to this object would keep both alive for ever.
         self._program.cpu.reads_unwritten = partial(_read_unwritten, ref(self))
         self.long = self.scene.timebase.per_second // LONG_PAST
         firsts = covered.phases.first_starts()
@@ -117,7 +117,7 @@ class FreeRun:
         if first == self.scene.start:
             raise NotClosed("the first start is at the start of the run; make `first` later")
         self.scene.advance(first - 1)
-        self.records.accessed = ""  # start-up code sets up the clocks
+        self.records.accessed = ""  # until now, accesses are allowed: start-up code sets up the clocks
         self.start(**{each: self.scene.start + tick for each, tick in firsts.items()})
         self.settle()
 
@@ -140,7 +140,7 @@ class FreeRun:
             raise NotClosed(str(error)) from None
 
     def start(self, frames: int | None = None, rounds: int | None = None, count_from: int | None = None) -> None:
-        """Let a frame or a round start at this tick, or one of each, and advance to the later start.
+        """Start a frame at tick `frames`, a round at tick `rounds`, or both, and advance to the later start.
 
         count_from: the tick from which records are counted; None for the earlier start.
         """
@@ -175,7 +175,7 @@ class FreeRun:
         self.next_cycle()
         self._free = self._program.forget_stack()
         if not (self.frames or self.rounds):
-            self.records.accessed = ""  # start-up code sets up the clocks
+            self.records.accessed = ""  # before the first start, accesses are allowed: start-up code sets up the clocks
         if self.records.accessed:
             what = f"the firmware accesses {self.records.accessed} after the first start"
             raise NotClosed(f"{what}, and the effects are not in the table; let it start after the start-up")

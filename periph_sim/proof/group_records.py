@@ -3,8 +3,8 @@
     records of the service routine of an SCI --> digest of the routine, counted from its entry
     all other records                        --> digest of the group, counted from its round
 
-The two are kept apart because the routine moves with the frame, and the rest does not. `noticed` says whether the
-firmware can notice more of a frame than the instant of this routine.
+There are two digests because the accesses of the routine move with the frame, and the other records do not.
+`GroupRecords.noticed` says whether the firmware can notice more of a frame than the instant of this routine.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class GroupRecords(RoundRecords):
 
     routine: the digest of the accesses of the service routine.
     services: the number of times that the service routine of an SCI was entered since the start of the group.
-    entered, left: the ticks at which it was entered and left last.
+    entered, left: the ticks at which the service routine was last entered and last left.
     accessed_since: the accesses of the main program, and the interrupts, since the service routine was left last.
     noticed: a phrase about the first access by which the firmware notices more of a frame than the instant of its
         service routine; "" if there was none in the run.
@@ -42,10 +42,10 @@ class GroupRecords(RoundRecords):
         self._texts: dict[int, str] = {}
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        """Return the tag of a topic. Records of lines are not wanted: those of the host move with the frame."""
+        """Return the tag of a topic. Records of frames on lines are left out: those of the host move with the frame."""
         if kind is Kind.FRAME:
             return UNWANTED
-        super().tag_of(kind, where, what)  # notes the registers of clocks
+        super().tag_of(kind, where, what)  # this call notes the tags of CLOCK_REGISTERS
         tag = crc32(f"{kind.value} {where} {what}".encode())
         module, _, register = what.split()[-1].partition(".")
         if kind is Kind.IRQ and what.startswith(SCI):

@@ -1,4 +1,4 @@
-"""Measures while a scene is at rest: whether each of their values follows from one round.
+"""Check, whenever a scene is at rest, whether each value of a measure follows from one round.
 
 round --> rest --> round        a pair that waits for its second event lasts into the next round
       |        |                a round with too few measured values can be repeated until a run is not judged
@@ -24,10 +24,11 @@ AFTER_START = frozenset([Kind.ACCESS, Kind.FLAG, Kind.IRQ, Kind.SPAN, Kind.BUS])
 class MeasuresAtRest:
     """Observes the measures of a run at each rest.
 
-    spanning: the names of budgets of which an occurrence was not over at a rest.
-    lacking: the names of budgets of which a round had too few measured values.
-    empty: the pairs of a start ("rounds", "frames") and a budget that had no value after such a start. If a case has
-        both rounds and frames, a budget is not lacking if it has a value after each round, or after each frame.
+    spanning: the names of the budgets with an occurrence that was not over at a rest.
+    lacking: the names of the budgets for which a round had too few measured values.
+    empty: pairs of "rounds" or "frames" and the name of a budget that had no value after at least one such start.
+        `closed_table` counts these budgets as lacking, too. In a case with both rounds and frames, `pair_table` does so
+        only if a budget is in both pairs, because it is enough if each round, or each frame, has a value.
     """
 
     def __init__(self, judges: Sequence[BudgetJudge], after_start: Collection[Kind] = AFTER_START) -> None:
@@ -37,19 +38,20 @@ class MeasuresAtRest:
         self.empty: set[tuple[str, str]] = set()
         self._judges = judges
         self._after_start = after_start
-        self._before = [(0, 0)] * len(judges)  # for each judge, the numbers of measured values and of occasions
+        self._before = [(0, 0)] * len(judges)  # for each judge, `measured` and `occasions` at the last rest
 
     def rest(self, now: int, starts: Collection[str] = ("rounds",)) -> None:
         """Observe the measures at tick `now`, at which the scene is at rest.
 
-        starts: "rounds" or "frames", or both: the starts since the last rest; empty at the first rest without a start.
+        starts: the kinds of starts since the last rest, "rounds", "frames" or both; empty if nothing has started yet.
         """
         for place, judge in enumerate(self._judges):
             measure, (values, _) = judge.measure, self._before[place]
             if lasts(measure, now, self._after_start):
                 self.spanning.add(judge.budget.name)
             self._count(place, measure.measured, measure.occasions)
-            waits = isinstance(measure, EventMeasure) and bool(measure._queue)  # until it is known which event is last
+            # events wait in the queue until it is known which of them is the last one of its group
+            waits = isinstance(measure, EventMeasure) and bool(measure._queue)
             if not waits and measure.series and measure.occasions is None and measure.measured == values:
                 self.empty |= {(start, judge.budget.name) for start in starts}
 
@@ -72,8 +74,8 @@ def lasts(measure: Measure, now: int, after_start: Collection[Kind] = AFTER_STAR
 
     after_start: as for `MeasuresAtRest`.
 
-    `Measure.unfinished` does not contain all of them. It leaves out pairs whose transfer or round has had its STOP, and
-    events that wait until it is known whether they are the last ones of their group.
+    `Measure.unfinished` does not report all such occurrences. It leaves out pairs whose transfer or round has had its
+    STOP, and events that wait until it is known whether they are the last ones of their group.
     """
     if measure.unfinished(now) or (isinstance(measure, Margin) and measure.holds_byte):
         return True

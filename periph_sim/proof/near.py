@@ -27,15 +27,15 @@ OBSERVED = 8  # number of rounds with a frame that are observed; their phases ar
 # Service routines in two rounds belong to the same interrupt if their times since the start of the frame differ by less
 # than SAME cycles.
 SAME = 400
-WRITE = "W "  # the beginning of the text of an access that writes
+WRITE = "W "  # the text of the record of a write access begins with this
 
 
 class Observed:
     """The writes and interrupts of a few rounds. Times are cycles of `Phases`.
 
     writes: for each write of a register, the time since the start of its round.
-    delays: the times from the start of a frame to the service routines that are entered after it in every observed
-        round.
+    delays: for each service routine that is entered in all observed rounds, the time from the start of the frame to
+        its entry. Rounds in which no service routine is entered do not count.
     """
 
     def __init__(self, covered: CoveredCase) -> None:
@@ -44,7 +44,7 @@ class Observed:
         self._records: list[Record] = []
         inputs, duration = phases.inputs(chosen)
         case = covered.case.model_copy(update={"inputs": inputs, "duration": duration})
-        with suppress(*RUN_ERRORS):  # the rounds before the error are observed
+        with suppress(*RUN_ERRORS):  # an error ends the run; the rounds before it are observed
             Scene(case, self._subscribe).run()
         starts = phases.starts([*chosen, chosen[-1]])
         self.writes: set[int] = set()

@@ -1,16 +1,18 @@
-"""Normal form of the state of a scene: equal for two states from which a scene continues equally.
+"""Normal form of the state of a scene. If two states have equal normal forms, the scene continues equally from both.
 
     modules --NormalCollector--> {"dsp.SCI-A.chip._rx": ("SciRx", (0, 12, ...)), ...} --> digest
 
-A snapshot (`core.snapshot`) contains everything that a restored scene needs to go on. Two states can continue equally
-although their snapshots differ, because a snapshot also has counters, instants of the past, and beginnings of grids.
-The classes declare which of their attributes these are (`core.state`: results, expires, grids). A class that needs more
-has a method `normal_state(cycle, tick)`, which returns a dictionary from attributes to the values to compare instead.
-A name such as `_bits.next_tick` is that of an attribute of an attribute.
+A snapshot (`core.snapshot`) contains everything that a restored scene needs to go on. A scene can continue equally from
+two states although their snapshots differ, because a snapshot also contains counters, instants of the past, and the
+instants at which periodic grids began. The classes declare which of their attributes these are (`core.state`: results,
+expires, grids). A class that needs more has a method `normal_state(cycle, tick)`, which returns a dictionary from the
+names of attributes to the values to compare instead. The name `_bits.next_tick`, for example, means the attribute
+`next_tick` of the attribute `_bits`.
 
-An attribute for which none of this is declared stays in the normal form as it is, so equal states may look different.
-Different states look equal if a declaration is wrong, or if an attribute contains an absolute instant that is not
-declared as one. To find such mistakes, tests change what is left out, and tables run entries again.
+An attribute without such a declaration is compared as it is, so states from which the scene continues equally can have
+different normal forms. In contrast, states from which it continues differently have equal forms only if a declaration
+is wrong, or if an attribute contains an absolute instant that is not declared as one. To find such mistakes, tests
+change what the normal form leaves out, and closed tables (`closed_table`) run entries again.
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ from ..scene.scene import Scene
 from ..scene.state import modules_of
 
 EXPIRED = "expired"  # replaces an instant that is long past
-LONG_PAST = 1000  # fraction of a second: instants are long past after 1 ms
+LONG_PAST = 1000  # instants are long past after this fraction of a second, 1 ms
 PLAIN_TYPES = {*PLAIN}
 DIGEST = 16  # length of a digest, in bytes
 
@@ -46,8 +48,8 @@ class AttributePlan(NamedTuple):
 
     kind: the name of the class. state: its declared state.
     names: the attributes that are stored as they are, if their values are plain.
-    values: a function that returns their values for an object.
-    others: the other attributes that count.
+    values: a function that returns the values of `names` for an object.
+    others: the other attributes that belong to the normal form.
     """
 
     kind: str
@@ -62,7 +64,7 @@ class NormalCollector(Collector):
 
     long_past: for each unit of time, the age from which on an instant is long past.
     ignored: names of attributes that are not compared.
-    periods: a dictionary from the name of each attribute that is on a grid of cycles to the period.
+    periods: for the name of each attribute that repeats on a grid of cycles, the period of the grid in cycles.
     """
 
     def __init__(
@@ -71,7 +73,7 @@ class NormalCollector(Collector):
         self._long_past = long_past
         self._ignored = ignored
         self._owners = {name.rpartition(".")[0] for name in ignored}
-        self._instead: dict[int, dict[str, object]] = {}  # for the identity of an object, values by attribute
+        self._instead: dict[int, dict[str, object]] = {}  # by `id` of the object and attribute
         self.periods: dict[str, int] = {}
         super().__init__(modules, tick, 0)
 
@@ -160,7 +162,7 @@ class NormalCollector(Collector):
 
 
 def _plan(kind: type, instead: Collection[str]) -> AttributePlan:
-    """Return the plan of a class. instead: attributes for which the class returns other values."""
+    """Return the plan of a class. instead: attributes that `normal_state` methods replace by other values."""
     state = state_of(kind)
     assert state is not None, f"{kind.__name__} declares no state"
     counts = [name for name, time in state.times.items() if name not in state.results and time is not Time.RECORDS]
@@ -188,7 +190,7 @@ def normal_state(scene: Scene, ignored: Collection[str] = ()) -> NormalState:
 
 
 def periods_of(scene: Scene) -> dict[str, int]:
-    """Return a dictionary from each attribute of a scene's clocks and waits that repeats to its period, in cycles."""
+    """Return the period in cycles of each attribute of a scene's clocks and waits that repeats, by its name."""
     return _collected(scene, ()).periods
 
 
@@ -210,7 +212,7 @@ def _collected(scene: Scene, ignored: Collection[str]) -> NormalCollector:
 
 
 def digest(state: NormalState) -> bytes:
-    """Return a number that is equal for equal normal states."""
+    """Return a digest of a normal state. Equal normal states have equal digests."""
     text = " ".join(state) + repr(list(state.values()))
     return blake2b(text.encode(), digest_size=DIGEST).digest()
 

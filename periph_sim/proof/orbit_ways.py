@@ -1,4 +1,7 @@
-"""Ways from one orbit of states of rest to another: `closed_table` goes by starts, `pair_run` by groups."""
+"""Shortest ways from one orbit of states of rest to another. `closed_table` defines these terms.
+
+A step of a way is the tick of a start in `closed_table`, and a group of starts in `pair_run`.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +15,8 @@ T = TypeVar("T")
 def first_step(ways: Mapping[int, Mapping[int, T]], here: int, is_wanted: Callable[[int], bool]) -> T | None:
     """Return the first step of a shortest way from an orbit to a wanted one; None if there is no way.
 
-    ways: for each orbit, a dictionary from the orbits after it to the step that leads there.
-    here: the orbit at which the way begins. It does not count as wanted.
+    ways: `ways[orbit][after]` is the step that leads from `orbit` directly to `after`.
+    here: the orbit at which the way begins. It does not count as a wanted orbit.
     """
     first: dict[int, T] = {}
     waiting = deque([here])

@@ -5,9 +5,10 @@
     both                             left out                 the routine moves relative to the rest
     variables, reads, RX, RXFFST     left out                 a frame can move them
 
-Only events that are known to belong to one of the first two are judged. The digests of `GroupRecords` contain the
-writes of the rest, the events on the bus and the interrupts. Flags of the I2C module and levels of GPIO pins follow
-from these.
+A group is a round, a frame, or both together (`pair_groups`). A cell is a set of groups with equal effects, of which
+only the first and the last are run (`pair_table.Cell`). A budget is judged only if all its events are known to belong
+to one of the first two lines. The digests of `GroupRecords` contain the writes, bus events and interrupts of the rest
+of the scene. Flags of the I2C module and levels of GPIO pins follow from these.
 """
 
 from __future__ import annotations
@@ -21,11 +22,11 @@ from .closed_table import WITHIN_ROUND
 from .group_records import SCI
 from .stretch import CoveredCase
 
-REST, ROUTINE, MOVES = "rest", "routine", "moves"  # what an event belongs to; a frame can move the events of MOVES
+REST, ROUTINE, MOVES = "rest", "routine", "moves"  # what an event belongs to; MOVES: a frame can move the event
 ALWAYS_REST = frozenset([Kind.BUS, Kind.TRANSFER, Kind.ROUND])
 LINES = frozenset(["SCL", "SDA"])
 I2C = "I2C"
-OF_SCI = "PIEIFR9."  # the flags of group 9 of the PIE, that of SCI-A and SCI-B
+OF_SCI = "PIEIFR9."  # the flags of PIE group 9, the group of SCI-A and SCI-B
 
 
 def side(event: Matcher, pins: Collection[str]) -> str:
@@ -52,10 +53,11 @@ def side(event: Matcher, pins: Collection[str]) -> str:
 
 
 def within_round(covered: CoveredCase) -> CoveredCase:
-    """Leave out the budgets of a case that a table of groups cannot judge, with the reason.
+    """Leave out the budgets of a case that a table of groups cannot judge, each with the reason, and return the case.
 
-    Groups may lack the rounds and frames to which a budget looks back. Within a wait, the service routine moves
-    relative to everything else. The start of a frame is not run at each tick of its cell.
+    A value cannot be judged if it depends on earlier rounds or frames, because a group does not contain them. It cannot
+    be judged if it relates the service routine to other events either, because the routine moves relative to them
+    within a wait. Events that move with the frame are left out, because not every start of a frame is run.
     """
     pins = {
         name

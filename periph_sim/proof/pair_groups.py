@@ -3,9 +3,10 @@
     rest ---- R ============ rest          a round alone
     rest -- X ======= R ======== rest      a frame and a round that overlap
 
-A group begins when the scene is at rest, and ends when it is at rest again. The SCI samples its line with a period, so
-all frames that start within one *cell* of this period are received at the same instant; `find_cells` runs each of these
-starts. A frame's place in a group is the distance from the start of the round to the first tick of the frame's cell.
+A *group* begins when the scene is at rest (`closed_table`), and ends when it is at rest again. The SCI samples its
+line periodically. Frames that start within one interval of the length of this period, called a *cell*, are received at
+the same instant. `find_cells` finds the limits of the cells. A frame's place in a group is the distance from the start
+of the round to the first tick of the frame's cell.
 """
 
 from __future__ import annotations
@@ -23,14 +24,13 @@ NAMED = 4  # maximum number of attributes that are named if a state does not rep
 MOST_ORBITS = 24
 MOST_AWAY = 40  # number of frames after which a state counts as one that is not reached again
 MARGIN = 8  # cycles before and after a service routine in which it may still affect the wait that it interrupts
-PASSES = 8  # passes of a wait after a service routine, after which the wait must be as before
+PASSES = 8  # number of passes after a service routine within which the interrupted wait must be as before
 
 
 class Group(NamedTuple):
-    """A group from an orbit of states of rest.
+    """A round, a frame, or both, that start from an orbit of states of rest (`closed_table`).
 
-    round: the cycle of the orbit at which the round starts, modulo the period of all that does not belong to the SCI;
-        None for a frame alone.
+    round: the cycle of the orbit at which the round starts, modulo `Orbits.own`; None for a frame alone.
     frame: the distance from the round to the first tick of the frame's cell, in ticks; None for a round alone. For a
         frame alone, it is counted from the beginning of the orbit.
     """
@@ -43,10 +43,12 @@ class GroupRun(NamedTuple):
     """The result of the run of a group. Equal groups have equal results.
 
     after: the number of the orbit after the group.
-    shift: the ticks from the place in this orbit that was expected if the scene had done nothing, modulo the orbit.
+    shift: the number of ticks by which the place in this orbit is beyond the place at which the group started plus the
+        elapsed time, modulo the length of the orbit.
     main, routine: the digests of `GroupRecords`.
     length: the number of ticks from the first start to the rest.
-    within: True if the service routine was within the given wait, which then went on; always True without a wait.
+    within: True if the service routine ran within the wait that was given to `run_group`, and the wait then continued;
+        always True if no wait was given.
     """
 
     after: int
@@ -57,14 +59,15 @@ class GroupRun(NamedTuple):
     within: bool
 
     def is_like(self, other: GroupRun) -> bool:
-        """Return True if two runs of a group, or of groups of one cell, agree."""
+        """Return True if two runs of a group, or of groups with equal effects, agree."""
         return self[:4] == other[:4]
 
 
 class Sleep(NamedTuple):
-    """A time in which the firmware waits in a loop whose passes are all equal.
+    """A wait: an interval in which the firmware runs a loop whose passes are all equal.
 
-    begin, end: the ticks at which it begins and ends, from the start of the round. period: the ticks of a pass.
+    begin, end: the ticks at which the wait begins and ends, from the start of the round.
+    period: the number of ticks of a pass.
     reads: the addresses of the registers that a pass reads, with their values.
     """
 
@@ -75,9 +78,10 @@ class Sleep(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """Starts of frames that are received alike: all that are in one cell.
+    """The cells of the starts of frames: frames that start in one cell are received at the same instant.
 
-    first: the first tick of a cell, modulo `period`. period: the number of ticks of a cell.
+    first: the first tick of a cell, modulo `period`.
+    period: the number of ticks of a cell, which is the period of the SCI's samples.
     begins, ends: the least and the greatest number of ticks from the first tick of a cell to the instants at which the
         service routine is entered, and left.
     """
@@ -89,7 +93,11 @@ class Cells(NamedTuple):
 
 
 class Orbit(NamedTuple):
-    """The states of rest of one period. cycles: their number. origin: the tick of the first one, modulo the cells."""
+    """The states of rest of one period.
+
+    keys: the digests of the states, one for each cycle.
+    origin: the tick of the first state, modulo the period of the SCI's samples.
+    """
 
     keys: tuple[bytes, ...]
     origin: int
@@ -103,7 +111,7 @@ class Orbits:
     """The orbits that were found, and the place of each of their states.
 
     known: the orbits. places: a dictionary from the digest of a state to its orbit and its cycle in the orbit.
-    own: the number of cycles after which all repeats that does not belong to the SCI; 0 before the first orbit.
+    own: the period, in cycles, of the part of the state that does not belong to the SCI; 0 before the first orbit.
     """
 
     def __init__(self) -> None:
@@ -122,7 +130,7 @@ class Orbits:
 
 
 class GroupRunner:
-    """A run of groups, one after the other.
+    """A run of a scene with groups, one after the other.
 
     records: the records of the present group.
     at: the number of the orbit of the present state of rest, and its cycle in the orbit.
@@ -131,13 +139,13 @@ class GroupRunner:
     def __init__(
         self, covered: CoveredCase, ignored: Sequence[str], orbits: Orbits, cells: Cells | None = None
     ) -> None:
-        """Run the first round and the first frame of the case, and rest.
+        """Run the first round and the first frame of the case, up to the first rest.
 
         ignored: as for `normal_state`. cells: None while they are not known.
         """
         self.records = GroupRecords()
         self.run = FreeRun(covered, ignored, False, False, self.records)
-        self.records.noticed = ""  # start-up code sets up the SCI
+        self.records.noticed = ""  # until now, accesses are allowed: start-up code sets up the SCI
         self.orbits = orbits
         self.cells = cells
         (dsp, *_) = self.run.scene.units.values()
@@ -155,7 +163,7 @@ class GroupRunner:
         return self.run.ticks_per_cycle
 
     def place(self) -> tuple[int, int]:
-        """Return the place of the present state of rest, see `at`. Raise NotClosed without one."""
+        """Return the orbit and cycle of the present state of rest, as in `at`. Raise NotClosed if it has none."""
         key = digest(self.run.state())
         if key not in self.orbits.places:
             self._add_orbit()
@@ -201,7 +209,10 @@ class GroupRunner:
         return GroupRun(after, shift, self.records.digest, self.records.routine, run.now - first, within)
 
     def check_frame(self, is_sent: bool) -> None:
-        """Raise NotClosed if the firmware has noticed more of a frame than one service routine of the SCI."""
+        """Raise NotClosed if the firmware has noticed more of a frame than one service routine of the SCI.
+
+        is_sent: True if a frame was sent; False if the routine must not have run at all.
+        """
         records = self.records
         if records.noticed:
             raise NotClosed(f"the firmware notices more of a frame than its service routine: {records.noticed}")
@@ -209,7 +220,7 @@ class GroupRunner:
             raise NotClosed(f"a frame has {records.services} service routines of the SCI, not one")
 
     def sleeps(self, group: Group) -> list[Sleep]:
-        """Run a round alone and return the waits in it, the first of which has begun before it."""
+        """Run a round alone and return the waits in it. The first wait has begun before the round."""
         run, kernel = self.run, self.run.scene.kernel
         orbit = self.orbits.known[self.at[0]]
         start = run.now + (self._round_in(orbit, group) - self.at[1]) % orbit.cycles * self.cycle
@@ -254,8 +265,8 @@ class GroupRunner:
     def _goes_on(self, sleep: Sleep) -> bool:
         """Return True if the firmware is in this wait, and has accessed nothing else since the service routine.
 
-        The registers that the wait reads keep their values until its end. If the firmware read something else, this
-        could depend on the time at which the routine came.
+        Reads of the registers that the wait reads are allowed, because these registers keep their values until the wait
+        ends. The value of any other read could depend on the time at which the routine came.
         """
         asleep = self._asleep()
         if asleep is None or (asleep[1] * self.cycle, asleep[2]) != (sleep.period, sleep.reads):
@@ -280,7 +291,10 @@ class GroupRunner:
         return [at for at in places if (first + at * self.cycle) % period == 0]
 
     def like(self, group: Group) -> Group:
-        """Return a group of the present orbit that is like a group of another orbit."""
+        """Return a group that can start in the present orbit, and is as like a group of another orbit as possible.
+
+        It has the same round. Its frame is later by no more than necessary.
+        """
         orbit = self.orbits.known[self.at[0]]
         if group.frame is None:
             return group
@@ -327,7 +341,7 @@ class GroupRunner:
 
 
 def find_cells(runner: GroupRunner) -> Cells:
-    """Run a frame alone from each tick of one period of the SCI's samples, and return the cells.
+    """Run a frame alone with its start at each tick of one period of the SCI's samples, and return the cells.
 
     Raise NotClosed if the starts of one period are received in more than two ways.
     """
@@ -338,7 +352,7 @@ def find_cells(runner: GroupRunner) -> Cells:
     while len(seen) < period:
         here, at = runner.at
         away = 0 if here == number else away + 1
-        if away > MOST_AWAY:  # the first state was one of the start-up
+        if away > MOST_AWAY:  # the orbit is one of the start-up, so it is not reached again
             number, away = here, 0
             seen.clear()
         whole = runner.orbits.known[here].cycles * cycle
@@ -365,7 +379,7 @@ def find_cells(runner: GroupRunner) -> Cells:
 
 
 def far_ranges(sleeps: Sequence[Sleep], cells: Cells, cycle: int) -> list[tuple[int, int, Sleep]]:
-    """Return the distances of frames whose service routine is within a wait, as (least, greatest, wait)."""
+    """Return, as (least, greatest, wait), the distances of frames whose service routine is well within each wait."""
     found = []
     for sleep in sleeps:
         least = sleep.begin - cells.begins + MARGIN * cycle

@@ -1,4 +1,4 @@
-"""Runs of groups, in this process or in others.
+"""Runs of groups (`pair_groups`), in this process or in others.
 
     tasks: groups, all from one orbit --PairRun--> runs of scenes --> Done: the runs of the groups, new orbits, outcomes
 
@@ -25,7 +25,7 @@ from .pair_groups import Cells, Group, GroupRun, GroupRunner, Orbit, Orbits, Sle
 from .stretch import CoveredCase, Job, Outcome
 
 STARTS = ("rounds", "frames")
-MOST_TRIES = 100  # maximum number of groups and of new runs on the way to an orbit
+MOST_TRIES = 100  # maximum number of groups and new runs, in total, that are tried to reach an orbit
 CHUNK = 256  # number of groups in one run
 
 
@@ -40,7 +40,7 @@ class Task(NamedTuple):
 class Known(NamedTuple):
     """The part of the table that a run of groups needs.
 
-    ways: for each orbit, a dictionary from the orbits after it to a group.
+    ways: `ways[orbit][after]` is a group that leads from `orbit` to `after`.
     """
 
     orbits: Orbits
@@ -52,7 +52,7 @@ class Done(Struct):
     """The outcome of runs of groups.
 
     runs: the runs of the tasks, in order.
-    before: the number of orbits that were known before. orbits: the orbits that were found.
+    before: the number of orbits that were known before these runs. orbits: the orbits that these runs found.
     outcomes, frames, rounds: for each run of a scene, its outcome and its starts.
     first_rest: the tick of the first rest, from the start of the run.
     spanning, lacking, empty: see `MeasuresAtRest`. unknowns: see `CoveredCase`.
@@ -76,7 +76,7 @@ class PairRun:
 
     def __init__(self, covered: CoveredCase, ignored: Sequence[str], known: Known) -> None:
         self._covered, self._ignored, self._known = covered, ignored, known
-        self._last: Group | None = None  # the last group
+        self._last: Group | None = None  # the group that was run last
         self.done = Done(len(known.orbits.known), [], [], [], [], [], 0, set(), set(), set(), set())
         self._begin()
 
@@ -91,7 +91,8 @@ class PairRun:
     def reach(self, orbit: int) -> None:
         """Advance to an orbit. Raise NotClosed if it cannot be reached.
 
-        If no way is known, the group that led away is tried, and then a new run.
+        If no way is known, two steps are tried in turn: a group like the one that was run last, and a new run of a
+        scene.
         """
         for tries in range(MOST_TRIES):
             if self.runner.at[0] == orbit:

@@ -4,13 +4,13 @@
                                                                first and last of each cell within a wait
 
 A group (`pair_groups`) is a round, a frame, or both together. Its place in the table is the cycle at which the round
-starts, and the distance of the frame's cell. What a frame does to the rest of the scene is the service routine of the
-SCI, which comes at a fixed time after the frame's cell, so two groups with equal places continue equally.
+starts, and the distance of the frame's cell. A frame affects the rest of the scene only by the service routine of the
+SCI, which runs at a fixed time after the frame's cell, so two groups with equal places continue equally.
 
-If the routine runs while the firmware waits in a loop, the wait continues as it was, only with its passes later. So
-all groups whose routine begins at the same tick of a pass of one wait have the same effect: they are one cell. The
-first and the last group of a cell are run, and must agree. All other groups are run one by one. Random groups, also
-from within cells, are run again from other pasts, and must agree, too.
+If the routine runs while the firmware waits in a loop, the wait then continues as before, but its passes come later. So
+all groups whose routine begins at the same tick of a pass of one wait have the same effect: they are one `Cell`, a cell
+of groups. Only the first and the last group of a cell are run, and must agree. Groups that are in no cell are run one
+by one. Random groups, some of them from within cells, are run again after other groups, and must agree, too.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ from .pair_groups import Group, GroupRun, Orbits, Sleep, far_ranges, find_cells
 from .pair_run import CHUNK, STARTS, Done, Known, PairRun, Task, alone, run_tasks
 from .stretch import CoveredCase, Job
 
-MOST_SHRINKS = 32  # maximum number of groups at an end of a wait that are not in its cell
-TIMED = 400  # number of random groups whose CPU time gives the estimate, and that reach most orbits
-REVISITED = 20  # of this number of groups that were run, one is run again, but at least `least_again` are
-NEAR_ENDS = 2  # of this number of groups that are run again, one is near an end of a cell
+MOST_SHRINKS = 32  # a cell loses its first and its last group up to this number of times, until they agree
+TIMED = 400  # number of random groups that are run first, to reach most orbits and to estimate the CPU time
+REVISITED = 20  # one in REVISITED of the groups that were run is run again, but at least `least_again` are
+NEAR_ENDS = 2  # one in NEAR_ENDS of the groups that are run again is a random group of a cell
 
 
 class Cell(NamedTuple):
-    """Groups that differ only in the distance of the frame, and have one effect: first, first + step, ... last.
+    """Groups with equal effects, which differ only in the distance of the frame: first, first + step, ... last.
 
     sleep: the wait that their service routines interrupt.
     """
@@ -59,7 +59,7 @@ class Cell(NamedTuple):
 
 
 class PairMaker:
-    """Makes the table of a case in which rounds and frames start independently. Raise NotClosed if it has none.
+    """Makes the table of a case in which rounds and frames start independently.
 
     on_progress: called with the fraction of the known groups that were run, 0 to 1.
     on_estimate: called with the number of groups, and an estimate of the CPU time in seconds.
@@ -87,7 +87,7 @@ class PairMaker:
         self.cells: list[Cell] = []
         self.table = StartTable([], 0, 0, 0, 0, False, [], [], set(), set())
         self._empty: set[tuple[str, str]] = set()
-        self._expected = 0  # number of groups that are known to be run
+        self._expected = 0  # expected number of groups to run
 
     def make(self) -> StartTable:
         """Return the table, once it is closed or a run has failed.
@@ -108,7 +108,7 @@ class PairMaker:
     # Steps --------------------------------------------------------------------------
 
     def explore(self) -> PairRun:
-        """Find the cells of frames, and most of the orbits. Estimate the CPU time. Return the last run of groups."""
+        """Find the cells of frames, and most of the orbits. Estimate the CPU time. Return the last `PairRun`."""
         known = Known(self._orbits, None, self._ways)
         pair = PairRun(self._covered, self._ignored, known)
         self._frames = pair.runner.cells = find_cells(pair.runner)
@@ -135,7 +135,7 @@ class PairMaker:
         return pair
 
     def _close(self, number: int) -> None:
-        """Run all groups from an orbit, or the ends of their cells."""
+        """Run the groups from an orbit: the first and last group of each cell, and all groups that are in no cell."""
         pair = PairRun(self._covered, self._ignored, self._known)
         waits = self.find_waits(pair, number)
         pair.end()
@@ -204,7 +204,10 @@ class PairMaker:
         return waits
 
     def tasks(self, number: int, waits: Sequence[Sequence[Sleep]]) -> tuple[list[Task], list[Cell]]:
-        """Return the groups of an orbit to run with a round and a frame, and the cells whose ends are among them."""
+        """Return the groups with a round and a frame that must be run from an orbit, and the cells of the orbit.
+
+        Of each cell, only the first and the last group are among the groups to run.
+        """
         tasks: list[Task] = []
         cells: list[Cell] = []
         orbit, frames = self._orbits.known[number], self._frames

@@ -56,8 +56,8 @@ class Phases:
     moved: the starts that move: frames of the host, rounds of the controller, or sends of [serial].
     cycle: the length of a cycle of the fastest unit at its nominal clock, in ticks. Phases are counted in such cycles.
     count: number of phases: the cycles in a period; with `start_up` and a controller, those before the first round.
-    warm_up: number of periods before the first moved start, which comes after the times `after` of all budgets. With
-        `start_up`, the first moved start comes earlier, and a run has `warm_up` further starts instead.
+    warm_up: number of periods before the first moved start. This start comes after the time `after` of each budget.
+        With `start_up`, the first moved start comes earlier, and a run has `warm_up` further starts instead.
     """
 
     def __init__(self, plan: ScenePlan, start_up: bool = False, rounds: int = ROUNDS) -> None:
@@ -100,9 +100,11 @@ class Phases:
     def least_distance(self, within: Fraction = Fraction(0)) -> int:
         """Return the least number of ticks between two starts that the case allows.
 
-        If both rounds and frames are free, this is the least distance of two rounds, or of two frames.
+        If both rounds and frames are free, this is the least distance of two rounds or of two frames, whichever is
+        smaller.
 
-        within: the greatest difference of the clock's error from that of the case, in ppm.
+        within: the greatest difference, in ppm, of the clock's error from the error in the case. It only counts if
+            rounds and frames are not both free.
         """
         longest = self._grid.period + self._jitter
         if self.is_relative:
@@ -120,13 +122,19 @@ class Phases:
         return self._grid.first - self._start
 
     def first_starts(self) -> dict[str, int]:
-        """Return the number of ticks from the start of a run to the first due "frames", "rounds", or each of them."""
+        """Return the number of ticks from the start of a run to the first due start, for each kind of moved start.
+
+        If phases are counted from rounds, the kinds are "frames" and "rounds"; otherwise, the only kind is `moved`.
+        """
         if not self.is_relative:
             return {self.moved: self.first_start()}
         return {"frames": self._plan.host[0].first, "rounds": self.first_start()}
 
     def not_exact(self) -> str:
-        """Return why a first start of the case is not exact, or a round does not start with a cycle; "" otherwise."""
+        """Return why a first start of the case is not at an exact time, or why rounds do not start with a CPU cycle.
+
+        Return "" if neither applies.
+        """
         host, rounds = self._plan.host[0], self._plan.head.schedule
         for name, jitter in (("host", host.jitter), ("controller", rounds.jitter)):
             if jitter:
@@ -169,7 +177,7 @@ class Phases:
     def inputs_at(self, starts: Sequence[int], rounds: Sequence[int] | None = None) -> InputsTable:
         """Return a table [inputs] with moved starts at these ticks, which count from the start of the run.
 
-        rounds: the starts of rounds beside moved frames; None for those of the schedule.
+        rounds: the starts of the rounds in a case whose frames move; None for the rounds of the schedule.
         """
         times = tuple(Fraction(start, self._per_second) for start in starts)
         if self.moved != "frames":
@@ -179,7 +187,7 @@ class Phases:
         )
 
     def cycles_after_due(self, tick: int) -> int:
-        """Return the number of cycles between a tick and the start of its period."""
+        """Return the number of cycles from the beginning of the period that contains a tick to this tick."""
         number = int((tick - self._grid.first) / self._grid.period) + 1  # number of the tick's period, or higher
         while self._grid.due(number) > tick:
             number -= 1
@@ -266,7 +274,7 @@ def _grid(plan: ScenePlan) -> Grid:
 
 
 def _jitter(plan: ScenePlan, moved: Moved) -> int:
-    """Return the largest delay of a moved start, in ticks."""
+    """Return the largest delay of a moved start by jitter, in ticks."""
     if moved == "frames":
         return plan.host[0].jitter
     return plan.head.schedule.jitter if moved == "rounds" else 0

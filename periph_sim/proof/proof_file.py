@@ -2,7 +2,7 @@
 
     TableProof --proof_of--> ProofFile --text_of--> file --current--> the proven budgets, for `run`, `check` and pytest
 
-Only closed tables are saved. A proof holds for the case as it is in the file: a changed dependency ends it.
+Only closed tables are saved. A proof holds for the case as it was then: if a dependency changes, it is out of date.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ class ProvenBudget(Struct, frozen=True):
 
     worst: the worst value of all starts.
     changes: the "key=value" texts of the run with this value: its clock, if the proof is for a range of clocks.
-    starts: the starts of this run, up to the value itself, in ticks from the start of the run; those of frames if both
-        rounds and frames are free.
+    starts: the starts of this run, up to the value itself, in ticks from the start of the run; only those of frames if
+        both rounds and frames are free.
     rounds: the starts of rounds in this run, if both are free; else None.
     until: the tick at which this run ends, from its start.
     """

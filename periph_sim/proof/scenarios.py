@@ -3,7 +3,8 @@
 closed table: entry --> values of a round, state of rest after it
 starts [scenario, round] --one look-up in arrays for each round of all scenarios--> values [scenario, round]
 
-Each round of each scenario is one that the table has run, so its values are those that `Scene` gives for these starts.
+Each round of each scenario equals a round that was run for the table. So its values are those that `Scene` gives for
+these starts.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ class Scenarios:
     """The values of a case's budgets for any sequences of starts, from its closed table.
 
     budgets: the names of the budgets that have values: proven budgets with one value per occurrence.
-    left_out: a dictionary from the other budgets to the reason.
+    left_out: for each other budget, the reason why it has no values.
     moved: what starts, "rounds" or "frames".
     ticks_per_second: the number of ticks per second.
     first: the tick of the first start, counted from the start of the run.
@@ -48,7 +49,7 @@ class Scenarios:
         covered = CoveredCase(Job(str(case), tuple(changes)))
         self._worst: dict[str, dict[RestPlace, float]] = {}
         self._without_values: dict[str, str] = {}
-        self._differing: dict[str, str] = {}  # for some budgets, two values in rounds from equal states
+        self._differing: dict[str, str] = {}  # budgets with two values in rounds from equal states
         try:
             maker = TableMaker(covered, on_progress, on_run=self._observe, rests_first=False)
             table = maker.make()

@@ -44,7 +44,7 @@ RUN_ERRORS = (FirmwareError, SimulationStuck, NoSuchAddress)  # errors of a run 
 class Job(Struct, frozen=True):
     """The case of a coverage, in a form that can be sent to another process.
 
-    file: the path of the case as the user gave it, which messages name; relative paths start at the current folder.
+    file: the path of the case as the user gave it, for messages. A relative path refers to the current folder.
     changes: changes of keys of the case, as in the option `--set`.
     start_up, rounds: as for `Phases`.
     """
@@ -73,7 +73,7 @@ class CoveredCase:
 
     phases: the phases of the case.
     left_out: for each budget or input that is not covered, the reason.
-    not_whole: for each budget that is left out, or whose limits of percentiles are, the reason.
+    not_whole: for each budget that is left out, or of which the limits of percentiles are left out, the reason.
     runs: the number of runs so far.
     unknowns: the options on which these runs depend, as in `Result.unknowns`.
 
@@ -146,7 +146,8 @@ class CoveredCase:
     def looks_back(self) -> dict[str, set[str]]:
         """Return a dictionary from each covered budget to the ranges on which its values depend (`Measure.looks_back`).
 
-        Without a host, bytes are compared with the values that the request states, so they depend on the transfer only.
+        Without a host, bytes are compared with the values that the request states, so `wrong bytes` depends on the
+        transfer only.
         """
         found: dict[str, set[str]] = {}
         for budget, plan in zip(self.case.budget, self._plan.limits, strict=True):
@@ -173,7 +174,7 @@ class CoveredCase:
         return found
 
     def not_before(self) -> dict[str, int]:
-        """Return a dictionary from each covered budget to the tick from which on it is judged, from the start."""
+        """Return, for each covered budget, the tick from which it is judged, counted from the start of the run."""
         start = self._plan.ticks.start
         pairs = zip(self.case.budget, self._plan.limits, strict=True)
         return {budget.name: max(0, plan.not_before - start) for budget, plan in pairs}

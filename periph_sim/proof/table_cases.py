@@ -11,14 +11,17 @@ from .normal_state import LONG_PAST
 
 
 def check(case: Case) -> tuple[str, ...]:
-    """Return the names of attributes that need not be compared. Raise NotClosed if the case cannot have a table."""
+    """Return the names of attributes of the scene that need not be compared. Raise NotClosed if there can be no table.
+
+    The case must not have both rounds and frames.
+    """
     if case.controller is not None and case.host is not None:
         raise NotClosed("rounds and frames start independently of each other")
     return check_pair(case)
 
 
 def check_pair(case: Case) -> tuple[str, ...]:
-    """Do the same for a case in which both rounds and frames may start."""
+    """Do the same as `check`, also for a case in which both rounds and frames start."""
     if len(case.unit) > 1:
         raise NotClosed("it has more than one unit, and the phases of their clocks are free")
     for name, unit in case.unit.items():

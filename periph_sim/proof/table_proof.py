@@ -24,7 +24,10 @@ HELD = "held"  # the word for a budget that no run broke, and that the tables do
 
 
 class Part(NamedTuple):
-    """One table of a proof. changes: the "key=value" texts of its case, beside those of the proof."""
+    """One table of a proof.
+
+    changes: the changes of keys, as "key=value", that its case has in addition to those of the proof.
+    """
 
     covered: CoveredCase
     table: StartTable
@@ -75,7 +78,7 @@ class TableProof(NamedTuple):
 
     @property
     def entry_count(self) -> int:
-        """The number of entries of the tables; those that were run if a table has failed."""
+        """The number of entries of all tables, but at least the number of entries that were run."""
         return max(self.entries, sum(sum(part.table.orbits) for part in self.parts))
 
     @property
@@ -90,7 +93,10 @@ class TableProof(NamedTuple):
 
     @property
     def first(self) -> int:
-        """The tick of the first start, from the start of the run; with `rests_first`, any tick after this one."""
+        """The tick of the first start, from the start of the run.
+
+        If `rests_first` is True, the proof holds for a first start at any later tick.
+        """
         if not self.rests_first:
             return self.covered.phases.first_start()
         return max(part.table.first_rest for part in self.parts)
@@ -142,7 +148,7 @@ def prove(
     within: as in `TableProof`.
     on_progress: called with the fraction of the known entries that were run, 0 to 1.
     on_estimate: called with the number of tables, the number of entries in each, and the estimated CPU time in seconds.
-    call_all: makes the calls, except that the first of several tables is always made in this process.
+    call_all: makes the calls that make tables. The first of several tables is always made in this process.
 
     Raise NotClosed if a table cannot be closed, and BadCase for a case without free starts.
     """
@@ -207,7 +213,7 @@ def make_table(job: Job, rests_first: bool, least_again: int) -> StartTable:
 
 
 def _errors(case: Case, within: Fraction) -> list[Fraction]:
-    """Return the errors of the controller's clock that need a table. Raise NotClosed if the case cannot have them."""
+    """Return the errors of the controller's clock that need a table. Raise NotClosed if no range can be proven."""
     if case.controller is None or case.host is not None:
         raise NotClosed("--ppm is for the clock of a [controller], and the bits of a [host] have too many lengths")
     if case.controller.initialise is not None:

@@ -19,7 +19,7 @@ Tree = dict[str, Any]
 
 
 def move_files(tree: Tree, before: Path, after: Path) -> None:
-    """Change the paths of files, and of folders of C headers, in a case that moves to another folder.
+    """Change the relative paths in a case that moves to another folder: those of files and of folders of C headers.
 
     before, after: the folders of the old and of the new case, to which the paths are relative.
     """
@@ -32,9 +32,11 @@ def move_files(tree: Tree, before: Path, after: Path) -> None:
 
 
 def usable_budgets(tree: Tree, target: Path, budgets: Iterable[Tree]) -> list[Tree]:
-    """Return the budgets that the case can have. tree, target: the case without budgets, and the path of its file.
+    """Return the budgets with which the case can be built, each alone.
 
     For example, a case cannot have a budget of the latency of an interrupt that no PIE line requests.
+
+    tree, target: the case without budgets, and the path of its file.
     """
     return [budget for budget in budgets if can_be_built(case_of, {**tree, "budget": [budget]}, target)]
 

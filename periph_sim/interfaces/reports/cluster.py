@@ -3,8 +3,8 @@
     command --submit--> ClusterExecutor --> Dask scheduler --> Dask workers --> processes (see `cluster_worker`)
 
 If a worker ends, Dask repeats its unfinished calls on other workers. If the cluster itself fails, the calls raise
-ClusterError. Otherwise they behave as in a pool of processes: for instance, a call raises BrokenProcessPool if firmware
-ends its process.
+ClusterError. Otherwise, calls behave as in a pool of processes: for instance, a call raises BrokenProcessPool if
+firmware ends the process of the call.
 """
 
 from __future__ import annotations
@@ -202,7 +202,7 @@ def connected(address: str) -> AbstractContextManager[ClusterExecutor]:
 
 @contextmanager
 def _connected(address: str) -> Iterator[ClusterExecutor]:
-    import_module("distributed")  # this import sets the levels of loggers, so it comes before the loop
+    import_module("distributed")  # comes before the loop, because this import sets the levels of loggers, too
     for name in LOGGERS:
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     try:
@@ -218,7 +218,8 @@ def _connected(address: str) -> Iterator[ClusterExecutor]:
 def _client(address: str) -> Any:
     """Return a client of the scheduler at this address.
 
-    The client is made in a thread, because Dask waits without end for a server of another kind, such as an HTTP server.
+    The client is made in a thread, so that the time limit CONNECT always applies. Dask itself waits forever if the
+    server at the address is of another kind, such as an HTTP server.
     """
     made: Future[Any] = Future()
 

@@ -23,7 +23,7 @@ from signal import SIG_DFL, SIGINT, signal
 from threading import Lock, Thread, Timer
 from typing import Any, BinaryIO
 
-PREFIX = "PERIPH_SIM_"  # the process has the command's environment variables whose names begin with it
+PREFIX = "PERIPH_SIM_"  # the process receives the environment variables of the command that begin with this
 IDLE = 10.0  # seconds without a request after which a process is ended
 BEGIN = (
     "import os, pickle, sys; requests = os.fdopen(os.dup(0), 'rb'); sys.path = pickle.load(requests); "

@@ -31,7 +31,7 @@ from .processes import results_of
 
 PART = 512  # number of phases of a part
 TRIED = 64  # number of phases that are run to estimate the time
-SAVED_EVERY = 10.0  # seconds between two writes of the coverage file
+SAVED_EVERY = 10.0  # minimum number of seconds between two writes of the coverage file
 
 
 @dataclass
@@ -66,7 +66,7 @@ class Coverage:
 
     @property
     def missing(self) -> int:
-        """The number of chosen phases in parts, lists of up to PART phases, that are not finished."""
+        """The number of chosen phases in the unfinished parts. A part is a list of up to PART chosen phases."""
         return sum(map(len, self.parts[self.finished :]))
 
     @property
@@ -108,7 +108,7 @@ class Coverage:
 def choose(job: Job, step: int, only: tuple[Fraction, Fraction] | None) -> Coverage:
     """Return a coverage without results. A few of its phases are run to estimate the time.
 
-    step: the distance of phases that are not near a write, in cycles.
+    step: the distance between two chosen phases that are not near a write of the firmware, in cycles.
     only: the times, in seconds, between which phases are chosen; None for all phases of a period.
     """
     with files_read() as read:
@@ -148,7 +148,7 @@ def run_coverage(
 
     jobs: number of worker processes.
     save_to: the coverage file, which is written every SAVED_EVERY seconds and at the end; None for no file.
-    cluster: the cluster that runs the parts; None for processes.
+    cluster: the cluster that runs the parts; None for worker processes of this computer.
     """
     parts, saved_at = coverage.parts, monotonic()
     missing = parts[coverage.finished :]
@@ -204,9 +204,9 @@ def _results(
 
 
 def _finish(coverage: Coverage) -> None:
-    """Find the ends of the windows. Repeat worst values that were found in runs of several phases.
+    """Find the ends of the windows. Then look for shorter runs that have the same worst values.
 
-    Such a worst value is repeated in a run in which only the phase of this value is used.
+    For each worst value that was found in a run of several phases, the phase at which it occurred is run alone.
     """
     if not coverage.found.held and not coverage.found.failed:
         return

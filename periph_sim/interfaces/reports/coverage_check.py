@@ -65,7 +65,9 @@ def without_runs(file: Path, state: State, text: str) -> CoverageCheck:
 
 
 def check_coverage(case: Path, changes: tuple[str, ...] = (), tolerance: int | Tolerance = 0) -> CoverageCheck:
-    """Run the worst values of a case's coverage file again, and compare them. Worker processes can call this.
+    """Repeat the runs with the worst values of a case's coverage file, and compare the values.
+
+    Worker processes can call this function.
 
     changes: the "key=value" texts with which the case is read.
     tolerance: the largest allowed difference of times, as for `check`.

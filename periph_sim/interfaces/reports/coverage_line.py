@@ -18,8 +18,8 @@ class PhasesReport(Struct, frozen=True):
 
     line: a sentence about the file as a whole.
     count: the number of phases that were run and the number of phases of a period, as text.
-    worst: a dictionary from each budget to its worst value at these phases, and its phase as text. It is empty if the
-        file does not match the case, or is not complete.
+    worst: for the name of each budget, its worst value at these phases, and the phase of this value as text. It is
+        empty if the file does not match the case, or is not complete.
     """
 
     line: str

@@ -2,8 +2,8 @@
 
     first pool --> server, which imports the package and runs no case --fork--> new worker
 
-For many cases, importing the package takes as long as the run. This process cannot be forked, because it may have run
-cases and started threads. Windows has no such server, so each worker imports the package there.
+For many cases, importing the package takes as long as the run. The process that uses the pool cannot be forked,
+because it may have run cases and started threads. Windows has no such server, so each worker imports the package there.
 
 No worker outlives its pool. If the `with` block of a pool raises an error or receives Ctrl-C, the workers of the pool
 are ended at once. `end_workers` ends the workers of all pools. A worker ends itself when its parent process ends, and

@@ -166,9 +166,9 @@ def speedscope(run: Profiled) -> dict[str, object]:
 class FileCoverage:
     """The coverage of one source file.
 
-    lines: a dictionary from lines to execution counts.
-    branches: a dictionary from (line, address, way) to the number of times that the branch at the address was not taken
-        (way 0) or was taken (way 1).
+    lines: a dictionary from line numbers to execution counts.
+    branches: a dictionary from (line, address, way) to a count. For way 0, it is the number of times that the branch at
+        the address was not taken; for way 1, the number of times that it was taken.
     functions: a dictionary from (line, name) to the execution count of the function with this name.
     """
 

@@ -19,8 +19,8 @@ class ProofReport(Struct, frozen=True):
 
     line: a sentence about the file; "" if there is none, or the case was read with changes.
     proven: the names of the proven budgets. It is empty if the file does not match the case.
-    reasons: a dictionary from other budgets to the reason why they are not proven.
-    otherwise: the reason for all budgets that are in neither of them.
+    reasons: for the names of some other budgets, the reason why they are not proven.
+    otherwise: the reason for all budgets that are neither in `proven` nor in `reasons`.
     """
 
     line: str
@@ -41,7 +41,7 @@ class ProofReport(Struct, frozen=True):
         ]
 
     def line_beside(self, texts: Iterable[str]) -> str:
-        """Return `line` for an output that has these texts, too; "" if one of them contains it."""
+        """Return `line`; "" if one of these other texts of the same output contains it already."""
         return "" if any(self.line in text for text in texts) else self.line
 
 
@@ -51,7 +51,7 @@ NO_PROOF = ProofReport("")
 def proof_report(case: Path, changes: Sequence[str] = ()) -> ProofReport:
     """Return what the proof file of a case says.
 
-    changes: the "key=value" texts with which the case is read. A proof is of the unchanged case.
+    changes: the "key=value" texts with which the case is read. A proof holds for the unchanged case only.
     """
     path = proof_path(case)
     if not path.exists():
@@ -65,7 +65,7 @@ def proof_report(case: Path, changes: Sequence[str] = ()) -> ProofReport:
         found = current(case)
     except BadSavedFile as error:
         return ProofReport(str(error), otherwise=str(error))
-    if found is None:  # removed since
+    if found is None:  # the file was removed after `exists` was called
         return ProofReport("", otherwise=f"there is no {path.as_posix()}")
     file, differences = found
     if differences:

@@ -25,7 +25,7 @@ from .explain.explain import Explained, explain
 class SavedWorst(NamedTuple):
     """The worst occurrence of a budget in a saved result.
 
-    text: a line that names the file and what is special about the run.
+    text: a line that names the saved file, and says how the starts of the run differ from those of the case.
     explained: the explanation of the occurrence; None if it has no instant.
     inputs: for JSON, the phases and the seed of the run, or its starts in seconds and the changes of the case.
     """

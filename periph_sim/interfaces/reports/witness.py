@@ -36,7 +36,7 @@ def witness_file(
     """Write the case of one run, in which a budget has the value `worst`. Run it, and return its path.
 
     run: the inputs, the duration in seconds, and the seed.
-    case, changes: the case of the coverage as the user gave it.
+    case, changes: the path of the case, and its changes as "key=value" texts, as the user gave them.
     folder: the folder of the new file.
 
     Raise BadCapture if the file cannot be written.
@@ -64,7 +64,7 @@ def witness_file(
 
 
 def _part_of_name(covered: CoveredCase, budget: str) -> str:
-    """Return a budget's part of a file name, which no other budget of the case has."""
+    """Return the part of a file name that stands for a budget. Each budget of the case has a different one."""
     parts = {one.name: NAME.sub("_", one.name).strip("_") for one in covered.case.budget}
     part = parts[budget]
     if part and [*parts.values()].count(part) == 1:

@@ -161,13 +161,13 @@ def check(
     jobs: the number of processes; None for one per core. With 1, all cases run in this process.
     tolerance: the largest allowed difference of times: an int or `Cycles` is a number of SYSCLKOUT cycles, a Fraction
         is in seconds.
-    update: True to write the figures as new baselines, all or none.
+    update: True to write the figures of all cases as new baselines. If one cannot be written, none is.
     changes: "key=value" texts that are applied to every case, to see their effect.
     keep_values: True to keep the values of budgets in the outcomes.
     on_progress: a function that is called with the completed share, 0 to 1.
     on_refused: a function that is called with each case that cannot be run or compared, or that needs an outside party.
         The other cases continue.
-    cluster: the cluster that runs the cases; None for processes.
+    cluster: the cluster that runs the cases; None for processes of this computer.
     guaranteed: True to require that each budget that holds is proven.
 
     Raise BadCheck if `on_refused` is None and a case cannot be run or compared or needs an outside party. If `update`
@@ -221,8 +221,8 @@ def _run_each(
 ) -> list[Outcome | RejectedCase]:
     """Run each case. Return the results of the finished cases.
 
-    lost: a dictionary to which each case is added that Ctrl-C, SIGTERM or the loss of the cluster stopped, with the
-        reason; None to raise KeyboardInterrupt or ClusterError.
+    lost: receives each case that was stopped by Ctrl-C, SIGTERM or the loss of the cluster, with the reason; None to
+        raise KeyboardInterrupt or ClusterError.
     """
     came: dict[Path, Outcome | RejectedCase] = {}
     try:
@@ -247,8 +247,7 @@ def _run_each(
 def _baselines(files: Iterable[Path], refused: list[RejectedCase] | None) -> dict[Path, Baseline | None]:
     """Return a dictionary from each case to its baseline, or to None if the case has no baseline.
 
-    refused: the list to which each case with an unreadable baseline is added; None to regard such a baseline as
-        missing.
+    refused: receives each case with an unreadable baseline; None to regard such a baseline as missing.
     """
     found: dict[Path, Baseline | None] = {}
     for path in files:
@@ -290,14 +289,14 @@ def _explain(
 ) -> None:
     """Run cases again, to explain changed figures and budgets that broke unexpectedly.
 
-    The run also finds accesses that moved without changing a figure. If the figures and the digest of event times equal
-    those of the baseline, nothing can have moved. If no budget broke unexpectedly either, the run is skipped.
+    The second run of a case also finds accesses that moved without changing a figure. It is skipped if it cannot find
+    anything: if the figures and the digest of event times equal those of the baseline, nothing has moved, and if also
+    no budget broke unexpectedly, there is nothing to explain.
 
     before: a dictionary from each case to its baseline, or to None if the case has no baseline.
     tolerance: the largest allowed difference of times (see `check`); None if new baselines are written, which need the
         chains of all budgets.
-    lost: a dictionary to which each case whose run the cluster has lost is added, with the reason; None to raise
-        ClusterError.
+    lost: receives each case whose run was lost with the cluster, with the reason; None to raise ClusterError.
     """
     runs = [_run_again(one.outcome, before[one.outcome.path], start, tolerance is None) for one in checks]
     for one, run in zip(checks, runs, strict=True):
@@ -351,7 +350,10 @@ def _not_run(path: Path) -> CoverageCheck:
 
 
 def _covered(run: Callable[[], CoverageCheck], check: CaseCheck, lost: dict[Path, str] | None) -> CoverageCheck | None:
-    """Return the result of a coverage file as `_result` does. If the process of the runs died, it has a finding."""
+    """Return the result of checking a coverage file; None if the cluster is lost (see `_result`).
+
+    If the process that makes the runs has died, the result has a finding that says so.
+    """
     from ..coverage_check import without_runs
 
     try:

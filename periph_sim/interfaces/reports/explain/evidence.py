@@ -1,4 +1,4 @@
-"""Queries of a Window that all explanations use: events on the bus, actions of a unit's firmware, and flags of a unit.
+"""Queries of the records in a Window that all explanations use: the bus, and the firmware and the flags of a unit.
 
 Window, case --> Evidence: phases on the bus, low phases of SCL, accesses, changes of flags, and Steps for these
 """
@@ -117,7 +117,10 @@ class Evidence:
         return next(reversed(all_episodes(self.window, self.unit, tick, tick + 1)), None)
 
     def doing_at(self, tick: int) -> tuple[str, FirmwarePlace | None]:
-        """Return the firmware's activity at a tick as a phrase, and its place. In other code, name the last access."""
+        """Return the firmware's activity at a tick as a phrase, and its place.
+
+        If no service routine, span or wait is in progress, the phrase names the last access before the tick.
+        """
         part = self.blame_at(tick)
         if part is not None:
             return f"{part}, begun {self.span(part.length)} before", part.place

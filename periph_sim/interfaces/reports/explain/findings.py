@@ -277,7 +277,8 @@ def _bytes(evidence: Evidence, ends: Ends) -> Finding:
 def _round_before(evidence: Evidence, ends: Ends) -> Finding:
     """Find the transfers in the period before a round is due.
 
-    If a wait in one of these transfers ended at once, because a flag was still set from earlier, find this, too.
+    If a wait in one of these transfers ended at once, because a flag was still set from an earlier transfer, also find
+    the read of this flag.
     """
     due = evidence.window.begin
     before = max(evidence.due_before(due), evidence.window.kept[0].begin)

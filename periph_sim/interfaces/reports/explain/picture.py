@@ -73,8 +73,8 @@ def _lanes(window: Window, columns: int) -> list[Lane]:
 def _characters(window: Window, columns: int) -> dict[str, list[Lane]]:
     """Return the lanes of each serial line: its characters, and their bits if a bit is at least three columns wide.
 
-    If a bit is narrower than a column, the start and stop bits are not drawn apart. If a character is narrower than
-    four columns, there is no lane.
+    If a bit is narrower than a column, a character is one box, without boxes for its start and stop bits. If a
+    character is narrower than four columns, there is no lane.
     """
     begin, end = window.drawn
     column = (end - begin) / columns

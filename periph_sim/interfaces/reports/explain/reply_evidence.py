@@ -99,7 +99,7 @@ def _unsolicited(evidence: Evidence, name: str) -> list[tuple[Record, Record]]:
 
 
 def _asked(evidence: Evidence) -> list[Record]:
-    """Return the records at which frames begin, up to the end of the request, on the serial line of the request.
+    """Return the records of the beginnings of frames on the serial line of the request, up to the end of the request.
 
     The request ends with the frame whose end is the start of the occurrence. Return an empty list if there is no such
     frame.

@@ -38,8 +38,8 @@ class Failure:
     count: the number of occurrences beyond the limit, or "".
     why: the cause, or "".
     place: the location in the firmware with which the sentence `why` ends, or "".
-    source: the line of the firmware at this location. If the cause has no location, the line at the location of the
-        last step of the explanation that has one. None if no step has one, or if the file cannot be read.
+    source: the line of the firmware at `place`. If the cause has no location, it is the line of the last step of the
+        explanation that has a location. None if there is no such step, or if the file cannot be read.
     """
 
     what: str
@@ -52,7 +52,10 @@ class Failure:
 def failure(
     verdict: Verdict, must_break: bool, chain: Chain | None, over: OverTime | None, per_second: int
 ) -> Failure | None:
-    """Describe the failure of a budget. Return None if the budget holds, unless it must break."""
+    """Describe the failure of a budget. Return None if the budget holds, and is not listed in `breaks` of the case.
+
+    must_break: True if the budget is listed in `breaks`.
+    """
     if must_break and verdict.passed:
         return Failure(f"{in_words(verdict.worst or 0, verdict.unit)} holds, but the budget is listed in breaks")
     if verdict.broken:

@@ -25,7 +25,7 @@ from .distribution import axis_ticks, number, scale_of
 
 COLUMNS = 240
 MOST = 2_000  # maximum number of violations that are kept with their instants
-SHOWN = 6  # number of violations that are shown with waves in addition to the worst violation
+SHOWN = 6  # number of violations that get a timeline in addition to the worst violation
 PARTS = SHOWN - SHOWN // 2
 
 
@@ -113,10 +113,10 @@ def _columns(at: NDArray[np.int64], data: NDArray[np.int64], beyond: NDArray[np.
 
 
 def shown_violations(over: OverTime, worst_at: int) -> tuple[tuple[int, int], ...]:
-    """Return the violations that are shown with waves in addition to the worst violation, in order of time.
+    """Return the violations that get a timeline in addition to the worst violation, in order of time.
 
-    The first SHOWN // 2 of them are the first violations of the run. The remaining violations of the run are divided,
-    in order of time, into PARTS equal parts, and the worst violation of each part is added.
+    These are the first SHOWN // 2 violations of the run, and some later ones: the later violations are divided, in
+    order of time, into PARTS equal parts, and the worst violation of each part is taken.
     """
     others = [one for one in over.violations if one[0] != worst_at]
     first, rest = others[: SHOWN // 2], others[SHOWN // 2 :]

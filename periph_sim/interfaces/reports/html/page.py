@@ -107,7 +107,7 @@ def _standing(one: BudgetReport) -> str:
 
 
 def _title(case: CaseReport) -> str:
-    """Return the verdict of a case in the words of the terminal."""
+    """Return the verdict of a case in the words of the output of `periph-sim run`."""
     held = case.verdict == "pass" and all(one.verdict.passed for one in case.budgets)
     return title(PASS, [one.verdict for one in case.budgets]) if held else case.verdict.upper()
 
@@ -126,7 +126,7 @@ def _share(one: BudgetReport) -> float | None:
 def _instants(one: BudgetReport) -> dict[str, object]:
     """Return the data for the script of the plot over time.
 
-    The instants, in seconds, are those of the worst value, of values beyond a limit, and of values shown with waves.
+    The instants, in seconds, are those of the worst value, of values beyond a limit, and of values with a timeline.
     """
     over, rate = one.over_time, one.per_second
     assert over is not None

@@ -1,4 +1,4 @@
-"""Collect the report of a replay for the HTML page: its first divergences, with waves of capture and replay.
+"""Collect the report of a replay for the HTML page: its first divergences, with their waveforms.
 
 Report, Replay --one more run, everything recorded--> windows --> timelines
 capture --aligned at the last agreed event--> lanes "capture" ----^       --> CaseReport, one row for each divergence
@@ -158,7 +158,7 @@ def _expected(divergence: Divergence, window: Window) -> dict[WrongByte, int]:
 
 
 def _with_capture(timeline: Timeline, lanes: Lanes, agreed: float, side: Side, divergence: Divergence) -> Timeline:
-    """Add lanes with the capture.
+    """Return the timeline with additional lanes: the waveforms and the bytes of the capture.
 
     lanes: the builder of the timeline.
     agreed: the time of the last event that is equal in capture and replay, as a tick of the replay.

@@ -1,8 +1,9 @@
-"""A coverage or a table of a case in the form of the result of one run.
+"""A coverage (runs at many phases) or a closed table (all starts) of a case, in the form of the result of one run.
 
     case with other answers --phases or starts--> worst value of each budget --> CoveredResult, a Row of an exploration
 
-Each worst value comes with the run that has it. The first difference is then searched in this run.
+The result also has, for each worst value, the starts of the run in which it occurs. The first difference is later
+searched in a repetition of this run.
 """
 
 from __future__ import annotations

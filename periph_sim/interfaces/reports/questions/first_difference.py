@@ -81,12 +81,13 @@ def first_differences(
     """Return the first difference of each run in which the verdict of a budget differs, at most MOST_EXPLAINED.
 
     A run with one other answer is compared with the case as it is. A run with two other answers is compared with the
-    run that has only the first of them. If the row is a CoveredResult, both runs have the starts with which the first
-    budget whose verdict differs has its worst value.
+    run that has only the first of them. If the row is a CoveredResult, both runs have the same starts: those of the run
+    in which a budget has its worst value. This budget is the first one whose verdict differs.
 
     length: the duration of a run of the case as it is, in seconds.
 
-    The result is a dictionary from the numbers of runs, as in `Departure`; None for a run without a difference.
+    The keys of the result are the numbers of the runs, as in `Departure`. The value is None for a run without a
+    difference.
     """
     first = {each.number: one.name for one in reversed(found) for each in reversed(one.departures)}
     prepared = PreparedScene(file, changes)

@@ -1,6 +1,7 @@
 """Observation of a run for `periph-sim trade`, and comparison of two observed runs.
 
-The verdicts and occurrences of budgets are compared, and the data that the controller reads on the I2C bus.
+The comparison covers the verdicts and the occurrences of budgets, and the data that the controller reads on the I2C
+bus.
 """
 
 from __future__ import annotations

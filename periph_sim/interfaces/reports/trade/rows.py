@@ -1,6 +1,6 @@
 """The choices for a scene. Each is a row, and the most accurate row is the first.
 
-firmware     that of the case or of other cases: an image, C sources, or Python with stated costs
+firmware     the firmware of the case or of another case: an image, C sources, or Python with stated costs
 arithmetic   the number format of sensor models in Python firmware, at the cost that the case states
 recording    none, .psr or .vcd
 """
@@ -62,7 +62,7 @@ def rows_of(make: Make, others: Sequence[Case]) -> list[Row]:
 
 
 def chosen(rows: Sequence[Row], names: Sequence[str]) -> list[Row]:
-    """Return the most accurate row, the row "as given" of the unchanged case, and those with these names.
+    """Return the rows with these names, and always the most accurate row and the row of the unchanged case, "as given".
 
     If no name is given, return all rows.
 

@@ -34,7 +34,7 @@ from .orbit_ways import first_step
 from .stretch import CoveredCase, Outcome
 from .table_cases import check
 
-BOTH = "rounds and frames"  # the word for the starts if both kinds are free
+BOTH = "rounds and frames"  # the word for the starts if both rounds and frames are free
 MAX_ENTRIES = 400_000
 ROUNDS_A_RUN = 256  # maximum number of rounds in one run; it is doubled if a run has run no new entry
 MOST_ROUNDS_A_RUN = 2**16
@@ -42,7 +42,7 @@ REVISITED = 20  # one in REVISITED entries is run again, but at least LEAST_REVI
 LEAST_REVISITED = 200
 TIMED = 20  # the CPU time of the first TIMED entries gives the estimate for all
 LONGER_RESTS = 3  # rests are longer than necessary by a random number of periods below this
-# `Measure.looks_back` has one of these values if no value of a measure depends on records before its round.
+# `Measure.looks_back` has one of these values if a value of the measure depends on records of one round only.
 WITHIN_ROUND = frozenset(["this occurrence", "this transfer", "this round"])
 NAMED = 4  # maximum number of attributes that are named if a state does not repeat
 
@@ -269,7 +269,7 @@ class TableMaker:
         if self._on_run is not None:
             self._on_run(run, begun)
         table.spanning |= measures.spanning
-        # a run in which each round is such an empty one has no value of the budget, so it is not judged
+        # a run in which no round has a value of a budget does not judge this budget
         table.lacking |= measures.lacking | {name for _, name in measures.empty}
 
     def _starts(self, run: FreeRun) -> list[int]:
@@ -335,7 +335,7 @@ class TableMaker:
     def _compare(self, at: RestPlace, known: TableEntry, entry: TableEntry) -> None:
         """Raise Contradiction if two runs of an entry differ.
 
-        If the two runs have different lengths, their states of rest must be as far apart in the orbit as the lengths.
+        If the second run is longer, its state of rest must be later in the orbit by the difference of the lengths.
         """
         period = self.table.orbits[known.after.orbit]
         tick = (known.after.tick + entry.length - known.length) % period

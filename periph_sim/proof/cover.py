@@ -85,7 +85,7 @@ class Covered(Struct):
         return Covered([], self.failed, self.drifting, self.worst, self.judged, self.reasons, self.runs)
 
     def judge(self, new: Worst) -> None:
-        """Keep a value instead of the kept one of the same budget if it is worse.
+        """Store a new value of a budget in place of the stored one if the new value is worse.
 
         A value that breaks its limit is worse than one that does not. Otherwise, a smaller margin to the limit is
         worse. If the margins are equal, the value of the run with fewer phases is worse.

@@ -26,9 +26,10 @@ class MeasuresAtRest:
 
     spanning: the names of the budgets with an occurrence that was not over at a rest.
     lacking: the names of the budgets for which a round had too few measured values.
-    empty: pairs of "rounds" or "frames" and the name of a budget that had no value after at least one such start.
-        `closed_table` counts these budgets as lacking, too. In a case with both rounds and frames, `pair_table` does so
-        only if a budget is in both pairs, because it is enough if each round, or each frame, has a value.
+    empty: pairs of a kind of start ("rounds" or "frames") and the name of a budget: after at least one start of this
+        kind, the budget had no value. `closed_table` counts such a budget as lacking, too. In a case with both rounds
+        and frames, it is enough if the budget has a value after each round, or after each frame. So `pair_table` counts
+        it as lacking only if it is in pairs with both kinds.
     """
 
     def __init__(self, judges: Sequence[BudgetJudge], after_start: Collection[Kind] = AFTER_START) -> None:

@@ -32,7 +32,7 @@ from ..scene.scene import Scene
 from ..scene.state import modules_of
 
 EXPIRED = "expired"  # replaces an instant that is long past
-LONG_PAST = 1000  # instants are long past after this fraction of a second, 1 ms
+LONG_PAST = 1000  # an instant is long past after 1 / LONG_PAST seconds
 PLAIN_TYPES = {*PLAIN}
 DIGEST = 16  # length of a digest, in bytes
 

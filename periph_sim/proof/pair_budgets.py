@@ -7,8 +7,8 @@
 
 A group is a round, a frame, or both together (`pair_groups`). A cell is a set of groups with equal effects, of which
 only the first and the last are run (`pair_table.Cell`). A budget is judged only if all its events are known to belong
-to one of the first two lines. The digests of `GroupRecords` contain the writes, bus events and interrupts of the rest
-of the scene. Flags of the I2C module and levels of GPIO pins follow from these.
+to the first line, or all to the second line. The digests of `GroupRecords` contain the writes, bus events and
+interrupts of the rest of the scene. Flags of the I2C module and levels of GPIO pins follow from these.
 """
 
 from __future__ import annotations
@@ -55,9 +55,11 @@ def side(event: Matcher, pins: Collection[str]) -> str:
 def within_round(covered: CoveredCase) -> CoveredCase:
     """Leave out the budgets of a case that a table of groups cannot judge, each with the reason, and return the case.
 
-    A value cannot be judged if it depends on earlier rounds or frames, because a group does not contain them. It cannot
-    be judged if it relates the service routine to other events either, because the routine moves relative to them
-    within a wait. Events that move with the frame are left out, because not every start of a frame is run.
+    These budgets are left out:
+    - budgets whose values depend on earlier rounds or frames, because a group does not contain them
+    - budgets that relate the service routine to other events, because it moves relative to them within a wait
+    - budgets of events that a frame can move, because not every start of a frame is run
+    - budgets whose values do not depend on events only
     """
     pins = {
         name

@@ -24,7 +24,7 @@ NAMED = 4  # maximum number of attributes that are named if a state does not rep
 MOST_ORBITS = 24
 MOST_AWAY = 40  # number of frames after which a state counts as one that is not reached again
 MARGIN = 8  # cycles before and after a service routine in which it may still affect the wait that it interrupts
-PASSES = 8  # number of passes after a service routine within which the interrupted wait must be as before
+PASSES = 8  # a wait must be as before at most this number of passes after a service routine
 
 
 class Group(NamedTuple):
@@ -276,7 +276,7 @@ class GroupRunner:
         return self.records.accessed_since <= allowed
 
     def _round_in(self, orbit: Orbit, group: Group) -> int:
-        """Return the cycle of an orbit at which the round of a group can start, so that its frame begins a cell."""
+        """Return a cycle of an orbit for the start of a group's round, such that the frame starts with a cell."""
         assert group.round is not None
         if group.frame is None:
             return group.round

@@ -137,7 +137,7 @@ class PairRun:
 
 
 def alone(orbits: Orbits, number: int, cells: Cells | None, cycle: int) -> list[Group]:
-    """Return the rounds alone and the frames alone of an orbit. cycle: the number of ticks of a cycle."""
+    """Return the groups of an orbit that are a round alone or a frame alone. cycle: the number of ticks of a cycle."""
     orbit, groups = orbits.known[number], [Group(at, None) for at in range(orbits.own)]
     if cells is not None:
         first = (cells.first - orbit.origin) % cells.period

@@ -30,7 +30,7 @@ from .pair_groups import Group, GroupRun, Orbits, Sleep, far_ranges, find_cells
 from .pair_run import CHUNK, STARTS, Done, Known, PairRun, Task, alone, run_tasks
 from .stretch import CoveredCase, Job
 
-MOST_SHRINKS = 32  # a cell loses its first and its last group up to this number of times, until they agree
+MOST_SHRINKS = 32  # maximum number of times that the first and last group of a cell are removed because they differ
 TIMED = 400  # number of random groups that are run first, to reach most orbits and to estimate the CPU time
 REVISITED = 20  # one in REVISITED of the groups that were run is run again, but at least `least_again` are
 NEAR_ENDS = 2  # one in NEAR_ENDS of the groups that are run again is a random group of a cell
@@ -196,7 +196,7 @@ class PairMaker:
         return (0,) if group.frame is None else (0, self._frames.period - 1)
 
     def find_waits(self, pair: PairRun, number: int) -> list[list[Sleep]]:
-        """Return the waits in a round from each cycle of an orbit."""
+        """Return, for each cycle of an orbit at which a round can start, the waits in this round alone."""
         waits = []
         for cycle in range(self._orbits.own):
             pair.reach(number)

@@ -1,7 +1,7 @@
-"""Values of budgets for many sequences of starts at once, from a closed table: exact, and without running them.
+"""Exact values of budgets for many sequences of starts at once, from a closed table, without running the sequences.
 
 closed table: entry --> values of a round, state of rest after it
-starts [scenario, round] --one look-up in arrays for each round of all scenarios--> values [scenario, round]
+starts [scenario, round] --for each round, one look-up for all scenarios together--> values [scenario, round]
 
 Each round of each scenario equals a round that was run for the table. So its values are those that `Scene` gives for
 these starts.

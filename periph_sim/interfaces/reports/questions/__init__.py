@@ -1,8 +1,8 @@
 """Verdicts under open questions: a case is run with other answers to the questions on which it depends.
 
-run as it is --touched options--> questions --each other answer alone--> runs --answers that break nothing--> pairs
+case as it is --touched options--> questions --each other answer alone--> runs --answers that break nothing--> pairs
 all runs --> for each budget: it holds, or the answers under which its verdict differs
-run as it is, run with such answers --> the first record that differs
+run of the case as it is, run with such answers --> the first record that differs
 
 Only single answers and the pairs of `explore` are run, so nothing is known about other combinations.
 

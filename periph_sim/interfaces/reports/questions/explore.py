@@ -8,8 +8,9 @@ answers that break nothing alone, two at a time --> a run with both, if
 
 An answer *breaks* something if a budget passes in the case as it is but not with this answer, if firmware gets stuck,
 or if the run cannot be made. Such an answer is not tried in pairs, because its question must be decided in any case.
-The other answers are tried in these pairs. Three answers at once are never tried. A question that is touched only in a
-pair, or only with an answer that breaks something, is not varied; `Exploration.not_varied` names it.
+The answers that break nothing are tried in the pairs shown above. Three answers at once are never tried. A question
+that is touched only in a pair, or only with an answer that breaks something, is not varied; `Exploration.not_varied`
+names it.
 """
 
 from __future__ import annotations
@@ -125,7 +126,7 @@ def explore(
 
 
 def _made(job: Job, changes: Sequence[str]) -> Result:
-    """Return the row of the case as it is. Raise BadCase if there is none."""
+    """Return the result of the case as it is. Raise BadCase if the run could not be made."""
     (row,) = rows_of(job, [changes])
     if isinstance(row, str):
         raise BadCase(row)

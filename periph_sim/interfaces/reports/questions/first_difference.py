@@ -28,7 +28,7 @@ MOST_EXPLAINED = 20  # maximum number of runs whose first difference is searched
 # Length of a slice in seconds. An event counts as missing if the other run has it neither in the same slice nor in the
 # next slice.
 SLICE = Fraction(1, 1000)
-# The kind, where and what of a record, and its number, from 0, among the records that are equal in these.
+# The kind, where and what of a record, and its number, from 0, among the records with equal kind, where and what.
 Occurrence = tuple[tuple[Kind, str, str], int]
 
 

@@ -1,4 +1,4 @@
-"""The verdict of each budget over all runs: whether it holds, and the answers under which its verdict differs."""
+"""The verdict of each budget in all runs: whether the budget holds, and the answers under which its verdict differs."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Departure(NamedTuple):
 
 @dataclass(frozen=True)
 class Dependence:
-    """A budget over all runs.
+    """The verdicts of a budget in all runs.
 
     word: the verdict in the run of the case as it is (see `Departure.word`).
     worst: the verdict with the least margin of all runs; None for RUN.

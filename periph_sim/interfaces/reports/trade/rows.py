@@ -1,4 +1,4 @@
-"""The choices for a scene. Each is a row, and the most accurate row is the first.
+"""The choices for a scene in a comparison of speed and accuracy. Each choice is a row; the most accurate one is first.
 
 firmware     the firmware of the case or of another case: an image, C sources, or Python with stated costs
 arithmetic   the number format of sensor models in Python firmware, at the cost that the case states

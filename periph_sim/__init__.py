@@ -104,7 +104,7 @@ def __getattr__(name: str) -> object:
     if name not in _PLACES:
         from .removed import NAMES
 
-        if name in NAMES:  # no AttributeError, because `from periph_sim import ...` would not show its message
+        if name in NAMES:  # `from periph_sim import NAME` would hide the message of an AttributeError
             raise ImportError(NAMES[name], name=__name__)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     home, inside = _PLACES[name]
@@ -114,7 +114,10 @@ def __getattr__(name: str) -> object:
 
 
 class _MovedModules:
-    """Finder of modules by their names in an earlier version. names: prefixes of the names that it looks up."""
+    """Import finder for modules under the names of earlier versions.
+
+    names: the finder looks up only modules whose names begin with one of these texts.
+    """
 
     def __init__(self, *names: str) -> None:
         self._names = names
@@ -128,7 +131,8 @@ class _MovedModules:
 
 
 choose()
-# An update may leave folders of former packages behind. This finder is first, so Python does not import them.
+# After an update, folders of former packages may still exist. This finder comes first in `sys.meta_path`, so that
+# Python does not import modules from these folders.
 sys.meta_path.insert(0, _MovedModules(*(f"{__name__}.{package}" for package in _FORMER_PACKAGES)))
 sys.meta_path.append(_MovedModules(f"{__name__}."))
 

@@ -9,7 +9,7 @@ from .supervisor import supervise
 
 
 def command_line() -> None:
-    gc.disable()  # collection during imports would only take time; `get_command` enables it after the last import
+    gc.disable()  # garbage collection during imports only costs time; `get_command` enables it again
     from .cli import run_command
 
     run_command()

@@ -31,10 +31,11 @@ def make_case(changes: Sequence[str] = (), **tables: Any) -> Case:
 
 
 def scenarios(case: str | Path, changes: Sequence[str] = ()) -> Scenarios:
-    """Return the values of a case's budgets for any sequences of starts, from its closed table (docs/proof.md).
+    """Return an object that computes the values of a case's budgets for sequences of start times.
 
-    The table is made here, which takes seconds to minutes. The values of many scenarios then follow without further
-    runs, see `Scenarios.values`.
+    A start is the beginning of a round of the controller, or of a frame of the host. This function runs the case to
+    make its closed table (docs/proof.md), which takes seconds to minutes. `Scenarios.values` then looks up the values
+    of many sequences in the table, without further runs.
 
     case: the path of a case of one firmware image in which only rounds, or only frames, start freely.
     changes: texts "key=value" that change the case as `--set` does.

@@ -5,7 +5,7 @@ for an internal error or if user code has ended the process (see `supervisor`). 
 output has ended.
 
 A Python file in one of the `PACKAGES` defines a subcommand if it has a function with the file's name and the decorator
-`command`. Only the subcommand that is run is imported: `periph-sim decode` starts without chips and boards.
+`command`. Only the subcommand that is run is imported, so `periph-sim decode` does not import chips and boards.
 """
 
 from __future__ import annotations
@@ -192,7 +192,7 @@ def run_command() -> None:
 def is_closed_pipe(error: OSError) -> bool:
     """Return True if this error means that the program that reads the output has ended.
 
-    On Windows, it is then an EINVAL without a file name.
+    On Windows, such an error has the number EINVAL and no file name.
     """
     invalid = os.name == "nt" and error.errno == errno.EINVAL and error.filename is None
     return invalid or isinstance(error, BrokenPipeError)

@@ -1,4 +1,4 @@
-"""Worker process for a command, so that the exit status is a verdict only if the command was completed.
+"""A command runs in a worker process, so that its exit status is a verdict only if the command was completed.
 
     waiting process                    worker process
         |--fork--------------------------> run the command
@@ -10,8 +10,8 @@ User code can end the worker without Python's knowledge. If it does so by `os._e
 the pipe, and the command exits with status 3 and a message. If a signal ends the worker, as `abort` in C does, the
 command ends by the same signal. If the worker's standard output was closed or redirected, 3 replaces status 0 or 1.
 
-The worker names the temporary files of its outputs by `remove_unless_complete`. The waiting process removes them if the
-worker ends before its output is complete.
+The worker reports the temporary files of its outputs with `remove_unless_complete`. The waiting process removes them if
+the worker ends before its output is complete.
 
 SIGTERM and SIGHUP raise KeyboardInterrupt in the worker, as Ctrl-C does. On Linux, the worker receives SIGTERM if the
 waiting process is killed. On Windows, which has no `fork`, the command runs without a worker.
@@ -50,7 +50,7 @@ class Completion:
         self._copy = _duplicate(1)
 
     def flaw(self) -> str:
-        """Return the reason why output may not have reached the original standard output; "" if it has."""
+        """Return the reason why output may be missing on the original standard output; "" if there is none."""
         if self._stdout is None or self._copy is None:
             return "standard output is closed"
         if self._stdout.closed or sys.stdout is not self._stdout:
@@ -79,14 +79,15 @@ def remove_unless_complete(file: str) -> None:
 
 
 def supervise(work: Callable[[], object], name: str) -> NoReturn:
-    """Run `work` in a worker and exit with its status. SystemExit ends `work`, as it ends a process.
+    """Run `work` in a worker process and exit with its status, which `work` can set by raising SystemExit.
 
     name: the command's name, for messages.
     """
     if not can_fork:
         work()
         sys.exit(0)
-    if sys.stderr is None:  # open descriptor 2, because C code would write its messages into a file with this number
+    if sys.stderr is None:
+        # Open descriptor 2. Otherwise, the next opened file would get it, and C code would write messages to this file.
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, 2)
         os.set_inheritable(2, True)
@@ -191,7 +192,7 @@ def _wait(worker: int, reader: int, names: int, mask: Iterable[int], name: str, 
 
 
 def _waiting_in(pipe: int) -> bytes:
-    os.set_blocking(pipe, False)  # no end of file comes while a process started by the worker has the other end open
+    os.set_blocking(pipe, False)  # do not wait for the end of file: a child of the worker may still have the pipe open
     try:
         return os.read(pipe, 1 << 16)
     except BlockingIOError:

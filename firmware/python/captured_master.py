@@ -1,11 +1,11 @@
-"""A master that makes a list of transfers, such as those of a capture, with the registers of I2C-A.
+"""A master that performs a list of transfers, such as those of a capture, with the registers of I2C-A.
 
     "50 W 00 Sr 50 R 6"  -->  START, address, bytes, repeated START, address, bytes, STOP  -->  the bus
 
 Each transfer is a text as in the I2C specification: a 7-bit address in hexadecimal, then W with the bytes to write or
 R with the number of bytes to read. Sr separates parts; START and STOP are implied. `R 6 ACK` also acknowledges the last
-byte. Transfer n begins `pauses[n]` after the previous STOP. After a NACK, the next part follows. If it was the last
-part, firmware sets STP to end the transfer.
+byte. Transfer n begins `pauses[n]` after the previous STOP. After a NACK, firmware begins the next part. After a NACK
+in the last part, firmware sets STP to end the transfer.
 
 Non-repeat mode (RM = 0) counts the bytes with I2CCNT; an address without data needs RM = 1, since I2CCNT = 0
 means 65536.
@@ -39,7 +39,7 @@ class TransferPart:
 
 
 def parts(transfer: str) -> list[TransferPart]:
-    """Parse the parts of a transfer. Raise ValueError if it is invalid."""
+    """Parse the text of a transfer into its parts. Raise ValueError if the text is invalid."""
     return [_part(text) for text in transfer.split(" Sr ")]
 
 

@@ -1,4 +1,4 @@
-"""A master that writes a record to an EEPROM through the transmit FIFO, to show what users ask about long writes.
+"""A master that writes a record to an EEPROM through the transmit FIFO, with faults that users ask about.
 
     two address bytes and the record --refilled | at once--> 16 words of TX FIFO --I2CCNT bytes--> the bus, then STOP
 
@@ -26,7 +26,7 @@ PATIENCE = Fraction(10, 1000)  # the longest wait for the bus, in seconds
 class Settings:
     """The settings that a case can give to this program.
 
-    length: number of bytes in the record, without the two address bytes.
+    length: bytes of the record, without the two address bytes. fill: "at once" writes all bytes before START.
     after_nack: values that are written to I2CMDR after a NACK, one after the other; by default one value with STP.
     """
 

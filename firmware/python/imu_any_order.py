@@ -3,8 +3,8 @@
     SCI FIFO interrupt --> frame --> models (GPIO high to low) --> data registers of three chips
     SDA, SCL edges ------> software slave: three addresses --> the addressed chip, its pointer and registers
 
-With bus = "pins", one unit is all three chips: slave_pins.py serves three addresses without the I2C module. With
-bus = "module", three units are the three chips: the I2C-A of each unit has one address.
+With bus = "pins", one unit emulates three chips: slave_pins.py serves three addresses without the I2C module. With
+bus = "module", each of three units emulates one chip, because an I2C module has one own address.
 
 Each chip has registers, an auto-incremented pointer and the identification of the real chip. As in the real chips, a
 read sends the values at the time of its address, so all its bytes are from one run of the models. The models run on
@@ -64,7 +64,7 @@ class Settings(ModelSettings):
 
 
 class EmulatedChip(Registers):
-    """A sensor. latched: the registers at the last address. was_read: True if read since the models last ran."""
+    """A sensor. latched: its registers when it was last addressed. was_read: True if read since the models last ran."""
 
     def __init__(self, address: int) -> None:
         super().__init__(b"", REGISTERS)

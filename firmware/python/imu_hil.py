@@ -135,7 +135,7 @@ class Emulator:
                 self.batch_read(self.data[address])
 
     def serve_frame_by_frame(self) -> None:
-        """Serve rounds. Run the models on each frame that comes before a round. If none came, run them after it."""
+        """Serve rounds. Run the models on each frame that comes before a round, or if none came, after the round."""
         dsp, i2c = self.dsp, self.i2c
         first, *others = self.settings.order
         self.model()

@@ -43,10 +43,10 @@ SYSCLKOUT = 150_000_000
 
 @dataclass
 class Settings(ModelSettings):
-    """Settings besides those of the models. period: of the rounds.
+    """Settings besides those of the models. period: time from one round to the next.
 
-    guard: time before a round in which the models do not start: more than their run time plus all jitter of rounds.
-    patience: the longest wait: more than the two bytes from the last write of I2CDXR to the STOP. Between rounds, RX
+    guard: time before a round in which no model run starts. It must exceed the run time plus all jitter of rounds.
+    patience: the longest wait. It must exceed the 2 bytes from the last write of I2CDXR to the STOP. Between rounds, RX
         counts as idle after this time without a character.
     """
 
@@ -143,7 +143,7 @@ class Emulator:
         return found
 
     def serve(self, data: bytes) -> bool:
-        """Serve a request from its own address to its STOP. Return False if the request was aborted."""
+        """Serve a request, from its address to its STOP. Return False if the request was aborted."""
         i2c = self.i2c
         while True:
             found = self.wait_for(RRDY | SDIR | SCD)
@@ -169,7 +169,7 @@ class Emulator:
     # The main loop -----------------------------------------------------------
 
     def wait_for_round(self) -> bool:
-        """Wait until the first chip is addressed. Run the models on each frame; return True if any ran."""
+        """Wait until the first chip is addressed. Run the models on each frame; return True if they ran."""
         i2c, near, late, ran = self.i2c, self.round_timer, self.wait_timer, False
         frames = self.settings.models_run == "frame"
 

@@ -1,4 +1,4 @@
-"""The polled responder with declared wait conditions, which are not evaluated in Python.
+"""The polled responder with wait conditions that are declared by `when` and so not evaluated in Python.
 
     address, replies, busy  -->  polled, without FIFO  -->  the bus
 

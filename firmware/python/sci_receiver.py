@@ -1,4 +1,4 @@
-"""A receiver on SCI-A with an interrupt for each character, to show what users ask about FE and BRKDT.
+"""A receiver on SCI-A with an interrupt for each character, to show effects of FE and BRKDT that users ask about.
 
     RX --qualifier of GPIO28--> SCI-A --SCIRXINTA--> read SCIRXBUF; after a break SW RESET, if `recover` is True
 
@@ -21,7 +21,7 @@ class Settings:
     """The settings that a case can give to this program.
 
     brr: LSPCLK / (8 * rate) - 1.
-    qualify: period of three qualifier samples of GPIO28, in units of two SYSCLKOUT cycles; 0: no qualifier.
+    qualify: sampling period of the qualifier of GPIO28 (3 samples), in units of 2 SYSCLKOUT cycles; 0: no qualifier.
     recover: True to toggle SW RESET after BRKDT.
     """
 

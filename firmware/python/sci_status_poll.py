@@ -1,4 +1,4 @@
-"""A receiver on SCI-A that reads RXFFST periodically, then the characters that are there, without waiting for more.
+"""A receiver on SCI-A that reads RXFFST periodically, and then as many characters as this field states.
 
 Source: SPRUFZ5A Table 2-10 (RXFFST counts words in the FIFO, which a character enters in its stop bit).
 """

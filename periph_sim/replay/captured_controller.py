@@ -52,7 +52,7 @@ class PlaybackPlan:
 
 
 class CapturedController:
-    """Player of the controller's half of each transfer, and of the answers of all targets except the firmware.
+    """Plays the controller's half of each transfer, and the answers of all targets except the firmware.
 
     player: the agent that drives the edges.
     on_end: a function that is called after the last transfer.

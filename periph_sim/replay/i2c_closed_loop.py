@@ -13,7 +13,7 @@ it added.
 
 The agents can deviate from the capture even if the firmware behaves as captured, for instance because `longest_low`
 shortens a pause of the controller. `without_firmware` runs the agents with the captured answers in place of the
-firmware. A difference that also occurs in this run is caused by the agents; it is not judged, nor is any later one.
+firmware. A difference that also occurs in this run is caused by the agents. This and all later ones are not judged.
 """
 
 from __future__ import annotations
@@ -159,7 +159,8 @@ class I2cReplay(SlaveReplay):
         low = None if longest_low is None else longest_low * part.rate
         self._agents = PlaybackPlan(part, found.own, scene.timebase, self.origin, low, self._least_gap())
         wait = None if self._agents.least_gap is not None else scene.timebase.ticks(patience, "nearest")
-        plan_end = WeakMethod(self._plan_end)  # wires that hold this, and so the scene, keep the scene for ever
+        # A weak reference: with a strong one, the wires would keep this object and its scene in memory for ever.
+        plan_end = WeakMethod(self._plan_end)
 
         def on_end() -> None:
             if (plan := plan_end()) is not None:

@@ -31,7 +31,7 @@ from .setup import HOLD, LEAD, PATIENCE, STEP, TAIL, alone, events_of, played, s
 
 MODULE_HZ = 10_000_000  # module clock in Hz, set by TI's start-up code; I2CCLKL and I2CCLKH count its cycles
 D = 5  # cycles that the module adds to each of I2CCLKL and I2CCLKH (SPRUG03B Table 15)
-MOST = 0xFFFF
+MOST = 0xFFFF  # largest value of I2CCLKL and I2CCLKH
 EDGES = 2 * 4 * 9  # maximum number of edges per event: twice the four edges of SCL and SDA in each of nine bits
 
 

@@ -95,7 +95,7 @@ class I2cOpenReplay(SlaveReplay):
         self._end_tick = self._tick(end) + self.timebase.ticks(TAIL, "nearest")
         for wire, line, edges in zip(self._wires, part.lines, _edges(*part.lines, part.half_sample, end), strict=True):
             ticks = [(self._tick(at), level) for at, level in edges]
-            if not line.initial:  # pull the line low before the module is enabled, which then detects no START
+            if not line.initial:  # pull the line low before the module is enabled, so that it detects no START
                 ticks.insert(0, (scene.start, 0))
             EdgePlayer(scene.kernel, wire, ticks)
 

@@ -4,6 +4,8 @@
     replay   SCL, SDA, bytes  ----> lanes, aligned at the last agreed event --> svg_diagram
     history  flags, accesses  --/
 
+A lane is a row of the diagram: the waveform of a wire or field, the bytes of a bus, or the accesses to a register.
+
 Time 0 of the axis is the last event in which both sides agree, or the divergence itself in a UART replay.
 """
 

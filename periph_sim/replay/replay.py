@@ -67,7 +67,7 @@ class Replay:
         raise NotImplementedError
 
     def _report(self, stuck: list[str]) -> Report:
-        """Compare, and return the report. stuck: notes on why the replay ended early."""
+        """Compare the replay with the capture, and return the report. stuck: notes on why the replay ended early."""
         raise NotImplementedError
 
     def picture(self, report: Report) -> str | None:

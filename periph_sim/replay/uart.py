@@ -37,7 +37,7 @@ from .report import NOTHING, Divergence, Report, compare, verdict_of
 from .setup import LEAD, alone, check_length, rate_of, settings_of, unit_with
 
 TAKEN = Fraction(100, 10**6)  # seconds after the end of the capture in which the firmware can read the last word
-TOLERANCE = Fraction(2, 100)  # maximum relative difference in rate at which two UARTs read a long frame alike
+TOLERANCE = Fraction(2, 100)  # up to this relative difference in rate, two UARTs read a long frame correctly
 
 SCIRXBUF, SCIFFRX = (SCI_MAP[name] for name in ("SCIRXBUF", "SCIFFRX"))
 FLAGS = {"SCIRXST.BRKDT": "BRKDT", "SCIRXST.OE": "OE", "SCIFFRX.RXFFOVF": "RXFFOVF"}
@@ -122,7 +122,11 @@ class UartReplay(Replay):
         return self.scene.units[self._unit]
 
     def _listen(self, recorder: Recorder, timebase: Timebase) -> None:
-        """Subscribe functions without `self`: a recorder that holds `self`, and so the scene, keeps it for ever."""
+        """Subscribe to reads and flags.
+
+        The callbacks do not refer to `self`. Otherwise, the recorder would keep this object and its scene in memory for
+        ever.
+        """
         words, flags, unit = self._words, self._times_set, self._unit
 
         def accessed(record: Record) -> None:

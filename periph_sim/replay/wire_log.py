@@ -20,7 +20,8 @@ class WireLog:
         self._ticks: list[list[int]] = [[0] for _ in wires]
         self._levels: list[list[int | None]] = [[wire.level] for wire in wires]
         for wire, ticks, levels in zip(wires, self._ticks, self._levels, strict=True):
-            watch([wire], partial(_keep, ticks, levels))  # a listener that refers to `self` would keep it for ever
+            # The listener does not refer to `self`. Otherwise, the wire would keep this object in memory for ever.
+            watch([wire], partial(_keep, ticks, levels))
 
     def capture(self, timebase: Timebase, now: int) -> Capture:
         """Return a capture of the wires' levels up to and including tick `now`."""

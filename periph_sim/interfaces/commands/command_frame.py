@@ -63,7 +63,7 @@ class Command(click.Command):
             raise
 
     def _renamed(self, ctx: click.Context, text: str) -> str:
-        """Return an argument, in which the present name of an option replaces a former one. Print a notice about it."""
+        """Return an argument with the present name of its option. Print a notice if `text` has a former name."""
         name, equals, value = text.partition("=")
         new = self.former.get(name)
         if new is None:
@@ -270,8 +270,8 @@ def progress(name: str) -> Iterator[Callable[[float], None] | None]:
 def cost_of_form(seconds: float) -> str:
     """Return advice to compile the core after an interpreted run of `seconds`.
 
-    Return "" if the core is compiled, if the run was short, if a note on the form has been printed already, or if the
-    user requested the interpreted form.
+    Return "" if the core is compiled, if the run was short, if another note on the form (compiled or interpreted) has
+    been printed already, or if the user requested the interpreted form.
     """
     asked = os.environ.get(form.VARIABLE) == form.INTERPRETED
     if form.running != form.INTERPRETED or form.note or asked or seconds < LONG:
@@ -374,7 +374,7 @@ def require_distinct_outputs(**outputs: Path | None) -> None:
 def open_run(path: Path, sysclk: str | None) -> Run:
     """Open a recorded run. Raise BadCapture or NotInRun if the file does not contain a run.
 
-    sysclk: SYSCLKOUT as the user wrote it; None if the option is not given.
+    sysclk: the frequency of SYSCLKOUT as the user wrote it; None if the option is not given.
     """
     from ...records.run import Run
 

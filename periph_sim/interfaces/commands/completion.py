@@ -120,7 +120,7 @@ def complete_field(context: click.Context, parameter: click.Parameter, begun: st
 
 @silently
 def complete_question(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
-    """Offer wires and fields, each followed by "@"."""
+    """Offer wires, registers and fields, each followed by "@"."""
     return next_parts((f"{name}@" for name in (*WIRES, *_fields())), begun)
 
 
@@ -164,7 +164,7 @@ def _tree(context: click.Context) -> dict[str, Any]:
 
 
 def _budgets(tree: dict[str, Any]) -> Iterator[str]:
-    """Yield the names of a case's budgets: those in [[budget]], of expected replies or silences, and of [watch]."""
+    """Yield the names of a case's budgets: in [[budget]], [[serial.send]] with `expect`, [[serial.expect]], [watch]."""
     serial = tree.get("serial", {})
     named = [*tree.get("budget", ()), *(one for one in serial.get("send", ()) if "expect" in one)]
     yield from dict.fromkeys(one["name"] for one in [*named, *serial.get("expect", ())] if "name" in one)

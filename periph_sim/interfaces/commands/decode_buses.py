@@ -34,7 +34,7 @@ SPI_MODES = {  # names and values as in sigrok's decoder; the first value is the
 }
 SPIKE = Fraction(100, 10**9)  # seconds; default limit of glitches: twice tSP (UM10204, table 10), as in `compliance`
 MAX_WORD = 32  # maximum number of bits of an SPI word
-# A guess of a line's settings is used if its certainty is at least SURE.
+# Without the option --uart, a guess of a line's settings is used only if its certainty is at least SURE.
 # In a test with 34 real lines, guesses with a certainty above SURE were right, and most other guesses were wrong.
 SURE = 0.5
 

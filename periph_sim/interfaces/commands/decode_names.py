@@ -65,7 +65,8 @@ class NamedDevice:
     def phase(self, events: list[int], values: list[int], read: bool) -> list[tuple[int, NamedByte]]:
         """Return the names of the bytes of a message, each with the index of its event.
 
-        events, values: the cells of the rows of the message. The first row is the START, the second one the address.
+        events, values: the columns `event` and `value` of the rows of the message. The first row is the START, and the
+            second row is the address.
         read: True if the controller reads.
         """
         byte = values[1] << 1 | read

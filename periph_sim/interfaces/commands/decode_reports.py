@@ -83,7 +83,7 @@ def counts(rows: Rows, first: Numbers, buses: Sequence[Bus], capture: Capture) -
 
 
 def _addresses(rows: Rows, begins: Numbers) -> list[int]:
-    """Return the address of each message; ALL for a message without a complete address, and for other buses."""
+    """Return the address of each message; ALL if the message has no complete address, or is not of an I2C bus."""
     events, values = np.append(rows.event, [CUT] * 3), np.append(rows.value, [ALL] * 3)
     found: Numbers = np.where(events[begins + 1] == ADDRESS, values[begins + 1], ALL)
     low = events[begins + 3] == ADDRESS_LOW
@@ -97,7 +97,7 @@ GLITCHES = ("time_s", "line", "pulse", "width_s", "other_lines")
 def glitches(buses: Sequence[Bus], capture: Capture, clock: Clock | None, shortest: int | None) -> Cells:
     """Return the cells of GLITCHES for each short pulse, in order of time. Without a rate, times are positions.
 
-    shortest: pulses of fewer positions are glitches; None for the limit of each bus.
+    shortest: pulses of fewer positions are glitches. None: the limit is `Bus.glitch`.
     """
     lines = {line.index: (line, bus) for bus in buses for line in bus.lines}
     found: list[tuple[int, int, str, str, str]] = []
@@ -122,7 +122,12 @@ LEVELS = ("low", "high")
 
 
 def glitch_notes(buses: Sequence[Bus], capture: Capture, shortest: int | None) -> list[str]:
-    """Return notes on the limit of each bus. Raise ClickException if a bus has no limit, because no rate is known."""
+    """Return a note for each bus that states below which width a pulse is a glitch.
+
+    shortest: as for `glitches`.
+
+    Raise ClickException if this width is unknown, because the capture has no sample rate.
+    """
     notes = []
     for bus in buses:
         limit = bus.glitch if shortest is None else shortest

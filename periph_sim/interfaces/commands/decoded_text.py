@@ -93,7 +93,7 @@ EventFormat = Callable[[str, int | None, int, str], str]  # a function from even
 
 
 def said_in_transfer(event: int, value: int, bits: int, detail: int) -> str:
-    """Format a row as `in_transfer` does. The arguments are the numbers in the cells of the row."""
+    """Format a row as `in_transfer` does. The arguments are the numbers in the columns of `Rows`."""
     return in_transfer(EVENTS[event], None if value < 0 else value, bits, DETAILS[detail])
 
 

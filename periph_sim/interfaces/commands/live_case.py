@@ -1,4 +1,4 @@
-"""The files that `new --live` writes: the case of a live session, in which the log of the session drives the wires.
+"""The case that `new --live` writes: it repeats a live session, and the log of the session drives the wires.
 
 case file, its changes --+
 log --> wires, duration -+--> case with [outside], and with new budgets if the case file has none
@@ -70,7 +70,8 @@ def files_of(log: Path, given: str | None) -> tuple[dict[Path, str], Path]:
 @output_muted()
 def _as_seen(tree: Tree, target: Path) -> list[Tree]:
     """Run the new case. Return a budget for each of the MEASURES that has a value, with this value as its limit."""
-    # A time needs a limit with a unit, and a count a limit without one, so at most one of the two budgets is usable.
+    # Each measure is tried with two limits. A duration needs a limit with a unit, and a count needs a limit without a
+    # unit, so at most one of the two budgets is usable.
     named = ({"name": measure, "measure": measure, "max": limit} for measure in MEASURES for limit in (0, "0 us"))
     found = usable_budgets(tree, target, named)
     result = Scene(case_of({**tree, "budget": found}, target)).run()

@@ -18,11 +18,11 @@ from ...outside.live.pacing import in_ms
 from ...outside.live.view.status import Board, BudgetSoFar, Lateness, StatusSnapshot
 
 BAR = 30  # number of columns of the longest bar in the chart of lateness
-TURNS = 0.0005  # in seconds; after this time, Python switches from the printing thread to the session's
+TURNS = 0.0005  # in seconds; after this time, Python interrupts the printing thread to run the thread of the session
 
 
 def start_view(board: Board) -> threading.Thread:
-    """Print the snapshots on a board in the terminal, in place. Return the thread, which ends after the last one."""
+    """Start and return a thread that prints the snapshots of a board in the terminal, in place, up to the last one."""
     console = Console()
 
     def run() -> None:

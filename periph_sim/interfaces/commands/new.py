@@ -224,7 +224,8 @@ def _as_captured(files: Files, capture: Capture, mapping: str | None) -> Files:
 def _example(name: str, folder: Path) -> Files:
     """Return the files of a shipped case: the case, its firmware with all imports, and the files that the case names.
 
-    Of the files that the case names, images and C sources are always included, others only from its own folder.
+    Images and C sources that the case names are always included. Other files that it names are included only if they
+    are in the folder of the case.
     """
     cases = _cases()
     if name not in cases:

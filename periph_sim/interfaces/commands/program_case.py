@@ -44,13 +44,14 @@ from ...timing.verdict import duration_text
 from ..reports.case_text import Tree, toml, usable_budgets
 
 UNIT = "dsp"
-# At each of these times, in seconds, the run ends if something can be measured (see OFTEN), or if the program has
-# ended, hangs, or was reset by the watchdog. Otherwise, it ends soon after MOST_WORK instructions.
+# The run ends at the first of these times, in seconds, at which something can be measured (see OFTEN), or at which the
+# program has ended, hangs, or was reset by the watchdog. Otherwise, it ends at the last of these times, or soon after
+# MOST_WORK instructions if this is earlier.
 STRETCHES = (Fraction(20, 1000), Fraction(100, 1000), Fraction(500, 1000), Fraction(2))
 STEP = Fraction(10, 1000)
 MOST_WORK = 1_000_000
 ACCESS_WORK = 50  # simulating one access by C sources takes as long as this number of instructions of an image
-OFTEN = 3  # number of interrupts, calls or writes from which they count as repeated, so that their period is measured
+OFTEN = 3  # minimum number of interrupts, calls or writes of one kind for which a period is measured
 MARGIN = 10  # percent by which a limit exceeds the measured figure
 SEEN = "seen, not required"
 PORT_DATA = re.compile(r"W GPIO\.GP([ABC])(?:DAT|SET|CLEAR|TOGGLE)")
@@ -114,10 +115,10 @@ class Seen(Listener):
 
 
 class LoopCalls(CallListener):
-    """Listener that keeps which functions each active function has called.
+    """Listener that stores, for each function that has not returned yet, which functions it has called.
 
-    callees: a dictionary for each active function, the outermost first. For each function that the active function has
-        called, the dictionary has the number of calls and the tick of the last call.
+    callees: a dictionary for each function that has not returned yet, the outermost one first. For each function that
+        it has called, the dictionary has the number of calls and the tick of the last call.
     """
 
     def __init__(self) -> None:
@@ -276,7 +277,7 @@ def _measures(scene: Scene, dsp: Dsp, seen: Seen, calls: LoopCalls) -> dict[str,
 
 
 def _inputs(dsp: Dsp, modules: list[str]) -> dict[str, int]:
-    """Return a dictionary from wires to pins that differ from the default wiring.
+    """Return a dictionary from wires to their pins, for wires that are not at the pin of the default wiring.
 
     These are pins that GPxMUX connects to a module in place of the usual pin, and pins of enabled external interrupts.
     """

@@ -1,4 +1,7 @@
-"""`periph-sim prove CASE`: run a case at many phases, and find the ranges of phases in which budgets break."""
+"""`periph-sim prove CASE`: run a case at many phases, and find the ranges of phases in which budgets break.
+
+A phase is, for example, the number of cycles from the start of a round to the start of a frame; see `periph_sim.proof`.
+"""
 
 from __future__ import annotations
 
@@ -176,7 +179,7 @@ def prove(
 
 
 def _ppm_given(text: str) -> Fraction:
-    """Return the number of a text for --ppm. Raise ClickException if it is no number from 0 to MOST_PPM."""
+    """Parse the value of --ppm. Raise ClickException if it is no number from 0 to MOST_PPM."""
     from ...core.exact_number import exact_number
 
     try:
@@ -189,7 +192,10 @@ def _ppm_given(text: str) -> Fraction:
 
 
 def _refuse_others(option: str, effective: Sequence[str]) -> None:
-    """Raise UsageError if an option is given that has no effect with this one. effective: those that have."""
+    """Raise UsageError if the command line has a parameter that has no effect with `option`.
+
+    effective: the names of the parameters that have an effect with `option`.
+    """
     context = click.get_current_context()
     for parameter in context.command.params:
         name = parameter.name or ""
@@ -199,7 +205,7 @@ def _refuse_others(option: str, effective: Sequence[str]) -> None:
 
 
 def _draw(found: Coverage, place: Path) -> Path:
-    """Write the picture of the windows, and return its path."""
+    """Draw the windows (ranges of phases in which a budget breaks) to a file, and return its path."""
     from ..reports.baselines.files import write_all
     from ..reports.phase_picture import picture
 
@@ -209,7 +215,9 @@ def _draw(found: Coverage, place: Path) -> Path:
 
 
 def _check_writable(path: Path) -> None:
-    """Raise ClickException if a saved result could not be written in its folder, or the folder not be created.
+    """Raise ClickException if the folder of a saved result is not writable, or cannot be created.
+
+    path: the path of the result.
 
     If the folder of the case does not exist, do nothing, because the case cannot be read.
     """
@@ -305,7 +313,7 @@ def _lines(found: Coverage) -> list[str]:
 
 
 def _held_in(found: Coverage) -> str:
-    """Return a phrase with the number of rounds of each phase in which the budgets were judged."""
+    """Return a phrase that says in how many runs or rounds of each phase the budgets were judged."""
     phases, rounds = found.case.phases, found.choice.rounds
     if phases.moved == "sends":
         return "in one run of each phase"

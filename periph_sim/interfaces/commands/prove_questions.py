@@ -1,4 +1,7 @@
-"""`periph-sim prove --questions`: the phases or the table of a case with each other answer to the open questions."""
+"""`periph-sim prove --questions`: judge a case at many phases, or by its table, with other answers to open questions.
+
+An open question is a behaviour that the manuals do not state. An option of the case selects the answer.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,9 @@ from .command_frame import print_json, progress, running_user_code, say
 
 
 def prove_under_questions(case: Path, changes: tuple[str, ...], cover: Cover, jobs: int | None, as_json: bool) -> int:
-    """Cover a case with other answers to open questions, and show the verdicts.
+    """Judge a case with other answers to open questions, and show the verdicts.
+
+    cover: the values of --step, --phases, --rounds, --start-up and --table.
 
     Return the exit status: 0 if every covered budget holds (with a table: is proven) with every answer, else 1.
     """

@@ -1,4 +1,4 @@
-"""`periph-sim prove CASE --table`: prove budgets for every start with a table, and show the result."""
+"""`periph-sim prove CASE --table`: prove budgets for all start times with a table of states, and show the result."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ def prove_with_table(
 ) -> int:
     """Make the table of a case, show it, and return the exit status: 0 if all covered budgets are proven, else 1.
 
-    within: as for `TableProof`.
+    within: the value of --ppm; None if the option is not given.
     jobs: the number of worker processes; None for the number of cores. It has an effect if there are several tables,
         or if both rounds and frames start.
-    folder: where the witnesses are written; None to write none.
+    folder: the folder for the witnesses, which are cases that show the worst values; None to write none.
     save: True to write the proof file, if a budget is proven.
 
     Raise ClickException if the case has no table, or if the tables cannot be completed or saved.
@@ -192,7 +192,10 @@ def _object(made: TableProof, files: Sequence[Path]) -> dict[str, object]:
 
 
 def _left_out(covered: CoveredCase) -> dict[str, str]:
-    """Return what the table does not cover. Jitter is covered, because the table has starts at all times."""
+    """Return the budgets and inputs of the case that the table does not cover, with the reasons.
+
+    Jitter is covered, because the table has starts at all times.
+    """
     return {name: reason for name, reason in covered.left_out.items() if not name.endswith(".jitter")}
 
 

@@ -35,8 +35,8 @@ HEADLINES = {**STYLES, PASS: "green"}  # styles of the line that states a run's 
 def show(result: Result, case: Case, verbose: bool = False, assumed: Mapping[str, Sequence[str]] | None = None) -> None:
     """Print the result of a run.
 
-    assumed: a dictionary from broken budgets to the options that decided undocumented behaviours in their occurrences;
-        None if it is unknown.
+    assumed: a dictionary from broken budgets to the options for undocumented behaviours that were used in their worst
+        occurrences; None if it is unknown.
     verbose: True to list the undocumented behaviours that the run assumed, and the counts of skipped polls and bits.
     """
     by_estimate = f"; cycles between accesses of {' and '.join(result.estimated)} are estimated"
@@ -92,7 +92,7 @@ def title(result: Result) -> str:
 def budget_table(budgets: Sequence[Verdict]) -> None:
     """Print a table with a row for each budget. Broken budgets are red, and budgets that are not judged are yellow.
 
-    Of the cells of a row, only the name may be wrapped into several lines.
+    Only the names of budgets are wrapped into several lines if the table is too wide.
     """
     rows = []
     for one in budgets:
@@ -106,8 +106,8 @@ def broken_lines(
 ) -> list[str]:
     """Return a line for each broken budget with the reason and, if it is known, the instant.
 
-    assumed: a dictionary from broken budgets to the options that decided undocumented behaviours in their occurrences.
-        A further line states the number of these options.
+    assumed: a dictionary from broken budgets to the options for undocumented behaviours that were used in their worst
+        occurrences. A further line states the number of these options.
     verbose: True to list these options instead of their number.
     """
     lines = []

@@ -201,8 +201,8 @@ def _under_questions(
 def _object(result: Result, chains: dict[str, Chain] | None) -> dict[str, object]:
     """Return the result as a dictionary for JSON.
 
-    chains: a dictionary from budgets to explanations, which become the key `chain` of each budget. This key is null if
-        the worst value has no instant. None for a result without explanations.
+    chains: for the name of each budget, the explanation that becomes its key `chain`. The key is null for a budget
+        whose worst value has no instant. None: the result has no key `chain`.
     """
     shown = dataclasses.asdict(result)
     if chains is not None:

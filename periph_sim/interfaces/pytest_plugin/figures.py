@@ -45,7 +45,7 @@ def _plain(value: float | int | None) -> float | int | str:
 
 # Figures of a budget if only its verdict is known, for example because a user's own test records no other property.
 UNKNOWN: dict[str, Any] = {"unit": "", "worst": None, "limit": None, "which": "", "at_s": None}
-# "CASE/BUDGET", the test, and the figures as a dictionary from names, without `_us`, to values.
+# A judged budget: "CASE/BUDGET", the test, and a dictionary from the names of figures, without `_us`, to values.
 Judged = tuple[str, str, dict[str, Any]]
 
 

@@ -30,7 +30,7 @@ def main(dsp, settings):
 def write(dsp, i2c, data, start):
     """Send bytes. Return False if they were not acknowledged; the bus is then free."""
     dsp.spin(lambda: i2c.I2CMDR.STP == 0 and i2c.I2CSTR.BB == 0)
-    i2c.I2CSTR.all = 0x0026  # SCD, ARDY and NACK cleared
+    i2c.I2CSTR.all = 0x0026  # clears SCD, ARDY and NACK
     i2c.I2CSAR.all = EEPROM
     i2c.I2CCNT.all = len(data)
     i2c.I2CMDR.all = start

@@ -1,4 +1,4 @@
-"""An I2C slave for `periph-sim replay`, which answers each read with the next of `replies`. Put your own device here.
+"""An I2C slave for `periph-sim replay`, which answers each read with the next of `replies`. Replace it by your device.
 
 If the case does not set `address` and `replies`, the replay takes them from the capture. For a more complete slave,
 with FIFO, interrupts and refusals, use: from .responder import Settings, main

@@ -15,7 +15,7 @@ def main(dsp, settings):
     def tick():
         with dsp.span("model"):
             dsp.compute(COST)
-            sample[1] = (sample[1] + 1) & 0xFF  # adds about a sixteenth of a degree; replace it by your model
+            sample[1] = (sample[1] + 1) & 0xFF  # changes the sample; replace this line by your model
         dsp.module("PIE").PIEACK.all = 1
 
     start_i2c(dsp, own_address=0x48)

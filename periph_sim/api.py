@@ -37,7 +37,8 @@ def scenarios(case: str | Path, changes: Sequence[str] = ()) -> Scenarios:
     make its closed table (docs/proof.md), which takes seconds to minutes. `Scenarios.values` then looks up the values
     of many sequences in the table, without further runs.
 
-    case: the path of a case of one firmware image in which only rounds, or only frames, start freely.
+    case: the path of a case with one unit, which runs an image. The times at which rounds start are free, or those at
+        which frames start, but not both.
     changes: texts "key=value" that change the case as `--set` does.
 
     Raise BadCase if the case cannot be read, has no closed table, or fails in a run of its table.
@@ -64,7 +65,7 @@ def run(
         `firmware` of such a unit in the case is then only a name for messages.
     record: the path of a file for the records of the run. Its suffix determines the format.
 
-    Raise BadCase or FirmwareError if the case cannot be run, BadRecording if `record` has no known suffix, cannot be
-    written, or is a file that this run has read.
+    Raise BadCase or FirmwareError if the case cannot be run, and BadRecording if `record` has no known suffix, cannot
+    be written, or is a file that this run has read.
     """
     return PreparedScene(case, changes).run(seconds=seconds, programs=programs, record=record)

@@ -1,6 +1,6 @@
 """A slave that receives by interrupt, with faults that users ask about: lost interrupts and shifted bytes.
 
-    one byte: RRDY --I2CINT1A--> read I2CDRR; write PIEACK (omitted if `acknowledge` is False: the fault)
+    one byte: RRDY --I2CINT1A--> read I2CDRR; write PIEACK (0 if `acknowledge` is False: the fault)
     FIFO:     RXFFST = 4 --I2CINT2A--> read four bytes; with `realign`, AAS empties the FIFO before each message
 
 Source: SPRUG03B section 3 (interrupts), Table 22 (I2CFFRX); SPRUFB0D section 8.3 (PIEACK).

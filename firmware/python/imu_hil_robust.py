@@ -9,7 +9,7 @@ Differences from imu_hil, with their reasons:
 * Every wait is limited by TIMER1 (`patience`): an aborted request costs only its round.
 * It clears SCD by writing a 1 to this bit only, and never writes back a value that it has read from I2CSTR. So no flag
   is lost. IRS = 0 clears the flags of an aborted request.
-* I2CDRR is read, so a second byte after the pointer, with which a driver sets a chip up, does not stretch SCL.
+* It reads every byte from I2CDRR, so SCL is not stretched if a driver writes a byte after the pointer to set up a chip.
 * A frame ends when RX is idle: characters left in the FIFO without new ones belong to a broken frame, and are
   discarded. So a lost character costs one frame, not all later ones.
 * The models run when a frame arrives, so a read has the values of the last frame, not of the frame before. They do not

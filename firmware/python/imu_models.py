@@ -3,7 +3,7 @@
     12 bytes --> six int16 --> attitude (1e-4 rad), acceleration (1e-3 g) --> Imu --> codes --> bytes
 
 The models are those of periph_sim/imu/models. They compute one sample at a time, as on the F28335, and keep the last
-attitude and body rates for the next sample, also without a new frame (section 3.4 of the dissertation).
+attitude and body rates for the next sample, even without a new frame (section 3.4 of the dissertation).
 """
 
 from __future__ import annotations
@@ -147,7 +147,7 @@ def shown(frame: bytes) -> tuple[bytes, bytes, bytes]:
 
 
 def _swapped(x: Any, y: Any, z: Any) -> bytes:
-    """Pack three values in the order x, z, y, because the compass sends z before y."""
+    """Pack three values in the order x, z, y, because the magnetometer sends z before y."""
     return BIG.pack(int(x), int(z), int(y))
 
 

@@ -3,7 +3,7 @@
     address, replies, busy  -->  polled | interrupt, with or without FIFO  -->  the bus
 
 Each read is answered with the next entry of `replies`, followed by `filler` bytes. The device is
-not reachable for `asleep` at the start, and for `busy[n]` after the n-th write that ended with a
+not reachable for the time `asleep` at the start, and for the time `busy[n]` after the n-th write that ended with a
 STOP, like an EEPROM that stores data. During these times, firmware holds the I2C module in reset,
 so that it does not acknowledge its address.
 

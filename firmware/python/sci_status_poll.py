@@ -1,6 +1,6 @@
 """A receiver on SCI-A that reads RXFFST periodically, and then as many characters as this field states.
 
-Source: SPRUFZ5A Table 2-10 (RXFFST counts words in the FIFO, which a character enters in its stop bit).
+Source: SPRUFZ5A Table 2-10 (RXFFST counts words in the FIFO; a character enters the FIFO in its stop bit).
 """
 
 from __future__ import annotations

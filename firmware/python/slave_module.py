@@ -1,4 +1,4 @@
-"""An interrupt-driven slave on the I2C module. A target object gives the bytes to send and takes received ones.
+"""An interrupt-driven slave on the I2C module. A target object supplies the bytes to send and stores received bytes.
 
     I2CINT1A --code--> AAS: load the first byte of a read; RRDY: byte received; XRDY: load the next byte; SCD: end
 

@@ -32,7 +32,7 @@ IDLE, ADDRESS, RECEIVE, SEND, OTHERS = range(5)  # OTHERS: the transfer is for a
 class PinCosts:
     """Numbers of cycles that parts of the code take, in addition to the cycles in the unit's `code`.
 
-    edge: time to choose how an edge is handled. byte: time in which the target takes or gives a byte, with SCL low.
+    edge: time to choose how an edge is handled. byte: time to process or supply a byte, with SCL low.
     set_up: time from the change of SDA to the release of SCL; 38 cycles are 250 ns (tSU;DAT in UM10204 Table 10).
     """
 
@@ -140,7 +140,7 @@ class SlavePins:
                 self.drive(0)
 
     def acknowledge(self) -> None:
-        """Handle the fall of SCL after the eighth bit: acknowledge the byte, unless its address is not ours."""
+        """Handle the fall of SCL after the eighth bit: acknowledge the byte, but not the address of another slave."""
         if self.phase == ADDRESS:
             target = self.targets.get(self.shift >> 1)
             if target is None:
@@ -157,7 +157,7 @@ class SlavePins:
         self.drive(SDA)
 
     def send(self) -> None:
-        """Begin a byte: hold SCL until the target has given the byte and SDA shows its first bit."""
+        """Begin a byte: hold SCL until the target has supplied the byte and SDA shows its first bit."""
         self.drive(SCL)
         self.dsp.compute(self.costs.byte)
         self.shift, self.count = self.addressee.byte(), 0

@@ -6,7 +6,7 @@
 If SW RESET is released while the line is low, the receiver takes the rest of the break for a start bit. So the logger
 first waits until GPIO28 shows a high line, if the unit has the GPIO module.
 
-The error bits of each word are read with it from SCIRXBUF. The error bits in SCIRXST stay set until SW RESET, so they
+Each word is read from SCIRXBUF together with its error bits. The error bits in SCIRXST stay set until SW RESET, so they
 do not show which word was wrong.
 
 Source: SPRUFZ5A Tables 2-7 (BRKDT) and 2-8 (SCIFFFE, SCIFFPE).

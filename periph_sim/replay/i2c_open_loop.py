@@ -147,7 +147,7 @@ class I2cOpenReplay(SlaveReplay):
     def _holds(self, scl: Channel) -> list[_Held]:
         """Return, for each bit of the accesses to the firmware, the low phase of SCL before the bit.
 
-        Bits without a known low time are left out. scl: SCL as only the chip drives it.
+        Bits without a known low time are left out. scl: the levels of SCL that result if only the chip drives it.
         """
         edges = scl.edges[scl.levels == 0].tolist(), scl.edges[scl.levels == 1].tolist()
         own = [

@@ -1,4 +1,4 @@
-"""A divergence of a replay as a timing diagram of both sides, in SVG.
+"""Timing diagram of a divergence, in SVG. It shows both sides: the capture and the replay.
 
     capture  SCL, SDA, bytes  --\\
     replay   SCL, SDA, bytes  ----> lanes, aligned at the last agreed event --> svg_diagram

@@ -6,7 +6,7 @@ An event is compared by its text ("address 50 write", "ACK"), not by its time. A
 not end the comparison, since later events still correspond to each other. Any other difference between texts does.
 
 pass         everything judged is as in the capture
-ambiguous    as pass, except for places that receivers may read either way
+ambiguous    as pass, but some UART frames are not judged, because receivers may read them in different ways
 not judged   nothing is proved: the capture requires nothing of the firmware, a serial line does not fit its format, or
              the first difference is certainly no error of the firmware
 fail         something judged differs, the replay ended early, or a budget of a session is broken
@@ -49,7 +49,7 @@ class Happened:
 
     words: the text, such as "address 50 write".
     at: seconds since the capture began; None if unknown.
-    due: the time at which a replay should have this event; None if this is `at`.
+    due: the time at which a replay should have this event; None if this time is `at`.
     """
 
     words: str
@@ -78,7 +78,7 @@ class Divergence:
     index: the number of events before the divergence.
     expected, found: the event in the capture and in the replay, as text.
     capture_s, replay_s: the times of these events in seconds since the capture began; None if there is no event.
-    kind: a key of FIRST.
+    kind: a key of FIRST: BYTE, ACK, EVENT or TIMING.
     history: the changes of the chip's registers around the divergence.
     cause: a phrase that names the causing statement of the firmware, or another cause; "" if unknown.
     """

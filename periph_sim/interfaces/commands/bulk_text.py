@@ -1,6 +1,6 @@
 """Bulk formatting of columns of numbers and words as bytes, without a Python statement for each line.
 
-    | digits | literal | words of a table | --> one array of characters with a row for each line --> bytes
+    columns of numbers, texts, ... --> one array of characters with a row for each line --> bytes
 
 A value that is shorter than its column is padded: with blanks in columns that are aligned, otherwise with NULs.
 Finally, all NULs are removed.
@@ -77,7 +77,7 @@ class Digits:
 class Words:
     """A column with one of a few texts in each line.
 
-    codes: the code of each line, an integer from 0.
+    codes: the code of the text in each line, an integer of 0 or more.
     text_of: a function that returns the text of a code.
     pad: the character that fills the column after a text: BLANK, or NONE (a NUL, which is removed later).
     width: the minimum width of the column.
@@ -125,7 +125,7 @@ Column: TypeAlias = "Literal | Digits | Words | Sparse"
 def numbered(codes: Numbers) -> tuple[Numbers, Numbers]:
     """Return the different codes in increasing order, and the index of each element of `codes` in this array.
 
-    codes: integers from 0, each the code of a text.
+    codes: integers of 0 or more, each the code of a text.
     """
     if len(codes) and int(codes.max()) > MAX_TABLE:
         return np.unique(codes, return_inverse=True)

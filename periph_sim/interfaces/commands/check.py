@@ -1,4 +1,4 @@
-"""`periph-sim check [PATH...]`: run cases, compare them with their baselines, set the exit status."""
+"""`periph-sim check [PATH...]`: run cases, compare their figures with saved ones (baselines), set the exit status."""
 
 from __future__ import annotations
 
@@ -261,7 +261,9 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
                 click.echo(one.diff)
 
 
-COVERAGE = "coverage"  # a title that is shown if a case has a coverage file; PROVEN is shown if a budget is proven
+# The column COVERAGE is shown only if a case has a coverage file, which `prove --save` writes. The column PROVEN is
+# shown only if a budget is proven.
+COVERAGE = "coverage"
 TITLES = ("case", PROVEN, "seen", "broken", "not\njudged", "must\nbreak", "baseline", COVERAGE, "")
 LEGEND = "columns count budgets; must break: named in `breaks`; baseline: changed figures"
 COVERAGE_LEGEND = "coverage: worst values of prove --save, run again; other phases are not run"

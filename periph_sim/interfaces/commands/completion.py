@@ -104,7 +104,7 @@ def complete_key(context: click.Context, parameter: click.Parameter, begun: str)
 
 @silently
 def complete_register(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
-    """Offer modules and registers, and registers without their module."""
+    """Offer the names of modules, and of registers with and without the name of their module."""
     from ...f28335.parts.f28335 import PART
 
     known = [(module.name, register.name) for module in PART.modules for register in module.registers]
@@ -114,7 +114,7 @@ def complete_register(context: click.Context, parameter: click.Parameter, begun:
 
 @silently
 def complete_field(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
-    """Offer registers and fields with their modules."""
+    """Offer the names of registers and fields, each with the name of its module."""
     return next_parts(_fields(), begun)
 
 

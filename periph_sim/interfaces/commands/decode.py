@@ -4,6 +4,8 @@ pcapng      Wireshark, tshark          a packet for each message, burst or selec
 hexdump     text2pcap, any script      the same bytes as text, each packet below its time
 sigrok      scripts for sigrok-cli     a line for each event, `START-END i2c-1: Address write: 53`
 logic2      scripts for Logic 2        a line for each condition, byte, frame or word, as Logic 2 exports its tables
+
+The head of `__init__.py` in this package defines message, burst and selection.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ ALL = -1  # represents all addresses of a bus, or an address that is missing
 
 
 def counts(rows: Rows, first: Numbers, buses: Sequence[Bus], capture: Capture) -> Cells:
-    """Return the cells of COUNTS for each address of an I2C bus, and for each bus as a whole.
+    """Return a row with the columns COUNTS for each address of an I2C bus, and for each bus as a whole.
 
     bytes: data bytes, frames or words.
     read: data bytes that an I2C target sent.
@@ -95,7 +95,9 @@ GLITCHES = ("time_s", "line", "pulse", "width_s", "other_lines")
 
 
 def glitches(buses: Sequence[Bus], capture: Capture, clock: Clock | None, shortest: int | None) -> Cells:
-    """Return the cells of GLITCHES for each short pulse, in order of time. Without a rate, times are positions.
+    """Return a row with the columns GLITCHES for each short pulse, in order of time.
+
+    If the capture has no sample rate, times and widths are positions.
 
     shortest: pulses of fewer positions are glitches. None: the limit is `Bus.glitch`.
     """

@@ -1,6 +1,7 @@
 """Decoded transfers as JSON: each transfer, burst or selection is an object on a line of its own.
 
-A message lasts from a START or repeated START to the next condition. Keys of the objects:
+A message lasts from a START or repeated START to the next condition. The head of `__init__.py` in this package defines
+burst and selection. Keys of the objects:
 
     I2C    {..., "messages": [{"address": 83, "direction": "write", "acked": true, "bytes": [...]}], "ended": "stop"}
     UART   {..., "frames": [{"value": 65, ...}]}

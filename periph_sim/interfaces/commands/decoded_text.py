@@ -17,7 +17,7 @@ from ...traces.decode.event_rows import DETAILS, EVENTS, Rows
 from ...traces.decode.table_columns import select
 from .bulk_text import BLANK, NONE, Column, Digits, Literal, Numbers, Sparse, Words, numbered, text
 
-MOST_DECIMALS = 12  # maximum number of decimals of a second; used unless fewer decimals are exact
+MOST_DECIMALS = 12  # number of decimals of a second if no smaller number is exact
 GAP = "  "
 
 
@@ -44,7 +44,7 @@ class Clock(NamedTuple):
         return Clock(period * 10**decimals, decimals)
 
     def units(self, positions: Numbers) -> Numbers:
-        """Convert positions to the nearest number of units, which must fit 63 bits."""
+        """Convert positions to units of 10**-decimals s, rounded to the nearest unit. Results must fit in 63 bits."""
         return nearest(positions, self.scale).astype(np.int64, copy=False)
 
 

@@ -299,7 +299,7 @@ def _inputs(dsp: Dsp, modules: list[str]) -> dict[str, int]:
 
 
 def _outputs(dsp: Dsp, seen: Seen) -> dict[str, int]:
-    """Return a dictionary from names to numbers of the GPIO outputs that the program changes, at most MOST_PINS.
+    """Return the GPIO outputs that the program changes, at most MOST_PINS, as a dictionary from names to pin numbers.
 
     An output counts if the program has written it through a register that it has written at least OFTEN times.
     """

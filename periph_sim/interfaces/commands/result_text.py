@@ -125,7 +125,7 @@ def broken_lines(
 def legend(
     budgets: Sequence[Verdict], assumed: Mapping[str, Sequence[str]] = NOTHING, verbose: bool = False
 ) -> list[str]:
-    """Return the lines below a table of budgets: the reason for each broken budget, and the meanings of words."""
+    """Return the lines below a table of budgets: the reason for each broken budget, and the legend."""
     if not budgets:
         return []
     return [*broken_lines(budgets, assumed, verbose), *meanings({each.word for each in budgets})]

@@ -1,11 +1,14 @@
-"""Flags that read-modify-writes cleared, at each place. Covers all registers with flags that writing 1 clears.
+"""Flags that read-modify-writes cleared, for each place in the firmware.
+
+All registers that have flags which are cleared by writing 1 are covered.
 
     CLEARABLE --> ClearedRegister --> ModifiesOfPlace: cleared flags, by whether firmware had read them
                         '-- Flag: its last rise
 
-A `ClearedRegister` receives the records of one register. Changes of its flags and writes must arrive in the order of
-their records, and so must the reads. A read that belongs to a read-modify-write must arrive after its write. Only
-counts by place are kept, so memory does not grow with the run, unless the ticks of clearings are kept.
+A `ClearedRegister` receives the records of one register. Its writes and the changes of its flags must be passed in the
+order of their records. Its reads must be passed in their order, too. A read that belongs to a read-modify-write must be
+passed after the write of the same read-modify-write. Only counts by place are kept, so memory does not grow with the
+length of the run, unless the ticks of clearings are kept.
 """
 
 # core: compiled
@@ -90,7 +93,7 @@ class Cleared:
         self.ticks: list[int] | None = [] if keeps_ticks else None
 
     def add(self, other: Cleared) -> None:
-        """Add the count of `other`, and take its first tick if that is earlier. `ticks` does not change."""
+        """Add the count of `other`. `first` becomes the earlier of both first ticks; `ticks` does not change."""
         if other.count and (not self.count or other.first < self.first):
             self.first = other.first
         self.count += other.count
@@ -107,8 +110,8 @@ class Cleared:
 class FlagOfPlace:
     """Effects of the read-modify-writes of one place on one flag.
 
-    rose: number of times that the flag rose between the read and the write. If ticks are not kept, only the times
-        at which the write then cleared the flag are counted.
+    rose: number of times that the flag rose between the read and the write. If ticks are not kept, only the cases
+        are counted in which the write then cleared the flag.
     between: clearings of a flag that rose between the read and the write.
     along: clearings of a flag that the read had returned as 1, by a statement that does not name the flag.
     unseen: the clearings in `along` before which the firmware had not read the flag since its last rise. Reads that
@@ -169,7 +172,8 @@ class ModifiesOfPlace:
 
     flags: one entry for each flag of the register, in the order of `ClearedRegister.flags`.
     count: number of read-modify-writes.
-    proven: mask of the bits that were at least once written as 1 although they had been read as 0.
+    proven: mask of the bits that were at least once written as 1 although they had been read as 0. The firmware
+        certainly intended to clear them.
     always: mask of the bits that every write set to 1.
     last_reads: for each field that these read-modify-writes assign, their last read of the register.
     named: names of the fields that the statements at this place assign; empty if they assign the whole register.
@@ -247,7 +251,7 @@ class ClearedRegister:
             last.cleared |= flag.mask
 
     def written(self, number: int, tick: int, value: int, place: Text) -> Modify:
-        """Process the record of a write that belongs to a read-modify-write. Return it as `judge` needs it (`made`)."""
+        """Process the record of a write that belongs to a read-modify-write. Return the argument `made` of `judge`."""
         made = Modify()
         made.number, made.tick, made.written, made.cleared, made.place = number, tick, value, 0, place
         made.rose = [flag.rose for flag in self.flags]
@@ -263,7 +267,7 @@ class ClearedRegister:
         number: the number of the record of the read.
         value: the value that was read.
         field: the name of the field that was read; "" for the whole register.
-        made: the write of the same read-modify-write; None if the read does not belong to one.
+        made: the write of the same read-modify-write; None if the read does not belong to a read-modify-write.
         """
         if made is None:
             self.last_reads.add(field, number)

@@ -2,8 +2,8 @@
 
 A pass is one execution of the body of a polling loop. A recording contains only the first and the last passes of a
 skipped wait; the time between them is a gap in the recording. All passes are equally long, so the skipped polls follow
-each other at a constant period, which the passes before the gap show. If the first read after the gap fits this period,
-the gap is taken for a skipped wait, and the polls on both sides of a change are reconstructed.
+each other at a constant period. The recorded passes show this period. If the first read after the gap fits the period,
+the gap is assumed to be a skipped wait, and the polls on both sides of a change are reconstructed.
 
     first pass, . . . . . . [change] . , last pass
                           ^before    ^after
@@ -25,7 +25,7 @@ SHORTEST_PASS, LONGEST_PASS = 4, 400  # minimum and maximum cycles of a pass of 
 MOST_READS = 3  # maximum number of reads of one register in a pass
 # The length of a pass is assumed to be the most frequent length of the recorded passes. These constants are the shares
 # of passes and gaps that must agree with it. PASSES_AGREE: the share of recorded passes whose length must be a multiple
-# of the assumed one, if a pass has one read. MORE_AGREE: this share, if a pass has several reads. GAPS_AGREE: the share
+# of the assumed one, if a pass has one read. MORE_AGREE: the same, if a pass has several reads. GAPS_AGREE: the share
 # of changes that must be in gaps that fit the assumed length.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
 # If no pass was recorded, the loop is assumed to have one read. If there are at least FEW_GAPS gaps, their greatest
@@ -39,8 +39,8 @@ class Polls(NamedTuple):
     before: for each change, the tick of the last skipped poll before it in the same gap; -1 if there is none.
     after: for each change, the tick of the first skipped poll at or after it in the same gap; -1 if there is none.
     changes: the rows of these changes.
-    unplaced: for each gap with a change whose polls could not be reconstructed, the index of the read before the gap in
-        the argument `reads`.
+    unplaced: for each gap that contains a change, but whose polls could not be reconstructed, the index of the read
+        before the gap. The index refers to the argument `reads` of `skipped_polls`.
     """
 
     before: Rows

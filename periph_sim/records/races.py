@@ -53,8 +53,8 @@ class PlaceRaces:
     after: the read that was the fewest cycles after a change; None if no read was after a change.
     histogram: for each of the DECADES classes of distances, the number of reads and polls whose distance to the nearest
         change is in this class.
-    alone: number of reads without a change to compare them with: nothing but the firmware itself changes the fields
-        that they read.
+    alone: number of reads without a change to compare them with, because in this run the fields that they read changed
+        only by accesses of the firmware, or never.
     """
 
     unit: str

@@ -137,7 +137,7 @@ def modifies_of(run: Run, groups: Iterable[Group]) -> tuple[ReadModifyWrite, ...
 
 
 def pairs(run: Run, group: Group) -> tuple[Rows, Rows]:
-    """Return (reads, writes) of the read-modify-writes whose writes are in the group. Read i and write i are a pair."""
+    """Return the rows (reads, writes) of the read-modify-writes whose writes are in the group, as pairs in order."""
     found = read_modify_writes(run, group.unit)
     ours = among(found.writes, group.rows)
     return found.reads[ours], found.writes[ours]

@@ -1,6 +1,6 @@
 """Formatting of records as text, and decoding of the values of BUS records.
 
-The value of a BUS record with a byte is the byte, shifted left by one; its lowest bit is the bit after the byte, 1 for
+The value of a BUS record with a byte is the byte, shifted left by one; its lowest bit is the acknowledge bit, 1 for
 NACK. Examples of a record's kind, `what` and value, and of its text. The last record also has `field` = "SCD":
 
 BUS address 0x1A1               "controller: 0x68 W NACK (gyroscope)"
@@ -65,8 +65,8 @@ def happened(record: Record) -> str:
 def happened_where(record: Record) -> str:
     """Return a record as text with its unit: "dsp.I2C-A.I2CSTR.SDIR set", "dsp: SCIRXINTA entered at sci_received:76".
 
-    If the record has a place in the firmware, the text ends with this place. Of the FLAG records, only changes of
-    variables have one.
+    If the record has a place in the firmware, the text ends with this place. FLAG records have a place only if they are
+    changes of variables.
     """
     said = happened(record)
     if record.kind is Kind.FLAG:

@@ -20,7 +20,7 @@ from ..f28335.memory.ram import MEMORY
 from .register_maps import is_status, registers_of
 from .run import Group, NotInRun, Run
 
-# In seconds: a time whose last digit has a higher weight than this, such as "12 ms", is taken as exact.
+# In seconds: a time whose last digit is worth more than this, such as "12 ms", is assumed to be exact, not rounded.
 COARSEST = Fraction(1, 10**6)
 
 
@@ -101,7 +101,7 @@ def _tick(run: Run, text: str, subject: RecordedSignal) -> int:
     """Return the tick that a time in a question means.
 
     Reports show rounded times. Therefore, if the time of a change of the signal rounds to the typed time, the result is
-    the tick of this change. A time whose last digit has a higher weight than COARSEST, such as "12 ms", is exact.
+    the tick of this change. A time whose last digit is worth more than COARSEST, such as "12 ms", is exact.
     """
     try:
         at = seconds(text)

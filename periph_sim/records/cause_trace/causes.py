@@ -14,7 +14,7 @@ causes of accesses. A look is a read that is not the first half of a read-modify
 A field is written back if a read-modify-write writes it with the value that it has read, in order to change another
 field.
 
-Some records are no cause of an access, but are shown beside its cause: the read that belongs to the same
+Some records are not the cause of an access, but are shown together with the cause: the read that belongs to the same
 read-modify-write, the earlier change of a field that is written back, later looks, and service routines that delayed
 the firmware.
 """
@@ -64,7 +64,7 @@ class Link(NamedTuple):
 
 
 def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
-    """Return links to the cause of an access and to the records that are shown beside it. The last link is the cause.
+    """Return links to the cause of an access and to the records shown with the cause. The last link is the cause.
 
     If the list is empty or its last link is `aside`, no cause was found. This happens only in the main program, if
     neither a change nor an earlier read explains the access.
@@ -119,7 +119,7 @@ def accesses_before(run: Run, row: int, record: Record) -> Rows:
 
 
 def _beside(run: Run, look: int) -> list[Link]:
-    """Return links to a look that came after the cause of a write and before this write.
+    """Return links that describe a look between the cause of a write and this write.
 
     The links lead to the look, to the change that the look saw, and to the service routines that delayed the firmware
     between this change and the look. All of them are `aside`.
@@ -258,7 +258,7 @@ def end_of_walk(run: Run, steps: Sequence[Link], depth: int) -> str:
 
 
 def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> list[Link]:
-    """Return links to the cause of a record and to the records that are shown beside it.
+    """Return links to the cause of a record and to the records that are shown together with the cause.
 
     The last link is the cause. If the list is empty or its last link is `aside`, the cause is not known.
 
@@ -278,7 +278,7 @@ def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> li
 
 
 def _recorded(run: Run, record: Record) -> list[Link]:
-    """Return a link to the cause that the record names; no link if it names none."""
+    """Return a link to the cause that the record names; an empty list if the record names none."""
     found = run.row_of(record.cause)
     if found is None:
         return []

@@ -41,7 +41,7 @@ class Answer:
     pulled_by: the parties that first pulled the wire low; empty if the signal is not a wire that is low.
     held_by: the parties that hold the wire low at `tick`; empty if the signal is not a wire that is low.
     effects: the first records, at most EFFECTS, whose cause is the record that gave the value.
-    reader: the first recorded read of the field between the change to the value and the next change; None if none.
+    reader: the first recorded read of the field after the change to the value and before the next change, or None.
     reads: number of recorded reads of the field between these two changes.
     changed: the next change of the signal after `tick`; None if there is none.
     ends: a phrase that says why `back` ends; "" if `back` is empty.

@@ -72,8 +72,8 @@ def flag_wiped(run: Run, options: Options) -> Iterator[Fault]:
 def stale_flag(run: Run, options: Options) -> Iterator[Fault]:
     """Yield reads during a transfer that see a flag which rose before this transfer began.
 
-    Firmware that waits for the flag then takes an old event for a new one. The flags are SCD, RRDY, ARDY and NACK. Only
-    reads of a single flag are judged, such as `i2c.I2CSTR.SCD`, or a TBIT or a masked AND of a program image.
+    Firmware that waits for the flag then mistakes an old event for a new one. The flags are SCD, RRDY, ARDY and NACK.
+    Only reads of a single flag are judged, such as `i2c.I2CSTR.SCD`, or a TBIT or a masked AND of a program image.
     """
     table = run.table
     for group in accesses(run, "R", I2CSTR):
@@ -94,7 +94,7 @@ def stale_flag(run: Run, options: Options) -> Iterator[Fault]:
 
 @finds("XRDY polled without SDIR or AAS being looked at: I2CDXR loaded as slave though SDIR was read as 0")
 def xrdy_alone(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield writes of a slave that takes XRDY = 1 for a read request: it loads I2CDXR although no master reads from it.
+    """Yield writes of I2CDXR by slave firmware that mistakes XRDY = 1 for a read request: no master reads from it.
 
     XRDY is also 1 while the module is idle, so firmware must read SDIR or AAS as well. A slave's write of I2CDXR is a
     fault if the last read of XRDY before the write showed XRDY = 1 and SDIR = 0, and SDIR was still 0 at the write:

@@ -24,7 +24,7 @@ STT, STP, IRS, MST, TRX, FDF = (I2CMDR[name] for name in ("STT", "STP", "IRS", "
 def read_only(run: Run, options: Options) -> Iterator[Fault]:
     """Yield writes that try to change a read-only field.
 
-    It is no fault to write 0, or to write back the value of the field, as every bit-field assignment does.
+    It is no fault to write 0, or to write back the value of the field, as the assignment to another field does.
     """
     value = run.table.value
     for group in run.accesses:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class RecordingWriter:
-    """Base class of the writers of recordings, one for each format. Each module has its writers in `FORMATS`.
+    """Base class of the writers of recordings, one for each format. Modules list their writers in `FORMATS`.
 
     SUFFIX: the end of the names of the files, such as ".psr".
     MODE: "w" for text, "wb" for bytes.
@@ -63,7 +63,7 @@ class EndedAt(Protocol):
 
 @cache
 def recording_formats() -> dict[str, type[RecordingWriter]]:
-    """Return the writers that the modules of this package define, as a dictionary from suffixes."""
+    """Return a dictionary from suffixes to the writers that the modules of this package define."""
     found = modules_with("FORMATS", __name__, __path__).values()
     return {one.SUFFIX: one for module in found for one in module.FORMATS}
 

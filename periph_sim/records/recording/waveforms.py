@@ -1,4 +1,4 @@
-"""Waveform files of a run: .vcd, .fst and .sr. They show these signals (.sr: all except registers and their fields):
+"""Waveform files of a run: .vcd, .fst and .sr. They show these signals (.sr: only those of one bit, no fields):
 
     EDGE   wires.SCL                     a wire: SCL, SDA, RX, TX, each named pin, and any other wire that changes
     FLAG   dsp.I2C_A.I2CSTR              a whole register of an I2C or SCI module
@@ -7,8 +7,8 @@
     SPAN   dsp.span.model                1 while the span lasts
            bus.I2C.busy, address, ...    state of the bus, decoded from SCL and SDA when the run is over
 
-A file must name its signals before their changes, but only at the end of a run is it known which interrupts and spans
-occurred. Therefore all changes are kept in memory until then, at 16 bytes each.
+A file must name its signals before their changes. But the interrupts and spans of a run are known only at its end.
+Therefore all changes are kept in memory until the end, at 16 bytes each.
 """
 
 from __future__ import annotations
@@ -229,8 +229,8 @@ class VcdWriter(WaveformWriter):
 class SrWriter(WaveformWriter):
     """sigrok session for PulseView and sigrok-cli: wires, bus state, interrupts and spans of the firmware.
 
-    The file has the first 64 signals of one bit, wires first, without fields of registers. Its sample rate is
-    `rate_for` the length of the run.
+    The file has the first 64 signals of one bit, wires first, without fields of registers. `rate_for` chooses the
+    sample rate from the length of the run.
     """
 
     SUFFIX, MODE = ".sr", "wb"

@@ -3,8 +3,8 @@
     file --> formats.read(path) --> Capture --> decode
 
 Positions are integers: numbers of samples if the file consists of samples, and ticks if the file states only times. An
-edge is at the first position with the new level. Spans in which a level is unknown (gaps between chunks, `x` in a VCD,
-`X` in a CSV) must not be crossed by a decoder.
+edge is at the first position with the new level. A level can be unknown in a span (a gap between chunks, `x` in a VCD,
+`X` in a CSV). Decoders treat the parts before and after such a span separately.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Channel:
     """One line of a capture.
 
     initial: the level before the first edge.
-    edges: the positions of the edges, strictly increasing, from 1 to length - 1. Each edge inverts the level.
+    edges: the positions of the edges, strictly increasing, from 1 to `Capture.length` - 1. Each edge inverts the level.
     index: the number of the line in the file: its bit in a sample, its column, or the number of its export file.
     unknown: the spans in which the level is unknown, in order.
     """
@@ -101,7 +101,7 @@ class Channel:
 
         Both edges of a short pulse are removed, from left to right. If the level after a series of short pulses differs
         from the level before this series, the last edge of the series remains. The levels before the first edge and
-        after the last edge of the line are no pulses.
+        after the last edge of the line are not pulses, so they are never removed.
         """
         if shortest <= 1 or len(self.edges) < 2:
             return self
@@ -199,7 +199,9 @@ def listed(channels: Sequence[Channel]) -> str:
 
 
 def channel_of(name: str, index: int, at: Iterable[int], levels: Iterable[int | None], length: int) -> Channel:
-    """Build a Channel from positions and the level from each position on. An unknown level is None.
+    """Build a Channel from its levels, of which None is an unknown level.
+
+    at: for each level, the position from which on the line has this level.
 
     The rules are those of `channel_of_states`.
     """
@@ -220,7 +222,9 @@ def rate_of(text: str) -> Fraction:
 
 
 def channel_of_states(name: str, index: int, at: Positions, states: Levels, length: int) -> Channel:
-    """Build a Channel from positions and the state of the line from each position on: 0, 1 or UNKNOWN.
+    """Build a Channel from its states, which are 0, 1 or UNKNOWN.
+
+    at: for each state, the position from which on the line has this state.
 
     Positions may repeat but never decrease. The last of several states at one position counts, and a state that equals
     the previous state is ignored. Before the first position, the level is unknown.
@@ -257,8 +261,8 @@ def changes_only(at: Positions, values: NDArray[Any]) -> tuple[Positions, NDArra
 def changes(capture: Capture) -> tuple[Positions, NDArray[np.int64], Levels]:
     """Return the changes of all channels as (at, which, states), sorted by position and channel.
 
-    From position `at[i]` on, channel number `which[i]` has the state `states[i]`: 0, 1 or UNKNOWN. The first
-    `len(channels)` entries are the states at position 0.
+    From position `at[i]` on, the channel `capture.channels[which[i]]` has the state `states[i]`: 0, 1 or UNKNOWN. The
+    first `len(capture.channels)` entries are the states at position 0.
     """
     each = [_states(channel, capture.length) for channel in capture.channels]
     at = np.concatenate([np.empty(0, np.int64), *(positions for positions, _ in each)])

@@ -26,7 +26,7 @@ from ...core.phrases import shorten
 from .capture import MOST_DIGITS, MOST_POSITION, BadCapture, Capture, Channel, Positions, Span
 
 FASTEST_ANALYSER = 10**10  # a rate in samples per second that no logic analyser exceeds
-# Maximum length in samples (0.7 s at 100 MHz) of a pause, which is a time without edges, that is always accepted.
+# A pause is a time without edges. A pause of at most this number of samples (0.7 s at 100 MHz) is always accepted.
 LONGEST_PAUSE = 1 << 26
 
 
@@ -205,7 +205,7 @@ def decimals_for(capture: Capture, least: int, rounded_to: int, otherwise: str =
     samples are exact. Otherwise, a sample period is at least `rounded_to` units of the last decimal, so that a reader
     that knows the rate gets the same samples.
 
-    otherwise: a text that the message appends to the highest possible rate.
+    otherwise: a text that the error message states after the highest possible rate.
 
     Raise BadCapture if the capture has no rate, or a rate that is too high.
     """
@@ -229,7 +229,7 @@ def decimals_for(capture: Capture, least: int, rounded_to: int, otherwise: str =
 
 
 def nearest(times: Positions, ratio: Fraction) -> Positions:
-    """Return the whole number nearest to each time multiplied by `ratio`, exactly.
+    """Return each time multiplied by `ratio`, rounded to the nearest whole number. The calculation is exact.
 
     If the arithmetic does not fit 64 bits, the result is an array of objects, which are Python's integers.
     """
@@ -248,6 +248,7 @@ def quantized(ticks: Positions, per_second: Fraction, rate: Fraction) -> Positio
 
     ticks: the times.
     per_second: the number of ticks per second.
+    rate: the number of samples per second.
     """
     period = per_second / rate  # ticks per sample
     samples = nearest(ticks, 1 / period)
@@ -265,7 +266,7 @@ def on_grid(
     """Return the sample numbers of the times of each line, and the sample number of the latest time of all.
 
     lines: the times of each line, in ticks.
-    last: a further time in ticks, such as that of the end.
+    last: a further time in ticks, such as the end of the capture.
     per_second: the number of ticks per second.
     said: the description of a wrong time in the message, with {} in place of the time.
 

@@ -109,7 +109,7 @@ LIMITS: tuple[Limit, ...] = (
 
 LIMIT = {limit.symbol: limit for limit in LIMITS}
 # A pulse of SCL, or of SDA while SCL is high, counts as a spike if it is not longer than SPIKES_TO times the maximum of
-# tSP. If it is longer than the maximum, it fails.
+# tSP. A spike that is longer than the maximum breaks the limit tSP.
 SPIKES_TO = 2
 
 

@@ -196,7 +196,7 @@ class _Part:
         self._number_bits(edges)
 
     def _number_bits(self, edges: I2cEdges) -> None:
-        """Count the pulses of SCL since the last condition, and determine which party should drive SDA in each."""
+        """Number the pulses of SCL from each condition on, and determine which party should drive SDA in each pulse."""
         last = np.searchsorted(self.conditions, self.rises) - 1
         busy = (last >= 0) & _pick(self.is_start, last, False)
         first = edges.seen  # the index of the first pulse after each condition
@@ -218,8 +218,7 @@ class _Part:
     def lows_before_bits(self) -> Positions:
         """Return the low time of SCL, in positions, before each pulse that transfers a bit.
 
-        Pulses with a START or STOP, and pulses outside a transfer, are left out, and low times that begin before the
-        span.
+        Pulses with a START or STOP, pulses outside a transfer, and low times that begin before the span are left out.
         """
         seen = self._is_bit & (self._low_from >= 0)
         return self.rises[seen] - self._low_from[seen]

@@ -2,9 +2,10 @@
 
     Measures + LIMITS + Resolution --judge--> one Row per limit --> Report
 
-Each time is measured with an error, so it has several possible true values. A time passes if all of these values keep
-the limit, fails if none of them does, and is undecidable otherwise. A row fails if any of its times fails. Otherwise it
-is undecidable if any of its times is undecidable, or if the resolution may have hidden a time. Otherwise it passes.
+Each time is measured with an error, so it has several possible true values. A time passes if all of these values are
+within the limit, fails if none of them is, and is undecidable otherwise. A row fails if any of its times fails.
+Otherwise it is undecidable if any of its times is undecidable, or if a pulse between two samples may have been missed.
+Otherwise it passes.
 Floats are used only in texts and JSON; all calculations are exact.
 """
 
@@ -118,7 +119,10 @@ def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolutio
 
 
 def _worst(found: Measured, culprits: Flags, bounds: Bounds, resolution: Resolution) -> tuple[Occurrence, ...]:
-    """Return the worst times marked in `culprits`: those that exceed the limit most, or are nearest to the limit."""
+    """Return the worst of the times that are marked in `culprits`, at most PLACES.
+
+    The first one is the time that is farthest beyond the limit, or that may be farthest beyond it.
+    """
     which = np.flatnonzero(culprits)
     lengths = found.lengths[which]
     beyond = np.full(len(which), np.iinfo(np.int64).min)

@@ -86,9 +86,11 @@ def no_rows() -> Rows:
 def i2c_rows(table: I2cTable) -> Rows:
     """Return the rows of an I2C table.
 
-    The detail of a complete or cut byte is its direction; that of a reserved address is also its purpose. A 10-bit
-    address with R/W = 1 after a repeated START has one byte. If the other byte was sent earlier in the same transfer,
-    the value of the address row has all ten bits.
+    The detail of a complete or cut byte is its direction. The detail of a reserved address also states its purpose.
+
+    To read from a 10-bit address, a controller sends both bytes of the address with R/W = 0 and, after a repeated
+    START, only the upper byte with R/W = 1. The value of the row of this upper byte is the whole address, too, if the
+    upper bits are those of the last complete 10-bit address in the same transfer.
     """
     is_byte = (table.bits >= 8) | (table.kind == i2c_table.I2cRowKind.CUT)
     detail = (table.read + np.uint8(1)) * is_byte
@@ -101,7 +103,7 @@ def i2c_rows(table: I2cTable) -> Rows:
         lows, starts = np.flatnonzero(table.kind == ADDRESS_LOW), np.flatnonzero(table.kind == START)
         # `lows` has the rows of the lower bytes of 10-bit addresses.
         before = np.searchsorted(lows, again)  # for each address in `again`, the number of lower bytes before it
-        # `again` keeps the addresses after a lower byte; `low` is the last lower byte before each.
+        # `again` keeps the addresses that follow a lower byte; `low` has the last lower byte before each of them.
         again, low = again[before > 0], lows[before[before > 0] - 1]
         # True if the lower address byte and the repeated address are in the same transfer.
         same = np.searchsorted(starts, low) == np.searchsorted(starts, again)
@@ -166,9 +168,9 @@ def grouped(rows: Rows, silence: Sequence[int | None]) -> tuple[Rows, NDArray[np
 
 
 def refusals(rows: Rows) -> NDArray[np.bool_]:
-    """Return for each row of grouped rows True if a target did not acknowledge its address or a byte that it received.
+    """Return a mask of the NACK rows in which a target does not acknowledge its address or a byte that it received.
 
-    The NACK with which a controller ends a read is not a refusal.
+    The NACK with which a controller ends a read is not in the mask. rows: rows as `grouped` returns them.
     """
     found: NDArray[np.bool_] = rows.event == NACK
     found[1:] &= (rows.event[:-1] != DATA) | (rows.detail[:-1] != READ)
@@ -180,9 +182,9 @@ def chosen(rows: Rows, first: NDArray[np.int64], addresses: Collection[int], ref
 
     rows, first: grouped rows, and the numbers of the rows with which transfers begin.
     addresses: only transfers with at least one of these addresses are returned; empty if addresses do not matter.
-    refused: True to return only transfers with a refusal.
-    most: the maximum number of transfers, the first ones; None for all. A transfer on an SPI bus counts once, although
-        each of its data lines has rows of this transfer.
+    refused: True to return only transfers with a row of `refusals`.
+    most: the maximum number of transfers; only the first ones are returned. None for all. A transfer on an SPI bus
+        counts once, although each of its data lines has rows of this transfer.
     """
     lengths = np.diff(np.append(first, len(rows.at)))
     number = np.repeat(np.arange(len(first)), lengths)  # for each row, the number of its transfer

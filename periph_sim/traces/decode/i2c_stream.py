@@ -5,7 +5,8 @@
 The decoder of arrays, `i2c_table`, uses the same two tables:
 
     EVENTS >> 3 * (before << 2 | now) & 7     the event between two samples; bit 0 of a sample is SCL, bit 1 is SDA
-    COUNTED[rises]                            number of bits if a START or STOP follows this number of rises of SCL
+    COUNTED[rises]                            number of bits of a byte if a START or STOP follows after this number of
+                                              rises of SCL in the byte
 
 START and STOP are changes of SDA with SCL high in both samples. If both lines change at once, the event is an edge of
 SCL. The pulse of SCL that contains a START or STOP is not counted as a bit, unless it is the ninth pulse of a byte: its

@@ -34,7 +34,7 @@ OF_COUNTED = np.array(COUNTED, np.int64)
 
 
 class I2cRowKind(IntEnum):
-    """Kind of a row. CUT: a byte that a START, a STOP, or the end of the capture or of its known part cuts off."""
+    """Kind of a row. CUT: a byte that is incomplete because of a START, a STOP, or the end of the known span."""
 
     START = 0
     REPEATED_START = 1
@@ -54,8 +54,8 @@ class I2cTable(NamedTuple):
     at      int64   the edge of SDA for START and STOP, otherwise the rising SCL of the first bit (for ACK and NACK the
                     ninth bit)
     last    int64   the rising SCL of the last bit (for an address its R/W bit); equal to `at` for START and STOP
-    end     int64   the falling SCL after the last bit, the START or STOP before this fall, or `last` if the capture
-                    ends before both; equal to `at` for START and STOP
+    end     int64   the falling SCL after the last bit; the START or STOP if it comes before this fall; `last` if the
+                    known span ends before both; equal to `at` for START and STOP
     value   int16   the seven bits of ADDRESS, the ten bits of ADDRESS_LOW, the byte of DATA, or the bits of CUT, the
                     last bit least significant; -1 for other kinds
     bits    uint8   8 for a complete byte, 1 for ACK and NACK, fewer than 8 for CUT, 0 for START and STOP
@@ -187,7 +187,7 @@ def _table(edges: I2cEdges) -> I2cTable:
 
 
 def bit_counts(edges: I2cEdges) -> Counts:
-    """Return for each condition the number of bits between a START and the next condition; 0 for a STOP."""
+    """Return for each START the number of bits between it and the next condition; 0 for each STOP."""
     counts = np.diff(edges.seen, append=len(edges.rises))
     partial = counts[:-1] % BITS
     counts[:-1] += OF_COUNTED[partial] - partial
@@ -199,6 +199,7 @@ class _Bytes(NamedTuple):
 
     phase: the index of the condition with which the phase of the byte begins.
     begin: the index of the first rise of SCL in the byte.
+    kind, value, read: as in `I2cTable`.
     bits: the number of bits, without the ninth.
     acked: True if the byte has a ninth bit, whether it is an ACK or a NACK.
     """

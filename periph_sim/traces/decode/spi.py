@@ -12,7 +12,8 @@ Rules:
 - A bit is the level of a data line in the sample of a latching edge of the clock. Rising edges latch if polarity and
   phase are equal, otherwise falling edges. If a data line or CS changes in the same sample, its new level counts.
 - A word begins at the first latching edge after the previous word. Without a chip select, the first word begins at the
-  first latching edge of the capture. After a span in which the level of a line is unknown, counting starts anew.
+  first latching edge of the capture. The first latching edge after a span in which the level of a
+  line is unknown begins a word, too.
 - With a chip select, only latching edges while the chip select is active count. A change of the chip select, or the end
   of the capture, ends a word; the bits of an incomplete word are an event "cut". If the chip select is active from the
   beginning, the first word begins at the first latching edge.
@@ -120,7 +121,7 @@ def _events(
 
 
 def _words(format_: SpiFormat, latches: Positions, mosi: Channel | None, miso: Channel | None) -> list[Event]:
-    """Decode words from latching edges, none of which are separated by a change of the chip select."""
+    """Decode words from latching edges between which the chip select does not change."""
     streams = [None if line is None else line.at(latches).tolist() for line in (mosi, miso)]
     found: list[Event] = []
     for begin in range(0, len(latches), format_.bits):

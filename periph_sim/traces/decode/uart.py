@@ -14,8 +14,8 @@ Rules:
   three samples, the majority counts. If the start bit is sampled high, the event is a rejected start.
 - Only the first stop bit is checked. The first falling edge after the sample point of this bit starts the next frame.
 - A low phase that is at least as long as a frame is a break. It is also decoded as a frame.
-- A pulse shorter than half a bit is a glitch. If a glitch is where receivers may sample a bit, a receiver may read this
-  bit as 0 or as 1.
+- A pulse shorter than half a bit is a glitch. If a glitch is in the interval in which receivers may sample a bit
+  (`windows_of`), some receivers may read this bit as 0 and others as 1.
 
     falling edges --> the next possible start after each --> chain of frames --> edges within each frame --> bits
 
@@ -91,8 +91,8 @@ def _checked_bits(line: Line) -> int:
 def sample_point_step(step: int, width: Fraction | float) -> int:
     """Return the step of sample points, in positions: `step`, or 1 if a bit is shorter than two steps.
 
-    If a bit is shorter than two steps, `step` is the grid of the signal's own edges and not the sampling grid of an
-    analyser.
+    An analyser takes at least two samples per bit. So if a bit is shorter than two steps, `step` is not the sampling
+    grid of an analyser, but the grid on which the edges of the signal happen to lie.
     """
     return step if width >= 2 * step else 1
 

@@ -3,10 +3,10 @@
     frames at the stated rate --> share of misread frames --+--> another rate, if its share is much smaller
     guess of the rate --> frames at the guessed rate -------+
 
-A frame counts as misread if it has a framing or parity error, a glitch, or a falling edge between two bits. Rising
-edges are not compared with the bits, because a slow driver delays all of them. Frames that begin with a break do not
-count. At a multiple of the true rate, many frames begin with a break, and at a fraction of it, there are few frames;
-then the lengths of the low pulses are the evidence.
+A frame counts as misread if it has a framing or parity error, a glitch, or a falling edge far from the boundaries of
+bits. Rising edges are not compared with these boundaries, because a slow driver delays all rising edges. Frames that
+begin with a break do not count. At a multiple of the true rate, many frames begin with a break; at a fraction of the
+true rate, there are few frames. In both cases, the lengths of the low pulses are the evidence.
 
 Noise, a wrong parity and a capture that begins within a frame cause misread frames, too. So a rate is doubted only if
 another one explains the edges.
@@ -35,16 +35,18 @@ TOLERANCE = Fraction(1, 20)
 FEWEST = 3  # minimum number of misread frames at the stated rate, and minimum number of frames at the other rate
 MISREAD = 0.15  # minimum share of misread frames among the frames at the stated rate
 BETTER = 0.25  # maximum share of misread frames at the other rate, relative to the share at the stated rate
-OFF_GRID = 0.3  # a frame is misread if a falling edge is more than OFF_GRID bits and half a sample off whole bits
+# A frame is misread if a falling edge is more than OFF_GRID bits plus half a sample from the nearest bit boundary.
+OFF_GRID = 0.3
 FARTHEST = 0.45  # upper limit, in bits, of OFF_GRID plus half a sample; it matters if there are few samples per bit
 LIKELY = 0.3  # minimum certainty of the guessed rate (`Guess.sure`)
-# If the stated rate is four times the true rate, nearly all low pulses are longer than LONGER bits. This can also occur
-# at the right rate, but then low pulses of a frame have at most ten bits, and only those of four and eight bits are
-# whole bits at a quarter of the rate. So if pulses at the other rate have more than two lengths, the stated rate is
-# wrong. If the stated rate is a fraction of the true rate, most low pulses are shorter than SHORTER bits, and many of
-# them are in one frame.
+# If the stated rate is four times the true rate, nearly all low pulses are longer than LONGER bits. At the right rate,
+# all pulses can be so long, too. But then a low pulse of a frame has at most ten bits, and at a quarter of the rate
+# only pulses of four and eight bits have whole numbers of bits. So if the pulses have more than two lengths at the
+# other rate, the stated rate is wrong. If the stated rate is a fraction of the true rate, most low pulses are shorter
+# than SHORTER bits, and one frame at the stated rate contains many of them.
 LONGER, SHORTER = 3.5, 0.5
-# The rate is doubtful if at most NEARLY_NONE of the low pulses are below LONGER, or at least MOST are below SHORTER.
+# The rate is doubtful if at most the share NEARLY_NONE of the low pulses is shorter than LONGER bits, or at least the
+# share MOST is shorter than SHORTER bits.
 NEARLY_NONE, MOST = 0.05, 0.5
 PULSES, LENGTHS = 12, 3  # minimum number of low pulses, and of their different lengths at the other rate
 

@@ -166,8 +166,8 @@ def _bit_time(pulses: Pulses, step: int) -> tuple[float, float] | None:
     """Return the length of a bit in positions, and the average distance of the pulses from whole bits, in bits.
 
     The shortest frequent pulse is assumed to be one, two, three or four bits long. It is longer than one bit if each
-    low bit in the capture has another low bit next to it. The first of these lengths is used at which the pulses fit
-    whole bits well on average; if there is none, the length with the best fit.
+    low bit in the capture has another low bit next to it. The first of these assumptions is used with which the pulses
+    are on average close to whole bits; if there is none, the assumption with the best fit.
 
     Return None if no pulse is at least two positions long.
 

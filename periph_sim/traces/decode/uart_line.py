@@ -1,4 +1,4 @@
-"""Format of a serial line: its baud rate and the shape of its frames, also parsed from text."""
+"""Format of a serial line: its baud rate and the shape of its frames. `line_of` parses both from text."""
 
 from __future__ import annotations
 

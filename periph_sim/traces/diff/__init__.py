@@ -2,7 +2,8 @@
 
     Capture A, Capture B --decode--> events --pair--> entries --> TraceDiff
 
-Events are paired in order by their kind and content, and not by their times. Then the times of each pair are compared.
+Events are paired in order by their kind and content, regardless of their times. Then the times of each pair are
+compared.
 If an interrupt came 3 us later in B, all events after it are 3 us later. Only the first of them is a change point.
 
 Times are whole ticks of a clock whose rate is a multiple of the rates of both captures. The lateness of an event is its

@@ -18,7 +18,8 @@ Among several equal items, times decide which item is missing:
     B   poll 0           poll 20  poll 30      with times: the second poll is missing, and no poll is late
 
 A gap between two runs contains items of only one sequence, or of both. If items repeat, a gap in one sequence can be
-moved without changing the number of equal items. The gap is placed where the lateness changes least from item to item.
+moved without changing the number of equal items. The gap is placed where the lateness (the time in B minus the time
+in A) changes least from item to item.
 If a gap consists of repetitions of the same items, each repetition is a gap of its own, which is placed separately.
 """
 
@@ -113,7 +114,7 @@ def _step(reach: dict[int, int], k: int, edits: int) -> tuple[int, int]:
     """Return the x at which a path with `edits` differences enters diagonal k, and the diagonal from which it comes.
 
     reach: the furthest x on each neighbouring diagonal with one difference less. Of two paths, the one that reaches
-    further is taken. A path comes from diagonal k + 1 by an insertion, or from diagonal k - 1 by a deletion.
+    further is chosen. A path comes from diagonal k + 1 by an insertion, or from diagonal k - 1 by a deletion.
     """
     if k == -edits or (k != edits and reach[k - 1] < reach[k + 1]):
         return reach[k + 1], k + 1

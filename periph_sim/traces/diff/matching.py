@@ -10,10 +10,10 @@ Two captures of the same behaviour have the same words, even if their rates and 
     groups of A, groups of B --equal groups--> --equal events--> --events of the same class--> pairs
 
 First, equal groups are paired, which covers most of a long capture. Then the events between these groups are paired one
-by one if enough of them are equal. Otherwise similar groups are paired; with very many groups, those with equal
-addresses. If one of several equal events is missing, times decide which one. In a pair of groups, the events that are
-not equal are paired if they are of the same class (a byte with a byte, ACK with NACK), and count as changed. All other
-events are missing (only in A) or inserted (only in B).
+by one if enough of them are equal. Otherwise similar groups are paired, or groups with equal addresses if there are too
+many groups to compare them all. If one of several equal events is missing, times decide which of them it is. In a pair
+of groups, the events that are not equal are paired if they are of the same class (a byte with a byte, ACK with NACK),
+and count as changed. All other events are missing (only in A) or inserted (only in B).
 
     A   read 6 of 68    read 6 of 53    read 6 of 1E
     B   53 NACK         read 1 of 53                     -->  only the reads of 53 are paired, with changed events
@@ -179,7 +179,7 @@ class Pairing:
         If A and B have the same number of groups, and corresponding groups have events of the same classes in the same
         order, events are paired in this order. Otherwise, if there are at most FEW_EVENTS events, single events are
         aligned. The result is used if the number of pairs of equal events is at least half of the number of all other
-        pairs. Otherwise, similar groups are paired or, if FEW_GROUPS does not allow to compare all of them, groups with
+        pairs. Otherwise, similar groups are paired or, if there are more groups than FEW_GROUPS allows, groups with
         equal STARTs and addresses.
         """
         if len(a) == len(b) and all(shape(one) == shape(other) for one, other in zip(a, b, strict=True)):

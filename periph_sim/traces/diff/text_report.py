@@ -11,7 +11,7 @@ from . import ChangePoint, Entry, KindSummary, TraceDiff
 COUNTS = ("kind", "in both", "changed", "missing", "inserted")
 LATENESS = ("kind", "median later", "worst later", "worst at (A)")
 SHOWN = 10  # maximum number of entries of a list that are shown, unless all are requested
-WORDS = 8  # maximum number of words that are shown of successive missing or inserted events
+WORDS = 8  # maximum number of successive missing or inserted events that one line names
 
 
 def text(diff: TraceDiff, everything: bool = False) -> str:

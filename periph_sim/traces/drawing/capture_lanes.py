@@ -1,4 +1,4 @@
-"""Lanes of a timing diagram for a span of a capture: waves of the wires, and the bytes on the I2C bus.
+"""Lanes (rows) of a timing diagram for a span of a capture: waves of the wires, and the bytes on the I2C bus.
 
 Capture --cut to span--> SCL, SDA, bytes, other wires that change
 """
@@ -51,7 +51,7 @@ def wire_lanes(
 def bit_of(capture: Capture, otherwise: int) -> int:
     """Return the length of a bit on the I2C bus in positions: the median distance between rising edges of SCL.
 
-    otherwise: the result if SCL has too few edges.
+    otherwise: the result if there is no channel SCL, or if SCL has too few edges.
     """
     for channel in capture.channels:
         rises = channel.edges[channel.levels == 1]

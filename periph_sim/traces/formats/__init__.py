@@ -70,7 +70,7 @@ class Format(Protocol):
 def _with_plugins(shipped: dict[str, Format], installed: bool) -> dict[str, Format]:
     """Return the formats `shipped` and the formats of plugins.
 
-    Plugins belong to the project in the current folder or, if `installed` is True, also to installed distributions.
+    The plugins are those of the project in the current folder and, if `installed` is True, of installed distributions.
     """
     if not installed and not has_plugins(Path()):
         return shipped

@@ -5,8 +5,9 @@
 The header lists the channels as probes, with their numbers and names.
 
 Chosen: a probe without blocks was not captured. If channels are switched off, DSView may number the probes of the
-header and the folders of the blocks differently. So if a folder has the number of no probe, probes and folders are
-matched in order. With salvage, the levels of a channel are unknown after a damaged place in its blocks.
+header and the folders of the blocks differently. So if a folder has a number that no probe has, probes and
+folders are paired in the order of their numbers. With salvage, the levels of a channel are unknown after a damaged
+place in its blocks.
 
 Source: the demo captures that come with DSView, whose header versions are 2 and 3.
 """

@@ -1,4 +1,4 @@
-"""FST (GTKWave, Verilator, Icarus) and GHW (GHDL): binary waveforms of simulators. FST is also written.
+"""FST (GTKWave, Verilator, Icarus) and GHW (GHDL): binary waveforms of simulators. FST can also be written.
 
     file --> a separate process with the library `pywellen` --> positions and states --> Capture
 
@@ -10,7 +10,7 @@ file, which states no end.
 VCD is not read with this library, because the library loses the end of a capture and the declared ranges of vectors.
 
 FST is written by GTKWave's own library, `fstapi.c`, which `pylibfst` provides (the extra `fst`). This library creates
-temporary files beside its output, so the output is first written into a temporary folder.
+temporary files in the folder of its output, so the output is first written into a temporary folder.
 """
 
 from __future__ import annotations
@@ -56,7 +56,8 @@ PATIENCE = 900  # maximum time in seconds to read a file; usually the reading pr
 ERROR = re.compile(r"^(?:[\w.]*(?:Error|Exception)): (.+)$", re.MULTILINE)
 NO_END = "the format does not say where the run ends, so the last change is used"
 
-STATE_OF = np.array([STATES.get(code, UNKNOWN) for code in range(256)], np.uint8)  # by the code of each letter
+# For the code of each letter, its state.
+STATE_OF = np.array([STATES.get(code, UNKNOWN) for code in range(256)], np.uint8)
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -155,8 +156,8 @@ class Variable(NamedTuple):
 
     name: the name with its scopes, such as `dsp.I2C_A.I2CSTR`.
     width: the number of bits, or TEXT.
-    changes: pairs of a time and a value in order, the first of which is at time 0. A value consists of `width` letters
-        0, 1 or x; if `width` is TEXT, a value is any text.
+    changes: pairs of a time and a value in order of time; the first pair is at time 0. A value consists of `width`
+        letters 0, 1 or x; if `width` is TEXT, a value is any text.
     """
 
     name: str

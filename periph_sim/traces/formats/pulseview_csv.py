@@ -6,8 +6,8 @@
     1,1
 
 Times are counted from the first row, which is the first sample, because libsigrok 0.5 prints times one sample period
-late and older versions do not. The header states the unit of times. If it does not, the unit is assumed that the
-programs choose by themselves: the coarsest one in which a sample period is at least 1.
+late and older versions do not. If the header states no unit of times, the unit is assumed that the programs choose by
+default: the coarsest one in which a sample period is at least 1.
 
 Chosen: without a time column, every row is a sample. The separator is the first of comma, tab, semicolon, bar and blank
 that occurs in the first row.

@@ -51,7 +51,7 @@ class Chunk:
     place: the byte of the file at which the chunk begins.
     at: the byte of the file at which the times of changes begin.
     count: the number of these times in the file.
-    cut: True if the file ends before all times.
+    cut: True if the file ends too early, so that later times are missing.
     """
 
     initial: int
@@ -131,7 +131,10 @@ class _Grid:
 
 
 def _channel(path: Path, grid: _Grid, index: int, chunks: list[Chunk], length: int, notes: list[str] | None) -> Channel:
-    """Read the channel of one file. A note on damage is added to `notes`; if `notes` is None, raise BadCapture."""
+    """Read the channel of one file.
+
+    If the file is damaged, add a note to `notes`; if `notes` is None, raise BadCapture.
+    """
     parts: list[tuple[Positions, Levels]] = []  # for each chunk and gap: positions, and the state from each position on
     known_to = 0
     with path.open("rb") as file:

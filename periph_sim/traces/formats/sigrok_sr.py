@@ -168,7 +168,7 @@ def _number(path: Path, keys: dict[str, str], key: str, least: int, most: int) -
 def write(capture: Capture, path: Path) -> tuple[str, ...] | None:
     """Write a capture in version 2. The channels are, in order, the bits of a sample from bit 0 on.
 
-    Raise BadCapture if sigrok could not read the file.
+    Raise BadCapture if sigrok could not read a file with this capture.
     """
     _check_writable(capture, path)
     with path.open("wb") as file:
@@ -220,9 +220,9 @@ def _check_writable(capture: Capture, path: Path) -> None:
 
 
 def _few_names(capture: Capture) -> list[str]:
-    """Return the names of the first channels that are called SCL, SDA, RX and TX, as far as there are such channels.
+    """Return the names of at most four channels: the first channel for each of SCL, SDA, RX and TX.
 
-    If there are none, return the names of the first two channels of the capture.
+    If none of these exists, return the names of the first two channels of the capture.
     """
     usual = [found[0].name for line in ("scl", "sda", "rx", "tx") if (found := channels_named(capture, line))]
     return usual or [channel.name for channel in capture.channels[:2]]

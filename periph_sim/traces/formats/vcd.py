@@ -7,7 +7,8 @@ comments and spaces in channel names, which sigrok's users write. wellen, which 
 loses the end of a capture and the declared ranges of vectors, and its errors state no line.
 
 Chosen:
-- Tick 0 of the file is position 0. Levels before the first `#` are unknown, unless values are given before it.
+- Tick 0 of the file is position 0. Values before the first `#` are at tick 0. Before its first value, a level is
+  unknown.
 - `z` is high (a released open-drain line); `x` and the VHDL states other than 0 and 1 are unknown.
 - Each bit of a vector is a channel, `name[k]`. Reals, strings, events and parameters are ignored.
 - A last `#N` without changes after it is the end, so that the length is N positions. Otherwise the last change is at

@@ -192,8 +192,8 @@ class ModifiesOfPlace:
     def meant(self, flags: list[Flag]) -> set[str]:
         """Return the names of the flags that firmware may have intended to clear here.
 
-        These are the fields that its statements name. If they name none, these are the flags in `proven`; if there are
-        none of these either, the flags in `always`.
+        These are the fields that its statements name; if they name no field, the flags in `proven`; if `proven` has no
+        flag, the flags in `always`.
 
         flags: the flags of the register.
         """

@@ -1,4 +1,4 @@
-"""Formats that hold every record of a run, .psr and .jsonl."""
+"""Formats that contain every record of a run, .psr and .jsonl."""
 
 from __future__ import annotations
 

@@ -12,8 +12,8 @@ Rules, from the I2C-bus specification (UM10204, section 3.1):
 - A bit is the level of SDA at a rising SCL. If both lines change in one sample, the order of the edges is unknown: at a
   rising SCL the new level of SDA counts, and at a falling SCL the old level. Such a change of SDA is no START or STOP.
 - If SCL is high before and after an edge of SDA, a falling edge is a START or repeated START, and a rising edge is a
-  STOP, even within a byte. The pulse of SCL that contains the edge is not counted as a bit, unless it is the ninth
-  pulse of a byte: its ACK was already transferred when SCL rose. The bits of an incomplete byte are decoded as CUT.
+  STOP, even within a byte. A pulse of SCL that contains such an edge is counted as a bit only if it is the ninth pulse
+  of a byte, because its ACK was already transferred when SCL rose. The bits of an incomplete byte are decoded as CUT.
 - The first byte after a START is the address. After R/W = 1 the target drives the data bytes and the controller the
   ACKs; otherwise the controller drives the bytes and the target the ACKs. The `driver` of a bit is the party that
   drives SDA according to this rule. The lines do not show which party really drives it.

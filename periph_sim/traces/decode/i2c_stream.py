@@ -9,9 +9,9 @@ The decoder of arrays, `i2c_table`, uses the same two tables:
                                               rises of SCL in the byte
 
 START and STOP are changes of SDA with SCL high in both samples. If both lines change at once, the event is an edge of
-SCL. The pulse of SCL that contains a START or STOP is not counted as a bit, unless it is the ninth pulse of a byte: its
-ACK was already transferred when SCL rose. The agents on the simulated bus have their own table, because the decoders
-are the test oracle for them.
+SCL. A pulse of SCL that contains a START or STOP is counted as a bit only if it is the ninth pulse of a byte, because
+its ACK was already transferred when SCL rose. The agents on the simulated bus have their own table, because the
+decoders are the test oracle for them.
 
 Source: UM10204 sections 3.1.3 to 3.1.6.
 """

@@ -12,11 +12,11 @@ Rules:
 - A bit is the level of a data line in the sample of a latching edge of the clock. Rising edges latch if polarity and
   phase are equal, otherwise falling edges. If a data line or CS changes in the same sample, its new level counts.
 - A word begins at the first latching edge after the previous word. Without a chip select, the first word begins at the
-  first latching edge of the capture. The first latching edge after a span in which the level of a
-  line is unknown begins a word, too.
-- With a chip select, only latching edges while the chip select is active count. A change of the chip select, or the end
-  of the capture, ends a word; the bits of an incomplete word are an event "cut". If the chip select is active from the
-  beginning, the first word begins at the first latching edge.
+  first latching edge of the capture. The first latching edge after a span in which the level of a line is unknown
+  begins a word, too.
+- With a chip select, latching edges are ignored while the chip select is inactive. A change of the chip select, or the
+  end of the capture, ends a word; the bits of an incomplete word are an event "cut". If the chip select is active from
+  the beginning, the first word begins at the first latching edge.
 
 Polarity and phase are usually called CPOL and CPHA. TI's CLK_PHASE is the opposite of CPHA.
 """

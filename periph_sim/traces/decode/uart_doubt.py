@@ -48,7 +48,7 @@ LONGER, SHORTER = 3.5, 0.5
 # The rate is doubtful if at most the share NEARLY_NONE of the low pulses is shorter than LONGER bits, or at least the
 # share MOST is shorter than SHORTER bits.
 NEARLY_NONE, MOST = 0.05, 0.5
-PULSES, LENGTHS = 12, 3  # minimum number of low pulses, and of their different lengths at the other rate
+PULSES, LENGTHS = 12, 3  # minimum number of low pulses; minimum number of their different lengths at the other rate
 
 
 def rate_doubt(capture: Capture, channel: str | int, line: Line, glitch: int = 0) -> tuple[str, Line] | None:

@@ -56,10 +56,10 @@ class Row:
 
     count: the number of measured times.
     least, most: the shortest and the longest measured time, in positions; None if nothing was measured.
-    failed: the number of times that fail.
-    undecided: the number of times that are undecidable.
-    excused: the number of times that exceed the maximum, or may exceed it, but to which the maximum does not apply.
-    unsure: the number of times that are beyond the limit, but undecidable, because the limit may not apply to them.
+    failed: how many of the measured times fail.
+    undecided: how many of them are undecidable.
+    excused: how many of them exceed the maximum, or may exceed it, although the maximum does not apply to them.
+    unsure: how many of them are beyond the limit, but undecidable, because the limit may not apply to them.
     worst: the worst occurrences, at most PLACES, in order from the worst.
     """
 

@@ -91,8 +91,8 @@ def _checked_bits(line: Line) -> int:
 def sample_point_step(step: int, width: Fraction | float) -> int:
     """Return the step of sample points, in positions: `step`, or 1 if a bit is shorter than two steps.
 
-    An analyser takes at least two samples per bit. So if a bit is shorter than two steps, `step` is not the sampling
-    grid of an analyser, but the grid on which the edges of the signal happen to lie.
+    A capture that can be decoded has at least two samples per bit. So if a bit is shorter than two steps, `step` is not
+    the sampling grid of an analyser, but the grid on which the edges of the signal happen to lie.
     """
     return step if width >= 2 * step else 1
 

@@ -22,7 +22,7 @@ host: the simulated PC of the table [host], which sends frames with sensor value
 agent: a party that the simulator itself calls at scheduled times, such as the controller and the host.
 outside party: another program that drives wires of a scene, or the log of such a program.
 session: the run of a scene that an outside party steps and drives (`periph_sim.outside`). Its log can be replayed.
-option, open question: a behaviour that the manuals leave open, with the answer that a case may choose.
+option, open question: a behaviour that the manuals do not define. A case can choose one of its possible answers.
 note: an observation for the user, for example that firmware does what a manual forbids, or that data was lost.
 model: the type of a chip or device; or, in firmware that emulates sensor chips, the computation of their values.
 round: one execution of the requests that a master repeats periodically.

@@ -51,7 +51,7 @@ class BusSide:
 
     @property
     def rounds(self) -> BusRounds:
-        """The rounds on the bus. The first use creates the monitor, so earlier transfers are in no round."""
+        """The rounds on the bus. The first use creates the monitor, so earlier transfers belong to no round."""
         if self._rounds is None:
             self._rounds = BusRounds(self.asked, self._begun_at)
             if "SCL" in self._wires:
@@ -68,7 +68,7 @@ class BusSide:
 
     @property
     def starts(self) -> Sequence[int]:
-        """The ticks at which the rounds are due, if the case lists them; else empty."""
+        """The ticks at which the rounds are due; empty if the case does not list these times."""
         return () if self.asked is None else self.asked.starts or ()
 
     def count(self, transfer: Transfer) -> None:
@@ -79,8 +79,8 @@ class BusSide:
     def count_nacked(self, transfer: Transfer) -> None:
         """Count a transfer in `nacked` if it was not acknowledged.
 
-        If [rounds] has `ack_polling = true`, a write of only the address does not count: it polls whether an EEPROM is
-        ready.
+        If [rounds] has `ack_polling = true`, a write of only the address does not count, because the master uses it to
+        find out whether an EEPROM is ready.
         """
         first = transfer.phases[0]
         polls = self.asked is not None and self.asked.ack_polling and not first.read and not first.data

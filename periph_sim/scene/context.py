@@ -33,7 +33,8 @@ class CaseTicks(Struct, frozen=True):
 
         ppm: the error of the clock that counts the length, in parts per million; positive for a fast clock.
 
-        Raise BadCase if the number of ticks is too large, or TimeError if no key of the case has this length.
+        If the number of ticks is too large, raise BadCase, which names the key of the case with this length. If no key
+        has this length, raise TimeError.
         """
         count, parts = self._ticks(length, ppm)
         return self._fitting((2 * count + parts) // (2 * parts), length)

@@ -101,8 +101,9 @@ def nothing_comes(
 def polls_for_input(dsp: Dsp) -> bool:
     """Return True if firmware polls without a timeout, and only an input from outside the CPU can end its polls.
 
-    A further pass of the wait would read the values of the previous pass, and no write or interrupt is pending. This is
-    for runs in which the simulator executes every poll. If it skips polls, `CpuTime.waits_for_input` is True instead.
+    A further pass of the wait would read the values of the previous pass, and no write or interrupt is pending. This
+    function is for runs in which the simulator executes every poll. In runs in which polls are skipped,
+    `CpuTime.waits_for_input` is True for such a wait.
     """
     spin, time = dsp.program.spin, dsp.processor.time
     waits = spin is not None and spin.ends == NEVER and spin.unchanged(time.cycle)
@@ -143,14 +144,18 @@ def refused(dsp: Dsp, instant: Callable[[int], str]) -> str:
 
 
 def outputs(dsp: Dsp) -> list[str]:
-    """Return the names of the wires that the unit drives by pins that are general-purpose outputs."""
+    """Return the names of the wires that the unit drives through pins configured as general-purpose outputs."""
     socket = dsp.sockets.get("GPIO")
     driven = 0 if socket is None else cast("Gpio", socket.chip).driven
     return [wire.name for pin, wire in dsp.plan.wires.items() if driven >> pin & 1]
 
 
 def signals_behind(dsp: Dsp, spin: Spin) -> list[str]:
-    """Return the names of the modules whose events may end a wait: the polled modules, and those that interrupt."""
+    """Return the names of the modules whose events may end a wait.
+
+    These are the polled modules and, if the CPU takes interrupts, the modules whose interrupts are enabled. If the PIE
+    is polled, they are all modules of the unit.
+    """
     read = list(dict.fromkeys(poll.place.name for poll in spin.polls))
     if "PIE" in read:
         return list(dsp.sockets)
@@ -216,11 +221,10 @@ def _may_move(scene: Scene, stuck: set[str], wire: Wire, parties: list[str]) -> 
 
     stuck: the units whose waits cannot end, as far as known.
 
-    A party may change the wire, with these exceptions:
-
-    - a unit in `stuck`;
-    - a chip or device on SCL or SDA, unless it holds the wire low and an event is due;
-    - a controller that waits within a round, if no event is due.
+    - A unit may change the wire if it is not in `stuck`.
+    - A chip or device on SCL or SDA may change the wire if it holds the wire low and an event is due.
+    - The controller agent may change the wire if it does not wait within a round, or if an event is due.
+    - Any other party may change the wire.
     """
     coming = scene.kernel.next_time()
     if coming <= scene.kernel.now + scene.timebase.ticks(SETTLED):

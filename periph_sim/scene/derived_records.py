@@ -32,12 +32,11 @@ OF_MODELS = {"model age", "model run"}  # names of the records that an `AgeRecor
 class DerivedRecords:
     """The objects that derive records in a scene.
 
-    bytes: the object that compares read bytes with expected bytes; None if no subscriber needs the
-        results.
+    bytes: the object that compares read bytes with expected bytes; None if no subscriber needs the results.
     """
 
     def __init__(self, recorder: Recorder) -> None:
-        """Subscribe to the spans of firmware if the ages of the values of sensor models are needed.
+        """Subscribe to the spans of firmware if a subscriber needs the ages of the values that sensor models compute.
 
         Create this object after all other subscriptions and before the units.
         """
@@ -51,7 +50,7 @@ class DerivedRecords:
             recorder.subscribe((Kind.SPAN,), self._age_records())
 
     def attach(self, scene: Scene) -> None:
-        """Subscribe to the parts of a scene, which must all be built.
+        """Subscribe to the parts of a scene. All parts must have been built before.
 
         Raise BadCase if the expected bytes cannot be determined.
         """

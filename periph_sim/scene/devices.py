@@ -58,7 +58,10 @@ class DeviceOnBus:
     STATE = State("target log")
 
     def __init__(self, context: SceneContext, name: str, known: Mapping[str, Wire]) -> None:
-        """known: a dictionary from names to wires of the scene."""
+        """Build the target that the table [device.NAME] describes, and connect it to the bus.
+
+        known: a dictionary from names to wires of the scene.
+        """
         table = context.case.device[name]
         self.log = NoteLog(context, name)
         self.side: TargetSide | None = None

@@ -1,6 +1,7 @@
-"""The log of a session: the levels that the outside party drives, and when bytes begin, instant by instant.
+"""The log of a session, in which an outside party drives wires of a scene (`periph_sim.outside`).
 
-Each line is a JSON value; the first line is the head of the log. `tick` counts from the start of the session.
+For each instant, the log has the new levels of these wires, and the wires on which a byte begins. Each line is a JSON
+value; the first line is the head of the log. `tick` counts from the start of the session.
 
 {"format": "periph-sim outside", "version": 1, "case": ..., "ticks_per_second": ..., "wires": [...],
  "file": ..., "set": [...]}             if the case has a file: the path of the file, relative to the log's folder, and
@@ -56,8 +57,8 @@ class Instant(NamedTuple):
     """The changes at one tick.
 
     levels: the new levels of the wires that the outside party changes.
-    sent: a dictionary from a wire to the number of bytes that begin on the wire. The number 0 means that no byte begins
-        at this tick, but the outside party begins to send bytes on the wire.
+    sent: a dictionary from a wire to the number of bytes that begin on the wire. The number 0 means that the outside
+        party sends bytes on this wire from now on, but that none of them begins at this tick.
     """
 
     tick: int

@@ -9,7 +9,7 @@ can be recognized on the wires. With `beside_outside = true`, the [controller] s
 controller, or a device.
 
 Parties are replaced when a case is loaded, when a session chooses other wires, and when a scene is built. So the same
-rule holds for sessions, simulators, served ports and replays.
+rule holds whether the outside party is a Python program, another simulator, a program at a network port, or a log.
 """
 
 from __future__ import annotations

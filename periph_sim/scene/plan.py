@@ -81,7 +81,8 @@ class ScenePlan:
         Raise BadCase for an invalid budget.
         """
         if self._limits is None or self._names_of_files:
-            # A misspelled module of a unit is reported before the budgets that name the module, which are wrong, too.
+            # The units are checked first: if the table of a unit misspells a module, budgets that name the module are
+            # invalid, too, but the mistake in the table must be reported.
             for name in self.case.unit:
                 self.unit(name)
             before = None if self._names_of_files else self._before

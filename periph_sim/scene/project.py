@@ -138,6 +138,6 @@ def _parsed(text: str) -> dict[str, object]:
 
 
 def _near(path: Path) -> Path:
-    """Return a path inside the current folder as relative to it, and any other path unchanged."""
+    """Return a path relative to the current folder if it is inside this folder; otherwise, return it unchanged."""
     here = Path.cwd()
     return Path(os.path.relpath(path, here)) if path.is_relative_to(here) else path

@@ -39,11 +39,11 @@ class Result:
     estimated: names of the units that run C sources. The cycles between the accesses of these units are estimated.
     stuck: sentences about lines that stayed low, at most ten, and about firmware that waits for an event that cannot
         occur.
-    wrong: the number of wrong bytes that were read, by place, such as "gyroscope byte 0". It is empty unless a budget
-        compares bytes.
+    wrong: the number of wrong bytes that were read, by place, such as "gyroscope byte 0". It is empty if no bytes are
+        compared.
     first_wrong: a sentence about the first read with a wrong byte; "" if there is none.
-    ends: a sentence for each unit with an image that says what the image does at the end of the run. Units whose image
-        has ended, and units in `stuck`, have none.
+    ends: a sentence for each unit with an image about what the image does at the end of the run. There is no sentence
+        for units whose image has ended, nor for units whose firmware is named in `stuck`.
     """
 
     case: str
@@ -65,7 +65,7 @@ class Result:
     sci_errors: dict[str, int] = field(default_factory=dict)
     bytes_skipped: int = 0
     ends: list[str] = field(default_factory=list)
-    fidelity: str = "exact"  # the only value; kept for programs that read `--json` of earlier versions
+    fidelity: str = "exact"  # obsolete, always "exact"; kept for programs that read the output of `--json`
 
     def reception(self, zero: bool = False) -> list[str]:
         """Return a phrase for each kind of error in characters that SCIs received: `5 framing errors`.
@@ -99,7 +99,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
     counts["overruns"] = sum(x.measure.count for x in scene.limits if x.budget.measure == "overruns")
     counts[SKIPPED] = sum(dsp.program.polls_skipped for dsp in scene.units.values())
     counts["resets"] = sum(dsp.resets for dsp in scene.units.values())
-    compared = None if scene.derived is None else scene.derived.bytes  # None unless a budget compares bytes
+    compared = None if scene.derived is None else scene.derived.bytes  # None if no bytes are compared
     return Result(
         case=scene.case.name,
         verdict=FAIL if failed else PASS if verdicts else NOT_JUDGED,
@@ -191,7 +191,7 @@ def notes_of(scene: Scene) -> list[str]:
 
 
 def _late_parties(scene: Scene) -> list[str]:
-    """Return a note for a controller or host whose first round or frame is not due before the end of the case."""
+    """Return a note for a controller or host whose first round or frame is due at or after the end of the case."""
     case, timebase = scene.case, scene.timebase
     end = timebase.show(timebase.ticks(case.duration, "nearest"))
     return [
@@ -219,7 +219,11 @@ def _missed_rounds(scene: Scene) -> list[str]:
 
 
 def unwired_pins(dsp: Dsp) -> list[str]:
-    """Return a note for each module with a signal that GPxMUX, at the end of the run, connects only to unwired pins."""
+    """Return a note for each module with a signal for which the case has no wire.
+
+    Such a signal is connected by GPxMUX to one or more pins at the end of the run, but none of these pins has a wire.
+    Modules on the I2C bus are not checked.
+    """
     gpio, part = cast("Gpio", dsp.sockets["GPIO"].chip), dsp.plan.part
     notes = []
     for module in dsp.sockets:

@@ -125,8 +125,8 @@ class Scene:
         self.truth: Truth | None = None
         self.model: FirmwareModel | None = None  # the model with which firmware computes the data of chips
         self.frames: FrameSource | None = None  # source of the host's frames; None if the host has no motion
-        # `_counter` counts the bytes on the wires. None if there is no bus, or if the controller agent is the only
-        # master, whose bytes `bus` counts.
+        # `_counter` counts the bytes on the wires. It is None if there is no bus, or if the controller agent is the
+        # only master. In the latter case, `bus` counts the bytes of the controller agent.
         self._counter: BusRecorder | None = None
         self.bus = BusSide(case, self.wires, self.timebase.ticks(SPIKE, "nearest"))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
@@ -289,7 +289,7 @@ class Scene:
 
         progress: called up to a hundred times, with the fraction of the run that is done.
 
-        If the case has a log in [outside], the run ends before the events of its last tick, as the session did.
+        If the case has a log in [outside], the run leaves out the events of its last tick, as the session did.
 
         Raise BadCase, before anything runs, if the run would have too many ticks, or if the case has an [outside]
         without a log.
@@ -324,7 +324,7 @@ class Scene:
         self._wall += perf_counter() - wall
 
     def state(self) -> Snapshot:
-        """Return a snapshot of the scene between two runs. It has plain values, with times relative to now.
+        """Return a snapshot of the scene between two runs. It has plain values, with times relative to the present.
 
         A snapshot does not contain measures, nor the stacks of Python firmware and C sources. If all units run images,
         two scenes with equal snapshots continue equally.
@@ -336,8 +336,9 @@ class Scene:
 
         If all units run images, the state is assigned, and budgets begin anew. Otherwise, the scene runs from its start
         to the time of the snapshot, because stacks of Python firmware and C sources cannot be restored. If both scenes
-        are `restorable`, C sources are first executed with the values in logs of their accesses. The scene then runs
-        only from shortly before the snapshot, and budgets begin there.
+        are `restorable`, C sources are first executed up to a checkpoint shortly before the snapshot. In this time, the
+        values that they read come from logs of their accesses. The scene then runs only from the checkpoint, and
+        budgets begin there.
 
         Raise NotRestorable, with nothing changed, if the case, a program or the records are not equal, if this scene
         has run already, or if the accesses of C sources differ from those in their logs. Raise NotRestorable also if
@@ -348,7 +349,7 @@ class Scene:
     def close(self) -> None:
         """Terminate the firmware and remove all subscribers. The scene can then be read, but not run.
 
-        A scene that is deleted is closed automatically, unless any of its subscribers refers to the scene.
+        A scene is closed automatically when it is deleted. It is never deleted if one of its subscribers refers to it.
         """
         self._close()
 

@@ -26,7 +26,7 @@ from .devices import NoteLog
 
 
 class ChipOnBus:
-    """A sensor chip on the bus. chip: the model of the chip with its registers. log: the notes of the chip."""
+    """A sensor chip on the bus. chip: the simulated chip with its registers. log: the notes of the chip."""
 
     STATE = State("pointer log")
 
@@ -34,7 +34,7 @@ class ChipOnBus:
         """Make the chip.
 
         make: a function that takes the tick at which the chip's supply is switched on, and returns a new chip.
-        powered: the tick for the first call of `make`, possibly before the run.
+        powered: the tick at which the supply is switched on for the first time; it can be before the run.
         """
         self.log = NoteLog(context, name)
         self._kernel = context.kernel

@@ -3,9 +3,9 @@
     Scene --modules_of--> {"dsp.SCI-A": socket, "SDA": wire, ...} --take--> Snapshot --restore--> Scene
 
 A snapshot does not contain measures, nor attributes that only reports read. Python firmware and C sources keep part of
-their state on a stack. Their scenes are therefore not assigned a state, but run up to the time of the snapshot, and
-then compared with the snapshot. This run begins at the start of the scene, or at a checkpoint if C sources keep logs of
-their accesses. A checkpoint is an earlier snapshot with these logs.
+their state on a stack, which cannot be restored. A scene with such a unit is therefore run up to the time of the
+snapshot, and its state is then compared with the snapshot. This run begins at the start of the scene, or at a
+checkpoint if C sources keep logs of their accesses. A checkpoint is an earlier snapshot with these logs.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ WINDOWS = 10_000  # number of windows in a second of simulated time; the checkpo
 
 
 def state_of_scene(scene: Scene) -> Snapshot:
-    """Return the state of a scene that is not running. Before, pending changes of wires take effect."""
+    """Return the state of a scene that is not running, after pending changes of wires have taken effect."""
     scene.kernel.settle()
     taken = take_snapshot(modules_of(scene), scene.kernel.now, scene.recorder.number, tuple(_identity(scene)))
     return taken._replace(base=scene.checkpoint)
@@ -170,7 +170,7 @@ def run_to_checkpoint(scene: Scene, until: int) -> None:
 def _restore_checkpoint(scene: Scene, checkpoint: Snapshot) -> None:
     """Restore a checkpoint. Do nothing if the scene has a part that cannot be restored.
 
-    Raise NotRestorable, with nothing changed, if the accesses of C sources differ from their logs.
+    Raise NotRestorable, with nothing changed, if the accesses of C sources differ from those in their logs.
     """
     from ..processor.host_code.access_log import re_execute, restart
 

@@ -40,9 +40,10 @@ class StuckLines:
             self._wire, self._after_rounds = wire, self.head.rounds
 
     def hangs(self) -> bool:
-        """Return True if the controller still waits in the round of the last report while another party holds the line.
+        """Return True if the controller still waits for the line that was reported last.
 
-        Return False if there is no controller agent.
+        This is so if it is still in the round of the report, and another party holds the line low. Return False if
+        there is no controller agent.
         """
         wire, head = self._wire, self.head
         if wire is None or head is None or head.at_rest or head.rounds != self._after_rounds:

@@ -34,7 +34,7 @@ LARGEST_DIFFERENCE = Fraction(1, 20)  # maximum relative difference of two rates
 
 
 class UartSide:
-    """The serial lines of a scene. host: the host on RX, or None. serial: the parties in the table [serial]."""
+    """The serial lines of a scene. host: the host on RX, or None. serial: the parties in [serial], or None."""
 
     def __init__(
         self,
@@ -54,7 +54,8 @@ class UartSide:
         self._wires = wires
         self._pairs: Pairs | None = None
         self._lines: dict[str, Line] = {}  # maps a wire to the function that returns its rate and format
-        self._own: Mapping[tuple[str, str], Line] = {}  # maps (unit, module) to a function, as `_lines` does
+        # `_own` maps (unit, module) to the function that returns the rate and format that this SCI is set to.
+        self._own: Mapping[tuple[str, str], Line] = {}
         self._counters: dict[str, UartCounter] = {}
         self._counted: dict[str, int] = {}  # maps a wire to the number of characters decoded from its levels
         self._sent: dict[str, int] = {}
@@ -161,8 +162,9 @@ class UartSide:
     def record_receivers(self) -> None:
         """Start recording the waiting words and losses of SCIs' receivers, and the characters on their RX lines.
 
-        A character makes one record for each SCI on its line. The tick of the record is that of the start bit. The
-        record is made later, when the next character begins or the run ends: `UartCounter` reports a character then.
+        A character makes one record for each SCI on its line. The tick of the record is that of the start bit, but the
+        record is made only when the next character begins or the run ends, because `UartCounter` reports the character
+        then.
         """
         from .sci_monitor import SciMonitor
 

@@ -150,7 +150,7 @@ def build_unit(
 
 
 def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Firmware:
-    """Make the unit run its image. Return a Firmware object that represents the image in lists of firmware."""
+    """Make the unit run its image. Return a Firmware object with the name of the image, for lists of firmware."""
     from ..processor.image.boot import BadStub, Stub, stubbed
     from ..processor.image_files.model import BadImage
     from ..processor.image_files.program_file import program_in
@@ -175,7 +175,7 @@ def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Fi
 def _started_sources(case: Case, name: str, unit: Unit, dsp: Dsp) -> Firmware:
     """Make the unit run its C sources, beginning with main.
 
-    Return a Firmware object that represents the sources in lists of firmware.
+    Return a Firmware object with the names of the sources, for lists of firmware.
     """
     from ..processor.host_code.firmware import HostFirmware
     from ..processor.host_code.library import BadSources, Sources

@@ -1,6 +1,6 @@
-"""Watchers of wires, built from [watch.NAME] tables. A watcher compares the edges of its wire with expected times.
+"""Watchers of wires, built from [watch.NAME] tables.
 
-It passes the deviations to a measure:
+A watcher compares the edges of its wire with expected times, and passes the deviations to a measure:
 
 Wire --edges--> Edges | Blink | ... --deviations--> WatchedWire, a measure
 """

@@ -1,4 +1,8 @@
-"""The tables [device.NAME] and [watch.NAME], whose keys depend on a model or kind; tables of stretches and faults."""
+"""The tables of devices, their stretches and faults, and watched wires.
+
+The tables [device.NAME] and [watch.NAME] have further keys, which depend on the model of the device or the kind of
+watcher.
+"""
 
 from __future__ import annotations
 

@@ -27,12 +27,18 @@ def is_case(path: Path) -> bool:
 
 
 def is_searched(folder: Path) -> bool:
-    """Return False for a hidden folder, a virtual environment, or a folder of installed or compiled files."""
+    """Return True for a folder that may contain cases.
+
+    Return False for a hidden folder, a virtual environment, or a folder of installed or compiled files.
+    """
     return not folder.name.startswith(".") and folder.name not in NOT_SEARCHED and not (folder / "pyvenv.cfg").exists()
 
 
 def cases_below(folder: Path) -> Iterator[Path]:
-    """Yield the case files of a folder and of those sub-folders for which `is_searched` is True, in order of name."""
+    """Yield the case files of a folder, then those of its sub-folders for which `is_searched` is True.
+
+    Files and sub-folders are in order of name.
+    """
     for above, folders, files in os.walk(folder):
         here = Path(above)
         folders[:] = sorted(name for name in folders if is_searched(here / name))

@@ -107,7 +107,7 @@ def schema_of_table(kind: Any, definitions: Schema) -> Schema:
     about, of_keys = descriptions(kind)
     properties = {said: _property(key, definitions) for said, key in keys.items()}
     for said, what in of_keys.items():
-        # Draft 7 ignores keywords beside "$ref", so the reference is put into a list.
+        # In draft 7, other keywords next to "$ref" are ignored, so the reference is put into the list "allOf".
         one = properties[said]
         properties[said] = {"description": what, **({"allOf": [one]} if "$ref" in one else one)}
     schema: Schema = {

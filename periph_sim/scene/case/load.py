@@ -94,7 +94,9 @@ def case_of(tree: dict[str, Any], path: Path) -> Case:
 
 
 def case_of_tables(tree: dict[str, Any], label: str, changes: Sequence[str] = ()) -> Case:
-    """Return the case in the tables of a program, with `key=value` changes applied. Raise BadCase if it is not valid.
+    """Return the case in tables that were not read from a file, with `key=value` changes applied.
+
+    Raise BadCase if the case is not valid.
 
     label: the name of the case in messages, in place of a file.
     """

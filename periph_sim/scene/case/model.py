@@ -39,7 +39,7 @@ class Case(Table, frozen=True, kw_only=True):
     name: name in messages and tables
     about: description of the case
     duration: simulated time of the run
-    start: simulated time at the run's begin; reports count from there
+    start: simulated time at the beginning of the run; reports count from there
     seed: seed of all random values; equal seeds give equal runs
     disable: names of optimizations to switch off, or `"all"`; they change no result
     fidelity: obsolete; accepted without effect
@@ -140,7 +140,7 @@ class Case(Table, frozen=True, kw_only=True):
                 yield Mistake(("inputs", "costs", unit), way)
 
     def _made_budgets(self) -> Iterator[tuple[Place, Budget]]:
-        """Yield (place, budget) for each silence after a send, expected reply and watched wire.
+        """Yield (place, budget) for each send with `expect = "nothing"`, each expected reply and each watched wire.
 
         The place is that of the table in the case from which the budget is made.
         """
@@ -186,7 +186,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def replaced(self) -> tuple[str, ...]:
-        """A sentence about each party of the case that an outside party replaces, or that stays active beside it."""
+        """A sentence about each party of the case that an outside party replaces, or that stays active with it."""
         return tuple(self._replaced.values())
 
     @property
@@ -198,7 +198,8 @@ class Case(Table, frozen=True, kw_only=True):
     def checks_host(self) -> bool:
         """True if the bytes that are read from known chips are compared with the values of the host's frames.
 
-        If the firmware has sensor models, the bytes are compared with what these compute from the frames.
+        If the firmware has sensor models, the bytes are compared with the values that the models compute from the
+        frames.
         """
         rounds = self.controller or self.rounds
         return rounds is not None and rounds.check == "host"
@@ -207,8 +208,8 @@ class Case(Table, frozen=True, kw_only=True):
     def recorded_modules(self) -> dict[str, tuple[str, ...]]:
         """A dictionary from a unit to the names that a recording lists for this unit.
 
-        The names are the modules of the unit, and "pin:WIRE" for its wires other than SDA, SCL, RX and TX. A wire of
-        several units is listed only for the first of them.
+        The names are the modules of the unit, and "pin:WIRE" for its wires other than SDA, SCL, RX and TX. A wire that
+        is connected to several units is listed only for the first of them.
         """
         usual = ("SDA", "SCL", "RX", "TX")
         wires = {name: dict.fromkeys(pins.values()) for name, pins in wiring_of(self).pins.items()}

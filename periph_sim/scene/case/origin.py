@@ -10,7 +10,7 @@ from msgspec import Struct
 from ...core.phrases import shorten
 
 SHOWN = 120  # maximum number of characters of a change in a message
-Place = tuple[str | int, ...]  # keys and entry numbers from the top of a case down
+Place = tuple[str | int, ...]  # the keys and list indices that lead from the top of a case to a value
 
 
 class Source(Struct, frozen=True):
@@ -41,8 +41,8 @@ class Source(Struct, frozen=True):
 def key_of(place: Place, tree: object) -> str:
     """Return a place in the form that `--set` uses, such as "budget.response.max".
 
-    tree: the tree of the case. A list entry is given by its key `name` in this tree; by its index if the entry has no
-        name, or another entry has the same name.
+    tree: the tree of the case. A list entry is identified by the value of its key `name` in this tree. If the entry has
+        no name, or another entry has the same name, it is identified by its index.
     """
     parts = []
     for part in place:
@@ -94,7 +94,7 @@ def line_of(text: str, place: Place) -> int:
 
 # BESIDE maps the suffix of a source file to a pattern of the files in the same folder that it may import or include.
 BESIDE = {".py": "*.py", ".asm": "*.inc", ".c": "*.h"}
-LONGEST = 200  # a text with at least this number of characters is not taken for the path of a file
+LONGEST = 200  # a text with at least this number of characters is assumed not to be the path of a file
 
 
 def texts_in(tree: object) -> Iterator[str]:
@@ -111,7 +111,7 @@ def texts_in(tree: object) -> Iterator[str]:
 def named_files(folder: Path, texts: Iterable[str]) -> Iterator[Path]:
     """Yield the files that texts may name, as paths in `folder`, and the files that these files may import or include.
 
-    The files need not exist, because any text may be a file name.
+    Every short text is treated as a file name, so the files that a text may name need not exist.
     """
     for text in texts:
         if len(text) >= LONGEST or "\0" in text:

@@ -31,7 +31,7 @@ class RequestTable(Table, frozen=True, kw_only=True):
     """One request of a round. It has either `chip` or `address`.
 
     chip: gyroscope, accelerometer or magnetometer; implies address, pointer and count
-    name: name in messages; otherwise chip or address
+    name: name in messages; the chip or address if omitted
     address: 7 bits, right-aligned; required without `chip`
     pointer: register pointer, written first
     count: bytes to read
@@ -182,7 +182,7 @@ class ChipTable(BusParty, frozen=True, kw_only=True):
     """A sensor chip on SDA and SCL.
 
     model: adxl345, hmc5883l or itg3200
-    address: one of the chip's addresses; otherwise its first
+    address: one of the chip's addresses; the first of them if omitted
     values: physical input, `[chip.NAME.values]`
     registers: registers set before the run: `{ POWER_CTL = 0x08 }`
     powered: time since power-up when the run begins

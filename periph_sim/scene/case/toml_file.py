@@ -75,7 +75,10 @@ def tree_of(path: Path, text: str) -> dict[str, Any]:
 
 
 def _not_toml(text: str, error: str) -> str:
-    """Return the line of a mistake in TOML, what is wrong there, and the fix. error: the message of tomllib."""
+    """Return, for messages, the line of a mistake in TOML, what is wrong there, and the fix.
+
+    error: the message of tomllib.
+    """
     lines = [line.strip() for line in text.splitlines()] or [""]
     found = _PLACE.search(error)
     number = min(int(found[1] or len(lines)), len(lines)) if found else len(lines)

@@ -4,7 +4,7 @@
     [unit.NAME] pins ------> names ------+--joined--> Wiring: GPIO number -> wire, for each unit
     [[cable]] -------------> joints -----'
 
-All I2C-A modules are on one bus, SDA and SCL. An SCI has its own lines unless a cable joins these lines with others. If
+All I2C-A modules are on one bus, SDA and SCL. Each SCI has its own lines, which a cable can join with other lines. If
 only one unit has an SCI-A, its lines are RX and TX. If only one unit has an SCI-B, its lines are SCI-B.RX and SCI-B.TX.
 If several units have the module, the names begin with the unit, as in left.SCI-B.RX. But if the case has a host, the RX
 pins of all SCI-A modules are on the host's line RX.
@@ -351,5 +351,5 @@ def de_pin(case: Case, entry: int) -> Pin:
 
 
 def pulled_down(case: Case, unit: str) -> frozenset[int]:
-    """Return the GPIO numbers of a unit's pins that a resistor at a transceiver's `de` pulls low."""
+    """Return the GPIO numbers of the driver-enable pins of a unit that have a pull-down resistor."""
     return frozenset(one.de for one in on_pairs(case) if one.sci.unit == unit and one.table.pull == "down")

@@ -1,4 +1,4 @@
-"""Schedule of one entry of [[serial.send]]: one or more bursts on a line after its trigger.
+"""Schedule of one entry of [[serial.send]]: one or more bursts on a line after the trigger of the entry.
 
     the time `at` --------------.
     records --EventTrigger-------+--> happened --delay--> burst 0 --period--> burst 1 ...

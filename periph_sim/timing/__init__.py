@@ -12,14 +12,15 @@ scene: the simulated wires with all units, chips and other parties on them.
 unit: one simulated F28335 with its firmware.
 master: the party that controls the I2C bus: the simulated controller of the table [controller], a unit, or another
     program.
-request: a write, a read, or both, that a master makes to one chip. In measures of replies of an SCI, what a reply
-    answers: a send, an event or a time that the case states.
+request: a write, a read, or both, that a master makes to one chip. In measures of the replies of an SCI, a request is
+    the send, the event or the time after which a case expects the reply.
 round: one execution of the requests that a master repeats periodically; it is due at its planned start.
 frame: the values that the [host], a PC, sends in one message over UART. In events such as "frame TX 0x06", and in
     bursts, a frame is one UART character.
 span: a part of the firmware with a name, such as a function, whose start and end are recorded.
-occurrence: an event, or a time between two events, that has one value of a measure.
-occasion: an event at which a measure should take a value. "Asked" means that a value should be taken.
+occurrence: an event, or a pair of events, for which a measure takes one value.
+occasion: an event at which a measure should take a value. The verdict of a budget shows at how many occasions a value
+    was taken. "Asked" means that a value should be taken, as in "reads asked".
 phase: the part of an I2C transfer from a START or repeated START to the next one, or to the STOP.
 clause: a part of a measure's text after a comma that names one more event, such as "given EVENT".
 place, thing: the `where` and the `what` of a record, such as "dsp.I2C-A" and "I2CSTR.XRDY". A place in the firmware is

@@ -104,8 +104,9 @@ def _joined(
 ) -> tuple[Budget, BudgetPlan]:
     """Return a condition under the budget's key `and` as a budget of its own, with its plan.
 
-    measure: the measure of the budget. entry: the index of the condition. Raise BadBudget unless both measures take one
-    value for each addressed phase (`Measure.occurrence`).
+    measure: the measure of the budget. entry: the index of the condition.
+
+    Raise BadBudget if one of the two measures does not take one value for each addressed phase (`Measure.occurrence`).
     """
     given = budget.also[entry]
     try:
@@ -127,7 +128,8 @@ def _limit(budget: Budget, measure: Measure, timebase: Timebase, which: str, giv
     """Return a limit as a whole number of ticks, millionths or counts, according to the unit of the measure.
 
     which: the key of the limit. given: the limit as written in the table: a share as "40 %", a value in LSB as 2 or
-    "2.5 LSB". Raise BadBudget if the limit has another unit, or is negative although no value can be.
+    "2.5 LSB". Raise BadBudget if the limit has another unit than the measure, or if the limit is negative although
+    values of the measure cannot be negative.
     """
     unit = measure.unit
     try:

@@ -62,7 +62,8 @@ class BudgetJudge:
 
     others: the judges of the earlier budgets in the scene.
     joined: the judges of the conditions under the budget's key `and`, which limit further measures.
-    same_as: the judge of an earlier budget with the same measure, which both judges then share; else None.
+    same_as: the judge of an earlier budget, if both budgets have the same measure and so share one measure object; else
+        None.
     own_measures: the measures that this judge and its joined conditions add to the run; empty if `same_as` is not None.
     """
 
@@ -180,7 +181,7 @@ class BudgetJudge:
         """Return True if the measured values suffice to judge a limit. which: the key of the limit.
 
         If the end of the run cut off an occurrence, its value is only a lower bound. If all values are lower bounds,
-        they do not suffice for `min`, and for `exactly` only if the largest value exceeds the limit.
+        they do not suffice to judge `min`. They suffice to judge `exactly` only if the largest value exceeds the limit.
         """
         measure = self.measure
         if measure.count > measure.cut_off or not measure.series:
@@ -188,7 +189,7 @@ class BudgetJudge:
         return which not in ("min", "exactly") or (which == "exactly" and measure.worst > limit)
 
     def typical(self, start: int = 0) -> Verdict | None:
-        """Return the verdict with the least critical value, which is furthest on the good side of the limit.
+        """Return the verdict with the least critical value: for `min`, the largest; for other limits, the smallest.
 
         Return None if the measure has fewer than two values, or one number for the whole run.
         """
@@ -251,7 +252,7 @@ class BudgetJudge:
 
 
 def combine(measures: list[Measure]) -> list[int]:
-    """Drop the values that joined measures took at occurrences at which the first measure has no value.
+    """Drop the values of joined measures at occurrences at which the first measure has no value.
 
         age            a   b       c    d            the first measure determines which occurrences count
         value error    a   b   x        d   y        x and y are dropped; the value at c is missing: nothing is proven

@@ -12,8 +12,9 @@
     unknown error          START of the read   the chip's address; made instead of `value error at frame` if the frame
                                                that fits best may be one that is no longer stored
 
-The frame that fits best is the one with the smallest error among the last 8 frames and all frames since the one that
-fitted the chip's last read. So `value error at frame` does not depend on the age of the values.
+The frame that fits best is the frame with the smallest error. It is searched for among the last 8 frames and among all
+frames since the frame that fitted the chip's last read best. So `value error at frame` does not depend on the age of
+the values.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ BYTES = 6  # length of a read that carries a whole sample
 
 
 class _Chip:
-    """The state of one chip, and the topics of its records.
+    """The state of one chip, and the topics (`core.records`) of its records.
 
     fitted: the due tick of the frame whose true values were nearest to the chip's last read; NO_TIME before the first
         read.
@@ -91,9 +92,9 @@ class ErrorRecords:
             self._record_best(chip, values, phase.start_at)
 
     def _record_best(self, chip: _Chip, values: Sequence[int], at: int) -> None:
-        """Record the error against the frame whose true values are nearest to the values that were read.
+        """Record the difference from the frame whose true values are nearest to the values that were read.
 
-        If a frame that is not stored any more may be nearer, record "unknown error" instead.
+        If a frame that is no longer stored may be nearer, record "unknown error" instead.
         """
         recent = len(self._due) - RECENT
         instants = [due for n, due in enumerate(self._due) if n >= recent or due >= chip.fitted]

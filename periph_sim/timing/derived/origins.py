@@ -1,7 +1,7 @@
 """Origins of reads: the host frame whose values a read returned, and the bytes that would have been right.
 
     frames of the host ---------.
-    MODEL pin (model runs) ------+--> Origins --of(phase)--> Origin: frame, when it had ended, wanted bytes
+    MODEL pin (model runs) ------+--> Origins --of(phase)--> Origin: frame, tick of its end, right bytes
     reads of the controller ----'
 
 The firmware emulates sensor chips, which the controller reads. An emulated chip is called a chip here. A chip shows a
@@ -14,7 +14,7 @@ If firmware computes the chips' values with models (`ModelOrigins`), each model 
 before the MODEL pin rose. A chain is one possible sequence of the frames that the successive model runs used. No model
 run of a chain uses an older frame than the model run before it. After each read, the chains whose values disagree with
 the bytes read are removed. The number of chains is limited: if chains had to be left out, a read that agrees with none
-of the remaining chains is not judged. The firmware provides only the level of the MODEL pin.
+of the remaining chains is not judged. The level of the MODEL pin is the only information that the firmware provides.
 """
 
 # core: compiled
@@ -134,7 +134,7 @@ NOTHING_SENT = Sent(BEFORE_ANY, (), NO_TIME)
 class Origins:
     """Finds the host frame whose values each read of a chip returned.
 
-    Call `transfer` with each complete transfer, and after this call `of` with each phase of the transfer.
+    Call `transfer` with each complete transfer. Then, `of` returns the origin of each phase of this transfer.
 
     addresses: the addresses of the chips whose reads are examined.
     """
@@ -318,7 +318,7 @@ class ModelOrigins(Origins):
                 break
             may_be.append(sent)
         oldest: int = may_be[-1].number
-        if oldest > least:  # `run.sent` lacks the frame that the model run before used, and perhaps frames after it
+        if oldest > least:  # `run.sent` lacks the last frame of the chain, and perhaps frames after this frame
             may_be.append(chain.sent)
             self._left_out = self._left_out or oldest > least + 1
         may_be.reverse()

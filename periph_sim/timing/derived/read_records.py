@@ -47,7 +47,7 @@ from .transfer_records import I2C, begin_of
 
 if TYPE_CHECKING:
     from ...core.records import Topic
-    from . import origins as read_origins  # not its classes, because compiled code would import these at run time
+    from . import origins as read_origins  # the module, because compiled code would import its classes at run time
 
 
 MODEL = "model"  # the name of the span in which firmware computes its sensor models

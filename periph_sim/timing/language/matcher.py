@@ -25,8 +25,8 @@ class Group(Struct, frozen=True):
 
     begin: the event at which the group begins: a START, the start of a frame, or the entry of a service routine. Not
         every such START or frame begins a round or a burst.
-    end: a STOP, the end of a frame, or the return from a service routine. Only the return ends its group; other groups
-        last until the next group of the kind begins.
+    end: a STOP, the end of a frame, or the return from a service routine. Only a return ends its group. Any other group
+        lasts until the next group of the same kind begins.
     """
 
     name: str  # one of GROUPS

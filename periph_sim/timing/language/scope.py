@@ -162,9 +162,10 @@ class Scope(Struct):
         return owner, module, register, register[wanted]
 
     def vector(self, unit: str, name: str) -> str:
-        """Return `unit` if its CPU can take the interrupt `name`, or for "" the only unit that can.
+        """Return `unit` if its CPU can take the interrupt `name`.
 
-        Raise BadEvent if there is no such unit, or if `unit` is empty and several units can take the interrupt.
+        If `unit` is "", return the only unit whose CPU can take the interrupt. Raise BadEvent if there is no such unit,
+        or if `unit` is "" and there are several such units.
         """
         asked = [self.unit(unit)] if unit else list(self.units)
         having = {u: [v for m in self._modules(u) for v in VECTORS.get(m, ())] for u in asked}
@@ -183,7 +184,10 @@ class Scope(Struct):
         return name
 
     def owner(self, unit: str, module: str) -> str:
-        """Return `unit` if it has the module, or for "" the only unit that has it. Otherwise raise BadEvent."""
+        """Return `unit` if it has the module. If `unit` is "", return the only unit that has the module.
+
+        Raise BadEvent if there is no such unit, or if `unit` is "" and there are several such units.
+        """
         if unit:
             if module not in self._modules(self.unit(unit)):
                 raise BadEvent(f"{unit} has no module {module!r}; {did_you_mean(module, self._modules(unit))}")
@@ -195,7 +199,10 @@ class Scope(Struct):
         return self._one(having, module)
 
     def image(self, unit: str) -> str:
-        """Return `unit` if it runs an image, or for "" the only unit that runs one. Otherwise raise BadEvent."""
+        """Return `unit` if it runs an image. If `unit` is "", return the only unit that runs an image.
+
+        Raise BadEvent if there is no such unit, or if `unit` is "" and there are several such units.
+        """
         if unit and self.unit(unit) not in self.images:
             raise BadEvent(f"{unit} runs Python firmware; this is of a unit that runs an image")
         if not unit and not self.images:
@@ -203,7 +210,10 @@ class Scope(Struct):
         return unit or self._one(list(self.images), "one")
 
     def variable(self, unit: str, name: str) -> str:
-        """Return `unit`, or for "" the only unit that runs an image. Raise BadEvent if its image lacks the variable."""
+        """Return `unit`; if it is "", return the only unit that runs an image.
+
+        Raise BadEvent as `image` does, or if the image of the unit lacks the variable.
+        """
         owner = self.image(unit)
         names = self.images[owner]
         try:
@@ -229,7 +239,7 @@ class Scope(Struct):
         return owner, True
 
     def places(self, unit: str) -> frozenset[str]:
-        """Return the places of a unit's records: the unit and its modules. For "", return the places of all units."""
+        """Return the places of a unit's records: the unit and its modules. If `unit` is "", include all units."""
         named = [self.unit(unit)] if unit else list(self.units)
         return frozenset(place for u in named for place in (u, *(f"{u}.{m}" for m in self._modules(u))))
 

@@ -29,7 +29,7 @@ class During(Struct, frozen=True):
 
 
 def read_state(words: Words) -> During:
-    """Read the word "in" and the name of a state after this word."""
+    """Read the word "in" and the text of a state after this word, and return the state."""
     words.one_of(["in"])
     begin = words.place
     if words.next == "cpu" and nearest(words.following, CPU_STATES):

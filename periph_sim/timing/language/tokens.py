@@ -17,7 +17,7 @@ class Words:
         self.text = text
         self._words = WORD.findall(text)
         self.place = 0
-        # `_optional` has a value of `place`, and the optional words that `took` looked for at this place in vain.
+        # `_optional` has a value of `place`, and the optional words that `took` did not find at this place.
         self._optional: tuple[int, list[str]] = (0, [])
         if '"' in self._words or "'" in self._words:
             raise BadEvent(f"{text!r}: a quote is not closed, or nothing is in it; write for instance 'time update'")

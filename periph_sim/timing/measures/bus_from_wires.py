@@ -2,8 +2,8 @@
 
     SCL, SDA, parties that pull them --> START, address, ACK, first bit of each byte, STOP; release of SCL by others
 
-Only the wires are read, so a simulated controller and a unit that is the master are treated alike. All changes within
-one tick form one sample. START and STOP are changes of SDA while SCL is high before and after them.
+Only the wires are read, so it does not matter whether the master is a simulated controller or a unit. All changes
+within one tick form one sample. START and STOP are changes of SDA while SCL is high before and after them.
 
 Source: UM10204 sections 3.1.4 to 3.1.10.
 """
@@ -33,8 +33,8 @@ class BusFromWires(BitParty):
         self.stream = I2cStream()
         self.ours = False  # True if the unit has acknowledged the address
         self.phase_at = NO_TIME  # the tick of the START or repeated START of the present phase; NO_TIME after a STOP
-        # `others_held_until` is the tick since which no other party has held SCL low, in the last low phase of SCL.
-        # While any other party holds SCL low, `others_held_until` is NO_TIME.
+        # `others_held_until` is the tick in the last low phase of SCL since which no party except the unit has held SCL
+        # low. While any other party holds SCL low, `others_held_until` is NO_TIME.
         self.others_held_until = NO_TIME
         self._unit: str = f"{unit}."
         self._scl_pulling = self._sda_pulling = 0  # masks of the parties that pull the wire low: bit i is party i
@@ -141,7 +141,10 @@ class BusFromWires(BitParty):
         """Handle a STOP."""
 
     def held(self, let_go: int, rose: int) -> None:
-        """Handle a rise of SCL. let_go: the tick, at most `rose`, since which no party except the unit has held SCL."""
+        """Handle the rise of SCL at the tick `rose`.
+
+        let_go: the tick, at most `rose`, since which no party except the unit has held SCL low.
+        """
 
     def first_bit(self, let_go: int, rose: int) -> None:
         """Handle the rise of SCL after an acknowledged byte, for the first bit of a data byte or for a STOP."""

@@ -109,8 +109,8 @@ class EventMeasure(Measure):
     """Measure of the occurrences of an event. The argument `form` says what is measured:
 
     count   the number of events. `worst` is that number, `worst_at` the tick of the first event. A count of 0 is a
-            measured value, unless the event's name is free text, which may be misspelled. If the measure has occasions,
-            verdicts show how many of them were measured.
+            measured value, too. But if the event's name is free text, the name may be misspelled, and a count of 0
+            proves nothing. If the measure has occasions, verdicts show how many of them were measured.
     value   the value of each event: the words in a FIFO, the age of data that was read, a register field at a change
     level   the last value of the second event, at each occurrence of the first event
     sum     the sum of the events' values, which are numbers of things. `count` is the number of things that were

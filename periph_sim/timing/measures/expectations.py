@@ -1,4 +1,4 @@
-"""Measures of expected replies, of replies that nothing asked for, and of expected edges on watched wires.
+"""Measures of expected replies, of unsolicited characters, and of expected edges on watched wires.
 
 The scene reports to these measures what was sent, what was received, and the edges of watched wires.
 
@@ -70,7 +70,7 @@ class _Occasion(Struct):
 class Reply(Measure):
     """Time from the end of a request to the end of the last character of its reply.
 
-    A reply that is wrong, or that never comes, has no time and breaks the budget.
+    A reply that is wrong, or that never comes, gives no value and breaks the budget.
 
     last: the tick at which the last character that belongs to a reply began; NO_TIME before the first such character.
     """
@@ -122,7 +122,11 @@ class Reply(Measure):
                 one.next_send = tick
 
     def others_turn(self, tick: int) -> None:
-        """Close the replies that are wrong so far. Characters from `tick` on belong to the reply to another request."""
+        """Handle the start of another request at `tick`.
+
+        Replies that are wrong so far get no further wrong characters, because these belong to the reply to the other
+        request.
+        """
         for one in self._open:
             if one.wrong_at != NO_TIME and (one.ends == NO_TIME or one.ends > tick):
                 one.ends = tick

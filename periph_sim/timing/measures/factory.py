@@ -1,4 +1,4 @@
-"""Makers of measures. A maker is made from the text of a measure. It is a function that returns a new measure.
+"""Makers of measures. A maker is a function that returns a new measure. It is derived from the text of the measure.
 
 text --registry--> the sentence of that name --.
   '--------------------------------------------+--language--> ParsedMeasure --> Matchers of its events --> Maker
@@ -135,7 +135,7 @@ def _unknown(name: str, sentences: Mapping[str, str]) -> BadEvent:
     return BadEvent(f"there is no measure {name!r}; {hint}")
 
 
-# WORDS maps each parameter in the texts of named measures to a function that returns the words in its place.
+# WORDS maps each parameter in the texts of named measures to a function that returns the words that replace it.
 WORDS: dict[str, Callable[[ParsedMeasure, Scope], str]] = {
     "event": lambda said, scope: said.events[0].text,
     "cpu": lambda said, scope: scope.unit(said.unit),
@@ -228,7 +228,10 @@ def _level(said: ParsedMeasure, scope: Scope) -> Maker:
 
 
 def _stack(said: ParsedMeasure, scope: Scope) -> Maker:
-    """Return the maker of the measure of the largest stack depth. A record is made of each new largest depth."""
+    """Return the maker of the measure of the largest stack depth.
+
+    The measured records are made each time the depth exceeds all earlier depths.
+    """
     text = "stack high-water"
     high = Matcher(text, Kind.FLAG, frozenset((f"{scope.image(said.unit)}.CPU",)), "stack")
     return partial(EventMeasure, high, form="value")

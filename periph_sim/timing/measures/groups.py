@@ -67,7 +67,11 @@ class Groups:
         return self._begins_round is None or self._begins_round()
 
     def lasts(self, now: int) -> bool:
-        """Return True if an event after tick `now` can belong to the present group, without one that begins a group."""
+        """Return True if the present group may continue after tick `now`, at which the scene is at rest.
+
+        At rest, no transfer is in progress. The next START begins a new transfer, and perhaps a new round, so the
+        result for these groups is always False.
+        """
         if self._ends:
             return self.inside
         if self._group.name != "burst" or self._frame_began == NO_TIME:

@@ -36,7 +36,8 @@ class Verdict:
     occasions: the number of events at which a value should have been measured; None if they are not counted.
     until_s: the end of the fault that `found` describes, such as a wrong reply, which began at `at_s`; None if there is
         no such fault.
-    proven: True if a table, or a saved proof, shows that the budget holds for every start that it covers.
+    proven: True if a proof (`periph_sim.proof`) shows that the budget holds for every start of a round or frame that
+        the proof covers.
     """
 
     name: str
@@ -89,7 +90,7 @@ class Verdict:
 
     @property
     def counted(self) -> str:
-        """`count` as text, such as "3"; "3 of 500" if only 3 of 500 events with an expected value have one."""
+        """`count` as text, such as "3"; "3 of 500" if a value was measured at only 3 of 500 occasions."""
         if self.occasions is None or self.measured >= self.occasions:
             return str(self.count)
         return f"{self.measured} of {self.occasions}"
@@ -165,7 +166,10 @@ def broken(verdict: Verdict) -> str:
 
 
 def assumes(names: Sequence[str]) -> str:
-    """Return a phrase with the undocumented behaviours that a failure assumes, grouped by unit and module, or by chip.
+    """Return a phrase that names the undocumented behaviours on which a failure may depend.
+
+    They are grouped by unit and module, or by chip.
+
 
     names: the options for these behaviours, such as "dsp.i2c.aas_sdir_point".
     """
@@ -186,9 +190,9 @@ def assumes_lines(names: Sequence[str]) -> list[str]:
 
 
 def title(word: str, budgets: Sequence[Verdict]) -> str:
-    """Return the title of a run: "PASS, proven" if all budgets are, "PASS, as seen in this run", or "FAIL".
+    """Return the title of a run: "PASS, proven", "PASS, as seen in this run", "FAIL" or "NOT JUDGED".
 
-    word: the verdict of the run.
+    "PASS, proven" is the title if all budgets are proven. word: the verdict of the run.
     """
     if word != PASS:
         return word.upper()

@@ -33,7 +33,7 @@ from .transfer_records import begin_of
 
 RECENT = 8  # minimum number of frames that a read is compared with, if the host has sent at least that many
 MOST = 64  # maximum number of frames that a read is compared with
-BYTES = 6  # length of a read that carries a whole sample
+BYTES = 6  # number of bytes of a read that returns a whole sample
 
 
 class _Chip:

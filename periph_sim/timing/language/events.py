@@ -17,7 +17,7 @@
 
     text --event_of--> Event + Scope --matcher--> Matcher
 
-`thing` names a derived record (see `timing/derived`). `EVENTS` lists the kinds.
+`thing` names a derived record (see `timing/derived`). `EVENTS` lists the kinds of events.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ class Group(Struct, frozen=True):
         lasts until the next group of the same kind begins.
     """
 
-    name: str  # one of GROUPS
+    name: str  # one of `events.GROUPS`
     begin: Matcher
     end: Matcher
 

@@ -1,6 +1,6 @@
 """Names that events can refer to: units, modules, registers and wires of a case or a recorded run.
 
-    Case, RecordTable --> Scope --> where a record of a named thing comes from, or BadEvent with near names
+    Case, RecordTable --> Scope --> where a record of a named thing comes from, or BadEvent with similar names
 
 A scope accepts each name that a record of the run can have, even if the run has no such record. `RECORDS` lists the
 things of derived records. The modules that make these records, in `timing/derived` and `scene/sci_monitor.py`, describe

@@ -26,7 +26,7 @@ class BusFromWires(BitParty):
     unit: the name of a unit; "" for none.
     stream: the bytes of the transfer in progress.
 
-    Subclasses override the events at the end of the class.
+    Subclasses override the event handlers at the end of the class.
     """
 
     def __init__(self, unit: str) -> None:

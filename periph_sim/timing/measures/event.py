@@ -1,6 +1,6 @@
 """Measures of events that the text of a measure names: how often they happen, and with which values.
 
-    topic  --tag_of--> tests of the value: which event is a record of this topic? Made once for each topic.
+    topic  --tag_of--> tests of whether a record of this topic is an event, by its value; made once for each topic
     record --on_record--> event that counts immediately ------------------.
                    '---> "last ... of transfer": known when it is over ---+--in order--> happened(place, tick, value)
                                                                           '--> occasions, things that cannot be judged
@@ -114,7 +114,7 @@ class EventMeasure(Measure):
     value   the value of each event: the words in a FIFO, the age of data that was read, a register field at a change
     level   the last value of the second event, at each occurrence of the first event
     sum     the sum of the events' values, which are numbers of things. `count` is the number of things that were
-            measured, because a run in which nothing was compared proves nothing.
+            measured, because a sum of 0 proves nothing if nothing was measured.
     ""      the values that a subclass takes in `happened`
 
     order: indices of `matchers`. If a record fits several matchers, their events are handled in this order.

@@ -49,7 +49,7 @@ Maker: TypeAlias = Callable[[], Measure]
 
 
 def expanded(text: str, sentences: Mapping[str, str]) -> str:
-    """Return a measure's text, in which a name that the user has defined is replaced by its text.
+    """Return a measure's text, in which a name that the user has defined is replaced by the text of the definition.
 
     sentences: the texts of the user's measures by name. Raise BadEvent if the definition of a name refers to this name,
     directly or through other names.

@@ -110,8 +110,8 @@ class Measure(Listener):
     """Base of all measures.
 
     worst, least: the largest and the smallest value.
-    worst_until: for a count of unsolicited characters, the end of the first of them, which begin at `worst_at`; else
-        NO_TIME.
+    worst_until: for a count of unsolicited characters, the end of the first series of them without a pause, which
+        begins at `worst_at`; else NO_TIME.
     not_before: occurrences before this tick do not count.
     occasions: the number of times at which a value should have been measured, counted on the bus and not by the
         firmware; None if the measure does not count them.

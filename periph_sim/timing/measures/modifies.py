@@ -255,9 +255,10 @@ class Modifies(RecordSink):
         return "; ".join(f"{what}, {counted(count, 'time')}" for what, count in counts.items() if count)
 
     def _cleared(self, name: str) -> Iterator[tuple[str, Cleared]]:
-        """Yield, for each flag and each place in the firmware, a text that names both, and a count of lost flags.
+        """Yield (text, count) for each flag and each place in the firmware. name: as for `cleared`.
 
-        name: as for `cleared`. The count is that of unintentional clears of the flag by a write at the place.
+        The text names the flag and the place. The count is that of unintentional clears of the flag by writes at the
+        place.
         """
         for (unit, title), register in self._registers.items():
             if not register.status and self._status:
@@ -278,7 +279,7 @@ class LostFlags(Measure):
 
     without a field in `watched`   flags that firmware had not read since they rose
     with a field                   this flag, whenever a read-modify-write for another flag cleared it, even if firmware
-                                   had read the flag; for a flag that firmware reads early and waits for later
+                                   had read the flag; useful for a flag that firmware reads early and waits for later
 
     `worst` is this number. `count` is the number of writes of the registers, with or without a read before; if it is 0,
     the budget is not judged. Writes without a read are assumed to clear only what they should clear.

@@ -7,10 +7,10 @@
          |---------|
          |---------|           last: each B with only the last A since the previous B; B2 has no such A
 
-If no pairing is given and another A comes before the B of the first A, it is not known which events belong together,
-so the budget is not judged. With the rule `same unit`, only events of the same unit are paired. A third event is an
-event of another kind that is counted between A and B. A period is the time from an event to the next event of the same
-kind.
+If none of these rules is given and another A comes before the B of the first A, it is not known which events belong
+together, so the budget is not judged. With the rule `same unit`, only events of the same unit are paired. A third event
+is an event of another kind that is counted between A and B. A period is the time from an event to the next event of the
+same kind.
 """
 
 # core: compiled

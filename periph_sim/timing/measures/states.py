@@ -1,4 +1,7 @@
-"""Measures of the time in a state: each such time, their sum, or their share of the run or of its busiest window.
+"""Measures of the time in a state.
+
+They measure the duration of each occurrence of the state, the sum of these durations, or the share of this sum in the
+run or in its busiest window.
 
     wire SCL low   ──┐______┌──────┐___┌──     each: 6 and 3      time in: 9
                        |--- W ---|             share of any W: the share in the busiest window W
@@ -71,8 +74,8 @@ class StateEvents(Struct, frozen=True):
 class BusiestWindow:
     """Finds the window of a given length in which a state lasts longest.
 
-    The largest share always occurs, among others, in a window that begins or ends together with the state or the run.
-    So only these windows are evaluated.
+    At least one window with the largest share begins or ends together with the state or the run. So only such windows
+    are evaluated.
 
     most: the largest share so far of the state in a window, in millionths; -1 until the first window is over.
     begin: the tick at which this window begins.
@@ -113,7 +116,7 @@ class BusiestWindow:
             self._stretches.popleft()
 
     def _look(self, begin: int) -> None:
-        """Evaluate the window that begins at the tick `begin`, unless that is before the run."""
+        """Evaluate the window that begins at the tick `begin`. Do nothing if this tick is before the run."""
         if begin < self._began:
             return
         end = begin + self.length
@@ -130,8 +133,8 @@ class BusiestWindow:
 class TimeIn(EventMeasure):
     """Time in a state, from its start to its end. For a span, the time in service routines is included.
 
-    form: each   each time in the state, except one that had begun before the run
-          time   the sum of all times
+    form: each   the duration of each occurrence of the state, except of one that had begun before the run
+          time   the sum of all durations
           share  the share of the state in the run, or in the busiest window, in millionths
     window: the length of the window in seconds; None for the run.
     """
@@ -154,7 +157,7 @@ class TimeIn(EventMeasure):
         self._whole = False  # True if the state in progress began during the run, not before it
         self._began = 0
         self._entered = False  # True if the state has occurred at least once
-        self._lasted = 0  # for a share, the total duration of the state so far; the run's end gives the share its value
+        self._lasted = 0  # for a share, the total duration of the state so far; the share is computed at the run's end
         self._seconds = window
         self._windows: BusiestWindow | None = None
 

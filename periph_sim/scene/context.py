@@ -53,7 +53,7 @@ class CaseTicks(Struct, frozen=True):
     def exact_ticks(self, length: Fraction, ppm: Fraction) -> Fraction:
         """Return the exact number of ticks of a length in seconds. ppm: as for `ticks`.
 
-        The same errors are raised as by `ticks`.
+        Raise the same errors as `ticks`.
         """
         exact = Fraction(*self._ticks(length, ppm))
         self._fitting(int(exact), length)

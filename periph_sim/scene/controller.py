@@ -145,7 +145,7 @@ def build_head(
 def rounds_of(context: SceneContext, table: RoundsTable) -> MasterSchedule:
     """Return the requests in [rounds], which a unit or an outside party makes, and their schedule.
 
-    Raise BadCase for an invalid request, or if there is none.
+    Raise BadCase for an invalid request, or if [rounds] has no request.
     """
     requests = _requests(context.case, table, "rounds")
     transfers = _transfers(requests, table.pointer_by == "STOP")

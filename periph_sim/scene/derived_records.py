@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 
 KINDS = (Kind.TRANSFER, Kind.ROUND, Kind.RECEIVER, Kind.DATA, Kind.BUS)
-OF_UNITS = {"held alone", "unfinished"}  # names of the records that a `HeldRecords` makes
-OF_BYTES = {"wrong bytes", "bytes compared", "expected byte"}  # names of records that a `ByteRecords` makes
-OF_MODELS = {"model age", "model run"}  # names of the records that an `AgeRecords` derives from spans of firmware
+OF_UNITS = {"held alone", "unfinished"}  # the names (`what`) of the records that `HeldRecords` makes
+OF_BYTES = {"wrong bytes", "bytes compared", "expected byte"}  # names of some records that `ByteRecords` makes
+OF_MODELS = {"model age", "model run"}  # the names of the records that `AgeRecords` derives from spans of firmware
 
 
 class DerivedRecords:

@@ -1,9 +1,9 @@
 """Loading of firmware: files are imported by path or by the name of a shipped program, with checked settings.
 
-Shipped programs are the files in the folder `SHIPPED`. They are in one package. Each file of a user is a module in a
-package of its own with a unique name. So a user's file can have the same name as a file in another folder, or as a
-shipped program. `from .other import f` finds other.py in the folder of the file, or else the shipped program `other`.
-So a copy of a shipped program runs from any folder.
+The shipped programs are the files in the folder `SHIPPED`, and the modules of one package. Each file of a user is a
+module in a package of its own with a unique name. So a user's file can have the same name as a file in another folder,
+or as a shipped program. `from .other import f` finds other.py in the folder of the file, or else the shipped program
+`other`. So a copy of a shipped program runs from any folder.
 """
 
 from __future__ import annotations

@@ -77,7 +77,7 @@ def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
 
 
 def modules_of(scene: Scene) -> dict[str, Module]:
-    """Return a dictionary from names to the parts of a scene that declare a state.
+    """Return a dictionary from names to the parts of a scene that have a state, as their attribute `STATE` declares.
 
     The states of the parts are collected and restored in the order of the dictionary.
     """
@@ -149,8 +149,8 @@ def keep_logs(scene: Scene) -> bool:
 def run_to_checkpoint(scene: Scene, until: int) -> None:
     """Run to the first instant in the last window before `until` at which the logs of all C sources can end.
 
-    WINDOWS gives the length of the window. The state at this instant becomes the scene's checkpoint, unless a part of
-    the state cannot be restored. If there is no such instant, `scene.checkpoint` does not change.
+    WINDOWS gives the length of the window. If all parts of the state at this instant can be restored, the state becomes
+    the scene's checkpoint. If there is no such instant, `scene.checkpoint` does not change.
     """
     from ..processor.host_code.access_log import log_at_rest
 

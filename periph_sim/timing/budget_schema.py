@@ -66,7 +66,7 @@ class Budget(Limited, frozen=True, kw_only=True):
     exactly: only allowed value; excludes other limits
     p50, p95, p99, p99_9: upper limit of that percentile
     after: occurrences that began earlier are ignored
-    coverage: smallest part of the occasions that must be measured
+    coverage: minimum share of the occasions at which a value must be measured
     and: further conditions on the same occurrence: tables of `measure` and `max`, `min` or `exactly`
     why, source: reason, and origin of the number
     """

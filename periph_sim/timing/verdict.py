@@ -170,7 +170,6 @@ def assumes(names: Sequence[str]) -> str:
 
     They are grouped by unit and module, or by chip.
 
-
     names: the options for these behaviours, such as "dsp.i2c.aas_sdir_point".
     """
     groups: dict[str, list[str]] = {}

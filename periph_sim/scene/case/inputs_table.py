@@ -1,4 +1,4 @@
-"""The table [inputs]: exact times and durations that replace those which a case derives from periods and ranges."""
+"""The table [inputs]: exact times and durations, in place of values that follow from periods and random ranges."""
 
 from __future__ import annotations
 

@@ -92,7 +92,7 @@ class Case(Table, frozen=True, kw_only=True):
         return convert(cls, tree).completed()
 
     def completed(self) -> Case:
-        """Return this case with a budget for each expected reply, each silence after a send, and each watched wire.
+        """Return this case with a budget for each expected reply, send with `expect = "nothing"` and watched wire.
 
         Raise BadTable if a table contradicts another table, or if `breaks` names an unknown budget.
         """
@@ -157,7 +157,7 @@ class Case(Table, frozen=True, kw_only=True):
             yield ("watch", name), Budget(name=name, measure=WATCH + name, max=most, why=watch.why)
 
     def from_source(self, source: Source) -> Case:
-        """Return this case with the file that it was read from."""
+        """Return a copy of this case with `source`, the file from which the case was read."""
         return self.model_copy(update={"_source": source})
 
     @property

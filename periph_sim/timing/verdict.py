@@ -36,8 +36,8 @@ class Verdict:
     occasions: the number of events at which a value should have been measured; None if they are not counted.
     until_s: the end of the fault that `found` describes, such as a wrong reply, which began at `at_s`; None if there is
         no such fault.
-    proven: True if a proof (`periph_sim.proof`) shows that the budget holds for every start of a round or frame that
-        the proof covers.
+    proven: True if a proof (`periph_sim.proof`) shows that the budget holds for every start that the proof covers. A
+        start is the beginning of a round, a frame or a send.
     """
 
     name: str

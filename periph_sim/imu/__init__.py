@@ -3,7 +3,7 @@
 Terms of this package:
 
 the dissertation: the work in CITATION.cff, whose IMU emulator the models reproduce. Sections, equations, figures and
-    tables without another source are its own.
+    tables are those of the dissertation if no other source is named.
 host frame: the message of 12 bytes, with attitude and acceleration, that a host sends to the emulator.
 case: the TOML file of a simulation. [host] and [controller] are tables of it.
 phi, theta, psi: roll, pitch and yaw, the attitude angles. phi', theta', psi' are their derivatives.
@@ -12,7 +12,7 @@ Ts: the time between two samples of the models.
 matrix S: the matrix with scale and cross-axis sensitivity that converts a quantity to LSB.
 arithmetic: the kind of numbers in which the models calculate: float64, float32 or a Q format.
 code: the whole number that a chip returns for a quantity, in LSB.
-count: a value in a host frame, as a whole number, normally of 16 bits; a count of 1 is, for example, 1e-4 rad.
+count: a value in a host frame, as a whole number, normally of 16 bits. For an angle, a count of 1 is normally 1e-4 rad.
 emulator: firmware that calculates the codes of the chips from host frames.
 chip: one of the three sensors, gyroscope ITG-3200, accelerometer ADXL345 and magnetometer HMC5883L.
 sensor head: the I2C master that reads the chips, or the emulator in their place.

@@ -1,8 +1,8 @@
-"""Model of firmware that emulates the sensor chips of an IMU: it gives a scene the data that they should send.
+"""Model of firmware that emulates the sensor chips of an IMU. It returns the bytes that the firmware should send.
 
 firmware's settings with sensors, arithmetic, noise_seed --firmware_model--> ImuFirmware
 
-A scene uses an ImuFirmware as a `scene.unit.FirmwareModel`.
+A scene (a simulated case) uses an ImuFirmware as a `scene.unit.FirmwareModel`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class ImuFirmware:
         self._noise_seed: Any = getattr(settings, "noise_seed", None)
 
     def check(self, case: Case, unit: str) -> None:
-        """Raise BadCase unless the models' Ts is the period, in the case, at which this firmware runs the models.
+        """Raise BadCase if the models' Ts is not the period at which this firmware runs the models in the case.
 
         The firmware runs the models once per host frame if the setting `models_run` is "frame" or the case has no
         rounds; otherwise once per round.
@@ -72,7 +72,7 @@ class ImuFirmware:
     def attitude(self, readings: Mapping[str, Sequence[float]]) -> list[float] | None:
         """Return roll, pitch, yaw of the resting body in degrees; None before accelerometer and magnetometer were read.
 
-        readings: a dictionary from the name of a chip to its x, y, z in its unit. Known biases are subtracted here.
+        readings: x, y, z of each chip in its unit, by the name of the chip. The function subtracts the known biases.
         """
         accel, mag, sensors = readings.get("accelerometer"), readings.get("magnetometer"), self.parameters
         if accel is None or mag is None:
@@ -95,8 +95,8 @@ def _less(values: Sequence[float], bias: Sequence[float]) -> list[float]:
 class MotionTruth:
     """The readings that sensors without noise or rounding would give during the true motion, calculated in float64.
 
-    The readings contain no noise, because noise is not a property of the body. Besides, the
-    timing of the firmware determines which sample of the noise a read contains, and the truth must not depend on it.
+    The readings contain no noise, because noise is not a property of the body. Besides, the timing of the firmware
+    determines which sample of the noise a read contains, and the truth must not depend on this timing.
 
     imu: the parameters of the sensors.
     first: the instant of the motion, in seconds, that frame 0 describes.

@@ -80,7 +80,7 @@ class MotionFrames:
     """Source of the frames of a motion. Frame n has the values of the motion at first + n * period seconds.
 
     motion: the motion that is sampled.
-    beyond: a counter from the name of a value to the number of frames so far in which the value did not fit 16 bits.
+    beyond: by the name of a value, the number of frames so far in which this value did not fit 16 bits.
     """
 
     def __init__(self, motion: Motion, encoding: Encoding, first: Fraction, period: Fraction) -> None:

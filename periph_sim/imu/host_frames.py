@@ -1,4 +1,4 @@
-"""The frames that a [host] sends: six signed 16-bit values, three angles and three accelerations.
+"""The frames that a host (table [host] of a case) sends: three angles and three accelerations, signed 16-bit values.
 
     [host.motion] and [host.encoding], or a ramp --> values of frame n --> bytes
                                                                        --> values in the registers of the chips
@@ -53,12 +53,12 @@ def encode(values: tuple[int, ...], byte_order: ByteOrder = "little") -> bytes:
 
 
 def decode(data: bytes) -> tuple[int, ...]:
-    """Return the values of a frame from its bytes, low byte first."""
+    """Return the values of a frame. data: its bytes, with the low byte of each value first."""
     return PACKED["little"].unpack(data)
 
 
 def shown(values: Sequence[T]) -> dict[str, Sequence[T]]:
-    """Return a dictionary from a chip's name to the three values that are copied to its registers (see SHOWN).
+    """Return, by the name of each chip, the three values that firmware copies to the chip's registers (see SHOWN).
 
     values: the six values of a frame.
     """
@@ -79,7 +79,7 @@ def encoding_type() -> type[object]:
 
 
 def motion_settings() -> Mapping[str, type[object]]:
-    """Return a dictionary from the name of each kind of [host.motion] to the dataclass of its settings."""
+    """Return the dataclass of the settings of each kind of [host.motion], by the name of the kind."""
     from .motion import kinds
 
     return {name: kind.Settings for name, kind in kinds().items()}

@@ -1,4 +1,6 @@
-"""The host unit, a separate program that sends the values of a flight or of datagrams to a serial port, as frames.
+"""The host unit, a separate program that sends host frames to a serial port.
+
+The values of the frames come from the recording of a flight, a CSV file, or from UDP datagrams.
 
     flight.csv --motion--> MotionFrames --.
                                            +--> frame n, n periods after the first --> port
@@ -130,7 +132,7 @@ class UdpFrames:
 
 @dataclass
 class SentCounts:
-    """The numbers of frames and bytes that the host unit has sent and received.
+    """Counts of the frames and bytes that the host unit has sent, and of the bytes that it has received.
 
     frames: the number of frames sent.
     bytes: the number of bytes sent.
@@ -157,7 +159,7 @@ def send_frames(
     A UdpFrames source has no frame before its first datagram. Nothing is sent in the periods until then.
 
     period: the time between two frames in seconds.
-    pacer: the object that tells the time until a frame is due, and records how late frames are. Its ticks are
+    pacer: the object that returns the time until a frame is due, and records how late frames are. Its ticks are
         nanoseconds.
     frames: the maximum number of frames; None for no limit.
     """

@@ -80,6 +80,8 @@ class ModelCodes(ChipModel):
         """Return the register bytes of the chip with this address.
 
         The number of overflows in this calculation is added to `shown.overflows`.
+
+        shown: the result of `run` from which the bytes are calculated.
         """
         name, chip = BY_ADDRESS[address]
         overflows = self._model.overflows
@@ -132,14 +134,17 @@ def _rounded(a: Q, near: list[tuple[float, float]] | None) -> list[Any] | None:
 
 
 def model_of(arithmetic: str, parameters: ImuParameters) -> Imu[Any]:
-    """Return the models of an IMU, for firmware for earlier versions of periph_sim, which calls `Imu.step` itself."""
+    """Return the models of an IMU. Firmware that was written for earlier versions of periph_sim calls this function.
+
+    Such firmware calls `Imu.step` itself.
+    """
     return Imu(named.scalar(arithmetic), parameters)
 
 
 class ModelNoise:
     """The noise of the models, in numbers of the arithmetic. For firmware that uses `model_of`.
 
-    at: a function that returns the noise of a sample from the sample's number.
+    at: a function that returns the noise of a sample. Its argument is the number of the sample.
     """
 
     at: Callable[[int], Noise[Any]]

@@ -2,11 +2,11 @@
 
     key, block --Philox 4x64--> words of 64 bits --ziggurat--> values within NEAR of numpy's, or None
 
-A value is a place in one of 256 layers of equal area under the normal curve (Marsaglia and Tsang, "The ziggurat
-method", J. Stat. Software 5, 2000). The lowest byte of a word selects the layer, a bit selects the sign, and 52 bits
-select the place. Of 1000 words, 985 select a place that is certainly under the curve. Only these words give a value;
-the others give None. The edges of the layers differ from numpy's in their last bits. So the values are for callers that
-round them: a caller can decide whether the maximum error could change a rounded value.
+The ziggurat method covers the normal curve with 256 layers of equal area (Marsaglia and Tsang, "The ziggurat method",
+J. Stat. Software 5, 2000). A value is a place in one of the layers. The lowest byte of a word selects the layer, a bit
+selects the sign, and 52 bits select the place. Of 1000 words, 985 select a place that is certainly under the curve.
+Only these words give a value; the others give None. The edges of the layers differ from numpy's in their last bits. So
+the values are for callers that round them and check that the maximum error cannot change the rounded value.
 """
 
 from __future__ import annotations

@@ -108,7 +108,8 @@ class AxisNoise:
         ]
         self._step = terms.random_walk * sqrt(period)
         self._walk = Gaussian(seed, f"{stream}/random walk")
-        self._walked = (0, 0.0)  # the number of the sample after the last calculated one, and the random walk there
+        # The number of the sample after the last calculated sample, and the value of the random walk at this sample.
+        self._walked = (0, 0.0)
         self._block: int | None = None  # number of the block whose samples `_kept` contains
         self._kept: list[float] = []
 
@@ -129,7 +130,10 @@ class AxisNoise:
         return self._kept[place]
 
     def near(self, number: int) -> tuple[float, float] | None:
-        """Return an approximation of sample `number` and its maximum error, without numpy; None if not possible."""
+        """Return an approximation of sample `number` and its maximum error, calculated without numpy.
+
+        Return None if this is not possible, for example because the noise is not only white.
+        """
         white = None if self._octaves or self._step else self._white.near(number)
         return None if white is None else (white * self._white_sigma, NEAR * self._white_sigma)
 
@@ -174,9 +178,9 @@ def _phase(octave: Gaussian, k: int) -> int:
 
 
 def _hold(octave: Gaussian, k: int, number: int) -> int:
-    """Return the index of the value of `octave` that is used at sample `number`.
+    """Return the index, in the stream `octave`, of the value that is used at sample `number`.
 
-    octave: the stream of octave k. Each of its values is used for 2**k samples.
+    octave: the stream of octave k. Each value of this stream is used for 2**k samples.
     """
     return (number + _phase(octave, k)) >> k
 

@@ -3,7 +3,8 @@
     period = "20 ms"                      [gyroscope]
     wrap = "unwrapped"                    bias = "-3.1, 3.6, 0.04 deg/s"
 
-Keys that a file does not contain have the values of Table 4.1. A unit follows a number, or the last number of a vector.
+Keys that a file does not contain have the values of the dissertation's Table 4.1. A unit is written after a number, or
+after the last number of a vector.
 A number without a unit is accepted only for parameters that have no unit or are whole numbers. Sets that come with
 periph_sim (in `models/sets`) are loaded by name.
 """
@@ -22,7 +23,7 @@ from .models.quantity import BadParameter, Checked, Parameter, Quantity, Vector,
 
 C = TypeVar("C", bound=Checked)
 
-# A dictionary from the unit of a parameter to the other units that are accepted, each with the factor that converts it.
+# For each unit of a parameter: the other units that are accepted, each with the factor that converts it to this unit.
 OTHERS: dict[str, dict[str, float]] = {
     "s": {"ms": 1e-3, "us": 1e-6, "ns": 1e-9},
     "m": {"cm": 1e-2, "mm": 1e-3},

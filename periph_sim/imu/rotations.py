@@ -55,7 +55,9 @@ def matrices(attitudes: ArrayLike) -> Floats:
 
 
 def angle_between(a: ArrayLike, b: ArrayLike) -> Floats:
-    """Return the angle of the rotation from each attitude in `a` to the one in `b`, float64[n] in rad, 0 to pi.
+    """Return the angle of the rotation from each attitude in `a` to that in the same row of `b`, in rad, 0 to pi.
+
+    The result is float64[n].
 
     a, b: quaternions, float64[n, 4].
     """

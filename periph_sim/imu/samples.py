@@ -44,8 +44,8 @@ class Readings:
     """Codes of the three chips, with one row per round.
 
     seconds: the times at which the rounds are due, float64[n].
-    codes: a dictionary from the name of a chip to its codes on x, y, z, int64[n, 3].
-    lsb_per_unit: a dictionary from the name of a chip to the number of LSB per unit.
+    codes: the codes of each chip on x, y, z, int64[n, 3], by the name of the chip.
+    lsb_per_unit: the number of LSB per unit (deg/s, g or gauss) of each chip, by the name of the chip.
     overflow: the code with which the magnetometer reports an overflow; None if there is no such code.
     """
 
@@ -83,7 +83,9 @@ def in_units(chip: ChipData, counts: ArrayLike) -> Floats:
 
 
 class SampleLog:
-    """Log of the readings that a sensor head makes after the log was created, in rounds in which all chips answered.
+    """Log of the readings of a sensor head, from the creation of the log on.
+
+    Rounds in which a chip did not answer are left out.
 
     start: the tick of time 0.
     ticks: the number of ticks per second.
@@ -108,7 +110,7 @@ class SampleLog:
         return Samples(seconds, gyro, accel, mag)
 
     def counts(self) -> dict[str, Ints]:
-        """Return a dictionary from the name of a chip to the codes of all samples so far, int64[n, 3]."""
+        """Return the codes of all samples so far, int64[n, 3], by the name of the chip."""
         return {name: np.array(counts, np.int64).reshape(-1, 3) for name, counts in self._counts.items()}
 
     def _transfer(self, transfer: Transfer) -> None:

@@ -1,4 +1,4 @@
-"""The three sensors of an IMU as a controller reads them: registers, scales and start-up.
+"""The data by which a controller reads the three sensors of an IMU: registers, scales and start-up requests.
 
 The key `order` in the [controller] and [rounds] tables of a case contains the names of these sensors.
 

@@ -74,7 +74,7 @@ def fit(mean: Vector = MEAN, hard_iron: Vector = HARD_IRON) -> Fit:
 
 
 def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
-    """Return what the magnetometer of a level body measures at each yaw, in gauss, float64[n, 3].
+    """Return the values that the magnetometer of a level body measures at each yaw, in gauss, float64[n, 3].
 
     The values include the hard iron and the limits of the converter, but no noise and no rounding.
 

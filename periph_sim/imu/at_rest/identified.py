@@ -31,7 +31,7 @@ def parameters_of_axes(axes: Mapping[str, IdentifiedAxis], hard_iron: bool) -> I
     The magnetometer's mean minus its hard iron becomes the earth field. A slow term of the noise (bias instability or
     random walk) that does not differ significantly from 0 becomes 0.
 
-    axes: a dictionary from the name of a column, such as "gyroscope_x", to its identified parameters.
+    axes: the identified parameters of each column, by the name of the column, such as "gyroscope_x".
     hard_iron: True if the magnetometer's bias is the difference from a recording without the disturbance, so that the
         bias is the hard iron. False to keep the hard iron of Table 4.1.
 

@@ -66,7 +66,7 @@ class ExpectedMoments:
 
 
 def at_rest(imu: ImuParameters, samples: int, seed: int) -> dict[str, Floats]:
-    """Return a dictionary from the name of a sensor to its samples in its unit, float64[samples, 3].
+    """Return the samples of each sensor in its unit, float64[samples, 3], by the name of the sensor.
 
     samples: the number of samples.
     seed: the seed of the noise.
@@ -82,7 +82,7 @@ def at_rest(imu: ImuParameters, samples: int, seed: int) -> dict[str, Floats]:
 
 
 def lsb_at_rest(imu: ImuParameters) -> dict[str, Triple[float]]:
-    """Return a dictionary from a sensor's name to x, y, z at rest in LSB, without noise, saturation and rounding."""
+    """Return x, y, z of each sensor at rest, in LSB, by the sensor's name, before noise, saturation and rounding."""
     model = Imu(Float64(), imu)
     zero = model.at_rest.body
     turned, body = model.motion(zero, zero)
@@ -91,9 +91,9 @@ def lsb_at_rest(imu: ImuParameters) -> dict[str, Triple[float]]:
 
 
 def expected_at_rest(imu: ImuParameters) -> dict[str, list[ExpectedMoments]]:
-    """Return a dictionary from the name of a sensor to the expected moments of its three axes.
+    """Return the expected moments of the three axes of each sensor, by the name of the sensor.
 
-    Of the noise, only white noise is included, because bias instability and random walk have no fixed mean.
+    The only noise is white noise, because bias instability and random walk have no fixed mean.
     """
     found = {}
     for name, means in lsb_at_rest(imu).items():

@@ -1,7 +1,7 @@
 """Reproduction of Table 5.1 of the dissertation: mean, 3 sigma and variance of the sensors at rest.
 
-Published and expected values are shown beside the reproduced values. The deviation of a value from the expected value
-is shown in standard errors, so that a reader can see which deviations are explained by chance. The published
+The table shows published, reproduced and expected values next to each other. The deviation of a value from the expected
+value is shown in standard errors, so that a reader can see which deviations are explained by chance. The published
 values come from 10 000 samples.
 
 The dissertation's parameters can be interpreted in several ways. `readings` returns a list of interpretations. Each
@@ -127,8 +127,8 @@ class Interpretation:
     """An interpretation of the dissertation's parameters, and its agreement with the published means.
 
     says: the effect that the interpretation adds, as a phrase.
-    off: a dictionary from the name of a sensor to the means of the published emulator minus those of this
-        interpretation, on x, y, z in standard errors.
+    off: by the name of each sensor, the published means of the emulator minus the means of this interpretation, on x,
+        y, z in standard errors.
     """
 
     says: str
@@ -160,7 +160,8 @@ def readings() -> list[Interpretation]:
 def _off(expected: Mapping[str, Sequence[ExpectedMoments]]) -> dict[str, tuple[float, ...]]:
     return {
         sensor: tuple(
-            # The standard error has three parts: of the mean, of the printed mean and of the printed bias.
+            # The standard error has three causes: noise of the mean, rounding of the printed mean, and rounding of the
+            # printed bias.
             (found - axis.mean) / hypot(axis.mean_error(SAMPLES), PRINTED, PRINTED)
             for found, axis in zip(EMULATOR[sensor].mean, expected[sensor], strict=True)
         )
@@ -222,10 +223,10 @@ def _explained(found: Sequence[Interpretation]) -> Iterator[str]:
 
 
 def _gyroscope_variances(imu: ImuParameters, rows: Sequence[AxisRow]) -> Iterator[str]:
-    """Yield lines that compare the published variances of the gyroscope with those expected with and without rounding.
+    """Yield lines that compare the gyroscope's published variances with the expected ones, with and without rounding.
 
-    The gyroscope's noise is of a similar size as its LSB, so that rounding is visible in its variances. The published
-    variances are calculated from the published 3 sigma, which has more digits.
+    The gyroscope's noise has a similar size as its LSB, so that rounding has a visible effect on the variances. The
+    published variances are calculated from the published 3 sigma, which has more digits.
     """
     three = [row for row in rows if row.sensor == "gyroscope"]
     published_ones = [(row.three_sigma.emulator / 3) ** 2 for row in three]

@@ -130,7 +130,7 @@ def _axes(
 
 
 def _recording(file: Path, rate: str | None) -> tuple[dict[str, Column], float]:
-    """Return a dictionary from names to columns, without the time column, and the sampling period in seconds."""
+    """Return the columns by their names, without the time column, and the sampling period in seconds."""
     import numpy as np
 
     from ...traces.formats.unit_csv import line_of_row, read

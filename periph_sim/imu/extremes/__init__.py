@@ -57,8 +57,8 @@ class ExtremesReport:
 
     imu, seed: the parameters and the seed of the search in the working range.
     names: the names of the examined kinds of arithmetic.
-    errors: a dictionary from the name of an arithmetic, except float64, to its largest errors in the working range.
-    costs: a dictionary from the name of an arithmetic to its cost.
+    errors: the largest errors of each arithmetic in the working range, by its name. float64 has no entry.
+    costs: the cost of a sample in each arithmetic, by its name.
     without_fastrts: the cost of float32 with the compiler's library in place of TI's fastRTS library.
     findings: the behaviour of each arithmetic at each extreme.
     """
@@ -91,7 +91,8 @@ def report(
     names: the names of the kinds of arithmetic, such as "float32".
     seed, samples: the seed and the number of samples of the search in the working range.
     only: the names of the extremes to examine; empty for all extremes.
-    imu: the parameters of the search and of the costs; None for Table 4.1. Extremes have parameters of their own.
+    imu: the parameters of the search and of the costs; None for those of the dissertation's Table 4.1. The extremes are
+        examined with other parameters, which are fixed.
     tables: the memory that contains the sine and arctangent tables of the mathematics libraries.
 
     Raise NoSuchArithmetic, DoesNotFit or InputError for an invalid name.

@@ -1,7 +1,7 @@
 """Extremes that are not sweeps: lost frames, runs of weeks, divisions by 0, rejected parameters, small steps.
 
 Each function examines one extreme in each arithmetic (float32, a Q format ...) in `names`, and yields its findings. The
-argument `worst` is a dictionary from the name of an arithmetic to its largest errors in the working range.
+argument `worst` has the largest errors of each arithmetic in the working range, by the name of the arithmetic.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def _rolled(steps: Ints, times: int) -> Ints:
 
 
 def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[ExtremeFinding]:
-    """Examine a time in seconds to which a program adds Ts at every sample, for 30 days.
+    """Examine a program that counts the time in seconds for 30 days, by adding Ts at every sample.
 
     Find the first time at which this addition has an error of more than half of Ts, and the first time at which it has
     no effect. The sensor models are not affected: they store no time and no sum, only the last attitude and body rates.

@@ -1,4 +1,4 @@
-"""Conversion of host frames to nine codes in any arithmetic, for the examination of extremes.
+"""Conversion of the counts in host frames to the nine codes of the chips, in any arithmetic, to examine extremes.
 
 A sample needs an acceleration and three attitudes: the last two attitudes for the rates, and all three for the change
 of the rates. All values are whole counts, as in host frames, so every arithmetic receives the same numbers. Some sweeps

@@ -3,7 +3,7 @@
     longest run, clocks with errors over a day, a transfer at the last tick, 10^9 samples of noise, NaN in a sample,
     a sender's largest rate error, large offsets and steep ramps, a scene whose crystals are 200 000 ppm apart
 
-Each finding is measured: errors are caused, edges are counted, and runs are compared.
+Each finding comes from a test: the code is executed with the extreme input, and its result is checked.
 
 Baud rates: an SCI samples at eight times its own rate and counts from the first low sample of each start bit, which may
 be up to one sample after the sender's falling edge. The majority of samples 4 to 6 of 8 decides the level of the stop
@@ -178,7 +178,7 @@ def noise_sums() -> Iterator[ExtremeFinding]:
 
 
 def inputs() -> Iterator[ExtremeFinding]:
-    """Check that the models reject a NaN, and a period that differs from the period at which they run."""
+    """Check that the models reject a NaN in a sample, and a parameter `period` that is not the period of rounds."""
     model = Imu(Float64(), ImuParameters())
     zero = model.at_rest.body
     found = why_refused(lambda: model.check((0.0, nan, 0.0), zero, model.silence), NotFinite)
@@ -199,10 +199,10 @@ START = 10_000  # cycle of the first start bit
 
 
 def baud_rates() -> Iterator[ExtremeFinding]:
-    """Compare the largest rate error of a sender at which an SCI receives all bytes with the exact limit.
+    """Find the largest rate error of a sender at which an SCI receives all bytes, and compare it with the exact limit.
 
-    The largest rate error is found by bisection. All bytes must be received, at whichever of the PHASES
-    instants within a sample the first start bit begins.
+    The search is a bisection. A rate error passes if all bytes are received in each of PHASES runs, in which the first
+    start bit begins at different instants within a sample.
     """
     for name, limit in LIMITS.items():
         good, bad = Fraction(NOMINAL), Fraction(NOMINAL) + (Fraction(1, 2) if limit > NOMINAL else -Fraction(1, 2))
@@ -281,9 +281,9 @@ LEAST_ROUNDS = 4
 def imu_hil_clocks() -> Iterator[ExtremeFinding]:
     """Run the case imu_hil.toml twice, with the crystals of unit and controller at opposite extremes.
 
-    The host's bit rate follows the unit's crystal, because an SCI cannot receive with a rate error of ten percent. The
-    bytes of each round are compared with the frames. The tick at which each round is due is compared with the
-    exact time, which is calculated as a fraction from the controller's period and crystal.
+    The host's bit rate has the same error as the unit's crystal, because an SCI cannot receive with a rate error of ten
+    percent. The bytes of each round are compared with the frames. The tick at which each round is due is compared with
+    the exact time, which is calculated as a fraction from the controller's period and crystal.
     """
     for sign in (1, -1):
         unit, controller = sign * CRYSTALS_PPM, -sign * CRYSTALS_PPM

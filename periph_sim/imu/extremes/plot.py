@@ -1,7 +1,7 @@
 """Plot of a report of extremes as SVG: error in LSB over the cost of a sample in cycles, one point per arithmetic.
 
-Both axes are logarithmic. A bar is the range of a cost that is not a single published figure. The error is the largest
-error of the nine sensor axes in the working range. Equal reports give equal text.
+Both axes are logarithmic. If a cost is only known as a range, a bar shows the range. The error is the largest error of
+the nine sensor axes in the working range. Equal reports give equal SVG text.
 """
 
 from __future__ import annotations

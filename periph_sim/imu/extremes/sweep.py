@@ -92,7 +92,8 @@ class InputSweep:
     unit: the unit of the input.
     ordinary, extreme: the first and the last value, in `unit`. The last value may be smaller than the first.
     at: a function that returns the inputs for a value of the sweep.
-    slack: additional LSB by which codes may differ, because the angles for the reference are rounded to other counts.
+    slack: additional LSB by which codes may differ. It is needed if an angle and the corresponding angle of the
+        reference differ, for example by a full turn, because each of them is rounded to counts on its own.
     """
 
     name: str
@@ -106,9 +107,9 @@ class InputSweep:
     def find(self, arithmetic: str, worst: Worst | None) -> ExtremeFinding:
         """Find the first value of the sweep at which an arithmetic deviates from the reference.
 
-        Deviations are measured from the codes of float64 for `true_imu` and `true_counts`. So float64 itself can
-        deviate, if a sweep gives it other inputs. If float64 does not deviate, the first value at which a converter is
-        at full scale is found instead.
+        A deviation is the difference from the reference's codes, which are calculated in float64 from `true_imu` and
+        `true_counts`. So float64 itself can deviate in a sweep whose samples have other inputs for the reference. If
+        float64 does not deviate, the function finds the first value at which a converter is at full scale.
 
         worst: the largest errors of the arithmetic in the working range, which are allowed; None for float64, for which
             1 LSB is allowed.

@@ -103,7 +103,7 @@ def yaw_step(value: float) -> Sample:
 
 
 def rolling(value: float, late: float = 0.0) -> Sample:
-    """Return the sample of a roll.
+    """Return the sample of a body that rolls at a constant rate.
 
     value: the rate in deg/s.
     late: the time by which the interval between two frames exceeds Ts, as a fraction of Ts.
@@ -117,7 +117,7 @@ def rolling(value: float, late: float = 0.0) -> Sample:
 
 
 def spinning(value: float) -> Sample:
-    """Return the sample of a roll at a rate that no frame can represent. value: the rate in deg/s."""
+    """Return the sample of a roll, with angles that may exceed the 16 bits of a frame. value: the rate in deg/s."""
     step = radians(value) * AS_BUILT.period
     counts = meant(lambda ago: (-ago * step, 0.0, 0.0))
     return Sample(AS_BUILT, counts)
@@ -204,8 +204,8 @@ def in_field(field: Vector, attitude: Callable[[int], Attitude] = still, **exami
 
     field: the field in gauss, in the axes of a body whose roll, pitch and yaw are 0.
     attitude: the same as for `meant`.
-    examined: the method that is examined, `spherical` or `norm` of MagnetometerParameters. The reference has the
-        default method.
+    examined: the method that is examined, as the argument `spherical` or `norm` of MagnetometerParameters. The
+        reference uses the default method.
     """
     sensor = MagnetometerParameters(earth_field=field, hard_iron=NONE)
     true = ImuParameters(magnetometer=sensor)

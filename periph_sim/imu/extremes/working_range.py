@@ -1,7 +1,8 @@
 """Search for the worst deviation of each arithmetic from float64 in the sensors' working range.
 
-Working range: any roll and yaw, pitch between -90 and 90 degrees, no wrap between two frames, angle rates up to the
-gyroscope's 2000 deg/s, linear acceleration up to the accelerometer's 2 g; parameters as given.
+Working range: any roll and yaw; pitch between -90 and 90 degrees; no angle that wraps around between two frames; angle
+rates up to the gyroscope's 2000 deg/s; linear acceleration up to the accelerometer's 2 g. The caller gives the
+parameters of the sensors.
 
 Search: samples are drawn uniformly from the range, and then ever closer to the worst sample of each sensor. The largest
 error that is found is a lower bound of the true maximum. More samples improve this bound.
@@ -27,8 +28,8 @@ ROUNDS = 10  # number of refinements of the search
 class Worst:
     """The largest errors of an arithmetic in the working range.
 
-    error: a dictionary from the name of a sensor to its largest error before saturation and rounding, in LSB.
-    at: a dictionary from the name of a sensor to the counts of the sample with this error, int64[12].
+    error: the largest error of each sensor before saturation and rounding, in LSB, by the name of the sensor.
+    at: the counts of the sample with this error, int64[12], by the name of the sensor.
     """
 
     error: dict[str, float]
@@ -39,7 +40,7 @@ class Worst:
         return max(self.error.values())
 
     def allowed(self) -> NDArray[np.float64]:
-        """Return for each axis the largest difference of codes that `error`, before rounding, can cause, float64[9]."""
+        """Return, for each axis, the largest difference between rounded codes to which `error` can lead, float64[9]."""
         return np.repeat([np.floor(self.error[name]) + 1 for name in SENSORS], 3)
 
 

@@ -16,7 +16,7 @@ from scipy.special import chdtri, ndtr
 
 from .allan import Allan, Floats
 
-# The first level is the probability of a Gaussian value within one standard deviation. The second is the usual level.
+# Levels of confidence. The first is the probability that a Gaussian value is within one standard deviation of its mean.
 LEVELS = {"68 %": float(2 * ndtr(1) - 1), "95 %": 0.95}
 
 
@@ -78,16 +78,16 @@ def _covariance(m: int, n: int, length: int) -> float:
     def term(lag: Floats) -> Floats:
         """Return the number of pairs of differences that are `lag` samples apart, times the square of their covariance.
 
-        Of each pair, one is a difference of averages over m samples, the other a difference of averages over n samples.
+        A pair consists of a difference of averages over m samples and a difference of averages over n samples.
         """
         shared = -(np.abs(lag[:, np.newaxis] - corners) @ weights)
         pairs = np.minimum(places_n, places_m + lag) - np.maximum(0.0, lag)
         together: Floats = np.maximum(pairs, 0.0) * shared**2
         return together
 
-    # `bends` are the lags at which the formula of `term` changes. Between two of them, the term is a cubic polynomial
-    # of the lag. Its sum over all integer lags there is calculated from three of its values: in the middle, and at two
-    # lags with the same distance from the middle.
+    # `bends` are the lags at which the formula of `term` changes. Between two adjacent bends, `term` is a cubic
+    # polynomial of the lag. The sum of this polynomial over all integer lags between the bends is calculated from three
+    # values of `term`: in the middle, and at two lags with the same distance from the middle.
     bends = [*corners, 0, places_n - places_m, -places_m, places_n]
     edges = np.unique(np.clip(bends, max(-2 * n, -places_m), min(2 * m, places_n)))
     begin, end = edges[:-1], edges[1:] - 1

@@ -1,13 +1,13 @@
 """Identification of one axis of a sensor at rest: bias, noise density, and optionally the slow terms.
 
-The bias is the mean minus the expected value (equation 4.9). Hard iron is the mean with the disturbance minus the mean
-without the disturbance (equation 4.10). The standard error of a mean is the root of the sum of the squares of three
-parts:
+The bias is the mean minus the expected value (equation 4.9 of the dissertation). Hard iron is the mean with the
+magnetic disturbance minus the mean without it (equation 4.10). The standard error of a mean is the root of the sum of
+the squares of three parts:
 
     white noise       the root of (density of white noise / duration of the recording in seconds)
     drift             the Allan deviation at long tau, if it is above the line of white noise; a longer recording does
                       not reduce this part
-    quantisation      the systematic error of the mean of rounded values; large if the noise is small beside an LSB
+    quantisation      the systematic error of the mean of rounded values; large if the noise is much less than an LSB
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def mean(series: Series, found: Allan, noise: Density) -> Mean:
 
 
 def _drift(found: Allan, noise: Density) -> float:
-    """Return the largest Allan deviation at the tau at which drift begins and above; 0 if there is no drift.
+    """Return the largest Allan deviation from the tau at which drift begins; 0 if there is no drift.
 
     Drift begins at the first long tau at which the variance is significantly above the line of white noise. A tau is
     long if it is above the region from which the density of white noise was calculated.

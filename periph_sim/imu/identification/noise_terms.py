@@ -128,7 +128,7 @@ def _agrees(scaled_variance: Floats, relative: Floats, begin: int, end: int, can
     return bool(abs(scaled_variance[candidate] / mean - 1) < AGREE * variance**0.5)
 
 
-ROUNDS = 4  # number of fits; the weights follow from the previous fit and converge after a few rounds
+ROUNDS = 4  # number of fits; the weights of a fit follow from the previous fit and converge after a few fits
 LEAST_EDF = 2.0  # minimum degrees of freedom of a variance that is used in the fit
 FLOOR = 2 * log(2) / pi  # the variance of the flat part divided by B squared, so its deviation is 0.664 B
 
@@ -178,7 +178,10 @@ class SlowTerms:
 
 
 def white_part(found: Allan, terms: SlowTerms) -> Density:
-    """Return the fitted density of white noise. Its region has the points at which white noise prevails."""
+    """Return the fitted density of white noise.
+
+    Its region ends after as many points as have white noise as more than half of the variance.
+    """
     most = int(np.count_nonzero(terms.white.squared / found.taus > found.variance / 2))
     about = int(np.abs(np.log(found.taus / READ_AT)).argmin())
     freedom = 2 * (terms.white.squared / terms.white.squared_error) ** 2

@@ -41,7 +41,7 @@ class Motion:
     def truth(self) -> Motion:
         """The true motion of the body.
 
-        It is this motion itself, unless the values of this motion are coarse readings of the true motion.
+        It is this motion itself, or another motion if the values of this motion are only coarse readings of that one.
         """
         return self
 
@@ -64,7 +64,7 @@ class MotionKind(Protocol):
 
 @cache
 def kinds() -> dict[str, MotionKind]:
-    """Return a dictionary from the name of each kind of motion, which is the name of its file, to the kind."""
+    """Return all kinds of motion by their names. The name of a kind is the name of its file."""
     return {name: cast(MotionKind, module) for name, module in modules_with("motion", __name__, __path__).items()}
 
 

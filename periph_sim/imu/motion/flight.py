@@ -32,7 +32,7 @@ class Settings:
 
 
 class Flight(Straight):
-    """A recorded motion whose roll and yaw may pass 180 degrees."""
+    """A recorded motion. `rows` contains angles without jumps; `at` returns them wrapped to 180 degrees."""
 
     def at(self, seconds: float) -> Sequence[float]:
         *angles, x, y, z = super().at(seconds)

@@ -35,7 +35,7 @@ RATE_RANGE = 1000.0  # maximum rate in rad/s
 def quantity(units: Mapping[str, float], least: float, most: float, value: object) -> float:
     """Parse a text such as "52.2 rpm" and convert it to the unit whose factor is 1.
 
-    units: a dictionary from each accepted unit to its factor.
+    units: for each accepted unit, the factor that converts a number in this unit.
     least, most: the inclusive limits of the converted number.
     value: the text. A float is also accepted, as a number in the unit whose factor is 1.
 

@@ -1,4 +1,4 @@
-"""Motion by sine waves of any of the six values. Waves of the same value are added.
+"""Motion in which sine waves are added to any of the six values. Several waves can be added to the same value.
 
 mean = { theta = "10 deg" }
 angles = [ { of = "theta", amplitude = "20 deg", frequency = "0.5 Hz", phase = "90 deg" } ]

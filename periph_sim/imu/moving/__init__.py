@@ -3,8 +3,8 @@
     emulator:     host --SCI--> firmware --I2C--> sensor head -------+
     real sensors: ITG-3200, ADXL345, HMC5883L --I2C--> sensor head --+--> units, minus biases --> EKF --> attitudes
 
-"Real sensors" are simulated chips that sense the true motion. Both readings can also be calculated without simulated
-wires. EKF is the extended Kalman filter of `attitude`.
+"Real sensors" are simulated chips that sense the true motion. The readings of the emulator and of the real sensors can
+also be calculated without simulated wires. EKF is the extended Kalman filter of `attitude`.
 
-Dissertation section 5.3 with Figures 5.4 to 5.6, and appendix B.
+Source: dissertation section 5.3 with Figures 5.4 to 5.6, and appendix B.
 """

@@ -8,7 +8,8 @@ EKF is the extended Kalman filter of `attitude`.
 
 The emulator's readings are older than a chip's samples, because a frame waits until the models run, and the results of
 the models wait until the next round. While the body turns, this delay causes an angle error that is not due to the
-models. So the delay at which the attitudes of the real sensors fit those of the emulator best is reported separately.
+models. The report therefore contains the delay by which the attitudes of the real sensors must be shifted to fit those
+of the emulator best, and the differences that remain.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class Lag:
     """The lag of a late series of attitudes behind another series.
 
     seconds: the delay of the late series.
-    apart: the differences that remain if the other series is delayed by the same time.
+    apart: the differences between both series that remain if the other series is delayed by `seconds`.
     """
 
     seconds: float
@@ -186,9 +187,9 @@ class MovingOutcome:
 
     seconds: the due times of the rounds that were completed with real sensors and with both emulators, float64[n].
     truth: the true attitudes at these times, float64[n, 4].
-    real: the estimate from the real sensors.
-    emulated: a dictionary from the kind of the gyroscope's rates, "as built" or "corrected", to the estimate from the
-        emulator.
+    real: the readings of the real sensors, with the estimated attitudes.
+    emulated: the readings of each emulator, with the estimated attitudes, by the kind of the gyroscope's rates: "as
+        built" or "corrected".
     bytes: the comparison of the bytes; None if the experiment had no wires.
     """
 
@@ -200,7 +201,7 @@ class MovingOutcome:
     bytes: Bytes | None
 
     def apart(self) -> dict[str, AttitudeErrors]:
-        """Return a dictionary from the name of a comparison, such as "real sensors less truth", to its differences.
+        """Return the differences of each comparison, by its name, such as "real sensors less truth" (real minus truth).
 
         The comparisons have the order in which reports show them.
         """
@@ -211,7 +212,7 @@ class MovingOutcome:
         return found
 
     def behind(self, rates: Rates) -> Lag:
-        """Return the delay of the emulator, with this kind of rates, relative to the real sensors."""
+        """Return the lag of the emulator's attitudes, with this kind of rates, behind those of the real sensors."""
         return lag_between(self.seconds, self.emulated[rates].attitudes, self.real.attitudes)
 
 

@@ -52,7 +52,7 @@ class Emulated:
 
 
 class ModelRuns:
-    """Observer of a scene, which finds the frame that each run of the models used.
+    """An observer of a scene (a simulated case) that finds the frame used by each run of the models.
 
     A frame counts as read when the receive FIFO becomes empty, which may be some bits before the end of the frame's
     last stop bit.
@@ -126,10 +126,10 @@ def chips(subject: EmulatorUnderTest, progress: Progress | None = None) -> Readi
 
 
 def sources(subject: EmulatorUnderTest, ticks: int, start: int) -> dict[str, Source]:
-    """Return a dictionary from the name of a chip to a function from a tick to the chip's input x, y, z in its unit.
+    """Return, by the name of each chip, a function that returns the chip's input x, y, z at a tick, in the chip's unit.
 
-    The input includes cross-axis sensitivity, bias and noise. Sample n of the noise is used from n to n + 1 periods of
-    the models, because the density of the noise refers to the sample rate of the models.
+    The input includes cross-axis sensitivity, bias and noise. A sample of the noise is used for one period of the
+    models, because the density of the noise refers to the sample rate of the models.
 
     ticks: the number of ticks per second.
     start: the tick at which the motion is at time 0.

@@ -25,7 +25,7 @@ from ..sensors import SENSORS
 class EmulatorUnderTest:
     """The case of a moving experiment, and the parts of it that the experiment uses.
 
-    unit: the name of the F28335 in the case whose firmware is the emulator.
+    unit: the case's name for the F28335 that runs the emulator.
     sensors: the parameters of the emulator's sensor models.
     arithmetic: the name of the emulator's arithmetic.
     seed: the seed of the emulator's noise; None for no noise.
@@ -50,7 +50,7 @@ class EmulatorUnderTest:
         return self.frames.motion.truth
 
     def with_rates(self, rates: Rates) -> EmulatorUnderTest:
-        """Return the same subject with a gyroscope as built or corrected."""
+        """Return a copy of the subject whose gyroscope measures the rates `rates`: "as built" or "corrected"."""
         sensors = structs.replace(self.sensors, gyroscope=structs.replace(self.sensors.gyroscope, rates=rates))
         unit = self.case.unit[self.unit]
         unit = unit.model_copy(update={"settings": {**unit.settings, "parameters": sensors}})

@@ -1,4 +1,6 @@
-"""Sessions: external code steps a case and moves some of its lines. A session has no input or output of its own.
+"""Sessions: external code runs a case step by step, and pulls some lines of the case low or releases them.
+
+A session itself reads no port and no network; `live` and `drivers` connect it to programs.
 
 simulator, serial port, driver --apply--> Session --advance--> changes of the case's pins, with their ticks
                                              `--log--> replay --> the same run again

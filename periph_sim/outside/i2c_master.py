@@ -31,8 +31,8 @@ class Master:
     """A controller that external code calls.
 
     rate: the frequency of SCL without stretching, as a text; SCL is low for one half of the period and high for the
-        other.
-    held: True if SCL is held low between two calls.
+        other half.
+    held: True between two calls of a transfer, while this controller holds SCL low.
 
     Raise OutsideError if SDA and SCL do not lead outside, if calls are made in the wrong order, if others hold a line
     for more than 25 ms, or if another controller wins the bus.

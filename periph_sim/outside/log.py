@@ -22,7 +22,7 @@ class LogWriter:
     earlier leaves it unchanged. After `begin`, each line is written at once, so that the log is complete even if the
     process is killed.
 
-    Raise OutsideError for a file that cannot be written, and for a file from which the case was read.
+    Raise OutsideError if the file cannot be written, or if the case was read from it.
     """
 
     def __init__(self, path: Path, case: Case, ticks_per_second: int, wires: tuple[str, ...]) -> None:

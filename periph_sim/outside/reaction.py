@@ -89,7 +89,7 @@ class Reaction:
         self._widest_of: list[tuple[int, Clock]] = []  # the filter widths and clocks from which `_widest` was computed
         self._hz: list[Fraction] = []  # the frequencies that these clocks had when `_widest` was computed
         self._seen = self._levels.copy()  # levels of the lines after all moves in `_put`, if `_fresh` is True
-        self._scl_moved = LONG_AGO  # tick of the last edge of SCL among all moves, while `_silent` is not -1
+        self._scl_moved = LONG_AGO  # tick of the last edge of SCL among all moves; not updated while `_silent` is -1
         self._scl_done = LONG_AGO  # tick of the last edge of SCL among the moves that were applied to `_levels`
 
     def put(self, tick: int, line: Text, level: int) -> None:
@@ -110,7 +110,7 @@ class Reaction:
             self._pass(len(self._put) - REMEMBERED)
 
     def due(self) -> int:
-        """Return a tick before which no pin of the case moves without a further `put`; NEVER if none ever moves."""
+        """Return a tick before which no pin of the case moves if `put` is not called again; NEVER if no pin moves."""
         if not self._fresh:
             self._look()
         return self._due
@@ -183,7 +183,7 @@ class Reaction:
             self._scl, self._sda = (scl.pop(), sda.pop()) if len(scl) == len(sda) == 1 else ("", "")
 
     def _first_event(self) -> int:
-        """Return the first tick at which one of the scheduled events may move a pin; NEVER if none of them does."""
+        """Return the first tick at which one of the scheduled events may move a pin; NEVER if no event does so."""
         due = NEVER
         event = self._kernel.next_event()
         while event is not None and event.time < due:

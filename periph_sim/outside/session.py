@@ -5,8 +5,7 @@
     finish()          --> Result, as from a run
 
 `now` is the next tick. None of its events have run, so a level that is applied at `now` is effective in this tick. The
-records depend only on the calls of `apply`, and not on the steps in which time advances. A session has no input or
-output of its own.
+records depend only on the calls of `apply`, and not on the steps in which time advances.
 """
 
 # core: compiled
@@ -145,7 +144,7 @@ class Session:
     log: the path of a log of the outside's moves, from which `replay` can repeat the run.
     subscribe: a function that is called with the recorder and the timebase while the scene is built, and can subscribe
         to records.
-    programs: a dictionary from the name of a unit to a Python function, which replaces the unit's firmware in the case.
+    programs: by the name of a unit, a Python function that runs in place of the unit's firmware in the case.
 
     Times are ticks (`ticks_per_second`), counted from the beginning of the case. A session is a context manager; if the
     block is left without `finish`, the log has no "end" line.
@@ -232,7 +231,7 @@ class Session:
         return [change._replace(at=change.at - self._start) for change in changes] if changes else changes
 
     def next_output(self) -> int | None:
-        """Return a tick before which no pin of the case moves unless the outside moves a line; None if none ever moves.
+        """Return a tick before which no pin of the case moves if the outside moves no line; None if no pin ever moves.
 
         The outside moves lines by `apply` and by writes to a serial line. If bytes wait in the queue of a serial line,
         the returned tick is not later than the next start bit.

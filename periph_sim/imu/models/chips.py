@@ -111,8 +111,8 @@ class Gyroscope(SensorEquations[T]):
 
         phi', theta', psi' --> p, q, r --> mounting --> deg/s --> + bias + noise + g_sens * a --> codes
 
-    Source: equation 4.5. a is the linear acceleration in g, and g_sens the sensitivity of the rates to a. As built, p,
-    q, r are taken to be phi', theta', psi' (section 4.3.2). Corrected, they are the body rates (appendix B):
+    Source: equation 4.5. a is the linear acceleration in g, and g_sens the sensitivity of the rates to a. "As built",
+    the model uses phi', theta', psi' as p, q, r (section 4.3.2). "Corrected", p, q, r are the body rates (appendix B):
 
         p = phi' - psi' sin(theta)
         q = theta' cos(phi) + psi' sin(phi) cos(theta)
@@ -128,7 +128,7 @@ class Gyroscope(SensorEquations[T]):
         self._g_sens = a.constant(sensor.g_sens)
 
     def body_rates(self, rates: Triple[T], angles: Angles[T]) -> Triple[T]:
-        """Return p, q, r in rad/s, as built or corrected. rates: phi', theta', psi' in rad/s."""
+        """Return p, q, r in rad/s, "as built" or "corrected". rates: phi', theta', psi' in rad/s."""
         return body_rates(self._a, rates, angles) if self._corrected else rates
 
     def lsb(self, body: Triple[T], acceleration: Triple[T], noise: Triple[T]) -> Triple[T]:
@@ -291,7 +291,7 @@ class Magnetometer(SensorEquations[T]):
 
 
 def rotated(v: Vectors[T], angles: Angles[T], field: Triple[T]) -> Triple[T]:
-    """Return Rx(phi) Ry(theta) Rz(psi) times a vector, one axis after the other, as in section 4.3.3."""
+    """Return Rx(phi) Ry(theta) Rz(psi) times a vector, calculated as rotations about z, y and x (section 4.3.3)."""
     x, y, z = field
     x, y = v.turned(angles.c_psi, angles.s_psi, x, y)
     z, x = v.turned(angles.c_theta, angles.s_theta, z, x)

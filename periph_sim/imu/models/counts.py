@@ -59,7 +59,7 @@ FRAME = 6  # number of values of a host frame that are scaled
 
 
 def counts_of(imu: parameters.ImuParameters) -> dict[str, Counter[str]]:
-    """Return a dictionary from each part of the models to the number of operations of each kind for one sample.
+    """Return the number of operations of each kind for one sample, by the part of the models (see PARTS).
 
     The part `frame` is the scaling of a host frame's six values.
     """

@@ -145,7 +145,7 @@ class ImuParameters(Checked, frozen=True):
 
     period: Ts, the time between two samples.
     wrap: the treatment of a step of nearly 360 degrees. "as built": the step is used as it is. "unwrapped": a step of
-        roll or yaw is taken the shorter way round.
+        roll or yaw by more than half a turn is changed by one turn, so that it is the shorter way round.
     """
 
     accelerometer: AccelerometerParameters = AccelerometerParameters()

@@ -35,15 +35,15 @@ class SensedMotion:
         self._model = Imu(Float64(), replace(imu, gyroscope=replace(imu.gyroscope, rates="corrected")))
 
     def at(self, seconds: float, noise: Noise[float] | None = None) -> dict[str, tuple[float, ...]]:
-        """Return a dictionary from the name of a chip to its x, y, z in LSB.
+        """Return x, y, z of each chip in LSB, by the name of the chip.
 
         noise: the noise of the sensors at this instant; None for no noise.
         """
         turned, body = self._turning(seconds)
         *_, x, y, z = self._motion.at(seconds)
         _, later = self._turning(seconds + STEP)
-        # The models calculate the derivatives of the body rates from this sample and the previous one. So the previous
-        # body rates are chosen so that the models' difference gives the derivatives at this instant.
+        # The models calculate the derivatives of the body rates from the rates of this sample and of the previous one.
+        # So p, q, r are values for the previous sample with which the models get the derivatives at this instant.
         part = self._imu.period / STEP
         p, q, r = (now - (then - now) * part for now, then in zip(body, later, strict=True))
         inputs = Inputs(turned, (x, y, z), body, (p, q, r), noise or self._model.silence)

@@ -1,6 +1,6 @@
 """Names of the kinds of arithmetic: "float64", "float32", "q16", "q12 saturating", "q16 rounded".
 
-name --> scalar(name)   one number at a time, as firmware does
+name --> scalar(name)   the arithmetic, with the operations of `arithmetic.Arithmetic`
      --> library(name)  the costs of the operations on the F28335
 """
 

@@ -7,8 +7,8 @@ assumed to take one cycle per number, in memory without wait states; no number i
 estimate does not include the rest of the program, such as noise, conversions between blocks, function prologues and
 interrupts.
 
-A cost is a range. If there is a published figure, both ends of the range are this figure. Otherwise, the ends are a
-guess, which is marked as a guess, or are derived from published figures of instructions. Figures are for code and data
+A cost is a range. If there is a published figure, both ends of the range are this figure. Otherwise, the range is
+derived from published figures of instructions, or it is a guess and marked as a guess. Figures are for code and data
 in memory without wait states. The tables of a library may be in the boot ROM, which has one wait state; the additional
 cost is listed separately.
 """
@@ -65,8 +65,9 @@ def exactly(cycles: int, source: str) -> Cost:
 class Library(Struct, frozen=True):
     """The costs of the operations of a library.
 
-    costs: a dictionary from an operation to its cost.
-    rom: a dictionary from an operation to its additional cycles if the tables of the library are in the boot ROM.
+    costs: the cost of each operation.
+    rom: the additional cycles of each operation if the tables of the library are in the boot ROM. Operations without an
+        entry have none.
     with_operands: the operations whose cost includes loads and stores.
     """
 
@@ -195,8 +196,8 @@ class Estimate(Struct, frozen=True):
     """The estimated cycles of a model.
 
     tables: the memory that contains the tables of the library.
-    parts: a dictionary from each part of the model to its cycles, as (low, high).
-    counts: a dictionary from each kind of operation to its number in all parts together.
+    parts: the cycles of each part of the model, as (low, high), by the name of the part.
+    counts: the number of operations of each kind in all parts together.
     """
 
     library: Library
@@ -215,7 +216,7 @@ class Estimate(Struct, frozen=True):
 
     @property
     def guessed(self) -> bool:
-        """True if any figure is a guess."""
+        """True if the cost of any operation in `counts` is a guess."""
         return any(self.library.costs[kind].guessed for kind in self.counts)
 
     def seconds(self) -> Fraction:
@@ -236,7 +237,7 @@ class Estimate(Struct, frozen=True):
 def estimate(counts: Mapping[str, Mapping[str, int]], library: Library, tables: Tables = "RAM") -> Estimate:
     """Estimate the cycles of a model.
 
-    counts: a dictionary from each part of the model to the number of operations of each kind.
+    counts: the number of operations of each kind, by the part of the model.
     tables: the memory that contains the tables of the library.
     """
     parts: dict[str, tuple[int, int]] = {}

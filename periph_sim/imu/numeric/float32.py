@@ -38,7 +38,7 @@ A0, A1, A2 = (np.array([a[i] for a in ARCTANGENT], dtype=np.float32) for i in ra
 
 
 class Float32:
-    """The arithmetic of float32. T is an array, float32[n] or 0-dimensional. The caller turns numpy's warnings off."""
+    """The arithmetic of float32. T is an array, float32[n] or 0-dimensional. The caller disables numpy's warnings."""
 
     name = "float32"
 
@@ -130,5 +130,5 @@ def _step(angle: Singles) -> tuple[Any, Singles]:
 
 
 def _whole(x: Singles, most: int) -> Any:
-    """Convert a number to an index of a table, 0 to `most`. For a NaN, any index is right, and 0 is returned."""
+    """Convert a number to an index of a table, 0 to `most`. A NaN becomes 0; its index has no effect on the result."""
     return np.nan_to_num(np.clip(x, 0, most), nan=0.0).astype(np.intp)

@@ -15,8 +15,8 @@ IQdiv, IQsqrt and IQmag always saturate. x/0 is the largest number, also for 0/0
 
 Source: comments in the sources of IQmath V1.4 for the C28x. In these sources, division and root take a first value from
 a table and improve it by two Newton steps; the comments call the results 32-bit accurate. Here, division and root are
-exact before rounding. Everything else follows the sources step by step, except that the coefficients of the parabolas
-are fitted (see `tables`). `bits` is the number of fraction bits, 1 to 29.
+exact before rounding. Everything else follows the sources step by step; only the coefficients of the parabolas are
+fitted (see `tables`). `bits` is the number of fraction bits, 1 to 29.
 """
 
 # core: compiled
@@ -103,7 +103,7 @@ LOW, HIGH = -(1 << 31), (1 << 31) - 1
 
 
 class DoesNotFit(InputError):
-    """A Q format cannot hold a constant. The message is one sentence."""
+    """A Q format cannot hold a constant, or its number of fraction bits is invalid. The message is one sentence."""
 
 
 def nearest_in(value: float, bits: BigInt) -> BigInt:
@@ -117,11 +117,11 @@ def nearest_in(value: float, bits: BigInt) -> BigInt:
     return raw
 
 
-constant_in = lru_cache(maxsize=4096)(nearest_in)  # Scenes of one case use the same constants.
+constant_in = lru_cache(maxsize=4096)(nearest_in)  # cached, because all scenes of a case use the same constants
 
 
 def factor_of(lsb: float, bits: int) -> tuple[int, int]:
-    """Return a factor of 30 bits and a shift, so that (count * factor) >> shift is count * lsb in Q`bits`.
+    """Return a factor of 30 bits and a shift: (count * factor) >> shift is count * lsb with `bits` fraction bits.
 
     A factor with `bits` fraction bits would be too coarse: 1e-4 rad is 6.55 / 2**16, which Q16 rounds to 7 / 2**16.
     """

@@ -43,7 +43,7 @@ Returned = TypeVar("Returned")
 ACK, TIMEOUT, LOST = 1, 2, 4  # bits of a report
 SCAN = range(0x08, 0x78)
 MOST = 64  # maximum number of data bytes of a command
-NOBODY = 0xFF  # the result of a read outside of a transfer, when no party drives SDA
+NOBODY = 0xFF  # the byte that a read without a transfer or with an error returns, as if no party drove SDA
 INFORMATION = 80  # number of characters of the status and the introspection, with their brackets
 A_BYTE = "10 us"  # time of a byte on the adapter's serial port, at 1 Mbaud
 # The tokens of a capture: START, STOP, or BITS plus three of the nine bits that are a byte and its acknowledge bit.

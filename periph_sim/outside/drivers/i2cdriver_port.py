@@ -36,8 +36,8 @@ class I2cDriverPort:
     pause: the simulated time that passes before each START, because a program's own pauses do not advance simulated
         time. During a capture, simulated time advances by itself.
 
-    Raise BadCase and OutsideError like a `Session`, and OutsideError if `link` exists (see `TerminalDoor`).
-    Errors that occur within the block are raised at its end.
+    Raise BadCase and OutsideError like a `Session`, and OutsideError if `link` exists (see `TerminalDoor`). An error
+    that ends the session within the block is raised at the end of the block.
     """
 
     path: str

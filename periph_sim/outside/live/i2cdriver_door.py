@@ -21,7 +21,9 @@ from .pty_door import TerminalDoor
 
 
 class I2cDriverDoor(TerminalDoor):
-    """Connects a pseudo-terminal to an adapter. Raise OutsideError if `link` exists, or the bus does not lead outside.
+    """Door that connects a pseudo-terminal to an I2CDriver adapter on the bus of a session.
+
+    Raise OutsideError if `link` exists, or if the bus does not lead outside.
 
     pause: the simulated time that passes before each START.
     """

@@ -61,10 +61,10 @@ AGAIN = 1.0  # seconds between attempts to open the port
 
 
 class PortDoor:
-    """Passes bytes between a port and a line. Raise OutsideError if the port cannot be opened or is in use.
+    """Door that passes bytes between a port and a line. Raise OutsideError if the port cannot be opened or is in use.
 
     notify: callback that receives a sentence if the port vanishes or returns.
-    unread: number of bytes that the port had received, but the door had not read when it was closed.
+    unread: number of bytes that the port had received but the door had not read, when the door was closed.
     """
 
     def __init__(

@@ -36,7 +36,8 @@ from .pacing import Pacer
 
 KEYS = ("port", "pace", "log", "set")
 SLOWER = "write more slowly, or give a longer write_timeout"
-WAITED = 0.01  # seconds, by the port's clock, between attempts to queue the rest of a write
+# Seconds between attempts to queue the rest of a write; real time, or simulated time with pace=0.
+WAITED = 0.01
 FOREVER = 3600  # with pace=0, simulated seconds after which a read with timeout=None ends
 
 
@@ -45,13 +46,13 @@ class _Queue(Door):
 
     line: the serial line of the session; None after the end of the session.
     came: bytes from the line that the client has not read.
-    changed: its lock protects this object. Threads that wait for it are notified at the end of each call of `turn`,
-        and when the session ends.
+    changed: a condition variable whose lock protects this object. Threads that wait for it are notified at the end of
+        each call of `turn`, and when the session ends.
     """
 
     def __init__(self, line: SerialLine) -> None:
         self.line: SerialLine | None = line
-        # What the next call of `turn` does with the line: (number of bytes to write, function that does it).
+        # The requests that the next call of `turn` executes: (number of bytes that it writes, function of the line).
         self._requests: list[tuple[int, Callable[[SerialLine], None]]] = []
         self.came = Backlog()
         self.changed = threading.Condition()

@@ -40,7 +40,7 @@ EVENTS_AT_ONCE = 4096  # maximum number of bytes of inotify events that one read
 
 
 class Openings:
-    """Counter of the clients that have a file open. It uses Linux's inotify; on systems without it, it counts none."""
+    """Counter of the clients that have a file open. It uses Linux's inotify; on other systems, the count remains 0."""
 
     def __init__(self, path: str) -> None:
         self._open = 0

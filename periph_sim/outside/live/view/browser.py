@@ -1,4 +1,4 @@
-"""Display of a session as a web page, for browsers on this computer. A `Board` provides the snapshots that it shows.
+"""Display of a session as a web page, for browsers on this computer. The page shows the snapshots of a `Board`.
 
     GET /        the page
     GET /events  snapshots as server-sent events, one for each new snapshot

@@ -1,6 +1,6 @@
 """The waveform of the last round, from recorded edges of wires.
 
-    edges --the last 1 << 14 are kept--> those in the last round --> for each wire: its first level and its edges
+    edges --the last 1 << 14 are kept--> edges in the last round --> for each wire: its first level and its edges
 
 A round is one execution of a controller's periodic list of requests. If the case has no rounds, the waveform shows the
 last transfer. If the case has no bus, or if no round or transfer has ended yet, the waveform shows the 2 ms before the

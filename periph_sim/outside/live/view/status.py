@@ -29,7 +29,7 @@ from .last_round import LastRound, Wave
 
 WINDOW = 2.0  # seconds over which rates are averaged
 SELDOM = 10.0  # seconds between calculations of a percentile, which takes long because it needs all values
-PATIENCE = 1.0  # seconds without a new snapshot after which a reader of a board may check other conditions
+PATIENCE = 1.0  # seconds without a new snapshot after which a reader of a board gets None, to check other conditions
 EVERY = 0.25  # seconds between two snapshots
 SAID = 3  # number of the latest messages that are shown
 FLAGS = {
@@ -102,7 +102,10 @@ class StatusSnapshot(TypedDict):
 
 
 class Board:
-    """The latest snapshot and its number, counted from 1. A slow reader misses snapshots; `put` never waits for it."""
+    """The latest snapshot and its number, counted from 1.
+
+    `put` never waits for readers, so a slow reader misses snapshots.
+    """
 
     def __init__(self) -> None:
         self._changed = threading.Condition()

@@ -1,6 +1,6 @@
 """The host unit, a separate program that sends host frames to a serial port.
 
-The values of the frames come from the recording of a flight, a CSV file, or from UDP datagrams.
+The values of the frames come from a recorded flight (a CSV file) or from UDP datagrams.
 
     flight.csv --motion--> MotionFrames --.
                                            +--> frame n, n periods after the first --> port

@@ -132,7 +132,8 @@ class AxisNoise:
     def near(self, number: int) -> tuple[float, float] | None:
         """Return an approximation of sample `number` and its maximum error, calculated without numpy.
 
-        Return None if this is not possible, for example because the noise is not only white.
+        Return None if this is not possible: if the noise has other terms than white noise, or if `Gaussian.near`
+        returns None.
         """
         white = None if self._octaves or self._step else self._white.near(number)
         return None if white is None else (white * self._white_sigma, NEAR * self._white_sigma)

@@ -4,9 +4,8 @@
     wrap = "unwrapped"                    bias = "-3.1, 3.6, 0.04 deg/s"
 
 Keys that a file does not contain have the values of the dissertation's Table 4.1. A unit is written after a number, or
-after the last number of a vector.
-A number without a unit is accepted only for parameters that have no unit or are whole numbers. Sets that come with
-periph_sim (in `models/sets`) are loaded by name.
+after the last number of a vector. A number without a unit is accepted only for parameters that have no unit or are
+whole numbers. Sets that come with periph_sim (in `models/sets`) are loaded by name.
 """
 
 from __future__ import annotations

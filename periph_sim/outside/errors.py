@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class OutsideError(ValueError):
-    """A request from outside is invalid.
+    """A request from outside is invalid or cannot be executed.
 
     The message is a sentence with the place, what was found, what was expected, and a remedy.
     """

@@ -79,7 +79,7 @@ class Master:
     # Calls --------------------------------------------------------------------------
 
     def start(self, address: int, read: bool = False) -> bool:
-        """Send a START, or a repeated START within a transfer, and the address. Return True if it was acknowledged."""
+        """Send a START, or a repeated START within a transfer, and the address. Return True if a target answers ACK."""
         if type(address) is not int or not 0 <= address < 0x80:
             shown = f"{address:#x}" if type(address) is int else repr(address)
             raise OutsideError(f"address {shown}: expected 0 to 0x7f")

@@ -40,7 +40,7 @@ YAWS = (270, 180, 90, 0)  # yaws of the turn in degrees, in the order of Figure 
 
 @dataclass(frozen=True)
 class Fit:
-    """The earth field H_rt for d = 0 and d = 1, and the values of d by least squares.
+    """The earth field H_rt for d = 0 and d = 1, and the values of d by least squares (see the head of this module).
 
     along_y, along_z: the values of d that follow from the statements of section 5.2 about y and about z.
     fields: the field H_rt in gauss for d = 0 (the mean is undisturbed) and for d = 1 (it includes the hard iron).

@@ -47,9 +47,11 @@ FAR = 12.0  # codes at more than this multiple of sigma from the mean are ignore
 
 @dataclass(frozen=True)
 class ExpectedMoments:
-    """Expected mean, variance and fourth central moment of the samples of one axis.
+    """Expected moments of the samples of one axis. `unit` is the unit of the sensor.
 
-    They are in the unit of the sensor, in unit^2 and in unit^4.
+    mean: in unit.
+    variance: in unit^2.
+    fourth: the fourth central moment, in unit^4.
     """
 
     mean: float

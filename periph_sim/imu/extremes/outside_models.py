@@ -158,7 +158,9 @@ def _keep(edges: Edges, wire: str, start: int, tick: int, level: int) -> None:
 
 
 def noise_sums() -> Iterator[ExtremeFinding]:
-    """Check that noise is exact at sample 10^9, and compare a random walk of 2^20 samples with its exact sum.
+    """Check that sample 10^9 of the noise is the same in a block and alone, and check the rounding of a random walk.
+
+    The last value of a random walk of 2^20 samples is compared with the exact sum of its steps.
 
     White noise and bias instability are calculated from the number of the sample. Only the random walk is a sum.
     """

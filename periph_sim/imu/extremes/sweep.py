@@ -28,7 +28,7 @@ Happens = Literal["agrees", "exact", "off", "full scale", "saturates", "wraps", 
 
 
 def overflow_of(arithmetic: str) -> Happens:
-    """Return the effect of an overflow in the arithmetic with this name, which is a Q format."""
+    """Return the effect of an overflow in a Q format, "saturates" or "wraps". arithmetic: the name of the format."""
     return "saturates" if arithmetic.endswith("saturating") else "wraps"
 
 
@@ -41,7 +41,7 @@ class ExtremeFinding:
 
     extreme: the name of the extreme.
     arithmetic: the name of the arithmetic, or EVERY.
-    happens: the effect.
+    happens: the effect (see `Happens`).
     begins: the first input with this effect, in `unit`; None if no single input causes the effect.
     worst: the largest deviation from the reference, in LSB; None if no codes were compared.
     note: a remark for the report; "" for none.
@@ -111,8 +111,8 @@ class InputSweep:
         `true_counts`. So float64 itself can deviate in a sweep whose samples have other inputs for the reference. If
         float64 does not deviate, the function finds the first value at which a converter is at full scale.
 
-        worst: the largest errors of the arithmetic in the working range, which are allowed; None for float64, for which
-            1 LSB is allowed.
+        worst: the largest errors of the arithmetic in the working range. Errors of this size are allowed. It is None
+            for float64, for which 1 LSB is allowed.
         """
         allowed = (np.ones(9) if worst is None else worst.allowed()) + self.slack
         largest = float(_grid(self, arithmetic, self.ordinary, self.extreme, FIRST_GRID).off.max())

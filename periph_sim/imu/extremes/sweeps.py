@@ -65,7 +65,8 @@ def still(ago: int) -> Attitude:
 def pitching(value: float, imu: ImuParameters) -> Sample:
     """Return the sample of a body that pitches past 90 degrees and is then upside down.
 
-    The pitch of the reference continues beyond 90 degrees.
+    Beyond 90 degrees, the pitch of the sample decreases again, and roll and yaw are 180 degrees. The reference gets a
+    pitch above 90 degrees, and roll and yaw of 0.
 
     value: the pitch at the last of the three attitudes, in degrees.
     """
@@ -81,7 +82,7 @@ def pitching(value: float, imu: ImuParameters) -> Sample:
 
 
 def yawing(value: float, imu: ImuParameters, wrapped_by_host: bool) -> Sample:
-    """Return the sample of a body that yaws through 180 degrees. The yaw of the reference continues beyond 180.
+    """Return the sample of a body that yaws through 180 degrees. The reference gets a yaw that does not wrap.
 
     value: the yaw at the last of the three attitudes, in degrees.
     wrapped_by_host: True if the host wraps angles; False if only int16 wraps.

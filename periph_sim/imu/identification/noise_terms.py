@@ -180,7 +180,8 @@ class SlowTerms:
 def white_part(found: Allan, terms: SlowTerms) -> Density:
     """Return the fitted density of white noise.
 
-    Its region ends after as many points as have white noise as more than half of the variance.
+    Its region begins at the first point. The length of the region is the number of points at which white noise is more
+    than half of the variance.
     """
     most = int(np.count_nonzero(terms.white.squared / found.taus > found.variance / 2))
     about = int(np.abs(np.log(found.taus / READ_AT)).argmin())

@@ -2,7 +2,8 @@
 
 There is one panel per unit. The error bar of each point contains the true deviation with a probability of 68 %. The
 line of slope -1/2 is thick where it was fitted and thin where it is extended to 1 s. A ring marks the value of this
-line at 1 s, whose square is the density. A dashed line is the sum of all terms, if the slow terms were fitted.
+line at 1 s; the square of this value is the density. A dashed line is the sum of all terms, if the slow terms were
+fitted.
 """
 
 from __future__ import annotations

@@ -43,7 +43,8 @@ class SensedMotion:
         *_, x, y, z = self._motion.at(seconds)
         _, later = self._turning(seconds + STEP)
         # The models calculate the derivatives of the body rates from the rates of this sample and of the previous one.
-        # So p, q, r are values for the previous sample with which the models get the derivatives at this instant.
+        # Here, p, q, r are the rates of a previous sample that is chosen so that the models get the derivatives at this
+        # instant.
         part = self._imu.period / STEP
         p, q, r = (now - (then - now) * part for now, then in zip(body, later, strict=True))
         inputs = Inputs(turned, (x, y, z), body, (p, q, r), noise or self._model.silence)

@@ -41,7 +41,8 @@ class Motion:
     def truth(self) -> Motion:
         """The true motion of the body.
 
-        It is this motion itself, or another motion if the values of this motion are only coarse readings of that one.
+        Normally it is this motion itself. If the values of this motion are only coarse readings of the true motion, it
+        is another object.
         """
         return self
 

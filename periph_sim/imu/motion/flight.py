@@ -32,7 +32,7 @@ class Settings:
 
 
 class Flight(Straight):
-    """A recorded motion. `rows` contains angles without jumps; `at` returns them wrapped to 180 degrees."""
+    """A recorded motion. The rows have angles without jumps; `at` wraps them to -180 (not included) to 180 degrees."""
 
     def at(self, seconds: float) -> Sequence[float]:
         *angles, x, y, z = super().at(seconds)

@@ -34,9 +34,9 @@ class Settings:
     pitch, yaw, roll: the largest angle of each servo, to both sides of 0.
     fast: the rate of motions from 0 or the negative limit to the positive limit, and of the last motion back to 0.
     slow: the rate of motions from the positive to the negative limit.
-    hold: the duration of a hold after each motion.
+    hold: the time without movement after each motion.
     swings: the number of swings of each servo. A swing goes to the positive and then to the negative limit.
-    resolution: the step to whose multiples the positions that are read are rounded; 0 for exact positions.
+    resolution: the positions that are read are rounded to multiples of this step; 0 for exact positions.
     read_every: the time between two readings; 0 if positions are read continuously, so that nothing is interpolated.
     interpolate: the interpolation between readings: "straight" for a line, "hold" for the value of the last reading.
     """

@@ -33,8 +33,8 @@ POLYNOMIAL = 0x107
 class SmbusTransfer:
     """An SMBus transfer with one target. checks: True if the transfer has a packet error code (PEC).
 
-        S address W command [data ...] [PEC] P
-        S address W command [data ...] Sr address R data ... [PEC] N P
+        S address W command [data ...] [PEC] P                            S: START, Sr: repeated START
+        S address W command [data ...] Sr address R data ... [PEC] N P    P: STOP, N: NACK
 
     The PEC covers all bytes of the transfer, addresses included: CRC-8, x^8 + x^2 + x + 1 (System Management Bus 3.2,
     sections 6.4 and 6.5).
@@ -107,7 +107,7 @@ class SmbusTransfer:
 
 @contextmanager
 def on_bus(session: Session, pause: int, lost: int = errno.EAGAIN) -> Iterator[Master]:
-    """Yield the controller of a session for one transfer, which ends with a STOP, even after an error.
+    """Yield the controller of a session for one transfer. At the end, or after an error, send a STOP if SCL is held.
 
     pause: the number of ticks that pass before the transfer.
     lost: the code of the OSError for lost arbitration.

@@ -1,6 +1,6 @@
 """Loop that advances a session in steps, in the session's thread. A pacer delays each step until it is due.
 
-doors --turn--> session --advance by a step--> doors --turn--> ...      until it is stopped, or a tick
+doors --turn--> session --advance by a step--> doors --turn--> ...      until it is stopped, or reaches a given tick
 
 A door is a connection between the session and clients. Between the steps, the doors transfer bytes.
 """
@@ -84,7 +84,7 @@ class Loop:
 
 @contextmanager
 def signals_calling(on_signal: Callable[[int, Any], None]) -> Iterator[None]:
-    """Within a block, call a function on Ctrl-C and on SIGTERM.
+    """Call a function on Ctrl-C and on SIGTERM, within a `with` block.
 
     SIGTERM is needed because commands that a shell runs in the background ignore Ctrl-C.
     """

@@ -21,7 +21,7 @@ STEPS = (0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.010, 0.020, 0.050, 0.100
 
 
 class Pacer:
-    """Timekeeper that tells a simulation how long to wait before each step, and records how late the steps are.
+    """Timekeeper of a simulation, which computes the time to wait for each step and records how late the steps are.
 
     pace: the number of simulated seconds in a second of the clock; 0 for full speed.
     when_late: the reaction to a lateness above TOLERATED. "slip": all later ticks are due later by the lateness;

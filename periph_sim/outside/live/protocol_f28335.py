@@ -52,7 +52,7 @@ class _Queue(Door):
 
     def __init__(self, line: SerialLine) -> None:
         self.line: SerialLine | None = line
-        # The requests that the next call of `turn` executes: (number of bytes that it writes, function of the line).
+        # Requests that the next call of `turn` executes: (number of bytes to write, function to call with the line).
         self._requests: list[tuple[int, Callable[[SerialLine], None]]] = []
         self.came = Backlog()
         self.changed = threading.Condition()

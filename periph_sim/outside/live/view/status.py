@@ -147,7 +147,7 @@ class Board:
 
 
 class Status(Door):
-    """Publisher that puts a snapshot of a session on a board several times per second. The loop runs it like any door.
+    """Publisher that puts a snapshot of a session on a board several times per second. The loop calls it like a door.
 
     line: the serial line; None if the session is connected to a bus.
     where: the address at which clients reach the session.
@@ -240,7 +240,10 @@ class Status(Door):
         self._rounds += 1
 
     def _attitude(self) -> list[float] | None:
-        """Return the attitude that the model of the firmware calculates from the readings; None without a result."""
+        """Return the attitude that the model of the firmware calculates from the last readings.
+
+        Return None if there is no model, or if the readings do not suffice.
+        """
         model = self._session.scene.model
         readings = {name: reading["values"] for name, reading in self._readings.items()}
         return None if model is None else model.attitude(readings)

@@ -128,8 +128,8 @@ def chips(subject: EmulatorUnderTest, progress: Progress | None = None) -> Readi
 def sources(subject: EmulatorUnderTest, ticks: int, start: int) -> dict[str, Source]:
     """Return, by the name of each chip, a function that returns the chip's input x, y, z at a tick, in the chip's unit.
 
-    The input includes cross-axis sensitivity, bias and noise. A sample of the noise is used for one period of the
-    models, because the density of the noise refers to the sample rate of the models.
+    The input includes cross-axis sensitivity, bias and noise. Sample n of the noise is used from time n * Ts to time
+    (n + 1) * Ts, because the density of the noise refers to the sample rate of the models. Ts is the models' period.
 
     ticks: the number of ticks per second.
     start: the tick at which the motion is at time 0.

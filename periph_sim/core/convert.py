@@ -42,7 +42,7 @@ NOTHING: Any = msgspec.UNSET  # marks a message that quotes no value, and a key 
 
 
 class Before(msgspec.Struct, frozen=True):
-    """A conversion before the type of the value is checked.
+    """A conversion that is made before the type of the value is checked.
 
     function: returns the new value, or raises ValueError with a description.
     said: the type of the value in the file, for the JSON schema; None if it is the annotated type.
@@ -53,7 +53,7 @@ class Before(msgspec.Struct, frozen=True):
 
 
 class After(msgspec.Struct, frozen=True):
-    """A conversion after the type of the value is checked.
+    """A conversion that is made after the type of the value was checked.
 
     function: returns the new value, or raises ValueError with a description.
     """

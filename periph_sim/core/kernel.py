@@ -261,9 +261,10 @@ class Kernel:
         self._bound, self._bound_rank, self._at, self._in_this_tick = bound, rank, at, in_this_tick
 
     def _next(self, in_outer_loop: bool) -> bool:
-        """Settle the wires if the phase is over, and run the next event.
+        """Settle the wires if the phase is over; then run the next event and return True.
 
-        Return False if no event was run, because this loop must end.
+        Return False, without running an event, if this loop must end: the run was stopped, no event is left before the
+        end of this loop, or the next event is a plain callback and this loop is a nested one.
         """
         if self._stop:
             return False

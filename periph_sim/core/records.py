@@ -33,13 +33,15 @@ class Kind(Enum):
     FLAG = "flag"  # hardware or an access changed a register field
     IRQ = "irq"  # an interrupt is requested, entered or left
     SPAN = "span"  # a part of the firmware to which the firmware gave a name begins (value 1) or ends (value 0)
-    BUS = "bus"  # an event on an I2C bus: START, address, byte, NACK, STOP, or a line is stuck low
+    BUS = "bus"  # an event on an I2C bus: START, STOP, address, byte, NACK, arbitration lost, bus clear, a stuck line
     FRAME = "frame"  # an event on a UART line: a frame begins, ends or is invalid; a byte is sent; drivers collide
     NOTE = "note"  # a note for the user: firmware broke a rule of the manual, data was lost, or behaviour is unknown
     WAIT = "wait"  # firmware begins (value 1) or ends (value 0) a wait: what = the fields that it polls, or IDLE
     HOLD = "hold"  # the set of parties that pull a wire has changed, and the wire stays low: text = the pulling parties
-    # `scene/derived_records.py` derives the following kinds from the kinds above, if a subscriber names them.
-    # A derived record has the number of the record before it. Its tick may be earlier than the tick of that record.
+    # The records of the following kinds are derived. Objects that `scene/derived_records.py` attaches make them from
+    # transfers, frames, wires and other records, but only if a subscriber names them (argument `things` of
+    # `Recorder.subscribe`). A derived record has no number of its own, but that of the last record that is not derived.
+    # Its tick may be earlier than the tick of that record.
     TRANSFER = "transfer"  # a complete I2C transfer: its phases, acknowledges, stretches
     ROUND = "round"  # a round, one execution of the controller's periodic list of requests, is due, complete or missed
     RECEIVER = "receiver"  # an SCI's number of waiting words changes, or a character is received or lost
@@ -76,7 +78,7 @@ Things = Collection[tuple[Kind, str]]
 
 
 UNWANTED = -1  # the result of `tag_of` for a topic that the subscriber does not need
-NOWHERE, OF_MODIFIES, EVERYWHERE = range(3)  # values of `RecordSink.places`
+NOWHERE, OF_MODIFIES, EVERYWHERE = range(3)  # the values that the method `RecordSink.places` returns
 
 
 class Listener:
@@ -149,7 +151,8 @@ class Topic:
 
     has_subscribers: True if any subscriber receives these records.
     needs_details: True if any subscriber receives more than the time and the value of each record.
-    places: for which accesses any subscriber needs the place in the firmware; a value of `RecordSink.places`.
+    places: for which accesses any subscriber needs the place in the firmware: NOWHERE, OF_MODIFIES or EVERYWHERE, as
+        `RecordSink.places` returns it.
     """
 
     __slots__ = (

@@ -62,13 +62,13 @@ class F28335:
     scl_o, sda_o: the signals that we drive: 0 pulls the line low, 1 releases it.
     rx: the line that we read.
     tx: the line that we drive.
-    wires: for other wires of the case, by name, a pair: the signal that is read, and the signal that is driven. Either
-        signal can be None.
+    wires: the other wires of the case: a dictionary from the name of a wire to a pair of signals. The first signal is
+        read, the second is driven, and either can be None.
     log: a file for the line changes, which `periph_sim.outside.replay` can replay.
     record: a file for the records, on the simulator's time axis.
-    programs: the firmware of units, by the names of the units.
-    before_reset: the level, 0 or 1, that the case sees on a line whose signal is x or z and has not been 0 or 1 yet. If
-        it is None, x and z are errors from the start.
+    programs: a dictionary from the name of a unit to its firmware.
+    before_reset: the level, 0 or 1, that replaces x and z on a line until the line's signal is 0 or 1 for the first
+        time. From then on, x and z are errors. If `before_reset` is None, they are errors from the start.
 
     Raise OutsideError for a signal that is missing, x or z, and for a step of the simulator that is longer than a tick.
     """

@@ -26,7 +26,10 @@ PRINTED = 30  # maximum number of log lines at the end of a message
 
 
 def missing(simulator: str = "icarus") -> str:
-    """Return which program or package for `simulate` is missing, and how to install it; "" if nothing is missing."""
+    """Return why `simulate` cannot use this simulator; "" if it can.
+
+    If a program or package is missing or too old, the text also says how to install it.
+    """
     try:
         import cocotb_tools.runner  # noqa: F401
     except ModuleNotFoundError:

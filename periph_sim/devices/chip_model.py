@@ -2,8 +2,8 @@
 
     values of a host frame --ChipModel.run--> ModelOutput --data--> register bytes, by I2C address
 
-Each model is a subclass of `ChipModel`. It is not a chip in the sense of `chips`. The bytes that it computes are those
-that an I2C controller should read from the firmware.
+Each model is a subclass of `ChipModel`. A model is not one of the simulated chips on the bus, which are in the package
+`devices.chips`: it computes the bytes that an I2C controller should read from the firmware.
 """
 
 # core: compiled

@@ -1,11 +1,12 @@
 """The true values during a run: the x, y and z that each chip's registers should contain at an instant, in LSB.
 
-    frames of the host --LineBetweenFrames--> Truth --> the measure "value error"
-    motion, model of the firmware -------------> Truth
+    frames of the host --LineBetweenFrames----> Truth --> the measure "value error"
+    motion --------------FirmwareModel.truth--> Truth
 
 Times are seconds from the instant at which the host's first frame is due. If firmware copies the values of frames to
-the registers, the truth is a straight line from each frame's values to the next. If firmware has a model of the chips,
-the model computes the truth from the motion (`scene.unit.FirmwareModel`).
+the registers, the truth is a straight line from each frame's values to the next. If firmware computes the registers
+with a model of the chips, `scene.unit.FirmwareModel` describes this model. Its method `truth` computes from the motion
+what ideal chips would measure.
 """
 
 from __future__ import annotations

@@ -11,7 +11,10 @@ from ..processor.dsp import Dsp
 
 
 def start_pin(dsp: Dsp, pin: int) -> None:
-    """Make the pin with this GPIO number an output at level 0. Do nothing if the case gives the unit no module GPIO."""
+    """Make the pin with this GPIO number an output at level 0.
+
+    Do nothing if this unit has no module GPIO (key `modules` of the unit in the case).
+    """
     if not dsp.has("GPIO"):
         return
     gpio = dsp.module("GPIO")

@@ -1,6 +1,8 @@
-"""A unit that is reset: its XRS pin is pulled low for `length`. Its firmware then restarts, with all its data lost.
+"""Reset of a unit: its XRS pin is pulled low for `length`. Its firmware then restarts from its beginning.
 
-The unit releases every line at once, even in the middle of a byte, and does not answer until its start-up is over.
+The unit releases every line at once, even in the middle of a byte, and does not answer until its start-up is over. The
+registers of its modules get their reset values. Python firmware is called again, and the variables of C sources are
+initialized again. An image is started again, but the memory keeps its contents, as RAM does on the chip.
 """
 
 from __future__ import annotations

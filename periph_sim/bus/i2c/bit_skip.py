@@ -85,8 +85,9 @@ class BitParty(Agent):
         """Return True if the party waits for the first bit of a byte and will change only SDA before the eighth bit.
 
         low, high, hold: durations of the controller, in ticks, as in `BusTiming`.
-        each: True if the caller then checks with `separates`, for each change of SDA, that no party samples the change
-            together with the fall of SCL; `hold` is then 0. If False, this method checks this itself, with `hold`.
+        each: True if the caller checks afterwards with `separates`, for each change of SDA, that no party sees the
+            change in the same sample as the fall of SCL; `hold` is then 0. False if this method must check this itself,
+            on the basis of `hold`.
         """
         return True
 
@@ -95,10 +96,11 @@ class BitParty(Agent):
         return fall
 
     def separates(self, fall: int, moved: int) -> bool:
-        """Return True if the party samples a fall of SCL and a later change of SDA by another party separately.
+        """Return True if the party sees a fall of SCL and a later change of another party's SDA in different samples.
 
-        A chip that is clocked may take both in one sample. The bits of the byte are then not skipped.
-        fall, moved: the ticks of the fall and of the change.
+        A chip that samples the lines at its own clock may see both in one sample. The result is then False, and the
+        bits of the byte are not skipped.
+        fall, moved: the ticks of the fall of SCL and of the change of SDA.
         """
         return True
 

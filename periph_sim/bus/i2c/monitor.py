@@ -198,7 +198,11 @@ class I2cMonitor(BitParty):
     # Clocks ------------------------------------------------------------------------
 
     def _clock(self, now: int, before: int, levels: int, pulls: bool) -> None:
-        """Process a change while SCL is low, falls or rises. pulls: True if the master pulls SCL."""
+        """Process a change in the low phase of a clock: the master's pull of SCL, the rise of SCL, or one in between.
+
+        before, levels: the levels of both lines before and after the change.
+        pulls: True if the master pulls SCL after the change.
+        """
         if pulls and not self._pulls_scl:
             self._ended_at = NO_TIME
             self._clock_length, self._pulled_at = now - self._pulled_at, now

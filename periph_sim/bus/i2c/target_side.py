@@ -226,11 +226,13 @@ class TargetSide(BitParty):
         return fall + self._hold
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """Return True if the target is not addressed, or if all of these conditions hold:
+        """Return True if the first seven bits of the byte can be skipped for this target (see `BitParty.ready`).
 
-        - It waits for the first bit of a byte and has no stretches left.
-        - Its hold time is at least `hold`.
-        - From its change of SDA to the rise of SCL, at least `hold` passes; if `each` is True, at least its hold time.
+        This is so if the target is not addressed, or if all of these conditions hold:
+        - The target waits for the first bit of a byte, and the reply has no stretches left.
+        - The target's hold time is at least `hold`.
+        - The time from the target's change of SDA to the release of SCL is at least `hold` or, if `each` is True, at
+          least the target's hold time.
         """
         if self._does == NOT_MEANT:
             return True

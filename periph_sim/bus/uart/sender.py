@@ -42,10 +42,10 @@ class EdgeSender(Agent):
         raise NotImplementedError
 
     def last_edge(self) -> None:
-        """Handle the end of the edges. Called when the last edge has been made; by default nothing is done."""
+        """Do nothing by default. Called just after the last of the edges that were passed to `make`."""
 
     def make(self, edges: list[int]) -> None:
-        """Make edges at these ticks. The list begins with the latest edge. The earliest edge is a fall."""
+        """Schedule edges of the line at these ticks, which are in descending order. The earliest edge is a fall."""
         self._edges = edges
         self._then(edges[-1])
 

@@ -60,7 +60,7 @@ PARTS = {
     "512": Part(65536, 128, 2, 1),
 }
 MAKES = ("24c", "24lc", "24aa")
-# Prefixes of models whose parts of up to 16 Kbit ignore the pins A0 to A2, and so respond to all 8 addresses.
+# Prefixes of the families whose memories of up to 16 Kbit ignore the pins A0 to A2, and so respond to all 8 addresses.
 WITHOUT_PINS = ("24lc", "24aa")
 MODELS = tuple(f"{make}{size}" for size in PARTS for make in MAKES)
 

@@ -197,8 +197,9 @@ class I2cLines(Chip):
     # Skipped bits (see `bus.i2c.bit_skip`) -----------------------------------------
 
     def waits_for_byte(self, clocks: bool) -> bool:
-        """Return True if SCL is low before a byte, and the module will do nothing but shift in its first 7 bits.
+        """Return True if SCL is low before a byte, and the module will only transfer or ignore the byte's first 7 bits.
 
+        To transfer a bit is to shift it in or out and, as the master, to generate its clock.
         clocks: True if this module generates SCL during the byte.
         """
         state, lines, master = self.state, self._lines, self.master

@@ -2,17 +2,18 @@
 
     toggle(tick, level) --> [ticks at which the sampled level changed] --step--> FRAME, BREAK, IDLE
 
-Evaluation is lazy: an edge is only recorded. Start bits, votes, breaks and idle times are computed from the recorded
-edges when one of them is due (`next_tick`), with the same result as sampling at every SCICLK. A tick is a sample;
-changes between two samples are not seen.
+Evaluation is lazy: an edge is only recorded. When a frame, a break or an idle line is due (`next_tick`), it is computed
+from the recorded edges, with the same result as sampling at every SCICLK. A tick is a sample; changes between two
+samples are not seen.
 
 Rules: Four low samples in a row are a start bit; the first of them is sub-sample 1. The value of every bit is the
 majority of its sub-samples 4, 5, 6. The search for the next start bit begins inside the stop bit or, in address-bit
-mode, inside the address bit (erratum).
+mode, already inside the address bit, because of an erratum.
 
 Chosen, where the manual is silent:
 - After a missing stop bit, a low level counts as a start bit only if a high level was sampled before it. So a break
-  yields one character. Exception: a start bit that the early search of the erratum has already accepted stays accepted.
+  yields one character. Exception: in address-bit mode, a start bit that was accepted by the end of the vote on the
+  stop bit stays accepted.
 - If a high level is sampled before ten low bits of a break are over, the count begins again at the next missing stop
   bit.
 - Idle bits are counted from the end of the last programmed stop bit. Any low sample restarts the count, even if it is

@@ -103,14 +103,15 @@ class SciTx:
         self._end = FAR  # tick at which the frame or idle time ends
         self._start_at = FAR  # tick of the next start bit
         self._load_at = FAR  # tick of the next load
-        self._load_cycle = NEVER  # cycle of the next load, if it is not at a tick
+        self._load_cycle = NEVER  # cycle of the next load, if it is due at an LSPCLK edge, not at an SCICLK tick
         self._last_end = -FAR  # tick at which the last frame or idle time ended
         self._empty_until = 0  # before this cycle TXEMPTY still reads 1, although a word was written (`txempty_fall`)
         self.level = 1
         self._edge_at = FAR  # tick at which the level changes next
         self.out_mark = 0
         self.next_tick = FAR
-        self.next_cycle = NEVER  # cycle of the next event that is not at a tick
+        # The SYSCLKOUT cycle of the next event that is not due at an SCICLK tick: `_load_cycle` or `_empty_until`.
+        self.next_cycle = NEVER
 
     def release(self, now: int) -> None:
         """Release the transmitter from reset."""

@@ -13,10 +13,14 @@ A build stores one digest of all sources from which it was made. A build is igno
 
 The digest is calculated only if the size or the modification time of a source differs from the value in the build.
 
-The environment variable PERIPH_SIM_FORM selects the build. Without it, or with the value `compiled`, the build of
-`make core` is used. `interpreted` ignores every build. `hard` uses the test build of `make core HARD=1`. A path with a
-slash, such as `build/mine/`, uses the build in that folder. Any other value, or a missing folder, ends the process with
-a message.
+The environment variable PERIPH_SIM_FORM selects the build:
+
+    not set, or `compiled`                 the build of `make core`; if there is none, the Python sources are imported
+    `interpreted`                          no build; the Python sources are imported
+    `hard`                                 the test build of `make core HARD=1`
+    a path with a slash: `build/mine/`     the build in that folder
+
+Any other value ends the process with a message, and so does a missing folder for `hard` or for a path.
 
 Terms of this package:
 .pxd file: declares to Cython the C types of the classes and functions of one module.
@@ -56,7 +60,7 @@ SUFFIX = EXTENSION_SUFFIXES[0]
 LIBRARY = f"core{SUFFIX}"  # one library for all compiled modules, so that it is loaded only once
 
 running = INTERPRETED
-note = ""  # the reason why an existing build is ignored; "" if no build is ignored
+note = ""  # the reason why the selected build is ignored; "" if it is used or missing, or if none is selected
 
 
 def stamps(package: Path, modules: Sequence[str]) -> list[list[int]]:

@@ -151,7 +151,7 @@ def compile_one(
 
     always_set: pairs (class, attribute) of attributes whose setters must reject None.
 
-    Raise NoBuild with the compiler's output if compilation fails.
+    Raise NoBuild with the output of Cython or of the compiler if it fails, or if the C code ignores a directive.
     """
     c_file = generate(module, package, kind)
     types = types_of(module, Path(package))

@@ -1,4 +1,4 @@
-"""Compilation of the core for the cases that a user runs most: gcc optimizes the code that these cases execute.
+"""Compilation of the core with profiles of the cases that a user runs most: gcc optimizes the code that they execute.
 
 python -m periph_sim.form.profiled CASE [CASE ...]
 
@@ -65,7 +65,7 @@ def count(case: str, package: Path, built: Path) -> None:
 
 
 def build_for(cases: Sequence[str], package: Path, built: Path, jobs: int) -> None:
-    """Compile the core for these cases, and replace the build in the folder `built`.
+    """Compile the core so that it runs these cases fast, and replace the build in the folder `built`.
 
     Raise NoBuild if no case is named, no suitable gcc is found, a module does not compile, a case does not run, or no
     case uses the compiled core.
@@ -86,7 +86,7 @@ def build_for(cases: Sequence[str], package: Path, built: Path, jobs: int) -> No
 
 
 def main(cases: Sequence[str]) -> int:
-    """Build the core for these cases. Return the exit status: 0, or 1 if the build was left as it was."""
+    """Build the core so that it runs these cases fast. Return the exit status: 0, or 1 if the last build was kept."""
     return status_of(lambda: build_for(cases, PACKAGE, BUILT, jobs()), "the build is left as it was")
 
 

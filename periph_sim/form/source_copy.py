@@ -125,7 +125,7 @@ def _look_up_spelled_out(source: Source, text: str) -> str:
 
 
 LITERAL = 2**31 - 1  # the largest integer that is written as a literal; larger constants need a declared C type
-WORD = 64  # number of bits of a C integer; constants with more bits are not replaced
+WORD = 64  # number of bits of a C integer, sign included; constants that need more bits are not replaced
 
 
 def declared(source: str, pxd: str) -> str:
@@ -177,7 +177,10 @@ def _names(tree: ast.Module) -> Iterator[ast.Name | ast.Attribute]:
 
 
 def _integer(node: ast.Name | ast.Attribute, names: Mapping[str, object]) -> int | None:
-    """Return the value if the node is an uppercase integer constant of this or of an imported module; else None."""
+    """Return the value if the node is an uppercase integer constant of this or of an imported module; else None.
+
+    Return None also for a constant that does not fit a C integer (see WORD).
+    """
     value: object = None
     if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id.isupper():
         value = names.get(node.id)

@@ -343,10 +343,11 @@ class Source:
         return Function(kind, result, arguments, variables, marks)
 
     def _argument(self, annotation: ast.expr | None, default: ast.expr | None, kind: str) -> Type:
-        """Return the type of an argument; `object` if callers in Python may pass None, which Cython would reject.
+        """Return the type of an argument, or `object` in place of a type for which Cython would reject None.
 
-        In a call from Python, Cython rejects None for a typed argument, unless the default is None. Calls from C are
-        not checked.
+        The type is replaced if None is a valid value (`X | None`), Python can call the function, and the default is not
+        None. In a call from Python, Cython accepts None only for arguments of the type `object` and for arguments whose
+        default is None. In calls from C, Cython does not check for None.
         """
         found = self.type_of(annotation)
         takes_none = kind == "cdef" or (isinstance(default, ast.Constant) and default.value is None)

@@ -55,10 +55,10 @@ def pairs(node: ast.Assign) -> Iterator[tuple[ast.expr, ast.expr | None]]:
 
 
 def own_assignments(method: ast.FunctionDef) -> Iterator[tuple[str, ast.expr | None, int]]:
-    """Yield (name, value, line) for each assignment to an attribute of `self`.
+    """Yield (name, value, line) for each assignment to an attribute of `self`, by `=` or as the target of a `for` loop.
 
-    The value is None if the attribute is one of several targets of one expression, as in `self.a, self.b = f()`, or the
-    target of a `for` loop.
+    Assignments with an annotation, and augmented ones such as `+=`, are left out. The value is None if the attribute is
+    one of several targets of one expression, as in `self.a, self.b = f()`, or the target of a `for` loop.
     """
     for node in walked(method):
         if isinstance(node, ast.Assign):

@@ -98,7 +98,8 @@ def frames_of(given: dict[str, object], encoding: Encoding, first: Fraction, per
     first: the instant of the motion, in seconds, that frame 0 describes.
     period: the time between two frames in seconds.
 
-    Raise BadSetting, with the setting's name, if a setting is invalid.
+    Raise BadSetting, with the name of the setting, if a setting is invalid. The name is "" if the settings are valid
+    one by one, but the motion cannot be made from them.
     """
     from .host_frame import MotionFrames
     from .motion import kind_named, kinds

@@ -25,7 +25,8 @@ STEPS = 1 << 52  # number of places in a layer
 UNSURE = 1 << 14  # number of places next to an edge that give no value, about 1000 times the error of the edge
 
 WORD = (1 << 64) - 1
-# Multipliers of Philox 4x64 (Salmon et al., SC11). WEYL is added to the key after each of its ROUNDS rounds.
+# Constants of the random generator Philox 4x64 (Salmon et al., SC11). It has ROUNDS rounds. Each round multiplies two
+# words by MULTIPLIERS, and then adds WEYL to the key.
 MULTIPLIERS = 0xD2E7470EE14C6C93, 0xCA5A826395121157
 WEYL = 0x9E3779B97F4A7C15, 0xBB67AE8584CAA73B
 ROUNDS = 10

@@ -87,7 +87,7 @@ class Reaction:
         self._silent = -1  # number of further edges of SCL that cause no answer; -1 if any edge may cause one
         self._widest = 0  # length in ticks of the longest pulse that a filter may remove
         self._widest_of: list[tuple[int, Clock]] = []  # the filter widths and clocks from which `_widest` was computed
-        self._hz: list[Fraction] = []  # the frequencies that these clocks had when `_widest` was computed
+        self._hz: list[Fraction] = []  # frequencies of the clocks in `_widest_of` when `_widest` was computed
         self._seen = self._levels.copy()  # levels of the lines after all moves in `_put`, if `_fresh` is True
         self._scl_moved = LONG_AGO  # tick of the last edge of SCL among all moves; valid if `_silent` is not -1
         self._scl_done = LONG_AGO  # tick of the last edge of SCL among the moves that were applied to `_levels`

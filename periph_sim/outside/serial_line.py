@@ -66,8 +66,8 @@ class SerialLine:
     def set(self, baud: int, form: str = "8n1") -> None:
         """Set the rate and format of all later frames. Raise OutsideError if the rate or the format is invalid.
 
-        Waiting bytes are sent with the new rate and format. If the new parity is mark or space, the parity bit of a
-        waiting byte has the level of the parity with which the byte was written: 1 for mark, 0 for any other.
+        Waiting bytes are sent with the new rate and format. There is one exception: if the new parity is mark or space,
+        the parity bit of a waiting byte is 1 if the parity was mark when the byte was written, else 0.
         """
         free = self._free_at()
         self._bit, self._format = self.checked(baud, form)
@@ -234,7 +234,7 @@ def sci_of(case: Case, port: str) -> SciLines:
 def serial_line(session: Session, port: str, baud: int, form: str) -> tuple[str, SerialLine]:
     """Return the full name of the SCI that `port` names, and the other end of its lines.
 
-    Raise OutsideError if there is no such SCI, or if the wire of its RX does not lead outside.
+    Raise OutsideError if there is no such SCI, its RX does not lead outside, or the rate or the format is invalid.
     """
     sci = sci_of(session.case, port)
     if sci.rx not in session.lines:

@@ -46,7 +46,7 @@ class Posted:  # core: freelist 4
     """A write that was issued and has not landed yet, as an element of the queue of posted writes.
 
     lands: the cycle at whose end the write takes effect.
-    value: the words to write, each at its position in the register.
+    value: the words to write: the low word of the register in bits 0 to 15, the high word in bits 16 to 31.
     where: the statement that issued the write; None if no subscriber needs the statement.
     cause: the record that caused the write.
     following: the posted write that lands after this one; None for the last.
@@ -280,7 +280,11 @@ class Bus:
         return max(cycle, self.free(operand)) + self.read_waits(operand)
 
     def fetch(self, at: int, operand: Operand) -> int:
-        """Read the words of an operand in cycle `at`, and return each at its position in the register."""
+        """Read the words of an operand in cycle `at`, and return them as one number.
+
+        The low word of the register is in bits 0 to 15, and the high word is in bits 16 to 31, also if only one of them
+        is read.
+        """
         if not operand.recorded:
             return operand.see(at) if operand.harmless else self._read(at, operand)
         return self._recorded(at, operand, self._place() if operand.records_place() else None)
@@ -320,9 +324,12 @@ class Bus:
         return cycle + operand.write_waits
 
     def store(self, at: int, operand: Operand, value: int) -> None:
-        """Post a write of an operand in cycle `at`. Each word is in `value` at its position in the register.
+        """Post a write of an operand in cycle `at`.
 
         The write is ignored if the register is protected and EALLOW is 0.
+
+        value: the words to write. The low word of the register is in bits 0 to 15, and the high word is in bits 16 to
+            31, also if only one of them is written.
         """
         self._post(at, operand, value, self._place() if self._wants_place(operand) else None)
         if operand.pieack:

@@ -53,7 +53,7 @@ class CpuTime:
         self._wake: Event = kernel.event(agent, CPU)  # the event that wakes this CPU
         self._wake_tick = 0
         self._wake_cycle = 0
-        self._until = NEVER  # the cycle that the time of a sleeping CPU does not exceed
+        self._until = NEVER  # the latest cycle to which a wake-up sets the time of a sleeping CPU
 
     def instant(self) -> tuple[int, int]:
         """Return two numbers. At least one of them changes whenever simulated time passes."""
@@ -112,7 +112,7 @@ class CpuTime:
     def sleep(self, until: int) -> None:
         """Sleep at an instruction boundary. The caller, or a later call of `resume_by`, schedules the wake-up.
 
-        until: the time does not exceed this cycle, even if the wake-up is later.
+        until: the latest cycle to which `arrive` sets the time of this CPU, even if the wake-up comes later.
         """
         self.asleep = True
         self._until = until
@@ -153,7 +153,7 @@ class CpuTime:
     def arrive(self) -> None:
         """Set the time of the CPU to the cycle of the wake-up that happens now.
 
-        The time of a sleeping CPU does not go back, and does not exceed the cycle `until` that `sleep` was given.
+        The time of a sleeping CPU does not go back. It is not set to a cycle after `until`, the argument of `sleep`.
         """
         self.lease = 0
         if self.asleep:

@@ -355,7 +355,12 @@ class TableMaker:
         return self._places[key]
 
     def _add_orbit(self, run: FreeRun, key: bytes, state: NormalState) -> None:
-        """Advance by one period and add the orbit of its states. If a state of a known orbit is reached, stop there."""
+        """Advance by one period, and add the orbit that consists of the states of this period.
+
+        If a state of a known orbit is reached within the period, stop in this state, and add no orbit.
+
+        key, state: the digest of the present state, and the present state.
+        """
         period, cycle = period_of(run.scene), run.ticks_per_cycle
         table = self.table
         if sum(table.orbits) + period * cycle > MAX_ENTRIES:

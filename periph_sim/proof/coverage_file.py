@@ -59,7 +59,8 @@ class CoverageFile(msgspec.Struct, frozen=True, kw_only=True):
     run_count: the number of different phases that were run.
     held: the chosen phases that held, as ranges of their indices (`to_ranges`).
     found: the results, without the list `held`, which would be long.
-    windows: the windows; empty until all parts are finished.
+    windows: the ranges of phases at which a budget is broken or the run fails in another way (`cover.Window`); empty
+        until all parts are finished.
     """
 
     version: Literal[1] = 1

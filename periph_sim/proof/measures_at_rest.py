@@ -25,11 +25,16 @@ class MeasuresAtRest:
     """Observes the measures of a run at each rest.
 
     spanning: the names of the budgets with an occurrence that was not over at a rest.
-    lacking: the names of the budgets for which a round had too few measured values.
-    empty: pairs of a kind of start ("rounds" or "frames") and the name of a budget: after at least one start of this
-        kind, the budget had no value. `closed_table` counts such a budget as lacking, too. In a case with both rounds
-        and frames, it is enough if the budget has a value after each round, or after each frame. So `pair_table` counts
-        it as lacking only if it is in pairs with both kinds.
+    lacking: the names of the budgets for which a round had too few measured values, or whose values the run did not
+        judge.
+    empty: pairs (kind of start, name of a budget). The kind is "rounds" or "frames". A pair is added if the budget had
+        no value after a start of this kind.
+
+    The budgets in `empty` are lacking under these conditions:
+
+    - `closed_table` regards each of them as lacking.
+    - `pair_table`, for cases with both rounds and frames, regards a budget as lacking only if it is in pairs with both
+      kinds. It is sufficient that a budget has a value after each round, or that it has a value after each frame.
     """
 
     def __init__(self, judges: Sequence[BudgetJudge], after_start: Collection[Kind] = AFTER_START) -> None:

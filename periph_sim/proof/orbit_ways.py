@@ -1,6 +1,7 @@
 """Shortest ways from one orbit of states of rest to another. `closed_table` defines these terms.
 
-A step of a way is the tick of a start in `closed_table`, and a group of starts in `pair_run`.
+A way is a sequence of steps, each of which leads from one orbit to another. The module `closed_table` uses the ticks of
+entries as steps. The module `pair_run` uses groups (`pair_groups.Group`) as steps.
 """
 
 from __future__ import annotations

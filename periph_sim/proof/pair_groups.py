@@ -291,9 +291,10 @@ class GroupRunner:
         return [at for at in places if (first + at * self.cycle) % period == 0]
 
     def like(self, group: Group) -> Group:
-        """Return a group that can start in the present orbit, and is as like a group of another orbit as possible.
+        """Return the group of the present orbit that is most similar to `group`, a group of another orbit.
 
-        It has the same round. Its frame is later by no more than necessary.
+        Both groups have the same value of `round`. The value of `frame` is increased by as little as possible, such
+        that the frame starts with a cell in the present orbit.
         """
         orbit = self.orbits.known[self.at[0]]
         if group.frame is None:

@@ -194,9 +194,9 @@ class Phases:
         return (tick - self._grid.due(number)) // self.cycle
 
     def between(self, first: Fraction, last: Fraction) -> tuple[int, int]:
-        """Return the first and the last phase between two times in seconds.
+        """Return the lowest and the highest phase between two times, in seconds.
 
-        The last phase is not above the last one of the period; phases of sends have no such limit. Raise BadCase if
+        The highest phase is at most `count` - 1, except for sends, whose phases have no upper limit. Raise BadCase if
         there is no phase between these times.
         """
         low = -(-first * self._per_second // self.cycle)

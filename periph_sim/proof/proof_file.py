@@ -56,7 +56,8 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     moved: what starts: "rounds", "frames", or "rounds and frames".
     ticks_per_second: the number of ticks per second.
     within_ppm: the greatest difference from `controller.ppm` that the proof covers; None for the case's clock only.
-    first: the tick of the first start, from the start of the run.
+    first: the tick of the case's first start or, if `rests_first` is True, of the first rest, from the start of the
+        run.
     rests_first: True if the first start is any tick after `first`.
     apart: the least distance of two starts for which the proof holds, in ticks.
     starts: the number of starts in the tables, all of which were run.

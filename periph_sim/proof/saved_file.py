@@ -54,7 +54,10 @@ def read(path: Path, kind: type[T], what: str, renew: str) -> T | None:
 
 
 def current(contents: T | None, case: Path) -> tuple[T, list[str]] | None:
-    """Return the contents of a case's file, with a phrase for each changed dependency; None if there are none."""
+    """Return the contents of a saved file, with a phrase for each changed dependency; None if `contents` is None.
+
+    The first phrase is about the case if the file belongs to another case file. case: the path of the case.
+    """
     if contents is None:
         return None
     differences = contents.dependencies.differences(case.parent)

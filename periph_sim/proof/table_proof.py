@@ -93,9 +93,9 @@ class TableProof(NamedTuple):
 
     @property
     def first(self) -> int:
-        """The tick of the first start, from the start of the run.
+        """The tick of the case's first start or, if `rests_first` is True, of the first rest. 0 is the run's start.
 
-        If `rests_first` is True, the proof holds for a first start at any later tick.
+        If `rests_first` is True, the proof holds for a first start at any tick after the first rest.
         """
         if not self.rests_first:
             return self.covered.phases.first_start()

@@ -127,8 +127,8 @@ class Interpretation:
     """An interpretation of the dissertation's parameters, and its agreement with the published means.
 
     says: the effect that the interpretation adds, as a phrase.
-    off: by the name of each sensor, the published means of the emulator minus the means of this interpretation, on x,
-        y, z in standard errors.
+    off: a dictionary from the name of each sensor to three differences, on x, y and z. A difference is the emulator's
+        published mean minus the mean of this interpretation, in standard errors.
     """
 
     says: str

@@ -102,7 +102,8 @@ LEAST_SIGMA = 0.4  # minimum sigma of the noise in LSB; below, rounding does not
 class Identified:
     """The parameters of one axis.
 
-    bias: the mean minus the expected value, or minus the mean without the disturbance.
+    bias: the mean minus a reference. The reference is the expected value or, for hard iron, the mean of the recording
+        without the magnetic disturbance.
     density: the measured density of white noise, which includes the density of rounding to LSB. If slow terms (bias
         instability and random walk) are requested, the density is fitted together with them.
     slow: the fit of all terms of the noise; None if the slow terms are not requested.

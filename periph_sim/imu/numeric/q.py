@@ -46,15 +46,16 @@ A0[0] = max(A0[0], 0)  # The sources shift angles as unsigned numbers, so a fitt
 def sine_and_cosine(angle: int, bits: int) -> tuple[int, int]:
     """Return the sine and the cosine of an angle in rad. All three numbers have `bits` fraction bits.
 
-    The angle is that of an entry k of the tables plus a rest x. With the sine s and the cosine c of the entry, the sine
-    of the angle is s + x (c + x (-s/2 - x c/6)), and the cosine is c + x (-s + x (-c/2 + x s/6)).
+    The angle is the sum of the angle of entry k of the tables and a remainder x. Entry k has the sine s and the cosine
+    c. The sine of the angle is s + x (c + x (-s/2 - x c/6)), and the cosine is c + x (-s + x (-c/2 + x s/6)).
     """
-    exact: int = abs(angle) * STEPS_PER_RADIAN  # the angle in entries with bits + 24 fraction bits; fits 62 bits
-    # The angle in entries with 32 fraction bits. Only the lower 41 bits count; without the mask, the left shift would
-    # exceed 64 bits.
+    # The angle in steps of the tables, as a fixed-point number with `bits` + 24 fraction bits. It has at most 62 bits.
+    exact: int = abs(angle) * STEPS_PER_RADIAN
+    # The same angle with 32 fraction bits. Only its lower 41 bits are used: 9 bits for the entry, and the fraction.
+    # Without the mask, the left shift would exceed 64 bits.
     exact = exact >> (bits - 8) if bits >= 8 else (exact & 0x1FF_FFFF_FFFF) << (8 - bits)
     k: int = (exact >> 32) & (TURN - 1)
-    x: int = (exact & 0xFFFFFFFF) * RADIANS_PER_STEP >> 32  # the rest in rad with 32 fraction bits
+    x: int = (exact & 0xFFFFFFFF) * RADIANS_PER_STEP >> 32  # the remainder x in rad, with 32 fraction bits
     s: int = SINE[k]
     c: int = COSINE[k]
     up: int = s + (x * (c + (x * ((-s >> 1) - (x * c >> 48) * SIXTH) >> 32)) >> 32) >> (30 - bits)

@@ -270,7 +270,10 @@ COVERAGE_LEGEND = "coverage: worst values of prove --save, run again; other phas
 
 
 def _row(one: CaseCheck) -> tuple[tuple[str, ...], str]:
-    """Return the cells and the style of a case's row: the numbers of budgets by verdict, and the baseline's state."""
+    """Return the cells and the style of a case's row.
+
+    The cells contain the numbers of budgets by verdict, and the states of the baseline and of the coverage.
+    """
     words = [verdict.word for verdict in one.outcome.verdicts]
     numbers = [str(words.count(word)) for word in (PROVEN, SEEN, BROKEN, NOT_JUDGED)]
     changed = sum(not change.note for change in one.changes)

@@ -219,9 +219,10 @@ def _head(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, ful
 
 
 def _when(rows: Rows, clock: Clock | None, full: bool, pad: bytes) -> list[tuple[str, Digits]]:
-    """Return the titles and columns with the start and end of each row, as time and as position in the capture.
+    """Return the titles and columns with the start and end of each row: positions in the capture, and times.
 
-    full: False to return only the start, as a time if the clock is known.
+    Without a clock, there are no times. full: False to return only the start: its time or, without a clock, its
+    position.
     """
     columns: list[tuple[str, Digits]] = []
     if clock is not None:

@@ -79,7 +79,10 @@ def _covered(budgets: list[Tree], names: Collection[str]) -> list[Tree]:
 
 
 def input_texts(covered: CoveredCase, inputs: InputsTable) -> Tree:
-    """Return the starts of a table [inputs] as a case file has them."""
+    """Return the keys `sends_later`, `frames` and `rounds` of a table [inputs], with times as texts for a case file.
+
+    Keys without a time are left out.
+    """
     texts: Tree = {"sends_later": _seconds(covered, inputs.sends_later)} if inputs.sends_later else {}
     for key in ("frames", "rounds"):
         times = getattr(inputs, key)

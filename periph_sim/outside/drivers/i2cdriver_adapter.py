@@ -46,7 +46,8 @@ MOST = 64  # maximum number of data bytes of a command
 NOBODY = 0xFF  # the byte that a read without a transfer or with an error returns, as if no party drove SDA
 INFORMATION = 80  # number of characters of the status and the introspection, with their brackets
 A_BYTE = "10 us"  # time of a byte on the adapter's serial port, at 1 Mbaud
-# The tokens of a capture: START, STOP, or BITS plus three of the nine bits that are a byte and its acknowledge bit.
+# The tokens of a capture. A byte and its acknowledge bit are nine bits, which become three tokens, in the order of the
+# bits. Each of these tokens is BITS plus the value of three bits.
 START, STOP, BITS = 1, 2, 8
 WIRES = ("SDA", "SCL")
 

@@ -232,8 +232,8 @@ def _setting(name: str) -> property:
 class ManagedPort:
     """The port that a PortManager controls. An unsupported rate or format raises ValueError.
 
-    The settings of modem lines and flow control are constant. An SCI has no modem lines, and TCP's flow control delays
-    a client that sends faster than the line.
+    The attributes of modem lines and flow control have no effect. An SCI has no modem lines, and TCP's flow control
+    delays a client that sends faster than the line.
 
     settings: the rate and the format of the line, with the names and values of pyserial.
     """

@@ -246,7 +246,10 @@ class Sources(Struct, frozen=True):
 
 
 def compiled(sources: Sources, folder: Path) -> list[str]:
-    """Compile the sources to objects in `folder`, and return the paths. Raise BadSources if gcc fails."""
+    """Compile the sources to objects in `folder`, and return the paths of the objects.
+
+    Raise BadSources if gcc or a source file is missing, or if gcc fails.
+    """
     if shutil.which(GCC) is None:
         raise BadSources("gcc, which compiles C sources for the host, is not found; install it, or run an image")
     for file in sources.files:

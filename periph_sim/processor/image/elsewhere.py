@@ -170,7 +170,11 @@ class UnmappedMemory:
         return True
 
     def _mark(self, address: int, area: Area) -> None:
-        """Store the bits of a word in `_states` at its first access, so that the next access needs no lookup."""
+        """Store the flags SEEN, PROTECTED and REGISTER of a word in `_states` at the first access to the word.
+
+        The next access then needs no lookup. Flags are not stored for words from FRAMES_END on, and for registers of
+        the flash whose accesses have further effects: FOPT, FBANKWAIT and FLASH_COMMANDS.
+        """
         if address < FRAMES_END and address not in (FOPT, FBANKWAIT) and address not in FLASH_COMMANDS:
             registers = area.content is Content.REGISTERS
             known = SEEN | PROTECTED * is_protected(address) | REGISTER * registers

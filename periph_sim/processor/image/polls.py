@@ -34,7 +34,7 @@ from ..polling import Lease, Spin
 FIRST_EXAMINED = 2  # number of passes of a loop before a pass is examined
 LONGEST = 1024  # maximum number of passes between two examined passes of a loop that is not found to be a wait
 COUNTS_FROM = 64  # number of passes before a loop is analysed for counters, which is slow
-FEWEST = 8  # minimum number of counting passes that are skipped; if there are fewer, they are executed
+FEWEST = 8  # a loop that counts: if fewer passes than this can be skipped, they are executed instead
 NOT_ALWAYS = ("began", "live_from", "_next", "_period", "_most", "_spin", "_values")  # used in sleeps and replays
 TRIES = 3  # number of failed analyses for counters after which a loop is not analysed again
 

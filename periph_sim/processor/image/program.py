@@ -78,7 +78,7 @@ class ImageProgram(LoadedImage):
         # _pass: number of instructions in each pass of the present wait.
         self._counted = self._pass = 0
         self._unmodelled: UnmodelledWait | None = None  # the last wait that read only unmodelled words
-        self._counting: CountingLoop | None = None  # set while a pass is traced, or counting passes are skipped
+        self._counting: CountingLoop | None = None  # set while a pass is traced, or passes that count are skipped
         self._stack_begin, self._stack_end = image.stack
         self._sp = 0  # SP after the last instruction
 

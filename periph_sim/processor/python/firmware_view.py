@@ -90,8 +90,9 @@ class FirmwareView:
         The condition is called again only if a bit that it has read changes, or after an interrupt, so its result must
         depend on nothing else.
 
-        pass_cycles: all cycles of one pass of the loop, as counted in its disassembly; by default `code.poll_pass` of
-        the unit and the cycles of further reads.
+        pass_cycles: all cycles of one pass of the loop, as counted in its disassembly. By default, they are computed:
+        a pass with one read in peripheral frame 2 takes the cycles in the key `code.poll_pass` of the unit, and each
+        further read of the pass adds its cycles.
         timeout: cycles, or seconds (rounded up to a cycle), from the start of the wait, service routines included. It
         is checked between two passes.
         """

@@ -83,7 +83,9 @@ def _settings(prefix: str, budget: str | None, before: Table, now: Table, keys: 
 def _bus_bytes(before: list[str], now: list[str]) -> list[Change]:
     """Compare the bytes on the bus. Return a change for the first digest that differs from the baseline.
 
-    before, now: the digests in the baseline and of the run, one after every PART bytes.
+    If the baseline has no digests, return a note instead.
+
+    before, now: the digests in the baseline and of the run. There is one digest for every PART bytes.
     """
     if before == now:
         return []
@@ -126,8 +128,9 @@ def _budget(
 def _figures(old: Figures, new: Figures) -> tuple[str, ...]:
     """Return the names of the figures to compare, without figures that only repeat the worst value.
 
-    If a measure has a single value that is not a time, its worst and its least value are equal. If a measure counts
-    something, its worst value and its count are equal, too.
+    The figures of the least value are left out if the value is not a time, and if the worst and the least value of each
+    run are equal and have the same instant. In this case, `count` is left out, too, if it is equal to the worst value
+    of each run, as for a measure that counts something.
     """
     one = [f.unit != "time" and (f.worst, f.worst_at) == (f.least, f.least_at) for f in (old, new)]
     if not all(one):

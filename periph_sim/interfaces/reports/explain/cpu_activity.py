@@ -95,7 +95,9 @@ def timeline(window: Window, unit: str, begin: int, end: int, kinds: Collection[
             stack, at, hole, bottom = [], hole.begin, None, UNKNOWN
         found.append(_top(stack, at, record.tick, bottom))
         if record.value and record.kind is not Kind.IRQ and not stack:
-            bottom = CODE  # the record begins an outermost span or wait, after which the firmware executes other code
+            # The record begins a span or wait that no other activity encloses. When this span or wait has ended, the
+            # firmware executes other code.
+            bottom = CODE
         at = max(at, record.tick)
         _move(stack, record)
     found.append(_top(stack, at, end, bottom))

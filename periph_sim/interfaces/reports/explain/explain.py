@@ -324,10 +324,11 @@ def _explained(case: Case, window: Window, usual: Window | None) -> Explained:
 
 
 def _reaching(window: Window, chain: Chain) -> Window:
-    """Return the window with the texts of the steps of its explanation, and with a larger picture.
+    """Return the window with the texts of the steps in `chain`, and with a picture that is extended to these steps.
 
-    The picture of an instant is extended to steps around the instant, the nearest first, up to a width of REACH bits.
-    The picture of a reply is extended to the first step.
+    If the window is about a reply, the picture is extended back to the first step. If the window is about an instant,
+    the picture is extended to the steps around the instant, the nearest first, up to a width of REACH bits. If the
+    instant is the end of a wait that is too long, the picture is not extended; nor is it for any other window.
     """
     begin, end = window.drawn
     if window.verdict.measure.startswith(REPLY) and chain.steps:

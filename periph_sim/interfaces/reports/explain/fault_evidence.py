@@ -188,9 +188,10 @@ def answering(evidence: Evidence, phase: RecordedPhase) -> Evidence:
 
 
 def _answers(evidence: Evidence, phase: RecordedPhase) -> Iterator[Evidence]:
-    """Yield the evidence about each other unit whose own address is that of a phase.
+    """Yield evidence about the units that answer in a phase in place of the unit of `evidence`.
 
-    Yield nothing if a device has this address.
+    These are the other units whose own address (I2COAR) is the address in `phase`. Yield nothing if a device has this
+    address.
     """
     if phase.address in evidence.devices:
         return
@@ -224,9 +225,10 @@ def bytes_of_device(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
 
 
 def note_of_device(evidence: Evidence, phase: RecordedPhase) -> tuple[list[Step], Part | None]:
-    """Return a step for the last broken rule that the device noted before the end of a read.
+    """Return a step for the last note on a broken rule that the device made before the end of a read, and the cause.
 
-    The second result is this broken rule as the cause; None if it is not the cause.
+    The list of steps is empty if the device made no such note. The second result is the broken rule as the cause of the
+    wrong bytes. It is None if there is no note, or if the note names only words that were not read.
     """
     who = sender(evidence, phase)
     note = evidence.last(phase.end, Kind.NOTE, who, "duty")

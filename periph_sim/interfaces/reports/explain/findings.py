@@ -240,9 +240,11 @@ def _blamed(steps: list[Step]) -> Part | None:
 def _bytes(evidence: Evidence, ends: Ends) -> Finding:
     """Find the origin of each byte of a read.
 
-    If a unit sent the byte, the origin is the write of I2CDXR, which the firmware may have made for another read. If a
-    device sent the byte, the origin is the device and, in a memory, the word. If the firmware wrote every byte in time,
-    it calculated a wrong value earlier, so the spans and service routines before the read are listed, too.
+    If a unit sent the byte, its origin is a write of I2CDXR. The firmware may have made this write before the START of
+    the read, for an earlier read. If a device sent the byte, its origin is the device and, in a memory, the word.
+
+    If the firmware wrote every byte after the START, no write is the cause: the firmware had calculated a wrong value
+    before. The spans and service routines before the read are then listed, too.
     """
     at = evidence.window.begin
     phase = next((p for p in evidence.phases if p.begin >= at), None)

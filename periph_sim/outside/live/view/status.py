@@ -80,7 +80,8 @@ class StatusSnapshot(TypedDict):
     where: the address at which clients reach the session.
     totals: numbers of bytes and rounds so far; "waiting" is the number of bytes that wait to be sent to the SCI.
     rates: the increase of each entry of `totals`, except "waiting", per simulated second. The entry "pace" is the
-        number of simulated seconds per second of real time. `rates` is empty in the first snapshot.
+        number of simulated seconds per second of real time. `rates` is empty in the first snapshot,
+        and while no simulated time passes.
     flags: the status flags that are set, such as "dsp.SCI-A.SCIRXST.FE".
     said: the latest messages about clients.
     over: True if the session has ended.

@@ -35,7 +35,7 @@ _forms: dict[str, Operation] = {}
 
 
 def operation(instruction: Instruction) -> Operation:
-    """Return the operation for an instruction."""
+    """Return a new Operation that executes an instruction. Raise KeyError if no function executes its form."""
     encoding, values = instruction.encoding, instruction.values
     form = form_of(encoding)
     made = Operation()

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from periph_sim.firmware import Dsp, start_i2c, start_pie
 
 AAS, RRDY = 0x40, 0x08  # masks in I2CIER
-I2C_ACK = 0x80  # mask of group 8, which has both interrupts of I2C-A, in PIEACK
+I2C_ACK = 0x80  # mask in PIEACK of group 8, which has both interrupts of I2C-A
 LENGTH = 4  # bytes of a message
 
 

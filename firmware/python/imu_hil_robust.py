@@ -12,8 +12,8 @@ Differences from imu_hil, with their reasons:
 * It reads every byte from I2CDRR, so SCL is not stretched if a driver writes a byte after the pointer to set up a chip.
 * A frame ends when RX is idle: characters left in the FIFO without new ones belong to a broken frame, and are
   discarded. So a lost character costs one frame, not all later ones.
-* The models run when a frame arrives, so a read has the values of the last frame, not of the frame before. They do not
-  run from `guard` before the next round to the end of that round. TIMER0 predicts the round from the previous round.
+* The models run when a frame arrives, so a read has the values of the last frame, not of the frame before. No model run
+  starts during a round, nor in the time `guard` before it. TIMER0 predicts a round from the start of the round before.
 
 Source: dissertation section 3.4 (work to be done); SPRUG03B (W1C flags, IRS), SPRUFZ5A (FIFO), SPRUFB0D 5.5 (timers).
 """

@@ -196,7 +196,7 @@ class Responder(SlaveInterrupt):
 
 
 class Waits(NamedTuple):
-    """Wait conditions of the polled style without FIFO: functions that return True when the wait is over."""
+    """Conditions of the polled style: functions that return True when a wait is over. FIFO mode uses the first two."""
 
     addressed: Callable[[], object]
     over: Callable[[], object]

@@ -15,7 +15,7 @@ from periph_sim.processor.python.register_view import ModulePort
 
 AAS_CODE, SCD_CODE, XRDY_CODE, RRDY_CODE, NACK_CODE = 7, 6, 5, 4, 2  # values of I2CISRC.INTCODE
 SDIR, AD0 = 1 << 14, 1 << 8  # masks in I2CSTR
-I2CINT1A_ACK = 0x80  # mask of group 8, which has I2CINT1A, in PIEACK
+I2CINT1A_ACK = 0x80  # mask in PIEACK of group 8, which has I2CINT1A
 
 
 class Target(Protocol):

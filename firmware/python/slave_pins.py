@@ -30,7 +30,7 @@ IDLE, ADDRESS, RECEIVE, SEND, OTHERS = range(5)  # OTHERS: the transfer is for a
 
 @dataclass
 class PinCosts:
-    """Numbers of cycles that parts of the code take, in addition to the cycles in the unit's `code`.
+    """Cycles that parts of this program take, in addition to the cycles that the case gives in [unit.NAME.code].
 
     edge: time to choose how an edge is handled. byte: time to process or supply a byte, with SCL low.
     set_up: time from the change of SDA to the release of SCL; 38 cycles are 250 ns (tSU;DAT in UM10204 Table 10).

@@ -251,7 +251,10 @@ class ClearedRegister:
             last.cleared |= flag.mask
 
     def written(self, number: int, tick: int, value: int, place: Text) -> Modify:
-        """Process the record of a write that belongs to a read-modify-write. Return the argument `made` of `judge`."""
+        """Process the record of a write that belongs to a read-modify-write, and return the write.
+
+        Pass the result to `judge` as its argument `made`, together with the read of the same read-modify-write.
+        """
         made = Modify()
         made.number, made.tick, made.written, made.cleared, made.place = number, tick, value, 0, place
         made.rose = [flag.rose for flag in self.flags]

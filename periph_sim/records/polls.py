@@ -28,8 +28,8 @@ MOST_READS = 3  # maximum number of reads of one register in a pass
 # of the assumed one, if a pass has one read. MORE_AGREE: the same, if a pass has several reads. GAPS_AGREE: the share
 # of changes that must be in gaps that fit the assumed length.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
-# If no pass was recorded, the loop is assumed to have one read. If there are at least FEW_GAPS gaps, their greatest
-# common divisor is then taken as the length of a pass.
+# If the recording has no whole pass, but only gaps between reads of the same wait, the loop is assumed to have one read
+# per pass. The greatest common divisor of the gaps is then the length of a pass, if there are at least FEW_GAPS gaps.
 FEW_GAPS = 3
 
 
@@ -39,8 +39,8 @@ class Polls(NamedTuple):
     before: for each change, the tick of the last skipped poll before it in the same gap; -1 if there is none.
     after: for each change, the tick of the first skipped poll at or after it in the same gap; -1 if there is none.
     changes: the rows of these changes.
-    unplaced: for each gap that contains a change, but whose polls could not be reconstructed, the index of the read
-        before the gap. The index refers to the argument `reads` of `skipped_polls`.
+    unplaced: an entry for each gap in which a change occurred, and whose polls could not be reconstructed. The entry is
+        the index, in the argument `reads` of `skipped_polls`, of the last read before the gap.
     """
 
     before: Rows

@@ -48,7 +48,8 @@ class PlaceRaces:
 
     reads: number of recorded reads.
     polls: number of reads that were reconstructed from skipped waits.
-    unplaced: number of skipped waits that contain a change, but whose polls could not be reconstructed.
+    unplaced: number of waits during which a field that was read changed, and whose skipped polls could not be
+        reconstructed.
     before: the read that was the fewest cycles before a change; None if no read was before a change.
     after: the read that was the fewest cycles after a change; None if no read was after a change.
     histogram: for each of the DECADES classes of distances, the number of reads and polls whose distance to the nearest
@@ -109,12 +110,17 @@ def races(run: Run, register: str | None = None) -> Races:
 
 
 def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
-    """Return (cycles, ticks, unplaced) for the reads of a register, as in `races`. Raise NotInRun as `races` does.
+    """Return (cycles, ticks, unplaced) for the reads of one register or field, or of all status registers.
+
+    Raise NotInRun as `races` does.
+
+    register: a name such as "I2C-A.I2CSTR"; None for all status registers.
 
     cycles: the distance of each read or reconstructed poll to the nearest change. Reads are left out if the run has no
         change to compare them with.
-    ticks: the ticks of these reads and polls, in order.
-    unplaced: number of skipped waits that contain a change, but whose polls could not be reconstructed.
+    ticks: the tick of each of these reads and polls. `cycles` and `ticks` are in order of time.
+    unplaced: number of waits during which a field that was read changed, and whose skipped polls could not be
+        reconstructed.
     """
     unplaced = 0
     cycles, ticks = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
@@ -202,7 +208,8 @@ def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
 class _Side(NamedTuple):
     """Reads and reconstructed polls, each paired with a change.
 
-    In one object, either all reads are paired with the next change or all are paired with the previous change.
+    In `_Beside.before`, every read is paired with the next change; in `_Beside.after`, with the previous change. While
+    `_beside` collects `_Beside.nearest`, the distances are those to the nearest change, and `changes` is not used.
 
     ticks: the tick of each read or poll.
     distances: the number of ticks between each read and its change; NEVER if there is no such change.
@@ -226,7 +233,8 @@ class _Beside(NamedTuple):
     nearest: the distance in ticks from each read or poll to the nearest change; NEVER if there is no change.
     reads: number of recorded reads.
     polls: number of reconstructed polls.
-    unplaced: number of skipped waits whose polls could not be reconstructed.
+    unplaced: number of waits during which a field that was read changed, and whose skipped polls could not be
+        reconstructed.
     """
 
     before: _Side

@@ -296,8 +296,10 @@ class Run:
     def cycles(self) -> CycleLength:
         """The length of a SYSCLKOUT cycle.
 
-        It is taken from the first known of these: `sysclk`, the last clock of the first unit in the recording, the
-        greatest common divisor of the times between accesses. If none is known, it is the length at 150 MHz.
+        If `sysclk` was given, it determines the length. Otherwise, the last clock of the first unit in the recording
+        does. If the recording has no clocks, the length is derived from the grid of the accesses, which is the greatest
+        common divisor of the times between accesses of the same unit. If the grid is longer than a cycle at 150 MHz and
+        not a multiple of this cycle, the grid is the length. In all other cases, the length is a cycle at 150 MHz.
         """
         if self._sysclk is not None:
             return CycleLength(self.per_second / self._sysclk, f"SYSCLKOUT {_mhz(self._sysclk)}, as given")

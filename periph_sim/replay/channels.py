@@ -16,7 +16,9 @@ LINES = {line: line for line in ALL}  # each line has one name
 
 
 def channel_map(capture: Capture, text: str | None, session: bool = False) -> dict[str, str]:
-    """Return the name of the channel for each line: scl and sda, or rx, or all three.
+    """Return the channel for each line: scl and sda, or rx, or all three.
+
+    The result maps each line to the name of its channel, or to its index if `text` has an index.
 
     text: the assignment that the user gives, such as "scl=0,sda=1". None: find the channels by their names; SCL and SDA
         are preferred to RX.
@@ -46,7 +48,7 @@ def _mapped(capture: Capture, text: str | None, session: bool) -> dict[str, str]
 
 
 def serial_channel(capture: Capture, wanted: str | None) -> str:
-    """Return the name of the channel for RX.
+    """Return the name of the channel for RX, or `wanted` unchanged if it is not None.
 
     wanted: the name or the index that the user gives. None: return the only channel of the capture, or else the channel
         named RX.

@@ -134,10 +134,11 @@ class Settled:
         return best
 
     def _agreeing(self, item: int, word: int) -> int:
-        """Return how many words from index `word` on fit the items from index `item` on, at most AHEAD.
+        """Return how many words, from index `word` on, fit the items from index `item` on.
 
-        Count up to the first word that does not fit. If all words fit up to the next uncertain start bit, or up to a
-        common end of items and words, return AHEAD.
+        At most AHEAD words are compared, up to the first one that does not fit its item. The result is also AHEAD, the
+        best possible result, if fewer words are compared and all of them fit, because the next item has an uncertain
+        start bit, or because the items and the words end together.
         """
         items, found = self._items[item : item + AHEAD], self._received[word : word + AHEAD]
         for number, event in enumerate(items):

@@ -147,7 +147,10 @@ def turns(transfers: list[Transfer]) -> Iterator[Turn]:
 
 
 def addressed_phases(transfers: Iterable[Transfer]) -> Iterator[tuple[Phase, Condition | None]]:
-    """Yield the phases for which `is_addressed` is true, each with the STOP that ends it; None if no STOP does."""
+    """Yield each phase that has a complete address byte with its ACK or NACK, whichever target is addressed.
+
+    Each phase is paired with the STOP that ends it; None if the phase ends with a repeated START or with the capture.
+    """
     for transfer in transfers:
         for number, phase in enumerate(transfer.phases, 1):
             if is_addressed(phase):

@@ -27,7 +27,7 @@ from ..traces.diff.align import align, numbered
 NOTHING = "nothing more"
 
 BYTE, ACK, EVENT, TIMING = "byte", "ACK", "event", "timing"
-# For each kind of divergence, the name of its first divergence in reports.
+# FIRST maps each kind of divergence to the name that reports give to the first divergence of this kind.
 FIRST = {
     BYTE: "first wrong byte",
     ACK: "first wrong ACK",
@@ -76,10 +76,11 @@ class Divergence:
     """A difference between the capture and the replay.
 
     index: the number of events before the divergence.
-    expected, found: the event in the capture and in the replay, as text.
+    expected, found: the event in the capture and in the replay, as text. If `kind` is TIMING, `found` states the
+        difference in time.
     capture_s, replay_s: the times of these events in seconds since the capture began; None if there is no event.
     kind: a key of FIRST: BYTE, ACK, EVENT or TIMING.
-    history: the changes of the chip's registers around the divergence.
+    history: the changes of the chip's register fields, and the CPU accesses to its registers, around the divergence.
     cause: a phrase that names the causing statement of the firmware, or another cause; "" if unknown.
     """
 

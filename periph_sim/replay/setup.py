@@ -259,9 +259,10 @@ class Answering:
     """The unit that replaces captured targets.
 
     own: the addresses of the unit.
-    asked: how often one of these addresses is acknowledged in the capture. If the number is 0, the capture does not
+    asked: how often any of these addresses is acknowledged in the capture. If the number is 0, the capture does not
         require anything of the firmware.
-    forced, offered: settings of the firmware, as for `alone`.
+    forced: settings of the firmware that the replay always sets.
+    offered: settings that the replay sets if the firmware names them in `REPLAY` and the case does not set them.
     """
 
     unit: str
@@ -282,14 +283,17 @@ class Answering:
 def answering(case: Case, part: Played, given: Sequence[int], lead: Fraction = LEAD) -> Answering:
     """Determine the firmware's addresses and settings. Add notes to `part`, for example on settings not filled in.
 
-    given: the addresses that the user states, which are then the firmware's addresses. If it is empty:
-        - `REPLAY` does not name `address`: the firmware's addresses are all addresses of the capture.
-        - `REPLAY` names `address`: the firmware's address is the one that the case sets, or else the one that was
-          acknowledged most often in the capture.
+    `REPLAY` is the firmware's list of the settings that a replay may fill in.
+
+    given: the addresses that the user states; empty if the user states none. The firmware's addresses are:
+        - `given`, if it is not empty.
+        - Otherwise, if `REPLAY` does not name `address`: all addresses of the capture.
+        - Otherwise, the address that the case sets. If it sets none, the address that was acknowledged most often in
+          the capture.
 
     If `REPLAY` names `address` and the firmware has one address, settings are filled in: the address, the captured
-    replies, and the times at which the captured target sent NACK. These times are not filled in if `given` has the
-    address; to agree with the capture, the firmware must then send the NACKs by itself.
+    replies, and the times at which the captured target did not acknowledge its address. If the user states the address,
+    these times are not filled in. To agree with the capture, the firmware must then send these NACKs by itself.
     """
     unit = unit_with(case, "I2C-A")
     found = Answering(unit, _addresses(case, unit, part, given))

@@ -40,7 +40,7 @@ class HeadPlan(Struct, frozen=True):
     requests: the requests of each round.
     startup: the requests before the first round, which set up the chips.
     timing: the low, high, set-up and hold times of SCL and SDA, in ticks.
-    schedule: the times at which the head begins rounds.
+    schedule: the times at which the sensor head, the agent that [controller] describes, begins rounds.
     asked: the transfers on the bus that result from `requests` and `startup`, and their schedule.
     stuck_after, clear_after: durations in ticks; `I2cController` describes them.
     """

@@ -137,7 +137,7 @@ def check_outside(case: Case, wires: Mapping[str, Wire]) -> None:
 
 
 def not_run(case: Case) -> BadCase:
-    """Return the error for a plain run of a case whose [outside] has no log, so that nothing drives its wires."""
+    """Return the error for a run, without a session, of a case whose [outside] has no log: nothing drives its wires."""
     assert case.outside is not None
     wires = " and ".join(case.outside.wires)
     what = (

@@ -1,7 +1,11 @@
 """Serial lines of a scene: the parties of [serial], RS-485 pairs, and records of receivers and lines.
 
-[host], [serial] --> RX, or a pair --transceiver--> RX --> SCI --> SciMonitor: records of its receiver
-TX of an SCI, pairs --> UartMonitor, UartCounter: frames, characters
+    [host] or [serial] -----------------------> RX --> SCI --> TX
+    [serial] --> RS-485 pair --transceiver----> RX --> SCI --> TX --transceiver--> RS-485 pair
+
+    SciMonitor    makes the records of an SCI's receiver
+    UartMonitor   makes the FRAME records of a line: an RX, a TX or a pair
+    UartCounter   reports the characters on the RX of an SCI
 
 A frame, which is one UART character here, is read with the rate and format of its sender. These are the settings in
 [host] or [serial], or the register settings of the SCI whose TX is on the wire. If no sender is known, a frame is read

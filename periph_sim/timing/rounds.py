@@ -8,8 +8,10 @@ A transfer fulfils a request if it begins with the same address and R/W bit, and
 transfer that matches no request belongs to no round. A round begins with its first START, and ends with the STOP of its
 last request. If the START comes later than `MasterSchedule.late` allows, the duration of the round counts from the
 latest time that is allowed. If the first request comes again before the last one was made, the round is broken off and
-the next round begins. A round is missed if it does not begin, or if one of its requests is skipped: a later request, or
-the first request of the next round, is made instead.
+the next round begins.
+
+A round is missed if it does not begin, or if one of its requests is skipped because a later request is made instead. A
+round that is broken off is missed, too, because its last request is skipped.
 
 If the master is a simulated controller, its rounds are due by a fixed schedule. If the master is firmware, or a party
 in a capture, its clock is not known: a round is due one period after the start of the round before, and is missed if it
@@ -264,7 +266,8 @@ class BusRounds:
 def asked_for(transfer: Transfer, request: Transfer) -> Transfer:
     """Return a transfer with the name, the byte counts and the expected bytes of the request that the transfer fulfils.
 
-    Phases of the request that never began are added, and received bytes beyond the requested count are removed.
+    Phases of the request that never began are added. Further phases, and received bytes beyond the requested count, are
+    removed. The phases of `transfer` itself are changed.
     """
     phases = transfer.phases[: len(request.phases)]
     place: int = 0

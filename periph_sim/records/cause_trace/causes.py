@@ -354,7 +354,10 @@ def holders(run: Run, row: int, record: Record) -> tuple[str, ...]:
 
 
 def mover(run: Run, row: int, record: Record) -> str:
-    """Return the party that pulled or released the wire with this record; "" if it is not known."""
+    """Return the party whose pull or release of a wire the EDGE or HOLD record describes; "" if it is not known.
+
+    If several parties pulled or released the wire at once, the last of them in the record's text is returned.
+    """
     earlier = _before(run, row, record)
     now, before = _named(record.text), () if earlier is None else _named(earlier.text)
     moved = [who for who in now if who not in before] or [who for who in before if who not in now]

@@ -158,7 +158,11 @@ def text(answer: Answer) -> str:
 
 
 def as_json(answer: Answer) -> dict[str, object]:
-    """Return the answer for JSON, with times in seconds. "set_off" has `Answer.effects`; "next_read" has the reader."""
+    """Return the answer as a dictionary for JSON, with times in seconds.
+
+    "set_off" has the entries of `Answer.effects`. "next_read" has the entry of `Answer.reader`, the first recorded read
+    of the signal's field after its change to the value.
+    """
     run, subject = answer.run, answer.subject
     register, f = subject.register, subject.field
     return {
@@ -185,7 +189,11 @@ def as_json(answer: Answer) -> dict[str, object]:
 
 
 def said(run: Run, step: Link) -> str:
-    """Return a record as text. For a flag, the text ends with the section of the manual that describes the register."""
+    """Return a record as text.
+
+    For a change of a register's field, the text ends with the section of the manual that describes the register. For a
+    rising edge, it ends with the parties that released the wire, if they are known.
+    """
     record = step.record
     words = happened_where(record)
     if record.kind is Kind.EDGE and record.value:

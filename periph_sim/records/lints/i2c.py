@@ -73,7 +73,8 @@ def stale_flag(run: Run, options: Options) -> Iterator[Fault]:
     """Yield reads during a transfer that see a flag which rose before this transfer began.
 
     Firmware that waits for the flag then mistakes an old event for a new one. The flags are SCD, RRDY, ARDY and NACK.
-    Only reads of a single flag are judged, such as `i2c.I2CSTR.SCD`, or a TBIT or a masked AND of a program image.
+    Only reads of a single flag are judged. In Python firmware and C sources, these are reads such as `i2c.I2CSTR.SCD`.
+    In a program image, they are TBIT instructions, and AND instructions whose mask selects one flag.
     """
     table = run.table
     for group in accesses(run, "R", I2CSTR):

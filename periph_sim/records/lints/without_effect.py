@@ -36,7 +36,8 @@ def read_only(run: Run, options: Options) -> Iterator[Fault]:
             wanted = f.mask & value[group.rows]
             kept = f.mask & np.array(run.values(group.unit, group.module, group.register, f, group.rows)) << f.lsb
             at = np.searchsorted(group.rows, writes)
-            # A read-modify-write writes a field back as it was read, even if the field has changed in between.
+            # A read-modify-write writes back the value that it has read. If the hardware changed the read-only field
+            # in between, these values differ, but the firmware did not try to change the field.
             kept[at] = value[reads] & f.mask
             rows = group.rows[(wanted != 0) & (wanted != kept)]
             if len(rows):

@@ -40,9 +40,14 @@ class PsrWriter(RecordingWriter):
 class JsonlWriter(RecordingWriter):
     """Writer of .jsonl: one JSON array per line with number, tick, kind, where, what, value, text, cause and field.
 
-    The first line has the version, the number of ticks per second and the names of the columns. In BUS and FRAME
-    records, the value of an address or a byte is text: "0x21 R ACK", "0x11 ACK", "0x55". The value of a START, a STOP
-    or the start of a frame is null. For a frame that is cut, or a collision, it is "cut" or "collision".
+    The first line is an object with the version, the number of ticks per second and the names of the columns. The value
+    of a record is a number, except in BUS and FRAME records:
+
+        BUS address                 "0x21 R ACK"
+        BUS byte                    "0x11 ACK"
+        FRAME byte, end, error      "0x55"
+        FRAME cut, collision        "cut", "collision"
+        all others, such as START   null
     """
 
     SUFFIX = ".jsonl"

@@ -259,9 +259,11 @@ class Case(Table, frozen=True, kw_only=True):
     def _written(self, place: tuple[str | int, ...]) -> tuple[str | int, ...]:
         """Convert a place in this case to the corresponding place in its file.
 
-        Only places of budgets differ. The index of a budget can be different in the file, because the file also has the
-        budgets that need a replaced party. A budget that was made for an expected reply, a silence or a watched wire is
-        at the place of the table of the reply, send or watch.
+        Only places of budgets differ:
+        - A budget that was made from another table is at the place of this table: an expected reply, a send with
+          `expect = "nothing"`, or a watched wire.
+        - The index of another budget can be different in the file. If [outside] has replaced a party of the case, the
+          budgets that cannot be judged without this party are in the file, but not in this case.
         """
         if len(place) < 2 or place[0] != "budget":
             return place

@@ -198,7 +198,8 @@ class ChipTable(BusParty, frozen=True, kw_only=True):
 
 
 class OutsideTable(Table, frozen=True, kw_only=True):
-    """Wires that another program drives in a `periph_sim.outside.Session`. A plain run needs `log`.
+    """Wires that another program drives in a `periph_sim.outside.Session`. A run without a session needs `log`, from
+    which it replays the levels of these wires.
 
     wires: driven wires: `["SDA", "SCL", "RX"]`
     log: log of a session

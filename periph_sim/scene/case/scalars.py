@@ -54,7 +54,7 @@ def _without_direction(value: object) -> object:
 def _crystal(value: object) -> Fraction:
     """Return the frequency of a crystal in hertz. Raise ValueError if it is beyond the limits of SPRS439.
 
-    value: a text with a unit, or a number.
+    value: a text with a unit, such as "30 MHz", or a Fraction in hertz. Raise ValueError for other values.
     """
     hertz = frequency(value, "MHz")
     if not 4_000_000 <= hertz <= 150_000_000:

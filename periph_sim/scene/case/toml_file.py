@@ -19,7 +19,9 @@ _OPENS = re.compile(r"([^=\[]+=\s*)?[\[{](?!\[)")  # matches the start of a line
 _TABLE = re.compile(r"\[[\w.\s-]+\]\s*(#.*)?$")  # matches the header of a table
 BACKSLASH = r"write \\ for a backslash, as in C:\\data"
 _NO_POINT = r"[\s.]*[\s,;:/.][\s.]*"
-_HEADER = re.compile(rf"(\[+)([\w-]+(?:{_NO_POINT}[\w-]+)+)(\]+)")  # a header of several parts, with any separators
+# _HEADER matches a header of several parts. The parts may be separated by blanks, commas, semicolons, colons or slashes
+# instead of points.
+_HEADER = re.compile(rf"(\[+)([\w-]+(?:{_NO_POINT}[\w-]+)+)(\]+)")
 _NO_EQUALS = re.compile(r"([\w.-]+)(?:\s*:\s*|\s+(?![=:])|(?=[\[{\"']))([^=\s].*)")  # a key and a value without =
 _PROGRAMS = {".out": "image", ".asm": "image", ".c": "c"}  # maps a suffix to the argument KIND of `periph-sim new`
 QUOTES = "'\""

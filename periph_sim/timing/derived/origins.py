@@ -132,7 +132,7 @@ NOTHING_SENT = Sent(BEFORE_ANY, (), NO_TIME)
 
 
 class Origins:
-    """Finds the host frame whose values each read of a chip returned.
+    """Base of the classes that find, for each read of a chip, the host frame that the returned values came from.
 
     Call `transfer` with each complete transfer. Then, `of` returns the origin of each phase of this transfer.
 

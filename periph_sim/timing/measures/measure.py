@@ -328,7 +328,10 @@ class MeasuredScene(Protocol):
         """
 
     def watcher(self, measure: WatchedWire) -> WireWatcher:
-        """Return the wire watcher with the name of the measure. The watcher passes its results to the measure."""
+        """Build the wire watcher that the table [watch.NAME] describes, where NAME is the name of the measure.
+
+        The watcher passes its results to the measure.
+        """
 
     def rounds_at_start(self) -> Callable[[], bool]:
         """Return a function for measures to call at a START. It returns True if this START may begin a round."""

@@ -137,7 +137,8 @@ MEASURES = {
     "stuck": Sentence("count of record bus stuck", "Times a line of the bus was held low longer than `stuck_after`."),
 }
 
-# PHRASES maps a form in the language of budgets to its measure. These measures have parameters or depend on the scene.
+# PHRASES has the measures that have parameters or depend on the scene. The keys are the first words of some forms in
+# the language of budgets (`language.FORMS`), and the names "span", "overflows" and "first access".
 PHRASES = {
     "span": Sentence(
         "from span any:{quoted} begin to span any:{quoted} end, last, same unit",

@@ -133,12 +133,14 @@ def pairs_given(option: str, text: str, known: tuple[str, ...], flags: tuple[str
 def channels_given(
     capture: Capture, option: str, text: str, given: Mapping[str, str], lines: Mapping[str, str]
 ) -> dict[str, Channel]:
-    """Return the channel of each line that an option states, by the name of the line, such as mosi.
+    """Return a dictionary from lines, such as "mosi", to the channels that an option assigns to these lines.
 
+    option, text: the name and the value of the option, for messages.
     given: the settings in the value of the option, as `pairs_given` returns them.
     lines: a dictionary from names of settings to lines. A line may have several names: mosi and simo are one line.
 
-    Raise InputError if a line is stated twice, or if the capture does not have a channel for each line.
+    Raise InputError if two settings are for the same line, if the capture does not have a channel, or if two lines have
+    the same channel.
     """
     found: dict[str, Channel] = {}
     for name, line in lines.items():

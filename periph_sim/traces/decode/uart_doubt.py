@@ -5,8 +5,11 @@
 
 A frame counts as misread if it has a framing or parity error, a glitch, or a falling edge far from the boundaries of
 bits. Rising edges are not compared with these boundaries, because a slow driver delays all rising edges. Frames that
-begin with a break do not count. At a multiple of the true rate, many frames begin with a break; at a fraction of the
-true rate, there are few frames. In both cases, the lengths of the low pulses are the evidence.
+begin with a break do not count.
+
+If the stated rate is a multiple of the true rate, many frames begin with a break; if it is a fraction of the true rate,
+there are few frames. In both cases, few frames are left to count. The evidence against the stated rate is then that
+most low pulses are too long or too short for it.
 
 Noise, a wrong parity and a capture that begins within a frame cause misread frames, too. So a rate is doubted only if
 another one explains the edges.

@@ -195,7 +195,7 @@ class TraceDiff:
 
     @cached_property
     def first(self) -> Entry | None:
-        """The first entry that differs in any way."""
+        """The first entry that is missing, inserted, changed, or late or early by more than the tolerance, or None."""
         return next((entry for entry in self.entries if self.differs(entry)), None)
 
     @cached_property

@@ -98,7 +98,7 @@ def _channel(name: str, probe: int, scan: Scan, length: int) -> Channel:
 
 
 def _folders(path: Path, archive: Archive, probes: dict[int, str], keys: dict[str, str]) -> dict[int, Folder]:
-    """Return the folder with the blocks of each probe that has blocks, by the number of the probe."""
+    """Return a dictionary from the numbers of the probes that have blocks to the folders with these blocks."""
     sizes: dict[int, int] = {}
     blocks = _count(keys, "total blocks") or 0
     for name, member in archive.members.items():

@@ -280,11 +280,7 @@ class Bus:
         return max(cycle, self.free(operand)) + self.read_waits(operand)
 
     def fetch(self, at: int, operand: Operand) -> int:
-        """Read the words of an operand in cycle `at`, and return them as one number.
-
-        The low word of the register is in bits 0 to 15, and the high word is in bits 16 to 31, also if only one of them
-        is read.
-        """
+        """Read an operand in cycle `at`. The high word of a register is in bits 16 to 31, also if it is read alone."""
         if not operand.recorded:
             return operand.see(at) if operand.harmless else self._read(at, operand)
         return self._recorded(at, operand, self._place() if operand.records_place() else None)
@@ -324,12 +320,9 @@ class Bus:
         return cycle + operand.write_waits
 
     def store(self, at: int, operand: Operand, value: int) -> None:
-        """Post a write of an operand in cycle `at`.
+        """Post a write of an operand in cycle `at`. It is ignored if the register is protected and EALLOW is 0.
 
-        The write is ignored if the register is protected and EALLOW is 0.
-
-        value: the words to write. The low word of the register is in bits 0 to 15, and the high word is in bits 16 to
-            31, also if only one of them is written.
+        value: as `fetch` returns it.
         """
         self._post(at, operand, value, self._place() if self._wants_place(operand) else None)
         if operand.pieack:

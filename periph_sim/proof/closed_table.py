@@ -187,7 +187,7 @@ class TableMaker:
     on_run: called at the end of each run, with the run and the places at which its rounds began. If a run begins with
         the first round of the case, the place of this round is left out. With `on_run`, scenes keep all values of their
         budgets.
-    rests_first: as for `FreeRun`. None stands for True if the starts of the case have jitter, else for False.
+    rests_first: as for `FreeRun`. None means True if the starts of the case have jitter, else for False.
     least_again: the least number of entries that are run again.
     """
 

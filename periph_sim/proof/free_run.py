@@ -90,7 +90,7 @@ class FreeRun:
             rounds and frames are free, this is the first start of each.
         records: receives the records of rounds; None for a new RoundRecords.
 
-        Raise NotClosed if the scene does not come to rest, or if a first start of the case is at the start of the run.
+        Raise NotClosed if the scene does not reach a rest, or if a first start of the case is at the start of the run.
         With `rests_first`, also raise it if this start is not after the first rest.
         """
         self.records = records or RoundRecords()

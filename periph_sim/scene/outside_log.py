@@ -58,7 +58,7 @@ class Instant(NamedTuple):
 
     levels: the new levels of the wires that the outside party changes.
     sent: a dictionary from a wire to the number of bytes that begin on the wire. The number 0 means that the outside
-        party sends bytes on this wire from now on, but that none of them begins at this tick.
+        party sends bytes on this wire from this tick on, but that none of them begins at this tick.
     """
 
     tick: int

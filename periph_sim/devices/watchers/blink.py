@@ -59,6 +59,8 @@ class Blink:
         if level:
             if rose is not None:
                 self._place.on_deviation(abs(now - rose - self._period), rose)
+            elif now > self._first:
+                self._refute_first()
             self._rose = now
         elif rose is not None and self._on is not None:
             self._place.on_deviation(abs(now - rose - self._on), rose)
@@ -67,9 +69,12 @@ class Blink:
         place = self._place
         if self._rose is None:
             if now > self._first:
-                place.refute(f"{place.wire} did not rise by {place.at(self._first)}", self._first)
+                self._refute_first()
         elif now > self._rose + self._period + place.tolerance:
             place.refute(f"{place.wire} stopped: its last rise was at {place.at(self._rose)}", self._rose)
+
+    def _refute_first(self) -> None:
+        self._place.refute(f"{self._place.wire} did not rise by {self._place.at(self._first)}", self._first)
 
     def missing(self) -> str:
         rises = "no rise" if self._rose is None else "one rise"

@@ -1,7 +1,4 @@
-"""`periph-sim prove CASE`: run a case at many phases, and find the ranges of phases in which budgets break.
-
-A phase is, for example, the number of cycles from the start of a round to the start of a frame; see `periph_sim.proof`.
-"""
+"""`periph-sim prove CASE`: run a case at many phases, and find the ranges of phases in which budgets break."""
 
 from __future__ import annotations
 

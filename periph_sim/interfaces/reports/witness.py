@@ -64,7 +64,7 @@ def witness_file(
 
 
 def _part_of_name(covered: CoveredCase, budget: str) -> str:
-    """Return the part of a file name that stands for a budget. Each budget of the case has a different one."""
+    """Return the part of a file name that denotes a budget. Each budget of the case has a different one."""
     parts = {one.name: NAME.sub("_", one.name).strip("_") for one in covered.case.budget}
     part = parts[budget]
     if part and [*parts.values()].count(part) == 1:

@@ -324,10 +324,7 @@ def _bit_names(field: str, bits: Mapping[str, int]) -> Part:
 
 
 def _flags_and_values(token: str, encoding: Encoding) -> Part:
-    """Return the part for flags of STF with new values, "RNDF32=1,TF=0".
-
-    A bit without a name has a number, "8=1". A "?" follows the value of a flag that is not selected, "TF=1?".
-    """
+    """Return the part for flags of STF with new values, "RNDF32=1,TF=0". A flag that is not selected is "TF=1?"."""
 
     def show(values: Values, at: int) -> str:
         named = {bit: name for name, bit in STF_BITS.items()}

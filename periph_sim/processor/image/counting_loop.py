@@ -282,12 +282,9 @@ def _value(words: Sequence[Place], traced: Traced) -> int:
 
 
 class CountingLoop(InstructionWatch):
-    """Traces one pass of a loop. Later, it advances the counters for skipped passes.
+    """Traces a pass of a loop that begins when this object is made, and advances the counters for skipped passes.
 
-    The traced pass begins when this object is made.
-
-    does_more: True if the traced pass changes more than counters. After a few such passes, `polls.TRIES`, the loop is
-        not traced again.
+    does_more: True if the traced pass changes more than counters; `polls.TRIES` such passes end the tracing of a loop.
     """
 
     STATE = State(

@@ -50,9 +50,8 @@ class Link(NamedTuple):
     known: RECORDED or INFERRED, the source of the relation; "" for the record whose causes are searched.
     because: the relation, as a phrase.
     aside: True if the record is only additional information and not the cause. The search does not continue from it.
-    of: the row of the other record, which this record explains. It is -1 in the first link of `walk_back` and in links
-        that are not part of a search, because there is no other record. In the result of `causes`, -1 means the record
-        that was passed to `causes`; `walk_back` replaces this -1 by the row of that record.
+    of: the row of the other record, which this record explains; -1 if there is none, as in the first link of
+        `walk_back`. In the result of `causes`, -1 is the record that was passed to it.
     """
 
     row: int

@@ -45,7 +45,7 @@ class Case(Table, frozen=True, kw_only=True):
     fidelity: obsolete; accepted without effect
     strict: the run ends with status 2 and the firmware's line as soon as firmware breaks a rule of the manuals,
         such as the range of the I2C module clock
-    stall_limit: CPU time that your Python code may take while simulated time stands still; then the run fails with
+    stall_limit: CPU time that your Python code may take while simulated time does not advance; then the run fails with
         status 1 and the line. Off under a debugger; `"0 s"` is no limit
     unit, cable, transceiver, chip, device, controller, rounds, host, serial, inputs, watch, outside, fault: tables
         of the parts

@@ -80,6 +80,8 @@ DIAGRAMS: list[tuple[dict[str, Any], str, tuple[str, float | None, str]]] = [
     ({"kind": "blink", "rate": "2.5 kHz"}, "_~~__~~___~~", ("fail", 100.0, "")),
     ({"kind": "blink", "rate": "2.5 kHz"}, "_~~__~~______", ("fail", 0.0, STOPPED)),
     ({"kind": "blink", "rate": "2.5 kHz"}, "____________", ("fail", None, "LED did not rise by 0.000800 s")),
+    ({"kind": "blink", "rate": "2.5 kHz"}, "_________~~__~~_", ("fail", 0.0, "LED did not rise by 0.000800 s")),
+    ({"kind": "blink", "rate": "2.5 kHz"}, "________~~__~~__", ("pass", 0.0, "")),  # at the latest time
     ({"kind": "blink", "rate": "2.5 kHz", "first": "2 ms"}, "_________", ("not judged", None, f"no rise{TOO_FEW}")),
     ({"kind": "blink", "rate": "2.5 kHz"}, "_~~_", ("not judged", None, f"one rise{TOO_FEW}")),
     ({"kind": "blink", "rate": "2.5 kHz"}, "_~~__", ("not judged", None, f"one rise{TOO_FEW}")),  # one is due

@@ -115,7 +115,7 @@ class Gpio(GpioInputs):
         return sum((shown >> self._xint_pin(i) & 1) << i for i in range(len(at.XINT_SELECTS)))
 
     def watch_xints(self, now: int, lines: int) -> None:
-        """Report in `changed`, from this call on, the changes of the XINT lines in the mask `lines`, and of no other lines."""
+        """Report in `changed`, from this call on, the changes of the XINT lines in the mask `lines` only."""
         levels = self.xint_levels(now)
         self._xints = self._xints & self._watching | levels & ~self._watching
         self._watching = lines

@@ -346,7 +346,7 @@ class I2cMaster(I2cMasterData):
     # Skipped bits (see `bus.i2c.bit_skip`) --------------------------------------------
 
     def released_bit(self) -> int:
-        """Return the index of the bit for which SCL has been released and has not risen yet; NO_BIT if there is none."""
+        """Return the index of the bit for which SCL is released but has not risen yet; NO_BIT if there is none."""
         if not self._waits_for_rise or self._after_high != FALL or self._kind == NO_BYTE:
             return NO_BIT
         return self._bit

@@ -7,6 +7,8 @@ stored relative to now. An object or method that already has a name is stored as
 without declared state is stored as `Foreign`: it is compared by its class only and cannot be restored.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from array import array
@@ -194,15 +196,15 @@ class Collector:
         self.values: dict[str, Any] = {}
         self._names = {id(module.target): name for name, module in modules.items()}
         self._named: list[object] = []  # keeps the named objects alive, so that their ids stay unique
-        self._module = Module(None)
+        self._module: Module = Module(None)
         self._in_chain = False
         self.now = {Time.TICKS: tick, Time.RECORDS: number}
         for name, module in modules.items():
             self._module = module
             self.now[Time.CYCLES] = module.cycle
-            self._attributes(name, module.target)
+            self.attributes(name, module.target)
 
-    def _attributes(self, name: str, target: object) -> None:
+    def attributes(self, name: str, target: object) -> None:
         """Collect the declared attributes of an object. An attribute that is not set yet has no entry."""
         state = state_of(type(target))
         assert state is not None, f"{name} is a {type(target).__name__}, which declares no state"
@@ -283,7 +285,7 @@ class Collector:
             for field in fields:
                 self._value(f"{name}[{field!r}]", getattr(value, field), times.get(field, time))
         elif state is not None and (state.made or not self._in_chain):
-            self._attributes(name, value)
+            self.attributes(name, value)
         else:
             del self._names[id(value)]
             self.values[name] = Foreign(class_name(kind))

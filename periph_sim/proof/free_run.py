@@ -9,58 +9,19 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 from weakref import ref
-from zlib import crc32
 
 from ..core.chip import NEVER
-from ..core.records import UNWANTED, Kind, Listener
 from ..scene.scene import Scene
+from .group_records import RoundRecords
 from .normal_state import LONG_PAST, NormalState, NotComparable, normal_state
 from .stretch import CoveredCase
 
-# Registers of the watchdog, of the PLL and of the divider of LSPCLK. The normal state leaves out the watchdog and the
-# PLL, and the edges of LSPCLK depend on all former values of the divider.
-CLOCK_REGISTERS = ("WDCR", "WDKEY", "WDCNTR", "SCSR", "PLLCR", "PLLSTS", "LOSPCP")
 DUE = "something is still due a second after the start of a round, such as a timer"
 CHECKS = 10  # the end of a round is searched in steps of `FreeRun.long` divided by this number
 
 
 class NotClosed(Exception):
     """Error: the case cannot be proven with a table. The message is a phrase that says why."""
-
-
-class RoundRecords(Listener):
-    """Digest of what the firmware and the parties do in a round: writes, interrupts, events and frames on lines.
-
-    accessed: the first access to one of CLOCK_REGISTERS, as text; "" if there was none.
-    """
-
-    def __init__(self) -> None:
-        self.accessed = ""
-        self._start = self._digest = 0
-        self._accesses: dict[int, str] = {}
-
-    def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        tag = crc32(f"{kind.value} {where} {what}".encode())
-        module, _, register = what.split()[-1].partition(".")
-        if kind is Kind.ACCESS and module == "SYS" and register in CLOCK_REGISTERS:
-            self._accesses[tag] = f"{where} {what}"
-        elif kind is Kind.ACCESS and what.startswith("R "):  # the number of recorded reads of a wait varies
-            return UNWANTED
-        return tag
-
-    def on_record(self, tag: int, tick: int, value: int) -> None:
-        if tag in self._accesses:
-            self.accessed = self.accessed or self._accesses[tag]
-        # hash(-1) equals hash(-2), so all numbers are made odd
-        self._digest = hash((self._digest, tag, 2 * (tick - self._start) + 1, 2 * value + 1))
-
-    def begin(self, tick: int) -> None:
-        """Begin a new digest. tick: ticks of the records are counted from here."""
-        self._start, self._digest = tick, 0
-
-    @property
-    def digest(self) -> int:
-        return self._digest
 
 
 class FreeRun:

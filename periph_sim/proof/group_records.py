@@ -7,18 +7,57 @@ There are two digests because the accesses of the routine move with the frame, a
 `GroupRecords.noticed` says whether the firmware can notice more of a frame than the instant of this routine.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from zlib import crc32
 
-from ..core.records import UNWANTED, Kind
-from .free_run import RoundRecords
+from ..core.records import UNWANTED, Kind, Listener
 
+# Registers of the watchdog, of the PLL and of the divider of LSPCLK. The normal state leaves out the watchdog and the
+# PLL, and the edges of LSPCLK depend on all former values of the divider.
+CLOCK_REGISTERS = ("WDCR", "WDKEY", "WDCNTR", "SCSR", "PLLCR", "PLLSTS", "LOSPCP")
 SCI = "SCI"  # the names of SCI modules and of their interrupts begin with this
 SENDING = "SCITXBUF"
 OF_XINTS = "PIEIFR12"
 PADS = ("GPADAT", "GPBDAT", "GPCDAT")
 ROUTINE, SERIAL, SENDS, PIE, READ, WRITE, SHOWS_LINE = range(7)  # roles of records
+
+
+class RoundRecords(Listener):
+    """Digest of what the firmware and the parties do in a round: writes, interrupts, events and frames on lines.
+
+    accessed: the first access to one of CLOCK_REGISTERS, as text; "" if there was none.
+    """
+
+    def __init__(self) -> None:
+        self.accessed = ""
+        self._start = self._digest = 0
+        self._accesses: dict[int, str] = {}
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        tag = crc32(f"{kind.value} {where} {what}".encode())
+        module, _, register = what.split()[-1].partition(".")
+        if kind is Kind.ACCESS and module == "SYS" and register in CLOCK_REGISTERS:
+            self._accesses[tag] = f"{where} {what}"
+        elif kind is Kind.ACCESS and what.startswith("R "):  # the number of recorded reads of a wait varies
+            return UNWANTED
+        return tag
+
+    def on_record(self, tag: int, tick: int, value: int) -> None:
+        if tag in self._accesses:
+            self.accessed = self.accessed or self._accesses[tag]
+        # hash(-1) equals hash(-2), so all numbers are made odd
+        self._digest = hash((self._digest, tag, 2 * (tick - self._start) + 1, 2 * value + 1))
+
+    def begin(self, tick: int) -> None:
+        """Begin a new digest. tick: ticks of the records are counted from here."""
+        self._start, self._digest = tick, 0
+
+    @property
+    def digest(self) -> int:
+        return self._digest
 
 
 class GroupRecords(RoundRecords):
@@ -33,7 +72,7 @@ class GroupRecords(RoundRecords):
     """
 
     def __init__(self) -> None:
-        super().__init__()
+        RoundRecords.__init__(self)
         self.routine = self.services = self.entered = self.left = 0
         self.noticed = ""
         self.accessed_since: set[str] = set()
@@ -45,7 +84,7 @@ class GroupRecords(RoundRecords):
         """Return the tag of a topic. Records of frames on lines are left out: those of the host move with the frame."""
         if kind is Kind.FRAME:
             return UNWANTED
-        super().tag_of(kind, where, what)  # this call notes the tags of CLOCK_REGISTERS
+        RoundRecords.tag_of(self, kind, where, what)  # this call notes the tags of CLOCK_REGISTERS
         tag = crc32(f"{kind.value} {where} {what}".encode())
         module, _, register = what.split()[-1].partition(".")
         if kind is Kind.IRQ and what.startswith(SCI):
@@ -89,10 +128,10 @@ class GroupRecords(RoundRecords):
             if role in (READ, WRITE, PIE):
                 self.accessed_since.add(self._texts[tag])
             if role != READ:
-                super().on_record(tag, tick, value)
+                RoundRecords.on_record(self, tag, tick, value)
 
     def begin(self, tick: int) -> None:
-        super().begin(tick)
+        RoundRecords.begin(self, tick)
         self.routine = self.services = 0
 
     def _notice(self, why: str) -> None:

@@ -15,6 +15,8 @@ is wrong, or if an attribute contains an absolute instant that is not declared a
 change what the normal form leaves out, and closed tables (`closed_table`) run entries again.
 """
 
+# core: compiled
+
 from __future__ import annotations
 
 from array import array
@@ -22,6 +24,7 @@ from collections.abc import Callable, Collection, Mapping
 from hashlib import blake2b
 from math import lcm
 from operator import attrgetter
+from random import Random
 from typing import Any, NamedTuple
 
 from ..core.agent import Event
@@ -75,9 +78,9 @@ class NormalCollector(Collector):
         self._owners = {name.rpartition(".")[0] for name in ignored}
         self._instead: dict[int, dict[str, object]] = {}  # by `id` of the object and attribute
         self.periods: dict[str, int] = {}
-        super().__init__(modules, tick, 0)
+        Collector.__init__(self, modules, tick, 0)
 
-    def _attributes(self, name: str, target: object) -> None:
+    def attributes(self, name: str, target: object) -> None:
         kind = type(target)
         normal = getattr(target, "normal_state", None)
         if normal is not None:
@@ -123,7 +126,7 @@ class NormalCollector(Collector):
         elif attribute in state.expires:
             self.values[place] = self._expiring(value, time)
         else:
-            super().collect(place, target, attribute, state)
+            Collector.collect(self, place, target, attribute, state)
 
     def _value(self, name: str, value: Any, time: Time) -> None:
         kind = type(value)
@@ -131,14 +134,17 @@ class NormalCollector(Collector):
             self.values[name] = value if time is Time.NONE else self._relative(value, time)
         elif kind is Event and not value.queued:
             self.values[name] = "not queued"
+        elif kind is Random:
+            _, numbers, gauss_next = value.getstate()
+            self.values[name] = ("Random", hash(numbers), gauss_next)
         else:
-            super()._value(name, value, time)
+            Collector._value(self, name, value, time)
 
     def _container(self, name: str, value: Any, time: Time) -> None:
         if isinstance(value, array | bytearray):
             self.values[name] = (type(value).__name__, blake2b(value, digest_size=DIGEST).digest())
         else:
-            super()._container(name, value, time)
+            Collector._container(self, name, value, time)
 
     def _on_grid(self, place: str, value: Any, period: Any, time: Time) -> Any:
         if isinstance(value, list):

@@ -50,8 +50,8 @@ class LeftOut(NormalCollector):
         self.past = {Time.TICKS: per_second // LONG_PAST, Time.CYCLES: cycles // LONG_PAST}
         super().__init__(modules_of(scene), scene.kernel.now, self.past, ())
 
-    def _attributes(self, name: str, target: object) -> None:
-        super()._attributes(name, target)
+    def attributes(self, name: str, target: object) -> None:
+        super().attributes(name, target)
         state = state_of(type(target))
         assert state is not None
         for attribute in sorted(state.results):

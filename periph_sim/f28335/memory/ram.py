@@ -55,9 +55,10 @@ def block_at(address: int) -> RamBlock | None:
     return BY_PAGE[address >> PAGE] if 0 <= address < END else None
 
 
-# To compare contents of memory, two polynomials with the words as coefficients are evaluated modulo a prime number. Two
-# different contents have equal remainders with a probability of about 2 ** -62.
-MODULUS = 2**31 - 1
+# To compare contents of memory, two polynomials are evaluated, each modulo a prime number. The coefficients are pairs of
+# words, which are less than the product of the primes. Two different contents have equal remainders with a probability
+# of about 2 ** -62.
+MODULUS, OTHER_MODULUS = 2**31 - 1, 2**31 - 19
 FACTOR, OTHER_FACTOR = 65_599, 1_000_003
 
 
@@ -78,9 +79,11 @@ class HighRam:
         """Return two remainders in place of the words, which are too many to compare. See `proof.normal_state`."""
         first: int = 0
         second: int = 0
-        for place in range(HIGH_WORDS):
-            first = (first * FACTOR + self.words[place]) % MODULUS
-            second = (second * OTHER_FACTOR + self.words[place]) % MODULUS
+        for place in range(0, HIGH_WORDS, 2):
+            pair: int = self.words[place]
+            pair = pair << 16 | self.words[place + 1]
+            first = (first * FACTOR + pair) % MODULUS
+            second = (second * OTHER_FACTOR + pair) % OTHER_MODULUS
         return {"words": (first, second)}
 
 
@@ -102,9 +105,11 @@ class Ram:
         """Return two remainders in place of the words, which are too many to compare. See `proof.normal_state`."""
         first: int = 0
         second: int = 0
-        for place in range(LOW_WORDS):
-            first = (first * FACTOR + self._low[place]) % MODULUS
-            second = (second * OTHER_FACTOR + self._low[place]) % MODULUS
+        for place in range(0, LOW_WORDS, 2):
+            pair: int = self._low[place]
+            pair = pair << 16 | self._low[place + 1]
+            first = (first * FACTOR + pair) % MODULUS
+            second = (second * OTHER_FACTOR + pair) % OTHER_MODULUS
         return {"_low": (first, second)}
 
     def word(self, address: int) -> int:

@@ -16,7 +16,7 @@ from typing import Annotated, Any, final
 from ...core.chip import Note
 from ...core.state import State
 from ...f28335.cpu.interrupts import CONTEXT_SP, EALLOW, INTM, frame_of
-from ...f28335.memory.ram import FACTOR, MODULUS, OTHER_FACTOR, block_at
+from ...f28335.memory.ram import FACTOR, MODULUS, OTHER_FACTOR, OTHER_MODULUS, block_at
 from ...f28335.system_options import SystemOptions
 from ..c28x.decoder import decode_at
 from ..c28x.delay_slots import arrive, delay, late_results, not_kept
@@ -29,6 +29,7 @@ from ..processor import Processor
 from .memory import L0_AGAIN, L4_AGAIN, MIRROR, RAM_TO, ImageMemory, in_plain_ram
 
 TIMING = 38  # index of the first entry of the pipeline in the result of `ImageCpu.state`
+FLAGS = 16  # number of words whose flags are a coefficient of a polynomial (see `MODULUS` in `f28335.memory.ram`)
 PACKED = TIMING + STORES_PACKED + QUEUE_PACKED  # number of entries in the result of `ImageCpu.state`
 
 
@@ -208,9 +209,13 @@ class ImageCpu(ImageMemory):
         """Return the pipeline and the fetch queue as in `state`, and a hash of `_written`. See `proof.normal_state`."""
         first: int = 0
         second: int = 0
+        bits: int = 0
         for place in range(RAM_TO):
-            first = (first * FACTOR + self._written[place]) % MODULUS
-            second = (second * OTHER_FACTOR + self._written[place]) % MODULUS
+            bits = bits << 1 | self._written[place]
+            if place % FLAGS == FLAGS - 1:
+                first = (first * FACTOR + bits) % MODULUS
+                second = (second * OTHER_FACTOR + bits) % OTHER_MODULUS
+                bits = 0
         return {"timing": self.state()[TIMING:], "_kept": None, "_written": (first, second)}
 
     def is_as_before(self) -> bool:

@@ -24,7 +24,7 @@ from ...core.state import State
 from ...f28335.cpu.interrupts import CpuInterrupts
 from ...f28335.descriptor import FLASH, Part
 from ...f28335.memory.address_space import Area, Content, area_at, full_name, is_protected, register_name
-from ...f28335.memory.ram import FACTOR, MODULUS, OTHER_FACTOR
+from ...f28335.memory.ram import FACTOR, MODULUS, OTHER_FACTOR, OTHER_MODULUS
 from ...f28335.parts.f28335 import PART
 from ...form.c_types import UInt16
 from ..c28x.execution.registers import IllegalOperation
@@ -71,9 +71,10 @@ class UnmappedMemory:
         first: int = 0
         second: int = 0
         for place in range(FRAMES_END):
-            both = self._frames[place] << 16 | self._states[place]
+            both: int = self._frames[place]
+            both = both << 16 | self._states[place]
             first = (first * FACTOR + both) % MODULUS
-            second = (second * OTHER_FACTOR + both) % MODULUS
+            second = (second * OTHER_FACTOR + both) % OTHER_MODULUS
         return {"_frames": (first, second), "_states": None}
 
     def __init__(self, core: CpuInterrupts, notes: FirmwareNotes) -> None:

@@ -11,6 +11,7 @@ from periph_sim.processor.image import elsewhere
 from periph_sim.processor.user_code import FirmwareLost
 from tests.processor.image.rig import HEAD, Rig
 
+ZONE_0 = 0x4000  # address of the first word of XINTF zone 0
 LOOP = """
  MOVW DP,#0x6800 >> 6
  MOVB XAR0,#49
@@ -67,3 +68,12 @@ def test_each_write_of_the_flashs_wait_states_counts():
     writes = "".join(f" MOV @0x0A86,#{waits:#06x}\n" for waits in (0x0505, 0x0304))
     rig = Rig(f"{HEAD} MOVW DP,#0x0A86 >> 6\n EALLOW\n{writes} ESTOP0").run()
     assert rig.cpu.elsewhere.fetches(0x33_0000) == (1, 4, 3)
+
+
+def test_the_normal_state_differs_after_the_first_access_to_a_word_that_clears_it():
+    before, after = (Rig(HEAD + LOOP).cpu.elsewhere for _ in range(2))
+    for each in (before, after):
+        each.fill(ZONE_0, 0x8000)
+    assert before.normal_state(0, 0) == after.normal_state(0, 0)
+    assert after.write(0, ZONE_0, 0)
+    assert before.normal_state(0, 0)["_frames"] != after.normal_state(0, 0)["_frames"]

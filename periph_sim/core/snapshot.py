@@ -28,7 +28,8 @@ from .chip import NEVER
 from .state import State, Time, state_of
 
 NOT_YET = -1  # an instant that is not known yet
-PLAIN = (type(None), bool, int, float, str, bytes, Fraction, datetime)
+PLAIN = frozenset((type(None), bool, int, float, str, bytes, Fraction, datetime))
+PLAIN_OR_ENUM = (*PLAIN, Enum)
 CONTAINERS = (list, tuple, deque, set, frozenset, dict, bytearray, array)
 ARRAY = "array of "  # how the text `kind` of an array begins; the type code of the array's items follows
 KEYED_BY_OBJECTS = "dict keyed by objects"
@@ -329,7 +330,7 @@ def _first_instant(values: tuple[Any, ...]) -> int:
 
 
 def _is_plain(value: object) -> bool:
-    return isinstance(value, (*PLAIN, Enum)) or (isinstance(value, tuple) and _are_plain(value))
+    return isinstance(value, PLAIN_OR_ENUM) or (isinstance(value, tuple) and _are_plain(value))
 
 
 def _are_plain(values: Collection[object]) -> bool:
@@ -337,7 +338,7 @@ def _are_plain(values: Collection[object]) -> bool:
 
     The set of their types is compared with PLAIN first, which is fast for the 34,816 words of RAM.
     """
-    return {*map(type, values)} <= {*PLAIN} or all(map(_is_plain, values))
+    return {*map(type, values)} <= PLAIN or all(map(_is_plain, values))
 
 
 def _chained(first: Any) -> Iterator[Any]:

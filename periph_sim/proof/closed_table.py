@@ -63,7 +63,7 @@ class TableEntry(Struct, frozen=True):
 
     after: the state of rest after the round.
     length: number of ticks from the start of the round to this state.
-    records: the digest of the round (`RoundRecords`).
+    records: the digest of the round (`RoundDigest`).
     """
 
     after: RestPlace

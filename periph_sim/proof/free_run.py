@@ -12,8 +12,8 @@ from weakref import ref
 
 from ..core.chip import NEVER
 from ..scene.scene import Scene
-from .group_records import RoundRecords
 from .normal_state import LONG_PAST, NormalState, NotComparable, normal_state
+from .record_digests import RoundDigest
 from .stretch import CoveredCase
 
 DUE = "something is still due a second after the start of a round, such as a timer"
@@ -42,19 +42,19 @@ class FreeRun:
         ignored: Sequence[str],
         keep_values: bool,
         rests_first: bool,
-        records: RoundRecords | None = None,
+        records: RoundDigest | None = None,
     ) -> None:
         """Advance to the first rest.
 
         ignored: as for `normal_state`. keep_values: as for `Scene`.
         rests_first: True to rest before any start; False to run the first start of the case, and then rest. If both
             rounds and frames are free, this is the first start of each.
-        records: receives the records of rounds; None for a new RoundRecords.
+        records: receives the records of rounds; None for a new RoundDigest.
 
         Raise NotClosed if the scene does not reach a rest, or if a first start of the case is at the start of the run.
         With `rests_first`, also raise it if this start is not after the first rest.
         """
-        self.records = records or RoundRecords()
+        self.records = records or RoundDigest()
         self.scene: Scene = covered.free_scene(self.records, keep_values)
         self.frames: list[int] = []
         self.rounds: list[int] = []

@@ -36,7 +36,6 @@ from ..scene.state import modules_of
 
 EXPIRED = "expired"  # replaces an instant that is long past
 LONG_PAST = 1000  # an instant is long past after 1 / LONG_PAST seconds
-PLAIN_TYPES = {*PLAIN}
 DIGEST = 16  # length of a digest, in bytes
 
 NormalState = dict[str, object]
@@ -101,7 +100,7 @@ class NormalCollector(Collector):
             values = [getattr(target, attribute, None) for attribute in plan.names]
         stored: list[object] = [plan.kind, *values]
         self.values[name] = stored
-        if name in self._owners or not {*map(type, values)} <= PLAIN_TYPES:
+        if name in self._owners or not {*map(type, values)} <= PLAIN:
             for number, (attribute, value) in enumerate(zip(plan.names, values, strict=True), 1):
                 if type(value) not in PLAIN:
                     stored[number] = ""

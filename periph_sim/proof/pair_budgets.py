@@ -7,7 +7,7 @@
 
 A group is a round, a frame, or both together (`pair_groups`). A cell is a set of groups with equal effects, of which
 only the first and the last are run (`pair_table.Cell`). A budget is judged only if all its events are known to belong
-to the first line, or all to the second line. The digests of `GroupRecords` contain the writes, bus events and
+to the first line, or all to the second line. The digests of `GroupDigest` contain the writes, bus events and
 interrupts of the rest of the scene. Flags of the I2C module and levels of GPIO pins follow from these.
 """
 
@@ -19,7 +19,7 @@ from ..core.records import Kind
 from ..f28335.gpio.pin_mux_table import FUNCTIONS
 from ..timing.language.matcher import Matcher
 from .closed_table import WITHIN_ROUND
-from .group_records import SCI
+from .record_digests import SCI
 from .stretch import CoveredCase
 
 REST, ROUTINE, MOVES = "rest", "routine", "moves"  # what an event belongs to; MOVES: a frame can move the event

@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 from ..core.chip import NEVER
 from .free_run import FreeRun, NotClosed
-from .group_records import SCI, GroupRecords
 from .normal_state import NormalState, differences, digest, period_of, periods_of
+from .record_digests import SCI, GroupDigest
 from .stretch import CoveredCase
 
 NAMED = 4  # maximum number of attributes that are named if a state does not repeat
@@ -45,7 +45,7 @@ class GroupRun(NamedTuple):
     after: the number of the orbit after the group.
     shift: the number of ticks by which the place in this orbit is beyond the place at which the group started plus the
         elapsed time, modulo the length of the orbit.
-    main, routine: the digests of `GroupRecords`.
+    main, routine: the digests of `GroupDigest`.
     length: the number of ticks from the first start to the rest.
     within: True if the service routine ran within the wait that was given to `run_group`, and the wait then continued;
         always True if no wait was given.
@@ -143,7 +143,7 @@ class GroupRunner:
 
         ignored: as for `normal_state`. cells: None while they are not known.
         """
-        self.records = GroupRecords()
+        self.records = GroupDigest()
         self.run = FreeRun(covered, ignored, False, False, self.records)
         self.records.noticed = ""  # until now, accesses are allowed: start-up code sets up the SCI
         self.orbits = orbits

@@ -55,9 +55,9 @@ def block_at(address: int) -> RamBlock | None:
     return BY_PAGE[address >> PAGE] if 0 <= address < END else None
 
 
-# To compare contents of memory, two polynomials are evaluated, each modulo a prime number. The coefficients are pairs of
-# words, which are less than the product of the primes. Two different contents have equal remainders with a probability
-# of about 2 ** -62.
+# To compare contents of memory, two polynomials are evaluated, each modulo a prime number. The coefficients are pairs
+# of words, which are less than the product of the primes. Two different contents have equal remainders with a
+# probability of about 2 ** -62.
 MODULUS, OTHER_MODULUS = 2**31 - 1, 2**31 - 19
 FACTOR, OTHER_FACTOR = 65_599, 1_000_003
 

@@ -1,10 +1,12 @@
-"""Digests of a group, which is a round, a frame, or a round and a frame that overlap.
+"""Digests of the records of a round, or of a group, which is a round, a frame, or a round and a frame that overlap.
+
+    records of a round                       --> digest of the round
 
     records of the service routine of an SCI --> digest of the routine, counted from its entry
     all other records                        --> digest of the group, counted from its round
 
-There are two digests because the accesses of the routine move with the frame, and the other records do not.
-`GroupRecords.noticed` says whether the firmware can notice more of a frame than the instant of this routine.
+A group has two digests because the accesses of the routine move with the frame, and the other records do not.
+`GroupDigest.noticed` says whether the firmware can notice more of a frame than the instant of this routine.
 """
 
 # core: compiled
@@ -25,7 +27,7 @@ PADS = ("GPADAT", "GPBDAT", "GPCDAT")
 ROUTINE, SERIAL, SENDS, PIE, READ, WRITE, SHOWS_LINE = range(7)  # roles of records
 
 
-class RoundRecords(Listener):
+class RoundDigest(Listener):
     """Digest of what the firmware and the parties do in a round: writes, interrupts, events and frames on lines.
 
     accessed: the first access to one of CLOCK_REGISTERS, as text; "" if there was none.
@@ -60,7 +62,7 @@ class RoundRecords(Listener):
         return self._digest
 
 
-class GroupRecords(RoundRecords):
+class GroupDigest(RoundDigest):
     """Digests of a group.
 
     routine: the digest of the accesses of the service routine.
@@ -72,7 +74,7 @@ class GroupRecords(RoundRecords):
     """
 
     def __init__(self) -> None:
-        RoundRecords.__init__(self)
+        RoundDigest.__init__(self)
         self.routine = self.services = self.entered = self.left = 0
         self.noticed = ""
         self.accessed_since: set[str] = set()
@@ -84,7 +86,7 @@ class GroupRecords(RoundRecords):
         """Return the tag of a topic. Records of frames on lines are left out: those of the host move with the frame."""
         if kind is Kind.FRAME:
             return UNWANTED
-        RoundRecords.tag_of(self, kind, where, what)  # this call notes the tags of CLOCK_REGISTERS
+        RoundDigest.tag_of(self, kind, where, what)  # this call notes the tags of CLOCK_REGISTERS
         tag = crc32(f"{kind.value} {where} {what}".encode())
         module, _, register = what.split()[-1].partition(".")
         if kind is Kind.IRQ and what.startswith(SCI):
@@ -128,10 +130,10 @@ class GroupRecords(RoundRecords):
             if role in (READ, WRITE, PIE):
                 self.accessed_since.add(self._texts[tag])
             if role != READ:
-                RoundRecords.on_record(self, tag, tick, value)
+                RoundDigest.on_record(self, tag, tick, value)
 
     def begin(self, tick: int) -> None:
-        RoundRecords.begin(self, tick)
+        RoundDigest.begin(self, tick)
         self.routine = self.services = 0
 
     def _notice(self, why: str) -> None:

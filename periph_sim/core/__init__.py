@@ -13,4 +13,5 @@ mask: an integer in which each bit represents one thing, such as a party or a li
 `# core:` begins a comment for the build of the compiled core (`periph_sim.form`). "compiled": the module is compiled to
     C. "compiled without checks for None": the C code does not check if an object is None before it uses its attributes.
     "python": this class or function stays in Python. "freelist 16": up to 16 deleted objects are kept for reuse.
+    "C only": Python cannot call this function. "noexcept": this function never raises an exception.
 """

@@ -43,7 +43,10 @@ class Note(NamedTuple):
 
 
 def joined(notes: Iterable[tuple[int, Note]]) -> list[tuple[int, Note]]:
-    """Return the notes to report, as pairs of a time and a note. Notes with the same `joint` text become one note."""
+    """Return the notes to report, as pairs of a time and a note.
+
+    Equal notes, and notes with the same code, source and `joint` text, become one note at the time of the first.
+    """
     found: dict[Note, int] = {}
     members: dict[Note, list[str]] = {}
     for at, note in notes:

@@ -169,7 +169,10 @@ def _keys_of_dataclass(kind: Any) -> dict[str, Key]:
 
 
 def is_table(kind: object) -> bool:
-    """Return True if values of this type are tables in a file: a `Table`, another Struct, or a dataclass."""
+    """Return True for a `Table`, another Struct or a dataclass, whose values are tables in a file.
+
+    Return False for other types, also for a TypedDict.
+    """
     return isinstance(kind, type) and (issubclass(kind, msgspec.Struct) or dataclasses.is_dataclass(kind))
 
 
@@ -251,7 +254,10 @@ def converter_of(annotation: Any) -> Converter:
 
 
 def _is_plain(annotation: Any) -> bool:
-    """Return True if msgspec alone can check the type, because it contains no table and no `Before` or `After`."""
+    """Return True if msgspec alone can check the type, because it contains no table, dict, `Before` or `After`.
+
+    Return False also for Any, for object, and for a union with Fraction or Path.
+    """
     origin, arguments = get_origin(annotation), get_args(annotation)
     if is_typeddict(annotation):
         return False

@@ -43,7 +43,7 @@ def exact_number(text: str) -> Fraction:
 
 
 def number_and_unit(text: str) -> tuple[str, str]:
-    """Return the number and the unit of "20 ms" or "20ms" as texts. A missing number or unit is ""."""
+    """Return the number and the unit of "20 ms" or "20ms" as unchecked texts. A missing number or unit is ""."""
     number, _, unit = text.strip().partition(" ")
     if not unit:
         found = _NUMBER.match(number)
@@ -56,7 +56,7 @@ def number_and_unit(text: str) -> tuple[str, str]:
 
 
 def unknown_unit(number: str, unit: str, known: Iterable[str]) -> str:
-    """Return a phrase about an unknown unit of a number, with the known units and the nearest of them."""
+    """Return a phrase about an unknown unit of a number, with the known units and, if one is similar, this unit."""
     from difflib import get_close_matches  # imported here, because only errors need it
 
     shown = shorten(repr(unit), SHOWN)

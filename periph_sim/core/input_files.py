@@ -68,7 +68,8 @@ def _similar_paths(path: Path) -> list[Path]:
 def open_regular(path: Path, most: int | None = None) -> BinaryIO:
     """Open a file for reading.
 
-    Raise OSError if it is a device or a pipe, which might never end, or if it has more than `most` bytes.
+    Raise OSError if it cannot be opened, if it is no regular file (a device or a pipe might never end), or if it has
+    more than `most` bytes.
     """
     try:
         status = os.stat(path)
@@ -87,7 +88,7 @@ def open_input(path: Path, most: int | None = None) -> BinaryIO:
 
 
 def read_regular(path: Path, most: int = MOST) -> bytes:
-    """Return the bytes of a file. Raise OSError if it is not a regular file or has more than `most` bytes."""
+    """Return the bytes of a file. Raise OSError as `open_regular` does."""
     with open_regular(path, most) as file:
         data = file.read(most + 1)
     if len(data) > most:  # the file has grown, or the system does not know the file's size, as in /proc

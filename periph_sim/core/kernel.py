@@ -172,7 +172,10 @@ class Kernel:
         wire.following, before.following = after, wire
 
     def request_sample(self, party: SampledParty) -> None:
-        """Notify `party` of its levels when the wires have settled: once, even after several requests."""
+        """Notify `party` of its levels when the wires have settled: once, even after several requests.
+
+        A party that requests this while wires take their levels is notified after the parties that requested it before.
+        """
         if party.due:
             return
         party.due = REQUESTED
@@ -307,7 +310,7 @@ class Kernel:
     def replay(self, since: int, agent: Agent, tag: int) -> None:
         """Run skipped events: go back to tick `since`, call `agent.act(tag)`, and run the events that this call causes.
 
-        Events are run up to the tick and the phase in which this method was called; later events stay queued.
+        Events before the present tick, and those in earlier phases of the present tick, are run. Others stay queued.
         """
         now, phase, stop = self.now, self._phase, self._stop
         owner, outer, self.nested_owner = self.nested_owner, self.outer_loop, None

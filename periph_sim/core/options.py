@@ -6,9 +6,9 @@
     options.int_line.assume(self.touched) == "level"      lists int_line as assumed
     options.int_line == "level"                           is refused by the type checker
 
-Each option is a field of a subclass of `Answers`. Its metadata has the possible answers, the default first, the
-question and the registers that it concerns, so that docs and messages need not repeat them. A model gets an answer only
-from `assume`, which it calls where the answer decides its behaviour. `assume` adds the name of the option to a set,
+Each option is a field of a subclass of `Answers`. Its metadata has the possible answers (the default first) or their
+range, the question, and the registers that it concerns, so that docs and messages need not repeat them. A model calls
+`assume` where the answer decides its behaviour. `assume` returns the answer and adds the name of the option to a set,
 `touched`, so that a report can list the options on which the run depended. `unrecorded` is for calculations outside the
 run, and for answers that are stored and have an effect only later; tests/options/test_unrecorded.py lists its callers.
 """
@@ -145,7 +145,7 @@ class Answers:  # core: python
 
 
 def allowed(field: dataclasses.Field[Any]) -> str:
-    """Return a phrase with the values that a field accepts, the default first."""
+    """Return a phrase with the values that a field accepts, the default first, or with their range."""
     if "values" in field.metadata:
         return " or ".join(str(v).lower() if isinstance(v, bool) else str(v) for v in field.metadata["values"])
     return f"{field.metadata['least']} to {field.metadata['most']} {field.metadata['unit']}"
@@ -157,7 +157,7 @@ def _defaults(kind: Any) -> object:
 
 
 def options_from(kind: type[T], given: dict[str, Value]) -> T:
-    """Return an instance of `kind` with the given values. Raise ValueError, with the valid values, for other values."""
+    """Return an instance of `kind` with the given values. Raise ValueError for an unknown name or an invalid value."""
     if not given:
         return cast(T, _defaults(cast(Hashable, kind)))
     known = {f.name: f for f in dataclasses.fields(kind)}  # type: ignore[arg-type]

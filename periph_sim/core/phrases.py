@@ -22,7 +22,7 @@ def nearest(name: str, known: Iterable[str], least: float = 0.6) -> list[str]:
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Return a phrase with the nearest known names, or with the first twelve if none is near."""
+    """Return a phrase with the nearest known names, with the first twelve if none is near, or "it has none"."""
     names = [shorten(str(k), LONGEST) for k in known]
     close = nearest(name, names)
     if close:

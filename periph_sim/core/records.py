@@ -3,15 +3,15 @@
 A record is one noted event. It has a kind, a number, a time in ticks, a place, and the number of the record that caused
 it (0: none). Producers call `Recorder.wants` to find out whether a kind has subscribers; most of them do so only once,
 when a scene is built. Records without a subscriber are not made.
-A subscription to edges, flags or accesses can be limited to some wires or registers: its subjects.
+A subscription to edges, frames, flags or accesses can be limited to some wires or registers: its subjects.
 
     producer --> Topic.emit --> listeners: tag, tick, value            (budgets)
                            '--> sinks: all fields, as plain arguments  (recording files, detection of races)
                            '--> callbacks: a Record                    (text files, diagrams)
 
 All records with the same kind, the same place (`where`, such as a wire or a module) and the same thing (`what`, such as
-a register) form a topic. `tag_of` of a subscriber is called once for each topic. It returns the tag under which the
-subscriber receives the topic's records, or UNWANTED. So subscribers do not have to filter records.
+a register) form a topic. `tag_of` of a listener or sink is called once for each topic. It returns the tag under which
+the listener or sink receives the topic's records, or UNWANTED. So it does not have to filter records.
 """
 
 # core: compiled
@@ -30,12 +30,12 @@ from .state import State
 class Kind(Enum):
     EDGE = "edge"  # a wire changed: value = its level, text = the pulling parties
     ACCESS = "access"  # a CPU access: what = R or W with the register, value = the word
-    FLAG = "flag"  # hardware or an access changed a register field
+    FLAG = "flag"  # hardware or an access changed a register field, or put a new word into a data field
     IRQ = "irq"  # an interrupt is requested, entered or left
     SPAN = "span"  # a part of the firmware to which the firmware gave a name begins (value 1) or ends (value 0)
     BUS = "bus"  # an event on an I2C bus: START, STOP, address, byte, NACK, arbitration lost, bus clear, a stuck line
-    FRAME = "frame"  # an event on a UART line: a frame begins, ends or is invalid; a byte is sent; drivers collide
-    NOTE = "note"  # a note for the user: firmware broke a rule of the manual, data was lost, or behaviour is unknown
+    FRAME = "frame"  # an event on a UART line: a frame begins, ends, is invalid or is cut; a byte is sent; a collision
+    NOTE = "note"  # a note for the user, such as: firmware broke a rule of the manual, or data was lost (`chip.Note`)
     WAIT = "wait"  # firmware begins (value 1) or ends (value 0) a wait: what = the fields that it polls, or IDLE
     HOLD = "hold"  # the set of parties that pull a wire has changed, and the wire stays low: text = the pulling parties
     # The records of the following kinds are derived. Objects that `scene/derived_records.py` attaches make them from

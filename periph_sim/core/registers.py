@@ -245,7 +245,7 @@ class Register(Struct, frozen=True, dict=True):
     def named(self, value: int) -> NamedByte:
         """Return the name of this register and the meaning of its value `value`.
 
-        The meaning is the fields as text; "" if the register has only one field.
+        The meaning is the fields that are not 0, as text; "" if there are none or the register has only one field.
         """
         return NamedByte(self.name, self.fields_in(value) if len(self.fields) > 1 else "")
 

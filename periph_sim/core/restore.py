@@ -44,7 +44,7 @@ class NotRestorable(ValueError):
 
 
 def restore(snapshot: Snapshot, modules: Mapping[str, Module]) -> None:
-    """Set each declared attribute of these modules.
+    """Set each declared attribute of these modules that has a value in the snapshot.
 
     Raise NotRestorable, with nothing changed, if any attribute cannot be set.
     """
@@ -72,7 +72,7 @@ class _Plan:
             self._attributes(name, module.target)
 
     def apply(self) -> None:
-        """Make all assignments, then call the method `restored` of all objects that have this method."""
+        """Make all assignments, then call `restored` of each assigned object that has this method."""
         for random, state in self._randoms:
             random.setstate(state)
         for target, attribute, value in self._assigned:

@@ -53,7 +53,8 @@ class Sampler(SampledParty):
 
     A line is a wire (`listen`) or has a level that the owner sets (`put`).
     agent: the agent whose `sampled` is called with the tick and `levels`, once after each settling that changes any
-        line. During this call, `Recorder.cause` is the cause of the change of the lowest line that changed.
+        line. If changes of any line have recorded causes, `Recorder.cause` during this call is the cause of the change
+        of the lowest line that changed.
     """
 
     STATE = State("levels plain agent _seen _lines", records="_put_under")
@@ -153,7 +154,7 @@ class Sampler(SampledParty):
 def watch(wires: Sequence[Wire], watcher: Agent | Watcher) -> Sampler:
     """Return a sampler that calls `watcher(tick, levels)` when any of these wires has changed; bit i is wire i.
 
-    If `watcher` is an agent, its `sampled` is called. Raise ValueError if there are no wires.
+    If `watcher` is an agent, its `sampled` is called. Raise ValueError if there are no wires, or more than MAX_PARTIES.
     """
     if not wires:
         raise ValueError("there is no wire to watch")

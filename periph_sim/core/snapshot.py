@@ -115,7 +115,8 @@ class Fixed(NamedTuple):
 class Foreign(NamedTuple):
     """An object that is not stored and cannot be restored, such as one of a class that declares no state.
 
-    kind: the name of its class; for a method or an inner function, the qualified name.
+    kind: the name of its class; for a method or an inner function, the qualified name; for a dictionary with keys that
+        are not plain values, KEYED_BY_OBJECTS.
     """
 
     kind: str
@@ -270,8 +271,9 @@ class Collector:
     def _object(self, name: str, value: Any, time: Time) -> None:
         """Collect an object that has just been named.
 
-        An object without declared state is stored as `Foreign` and loses its name. The same is done for an object in a
-        linked list whose class does not declare `made`, because the place of an object in the list may change.
+        An object without declared state, unless it is a tuple, a Struct or a Random, is stored as `Foreign` and loses
+        its name. The same is done for an object in a linked list whose class does not declare `made`, because the place
+        of an object in the list may change.
         """
         kind = type(value)
         state = state_of(kind)

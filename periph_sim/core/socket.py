@@ -216,7 +216,7 @@ class Socket(Agent):
         self.publish(cycle)
 
     def given(self, cycle: int) -> None:
-        """Store `Recorder.cause` as the cause of the chip's actions from `cycle` on, until the next input."""
+        """Store `Recorder.cause`, unless it is 0, as the cause of the chip's actions from `cycle` to the next input."""
         self.waiting.add(cycle, self._recorder.cause)
 
     def _woken(self) -> None:
@@ -239,7 +239,7 @@ class Socket(Agent):
     def publish(self, cycle: int, changed: int = ANY_CHANGED) -> None:
         """Update wires, requests, wake-up and records to the state of the chip after an input at `cycle`.
 
-        changed: ANY_CHANGED, or PINS_CHANGED if only `out` and `next_wake` can have changed.
+        changed: what can have changed, as `Chip.pins` returns it. Observers are called only for ANY_CHANGED.
         """
         chip = self.chip
         if chip.out != self._out:

@@ -23,7 +23,7 @@ class Time(Enum):
 
 
 class State:
-    """The attributes of a class that are its state. Each argument is a text of names with a space between them.
+    """The attributes of a class that are its state. Arguments that are texts are names with spaces between them.
 
     plain: attributes that are values, objects with declared state, containers of values or objects, or callbacks.
     ticks, cycles, records: integers, or containers of integers, that a snapshot stores relative to the present tick,

@@ -4,7 +4,8 @@
         name: str | None = None
         from_: str = field(name="from")     the key `from`
 
-A key without a field is rejected. `check_together` rejects keys that contradict each other.
+A key without a field is rejected, unless the class sets `OTHERS`. `check_together` rejects keys that contradict each
+other.
 
 Exact numbers are written as texts with units. `Duration` converts "250 us" to seconds as an exact fraction and rejects
 a number without a unit. `DurationRange` converts "240 us to 260 us" to a `Spread`. `Frequency` converts "100 kHz" to
@@ -61,7 +62,7 @@ class Table(Struct, frozen=True, kw_only=True):
 def separate(value: Any) -> Any:
     """Return a copy whose dicts and lists are not shared with the original.
 
-    Values that contain no dict and no list are not copied.
+    Tuples and tables are copied if they contain a dict or list. Values of all other types are shared.
     """
     kind = type(value)
     if kind in PLAIN:
@@ -156,7 +157,10 @@ class Spread(Struct, frozen=True):
 
 
 def spread(value: object) -> Spread:
-    """Return the range in a text such as "240 us to 260 us" or "250 us". Raise ValueError as `duration` does."""
+    """Return the range in a text such as "240 us to 260 us" or "250 us". A Spread is returned unchanged.
+
+    Raise ValueError as `duration` does, or if the second time is shorter than the first.
+    """
     if isinstance(value, Spread):
         return value
     if isinstance(value, str):
@@ -178,7 +182,7 @@ def _range(text: str) -> Spread:
 def frequency(value: object, usual: str = "kHz") -> Fraction:
     """Return the hertz in a text such as "100 kHz". A Fraction is returned unchanged.
 
-    usual: the unit in the error message for a small number without a unit.
+    usual: the unit that error messages suggest; for a whole number of 10,000 or more without a unit, this is Hz.
 
     Raise ValueError for other values. The message states what to write.
     """
@@ -212,7 +216,10 @@ def _no_unit(value: object, unit: str) -> str:
 
 
 def hex_bytes(value: object) -> bytes:
-    """Return the bytes of "1d 00 ff" or of a list of numbers from 0 to 255. Raise ValueError for other values."""
+    """Return the bytes of "1d 00 ff" or of a list of numbers from 0 to 255. Bytes are returned unchanged.
+
+    Raise ValueError for other values.
+    """
     if isinstance(value, bytes):
         return value
     try:

@@ -64,7 +64,7 @@ def columns(rows: Sequence[Cells], right: Collection[int] = (), width: int = WID
 
 
 def paragraph(text: str, first: str = "", then: str = "  ") -> list[str]:
-    """Return text as lines of at most 80 columns, broken between words.
+    """Return text as lines of at most 80 columns, broken between words; a longer word makes a longer line.
 
     first: the prefix of the first line. then: the prefix of each other line.
     """

@@ -92,7 +92,8 @@ class Timebase:  # core: python
     def ticks(self, length: Fraction | str, rounding: Rounding = "exact") -> int:
         """Return a length of time, in seconds or as text with a unit, in ticks.
 
-        Raise TimeError if it is too long, or if the number of ticks is not whole and `rounding` is "exact".
+        Raise TimeError if a text is no length of time, if the length is too long, or if the number of ticks is not
+        whole and `rounding` is "exact".
         """
         value = seconds(length) if isinstance(length, str) else length
         return self.fitting(round_ratio(value * self.per_second, rounding))

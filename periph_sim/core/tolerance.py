@@ -44,6 +44,7 @@ def parse_tolerance(text: str) -> Tolerance:
 def _with_cycles(error: str, text: str) -> str:
     """Return the message for a text that is not a time. If the unit is wrong or missing, the message suggests cycles.
 
+    For a unit in other characters than ASCII, the message is `error`.
     error: the message of `seconds`, which suggests only units of time.
     """
     number, unit = number_and_unit(text)

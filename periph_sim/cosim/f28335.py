@@ -70,7 +70,8 @@ class F28335:
     before_reset: the level, 0 or 1, that replaces x and z on a line until the line's signal is 0 or 1 for the first
         time. From then on, x and z are errors. If `before_reset` is None, they are errors from the start.
 
-    Raise OutsideError for a signal that is missing, x or z, and for a step of the simulator that is longer than a tick.
+    Raise OutsideError for a signal that is missing, x or z, for a step of the simulator that is longer than a tick, and
+    for arguments that are invalid or do not fit each other.
     """
 
     def __init__(

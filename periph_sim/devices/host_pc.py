@@ -64,8 +64,8 @@ class Host(Agent):
     frames: the number of frames that the host has begun to send.
     bytes: the number of bytes in these frames, without the bytes that are not sent (`HostSchedule.lose`).
     late: the number of frames that were left out because the previous frame was still being sent.
-    sent: functions called with (number, values, tick at which the last stop bit ends) at the end of each frame, also of
-        a repeated frame.
+    sent: functions called with (number, values, tick at which the last stop bit ends) at the last edge of each frame,
+        also of a repeated frame.
     """
 
     STATE = State(
@@ -137,7 +137,7 @@ class Host(Agent):
     def due(self, number: int) -> int:
         """Return the tick at which a frame is due, without jitter.
 
-        With paced_by = "pause", this tick is known only for frames that have begun.
+        With paced_by = "pause" or a list of starts, this tick is known only for frame 0 and frames that have begun.
         """
         if self._by_schedule:
             return self._first + number * self._period.numerator // self._period.denominator
@@ -192,7 +192,7 @@ class Host(Agent):
         self._peer.send(data, self._schedule.gap, self._over)
 
     def _over(self, tick: int) -> None:
-        """Handle the end of a frame. tick: the end of its last stop bit."""
+        """Handle the last edge of a frame. tick: the end of its last stop bit."""
         if self._again:
             self._once_more: tuple[int, tuple[int, ...], bytes] = self._sending  # the frame to send again
             self._kernel.schedule(tick, self, FRAME_AGAIN)

@@ -5,7 +5,7 @@
         def on_address(self, read): ...  called at the device's address; return False for NACK
         def on_write(self, byte): ...    called with each received byte; return False for NACK
         def on_read(self): ...           return the next byte to send
-        def on_stop(self): ...           called at a STOP, but not at a repeated START
+        def on_stop(self): ...           called at a STOP while the device is addressed, not at a repeated START
 
 on_write or on_read, or both, must exist. A device without on_write does not acknowledge its address for a write. A
 device without on_read does not acknowledge its address for a read. If a hook returns a wrong value, the error message

@@ -136,8 +136,8 @@ class Round(Struct):
     number: from 1; 0 for the start-up.
     due: the tick at which the round was due.
     start: the tick at which it began.
-    end: the tick of its last STOP.
-    nacked: number of transfers that failed, because an address was not acknowledged or arbitration was lost.
+    end: the tick at which its last transfer ended, normally with a STOP; 0 before.
+    nacked: number of transfers that failed, because an address was not acknowledged or the transfer was lost.
     transfers: number of transfers.
     """
 

@@ -8,8 +8,8 @@ The core is the part of the package that Cython compiles to C. It is compiled be
 A build stores one digest of all sources from which it was made. A build is ignored in two cases:
 
 - A source, or the version of Python, has changed since the build. Compiled code therefore always matches the sources.
-- The library of the build is missing or has another size than it had when it was built. Loading a truncated library
-  would end the process without a message.
+- The library of the build is missing or has another size than it had when it was built, or the manifest is missing or
+  invalid. Loading a truncated library would end the process without a message.
 
 The digest is calculated only if the size or the modification time of a source differs from the value in the build.
 
@@ -72,7 +72,7 @@ def stamps(package: Path, modules: Sequence[str]) -> list[list[int]]:
 
 
 def digest(package: Path, modules: Sequence[str]) -> str:
-    """Return a digest of Python's version, of these modules' sources, and of the sources of `periph_sim.form`.
+    """Return a digest of Python's minor version and platform, these modules' sources, and those of `periph_sim.form`.
 
     modules: the names of modules within the package, for example "core.kernel".
     """

@@ -151,7 +151,8 @@ def compile_one(
 
     always_set: pairs (class, attribute) of attributes whose setters must reject None.
 
-    Raise NoBuild with the output of Cython or of the compiler if it fails, or if the C code ignores a directive.
+    Raise NoBuild with the output of Cython or of the compiler if it fails, or if the C code does not pass
+    `require_directives`. Raise ValueError as `arrays_of` and `with_none_refused` do.
     """
     c_file = generate(module, package, kind)
     types = types_of(module, Path(package))

@@ -35,7 +35,7 @@ class Type(NamedTuple):
 
     c: the spelling of the type in a .pxd file.
     kind: the compiled class, if the type is a compiled class; otherwise None.
-    optional: True if None is a valid value.
+    optional: True if None is a valid value; always False for the type `object`, which accepts None in any case.
     """
 
     c: str

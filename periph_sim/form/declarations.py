@@ -36,7 +36,7 @@ def declarations(source: Source) -> str:
 
 
 def used_by(sources: Sources, module: str) -> set[str]:
-    """Return the module and all modules whose types it uses, directly or indirectly."""
+    """Return the module and all modules whose types or C functions it uses, directly or indirectly."""
     found: set[str] = set()
     waiting = [module]
     while waiting:

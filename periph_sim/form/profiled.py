@@ -67,8 +67,8 @@ def count(case: str, package: Path, built: Path) -> None:
 def build_for(cases: Sequence[str], package: Path, built: Path, jobs: int) -> None:
     """Compile the core so that it runs these cases fast, and replace the build in the folder `built`.
 
-    Raise NoBuild if no case is named, no suitable gcc is found, a module does not compile, a case does not run, or no
-    case uses the compiled core.
+    Raise NoBuild if no case is named, a suitable gcc, Cython or Python.h is missing, a module does not compile, a case
+    does not run, or no case uses the compiled core.
     """
     if not cases:
         raise NoBuild("no case is named; name the cases to optimize for: python -m periph_sim.form.profiled CASE ...")

@@ -19,7 +19,7 @@ Cython obeys `freelist` at the class itself and ignores it in a .pxd file. C fun
 `globals()`, so a look-up by name becomes `if` statements that compare the key with the names of C functions. A function
 without a result becomes a C function that returns False, or -1 after an exception, so a bare `return` becomes
 `return False`. Constants would be looked up at each use. So integers with uppercase names become literals, and members
-of enumerations become global names that are bound once.
+of imported enumerations become global names that are bound once.
 """
 
 from __future__ import annotations

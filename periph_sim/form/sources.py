@@ -1,12 +1,14 @@
 """C types of a package's modules, derived from the annotations in their sources.
 
 A module is compiled if it has the line `# core: compiled`. A class in it is compiled if it has no decorator other than
-`@final` and at most one base, which is compiled, too. An attribute has the type of its annotation. Without an
-annotation, it has the type of the first assigned value whose type can be derived.
+`@final`, no keyword such as `metaclass`, and at most one base, which is compiled, too. An attribute has the type of its
+annotation. Without an annotation, it has the type of the first assigned value whose type can be derived.
 
-By default, Python and C can call a function (cpdef). Only C can call it (cdef) if its name begins with an underscore or
-is missing in the `__all__` of its module. It stays a Python function (def) if Cython cannot compile it as a C function.
-Methods and private functions also stay Python functions if they are used as objects, for example as callbacks.
+By default, Python and C can call a function (cpdef). Only C can call a private one (cdef). A function is private if it
+is missing in the `__all__` of its module or, without `__all__`, if its name begins with an underscore. A method is
+private if its name begins with an underscore and its module calls it only on `self`. A function stays a Python function
+(def) if Cython cannot compile it as a C function. Methods and private functions also stay Python functions if they are
+used as objects, for example as callbacks; so do methods whose names begin with two underscores.
 `c_types` and the following comments express what ordinary annotations cannot:
 
     class Event:  # core: freelist 16                   keeps up to 16 deleted objects for reuse
@@ -297,7 +299,7 @@ class Source:
 
     @cached_property
     def called_on_others(self) -> set[str]:
-        """The names of methods that the module calls on objects other than `self`. These methods are never cdef."""
+        """The names of methods that the module calls on objects other than `self`. Only `C only` makes them cdef."""
         calls = (node.func for node in walked(self.tree) if isinstance(node, ast.Call))
         return {one.attr for one in calls if isinstance(one, ast.Attribute) and ast.unparse(one.value) != "self"}
 

@@ -32,7 +32,8 @@ STUCK_AFTER = Fraction(25, 1000)
 class BusRecorder(BitParty):
     """Counts the bytes on one bus, and makes BUS records if any subscriber wants them.
 
-    The text of a record is the last 7-bit address on the bus so far, such as "0x68"; "" for the START of a transfer.
+    The text of a record is the last 7-bit address on the bus so far, such as "0x68". It is "" before the first address,
+    for the START of a transfer, and for a STOP on an idle bus.
     bytes: number of whole bytes with their acknowledge bit. Bytes that a START or STOP cuts off do not count.
     """
 

@@ -59,7 +59,7 @@ class Target(Protocol):
     def addresses(self) -> tuple[int, ...]: ...
 
     def answer(self, address_byte: int) -> Reply | None:
-        """Return the reply to an address byte after START; None for a NACK."""
+        """Return the reply to an address byte after START; for a NACK, None or a reply whose `ack` is False."""
 
     def on_end(self, stop: bool, whole: bool) -> None:
         """Handle the end of a phase whose address was acknowledged.
@@ -79,10 +79,11 @@ def _ignore(stop: bool, whole: bool) -> None:
 class TargetSide(BitParty):
     """The wire side of one target.
 
-    answer: called with each address byte, R/W included; returns the reply, or None for a NACK.
+    answer: called with each address byte, R/W included; returns the reply, as `Target.answer` does.
     hold: ticks from the fall of SCL to a change of SDA by the target.
     on_end: called with (stop, whole) at the end of each phase whose address was acknowledged. stop: True for a STOP,
-        False for a repeated START. whole: True if the phase does not end in the middle of a byte.
+        False for a repeated START. whole: True if the phase does not end in the middle of a byte. It is not called if
+        the power was switched off during the phase.
     """
 
     STATE = State(

@@ -134,7 +134,7 @@ class Transfer:
 
     @property
     def wire_bytes(self) -> int:
-        """The number of bytes on the wire so far. An address counts from its START on, a data byte from its ACK bit."""
+        """The number of bytes on the wire so far. An address counts from its START, a data byte after its ACK bit."""
         count = 0
         for phase in self.phases:
             if phase.start_at != NO_TIME:

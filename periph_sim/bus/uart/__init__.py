@@ -1,1 +1,1 @@
-"""Parties on a UART line other than the units: senders and monitors."""
+"""Parties on a UART line other than the units: senders, readers, monitors, and RS-485 transceivers."""

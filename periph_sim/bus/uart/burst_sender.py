@@ -52,7 +52,7 @@ class Burst:
     bit: the exact length of a bit in ticks.
     gap: the number of ticks between two characters.
     low: the length of the break in ticks; 0 for characters.
-    idle: the number of bits for which the line must be idle before the burst.
+    idle: the least number of bits from the end of the sender's previous burst to this burst.
     name: the name of the sender, for messages.
     """
 
@@ -67,7 +67,7 @@ class Burst:
     def edges(self, start: int) -> tuple[list[int], int]:
         """Return the ticks of the edges of a burst that begins at tick `start`, and the tick of the burst's end.
 
-        The first edge is a fall. The burst ends with its last stop bit or with the end of the break.
+        The first edge is a fall. The burst ends with its last bit, normally a stop bit, or with the end of the break.
         """
         if self.low:
             return [start, start + self.low], start + self.low
@@ -97,7 +97,8 @@ class Burst:
 class BurstSender(EdgeSender):
     """Sends bursts at the output `out`: a pin, or a driver that is switched on for each burst.
 
-    hold: the number of ticks for which the driver stays on after a burst.
+    hold: the number of ticks for which the driver stays on after a burst. If another burst waits then, the driver stays
+        on until `hold` after that burst.
     line: the length of a bit in ticks and the format of the present or last burst; None before the first burst.
     """
 
@@ -128,11 +129,11 @@ class BurstSender(EdgeSender):
 
     @property
     def busy_with(self) -> tuple[str, int] | None:
-        """The name of the present burst, and the tick at which it ends; None if idle."""
+        """The name of the present burst, and the tick at which it ends; None between bursts."""
         return None if self._burst is None else (self._burst.name, self._ends_at)
 
     def send(self, burst: Burst, begins: Callable[[int], None], ends: Callable[[int], None]) -> None:
-        """Send a burst when earlier bursts are over and the line has been idle for `Burst.idle` bits.
+        """Send a burst when earlier bursts of this sender have been over for at least `Burst.idle` bits.
 
         begins, ends: functions that are called at the start and at the end of the burst, each with the present tick.
         """

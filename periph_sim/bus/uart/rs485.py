@@ -94,7 +94,7 @@ class Transceiver:
 
     line: a function that returns the length of a bit in ticks, and the format of the frames on `tx`.
     hears_itself: True if the receiver stays on while the driver is on.
-    at_first: the level at DE while no party drives it.
+    at_first: 1 if the driver is on until the first change of DE, otherwise 0.
     on_cut: called with (tick, ticks) when the driver is switched off `ticks` before the end of a frame, and with
         (tick, 0) when a frame begins while the driver is off.
     """

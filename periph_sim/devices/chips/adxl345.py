@@ -149,7 +149,7 @@ class Fifo:
     def set_up(self, mode: int, samples: int) -> None:
         """Apply a write of FIFO_CTL. Bypass empties the FIFO; the other modes keep its contents.
 
-        A change of the mode clears Overrun.
+        A change of the mode clears Overrun, and the mark of an unread sample that bypass mode has.
         """
         if mode == BYPASS:
             self._waiting.clear()
@@ -177,7 +177,7 @@ class Fifo:
         """Remove the oldest sample from the FIFO and return it for a burst of reads.
 
         If the FIFO is empty, return the sample in the output register. The whole sample counts as read, even if the
-        burst reads only some of its bytes.
+        burst reads only some of its bytes. Overrun is cleared.
         """
         if self._waiting:
             self.output = self._waiting.popleft()

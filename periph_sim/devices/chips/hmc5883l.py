@@ -87,7 +87,7 @@ class Hmc5883l(RegisterChip):
         self._taken = 0
         self._placed = powered  # tick at which data were last placed in the registers
         self._unread = False
-        # The data registers that were not read since new data were last placed in the registers.
+        # The data registers that must still be read before LOCK is cleared; all six if none was read yet.
         self._to_read: set[str] = set(DATA)
         # CRB.GN for the next measurement. A second entry, if there is one, is GN for all later measurements.
         self._gains = [self.get("CRB", "GN")]
@@ -109,7 +109,7 @@ class Hmc5883l(RegisterChip):
         return "overflow" if word == OVERFLOW else super().quantity(word)
 
     def following(self, number: int) -> int:
-        """Return the register after `number`: 0x03 after 0x08, 0x00 after 0x0C, and otherwise `number` + 1."""
+        """Return the register after `number`: 0x03 after 0x08, 0x00 after 0x0C and 0xFF, otherwise `number` + 1."""
         return {0x08: 0x03, 0x0C: 0x00}.get(number, super().following(number))
 
     # Measurements -------------------------------------------------------------------

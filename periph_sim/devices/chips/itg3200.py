@@ -63,7 +63,7 @@ MAP = RegisterMap(
 ADDRESSES = (0x68, 0x69)  # I2C addresses with the pin AD0 low and high
 LSB_PER_DEG_S = Fraction(115, 8)  # LSB in one deg/s: 14.375
 REGISTER_ACCESS = Fraction(20, 1000)  # seconds from power-on to the first register access
-START_UP = Fraction(50, 1000)  # seconds from power-on, or from the end of sleep, until the gyroscopes run
+START_UP = Fraction(50, 1000)  # seconds from power-on, from H_RESET, or from the end of sleep until the gyroscopes run
 PLL_SETTLING = Fraction(1, 1000)
 FIRST_RESERVED, LAST_RESERVED = 0x23, 0x3C  # registers 35 to 60, from which the pointer does not advance
 SHOWN = ("TEMP_OUT_H", "TEMP_OUT_L", *DATA)
@@ -145,7 +145,7 @@ class Itg3200(RegisterChip):
         return super().begin(now)
 
     def following(self, number: int) -> int:
-        """Return the number of the next register, or `number` if register `number` is reserved.
+        """Return the number of the next register, or `number` if it is in the reserved range 35 to 60.
 
         With the option pointer_stops = last_before, the pointer stays at 34, the register before the reserved ones. The
         data sheet reserves the registers 33 to 60, although 33 and 34 are GYRO_ZOUT. This model reserves 35 to 60.

@@ -218,7 +218,7 @@ DATA, END, SEGMENT, LINEAR = 0, 1, 2, 4  # kinds of records in Intel HEX; record
 def image(path: Path) -> bytes:
     """Read the contents of a memory from a .bin file, or from a .hex file in Intel's format, with 0xFF in its gaps.
 
-    Raise ValueError, whose message names the file and, in a .hex file, the line.
+    Raise ValueError, whose message names the file and, for an invalid line of a .hex file, the line.
     """
     try:
         data = read_input(path)

@@ -95,7 +95,9 @@ def feed_of(table: RegisterTable, entry: int, place: TargetContext) -> Feed | No
 
 
 def _rows(path: Path, table: RegisterTable) -> tuple[tuple[Fraction, int], ...]:
-    """Return pairs of a time, in seconds, and a value from a file with lines such as "5 ms,0x12". A heading is skipped.
+    """Return pairs of a time, in seconds, and a value from a file with lines such as "5 ms,0x12".
+
+    Empty lines, and a first line that begins with "time" or "at", are skipped.
 
     Raise ValueError, with file and line, if the file is invalid.
     """

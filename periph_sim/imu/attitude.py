@@ -58,7 +58,8 @@ def estimate(
 
     seconds: the time of each sample, float64[n], increasing.
     gyro, accel, mag: samples in deg/s, g and gauss, float64[n, 3]. The filter ignores a sample of mag that is zero or
-        NaN (an overflow). If a sample of accel is zero or NaN, the filter ignores accel and mag of this sample.
+        not finite (NaN for an overflow). If a sample of accel is zero or not finite, it ignores accel and mag of this
+        sample.
     field: the north, east and down components of the magnetic field at the body; only its direction counts.
     variances: the variances of gyro, accel and mag that the filter assumes. The variance of gyro is in (rad/s)^2; the
         variances of accel and mag refer to vectors that are scaled to length 1.
@@ -89,7 +90,7 @@ def estimate(
 def errors(estimated: ArrayLike, truth: ArrayLike) -> AttitudeErrors:
     """Return the errors of estimated attitudes. Both arguments are quaternions, float64[n, 4].
 
-    Raise NoAttitude if their shapes are different.
+    Raise NoAttitude if their shapes are different, or are not those of quaternions.
     """
     one, other = np.atleast_2d(estimated), np.atleast_2d(truth)
     if one.shape != other.shape or one.shape[1] != 4:
@@ -101,7 +102,7 @@ def errors(estimated: ArrayLike, truth: ArrayLike) -> AttitudeErrors:
 def _at_rest(accel: Floats, mag: Floats, field: Floats) -> Floats:
     """Return the attitude of a resting body as a quaternion, float64[4], from one sample of accel and mag.
 
-    Raise NoAttitude if the sample is not usable, or if gravity and field are parallel.
+    Raise NoAttitude if accel or mag is zero or not finite, if they are parallel, or if `field` is vertical.
     """
     if not _usable(accel) or not _usable(mag):
         raise NoAttitude("the first sample has no usable accel and mag; omit it, or give start")

@@ -41,7 +41,7 @@ class ImuFirmware:
         """Raise BadCase if the models' Ts is not the period at which this firmware runs the models in the case.
 
         The firmware runs the models once per host frame if the setting `models_run` is "frame" or the case has no
-        rounds; otherwise once per round.
+        rounds; otherwise once per round. If the case has neither frames nor rounds, nothing is checked.
         """
         rounds = case.controller or case.rounds
         per_frame = getattr(self._settings, "models_run", "round") == "frame" or rounds is None

@@ -1,14 +1,15 @@
 """The host unit, a separate program that sends host frames to a serial port.
 
-The values of the frames come from a recorded flight (a CSV file) or from UDP datagrams.
+The values of the frames come from a recorded flight (a CSV file) or from UDP datagrams. A datagram of 12 bytes is sent
+as it is.
 
     flight.csv --motion--> MotionFrames --.
                                            +--> frame n, n periods after the first --> port
     Simulink --UDP--> latest datagram ----'
 
-The port is any port that pyserial can open: a real port, the pseudo-terminal of `serve`, rfc2217://, f28335://. Bytes
-that arrive at the port are read and counted, so that their sender never blocks. A frame has 12 bytes, with the encoding
-of the [host] table of a case (see `host_frame`).
+The port is any port that pyserial can open: a real port, the pseudo-terminal of `serve`, rfc2217://, f28335://. While
+the program waits for the next frame, it reads and counts the bytes that arrive at the port. A frame has 12 bytes, with
+the encoding of the [host] table of a case (see `host_frame`).
 """
 
 from __future__ import annotations
@@ -62,7 +63,7 @@ class FlightFrames:
 class UdpFrames:
     """Frames with the values of the latest datagram: phi, theta, psi in rad, and ax, ay, az in g.
 
-    order: the byte order of the datagrams, "little" or "big".
+    order: the byte order of the values in datagrams, "little" or "big". A datagram of 12 bytes is a frame as it is.
     notify: a function that is called with a message at the first invalid datagram.
     refused: the number of invalid datagrams, which are ignored.
     held: the number of frames that repeat the previous frame, because no valid datagram has arrived in between.
@@ -154,7 +155,8 @@ def send_frames(
 ) -> SentCounts:
     """Send frames until `frames` frames were sent, the source has ended, or `stopped` returns True.
 
-    Between frames, the function reads from the port. If the port is simulated, reading also advances its time.
+    While the function waits for the next frame, it reads from the port. If the port is simulated, reading also advances
+    its time.
 
     A UdpFrames source has no frame before its first datagram. Nothing is sent in the periods until then.
 

@@ -3,9 +3,10 @@
     period = "20 ms"                      [gyroscope]
     wrap = "unwrapped"                    bias = "-3.1, 3.6, 0.04 deg/s"
 
-Keys that a file does not contain have the values of the dissertation's Table 4.1. A unit is written after a number, or
-after the last number of a vector. A number without a unit is accepted only for parameters that have no unit or are
-whole numbers. Sets that come with periph_sim (in `models/sets`) are loaded by name.
+Keys that a file does not contain have the defaults in `models.parameters`, which are those of the dissertation's Table
+4.1 if it has a value. A unit is written after a number, or after the last number of a vector. A number without a unit
+is accepted only for parameters that have no unit or are whole numbers. Sets that come with periph_sim (in
+`models/sets`) are loaded by name.
 """
 
 from __future__ import annotations
@@ -52,7 +53,8 @@ def named(name: str) -> ImuParameters:
 def load(path: Path) -> ImuParameters:
     """Return the parameters in a file.
 
-    Raise BadCase, with file, line, name, value and range, if a parameter is invalid.
+    Raise BadCase if the file cannot be read, or if a parameter is unknown or invalid. For an invalid number, the
+    message has file, line, name, value and range.
     """
     text, tree = read(path, "parameter")
     return _set(Source(path, text), (), ImuParameters, tree)

@@ -25,7 +25,7 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Samples:
-    """Samples of the three chips, with one row for each round in which all three answered.
+    """Samples of the three chips, with one row for each round in which all three were read.
 
     seconds: the times at which the rounds are due, counted from the start of the run, float64[n].
     gyro: the samples of the gyroscope in deg/s, float64[n, 3].
@@ -85,7 +85,7 @@ def in_units(chip: ChipData, counts: ArrayLike) -> Floats:
 class SampleLog:
     """Log of the readings of a sensor head, from the creation of the log on.
 
-    Rounds in which a chip did not answer are left out.
+    Rounds in which the six data bytes of a chip were not read are left out.
 
     start: the tick of time 0.
     ticks: the number of ticks per second.

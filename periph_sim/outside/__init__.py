@@ -45,7 +45,8 @@ def replay(
 ) -> Result:
     """Run the case with the moves of lines in a log. The run has the same records as the session that wrote the log.
 
-    Raise OutsideError if the log is damaged, or if a tick of the log has another length than a tick of the case.
+    Raise OutsideError if the log cannot be read or is damaged, or if a tick of the log has another length than a tick
+    of the case; BadCase as in a `Session`.
     """
     case = case if isinstance(case, Case) else load(Path(case))
     try:

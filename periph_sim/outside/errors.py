@@ -6,7 +6,7 @@ from __future__ import annotations
 class OutsideError(ValueError):
     """A request from outside is invalid or cannot be executed.
 
-    The message is a sentence with the place, what was found, what was expected, and a remedy.
+    The message is a sentence that says what is wrong, and normally what was expected or how to fix it.
     """
 
 

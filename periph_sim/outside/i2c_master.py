@@ -34,8 +34,9 @@ class Master:
         other half.
     held: True between two calls of a transfer, while this controller holds SCL low.
 
-    Raise OutsideError if SDA and SCL do not lead outside, if calls are made in the wrong order, if others hold a line
-    for more than 25 ms, or if another controller wins the bus.
+    Raise OutsideError if SDA and SCL do not lead outside, if an argument is invalid, if calls are made in the wrong
+    order, if others hold SDA low at a START or STOP, or a line for more than 25 ms, or if another controller wins the
+    bus (ArbitrationLost).
     """
 
     _reads: bool  # True if the present transfer reads; valid while `held` is True
@@ -143,7 +144,7 @@ class Master:
             raise OutsideError("STOP is impossible: SDA is low, held by another party")
 
     def clear(self) -> bool:
-        """Free SDA if a target holds it low: send nine clock pulses and a STOP. Return True if both lines are high.
+        """Free SDA, which a target may hold low, by nine clock pulses and a STOP. Return True if both lines are high.
 
         A transfer in progress is aborted. If another party holds SCL low, no pulses are sent. Source: UM10204 section
         3.1.16.

@@ -81,6 +81,9 @@ class LogWriter:
 
 
 def refuse_input(path: Path, case: Case, what: str) -> None:
-    """Raise OutsideError if the case reads this file, so that no output replaces it. what: the output, for messages."""
+    """Raise OutsideError if the case or the command reads this file, so that no output replaces it.
+
+    what: the output, for messages.
+    """
     if is_input(path) or any(is_same_file(path, file) for file in case.files()):
         raise OutsideError(f"{path}: the session reads this file; give the {what} another place")

@@ -10,7 +10,7 @@ A case answers when one of its pins pulls a line low or releases it. These rules
 - An I2C module does not answer in the middle of a byte. It states the number of further SCL edges to which it will not
   answer. The number is valid if all pulses pass the filter and SDA changes only while SCL is low.
 - All other listeners are assumed to answer at once.
-- Firmware moves a pin only when one of its writes arrives at a register.
+- Firmware moves a pin only when one of its writes arrives at a register, or when a read ends a stretch of SCL.
 
 An external simulator that uses a session can run on its own up to this tick, as long as it moves no line.
 """
@@ -77,7 +77,7 @@ class Reaction:
         self._listening: list[Socket] = []  # listening modules whose inputs have a filter: I2C and SCI
         self._modules: list[tuple[Socket, I2c]] = []  # the I2C modules in `_listening`
         self._pins: list[list[Pin]] = []  # for each module in `_modules`: its pins of SCL, then its pins of SDA
-        self._scl = self._sda = ""  # the lines at the pins in `_pins`; "" if the modules have different lines
+        self._scl = self._sda = ""  # the lines at `_pins`; "" if there are none or the modules have different lines
         self._at_once = True  # True if a listener may answer at once, without the delay of an input filter
         self._now = scene.kernel.now  # the first tick that has not run yet
         self._levels = dict.fromkeys(lines, 1)  # levels of the lines before the moves in `_put`

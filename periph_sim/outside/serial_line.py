@@ -43,7 +43,7 @@ class SerialLine:
     wrong: number of received bytes with a wrong parity, stop or address bit.
     waiting: number of bytes in the queue, whose edges have not been scheduled.
     sent: number of bytes whose edges have been scheduled.
-    broken: True during a break on RX, and if a break will begin after the waiting bytes.
+    broken: True from the request for a break (`hold_break`) to the request for its end, which may be a `write`.
     """
 
     def __init__(self, session: Session, rx: str, tx: str, baud: int, form: str) -> None:
@@ -109,7 +109,7 @@ class SerialLine:
     def send_break(self, length: str) -> None:
         """Pull RX low now for a duration such as "1 ms".
 
-        Raise OutsideError if bytes are waiting or the last frame has not ended.
+        Raise OutsideError if bytes are waiting or the last frame has not ended, and ValueError if `length` is invalid.
         """
         session = self._session
         if self._queue or self._free_at() > session.now:

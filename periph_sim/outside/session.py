@@ -149,7 +149,10 @@ class Session:
     Times are ticks (`ticks_per_second`), counted from the beginning of the case. A session is a context manager; if the
     block is left without `finish`, the log has no "end" line.
 
-    Raise BadCase if the case cannot be built or lacks one of the wires, and OutsideError if the log cannot be written.
+    Raise BadCase if the case cannot be built or lacks one of the wires, or if neither `outside` nor the case names any.
+    Raise OutsideError if the log cannot be written or is a file that the session reads.
+
+    After `finish`, `advance`, `next_output` and `apply` raise OutsideError.
     """
 
     scene: Scene
@@ -209,7 +212,7 @@ class Session:
     def advance(self, until: BigInt) -> list[Change]:
         """Run up to tick `until`, exclusive, and return the changes of lines by the case.
 
-        Raise OutsideError if `until` is past.
+        Raise OutsideError if `until` is past or is no whole number.
         """
         self._open()
         self._check_tick(until)
@@ -249,7 +252,8 @@ class Session:
 
         If a line is moved several times in one tick, only the last call has an effect.
 
-        Raise OutsideError, and move no line, if the tick is past, a line does not lead outside, or a level is invalid.
+        Raise OutsideError, and move no line, if the tick is past or no whole number, a line does not lead outside, or a
+        level is invalid.
         """
         self._open()
         self._check_tick(at)

@@ -55,7 +55,7 @@ class CapturedController:
     """Plays the controller's half of each transfer, and the answers of all targets except the firmware.
 
     player: the agent that drives the edges.
-    on_end: a function that is called after the last transfer.
+    on_end: a function that is called after the last transfer, or when `gave_up` is set.
     patience: the maximum time, in ticks, for which polls are added while the firmware refuses its address. None: polls
         are played as captured.
 

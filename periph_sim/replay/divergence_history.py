@@ -41,7 +41,7 @@ class FlagHistory:
     keep: the number of entries in each ring buffer.
     instants: ticks at which `watch` stores the statement that the firmware executes.
 
-    places: the firmware's statement at each of `instants`; None if the program was not running.
+    places: the firmware's statement at each of `instants` that the run reached; None if the program was not running.
     """
 
     def __init__(

@@ -135,7 +135,7 @@ class I2cReplay(SlaveReplay):
     patience: the maximum time, in seconds, for which SCL may be held low, and for which the firmware may refuse its
         address where the captured target acknowledged. After a longer time, the replay ends.
 
-    Raise BadCase or BadReplay if the replay cannot be built; LookupError if there is no such channel.
+    Raise BadCase, BadReplay or another InputError if the replay cannot be built; LookupError if a channel is missing.
     """
 
     def __init__(

@@ -44,7 +44,7 @@ class I2cMasterReplay(BusReplay):
     patience: a time in seconds. If the firmware has a script, the replay ends when the bus has been silent for the
         longest pause of the script plus this time.
 
-    Raise BadCase or BadReplay if the replay cannot be built; LookupError if there is no such channel.
+    Raise BadCase, BadReplay or another InputError if the replay cannot be built; LookupError if a channel is missing.
     """
 
     ROLE = "master"

@@ -232,7 +232,7 @@ class I2cOpenReplay(SlaveReplay):
         """Return up to two notes, on differences between the low phases of SCL in the capture and those of the chip.
 
         The first note is on long captured low phases that the chip would have ended earlier. The second note is on low
-        phases that the chip would have held beyond the captured rise of SCL.
+        phases that the chip would have held beyond the captured rise of SCL by more than the tolerance.
         """
         notes = []
         long = [one for one in held if one.captured > self._part.long_low / self._part.rate]

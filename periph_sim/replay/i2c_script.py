@@ -12,11 +12,12 @@ of SCL, or is not visible in the capture, it is placed in the low phase of SCL, 
 its ends.
 
 If the firmware is the master, low phases that are much longer than usual are repeated by the agents as stretches of the
-targets. Stretches before the ACK bit of the address are ignored, because no target is selected there.
+targets. Long low phases before the eight bits of an address byte are ignored, because no target is selected there.
 
 If the firmware is the target, consecutive NACKs of its address become an interval in which it does not answer. The
 interval begins at the STOP of the write before the NACKs, or at the start of the capture. It ends midway between the
-last NACK and the START of the first acknowledged turn. NACKs after a read cannot be reproduced in this way.
+last NACK and the START of the next acknowledged turn; without such a turn, it ends after the capture. NACKs after a
+read, or after a write without a STOP, cannot be reproduced in this way.
 """
 
 from __future__ import annotations

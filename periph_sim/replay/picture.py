@@ -6,7 +6,8 @@
 
 A lane is a row of the diagram: the waveform of a wire or field, the bytes of a bus, or the accesses to a register.
 
-Time 0 of the axis is the last event in which both sides agree, or the divergence itself in a UART replay.
+Time 0 of the axis is the last event in which both sides agree, or the beginning of the capture if no event before the
+divergence agrees. In a UART replay, it is the divergence itself.
 """
 
 from __future__ import annotations

@@ -121,7 +121,7 @@ def kind_of(words: str) -> str:
 def compare(expected: Sequence[Happened], found: Sequence[Happened], tolerance: Fraction | None = None) -> Comparison:
     """Compare two lists of events. A difference in length is a divergence, too.
 
-    tolerance: the allowed difference in time, in seconds; None: times are not compared.
+    tolerance: the allowed difference in time, in seconds; None: no difference in time is a divergence.
     """
     lag = Fraction(0)
     parted = False

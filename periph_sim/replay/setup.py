@@ -128,7 +128,7 @@ TAIL = Fraction(1, 10_000)  # seconds for which the wires are observed after the
 PATIENCE = Fraction(200, 1000)  # default of `patience` in seconds; for comparison, an SHT21 stretches for up to 85 ms
 BYTE = 9  # number of bits in a byte, with the ACK bit
 LONG = Fraction(3, 2)  # a low phase is a stretch or a pause if it is longer than the usual one times this factor
-HOLD = Fraction(300, 10**9)  # data hold time, in seconds, of targets that agents play: UM10204 Table 11
+HOLD = Fraction(300, 10**9)  # data hold time, in seconds, of targets that agents play: UM10204 Table 10
 
 
 @dataclass
@@ -224,8 +224,8 @@ class Played:
 def played(capture: Capture, scl: str | int, sda: str | int, first: int | None = None) -> Played:
     """Decode the part of a capture that a replay plays. first: the maximum number of transfers; None for all.
 
-    Raise BadReplay if the capture has no transfer, or a rate at which SCL would be too slow or too fast for I2C;
-    LookupError if it has no such channel.
+    Raise BadReplay if the capture has no transfer, is too long (see `check_length`), or has a rate at which SCL would
+    be too slow or too fast for I2C; InputError if its rate is unknown; LookupError if it has no such channel.
     """
     rate = rate_of(capture)
     if wrong := impossible_rate(capture, scl):
@@ -294,6 +294,8 @@ def answering(case: Case, part: Played, given: Sequence[int], lead: Fraction = L
     If `REPLAY` names `address` and the firmware has one address, settings are filled in: the address, the captured
     replies, and the times at which the captured target did not acknowledge its address. If the user states the address,
     these times are not filled in. To agree with the capture, the firmware must then send these NACKs by itself.
+
+    Raise BadReplay if `REPLAY` names `address`, and several addresses are given or no address is found.
     """
     unit = unit_with(case, "I2C-A")
     found = Answering(unit, _addresses(case, unit, part, given))

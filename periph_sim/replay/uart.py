@@ -85,7 +85,7 @@ class UartReplay(Replay):
     lead: seconds from the start of the firmware to the beginning of the capture. It determines at which
         instants within the bits the SCI samples the line.
 
-    Raise BadCase or BadReplay if the replay cannot be built; LookupError if there is no such channel.
+    Raise BadCase, BadReplay or another InputError if the replay cannot be built; LookupError if a channel is missing.
     """
 
     KIND, LOOP = "uart", "open"

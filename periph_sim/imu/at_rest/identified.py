@@ -35,7 +35,8 @@ def parameters_of_axes(axes: Mapping[str, IdentifiedAxis], hard_iron: bool) -> I
     hard_iron: True if the magnetometer's bias is the difference from a recording without the disturbance, so that the
         bias is the hard iron. False to keep the hard iron of Table 4.1.
 
-    Raise BadParameter if a column belongs to no sensor, an axis is missing, or a unit differs from that of the model.
+    Raise BadParameter if a column belongs to no sensor, an axis is missing, a unit differs from that of the model, or
+    an identified value is out of the range of its parameter.
     """
     imu = ImuParameters()
     wanted = {f"{sensor}_{axis}": sensor for sensor in SENSORS for axis in AXES}

@@ -3,7 +3,7 @@
     Imu --> values at rest + S * noise --> codes / scale --> samples               random
     Imu --> values at rest --> probability of each code for Gaussian noise --> ExpectedMoments
 
-ExpectedMoments are exact: rounding and saturation are included.
+ExpectedMoments include rounding and saturation. Only codes whose probability is below 1e-30 are ignored (see FAR).
 
 The models add noise just before the matrix S, which is linear. So the models are evaluated once without noise, and S
 times the noise is added to the result.
@@ -155,7 +155,7 @@ def _below(value: float, mean: float, sigma: float) -> float:
 
 
 def write(samples: dict[str, Floats], imu: ImuParameters, path: Path) -> None:
-    """Write samples as CSV: `time [s]`, then `gyroscope_x [deg/s]` and so on, with full precision."""
+    """Write samples as CSV: `time [s]`, and columns such as `gyroscope_x [deg/s]` with full precision."""
     titles = [f"{name}_{axis} [{UNITS[name]}]" for name in samples for axis in AXES]
     rows = np.hstack(list(samples.values())).tolist()
     with path.open("w", encoding="utf-8", newline="") as file:

@@ -60,7 +60,7 @@ class ExtremesReport:
     errors: the largest errors of each arithmetic in the working range, by its name. float64 has no entry.
     costs: the cost of a sample in each arithmetic, by its name.
     without_fastrts: the cost of float32 with the compiler's library in place of TI's fastRTS library.
-    findings: the behaviour of each arithmetic at each extreme.
+    findings: the behaviour of each arithmetic at each examined extreme.
     """
 
     imu: ImuParameters
@@ -95,7 +95,8 @@ def report(
         examined with other parameters, which are fixed.
     tables: the memory that contains the sine and arctangent tables of the mathematics libraries.
 
-    Raise NoSuchArithmetic, DoesNotFit or InputError for an invalid name.
+    Raise NoSuchArithmetic, DoesNotFit or InputError for an invalid name, and DoesNotFit for a Q format that cannot hold
+    the parameters.
     """
     for name in only:
         if name not in NAMES:

@@ -1,7 +1,8 @@
 """Extremes that are not sweeps: lost frames, runs of weeks, divisions by 0, rejected parameters, small steps.
 
-Each function examines one extreme in each arithmetic (float32, a Q format ...) in `names`, and yields its findings. The
-argument `worst` has the largest errors of each arithmetic in the working range, by the name of the arithmetic.
+Each function in `EVENTS` of the package examines one extreme in each arithmetic (float32, a Q format ...) in `names`,
+and yields its findings; those of `refused` do not depend on the arithmetic. The argument `worst` has the largest errors
+of each arithmetic in the working range, by the name of the arithmetic.
 """
 
 from __future__ import annotations
@@ -77,6 +78,8 @@ def _rolled(steps: Ints, times: int) -> Ints:
 
 def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[ExtremeFinding]:
     """Examine a program that counts the time in seconds for 30 days, by adding Ts at every sample.
+
+    In a Q format whose largest number is less than 30 days, the time ends at this number.
 
     Find the first time at which this addition has an error of more than half of Ts, and the first time at which it has
     no effect. The sensor models are not affected: they store no time and no sum, only the last attitude and body rates.

@@ -16,7 +16,7 @@ WIDTH, HEIGHT = 900, 560
 LEFT, RIGHT, TOP, BOTTOM = 90, 40, 60, 80
 FONT = "Helvetica, Arial, sans-serif"
 POINT, LINE, WORD, FOUNDED, GUESSED, GRID, INK = 5, 14, 110, "#0060a8", "#c04a00", "#e2e2e2", "#333333"
-EXACT = 1e-5  # an error of 0 is drawn at this number of LSB, because a logarithmic axis has no 0
+EXACT = 1e-5  # smaller errors, such as 0, are drawn at this number of LSB, because a logarithmic axis has no 0
 MEASURED = 37_500  # the time that the dissertation measured for a sample, in cycles: 250 us at 150 MHz
 
 
@@ -53,7 +53,7 @@ def picture(report: ExtremesReport) -> str:
 
 
 class _Axis:
-    """A logarithmic axis with whole powers of ten from below `low` to above `high`, drawn from `begin` to `end`."""
+    """A logarithmic axis of whole powers of ten that include `low` and `high`, drawn from `begin` to `end`."""
 
     def __init__(self, low: float, high: float, begin: float, end: float) -> None:
         self.powers = range(floor(log10(low)), ceil(log10(high)) + 1)

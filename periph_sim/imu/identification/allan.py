@@ -45,8 +45,8 @@ class Series:
 def series(name: str, samples: ArrayLike, period: float) -> Series:
     """Check samples and return them as a series.
 
-    Raise BadSeries if there are too few samples or more than one dimension, if a sample is not finite or too large, or
-    if the period is not a finite number above 0.
+    Raise BadSeries if there are too few samples or not exactly one dimension, if a sample is not finite or too large,
+    or if the period is not a finite number above 0.
 
     period: the time between two samples in seconds.
     """
@@ -114,7 +114,7 @@ def octaves(length: int) -> list[int]:
 def allan(samples: Floats, period: float, counts: Sequence[int] | None = None) -> Allan:
     """Calculate the overlapping Allan variance at the averaging time m * period for each m of `counts`.
 
-    The calculation needs memory for one running sum of all samples.
+    The calculation needs memory for two arrays as long as `samples`.
 
     samples: a vector of finite values.
     counts: the values of m; None for 1, 2, 4 ... up to half the number of samples.

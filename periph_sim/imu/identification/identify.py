@@ -73,7 +73,8 @@ def _drift(found: Allan, noise: Density) -> float:
     """Return the largest Allan deviation from the tau at which drift begins; 0 if there is no drift.
 
     Drift begins at the first long tau at which the variance is significantly above the line of white noise. A tau is
-    long if it is above the region from which the density of white noise was calculated.
+    long if it is above the region from which the density of white noise was calculated. Taus with fewer than LEAST_EDF
+    degrees of freedom are not used.
     """
     freedom = edf(found)
     behind = slice(noise.region.stop, int(np.count_nonzero(freedom >= LEAST_EDF)))
@@ -146,8 +147,8 @@ def identify(
     undisturbed: for hard iron, samples without the disturbance; their mean replaces `expected`.
     slow: True to fit bias instability and random walk, too.
 
-    Raise BadSeries if nothing can be identified: too few samples, NaN, a constant, or, if `slow` is False, an Allan
-    deviation without a part of slope -1/2.
+    Raise BadSeries if nothing can be identified: samples or period are invalid (see `series`), all samples are equal,
+    or, if `slow` is False, an Allan variance is 0 or the Allan deviation has no slope of -1/2 at 1 s or below.
     """
     given = series(name, samples, period)
     found, noise, terms = _fitted(given, slow)

@@ -50,7 +50,7 @@ class Derivative(Generic[T]):
     wrap: "as built" for plain differences, with which a yaw that continues from +180 to -180 degrees is a step of
         nearly -360. "unwrapped" to add or subtract one turn if a step of roll or yaw is longer than half a turn.
 
-    Raise DoesNotFit if a Q format cannot hold 1/Ts or holds it with an error of more than 1 %.
+    Raise DoesNotFit if a Q format cannot hold 1/Ts or 2 pi, or holds 1/Ts with an error of more than 1 %.
     """
 
     def __init__(self, a: Arithmetic[T], period: float, wrap: Wrap = "as built") -> None:

@@ -100,7 +100,8 @@ class Imu(Generic[T]):
     def __init__(self, a: Arithmetic[T], imu: parameters.ImuParameters) -> None:
         """Build the models with the parameters `imu` in the arithmetic `a`.
 
-        Raise DoesNotFit, with the name of the sensor or "derivative", if a Q format cannot hold a constant.
+        Raise DoesNotFit, with the name of the sensor or "derivative", if a Q format cannot hold a constant, or holds
+        1/Ts with an error of more than 1 %.
         """
         self.a = a
         zero = a.constant(0.0)

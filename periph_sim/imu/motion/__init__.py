@@ -4,7 +4,7 @@ Each file in this folder that has a function `motion` is a kind of motion. The f
 defines
 
     Settings             a dataclass of the keys of [host.motion], with units (`quantities`)
-    motion(settings)     returns the `Motion`; raises BadMotion for invalid settings
+    motion(settings)     returns the `Motion`; raises BadMotion, or BadCapture for a file, if it cannot be made
 
 Angles are roll phi, pitch theta and yaw psi as usual in aerospace, with z down, in rad. Accelerations are linear
 accelerations of the body in g, without gravity (dissertation sections 3.4 and 4.3.1).
@@ -26,13 +26,13 @@ VALUES = ANGLES + ACCELERATIONS
 
 
 class BadMotion(InputError):
-    """A motion is invalid. The message names the value and the range, or the file and the line."""
+    """A motion, an encoding or the values of a frame are invalid. The message says what was found and expected."""
 
 
 class Motion:
     """A motion from time 0 on.
 
-    ends: the time in seconds after which all values are constant; infinite if there is no such time.
+    ends: a time in seconds after which all values are constant; infinite if no such time is known.
     """
 
     ends: float

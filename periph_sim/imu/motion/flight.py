@@ -40,7 +40,7 @@ class Flight(Straight):
 
 
 def motion(settings: Settings) -> Flight:
-    """Read a flight from a file. Raise BadCapture or BadMotion, with file and line, if the file is invalid."""
+    """Read a flight from a file. Raise BadCapture or BadMotion, with file and normally line, if it is invalid."""
     path = settings.file
     columns = {column.name: column for column in read(path)}
     times = _values(path, columns, "time", TIME_UNITS)

@@ -39,7 +39,7 @@ def quantity(units: Mapping[str, float], least: float, most: float, value: objec
     least, most: the inclusive limits of the converted number.
     value: the text. A float is also accepted, as a number in the unit whose factor is 1.
 
-    Raise ValueError, whose message says what is expected, if the value is invalid.
+    Raise ValueError, whose message says what is wrong, if the value is invalid.
     """
     example = " or ".join(units)
     if isinstance(value, float):  # a default value, or a value from Settings that were built in Python

@@ -8,8 +8,8 @@ EKF is the extended Kalman filter of `attitude`.
 
 The emulator's readings are older than a chip's samples, because a frame waits until the models run, and the results of
 the models wait until the next round. While the body turns, this delay causes an angle error that is not due to the
-models. The report therefore contains the delay by which the attitudes of the real sensors must be shifted to fit those
-of the emulator best, and the differences that remain.
+models. The report therefore contains the delay, if it is not 0, by which the attitudes of the real sensors must be
+shifted to fit those of the emulator best, and the differences that remain.
 """
 
 from __future__ import annotations
@@ -235,9 +235,9 @@ def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], Non
     """Run the experiment.
 
     wires: True to simulate SCI and I2C; False to calculate the codes directly.
-    progress: a function that is called with the completed share, 0 to 1.
+    progress: a function that is called with the completed share, 0 to 1, if `wires` is True.
 
-    Raise NoAttitude if no round was complete, or if the library of the filter is missing.
+    Raise NoAttitude if no round was complete, or if the filter cannot be used (see `estimate`).
     """
     parts = len(RATES) + 1
 

@@ -40,10 +40,11 @@ REAL: dict[str, dict[str, Any]] = {
 class Emulated:
     """The readings of the emulator.
 
-    readings: the codes that the sensor head read in each round.
+    readings: the codes that the sensor head read in each round in which all three chips were read.
     frames: for each run of the models, the number of the last host frame that the firmware had read when the run began,
         int64[runs]; -1 for none.
-    runs: for each round, the number of the models' run whose values were read, int64[rounds].
+    runs: for each round without a NACK, the number of the models' run whose values were read, int64[rounds]; -1 if no
+        run had ended.
     """
 
     readings: Readings
@@ -57,7 +58,7 @@ class ModelRuns:
     A frame counts as read when the receive FIFO becomes empty, which may be some bits before the end of the frame's
     last stop bit.
 
-    runs: for each round, the number of the models' run whose values were read.
+    runs: for each round without a NACK, the number of the models' run whose values were read; -1 if no run had ended.
     """
 
     def __init__(self) -> None:

@@ -1,6 +1,6 @@
 """Plots of a moving experiment: attitudes and rates, as in Figures 5.6 and B.1 of the dissertation.
 
-attitudes.svg has the true motion, the estimates from real sensors and from the emulator, and their differences.
+attitudes.svg has the true motion, the estimates from real sensors and corrected emulator, and their differences.
 rates.svg has the rates of the real gyroscope, and of the emulated gyroscope as built and corrected.
 """
 

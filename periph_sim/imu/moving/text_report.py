@@ -42,7 +42,10 @@ def lines(outcome: MovingOutcome) -> Iterator[str]:
 
 
 def _point(outcome: MovingOutcome, rates: Rates) -> str:
-    """Return a sentence on the difference between emulator and real sensors, with and without the emulator's delay."""
+    """Return a sentence on the difference between emulator and real sensors.
+
+    If the emulator's delay is not 0, the sentence also has the difference without this delay.
+    """
     apart, late = outcome.apart(), outcome.behind(rates)
     between = rms(apart[f"emulator {rates} less real sensors"].total)
     said = f"{rates}: emulator and real sensors {between:.3f} degrees apart (rms)"

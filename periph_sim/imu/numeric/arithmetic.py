@@ -1,10 +1,10 @@
 """The interface of each arithmetic in which models calculate: operations on numbers and on vectors of three numbers.
 
-    equations --add, mul, sin ...--> Arithmetic[T] --> float64, float32, Q16, or arrays of them
+    equations --add, mul, sin ...--> Arithmetic[T] --> float64, arrays of float32, Q16 ...
 
 A model is written once, with the operations of this interface. T is an arithmetic's representation of numbers: a float,
-an int that means value * 2**16, or an array of floats or ints. `models.counts` wraps an arithmetic to count its
-operations. Angles are in radians.
+an array of float32, or an int that means value * 2**bits. `models.counts` wraps an arithmetic to count its operations.
+Angles are in radians.
 """
 
 from __future__ import annotations

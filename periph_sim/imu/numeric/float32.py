@@ -8,7 +8,7 @@ is toward zero. Denormal results become 0. Comparisons, and so `clamp`, treat a 
 NaN (SPRUEO2A, CMPF32, MAXF32, MINF32). The sign of a NaN that a calculation produces is not documented; here it is the
 sign that numpy produces.
 
-The fastRTS guide states no errors of the software functions. In our tests, the errors are as follows: sin and cos 4e-7
+The fastRTS guide states no errors of the software functions. In our tests, the errors are at most: sin and cos 5e-7
 up to 2 pi (the argument is reduced in float32, so the error grows with the angle: 1e-4 rad at 1000 rad); atan and atan2
 4e-7; divide and sqrt two units in the last place. atan2(0, 0) divides 0 by 0 in fastRTS and is NaN here.
 """

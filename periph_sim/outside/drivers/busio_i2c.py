@@ -22,8 +22,8 @@ class I2C(AbstractContextManager["I2C"]):
     pause: the simulated time that passes before each transfer, because a driver's `time.sleep` does not advance
         simulated time.
 
-    Raise OSError with the same codes as on hardware: ENODEV if the address is not acknowledged, EIO if a byte is not
-    acknowledged, ETIMEDOUT if another party holds the bus.
+    The transfers raise OSError with the same codes as on hardware: ENODEV if the address is not acknowledged, EIO if a
+    byte is not acknowledged, ETIMEDOUT if another party holds or wins the bus, or if the address is invalid.
     """
 
     def __init__(self, session: Session, frequency: int = 100_000, pause: str = "100 us") -> None:

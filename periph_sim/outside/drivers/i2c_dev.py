@@ -112,7 +112,7 @@ def on_bus(session: Session, pause: int, lost: int = errno.EAGAIN) -> Iterator[M
     pause: the number of ticks that pass before the transfer.
     lost: the code of the OSError for lost arbitration.
 
-    Raise OSError with ETIMEDOUT if another party holds the bus.
+    Raise OSError with ETIMEDOUT for any other OutsideError, normally because another party holds the bus.
     """
     session.advance(session.now + pause)
     try:
@@ -274,7 +274,7 @@ def i2c_dev(sessions: Mapping[int, Session], pause: str = "100 us") -> Iterator[
 
     Access raises OSError with the codes of the Linux kernel: ENXIO if the address is not acknowledged, EIO if a byte is
     not acknowledged, ETIMEDOUT if another party holds the bus, EAGAIN if arbitration is lost, ENOENT if `sessions` has
-    no entry N.
+    no entry N, EINVAL, EOPNOTSUPP or ENOTTY for invalid requests, and those of `SmbusTransfer`.
     """
     import fcntl
 

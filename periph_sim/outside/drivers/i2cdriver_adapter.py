@@ -22,7 +22,8 @@ Source: the I2CDriver's firmware (github.com/jamesbowman/i2cdriver, firmware/mai
 
 Chosen: the status states 5 V, 0 mA, 25 degrees. The checksum covers all bytes on the bus, addresses included. A
 line that `b` would drive high is released, because the bus is open drain. The commands 'v' BYTE and 'w', which test
-pull-ups, do nothing. If a line is held low for more than 25 ms, the next report has the time-out bit.
+pull-ups, do nothing. If a line is held low for more than 25 ms, reports have the time-out bit until the next START, 'x'
+or '_'.
 """
 
 from __future__ import annotations
@@ -225,7 +226,8 @@ class I2cDriver:
     def _on_bus(self, call: Callable[[], Returned]) -> Returned | None:
         """Call a function that uses the bus, and return its result.
 
-        After a time-out or lost arbitration, release the lines and return None. The next report contains the error.
+        After a time-out or lost arbitration, release the lines and return None. Reports contain the error until the
+        next START, 'x' or '_'.
         """
         try:
             return call()

@@ -28,7 +28,7 @@ TURN = 0.001  # real time in seconds from one step to the next during a capture
 class I2cDriverPort:
     """A context manager that runs a session with an adapter in a thread.
 
-    path: the path that programs open.
+    path: the path that programs open: `link`, or that of the terminal if `link` is None.
     result: the result of the run, after the block.
     case, outside, log: as in a `Session`.
     link: the path of a symbolic link to `path`, or None.
@@ -100,7 +100,7 @@ class I2cDriverPort:
     def _serve(self, session: Session, door: I2cDriverDoor) -> None:
         """Let the door transfer bytes until the `with` block is left.
 
-        Simulated time passes only during transfers on the bus and while the client captures the bus.
+        Simulated time passes only while commands of the client use the lines, and while the client captures the bus.
         """
         while True:
             writes = [door.file] if len(door.back) else []

@@ -23,7 +23,7 @@ from .pty_door import TerminalDoor
 class I2cDriverDoor(TerminalDoor):
     """Door that connects a pseudo-terminal to an I2CDriver adapter on the bus of a session.
 
-    Raise OutsideError if `link` exists, or if the bus does not lead outside.
+    Raise OutsideError if `link` cannot be created (see `TerminalDoor`), or if the bus does not lead outside.
 
     pause: the simulated time that passes before each START.
     """
@@ -36,7 +36,10 @@ class I2cDriverDoor(TerminalDoor):
         return [self.file] if len(self.back) < MOST else []
 
     def turn(self) -> None:
-        """Execute received commands, at most a few kilobytes of them. Later calls execute the rest."""
+        """Execute received commands, at most a few kilobytes of them. Later calls execute the rest.
+
+        If a client has left and no other has come, execute all of its commands.
+        """
         left, came = self._clients(self.adapter.receive)
         if left or came:  # discard the answers to the previous client, and the command that it has not completed
             self.adapter.next_client()

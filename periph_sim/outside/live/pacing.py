@@ -53,7 +53,8 @@ class Pacer:
     def wait(self, tick: int) -> float:
         """Return the seconds until this tick is due; 0 if it is due already, and always at full speed.
 
-        The tick of the first call is due at the time of this call. The due times of all other ticks follow from this.
+        The tick of the first call is due at the time of this call. The due times of all other ticks follow from this
+        and from the slips.
         """
         if not self._per_second:
             return 0.0
@@ -93,7 +94,7 @@ class Pacer:
         return self.worst
 
     def text(self) -> list[str]:
-        """Return the statistics as lines of text; an empty list at full speed."""
+        """Return the statistics as lines of text; an empty list at full speed, or if no step was recorded."""
         total = sum(self.counts)
         if not total:
             return []

@@ -42,7 +42,7 @@ WHY = {
 def in_our_words(port: str, error: BaseException) -> str:
     """Return a message for an error of a port: "PORT: reason".
 
-    For errors that are not in WHY, the reason is the text of the operating system or of pyserial.
+    The reason is GONE, NO_PORT or a text in WHY if one of them fits; else the text of the operating system or pyserial.
     """
     text = str(error)
     if (isinstance(error, OSError) and error.errno == errno.EIO) or text.startswith(USED):
@@ -61,7 +61,9 @@ AGAIN = 1.0  # seconds between attempts to open the port
 
 
 class PortDoor:
-    """Door that passes bytes between a port and a line. Raise OutsideError if the port cannot be opened or is in use.
+    """Door that passes bytes between a port and a line.
+
+    Raise OutsideError if the port cannot be opened or is in use, the format is invalid, or pyserial is missing.
 
     notify: callback that receives a sentence if the port vanishes or returns.
     unread: number of bytes that the port had received but the door had not read, when the door was closed.

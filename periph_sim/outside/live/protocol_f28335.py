@@ -4,7 +4,7 @@
                     <--read--- queue <--                         <--            <-- TX
 
 pace: the number of simulated seconds per second of real time. With pace=0 the loop has no thread: the session runs at
-full speed while the client reads or flushes, and the client's time-outs are in simulated time.
+full speed while the client reads, flushes or waits in a write, and the client's time-outs are in simulated time.
 
 Source: pyserial 3.5, serial.serialutil.SerialBase, and its protocol handlers.
 """
@@ -38,7 +38,7 @@ KEYS = ("port", "pace", "log", "set")
 SLOWER = "write more slowly, or give a longer write_timeout"
 # Seconds between attempts to queue the rest of a write; real time, or simulated time with pace=0.
 WAITED = 0.01
-FOREVER = 3600  # with pace=0, simulated seconds after which a read with timeout=None ends
+FOREVER = 3600  # with pace=0, simulated seconds after which a flush, or a read with timeout=None, ends
 
 
 class _Queue(Door):
@@ -105,7 +105,7 @@ class Serial(SerialBase):  # type: ignore[misc]
 
     result: the result of the run, after the port is closed.
     pacer: the pacer of the session, which measures the lateness.
-    lost: number of discarded bytes from the SCI. At most a megabyte is kept until the client reads it.
+    lost: number of discarded bytes from the SCI, after the port is closed. At most a megabyte waits for the client.
 
     While a megabyte waits for the line, a write blocks, for at most `write_timeout`. `set=...` in a URL changes a key
     of the case, and may be repeated.
@@ -245,7 +245,10 @@ class Serial(SerialBase):  # type: ignore[misc]
         return len(sent)
 
     def flush(self) -> None:
-        """Wait until the frames of all written bytes have begun. The last frame may not have ended yet."""
+        """Wait until the frames of all written bytes have begun. The last frame may not have ended yet.
+
+        If pace=0, stop after FOREVER simulated seconds.
+        """
         self._must_be_open()
         self._wait_until(lambda: not self._queue.waits(), None)
 
@@ -261,6 +264,8 @@ class Serial(SerialBase):  # type: ignore[misc]
         """Wait until `over` returns True, at most `timeout` seconds of real time, or simulated seconds if pace=0.
 
         timeout: None for no limit. If pace=0, the limit is then FOREVER.
+
+        If pace is not 0, a failure of the session also ends the wait.
         """
         if self._thread is not None:
             with self._queue.changed:

@@ -91,7 +91,7 @@ class TerminalDoor:
     back: waiting bytes for the client, which the terminal has not accepted yet.
     unread: number of bytes from clients that were not read when the door was closed.
 
-    Raise OutsideError if `link` exists, unless an earlier session left it.
+    Raise OutsideError if `link` cannot be created. A link that an earlier session left is replaced.
     """
 
     def __init__(self, link: Path | None) -> None:
@@ -117,7 +117,7 @@ class TerminalDoor:
                 raise OutsideError(f"{link}: {found}; give the link another name") from None
 
     def _is_left_behind(self, link: Path) -> bool:
-        """Return True if `link` is from an earlier session: its target is missing, or is the new terminal."""
+        """Return True if `link` is from an earlier session: it leads to the new terminal, or to one that is missing."""
         if not link.is_symlink():
             return False
         target = link.readlink()
@@ -135,7 +135,10 @@ class TerminalDoor:
         os.close(self._kept)
 
     def _clients(self, receive: Callable[[bytes], object]) -> tuple[bool, bool]:
-        """Return (left, came) as `Openings.passed` does. Pass the last bytes of a client that has left to `receive`."""
+        """Return (left, came) as `Openings.passed` does.
+
+        If a client has left and no other has come, pass its last bytes to `receive`.
+        """
         left, came = self._openings.passed()
         if left and not came:  # all bytes in the terminal were written by the client that has left
             while data := self._read():
@@ -163,7 +166,7 @@ class TerminalDoor:
 
 
 class PtyDoor(TerminalDoor):
-    """Door that passes bytes between a pseudo-terminal and a serial line. Raise OutsideError if `link` exists.
+    """Door that passes bytes between a pseudo-terminal and a serial line. It raises errors like `TerminalDoor`.
 
     If a client is a megabyte ahead of the line, its writes wait, as at a port with flow control. When another client
     opens the terminal, the unsent bytes of the previous client are discarded and reported. They are sent instead if the

@@ -31,7 +31,7 @@ KEEPALIVE = {"TCP_KEEPIDLE": 10, "TCP_KEEPINTVL": 5, "TCP_KEEPCNT": 3}
 
 
 class Rfc2217Door:
-    """TCP server for one serial line. Raise OutsideError if the port is in use or pyserial is missing.
+    """TCP server for one serial line. Raise OutsideError if it cannot listen at the port, or if pyserial is missing.
 
     port: the TCP port; 0 for any free port.
     address: the address at which the server listens. By default, only clients on this computer can connect.

@@ -1,7 +1,7 @@
 """Display of a session as a web page, for browsers on this computer. The page shows the snapshots of a `Board`.
 
     GET /        the page
-    GET /events  snapshots as server-sent events, one for each new snapshot
+    GET /events  snapshots as server-sent events, one for each new snapshot that the client is fast enough to receive
 
 The server has its own threads, which only read the board. By default it listens on the loopback address. It then
 answers only requests that address this computer by a local name, so that pages of other sites cannot read the display.
@@ -28,7 +28,7 @@ RULES = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inlin
 
 
 class Browser:
-    """Server of the page, in its own thread. url: the page's address. Raise OutsideError if the port is in use."""
+    """Server of the page, in its own thread. url: the page's address. Raise OutsideError if it cannot listen."""
 
     def __init__(self, board: Board, port: int, address: str = LOOPBACK) -> None:
         try:

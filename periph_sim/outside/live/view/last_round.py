@@ -84,7 +84,7 @@ class LastRound(Listener):
         self._span = one.phases[0].start_at, one.stop_at, one.name or "the last transfer"
 
     def wave(self, start: int) -> Wave | None:
-        """Return the waveform; None if no edge was recorded yet. start: the tick at which the run began."""
+        """Return the waveform; None before the first edge, round or transfer. start: the tick when the run began."""
         span = self._span or self._serial()
         if span is None:
             return None

@@ -80,8 +80,8 @@ class StatusSnapshot(TypedDict):
     where: the address at which clients reach the session.
     totals: numbers of bytes and rounds so far; "waiting" is the number of bytes that wait to be sent to the SCI.
     rates: the increase of each entry of `totals`, except "waiting", per simulated second. The entry "pace" is the
-        number of simulated seconds per second of real time. `rates` is empty in the first snapshot,
-        and while no simulated time passes.
+        number of simulated seconds per second of real time. `rates` is empty in the first snapshot, and if no simulated
+        time has passed within WINDOW.
     flags: the status flags that are set, such as "dsp.SCI-A.SCIRXST.FE".
     said: the latest messages about clients.
     over: True if the session has ended.
@@ -136,9 +136,10 @@ class Board:
             return (self._number, self._latest) if self._number > number else (number, None)
 
     def snapshots(self) -> Iterator[StatusSnapshot | None]:
-        """Yield the latest snapshot, then each newer one, until the board is closed and its last snapshot was yielded.
+        """Yield the latest snapshot, then newer ones, until the board is closed and its last snapshot was yielded.
 
-        If there is none for PATIENCE seconds, yield None, so that the reader can check other conditions.
+        If there is none for PATIENCE seconds, yield None, so that the reader can check other conditions. The last value
+        may be None, too.
         """
         number, closed = 0, False
         while not closed:

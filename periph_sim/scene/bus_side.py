@@ -33,8 +33,7 @@ class BusSide:
     before: callbacks that receive each transfer before all other subscribers.
     monitor: the monitor of the wires; None before the first use of `rounds`, and in scenes without a bus.
     wire_bytes: number of bytes in all transfers that were passed to `count`.
-    nacked: number of transfers passed to `count_nacked` that were not acknowledged. ACK polling of an EEPROM does not
-        count.
+    nacked: number of transfers that `count_nacked` counted.
     bit_skip: the object that simulates the first seven bits of a byte in one step; None if each bit is simulated.
     """
 

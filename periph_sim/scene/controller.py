@@ -39,7 +39,7 @@ class HeadPlan(Struct, frozen=True):
 
     requests: the requests of each round.
     startup: the requests before the first round, which set up the chips.
-    timing: the low, high, set-up and hold times of SCL and SDA, in ticks.
+    timing: the low, high, set-up, hold and bus-free times of SCL and SDA, and the filter time of SDA, in ticks.
     schedule: the times at which the sensor head, the agent that [controller] describes, begins rounds.
     asked: the transfers on the bus that result from `requests` and `startup`, and their schedule.
     stuck_after, clear_after: durations in ticks; `I2cController` describes them.
@@ -145,7 +145,7 @@ def build_head(
 def rounds_of(context: SceneContext, table: RoundsTable) -> MasterSchedule:
     """Return the requests in [rounds], which a unit or an outside party makes, and their schedule.
 
-    Raise BadCase for an invalid request, or if [rounds] has no request.
+    Raise BadCase for an invalid request, if [rounds] has no request, or if its period has too many ticks.
     """
     requests = _requests(context.case, table, "rounds")
     transfers = _transfers(requests, table.pointer_by == "STOP")
@@ -200,7 +200,7 @@ MODULE = "I2C-A"
 def bit_skip_of(context: SceneContext, controller: I2cController | None, units: Mapping[str, Dsp]) -> BitSkip:
     """Return the object that simulates the first seven bits of a byte on SCL and SDA in one step.
 
-    controller: the agent that drives SCL as the master; None if a unit is the master.
+    controller: the agent that drives SCL as the master; None if the case has no [controller].
     """
     from ..bus.i2c.bit_skip import BitSkip
     from ..bus.i2c.skipping_controller import SkippingController

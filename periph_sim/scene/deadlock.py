@@ -2,10 +2,10 @@
 
     the wait depends on         what can end the wait
     registers of a module       if the module's clock is on: its events, and changes of its wires by other parties
-                                if the CPU takes interrupts: events of the modules whose interrupts are enabled
-    registers without a model   nothing
-    memory                      service routines of interrupts
-    IDLE                        events of the modules whose interrupts IER and PIEIER enable
+                                if the CPU takes interrupts: those of the modules whose interrupts are enabled, too
+    registers without a model   the watchdog, if no service routine restarts it
+    memory                      service routines of interrupts, and the watchdog
+    IDLE                        the watchdog; events and wires of the modules whose interrupts IER and PIEIER enable
 
 A unit is idle, not stuck, if it waits for an agent that has completed its schedule, or for firmware that has ended,
 because the wait could end with a longer schedule or other firmware. Units that wait only for each other are stuck.
@@ -135,7 +135,7 @@ def takes_interrupts(dsp: Dsp) -> bool:
 
 
 def refused(dsp: Dsp, instant: Callable[[int], str]) -> str:
-    """Return a phrase that says when I2CSTR.NACK was set, and what was not acknowledged; "" if NACK is 0."""
+    """Return when I2CSTR.NACK was set, and, if known, what was not acknowledged, as a phrase; "" if NACK is 0."""
     state = cast("I2c", dsp.sockets["I2C-A"].chip).state
     if not state.str & STR_NACK:
         return ""
@@ -163,7 +163,7 @@ def signals_behind(dsp: Dsp, spin: Spin) -> list[str]:
 
 
 def waking(dsp: Dsp) -> list[str]:
-    """Return the names of the unit's modules whose interrupts IER and PIEIER enable."""
+    """Return the names of the unit's modules whose interrupts IER and PIEIER enable; IER alone for INT13 and INT14."""
     ier = dsp.core.ier
     enabled = [
         name
@@ -197,8 +197,8 @@ SETTLED = Fraction(1, 1_000_000)  # seconds after which delayed outputs and hold
 def deadlocks_of(scene: Scene) -> list[str]:
     """Return a sentence for each unit whose firmware waits for an event that cannot occur.
 
-    The sentence names the wait, its start and the reason. If the run was aborted because firmware let no simulated time
-    pass, return only the sentence about this firmware.
+    The sentence names the wait and the reason, and the start of a wait outside IDLE. If the run was aborted because
+    firmware or a device let no simulated time pass, return only the sentence about this code.
     """
     if scene.stalled:
         return [scene.stalled]

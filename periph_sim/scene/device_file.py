@@ -26,8 +26,8 @@ def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: 
 
     place: the object through which the device accesses the scene.
 
-    Raise BadCase if the file cannot be loaded, or if its class or its settings are wrong. Raise FirmwareStalled if the
-    code in the file takes more CPU time than `stall_limit` of the case.
+    Raise BadCase if the table has no address, if the file cannot be loaded, or if its class or its settings are wrong.
+    Raise FirmwareStalled if the code in the file takes more CPU time than `stall_limit` of the case.
     """
 
     def mistake(what: str, *key: str | int) -> Exception:

@@ -1,7 +1,7 @@
 """The devices of a case on a scene's bus: targets connected to SCL and SDA, one for each `[device.NAME]` table.
 
-DeviceTable --> family of `devices.targets`, or a Python file --> Target
-SCL, SDA <--> TargetSide <--> DisturbedTarget (only if the table has stretches or faults) <--> Target
+DeviceTable --> family of `devices.targets` or of a plugin, or a Python file --> Target
+SCL, SDA <--> TargetSide <--> DisturbedTarget (only if the table has stretches, or faults other than "off") <--> Target
 """
 
 from __future__ import annotations
@@ -145,7 +145,8 @@ def build_devices(context: SceneContext, known: Mapping[str, Wire], taken: Mappi
     known: a dictionary from names to wires of the scene.
     taken: a dictionary from the address of a sensor chip to its name.
 
-    Raise BadCase for an invalid device, or for one whose name or address another party has.
+    Raise BadCase for an invalid device, or for one whose name or address another party has. Raise FirmwareStalled as
+    `device_of_file` does.
     """
     case = context.case
     devices: dict[str, DeviceOnBus] = {}

@@ -102,7 +102,7 @@ def imported(
 
 
 def existing(path: Path, what: str, refused: Callable[[str], Exception]) -> Path:
-    """Return `path` unchanged. Raise the exception `refused(why)` if there is no such file.
+    """Return `path` unchanged. Raise the exception `refused(why)` if it is not a regular file.
 
     what: the kind of file, for messages.
     """
@@ -113,7 +113,7 @@ def existing(path: Path, what: str, refused: Callable[[str], Exception]) -> Path
 
 
 def why_not_loaded(error: BaseException, folder: Path) -> str:
-    """Return why a file of user code cannot be loaded, as a phrase with the line or the fix.
+    """Return why a file of user code cannot be loaded, as a phrase, with the line or the fix if one is known.
 
     error: the exception that the import raised. folder: the folder of the file.
     """
@@ -178,7 +178,7 @@ class Firmware(Struct, frozen=True):
     """A program: its main function, and the dataclass of its settings if the program has settings.
 
     main: the function that runs the program, called with the unit and its settings.
-    settings: the dataclass `Settings` of the program; None if there is none.
+    settings: the object `Settings` of the program; None if there is none. Only a dataclass has settings.
     replay: the names in the module's list `REPLAY`: settings that a replay may set to values from a capture.
     """
 
@@ -238,7 +238,10 @@ _loaded_once = lru_cache(maxsize=64)(_loaded)  # used for shipped programs, whic
 
 
 def _replay_settings(name: str, module: ModuleType) -> tuple[str, ...]:
-    """Return the names in a module's `REPLAY`; () if it has none. Raise BadFirmware for a name that is no setting."""
+    """Return the names in a module's `REPLAY`; () if it has none.
+
+    Raise BadFirmware for a name that is no setting, or if `REPLAY` is no tuple or list of texts.
+    """
     given: object = getattr(module, "REPLAY", ())
     kind = getattr(module, "Settings", None)
     known = [*keys_of(kind)] if inspect.isclass(kind) and is_dataclass(kind) else []
@@ -262,7 +265,7 @@ def run_main(firmware: Firmware, dsp: Dsp, settings: object) -> None:
 def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
     """Return the firmware's Settings with the given values; None if the firmware has no settings.
 
-    Raise BadSetting for a wrong name or value.
+    Raise BadSetting as `filled` does, or if values are given but the firmware has no settings.
     """
     kind = firmware.settings
     if not (inspect.isclass(kind) and is_dataclass(kind)):
@@ -273,7 +276,9 @@ def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
 
 
 def filled(kind: type[T], given: dict[str, object], who: str) -> T:
-    """Return an object of the dataclass `kind` with the given values. Raise BadSetting for a wrong name or value.
+    """Return an object of the class `kind` with the given values.
+
+    Raise BadSetting for a wrong name or value, or if a setting without a default is missing.
 
     who: the owner of the settings, such as "firmware imu_hil", for messages.
     """
@@ -293,7 +298,7 @@ _shared: dict[tuple[type, str], object] = {}
 
 
 def shared(kind: type[T], given: dict[str, object], who: str) -> T:
-    """Return an object as `filled` does. If the dataclass is frozen, all scenes with these values share one object."""
+    """Return an object as `filled` does. If the dataclass is frozen, objects with equal values come from a cache."""
     if not cast(Any, kind).__dataclass_params__.frozen:
         return filled(kind, given, who)
     key = kind, repr(given)

@@ -2,7 +2,7 @@
 
 unit.memory             --> PresetMemory: initial values of variables
 budgets, span records   --> FunctionSpans: a span for each function
-cpu load, wait records  --> record_waits: the times in IDLE
+cpu load, wait records  --> record_waits: the waits, in IDLE or in loops
 budgets on variables    --> VariableRecords: the values of variables
 budgets on the stack    --> StackDepth: the depth of the stack
 """
@@ -22,7 +22,8 @@ from .case.unit_table import Unit
 def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgram, recorder: Recorder) -> None:
     """Add the observers to a program before its first instruction.
 
-    Raise BadCase if the image lacks a variable in `unit.memory`, or the section of the stack that a budget needs.
+    Raise BadCase if the image lacks a variable in `unit.memory` or its value does not fit, or if the image lacks the
+    section of the stack that a budget needs.
     """
     if recorder.wants(Kind.SPAN):
         program.add_call_listener(FunctionSpans(recorder, name, program.place_of))

@@ -35,7 +35,10 @@ LONGEST_LINE = 1 << 20  # a line with this number of characters or more is rejec
 
 
 class BadLog(ValueError):
-    """Error: a file is no log of a session, or is damaged. The message is one sentence with the line."""
+    """Error: a file is no log of a session, cannot be read, is damaged, or does not fit the case.
+
+    The message is one sentence, with the line if a line is wrong.
+    """
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,8 @@ class Instant(NamedTuple):
 class LogReader:
     """Reader of a session's log.
 
-    The constructor and `instants` raise BadLog if the file is not the log of a session, or is damaged.
+    The constructor and `instants` raise BadLog if the file is not the log of a session, or is damaged. The constructor
+    raises it also if the file cannot be opened.
     """
 
     def __init__(self, path: Path) -> None:
@@ -105,7 +109,10 @@ class LogReader:
         )
 
     def instants(self) -> Iterator[Instant]:
-        """Yield the instants in order of time, then set `end`. Raise BadLog if the log has nothing after its head."""
+        """Yield the instants in order of time, then set `end`.
+
+        Raise BadLog for a wrong line, or if the log has neither an instant nor an end.
+        """
         last, sent = -1, dict[str, int]()
         with self._file:
             while (value := self._line()) is not None:

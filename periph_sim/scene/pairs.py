@@ -43,8 +43,9 @@ class Pairs:
     def lines(self) -> Mapping[str, Line]:
         """Return a line function for each pair, by its name. A pair is one wire in the scene.
 
-        The line function returns the bit length and the format of the party that drives the pair now. If no party
-        drives the pair, the function returns those of the pair's first SCI.
+        The line function returns the bit length and the format of the party that drives the pair now; of several
+        parties, the one that has driven it longest. If no party drives the pair, it returns those of the pair's first
+        SCI.
         """
         return {name: partial(self._line, pair) for name, pair in self._pairs.items()}
 

@@ -1,8 +1,9 @@
 """The plan of a scene: everything that depends only on the case, computed once for all its scenes.
 
-    Case --> ScenePlan: ticks, wiring, names for budgets, plans of units, controller and host --> any number of Scenes
+    Case --> ScenePlan: ticks, wiring, names and plans of budgets, plans of units, controller and host --> Scenes
 
-A plan contains nothing that a run changes, and nothing that is read from a file other than the case's.
+A plan contains nothing that a run changes. Of the files other than the case's, only the sensors of plugins are read
+once for a plan; names for budgets are read again for each scene.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ class ScenePlan:
 
     @cached_property
     def ticks(self) -> CaseTicks:
-        """The converter of the case's times to ticks."""
+        """The converter of the case's times to ticks. Raise BadCase if `start` has too many ticks."""
         case = self.case
         timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
         try:
@@ -78,7 +79,7 @@ class ScenePlan:
     def limits(self) -> tuple[BudgetPlan, ...]:
         """The plans of the budgets. They are made again at each access if `scope` is read again at each access.
 
-        Raise BadCase for an invalid budget.
+        Raise BadCase for an invalid budget or unit.
         """
         if self._limits is None or self._names_of_files:
             # The units are checked first: if the table of a unit misspells a module, budgets that name the module are
@@ -108,7 +109,7 @@ class ScenePlan:
 
     @cached_property
     def head(self) -> HeadPlan:
-        """The requests of the [controller] and their schedule. Raise BadCase for requests that cannot be made."""
+        """The requests of the [controller] and their schedule. Raise BadCase for invalid requests or times."""
         return parts.controller.head_plan(self.ticks)
 
     @cached_property

@@ -5,7 +5,7 @@
 
 The attributes of a module decide what it defines (see `DEFINES`). A file is imported like a firmware file: in a package
 of its own, with the files of the same folder that it imports. Entry points are searched only for a name that neither
-periph_sim nor the project defines, because the search takes longer than many runs.
+periph_sim nor the project defines, and for all capture formats, because the search takes longer than many runs.
 """
 
 from __future__ import annotations
@@ -86,7 +86,8 @@ def known(folder: Path, attribute: str, shipped: Mapping[str, T], names: Iterabl
     shipped: the definitions of periph_sim itself, by name.
     names: the names that a case uses. If any of them is unknown, the plugins of entry points are included.
 
-    Raise BadCase if a plugin cannot be loaded, or defines a name that periph_sim or another plugin defines.
+    Raise BadCase if a plugin cannot be loaded, has a wrong definition, or defines a name that periph_sim or another
+    plugin defines.
     """
     found: dict[str, Any] = dict(shipped)
     owners: dict[str, Plugin] = {}

@@ -4,8 +4,8 @@
                                    --run(changes)----> Result
 
 Everything that depends only on the case is computed once (`plan.ScenePlan`). If keys are changed, only the tables of
-these keys are checked again. Everything that a run changes is new in each run: firmware modules, devices, wires, chips
-and random generators.
+these keys are checked again, unless the case has [outside] or is not valid. Everything that a run changes is new in
+each run: firmware modules, devices, wires, chips and random generators.
 """
 
 from __future__ import annotations
@@ -40,7 +40,8 @@ class PreparedScene:
     case: a case from `load` or `make_case`, or the path of a file, which is read once.
     changes: "key=value" texts applied to the file for all runs; not allowed with a Case.
 
-    Raise BadCase if the file cannot be read. `scene` and `run` raise BadCase if the file is not a valid case.
+    Raise BadCase if the file cannot be read, or if a Case has nothing to run or comes with changes. `scene` and `run`
+    raise BadCase if the file is not a valid case.
     """
 
     def __init__(self, case: Case | str | Path, changes: Sequence[str] = ()) -> None:
@@ -111,7 +112,7 @@ class PreparedScene:
         record: a file for the records, in the format of its suffix.
 
         Raise BadCase, FirmwareError or a similar error, with one sentence, if the case cannot be run. Raise
-        BadRecording if `record` is a file that this run has read.
+        BadRecording if `record` has an unknown suffix, cannot be written, or is a file that this run has read.
         """
         case = self.plan(changes).case
         length, firmware = length_and_firmware(case, seconds, programs)

@@ -82,8 +82,8 @@ class Project(Struct, frozen=True):
 
         The default applies if the project sets no folder of baselines, or if the case is not among the project's cases.
 
-        The folder of baselines has the same sub-folders as the folder of cases, so that two cases of the same name have
-        different baselines.
+        The folder of baselines has the same sub-folders as the folder of cases, so that two cases of the same name in
+        one of these folders have different baselines. Cases with equal paths inside two folders share one baseline.
         """
         if self.settings.baselines is None:
             return None
@@ -96,7 +96,7 @@ class Project(Struct, frozen=True):
 
 
 def project_of(folder: Path) -> Project:
-    """Return the project that a folder belongs to. Raise BadCase, with file and key, if its table is wrong."""
+    """Return the project that a folder belongs to. Raise BadCase if its table is wrong or its file is not TOML."""
     for above in (folder.resolve(), *folder.resolve().parents):
         settings = _settings(above / FILE)
         if settings is not None:

@@ -28,7 +28,7 @@ class ReleaseDelay:
         self._setup: int = i2c.sda_setup_before_scl_release.unrecorded()
         self._pin: int = system.gpio_out_delay.unrecorded()
         self._touched: frozenset[str] = frozenset()  # the options that the module had used before the last `_look`
-        self._writes = -1  # the number of writes of the module's registers at the last call of `_look`
+        self._writes = -1  # the value of `Chip.writes` at the last call of `_look`
         self._cycles = 0  # the delay in cycles, computed by the last call of `_look`
 
     def ticks(self, written: int) -> int:
@@ -43,7 +43,7 @@ class ReleaseDelay:
         return clock.tick(cycle + self._cycles) - clock.tick(cycle)
 
     def _look(self, now: int) -> None:
-        """Read I2CPSC and I2CEMDR, which only a write changes, and compute the delay in cycles."""
+        """Read I2CPSC and I2CEMDR, which only writes and resets change, and compute the delay in cycles."""
         chip = self._socket.chip
         self._writes = chip.writes
         touched = chip.touched

@@ -27,20 +27,20 @@ SKIPPED = "polls_skipped"
 class Result:
     """The result of a run.
 
-    verdict: "fail" if a budget is broken or not judged, if firmware waits for an event that cannot occur, or if the
-        controller still waits for a line that another party holds low. Otherwise "pass", or "not judged" if the case
-        has no budgets.
+    verdict: "fail" if a budget is broken or not judged, if firmware waits for an event that cannot occur, if firmware
+        or a device let no simulated time pass, or if the controller still waits for a line that another party holds
+        low. Otherwise "pass", or "not judged" if the case has no budgets.
     wall_s: seconds of real time of the run, without the time to build the scene.
-    wire_bytes: number of complete bytes on the I2C bus, including addresses.
+    wire_bytes: number of complete bytes on the I2C bus, including addresses (`Scene.bytes_on_bus`).
     bytes_skipped: number of I2C bytes whose first seven bits were simulated in one step.
     sci_bytes: number of characters that the host, the parties in [serial] and an outside party sent to SCIs of units.
     sci_bytes_sent: number of characters that SCIs of units sent.
     sci_errors: number of characters that SCIs of units received with each kind of error; empty without an SCI.
     estimated: names of the units that run C sources. The cycles between the accesses of these units are estimated.
     stuck: sentences about lines that stayed low, at most ten, and about firmware that waits for an event that cannot
-        occur.
-    wrong: the number of wrong bytes that were read, by place, such as "gyroscope byte 0". It is empty if no bytes are
-        compared.
+        occur, or code that let no simulated time pass.
+    wrong: the number of wrong bytes that were read, by place, such as "gyroscope byte 0". Places without wrong bytes
+        are left out.
     first_wrong: a sentence about the first read with a wrong byte; "" if there is none.
     ends: a sentence for each unit with an image about what the image does at the end of the run. There is no sentence
         for units whose image has ended, nor for units whose firmware is named in `stuck`.
@@ -146,7 +146,7 @@ def touched_sets(scene: Scene) -> Iterator[set[str]]:
 
 
 def notes_of(scene: Scene) -> list[str]:
-    """Return the notes of the run, one line each: on the case, units, chips, devices, faults, rounds and lines."""
+    """Return the notes of the run, one line each: on case, units, chips, devices, faults, rounds, host and lines."""
     obsolete = [obsolete_fidelity(scene.case.fidelity)] if scene.case.fidelity else []
     lines = [*obsolete, *scene.case.replaced, *([scene.log_ends_early] if scene.log_ends_early else [])]
     for name, dsp in scene.units.items():
@@ -191,7 +191,7 @@ def notes_of(scene: Scene) -> list[str]:
 
 
 def _late_parties(scene: Scene) -> list[str]:
-    """Return a note for a controller or host whose first round or frame is due at or after the end of the case."""
+    """Return a note for a controller or host whose key `first` is at or after the end of the case."""
     case, timebase = scene.case, scene.timebase
     end = timebase.show(timebase.ticks(case.duration, "nearest"))
     return [
@@ -252,5 +252,5 @@ def pins_of(gpio: Gpio, descriptor: ModuleDescriptor, signal: str) -> tuple[int,
 
 
 def _key(name: str) -> str:
-    """Return a name as a TOML key, quoted if necessary."""
+    """Return a name as a TOML key, quoted if it has a point."""
     return f'"{name}"' if "." in name else name

@@ -68,7 +68,8 @@ class Scene:
     keep_values: True to keep all values of measures that have a series of values, for `BudgetJudge.values`.
     sources: a dictionary from a sensor chip to a function of the tick that returns the chip's input; it replaces the
         key `values` of the chip's table.
-    restorable: True to log the accesses of C sources, so that `restore` need not run the scene from its start.
+    restorable: True to log the accesses of C sources, so that `restore` need not run the scene from its start. No
+        effect if a unit runs Python firmware.
     """
 
     WIRES = SceneWires
@@ -125,13 +126,13 @@ class Scene:
         self.truth: Truth | None = None
         self.model: FirmwareModel | None = None  # the model with which firmware computes the data of chips
         self.frames: FrameSource | None = None  # source of the host's frames; None if the host has no motion
-        # `_counter` counts the bytes on the wires. It is None if there is no bus, or if the controller agent is the
-        # only master. In the latter case, `bus` counts the bytes of the controller agent.
+        # `_counter` counts the bytes on the wires. It is None if there is no bus, or if there is a controller agent and
+        # no outside party drives the bus. In the latter case, `bus` counts the bytes of the controller agent.
         self._counter: BusRecorder | None = None
         self.bus = BusSide(case, self.wires, self.timebase.ticks(SPIKE, "nearest"))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
         self.log_ends_early = ""  # a sentence if the log in [outside] is cut off before its end; else ""
-        self.stalled = ""  # a sentence if the run was aborted because firmware let no simulated time pass; else ""
+        self.stalled = ""  # a sentence if the run was aborted because user code let no simulated time pass; else ""
         # The last snapshot with logs of the accesses of C sources. `restore` of another scene can start from it.
         self.checkpoint: Snapshot | None = None
         self._wall = 0.0  # seconds of real time that the run has taken
@@ -208,7 +209,7 @@ class Scene:
     # Building the scene ------------------------------------------------------------------
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """Raise BadCase if a budget can never be broken, because the scene lacks a part or table that it needs.
+        """Raise BadCase if a budget can never be broken, because the scene or case lacks something that it needs.
 
         entry: the index of the budget in the case. limit: the judge of the budget, or of one of its conditions.
         """
@@ -272,7 +273,7 @@ class Scene:
         """Return the number of complete bytes on the I2C bus, including addresses.
 
         The bytes are counted on the wires if there is no controller agent, or if an outside party also drives the bus.
-        Otherwise, they are counted in the transfers of the controller agent.
+        Otherwise, only the bytes in the transfers of the controller agent are counted.
         """
         if self._counter is not None:
             return self._counter.bytes

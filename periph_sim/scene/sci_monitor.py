@@ -1,9 +1,10 @@
 """Records of an SCI's receiver: words waiting, overruns and characters received.
 
 record     value                                  recorded when
-words      number of words in the receive FIFO    this number or an overrun flag changes
-lost       1                                      an overrun flag is set, because a character was lost
-received   1                                      a character increments RXFFST (without FIFO: sets RXRDY), or is lost
+words      number of words in the receive FIFO    this number or RXFFOVF | OE changes
+lost       1                                      RXFFOVF | OE becomes 1, because a character was lost
+received   1                                      a character increments RXFFST (without FIFO: sets RXRDY), or `lost` is
+                                                  recorded
 """
 
 # core: compiled

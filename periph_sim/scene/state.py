@@ -53,8 +53,8 @@ def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
     values in the logs of their accesses, and the scene is run only from there.
 
     Raise NotRestorable, with nothing changed, if the case, a program or the records are not equal, if the scene has run
-    already, or if the accesses of C sources differ from those in their logs. Raise NotRestorable also if the state
-    after the run differs from the snapshot.
+    already, if a state cannot be assigned, or if the accesses of C sources differ from those in their logs. Raise
+    NotRestorable also if the state after the run differs from the snapshot.
     """
     if scene.kernel.events or scene.kernel.now != scene.start:
         raise NotRestorable("the scene has run already; restore the snapshot into one that has just been built")
@@ -241,7 +241,7 @@ def _recorded(recorder: Recorder) -> Iterator[object]:
 
 
 def _bytes_of(source: Path) -> bytes:
-    """Return the present contents of a source file; b"" for code that is in no file."""
+    """Return the present contents of a source file; b"" if it cannot be read."""
     try:
         return source.read_bytes()
     except OSError:

@@ -27,9 +27,9 @@ def line_of(dsp: Dsp, module: str = "SCI-A") -> uart_line.Line:
 def _settings(dsp: Dsp, module: str) -> tuple[int, int, Fraction, int]:
     """Return (SCICCR, SCIHBAUD and SCILBAUD as one number, SYSCLKOUT in Hz, divider of LSPCLK).
 
-    The registers are read at cycle 0. This is correct, since only writes change them. A read at the present cycle would
-    advance the state of the chip before its own event in this tick, so that subscribers to its flags would not be
-    notified.
+    The registers are read at cycle 0. This is correct, since only writes and resets change them. A read at the present
+    cycle would advance the state of the chip before its own event in this tick, so that subscribers to its flags would
+    not be notified.
     """
     chip = dsp.sockets[module].chip
     ccr = chip.peek(0, SCICCR.offset)

@@ -103,7 +103,7 @@ class UartSide:
     def count(self, wires: Collection[str]) -> None:
         """Start to decode and count the characters that the outside party sends to SCIs.
 
-        wires: the wires that the outside party drives. Wires that lead to no SCI are ignored.
+        wires: the wires that the outside party drives. Wires that are not at the RX of an SCI are ignored.
         """
         for name in dict.fromkeys(sci.rx for sci in self._scis if sci.rx in wires):
             self._counter(name).on_character.append(partial(self._came, name))
@@ -167,8 +167,8 @@ class UartSide:
         """Start recording the waiting words and losses of SCIs' receivers, and the characters on their RX lines.
 
         A character makes one record for each SCI on its line. The tick of the record is that of the start bit, but the
-        record is made only when the next character begins or the run ends, because `UartCounter` reports the character
-        then.
+        record is made only when the next character begins, or at the end of the run if the character is complete then,
+        because `UartCounter` reports the character then.
         """
         from .sci_monitor import SciMonitor
 

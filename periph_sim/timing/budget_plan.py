@@ -50,7 +50,8 @@ class BudgetPlan(Struct, frozen=True):
     limits: the same limits in ticks, millionths or counts.
     not_before: `after` as a tick; NO_TIME if no occurrence is left out.
     joined: the conditions under the key `and`, each as a pair of a budget and its plan.
-    same_as: the index of the earlier budget that has the same measure; -1 if there is none.
+    same_as: the index of the first earlier budget that has the same measure and `after`; -1 if there is none. A budget
+        with joined conditions is the same as no other.
     """
 
     text: str
@@ -70,7 +71,9 @@ def plan_of(
     start: int = 0,
     others: Sequence[BudgetPlan] = (),
 ) -> BudgetPlan:
-    """Return the plan of a budget. Raise BadBudget if the budget cannot be judged.
+    """Return the plan of a budget.
+
+    Raise BadBudget if the budget cannot be judged. Raise TimeError if `after` has too many ticks.
 
     scope: the names that a measure of events may contain. start: the tick at which the run begins. others: the plans of
     the earlier budgets in the same scene.
@@ -106,7 +109,8 @@ def _joined(
 
     measure: the measure of the budget. entry: the index of the condition.
 
-    Raise BadBudget if one of the two measures does not take one value for each addressed phase (`Measure.occurrence`).
+    Raise BadBudget if the condition cannot be judged, or if one of the two measures does not take one value for each
+    addressed phase (`Measure.occurrence`).
     """
     given = budget.also[entry]
     try:

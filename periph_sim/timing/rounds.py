@@ -4,11 +4,11 @@
                      +--> recognized in order --+--> rounds: due, begin, end, refused requests
     MasterSchedule --'                          '--> rounds due, rounds missed
 
-A transfer fulfils a request if it begins with the same address and R/W bit, and writes the same bytes, up to a NACK. A
-transfer that matches no request belongs to no round. A round begins with its first START, and ends with the STOP of its
-last request. If the START comes later than `MasterSchedule.late` allows, the duration of the round counts from the
-latest time that is allowed. If the first request comes again before the last one was made, the round is broken off and
-the next round begins.
+A transfer fulfils a request if the first phases of both have the same address and R/W bit, and write the same bytes, up
+to the end of the shorter of the two writes. A transfer that matches no request belongs to no round. A round begins with
+its first START, and ends with the STOP of its last request. If the START comes later than `MasterSchedule.late` allows,
+the duration of the round counts from the latest time that is allowed. If a transfer fulfils the first request, but none
+of the requests that have not been made yet, the round is broken off and the next round begins.
 
 A round is missed if it does not begin, or if one of its requests is skipped because a later request is made instead. A
 round that is broken off is missed, too, because its last request is skipped.
@@ -143,7 +143,7 @@ class BusRounds:
 
     on_transfer: called with each transfer at its end.
     on_round: called with each complete round at its end.
-    on_other: called with each transfer that matches no request.
+    on_other: called with each transfer that matches no request and is no ACK poll.
     on_due: called with the due time of a round when the round is complete, broken off or missed.
     on_missed: called with the due time of a round that did not begin. If a request of a round was not made, called with
         the tick of the START of the transfer that was made in its place.
@@ -200,7 +200,8 @@ class BusRounds:
     def finish(self, now: int) -> None:
         """Report the rounds that were due but did not begin before the run ended at tick `now`.
 
-        A transfer that is in progress at this time counts as the first of a round if no round is in progress.
+        A transfer that is in progress at this time counts as the first of a round if neither a round nor the set-up is
+        in progress.
         """
         begun_at = self._begun_at()
         if self._schedule is not None:

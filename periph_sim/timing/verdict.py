@@ -26,7 +26,7 @@ class Verdict:
 
     worst, limit, margin: in microseconds for times, percent for shares of time, LSB for values in LSB, else whole
         numbers. If the budget has several limits, these figures are for the limit with the smallest margin. `worst` and
-        `margin` are None if nothing was measured.
+        `margin` are None if nothing was measured that can be judged.
     at_s: the time of `worst` in seconds from the start of the run; for a refuted budget whose `worst` keeps the limit,
         the start of the fault that refutes the budget; None if there is neither.
     count: the number of values, or the measured count.

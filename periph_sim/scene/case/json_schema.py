@@ -1,7 +1,8 @@
 """The JSON schema of case files, for editors.
 
-The schema is derived from the tables of `Case`, the kinds of faults and motions with their settings, and the options
-of a unit. The settings of firmware are defined in its source, so the schema allows any keys in the table `settings`.
+The schema is derived from the tables of `Case`, the kinds of faults, motions, devices and watchers with their settings,
+and the options of a unit. The settings of firmware are defined in its source, so the schema allows any keys in the
+table `settings`.
 
     int, Annotated[...], a `Table` ... --schema_of--> {"type": "integer"} ...
 
@@ -102,7 +103,7 @@ def _annotated(kind: Any, checks: tuple[Any, ...], definitions: Schema) -> Schem
 
 
 def schema_of_table(kind: Any, definitions: Schema) -> Schema:
-    """Return the schema of a table: its keys, with their defaults where a JSON value can express the default."""
+    """Return the schema of a table: its keys, with their defaults where the schema of the key can express them."""
     keys = keys_of(kind)
     about, of_keys = descriptions(kind)
     properties = {said: _property(key, definitions) for said, key in keys.items()}

@@ -98,7 +98,8 @@ def case_of_tables(tree: dict[str, Any], label: str, changes: Sequence[str] = ()
 
     Raise BadCase if the case is not valid.
 
-    label: the name of the case in messages, in place of a file.
+    label: the name of the case in messages, in place of a file. Integers and names are not checked as in a file
+        (`refuse_unusable`).
     """
     places = tuple((change, apply(tree, change)) for change in changes)
     source = Source(Path(label), "", places, tuple(texts_in(tree)))
@@ -268,7 +269,8 @@ class CaseFile:
     def _changed(self, changes: Sequence[str]) -> Case | None:
         """Return the changed case. Only its changed tables are checked.
 
-        Return None if a changed key is unknown or has a wrong value.
+        Return None if a changed key is unknown or has a wrong value. Raise ValueError if a change cannot be applied, or
+        if the changed tables contradict other tables.
         """
         named = {change.partition("=")[0].partition(".")[0].strip() for change in changes}
         tree = self._tree | {key: copied(self._tree[key]) for key in named if key in self._tree}

@@ -94,7 +94,8 @@ class Case(Table, frozen=True, kw_only=True):
     def completed(self) -> Case:
         """Return this case with a budget for each expected reply, send with `expect = "nothing"` and watched wire.
 
-        Raise BadTable if a table contradicts another table, or if `breaks` names an unknown budget.
+        Raise BadTable if a table contradicts another table, if `breaks` names an unknown budget, if `host.lose` names a
+        byte that no frame has, or if times of [inputs] are not in order.
         """
         known_budgets = {(budget.name, budget.measure) for budget in self.budget}
         made = [budget for _, budget in self._made_budgets() if (budget.name, budget.measure) not in known_budgets]
@@ -167,7 +168,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def file(self) -> Path | None:
-        """The path of the case's file; None if the case was not read from a file."""
+        """The path of the case's file; for tables given to `make_case`, their label; None for a Case without source."""
         return None if self._source is None else self._source.path
 
     def files(self) -> Iterator[Path]:
@@ -191,7 +192,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def rx_sender(self) -> str:
-        """The name of the sender on RX: the host, or the outside party that replaces it; "" if only a unit can send."""
+        """The name of the sender on RX: the host, or the outside party that replaces it; "" if there is neither."""
         return "the host" if self.host is not None else "the outside" if "host" in self._replaced else ""
 
     @property
@@ -208,8 +209,8 @@ class Case(Table, frozen=True, kw_only=True):
     def recorded_modules(self) -> dict[str, tuple[str, ...]]:
         """A dictionary from a unit to the names that a recording lists for this unit.
 
-        The names are the modules of the unit, and "pin:WIRE" for its wires other than SDA, SCL, RX and TX. A wire that
-        is connected to several units is listed only for the first of them.
+        The names are the modules of the unit, and "pin:WIRE" for its wires and RS-485 pairs other than SDA, SCL, RX and
+        TX. A wire that is connected to several units is listed only for the first of them.
         """
         usual = ("SDA", "SCL", "RX", "TX")
         wires = {name: dict.fromkeys(pins.values()) for name, pins in wiring_of(self).pins.items()}

@@ -1,6 +1,7 @@
 """The optimizations of a run, which the key `disable` of a case can switch off, and the obsolete key `fidelity`.
 
-An optimization saves time and changes nothing else: records, verdicts and figures are equal without it.
+An optimization saves time and changes nothing else: records and verdicts are equal without it. Only figures about the
+work of the simulator differ, such as the number of skipped polls.
 """
 
 from __future__ import annotations

@@ -63,9 +63,12 @@ def _child(tree: object, part: str | int) -> object:
 
 
 def line_of(text: str, place: Place) -> int:
-    """Return the number of the line with a key; if there is none, the line with the header of the key's table.
+    """Return the number of the line with a key.
 
-    text: the text of a TOML file. place: the keys that lead to the key. Return 0 if the text has neither line.
+    If there is none, return the line of the last header of the key's table, or of a table that contains this table.
+    Return 0 if the text has neither line.
+
+    text: the text of a TOML file. place: the keys that lead to the key.
     """
     names = [str(part) for part in place if isinstance(part, str)]
     entry = next((part for part in place if isinstance(part, int)), 0)

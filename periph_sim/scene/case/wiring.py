@@ -4,10 +4,10 @@
     [unit.NAME] pins ------> names ------+--joined--> Wiring: GPIO number -> wire, for each unit
     [[cable]] -------------> joints -----'
 
-All I2C-A modules are on one bus, SDA and SCL. Each SCI has its own lines, which a cable can join with other lines. If
-only one unit has an SCI-A, its lines are RX and TX. If only one unit has an SCI-B, its lines are SCI-B.RX and SCI-B.TX.
-If several units have the module, the names begin with the unit, as in left.SCI-B.RX. But if the case has a host, the RX
-pins of all SCI-A modules are on the host's line RX.
+All I2C-A modules are on one bus, SDA and SCL, unless `pins` names their pins. Each SCI has its own lines, which a cable
+can join with other lines. If only one unit has an SCI-A, its lines are RX and TX. If only one unit has an SCI-B, its
+lines are SCI-B.RX and SCI-B.TX. If several units have the module, the names begin with the unit, as in left.SCI-B.RX.
+But if the case has a host, the RX pins of all SCI-A modules are on the host's line RX.
 
 The wire of a cable has the name of the cable, or of an end that is a named pin or a wire. If there is no such name, the
 wire has the full name of the pin at which the cable begins.
@@ -90,7 +90,7 @@ class Wiring(Struct, frozen=True):
 
 
 def wiring_of(case: Case) -> Wiring:
-    """Return the wiring of a case. Raise BadCase for an invalid cable or transceiver."""
+    """Return the wiring of a case. Raise BadCase for an invalid cable, or an invalid `de` of a transceiver."""
     joints = _Joints()
     for unit, pin, name in _named(case):
         joints.join((unit, pin), name)

@@ -1,7 +1,7 @@
 """The parties of [serial] at the lines of SCIs: they send bursts ([[serial.send]]) and read replies.
 
 events, times, replies --> Send --> BurstSender --> RX of an SCI
-TX of an SCI --> UartReader --> Reply (a measure), TextTrigger
+TX of an SCI --> UartReader --> Reply and Unsolicited (measures), TextTrigger
 """
 
 from __future__ import annotations
@@ -110,9 +110,9 @@ class SerialSide:
     def on_unsolicited(self, measure: Unsolicited) -> tuple[Callable[[tuple[int, ...]], str], Callable[[], str]]:
         """Add a measure of unsolicited characters.
 
-        A measure with a name counts the characters after the send of this name. A measure without a name counts the
-        characters of all SCIs in [serial]. The measure for notes, `_unasked`, counts only characters of SCIs from which
-        replies are expected.
+        A measure with a name counts the characters in the silence that begins with the send of this name. A measure
+        without a name counts the characters of all SCIs in [serial]. The measure for notes, `_unasked`, counts only
+        characters of SCIs from which replies of one rate and format are expected.
 
         Return two functions. The first one formats characters as text. The second one returns the reason why the send
         with the name of the measure never began.

@@ -5,7 +5,8 @@
     true values of each chip --------'
 
     thing                  tick                value
-    sample                 START of the read   the chip's address; for each read after the first host frame
+    sample                 START of the read   the chip's address; for each read whose transfer ends after the first
+                                               host frame. Only reads of 6 bytes make the records below
     value error            START of the read   difference from the true values at the first data bit of the read
     value error at frame   START of the read   difference from the true values at the due time of the host frame that
                                                fits best
@@ -13,8 +14,8 @@
                                                that fits best may be one that is no longer stored
 
 The frame that fits best is the frame with the smallest error. It is searched for among the last 8 frames and among all
-frames since the frame that fitted the chip's last read best. So `value error at frame` does not depend on the age of
-the values.
+frames since the frame that fitted the chip's last read best, but at most among the last 64 frames. So `value error at
+frame` does not depend on the age of the values.
 """
 
 from __future__ import annotations
@@ -39,8 +40,8 @@ BYTES = 6  # number of bytes of a read that returns a whole sample
 class _Chip:
     """The state of one chip, and the topics (`core.records`) of its records.
 
-    fitted: the due tick of the frame whose true values were nearest to the chip's last read; NO_TIME before the first
-        read.
+    fitted: the due tick of the frame whose true values were nearest to the chip's last read with a known frame; NO_TIME
+        before the first such read.
     """
 
     def __init__(self, recorder: Recorder, name: str, data: ChipData) -> None:

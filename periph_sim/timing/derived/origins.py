@@ -10,11 +10,12 @@ frame while its registers contain the values of this frame.
 If the chips show the values of frames (`FrameOrigins`), a read's bytes are compared with the last 8 frames and with
 every frame since the one that the chip showed last. The measure `age` judges how old the values are.
 
-If firmware computes the chips' values with models (`ModelOrigins`), each model run may have used any frame that ended
-before the MODEL pin rose. A chain is one possible sequence of the frames that the successive model runs used. No model
-run of a chain uses an older frame than the model run before it. After each read, the chains whose values disagree with
-the bytes read are removed. The number of chains is limited: if chains had to be left out, a read that agrees with none
-of the remaining chains is not judged. The level of the MODEL pin is the only information that the firmware provides.
+If firmware computes the chips' values with models (`ModelOrigins`), each model run may have used any of the last 64
+frames that ended before the MODEL pin rose. A chain is one possible sequence of the frames that the successive model
+runs used. No model run of a chain uses an older frame than the model run before it. After each read, the chains whose
+values disagree with the bytes read are removed. The number of chains is limited: if chains had to be left out, a read
+that agrees with none of the remaining chains is not judged. The level of the MODEL pin is the only information that the
+firmware provides.
 """
 
 # core: compiled
@@ -44,7 +45,8 @@ class Origin(NamedTuple):
         if the bytes are the values of no frame.
     ended: the tick at which the last stop bit of this frame ended; NO_TIME without a frame.
     wanted: the bytes that would have been right; of several possibilities, the bytes most similar to the bytes read.
-    judged: False if it is not known whether the bytes are right, because not all possible frames were compared.
+    judged: False if it is not known whether the bytes are right, because not all possible frames were compared, or
+        because the bytes are zeros of a chip that has never returned the values of a frame.
     """
 
     frame: int | None
@@ -144,7 +146,7 @@ class Origins:
         self._of: dict[int, Origin] = {}
 
     def of(self, phase: Phase) -> Origin | None:
-        """Return the origin of the data that a phase of the last transfer read; None if the phase read no chip."""
+        """Return the origin of the data that a phase of the last transfer read; None if it read no byte of a chip."""
         return self._of.get(id(phase))
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
@@ -286,7 +288,7 @@ class ModelOrigins(Origins):
     def _longer(self, run: ModelRun) -> list[Chain]:
         """Return all possible extensions of the chains by `run`.
 
-        If there are too many, return only those with the youngest frames.
+        If there are too many, extend each chain only by its newest possible frames, and return the first MOST results.
         """
         count: int = 0
         chain: Chain

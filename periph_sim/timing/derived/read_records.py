@@ -24,8 +24,9 @@ The model age is for firmware that computes the values of its chips from frames 
 "model" marks each model run. A model run is assumed to use the last frame that ended before the run began.
 
     thing            tick               value
-    bytes asked      START of the read  number of bytes requested
-    bytes compared   START of the read  number of bytes whose right values are known
+    bytes asked      START of the read  number of bytes requested or read, whichever is larger
+    bytes compared   START of the read  number of bytes whose right values are known; when a chip first returns values
+                                        of a frame, also the number of its earlier zeros, which are right then
     wrong bytes      START of the read  number of these bytes that are wrong
     expected byte    START of the read  256 * index of the byte in the read + right value; for each wrong byte
     zeros            end of the run     number of bytes read as 0 from chips that never returned a host frame's values

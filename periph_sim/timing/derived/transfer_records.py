@@ -9,8 +9,9 @@ acknowledge  SCL fall that ends the ACK slot of a read's address            0; f
 answer       SCL rise of the first data bit of a read                       0
 stretch      START of each acknowledged phase                               longest time others held SCL low, in ticks
 write end    STOP of a transfer whose last phase wrote at least one byte    address of this phase
-refused      START of a transfer that lost arbitration, or of which an      number of its phases
-             address was not acknowledged
+refused      START of a transfer that lost arbitration, of which an         number of its phases
+             address was not acknowledged, or that lacks a phase of its
+             request
 held         release of SCL by the master, if others hold SCL low until     ticks from this release to the run's end
              the run ends
 """
@@ -110,7 +111,7 @@ class RoundRecords:
     begin     start of the round        0; recorded for each complete round, when it ends
     end       last STOP of the round    0; recorded for each complete round
     next      due time of next round    0; recorded for each complete round, even if the round ended after this time
-    refused   due time of the round     number of requests whose address was not acknowledged; recorded if not 0
+    refused   due time of the round     number of transfers as in the record "refused" above; recorded if not 0
 
     period: the number of ticks from the due time of a round to the due time of the next round.
     starts: the due times of all rounds, if the case lists them; else empty. If it is not empty, `period` applies only

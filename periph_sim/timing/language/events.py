@@ -12,7 +12,7 @@
                     | "address" [ number ] [ "read" | "write" ] [ "ACK" | "NACK" ] )
             | "frame" [ line ] [ number ] [ "begin" | "end" | "error" | "cut" | "collision" ]
             | "variable" variable ( "change" | "=" number )
-            | "note" ( "duty" | "lost" | "unknown" | "overflow" )
+            | "note" [ unit ":" ] ( "duty" | "lost" | "unknown" | "overflow" )
             | "record" ( "transfer" | "round" | "receiver" | "data" | "bus" ) thing [ "of" ( chip | unit | number ) ]
 
     text --event_of--> Event + Scope --matcher--> Matcher
@@ -54,9 +54,9 @@ class Event(Struct, frozen=True):
     """An event that the text of a measure names.
 
     kind: the first word of the event.
-    unit: the unit that the text names; "" if it names none.
-    name: the wire, field, span or other thing that the event is about.
-    how: the kind of change ("rise", "begin", ...), or the direction of an access.
+    unit: the unit that the text names, or for a record the unit or chip; "" if it names none.
+    name: the wire, field, span or other thing that the event is about; for a record its kind, such as "round".
+    how: the kind of change ("rise", "begin", ...), the direction of an access, or the thing of a record.
     number: the value that the text gives; None if it gives no value.
     others: alternative events, joined by "or".
     nth: the number of the event that counts in each group, from 1; -1 for the last event; 0 if every event counts.

@@ -76,7 +76,7 @@ class ParsedMeasure(Struct, frozen=True):
     pairing: "in order", "next", "last" or "".
     group: "transfer", "round" or "unit" if both events of a pair must be in the same transfer, round or unit; else "".
     instant: for a value error, "first bit" or "frame": the instant at which the true value is taken.
-    window: the length of the window of a share, as text; "" for the whole run.
+    window: the length of the window of a share or a load, as text; "" for the whole run.
     of: for the jitter of a measure that has a form, this measure; else None. For the jitter of an event, `events` has
         the event. For the jitter of a measure with a fixed name, `name` has this name.
     access: True if the latency of an interrupt is measured up to the first register access of its routine.

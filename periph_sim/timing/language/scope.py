@@ -98,6 +98,7 @@ class Scope(Struct):
     """The parts of a scene that a measure may name.
 
     units: a dictionary from a unit to its modules.
+    wires: the names of the wires.
     controller: True if the scene has a controller agent on its wires.
     host: True if the scene has a host on its wires.
     rounds: True if the requests of the controller's rounds are known, whichever party is the controller.
@@ -257,7 +258,8 @@ class Scope(Struct):
 def scope_of_table(table: RecordTable) -> Scope:
     """Return the scope of a recorded run.
 
-    `controller` is True if the run has a record of an event on the bus, and `host` if it has a record of a UART frame.
+    `controller` and `rounds` are True if the run has a record of an event on the bus, and `host` if it has a record of
+    a UART frame.
     """
     kinds = set(table.texts("kind", table.rows(Kind.BUS)[:1]) + table.texts("kind", table.rows(Kind.FRAME)[:1]))
     listed = [name for modules in table.modules.values() for name in modules]

@@ -18,7 +18,7 @@ class During(Struct, frozen=True):
     enters: the events that begin the state; empty for the state of a CPU.
     leaves: the events that end the state. An event that is also in `enters` does not end the state.
     cpu: for the state of a CPU, "busy" or "idle"; "" for other states.
-    unit: for the state of a CPU, its unit.
+    unit: for the state of a CPU, the unit that the text names; "" if it names none, and for other states.
     """
 
     text: str

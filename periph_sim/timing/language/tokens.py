@@ -90,7 +90,7 @@ class Words:
         return unit, name
 
     def number(self, top: int) -> int | None:
-        """Read a number up to `top` and return it. Raise BadEvent if the number is larger.
+        """Read a number up to `top` and return it. Raise BadEvent if the number is larger or misspelled.
 
         If the next word does not begin with a digit, read nothing and return None.
         """

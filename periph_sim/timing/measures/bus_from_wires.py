@@ -147,4 +147,4 @@ class BusFromWires(BitParty):
         """
 
     def first_bit(self, let_go: int, rose: int) -> None:
-        """Handle the rise of SCL after an acknowledged byte, for the first bit of a data byte or for a STOP."""
+        """Handle the rise of SCL after an acknowledged byte: first bit of a data byte, repeated START or STOP."""

@@ -113,8 +113,8 @@ class EventMeasure(Measure):
             proves nothing. If the measure has occasions, verdicts show how many of them were measured.
     value   the value of each event: the words in a FIFO, the age of data that was read, a register field at a change
     level   the last value of the second event, at each occurrence of the first event
-    sum     the sum of the events' values, which are numbers of things. `count` is the number of things that were
-            measured, because a sum of 0 proves nothing if nothing was measured.
+    sum     the sum of the events' values, which are numbers of things. `count` is the number of things in the clause
+            `measured at`, or without it the number of events: a sum of 0 proves nothing if nothing was measured.
     ""      the values that a subclass takes in `happened`
 
     order: indices of `matchers`. If a record fits several matchers, their events are handled in this order.

@@ -244,8 +244,8 @@ class Unsolicited(Measure):
     A silence is a time in which no character may come.
 
     name: the send with which a silence begins. The silence ends when the time `within` has passed since the end of the
-        send, or earlier, when other data is sent. "" for the measure `unsolicited replies`, which counts in the whole
-        run.
+        send, or earlier, when other data is sent or another reply is requested. "" for the measure `unsolicited
+        replies`, which counts in the whole run.
     source: the SCI that sent the first counted character; "" if there is none.
     """
 
@@ -258,7 +258,7 @@ class Unsolicited(Measure):
         super().__init__()
         self.name = name
         self.source = ""
-        self._is_open = False  # True from the start of the send until other data is sent, or the run is over
+        self._is_open = False  # True from the start of the send until `others_turn` is called
         self._since = NO_TIME  # the start of the last silence
         self._until = NO_TIME  # the end of the last silence; NO_TIME before the end of the send
         self._judged = 0  # number of silences that are over, so that they are judged
@@ -298,7 +298,7 @@ class Unsolicited(Measure):
             self._until = tick
 
     def others_turn(self, tick: int) -> None:
-        """End the silence, because other data is sent, or the next send of the same name begins."""
+        """End the silence: other data or the next send of the same name begins, or another reply is requested."""
         if self._is_open:
             self._judged += 1
             self._is_open = False
@@ -348,7 +348,7 @@ class Unsolicited(Measure):
 
 
 class WatchedWire(Measure):
-    """Time between an edge of a watched wire and the expected time. A missing or unexpected edge breaks the budget."""
+    """Deviation of an edge, or of a period, on a watched wire. A missing or unexpected edge breaks the budget."""
 
     _watcher: WireWatcher
 

@@ -67,7 +67,8 @@ def expanded(text: str, sentences: Mapping[str, str]) -> str:
 
 
 def check_measure(name: str, sentences: Mapping[str, str]) -> None:
-    """Raise BadEvent if a name that the user defines is the name of a shipped measure, or if its text is no measure.
+    """Raise BadEvent if a name that the user defines is that of a shipped measure or begins as its text, or if the text
+    of the definition is no measure.
 
     The text is checked as far as this is possible without a scene.
     """

@@ -23,7 +23,7 @@ PAUSE = 2  # a burst ends after a pause of more than this number of character ti
 class Groups:
     """Counts an event within each group, such as a transfer, to find the n-th event of the group.
 
-    nth: the number of the event in each group that counts, from 1; -1 for the last event.
+    nth: the number of the event in each group that counts, from 1; -1 for the last event; 0 if only the groups matter.
     inside: True while a group is in progress.
     matchers: the events that begin and end a group.
     """

@@ -113,8 +113,7 @@ class Measure(Listener):
     worst_until: for a count of unsolicited characters, the end of the first series of them without a pause, which
         begins at `worst_at`; else NO_TIME.
     not_before: occurrences before this tick do not count.
-    occasions: the number of times at which a value should have been measured, counted on the bus and not by the
-        firmware; None if the measure does not count them.
+    occasions: the number of times at which a value should have been measured; None if the measure does not count them.
     unit: "time" (ticks), "%" and "LSB" (millionths), or a word for the things that are counted.
     series: True if the measure takes a series of values, which has percentiles; False if it is one number for a run.
     occurrence: READ if the measure takes one value for each addressed phase; else "". A budget can join only measures
@@ -303,7 +302,7 @@ class Measure(Listener):
             self.tally.add(value, at)
 
     def take_unfinished(self, value: int, at: int) -> None:
-        """Take the value of an occurrence that is not over. The value must exceed all earlier values."""
+        """Take the value of an occurrence that is not over. The value must not be less than any earlier value."""
         least, least_at, alone = self.least, self.least_at, not self.count
         self.take(value, at)
         self.cut_off += 1

@@ -55,8 +55,9 @@ def between(
     within a transfer or round, which ends at the START of the next transfer or round; or both: "last, same transfer".
     transfers_in_round: the number of transfers in a round; needed for "same round", because no record contains it.
 
-    Raise BadEvent if a text names no event, or an event that this run cannot contain. Raise BadEvent also if a second
-    `begin` comes before the `end` of the first one and no rule says to which of them the `end` belongs.
+    Raise BadEvent for another rule, or if a text names no event, or an event that this run cannot contain. Raise
+    BadEvent also if a second `begin` comes before the `end` of the first one and no rule says to which of them the
+    `end` belongs.
     """
     said = measure_of(f"from {begin} to {end}, {rule}" if rule else f"from {begin} to {end}")
     group = said.group
@@ -189,7 +190,9 @@ class Race(Measure):
 
 
 class Distances(NamedTuple):
-    """Distances between reads and changes, one for each read, as int64.
+    """Distances between reads and changes, one for each read or reconstructed poll, as int64.
+
+    Reads without a change to compare them with are left out.
 
     cycles: the distance from the read to the nearest change. tick: the tick of the read.
     """

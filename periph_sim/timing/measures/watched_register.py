@@ -36,7 +36,7 @@ class Watched(Struct, frozen=True):
 
     def is_about(self, kind: Kind, where: str, what: str) -> bool:
         """Return True if records of this kind, place and thing are accesses to the register, or changes of the watched
-        field.
+        field; without a field, changes of any field; without a register, those of all registers.
         """
         if kind is Kind.ACCESS:
             place = f"{self.module}.{self.register}" if self.register else what[2:]

@@ -1,7 +1,7 @@
 """Derivation of the records that budgets need, from transfers, frames, spans and wires.
 
     transfers, rounds, host frames --.
-    SCL, SDA, spans of firmware ------+--> timing/derived --> TRANSFER, ROUND, DATA records
+    wires, spans of firmware ---------+--> timing/derived --> TRANSFER, ROUND, DATA records
     SCIs, RX ----------------------------> SciMonitor, UartCounter --> RECEIVER records
     SCL, SDA ----------------------------> StuckWatch, if there is no controller agent --> BUS records
 
@@ -85,7 +85,7 @@ class DerivedRecords:
                 StuckWatch(scene.wires[name], limit, scene.stuck.report, scene.bus.bit_skip)
 
     def finish(self, scene: Scene) -> None:
-        """At the end of the run, record the transfer that is cut off and the number of bytes that were not judged."""
+        """At the end of the run, record the cut-off transfer or hold of SCL, and the number of bytes not judged."""
         now, monitor = scene.kernel.now, scene.bus.monitor
         if self._transfers is not None and monitor is not None:
             unfinished = None if scene.case.controller is not None else monitor.open_transfer

@@ -178,7 +178,7 @@ class Firmware(Struct, frozen=True):
     """A program: its main function, and the dataclass of its settings if the program has settings.
 
     main: the function that runs the program, called with the unit and its settings.
-    settings: the object `Settings` of the program; None if there is none. Only a dataclass has settings.
+    settings: the object `Settings` of the program; None if there is none. Only a dataclass counts.
     replay: the names in the module's list `REPLAY`: settings that a replay may set to values from a capture.
     """
 

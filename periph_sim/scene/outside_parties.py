@@ -1,7 +1,7 @@
 """Replacement of parties of a case by the outside party that its table [outside] describes.
 
     outside party drives  replaced table   budgets that are still judged
-    SDA and SCL           [controller]     those on rounds, requests and bytes
+    SDA and SCL           [controller]     all but those on `bus arbitration lost` and `bus clear`
     RX                    [host]           those that do not need the host's frames
 
 The table [controller] is replaced by a table [rounds] with the same requests, so that the rounds of the outside party

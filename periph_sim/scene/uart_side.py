@@ -8,8 +8,8 @@
     UartCounter   reports the characters on the RX of an SCI
 
 A frame, which is one UART character here, is read with the rate and format of its sender. These are the settings in
-[host] or [serial], or the register settings of the SCI whose TX is on the wire. If no sender is known, a frame is read
-with the register settings of the SCI whose RX is on the wire.
+[host] or [serial], or the register settings of the SCI whose TX is on the wire. If no sender is known, as behind a
+transceiver, a frame is read with the register settings of the SCI whose RX is on the wire.
 """
 
 from __future__ import annotations

@@ -241,8 +241,8 @@ class Case(Table, frozen=True, kw_only=True):
     def line(self, *place: str | int) -> int:
         """Return the line of a key in the case's file.
 
-        If the key is not written there, return the line with the header of its table. Return 0 if there is neither, or
-        no file.
+        If the key is not written there, return the line with the header of its table, or of a table around it. Return 0
+        if there is none, or no file.
         """
         return 0 if self._source is None else line_of(self._source.text, self._written(place))
 

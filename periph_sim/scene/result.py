@@ -37,8 +37,8 @@ class Result:
     sci_bytes_sent: number of characters that SCIs of units sent.
     sci_errors: number of characters that SCIs of units received with each kind of error; empty without an SCI.
     estimated: names of the units that run C sources. The cycles between the accesses of these units are estimated.
-    stuck: sentences about lines that stayed low, at most ten, and about firmware that waits for an event that cannot
-        occur, or code that let no simulated time pass.
+    stuck: sentences about lines that stayed low, at most ten (without a controller agent, only if `stuck` is measured),
+        and about firmware that waits for an event that cannot occur, or code that let no simulated time pass.
     wrong: the number of wrong bytes that were read, by place, such as "gyroscope byte 0". Places without wrong bytes
         are left out.
     first_wrong: a sentence about the first read with a wrong byte; "" if there is none.

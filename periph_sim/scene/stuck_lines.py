@@ -1,6 +1,6 @@
 """Lines of the bus that stay low: a sentence for each report of such a line, and whether the run hangs.
 
-controller agent, or StuckWatch if there is none --wire--> StuckLines --> sentences
+controller agent; if there is none, StuckWatch, if `stuck` is measured --wire--> StuckLines --> sentences
 """
 
 from __future__ import annotations

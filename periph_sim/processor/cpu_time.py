@@ -73,8 +73,8 @@ class CpuTime:
     def advance(self, cycle: int) -> bool:
         """Set the time to `cycle` and return True, or schedule a wake-up at `cycle` and return False.
 
-        The result is False if something else may act before `cycle`; the program must then stop until the wake-up. A
-        cycle in the past, as in a replayed pass of a wait, is always accepted.
+        The result is False if something else may act before `cycle` or at its start; the program must then stop until
+        the wake-up. A cycle in the past, as in a replayed pass of a wait, is always accepted.
         """
         if cycle >= self.lease:
             quiet = self._clock.cycle_at(self._kernel.quiet_until())
@@ -95,8 +95,9 @@ class CpuTime:
         return lease
 
     def rest(self, cycle: int) -> bool:
-        """If nothing else may act before `cycle`, set the time to `cycle` and return True; else sleep and return False.
+        """If nothing else may act up to the start of `cycle`, set the CPU's and the kernel's time to it; return True.
 
+        Otherwise, sleep and return False.
         The sleep ends at `cycle` or at an interrupt; if `cycle` is NEVER, only at an interrupt.
         """
         if cycle < NEVER:
@@ -194,7 +195,7 @@ class CpuTime:
             self.wake_at(self._wake_cycle)
 
     def stop(self) -> None:
-        """End a sleep, and cancel the scheduled wake-up. Call this method when the program has ended."""
+        """End a sleep, reset `lands`, and cancel the scheduled wake-up. Call this method when the program has ended."""
         self._kernel.cancel(self._wake)
         self.lands = NEVER
         self.asleep = self.watching = False

@@ -58,6 +58,7 @@ WATCHDOG_OFF = 0x68  # value of WDCR that disables the watchdog: WDDIS = 1 with 
 class DspPlan(Struct):
     """Description of a unit, from which `Dsp` builds it.
 
+    name: the name of the unit.
     modules: the names of the modules that the case requests.
     wires: the wires at the pins, by GPIO number.
     oscclk_hz, ppm: the nominal frequency of the crystal, and its error in parts per million.
@@ -101,10 +102,11 @@ class Dsp(FirmwareView):
     """A running F28335. Python firmware receives it as a `FirmwareView`.
 
     resets: the number of resets since the start.
-    clock_history: (tick, frequency) of each change of SYSCLKOUT.
-    note_places: by (module, tick), the statements that violated a rule of the manuals or wrote a word that was lost.
+    clock_history: (tick, frequency in Hz) of SYSCLKOUT at the start and after each change.
+    note_places: by (socket's name, tick), the first statement that violated a rule of the manuals or wrote a word that
+        was lost; see `_noted`.
     lost_counts: for each note on a lost word, for example in a full transmit FIFO, the number of its occurrences.
-    watchdog_resets: tick and statement of each reset by the watchdog.
+    watchdog_resets: (tick, statement) of each reset by the watchdog; the statement is None if it is unknown.
     on_reset: functions that are called at each reset.
     sources: the C sources that the unit runs; None for other firmware.
     """
@@ -233,7 +235,7 @@ class Dsp(FirmwareView):
     def _noted(self, socket: Socket, cycle: int, note: Note) -> None:
         """Count lost words, and keep the statement that violates a rule of the manuals or writes a word that is lost.
 
-        If `FirmwareNotes.placed` is False, only the statement of the first occurrence of each lost word is kept.
+        If `FirmwareNotes.placed` is False, keep only the statement of the first occurrence of each note on a lost word.
         """
         is_lost_word = note.code == "lost" and "was written" in note.text
         if is_lost_word:
@@ -283,7 +285,7 @@ class Dsp(FirmwareView):
             self._kernel.call_at(self._kernel.now, self._reset)
 
     def gate(self, cycle: int) -> None:
-        """Enable or disable the clock of every module as PCLKCR selects."""
+        """Enable or disable the clock of every module that has a clock gate, as PCLKCR selects."""
         for descriptor, socket in self._modules:
             if gate := descriptor.gate or descriptor.input_gate:
                 socket.chip.gate(cycle, self.control.enabled(gate))

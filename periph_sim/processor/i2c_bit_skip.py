@@ -108,7 +108,7 @@ class I2cModuleParty(BitParty):
         return self._calm
 
     def _cycles(self, ticks: int) -> int:
-        """Return the number of whole cycles in a time in ticks."""
+        """Return the largest number of cycles that is less than a time in ticks."""
         return self._clock.cycle_at(self._clock.tick(0) + ticks) - 1
 
     def set_bit_position(self, shown: int, bit: int, fell: int) -> None:
@@ -118,7 +118,7 @@ class I2cModuleParty(BitParty):
     # Methods of a master ------------------------------------------------------------
 
     def skips(self, bit_skip: BitSkip, times: CycleTimes) -> bool:
-        """Try to skip bits of the byte that begins now. Return False if their edges could be observed."""
+        """Try to skip bits of the byte that begins now. Return False if `BitSkip.skips_for` does."""
         master, delay = self._chip.master, self._socket.out_delay
         master.begin_skip(delay)
         release = master.skip_release

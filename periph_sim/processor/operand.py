@@ -35,9 +35,9 @@ class Operand:
     protected: True if only firmware with EALLOW = 1 can write the register.
     pieack: True if the register is PIEACK.
     recorded: True if accesses are recorded.
-    harmless: True if a read has no effect.
-    steady: True if a read has no effect and the value does not change with time.
-    meets: True if a read has an effect, or the module must be updated before a read. Before such a read, the kernel's
+    harmless: True if a read has no effect. False also for a 32-bit access to 16-bit registers.
+    steady: True if a read of the register has no effect and its value does not change with time.
+    meets: True if `harmless` is False, or the module must be updated before a read. Before such a read, the kernel's
         time must be set to its cycle (`CpuTime.meet`).
     looks: True if the value of `Chip.see` is all that a read needs: the register has 16 bits, a read has no effect, the
         module needs no update, and no callback receives the record of the read.

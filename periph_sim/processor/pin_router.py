@@ -3,9 +3,9 @@
     wires --> pads --> (synchroniser, qualifier, MUX) --> inputs of a peripheral, one sample a cycle
     peripheral output, GPIO latch --> MUX --> pad --> wire
 
-A pad is a pin of the chip with its GPIO number. A pad without synchroniser and qualifier is asynchronous and causes no
-events here: its wire is an input of the peripheral (`Socket.inputs`), and the GPIO module receives the level only when
-firmware reads it.
+A pad is a pin of the chip with its GPIO number. A pad without synchroniser and qualifier is asynchronous. If it feeds a
+peripheral, its wire is an input of the peripheral (`Socket.inputs`), and the pad causes no events here: the GPIO module
+receives the level only before an access, unless a subscriber needs the edges of the pad.
 """
 
 # core: compiled
@@ -89,7 +89,7 @@ class Router(Agent):
         self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in wires.items()}
         self._free_pins: dict[int, Pin] = {}  # the pins of pads that no peripheral drives
         self._direct: set[str] = set()  # the input signals of peripherals that come from asynchronous pads
-        self._feeds: dict[int, Port] = {}  # maps a pad with a synchroniser to the input of a peripheral that it feeds
+        self._feeds: dict[int, Port] = {}  # maps a pad with a synchroniser only to the peripheral's input that it feeds
         self.pads = Sampler(kernel, recorder, self)
         self._line = {n: line for line, n in enumerate(wires)}  # maps a pad to its line in `pads`
         self._monitored: set[int] = set()  # the pads whose edges the GPIO module receives
@@ -123,7 +123,7 @@ class Router(Agent):
     # Pads ----------------------------------------------------------------------
 
     def _select_pads(self) -> None:
-        """Select the pads to monitor. An asynchronous pad is monitored only if a subscriber needs its edges."""
+        """Select the pads to monitor: all, except asynchronous pads that feed a peripheral and have no subscriber."""
         direct = {self._gpio.source(signal) for signal in sorted(self._direct)}
         everything = bool(self._gpio_socket.watchers)
         monitored = {n for n in self._wires if everything or n not in direct or self._gpio.watched >> n & 1}
@@ -293,7 +293,7 @@ class Router(Agent):
         self._drive()
 
     def _drive(self) -> None:
-        """Drive the pads that GPIO drives, and release all others that no peripheral drives."""
+        """Drive the pads that GPIO drives. Give all others that no peripheral drives their undriven level."""
         driven, high = self._gpio.driven, self._gpio.driven_high
         pin: Pin
         for n, pin in self._free_pins.items():

@@ -9,9 +9,9 @@ returns from `run` or calls `stops`. When the kernel wakes this CPU, the process
 program again.
 
 A program executes instructions. It advances `CpuTime.cycle`, makes accesses in the cycles that the bus returns, and
-checks at each boundary between two instructions whether an interrupt is due (`Processor.take_interrupt`, which calls
-`enter`). It keeps its position between two calls of `run`: Python firmware keeps it in a greenlet, an image in the
-registers and the pending instruction.
+takes interrupts at boundaries between two instructions (`Processor.take_interrupt`, which calls `enter`). It keeps its
+position between two calls of `run`: Python firmware keeps it in a greenlet, an image in the registers and the pending
+instruction.
 
     request --> CpuInterrupts --> due --> take_interrupt --vector_delay--> fetch --> entered ... iret --> returned
                                             |                               |                     |
@@ -239,9 +239,9 @@ class Processor(Agent):
         self._goal = 0
 
     def causing_statement(self) -> SourceLocation | None:
-        """Return the statement that causes the present action; None before the program begins and after it ends.
+        """Return the statement that causes the present action; None if it is unknown, or if no program runs.
 
-        While a posted write lands, this is the statement that issued the write; otherwise it is the present statement.
+        While a posted write with a known statement lands, this is that statement; otherwise, the present statement.
         """
         return self._place() if self.bus.issued_at is None else self.bus.issued_at
 
@@ -306,7 +306,7 @@ class Processor(Agent):
         """Take this interrupt at the present boundary: store the context, fetch the vector, enter the routine.
 
         Return False if the program must stop before the routine is entered; see `Program.run`. Raise InterruptFault if
-        the stack is outside of memory.
+        the stack or the vector is not in RAM, FirmwareError if the vector has no routine.
         """
         core, words = self.core, list(self.program.context())
         self._number = number
@@ -317,7 +317,7 @@ class Processor(Agent):
         return self.reach(core.ready - core.entry_cycles + core.vector_delay) and self._go_on()
 
     def iret(self) -> bool:
-        """Execute IRET: restore the context, return to the interrupted code after 8 cycles. Result: see `reach`."""
+        """Execute IRET: restore the context and continue after 8 cycles. Result: as `reach`. Errors: see `_frame`."""
         core, cycle = self.core, self.time.cycle
         words: list[int] = list(self.bus.ram.words(self._frame(cycle, core.returning_sp), CONTEXT_WORDS))
         core.iret(cycle, words[ST1_WORD], words[IER_WORD])

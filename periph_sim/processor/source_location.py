@@ -116,6 +116,7 @@ class InstructionLocation(SourceLocation):
 class Parts(NamedTuple):
     """The parts of the location of an instruction.
 
+    function: the name of the function; without debug data, "NAME+OFFSET".
     file, line: the name of the file without its folder, and the line; "" and 0 without debug data.
     pc: the address of the instruction.
     """
@@ -160,7 +161,7 @@ def parsed(text: Text) -> Parts | None:
 def statement(text: Text) -> Text:
     """Return a location without the address, which differs between the instructions of a source line.
 
-    A location without a source line is returned unchanged.
+    A location without a source line, or without a function, is returned unchanged.
     """
     if not text.endswith(")"):
         return text

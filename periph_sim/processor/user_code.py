@@ -6,8 +6,10 @@
 
 The guard has these effects:
 
-- User code cannot exit. `sys.exit` and other exceptions that are no `Exception` become errors. Ctrl-C is not changed.
-- User code cannot run forever. A call that uses more CPU time than its limit is stopped, and the message has its line.
+- User code cannot exit. `sys.exit` and other exceptions that are no `Exception` become errors, except Ctrl-C and
+  GreenletExit.
+- User code cannot compute forever. A call that uses more CPU time than its limit, if it has one, is stopped, and the
+  message has its line.
 - User code cannot poll for long unnoticed. `warn` writes a sentence during the run.
 - User code cannot print twice. A case that is run again for an explanation prints nothing the second time.
 
@@ -158,7 +160,10 @@ def _raise_in(thread: int, what: type[BaseException]) -> None:
 
 
 def _debugged(frame: FrameType | None) -> bool:
-    """Return True if a debugger traces this frame or a frame that called it. A coverage tool is no debugger."""
+    """Return True if a debugger traces this frame or a frame that called it, or uses `sys.monitoring`.
+
+    A coverage tool is no debugger.
+    """
     monitoring = getattr(sys, "monitoring", None)  # exists from Python 3.12 on
     if monitoring is not None and monitoring.get_tool(monitoring.DEBUGGER_ID) is not None:
         return True
@@ -248,7 +253,7 @@ def defined_at(function: object) -> str:
 def raised_at(error: BaseException) -> str:
     """Return the line of the firmware that has caused an exception, "line 7 of blink.py".
 
-    Return "" if the simulation itself has caused it.
+    Return "" if the simulation itself has caused it, or if no line of firmware was being executed.
     """
     place = ""
     ours = False
@@ -274,7 +279,8 @@ def as_firmware_error(error: BaseException, who: str) -> FirmwareError | None:
     """Return a FirmwareError, with the place, for an error that user code has raised.
 
     Return None if `error` must not be changed: for Ctrl-C, for GreenletExit and NoProgress, which end firmware, for a
-    FirmwareError that contains its place, and for an error of the simulation itself. who: the name of the user code.
+    FirmwareError that is no Misuse, and for an error without a line of firmware (`raised_at`), which the simulation
+    itself has caused. who: the name of the user code.
     """
     if isinstance(error, PASSES):
         return None
@@ -365,7 +371,10 @@ class _Aside:
 
 @contextmanager
 def output_aside() -> Iterator[None]:
-    """Within the block, let user code print to standard error, because standard output belongs to the command."""
+    """Within the block, let user code print to standard error, because standard output belongs to the command.
+
+    Inside an `output_muted` block, the output stays muted.
+    """
     if isinstance(sys.stdout, _Nowhere):
         yield
         return

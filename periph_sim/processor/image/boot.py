@@ -50,9 +50,9 @@ def entry_of(image: Image, boot: Boot) -> int:
 
 
 def stubbed(register: str | int, memory: AddressMap) -> int:
-    """Return the address of a register that gets a stub. Raise BadStub if `register` is modelled, or is no register.
+    """Return the address of a word that gets a stub: a register that is not modelled, or a word of an XINTF zone.
 
-    register: a name, such as ADC.ADCST, or an address.
+    Raise BadStub for any other word. register: a name, such as ADC.ADCST, or an address.
     """
     address = register if isinstance(register, int) else address_of(register)
     if address is None:

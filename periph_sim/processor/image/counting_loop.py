@@ -214,8 +214,8 @@ class RepeatedPass:
     def step(self, traced: Traced) -> None:
         """Evaluate the next instruction.
 
-        Raise NotCounting if the instruction uses a counter as an address, if it reads a counter but does not compute a
-        `Sum`, or if the result of the sum cannot be expressed as a counter.
+        Raise NotCounting as `reads` and `writes` do, and if the instruction uses a counter as an address, reads a
+        counter but does not compute a `Sum`, or computes a sum that cannot be expressed as a counter.
         """
         if any(place in self.counters for place in _address_registers(traced.pointers)):
             raise NotCounting
@@ -261,7 +261,7 @@ class RepeatedPass:
         return True
 
     def _number(self, words: Sequence[Place], value: int) -> Number:
-        """Return the number in one or two words. Raise NotCounting if the upper word is a counter.
+        """Return the number in one or two words. Raise NotCounting if there is no word, or the upper one is a counter.
 
         value: the value of the number. Its step is that of the low word.
         """

@@ -6,7 +6,8 @@
     math tables      of the boot ROM contain what TI's IQmath and fast floating-point libraries read (`rom_tables`)
     boot ROM         other words read as 0, and a note is made; calling a routine, or reading the version, is an error
     XINTF zones      are memory with the minimum of one wait state, and a note is made; XTIMING is ignored
-    frames           of modules that are not modelled, or not in the unit, keep what is written, and a note is made
+    frames           of modules that are not modelled, or not in the unit, keep what is written, and a note is made;
+                     a write to a command register of the flash is an error
     stubs            are values that reads of a word return, regardless of writes to the word
 
 Source: SPRS439M Figure 3-2, Tables 3-5 and 3-8 to 3-11; SPRUFB0D Tables 86 to 96 (EALLOW); SPRUI07 Table 2-19.
@@ -58,7 +59,7 @@ class UnmappedMemory:
 
     changed: a function that is called when a stub is added or changed; None to call nothing.
     stubs: for each address with a stub, the value that reads of the address return now.
-    to_come: the addresses that have no stub yet, but get one later in the run.
+    to_come: the addresses that get a stub, or another value of their stub, later in the run.
     """
 
     STATE = State("_frames _states _stored _noted stubs to_come _flash")
@@ -100,7 +101,7 @@ class UnmappedMemory:
         self._stored[PARTID] = part.part_id
 
     def fill(self, address: int, value: int) -> None:
-        """Set a word before the program begins."""
+        """Set a word before the program begins, or as a preset when main begins."""
         if address < FRAMES_END:
             self._frames[address] = value
         else:
@@ -139,7 +140,7 @@ class UnmappedMemory:
         return self._stored.get(address, ERASED if area.content in (Content.FLASH, Content.OTP) else 0)
 
     def peek(self, address: int) -> int:
-        """Return the word at an address without notes or other effects."""
+        """Return the stored word at an address, without notes or other effects; ERASED if nothing is stored there."""
         return self._frames[address] if address < FRAMES_END else self._stored.get(address, ERASED)
 
     def write(self, cycle: int, address: int, value: int) -> bool:

@@ -1,7 +1,8 @@
 """Cycles that instructions of an image take in addition to those of the manual's table.
 
     stall    before execution, in phase D2: waits for registers, and for fetches from memory with wait states
-    late     during execution: waits for words that were just written, and wait states of data in program memory
+    late     during execution: waits for words that were just written, wait states of data in program memory, and data
+             accesses to the memory block that contains the instruction
     landing  after a jump: the second fetch of a 32-bit instruction at an odd address
 
 If TI does not document a number of cycles, an option (`SystemOptions`) selects it.
@@ -130,8 +131,8 @@ class InstructionTiming:
     def read(self, code: int, address: int, cycle: int, waits: int) -> int:
         """Return the cycles that a data read of `address` by the instruction at `code` waits for fetches.
 
-        The read waits only if both addresses are in flash, where fetches continue while instructions are executed.
-        Otherwise, return 0.
+        The read waits only if both addresses are in flash, where fetches continue while instructions are executed, and
+        the option `flash_model` is "shared_with_reads". Otherwise, return 0.
         waits: the wait states of the read itself.
         """
         if address in FLASH and code in FLASH and self._shared.assume(self._core.touched):

@@ -2,8 +2,8 @@
 
 The text about a wait names the registers that the loop reads, and the bits that the loop tests. The tested bits are
 those of the first TBIT or AND with a mask in the loop; if it has no such instruction, they are all bits. A loop that
-reads no register and has an exit waits for memory. The text then names each memory word that the loop reads by the last
-symbol at or before the address of the word.
+reads no register and has an exit (`_is_exit`) waits for memory. The text then names each memory word that the loop
+reads by the last symbol at or before the address of the word.
 """
 
 # core: compiled
@@ -196,7 +196,7 @@ class LoadedImage(Program):
     def _unanswered(self, addresses: Sequence[int]) -> str:
         """Return why these unmodelled words do not change, and what to add to the case.
 
-        Return "" if the case adds a stub for one of them later in the run.
+        Return "" if the case adds or changes a stub of one of them later in the run.
         """
         memory, table = self.cpu.elsewhere, f"[[unit.{self._processor.name}.stub]]"
         if any(address in memory.to_come for address in addresses):
@@ -287,7 +287,9 @@ def _instructions(first: int, words: tuple[int, ...]) -> Iterator[Instruction]:
 
 
 def _is_exit(one: Instruction, first: int, branch: int) -> bool:
-    """Return True if the program can leave a loop by this instruction. A loop without an exit never ends.
+    """Return True for a conditional jump out of a loop, and for the branch that closes it if it is conditional.
+
+    Other ways out of a loop, such as an unconditional jump or a return, are not found.
 
     first, branch: the addresses of the first instruction and of the branch that closes the loop.
     """

@@ -32,7 +32,7 @@ LOW_RAM = 0x800  # M0 and M1 are below this address
 STACK_FIELDS, BEHIND_STACK_FIELDS = 0x40, 0x80  # the first value of field l for *-SP[n], and the value after the last
 PUSHES, POPS = 0xBD, 0xBE  # values of field l for *SP++ and *--SP
 WAITED_FROM = 0xC000  # L4 to L7, which begin here, have wait states as program memory
-L0_AGAIN, L4_AGAIN = 0x3F_8000, 0x3F_C000  # L0 to L3 are mapped a second time, from the first address to the second
+L0_AGAIN, L4_AGAIN = 0x3F_8000, 0x3F_C000  # L0 to L3 are mapped a second time, from L0_AGAIN to L4_AGAIN - 1
 MIRROR = L0_AGAIN - 0x8000  # the second address of a word minus its first address
 
 
@@ -47,7 +47,7 @@ class ImageMemory(Engine):
     timing: the additional cycles of instructions.
     polls: detects waits of the program.
     watched: the observer of writes to variables; None if there is none.
-    reads_unwritten: a function that is called, with the address, at the first read of a word that was not written
+    reads_unwritten: a function that is called, with the address, at the first read of a RAM word that was not written
         before; None to call nothing.
     """
 
@@ -72,7 +72,7 @@ class ImageMemory(Engine):
         self.reads_unwritten: Callable[[int], None] | None = None
 
     def fill(self, address: int, value: int) -> None:
-        """Set a word before the program begins."""
+        """Set a word before the program begins, or as a preset when main begins. This is not recorded as a write."""
         if L0_AGAIN <= address < L4_AGAIN:
             address -= MIRROR
         if block_at(address) is not None:
@@ -171,8 +171,8 @@ class ImageMemory(Engine):
     def _even(self, address: int, how: str) -> int:
         """Return the even address that a 32-bit access uses in place of the odd address `address` [SPRU430F 5.11].
 
-        Raise IllegalOperation if `address` is the address of the operand that field l encodes. An odd address is then a
-        mistake of the program, unless the addressing mode uses SP, which may be odd.
+        Raise IllegalOperation if field l encodes this address by a mode that does not use SP, because an odd address is
+        then a mistake of the program. SP may be odd.
         how: the words "read from" or "written to", for the message.
         """
         on_stack = STACK_FIELDS <= self.field < BEHIND_STACK_FIELDS or self.field in (PUSHES, POPS)

@@ -1,10 +1,11 @@
 """Observers of a running image: of executed instructions, function calls, and writes to variables.
 
-    ImageProgram --executed--> InstructionWatch: Coverage, StackDepth
+    ImageProgram --executed--> InstructionWatch: Coverage, StackDepth; CountingLoop of `counting_loop`
     ImageProgram --jumped, push--> CallStack --called, returned--> CallListener: FunctionSpans, Profile, PresetMemory
     ImageMemory --written--> VariableRecords
 
-Observers do not change the state of the program, except `PresetMemory`, which writes variables when main begins.
+Observers of this module do not change the state of the program, except `PresetMemory`, which writes variables when main
+begins.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ class InstructionWatch:
 
 
 class Coverage(InstructionWatch):
-    """Counts the executions and the taken jumps of each instruction.
+    """Counts the executions and the taken jumps of each instruction. Skipped passes of waits are not counted.
 
     executed_at: for the address of each executed instruction, the number of executions.
     jumped_at: for the address of each instruction that has jumped, the number of executions that ended in a jump.

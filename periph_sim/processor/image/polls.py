@@ -5,10 +5,11 @@
 
 A pass is *clean* under these conditions:
 
-- It changed no word of RAM. Outside of RAM, it wrote only to the key register of the watchdog, if at all.
+- It changed no word of M0, M1 and L0 to L7, and wrote no recorded variable. At other addresses, it wrote only to the
+  key register of the watchdog, if at all.
 - It read no register that changes with time, and no register whose read has an effect.
-- It changed no interrupt mask (INTM, IER), and did not access IFR.
-- No interrupt was taken during the pass. If a listener observes calls, the pass made no call.
+- It did not write INTM, IER or the whole of ST1, and did not access IFR.
+- It executed no IDLE, TRAP, INTR or IRET, and no interrupt was taken. If a listener observes calls, it made no call.
 
 If two clean passes have the same number of cycles, and leave the registers of the CPU, the pipeline and the fetch queue
 as they were, then the next pass has the same result as long as the module registers that it reads keep their values. So
@@ -56,7 +57,8 @@ class PollSkipper:
     routines: the number of active service routines.
     restarts: True if the examined pass has written the key register of the watchdog. Further passes must then not be
         skipped, because they restart the watchdog, too.
-    began: the cycle at which the examined pass began.
+    began: in a sleep, the cycle at which the first pass of the sleep begins; before, the cycle at which the states were
+        compared last, or at which the analysed pass began.
     since: the cycle at which the first pass of the loop ended.
     """
 

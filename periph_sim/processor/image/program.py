@@ -38,7 +38,7 @@ from .polls import FEWEST
 class ImageProgram(LoadedImage):
     """A program that executes an image.
 
-    instructions: the number of executed instructions, including those of skipped passes.
+    instructions: the number of executed instructions, including those of skipped passes. After RPT, each pass counts.
     skipped: the number of instructions of skipped passes.
     """
 
@@ -314,7 +314,7 @@ class ImageProgram(LoadedImage):
 
     @property
     def asleep_since(self) -> int | None:
-        """The tick at which the present sleep, in a wait or in IDLE, began; None while instructions are executed."""
+        """The tick at which the present wait or IDLE began; None if there is none, as in a loop that only counts."""
         return self._asleep_at if self.spin is not None or self._idle_began else None
 
     def awaited(self) -> Awaited:
@@ -331,7 +331,7 @@ class ImageProgram(LoadedImage):
         return found._replace(since=wait.since, place=self.place_at(wait.loop[1]))
 
     def _slept(self) -> bool:
-        """Wait in IDLE. Return True if an interrupt that IER enables has ended IDLE, False if the program must stop."""
+        """Wait in IDLE. Return True if an enabled or nonmaskable interrupt ended it, False if the program must stop."""
         processor, core = self._processor, self._processor.core
         time = processor.time
         if not self._idle_began:
@@ -389,6 +389,6 @@ class ImageProgram(LoadedImage):
     def _left_stack(self, f: Operation) -> bool:
         """Return True if SP, which is now outside of the section .stack, has left it by instruction `f`.
 
-        Return False if `f` is a write to SP, because firmware may select another stack in this way.
+        Return False if `f` writes its operand @SP, because firmware may select another stack in this way.
         """
         return self._stack_begin <= self._sp <= self._stack_end and not (f.l == SP_FIELD and f.accesses & WRITES)

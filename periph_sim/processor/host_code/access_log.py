@@ -194,10 +194,10 @@ def log_at_rest(firmware: HostFirmware) -> AccessLog | None:
 
 
 def re_execute(firmware: HostFirmware, log: AccessLog, rest: tuple[int, int]) -> None:
-    """Execute a program from its start to the end of a log. The program must not have been started yet.
+    """Execute a program from its start to the end of a log. Its start must be scheduled, but must not have happened.
 
-    Raise NotRestorable if the accesses of the program differ from those in the log. Only the states of the CPU and the
-    kernel change, not those of modules and wires.
+    Raise NotRestorable if the accesses of the program differ from those in the log, or if the program fails or ends.
+    Only the states of the CPU and the kernel change, not those of modules and wires.
 
     rest: the cycle at which the log ends, and the remaining cycles of the computation that is then in progress.
     """

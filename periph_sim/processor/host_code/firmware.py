@@ -112,7 +112,7 @@ class HostFirmware:
 class Run:
     """One run of a C program.
 
-    assembly: for each assembly instruction that is supported in asm(), the function that executes it.
+    assembly: for each assembly instruction that asm() may contain, except `rpt || nop`, the function that executes it.
     """
 
     def __init__(self, dsp: Dsp, path: Path, base: int, layout: RegisterLayout) -> None:
@@ -167,7 +167,7 @@ class Run:
         return found
 
     def _call(self, address: int) -> None:
-        """Run the C function at a host address to its end.
+        """Run the C function at a host address to its end. In an endless empty loop, let time pass without end.
 
         Raise the exception that `_on_request` has kept, or FirmwareLost if the host signals a fault.
         """
@@ -325,7 +325,7 @@ class Run:
         return code or 0
 
     def _assembled(self, text: str) -> None:
-        """Execute asm("...") of the sources. Raise FirmwareLost if the text is not supported."""
+        """Execute asm("...") of the sources. Raise FirmwareLost for ESTOP0, and if the text is not supported."""
         said = " ".join(text.lower().split())
         repeated = RPT_NOP.fullmatch(said)
         if repeated:

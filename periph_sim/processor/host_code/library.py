@@ -6,7 +6,7 @@ runtime.c --gcc, no hooks----------------------------'
 SIGINT (Ctrl-C) needs care while C code runs. Python calls the handler of a signal at the start of the next Python
 function, which may be one that C code calls. An exception of the handler is then raised before the `try` of that
 function, and ctypes would print and drop the exception. So a SIGINT that comes while C code runs is stored, and
-`leave_c` raises KeyboardInterrupt.
+`leave_c` calls the handler, which raises KeyboardInterrupt by default.
 """
 
 from __future__ import annotations
@@ -171,7 +171,7 @@ def enter_c() -> None:
 
 
 def leave_c() -> None:
-    """Mark that Python code runs. Raise KeyboardInterrupt if SIGINT came while C code ran."""
+    """Mark that Python code runs. If SIGINT came while C code ran, call its handler; see the head of this file."""
     global _in_c, _kept
     _in_c = False
     if _kept:
@@ -181,7 +181,10 @@ def leave_c() -> None:
 
 @contextmanager
 def kept_in_c() -> Iterator[None]:
-    """Within the block, defer a SIGINT that comes while C code runs. Outside of the main thread, do nothing."""
+    """Within the block, defer a SIGINT that comes while C code runs.
+
+    Do nothing outside of the main thread, or if SIGINT has no handler in Python.
+    """
     global _programs, _before
     before = signal.getsignal(signal.SIGINT)
     if current_thread() is not main_thread() or not callable(before):
@@ -246,7 +249,7 @@ class Sources(Struct, frozen=True):
 
 
 def compiled(sources: Sources, folder: Path) -> list[str]:
-    """Compile the sources to objects in `folder`, and return the paths of the objects.
+    """Compile the sources and runtime.c to objects in `folder`, and return the paths of the objects.
 
     Raise BadSources if gcc or a source file is missing, or if gcc fails.
     """

@@ -35,7 +35,7 @@ from .program import PythonProgram
 SLEEPS = Stop.SLEEPS
 
 MANY_READS = 1000  # after this number of reads without a write or a wait, it is checked whether a loop polls
-CYCLES_OF_A_PASS = 100  # a loop polls if the mean time between two of its reads is shorter than this
+CYCLES_OF_A_PASS = 100  # a loop polls if less than MANY_READS times this has passed since the last check
 POLLING = Note(
     "polling",
     "a loop polls registers pass by pass, which takes long to simulate; wait with dsp.spin(lambda: CONDITION), which "
@@ -319,7 +319,10 @@ class Cpu:
         self.instruction(1)
 
     def load(self, address: int, width: int = 16) -> int:
-        """Return a 16- or 32-bit value from an address. Raise NoSuchAddress if nothing is there."""
+        """Return a 16- or 32-bit value from an address; 0 for a 32-bit read in peripheral frame 2.
+
+        Raise NoSuchAddress if nothing is there.
+        """
         bus, time = self.bus, self.time
         if block_at(address) is not None:
             self.run(self._between)
@@ -334,7 +337,10 @@ class Cpu:
         return self.read(operand) >> operand.shift
 
     def store(self, address: int, value: int, width: int = 16) -> None:
-        """Write 16 or 32 bits to an address. Raise NoSuchAddress if nothing is there."""
+        """Write 16 or 32 bits to an address; 32 bits in peripheral frame 2 are ignored.
+
+        Raise NoSuchAddress if nothing is there.
+        """
         bus, time = self.bus, self.time
         if block_at(address) is not None:
             self._before_write()

@@ -87,8 +87,8 @@ class FirmwareView:
     ) -> bool:
         """Wait until `condition()` is true, as `while (!...);` does. Return False if the wait has timed out.
 
-        The condition is called again only if a bit that it has read changes, or after an interrupt, so its result must
-        depend on nothing else.
+        While no bit that the condition has read changes and no interrupt is served, it may not be called again, so its
+        result must depend on nothing else.
 
         pass_cycles: all cycles of one pass of the loop, as counted in its disassembly. By default, they are computed:
         a pass with one read in peripheral frame 2 takes the cycles in the key `code.poll_pass` of the unit, and each
@@ -123,8 +123,8 @@ class FirmwareView:
     def compute(self, cost: Spread | Fraction | int, name: Text = "") -> None:  # core: python
         """Let the time of a computation pass. cost: an int is cycles, a Fraction is seconds (rounded up to a cycle).
 
-        For a spread, each call draws a whole number of cycles, each with the same probability. name: the name of a span
-        around the computation; "" for no span.
+        For a spread, each call takes the next of `costs`; after the last one, it draws a whole number of cycles, each
+        with the same probability. name: the name of a span around the computation; "" for no span.
         """
         if isinstance(cost, Spread):
             cost = self._value_in(cost)
@@ -214,8 +214,10 @@ class FirmwareView:
         self.cpu.or_ier(1 << (number - 1))
 
     def handle(self, name: Text, handler: Callable[[], None]) -> tuple[int, int]:
-        """Make `handler` the service routine of a vector. Return (group, line) in the PIE, or (n, 0) for INTn.
+        """Make `handler` the service routine of a vector. Return (group, line) in the PIE.
 
+        For a vector without a group, such as "INT13" or "NMI", return (number of the vector, 0). Raise Misuse if
+        `handler` is no plain function without arguments, KeyError if there is no such vector.
         name: the name of the vector, such as "I2CINT1A".
         """
         if not callable(handler):

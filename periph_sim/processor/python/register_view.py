@@ -106,7 +106,7 @@ class Port:
     def when(self, *, mask: object = None, value: object = None, **wanted: object) -> Condition:
         """Return the condition that a field has a value, when(XRDY=1), or that register & mask == value.
 
-        Raise Misuse for any other arguments.
+        Raise AttributeError for an unknown field, and Misuse for any other wrong arguments.
         """
         if len(wanted) + (mask is not None or value is not None) != 1 or (mask is None) != (value is None):
             raise Misuse(f"{self.where}.when needs one field and its number, when(NAME=1), or a mask= and a value=")
@@ -190,7 +190,7 @@ class PortField:
         return Condition(port._cpu, operand, self.mask, number << self._lsb, test, where)
 
     def masked(self, port: Port, mask: object, value: object) -> Condition:
-        """Return the condition that register & mask == value. Raise Misuse if it can never hold."""
+        """Return the condition that register & mask == value. Raise Misuse if it can never hold, or if `mask` is 0."""
         where = f"{self._where}.when(mask={mask!r}, value={value!r})"
         bits = self._whole(f"{where}: the mask does not fit", mask, self._most)
         wanted = self._whole(f"{where}: the value does not fit", value, self._most)
@@ -303,7 +303,7 @@ class ModulePort:
         return port
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Raise AttributeError: registers are written through their fields or `all`."""
+        """Raise AttributeError, except for private names: registers are written through their fields or `all`."""
         if name.startswith("_"):
             object.__setattr__(self, name, value)
             return

@@ -4,8 +4,9 @@
 
 Passes are skipped as follows. A pass whose reads have no side effect is executed once. Further passes have the same
 result until a register that the pass has read changes, or an interrupt is due. Then the pass in progress is replayed
-from its start, and its reads in the past return the earlier values. The condition is called only if a read returns
-another value. So a wait ends at the cycle at which polling pass by pass would have ended, but needs only one event.
+from its start, and its reads in the past return the earlier values. If only the reads of a pass and their tests take
+time, the condition is called only after a read has returned another value, or an interrupt may be taken. So a wait ends
+at the cycle at which polling pass by pass would have ended, but needs only one event.
 
 A condition is a function, or a `Condition` on one register, whose passes execute no Python code. A function that does
 the same as a `Condition` is replaced by a `Condition` at its second wait:
@@ -110,7 +111,10 @@ class Recogniser:
         self._earlier: ConditionQuery | None = None  # the query used before `_latest`; two functions often alternate
 
     def condition(self, function: object) -> Condition | None:
-        """Return the condition equivalent to a function; None if there is none, and at the function's first wait."""
+        """Return the condition equivalent to a function; None if there is none, and at the function's first wait.
+
+        Return None also if a trace function was set at its second wait.
+        """
         if type(function) is not FunctionType:
             return None
         code = function.__code__
@@ -277,9 +281,9 @@ class Waits:
     def _repeats(self, spin: Spin) -> bool:
         """Execute the reads of the next pass while they return the values of the last pass.
 
-        Return True if all reads do. Return False at the first other value, or at a boundary at which an interrupt may
-        be taken. The caller must then call the condition from the start of the pass; the reads that are complete return
-        the same values again.
+        Return True if all reads do. Return False at the first other value, at a boundary at which an interrupt may be
+        taken, and before a read that must wait for a write or needs more than `Chip.see`. The caller must then call the
+        condition from the start of the pass; the reads that are complete return the same values again.
         """
         time, cpu = self._time, self._cpu
         cycle: int

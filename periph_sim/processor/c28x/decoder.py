@@ -64,7 +64,7 @@ class Instruction(NamedTuple):
 
     @property
     def target(self) -> int | None:
-        """The target address of a branch or call; None for other instructions, or if the target is in a register.
+        """The target address of a branch or call; None for other instructions, and if a register or vector has it.
 
         The distance of a relative branch counts from the address of the branch [SPRU430F chapter 6].
         """

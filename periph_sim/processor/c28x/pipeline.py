@@ -124,7 +124,7 @@ def addressing(field: int) -> int:
 
 DEPTH = 4  # largest number of blocks in the fetch queue
 QUEUE_PACKED = 6 + DEPTH  # length of `FetchQueue.packed_queue`
-LONG_AGO = 1 << 7  # cycles; an older event has no effect, because the queue is filled within 4 * 17 cycles
+LONG_AGO = 1 << 7  # cycles; an older event has no effect, because the queue is filled within 4 * 32 cycles
 
 
 @final
@@ -234,7 +234,7 @@ class Pipeline:
     cycle shorter. Registers are written in phase E, three phases after D2, and memory in phase W. `clock` excludes the
     wait states of memory, because they stop all instructions in the pipeline.
 
-    enabled: False if no instruction stalls.
+    enabled: False if no instruction waits for registers and words of earlier instructions.
     pending: three masks of 10 bits, the lanes: the registers that will be written in 1, 2 and 3 cycles. The mask for 1
         cycle is in the lowest bits.
     clock: the number of cycles that instructions have spent in D2.

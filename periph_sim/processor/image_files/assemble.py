@@ -1,6 +1,6 @@
 """An assembler for C28x source text. No linker is needed, because the source states the address of each section.
 
-            .sect   ".text", 0x8000      ; name and run address; a third number is the load address, if that differs
+            .sect   ".text", 0x8000      ; name and run address; a third operand is the load address, if that differs
     _main:  MOVW    DP, #0x7900 >> 6
             MOV     @0x7909, #0x4600     ; the operand contains the offset of the address in its data page
     wait:   TBIT    @0x7902, #4
@@ -228,7 +228,7 @@ def _operands(text: str) -> list[str]:
 
 
 def assemble(text: str, path: Path | None = None) -> Image:
-    """Return the image of a program. Raise BadImage, with the source line, for an error.
+    """Return the image of a program. Raise BadImage for an error, with the source line if there is one.
 
     text: the source text.
     path: the path of the source, for the debug data. Included files are searched in its folder. If it is None, the

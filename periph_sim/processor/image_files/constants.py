@@ -31,7 +31,7 @@ class Access(NamedTuple):
 
     width: 16 or 32 bits.
     how: "r" for a read, "w" for a write, "rw" for both.
-    value: the written value if it comes from an address register with a known value; otherwise None.
+    value: the value of the address register that MOVL writes, if it is known; otherwise None.
     """
 
     address: int

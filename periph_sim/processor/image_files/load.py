@@ -1,8 +1,8 @@
 """Loading of images from a linker's output file, checked for the F28335.
 
-`parse` checks that no two loaded sections overlap, that each is in loadable memory, and that the entry is in loaded
-code. Reserved memory, and the memory to which code is copied, may overlap, because UNION in the linker's command file
-makes sections share memory on purpose.
+`parse` checks that a section is loaded, that no two loaded sections overlap, that each is in loadable memory, and that
+the entry is in loaded code. Reserved memory, and the memory to which code is copied, may overlap, because UNION in the
+linker's command file makes sections share memory on purpose.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ LARGEST = 1 << 28  # maximum number of bytes of a file; in a file of this size, 
 
 
 def load(path: Path) -> Image:
-    """Load an image from a file. Raise BadImage, with the path, if it is not an F28335 image."""
+    """Load an image from a file. Raise BadImage, with the path, if it cannot be read or is not an F28335 image."""
     try:
         data = read_input(path, LARGEST)
     except OSError as error:
@@ -66,7 +66,10 @@ def parse(data: bytes) -> Image:
 
 
 def require_loadable(image: Image, part: Part) -> None:
-    """Raise BadImage if a section is in memory that cannot be loaded, or that this part of the family does not have."""
+    """Raise BadImage if an address that is loaded cannot be loaded, or if this part of the family does not have it.
+
+    These are the load and run addresses of loaded sections, and the initial values.
+    """
     named = [(f"section {quoted(one.name)} lies", one) for one in image.loaded]
     placed = [(what, address, one.size) for what, one in named for address in (one.address, one.run)]
     placed += [(f".cinit initialises {len(words)} words", address, len(words)) for address, words in image.initial]

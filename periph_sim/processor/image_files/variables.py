@@ -1,6 +1,7 @@
 """Variables of an image by name: address, length and number format.
 
-    x               a variable as declared in the debug data; an unsigned word if x is only in the symbol table
+    x               a variable as declared in the debug data; an unsigned word if x is only in the symbol table, or is
+                    declared as anything but a number of 16 or 32 bits
     x.member, x[3]  a part of a structure or an array, as declared; x[3] is an unsigned word if x is only in the symbol
                     table
     0x9042          the unsigned word at an address
@@ -64,7 +65,7 @@ def number_type(kind: DIE) -> tuple[int, str] | None:
 
 
 def inside(kind: DIE, name: str, path: str) -> tuple[int, DIE]:
-    """Return (word offset, type) of a part of a variable. Raise BadVariable if the part does not exist.
+    """Return (word offset, type) of a part of a variable. Raise BadVariable if it does not exist or is a bit field.
 
     kind, name: the type and the name of the variable. path: members and indices, such as ".member[3]".
     """
@@ -194,7 +195,10 @@ class Variable(Struct, frozen=True):
         return (bits ^ top) - top if self.kind == SIGNED else bits
 
     def bits_of(self, value: float) -> int:
-        """Return the bits of a number. Raise BadVariable if the number does not fit the variable."""
+        """Return the bits of a number. Raise BadVariable if an integer variable cannot have this value.
+
+        Raise OverflowError if the number is too large for a float.
+        """
         if self.kind == FLOAT:
             return int.from_bytes(struct.pack("<f", value), "little")
         if not isinstance(value, int):
@@ -225,7 +229,7 @@ class Variables:
                     self._types[known] = kind
 
     def find(self, name: str) -> Variable:
-        """Return the variable with a name. Raise BadVariable if there is none.
+        """Return the variable with a name. Raise BadVariable if there is none, or if it is not in memory.
 
         name: "x", "x.member", "x[3]", an address such as "0x9042", or one of these followed by "-long".
         """

@@ -3,9 +3,9 @@
     fetch --> Operation --begin: operand found--> ea --finish: executed--> registers, memory
                                                   ^--- a chip with a bus waits here for the cycle of the access
 
-A decoded instruction is kept, and is decoded again only if its words have been overwritten. RPT makes the CPU execute
-the next instruction several times; one execution is a pass, and no interrupt is taken between passes. RPTB makes the
-CPU jump back at the end of a block. Source: SPRU430F chapters 4 and 6 (RPT), SPRUEO2A (RPTB).
+A decoded instruction is kept until its words are overwritten, unless `keeps_decoded` is False. RPT makes the CPU
+execute the next instruction several times; one execution is a pass, and no interrupt is taken between passes. RPTB
+makes the CPU jump back at the end of a block. Source: SPRU430F chapters 4 and 6 (RPT), SPRUEO2A (RPTB).
 """
 
 # core: compiled

@@ -148,7 +148,7 @@ def to_integer(bits: int, least: int, most: int, nearest: bool = False) -> int:
 
 
 def fraction(bits: int) -> int:
-    """Return the fractional part of a number, with the sign of the number."""
+    """Return the fractional part of a number, with the sign of the number; +0 if there is none."""
     if is_infinite(bits):
         return 0
     mantissa, exponent = mantissa_of(bits), exponent_of(bits)

@@ -20,7 +20,10 @@ MEMORY = -1  # result of `register_of` for an address in memory
 
 
 def register_of(address: int) -> int:
-    """Return n if a move with this address accesses RnH, and MEMORY if it accesses memory."""
+    """Return n if a move with this address accesses RnH, and MEMORY if it accesses memory.
+
+    Raise IllegalOperation for other addresses from WINDOW to WINDOW_END - 1.
+    """
     if not WINDOW <= address < WINDOW_END:
         return MEMORY
     number, rest = (address - FPU_FIRST) // FPU_APART, (address - FPU_FIRST) % FPU_APART

@@ -41,7 +41,7 @@ class Registers:
     pm: the product shift mode, coded as in ST0.
     r, shadow_r: R0H to R7H, and their shadow registers, as the bits of float32 numbers.
     pc: the address of the next instruction.
-    st1: ST1 without the field ARP, which is in `arp`.
+    st1: ST1; its field ARP is not used, because `arp` has it.
     due: mask of the FPU registers that have a pending late result (see `delay_slots`).
     due_r: the pending results, by the number of the register.
     due_flags: the flags LUF and LVF that are set together with the pending results.
@@ -128,7 +128,10 @@ class Registers:
         self.n, self.z = value >> 31, int(value == 0)
 
     def condition(self, code: int) -> bool:  # core: C only
-        """Return True if COND with this code is true [SPRU430F Table 2-10]. A test of V clears V."""
+        """Return True if COND with this code is true [SPRU430F Table 2-10]. A test of V clears V.
+
+        Raise IllegalOperation for NBIO.
+        """
         match code:
             case 0:
                 return not self.z
@@ -193,7 +196,7 @@ class Registers:
         return value | HIGH16 if self.sxm and value & SIGN16 else value
 
     def psh(self) -> int:  # core: C only
-        """Return P, shifted as PM selects, and limited to 32 bits."""
+        """Return the low 32 bits of P shifted as PM selects."""
         if self.pm == 0:
             return self.p << 1 & M32
         return s32(self.p) >> self.pm - 1 & M32

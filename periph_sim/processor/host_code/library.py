@@ -82,10 +82,10 @@ class Library:
         self._numbers[at * (LARGEST + 1) + size] = place
 
     def answer(self, log: array[int]) -> ctypes.c_uint64:
-        """Let runtime.c answer accesses of the firmware from a log, as long as the accesses equal the items of the log.
+        """Let runtime.c answer reads and requests for time from a log, as long as they equal the items of the log.
 
-        runtime.c leaves the last item, in which the log ends, to Python. Return the variable of runtime.c that has the
-        index of the next item.
+        runtime.c leaves the last two items to Python; the log ends in the last one. Return the variable of runtime.c
+        that has the index of the next item.
         """
         ctypes.c_uint64.in_dll(self._library, "c28x_log").value = log.buffer_info()[0]
         ctypes.c_uint64.in_dll(self._library, "c28x_log_end").value = max(len(log) - 1, 0)

@@ -263,8 +263,8 @@ class PollSkipper:
 
         An interrupt ends the sleep, too. Return the wait that begins.
 
-        Return None, without a sleep, if a posted write or an interrupt is pending, or if the next pass would read other
-        values. The loop is then examined again.
+        Return None, without a sleep, if a posted write is pending, if an interrupt can be taken, or if the next pass
+        would read other values. The loop is then examined again.
         """
         time, lease, spin = self._time, self._lease, self._spin
         spin.since = self.since

@@ -282,7 +282,10 @@ def _errors_at(place: _Place) -> Iterator[None]:
 
 
 def included(name: str, folder: Path) -> Path:
-    """Return the path of a file: the one in this folder if it exists, or else one that is shipped with periph_sim."""
+    """Return the path of a file: in this folder, or, if it does not exist there, among those shipped with periph_sim.
+
+    If it exists nowhere, return the path in this folder.
+    """
     shipped = SHIPPED / name
     return shipped if not (folder / name).exists() and shipped.is_file() else folder / name
 

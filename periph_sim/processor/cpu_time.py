@@ -95,9 +95,9 @@ class CpuTime:
         return lease
 
     def rest(self, cycle: int) -> bool:
-        """If nothing else may act up to the start of `cycle`, set the CPU's and the kernel's time to it; return True.
+        """Set the times of the CPU and the kernel to `cycle` and return True, or sleep and return False.
 
-        Otherwise, sleep and return False.
+        The result is False if something else may act before `cycle` or at its start.
         The sleep ends at `cycle` or at an interrupt; if `cycle` is NEVER, only at an interrupt.
         """
         if cycle < NEVER:

@@ -89,7 +89,7 @@ class Router(Agent):
         self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in wires.items()}
         self._free_pins: dict[int, Pin] = {}  # the pins of pads that no peripheral drives
         self._direct: set[str] = set()  # the input signals of peripherals that come from asynchronous pads
-        self._feeds: dict[int, Port] = {}  # maps a pad with a synchroniser only to the peripheral's input that it feeds
+        self._feeds: dict[int, Port] = {}  # maps a pad with synchroniser, but no qualifier, to the input that it feeds
         self.pads = Sampler(kernel, recorder, self)
         self._line = {n: line for line, n in enumerate(wires)}  # maps a pad to its line in `pads`
         self._monitored: set[int] = set()  # the pads whose edges the GPIO module receives

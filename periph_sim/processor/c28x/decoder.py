@@ -64,7 +64,7 @@ class Instruction(NamedTuple):
 
     @property
     def target(self) -> int | None:
-        """The target address of a branch or call; None for other instructions, and if a register or vector has it.
+        """The target address of a branch or call; None if it is in a register or a vector, and for other instructions.
 
         The distance of a relative branch counts from the address of the branch [SPRU430F chapter 6].
         """

@@ -66,9 +66,9 @@ def parse(data: bytes) -> Image:
 
 
 def require_loadable(image: Image, part: Part) -> None:
-    """Raise BadImage if an address that is loaded cannot be loaded, or if this part of the family does not have it.
+    """Raise BadImage if words are at addresses that cannot be loaded, or that this part of the family does not have.
 
-    These are the load and run addresses of loaded sections, and the initial values.
+    The words are those of loaded sections, at their load and run addresses, and the initial values.
     """
     named = [(f"section {quoted(one.name)} lies", one) for one in image.loaded]
     placed = [(what, address, one.size) for what, one in named for address in (one.address, one.run)]

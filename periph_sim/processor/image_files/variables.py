@@ -1,7 +1,6 @@
 """Variables of an image by name: address, length and number format.
 
-    x               a variable as declared in the debug data; an unsigned word if x is only in the symbol table, or is
-                    declared as anything but a number of 16 or 32 bits
+    x               a variable as declared in the debug data; an unsigned word if x is only in the symbol table
     x.member, x[3]  a part of a structure or an array, as declared; x[3] is an unsigned word if x is only in the symbol
                     table
     0x9042          the unsigned word at an address
@@ -195,10 +194,7 @@ class Variable(Struct, frozen=True):
         return (bits ^ top) - top if self.kind == SIGNED else bits
 
     def bits_of(self, value: float) -> int:
-        """Return the bits of a number. Raise BadVariable if an integer variable cannot have this value.
-
-        Raise OverflowError if the number is too large for a float.
-        """
+        """Return the bits of a number. Raise BadVariable if the number does not fit the variable."""
         if self.kind == FLOAT:
             return int.from_bytes(struct.pack("<f", value), "little")
         if not isinstance(value, int):

@@ -87,7 +87,7 @@ class FirmwareView:
     ) -> bool:
         """Wait until `condition()` is true, as `while (!...);` does. Return False if the wait has timed out.
 
-        While no bit that the condition has read changes and no interrupt is served, it may not be called again, so its
+        The condition need not be called again before a bit that it has read changes or an interrupt is served, so its
         result must depend on nothing else.
 
         pass_cycles: all cycles of one pass of the loop, as counted in its disassembly. By default, they are computed:

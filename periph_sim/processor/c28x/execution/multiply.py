@@ -146,7 +146,7 @@ def accumulate(cpu: Cpu, address: int) -> None:
 
 
 def stepping(cpu: Cpu, by: int) -> int:
-    """Return XAR7. If the operand's mode has not changed XAR7, other than by BR0, then add `by` to XAR7."""
+    """Return XAR7. Then add `by` to XAR7, unless the operand's mode, other than *BR0++ or *BR0--, has changed it."""
     address = cpu.xar[7]
     own = cpu.field in (0x87, 0x8F) or (cpu.arp == 7 and 0xB9 <= cpu.field <= 0xBC)
     if not own:

@@ -1,8 +1,8 @@
-"""Analysis of a recorded run: causes of values, reads that nearly miss a change, and misuse of peripherals.
+"""Recording of a run, and its analysis: causes of values, reads that nearly miss a change, and misuse of peripherals.
 
     .psr --Run--> why, races, lint --> text, JSON
 
-Nothing is simulated again: the records of `run --record x.psr` are all that is needed.
+The analysis simulates nothing again: the records of `run --record x.psr` are all that is needed.
 
 Terms of this package:
 

@@ -7,8 +7,8 @@ All registers that have flags which are cleared by writing 1 are covered.
 
 A `ClearedRegister` receives the records of one register. Its writes and the changes of its flags must be passed in the
 order of their records. Its reads must be passed in their order, too. A read that belongs to a read-modify-write must be
-passed after the write of the same read-modify-write. Only counts by place are kept, so memory does not grow with the
-length of the run, unless the ticks of clearings are kept.
+passed after the write of the same read-modify-write and the changes that this write made. Only counts by place are
+kept, so memory does not grow with the length of the run, unless the ticks of clearings are kept.
 """
 
 # core: compiled
@@ -47,8 +47,7 @@ NEVER_YET = -1  # in place of the number of a record: there has been no such rec
 class Modify:
     """A write that belongs to a read-modify-write.
 
-    number: the number of the record of the write.
-    tick: the tick of the write.
+    number, tick, place: the number of the record of the write, its tick, and its place in the firmware.
     written: the value that was written to the register.
     rose: for each flag, the number of the record of its last rise before the write; NEVER_YET if it never rose.
     cleared: mask of the flags that the write cleared.
@@ -192,8 +191,8 @@ class ModifiesOfPlace:
     def meant(self, flags: list[Flag]) -> set[str]:
         """Return the names of the flags that firmware may have intended to clear here.
 
-        These are the fields that its statements name; if they name no field, the flags in `proven`; if `proven` has no
-        flag, the flags in `always`.
+        These are the fields, even if they are no flags, that the statements at this place name; if they name no field,
+        the flags in `proven`; if `proven` has no flag, the flags in `always`.
 
         flags: the flags of the register.
         """

@@ -2,7 +2,7 @@
 
 Every function in `lints/` that has the decorator `finds` is a lint.
 
-Run --each lint--> faulty accesses --> findings, one for each place and fault --> text, JSON
+Run --each lint--> faults, which are rows --> findings, one for each place and fault --> text, JSON
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from .run import Group, Rows, Run
 
 
 class Fault(NamedTuple):
-    """Faulty accesses of one unit, all with the same kind of fault.
+    """Faulty accesses, or entries of service routines, of one unit, all with the same kind of fault.
 
-    rows: the rows of these accesses, in order. A fault without rows is not reported.
-    text: what is wrong with these accesses.
-    source: the section of the manual that gives the violated rule.
+    rows: the rows of their records. A fault without rows is not reported.
+    text: what is wrong with them.
+    source: the section of the manual that gives the violated rule; "" if it is not known.
     """
 
     unit: str
@@ -49,7 +49,7 @@ Faults: TypeAlias = "Callable[[Run, Options], Iterator[Fault]]"
 
 
 class Lint(NamedTuple):
-    """A rule that recorded accesses can violate.
+    """A rule that firmware can violate.
 
     says: a phrase that describes the faults that the lint finds.
     faults: the function that yields the faults of a run.
@@ -64,9 +64,9 @@ _LINTS: dict[str, Lint] = {}
 
 @dataclass(frozen=True)
 class Finding:
-    """All faulty accesses of one kind at one place in the firmware.
+    """All faults of one kind at one place in the firmware.
 
-    count: the number of these accesses.
+    count: the number of the faulty accesses or entries.
     first: the tick of the first of them.
     """
 
@@ -129,7 +129,7 @@ def held(run: Run, group: Group, register: Register, name: str) -> NDArray[np.bo
 def text(run: Run, findings: list[Finding]) -> str:
     """Return the findings as text, with the total at the end.
 
-    Each finding has its place in the firmware, the section of the manual, its lint, its count and its first time.
+    Each finding has its place, what is wrong, the section of the manual, its lint, its count and its first time.
     """
     lines = []
     for f in findings:

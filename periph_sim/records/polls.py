@@ -23,13 +23,13 @@ Number = TypeVar("Number", np.int64, np.bool_)
 
 SHORTEST_PASS, LONGEST_PASS = 4, 400  # minimum and maximum cycles of a pass of a polling loop
 MOST_READS = 3  # maximum number of reads of one register in a pass
-# The length of a pass is assumed to be the most frequent length of the recorded passes. These constants are the shares
-# of passes and gaps that must agree with it. PASSES_AGREE: the share of recorded passes whose length must be a multiple
-# of the assumed one, if a pass has one read. MORE_AGREE: the same, if a pass has several reads. GAPS_AGREE: the share
-# of changes that must be in gaps that fit the assumed length.
+# The length of a pass is assumed to be the most frequent length of the recorded passes. PASSES_AGREE: more than this
+# share of the recorded passes must have a length that is a multiple of the assumed one, if a pass has one read.
+# MORE_AGREE: the same, if a pass has several reads. GAPS_AGREE: at least this share of the changes must be in gaps that
+# fit the assumed length.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
-# If the recording has no whole pass, but only gaps between reads of the same wait, the loop is assumed to have one read
-# per pass. The greatest common divisor of the gaps is then the length of a pass, if there are at least FEW_GAPS gaps.
+# If no recorded pass is at most LONGEST_PASS long, all are gaps, and the loop is assumed to have one read per pass. The
+# greatest common divisor of the gaps is then the length of a pass, if there are at least FEW_GAPS gaps.
 FEW_GAPS = 3
 
 
@@ -103,7 +103,9 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
 
 
 def _period(begins: Rows, waits: NDBool, gaps: Rows, in_pass: int) -> int:
-    """Return the length in cycles of one pass of the polling loop; 0 if the recording does not show the length.
+    """Return the length of one pass of the polling loop in cycles.
+
+    Return 0 if the recording does not show the length, or if it is not between SHORTEST_PASS and LONGEST_PASS.
 
     begins: the cycle of each read of the loop.
     waits: for each read, True if it and the next read belong to the same wait.

@@ -5,7 +5,7 @@
 
 A read of one field, as in `i2c.I2CSTR.XRDY == 1`, is compared with changes of that field. A read of the whole register,
 as in `i2c.I2CSTR.all` or in the read-modify-write `i2c.I2CSTR.SCD = 1`, is compared with changes of all its fields.
-Changes that an access of the firmware itself makes are left out.
+Changes that an access of the firmware itself makes in the same tick are left out.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ NEVER = np.iinfo(np.int64).max
 
 @dataclass(frozen=True)
 class NearMiss:
-    """The read that came closest to a change on one side: before the change, or after it.
+    """The read or reconstructed poll that came closest to a change on one side: before the change, or after it.
 
     cycles: distance between read and change.
     tick: the tick of the read.
@@ -227,8 +227,8 @@ NONE = _Side(*(np.zeros(0, np.int64) for _ in range(3)))
 class _Beside(NamedTuple):
     """The reads of a place, with the changes of the fields that they read.
 
-    before: each read with the next change after the read.
-    after: each read with the last change before the read.
+    before: each read with the next change after the read, and the reconstructed polls just before a change.
+    after: each read with the last change before the read, and the reconstructed polls just after a change.
     ticks: the tick of each read or reconstructed poll.
     nearest: the distance in ticks from each read or poll to the nearest change; NEVER if there is no change.
     reads: number of recorded reads.

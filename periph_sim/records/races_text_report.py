@@ -51,7 +51,10 @@ def text(races: Races) -> str:
 
 
 def as_json(races: Races) -> dict[str, object]:
-    """Return the races for JSON, with distances in cycles and times in seconds."""
+    """Return the races for JSON, with distances in cycles and times in seconds.
+
+    Only `lost` and `cleared` of a flag are lists of ticks.
+    """
     run = races.run
     return {
         "run": run.name,
@@ -106,7 +109,7 @@ def _closest(races: Races, place: PlaceRaces) -> list[tuple[str, ...]]:
 
 def _counts(races: Races, place: PlaceRaces) -> tuple[str, ...]:
     # In a program image, the place has a function, a source line and an address. This table shows it without the source
-    # line, which is in the first table. For other firmware, `at` is None.
+    # line, which is in the first table. For other firmware, or if the function is unknown, `at` is None.
     at = parsed(place.place)
     short = place.place if at is None else f"{at.function} {at.pc:#08x}"
     return (_name(races, place), short, str(place.reads), str(place.polls), *map(str, place.histogram))

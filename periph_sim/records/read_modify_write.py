@@ -1,7 +1,7 @@
 """Read-modify-writes of a run: the read and the write of one statement, and the flags that are lost.
 
     i2c.I2CSTR.SCD = 1     reads I2CSTR, sets SCD, and writes I2CSTR a few cycles later; this also clears every other
-                           flag that was read as 1. Both accesses have the same place, routine and field.
+                           flag that was read as 1. Both accesses have the same statement, routine and field.
 
 The CPU may make other accesses before the write is made, so the write need not be the next access.
 
@@ -100,7 +100,7 @@ class ReadModifyWrite:
     """The read-modify-writes of one register at one place.
 
     count: number of read-modify-writes.
-    meant: the flags that the firmware named, or that it certainly intended to clear.
+    meant: the flags that the firmware named, or that it certainly intended to clear; empty if `doubt` is not.
     doubt: the flags that every write set to 1, if the recording does not show which of them the firmware intended to
         clear; else empty.
     flags: the flags that rose between a read and its write, or that were cleared unintentionally.

@@ -19,7 +19,7 @@ from ..core.registers import Field
 from .register_maps import register_of
 
 GAVE_UP = "gave up (timeout)"
-IN_FIRMWARE = (Kind.ACCESS, Kind.IRQ, Kind.SPAN, Kind.WAIT)  # kinds of records whose `text` is a place in the firmware
+IN_FIRMWARE = (Kind.ACCESS, Kind.IRQ, Kind.SPAN, Kind.WAIT)  # `text`: a place in the firmware, "" or TIMED_OUT
 
 
 class BusByte(NamedTuple):
@@ -48,7 +48,7 @@ def bus_byte(record: Record) -> BusByte | None:
 
 
 def on_the_bus(record: Record) -> str:
-    """Return what was on the line at a BUS or FRAME record as text: "START", "0x68 R ACK", "0x55"."""
+    """Return what was on the line at a BUS or FRAME record as text: "START", "0x68 R ACK", "0x55", "frame", "cut"."""
     if record.kind is Kind.FRAME:
         return (
             "frame" if record.what == "begin" else record.what if record.what in PAIR_PARTS else f"0x{record.value:02X}"

@@ -44,11 +44,11 @@ def among(these: Rows, rows: Rows) -> NDArray[np.bool_]:
 
 
 class NotInRun(ValueError):
-    """Error: the recording does not have the requested signal, register or time. The message is one sentence."""
+    """Error: a file is no recorded run, or the run does not have what was asked for. The message is one sentence."""
 
 
 class Group(NamedTuple):
-    """All reads, or all writes, of one register by one unit. way: "R" or "W"."""
+    """All reads (`way` "R"), or all writes ("W"), of one register of one module by one unit."""
 
     unit: str
     way: str
@@ -71,7 +71,8 @@ class CycleLength(NamedTuple):
 class Run:
     """An open recording of a run.
 
-    `read` raises NotInRun if the file cannot be read or is no recorded run, and BadCapture if it cannot be decoded.
+    `read` raises NotInRun if the file cannot be read or is no recorded run, and BadCapture if it cannot be decoded. The
+    constructor raises NotInRun if the table does not state the number of ticks per second.
 
     sysclk: SYSCLKOUT in Hz; None to use the frequency that the recording shows, or 150 MHz if it shows none.
     """
@@ -136,7 +137,7 @@ class Run:
         return row if number and row < len(self.table) and int(self.table.number[row]) == number else None
 
     def made_by(self, rows: Rows) -> Rows:
-        """Return, for each row, the row of its cause; -1 if the cause is at another tick or was not recorded."""
+        """Return, for each row, the row of its cause; -1 if it has none, or one at another tick or not recorded."""
         table = self.table
         causes = np.minimum(np.searchsorted(table.number, table.cause[rows]), max(len(table) - 1, 0))
         at_once = (table.number[causes] == table.cause[rows]) & (table.tick[causes] == table.tick[rows])

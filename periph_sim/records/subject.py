@@ -1,7 +1,8 @@
 """Parsing of questions about a run: a signal and a time, as "I2CA.I2CSTR.XRDY@12.345ms", or accesses to a register.
 
-The unit may be left out of a name: the name of a signal must then fit only one unit, and the name of a register means
-the registers of all units. Hyphens and case matter only if several names differ in nothing else.
+The unit may be left out of the name of a register, which then means the registers of all units. The first parts of the
+name of a signal may be left out if only one signal has the rest. Hyphens and case do not
+matter, except that signals which a name fits in its exact spelling have priority.
 """
 
 from __future__ import annotations
@@ -44,7 +45,10 @@ class RecordedSignal:
 
 
 def asked(run: Run, question: str) -> tuple[RecordedSignal, int]:
-    """Return the signal and the tick of a question NAME@TIME. Raise NotInRun if the run does not have them."""
+    """Return the signal and the tick of a question NAME@TIME.
+
+    Raise NotInRun if the question has another form, if the time is invalid or outside the run, or as `named` does.
+    """
     name, at, time = question.rpartition("@")
     if not at or not name.strip():
         raise NotInRun(f"{question!r}: expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us")
@@ -101,7 +105,7 @@ def _tick(run: Run, text: str, subject: RecordedSignal) -> int:
     """Return the tick that a time in a question means.
 
     Reports show rounded times. Therefore, if the time of a change of the signal rounds to the typed time, the result is
-    the tick of this change. A time whose last digit is worth more than COARSEST, such as "12 ms", is exact.
+    the tick of the nearest such change. A time whose last digit is worth more than COARSEST, such as "12 ms", is exact.
     """
     try:
         at = seconds(text)
@@ -121,7 +125,10 @@ def _tick(run: Run, text: str, subject: RecordedSignal) -> int:
 
 
 def _last_digit(text: str) -> Fraction:
-    """Return by how many seconds a time grows if its last digit grows by one: 1e-10 for "26730.2667us"."""
+    """Return by how many seconds a time grows if its last digit grows by one: 1e-10 for "26730.2667us".
+
+    Return 1 if the time begins with a sign, or if its number does not end with a digit.
+    """
     number = text.strip()[: len(text.strip()) - len(text.strip().lstrip("0123456789._"))]
     zeros = re.sub(r"\d", "0", number)
     return seconds(f"{zeros[:-1]}1{text.strip()[len(number) :]}") if zeros[-1:] == "0" else Fraction(1)
@@ -131,7 +138,7 @@ def _hint(known: list[RecordedSignal], name: str) -> str:
     """Return a suggestion for `name`: the most similar known names.
 
     If `name` leaves out the first parts of a full name, such as the unit, known names are compared without these parts.
-    If no name is similar, the suggestion says which signals the run has.
+    If no name is similar, the suggestion lists the modules and wires of the run.
     """
     parts = name.count(".") + 1
     short = dict.fromkeys(".".join(s.name.split(".")[-parts:]) for s in known if s.name.count(".") + 1 >= parts)

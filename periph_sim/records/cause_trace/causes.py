@@ -15,8 +15,8 @@ A field is written back if a read-modify-write writes it with the value that it 
 field.
 
 Some records are not the cause of an access, but are shown together with the cause: the read that belongs to the same
-read-modify-write, the earlier change of a field that is written back, later looks, and service routines that delayed
-the firmware.
+read-modify-write, the earlier change of a field that is written back, later looks with the changes that they saw, the
+entry of the service routine between a change and its read, and service routines that delayed the firmware.
 """
 
 from __future__ import annotations
@@ -205,7 +205,7 @@ def handed_back(write: Record, read: int, flag: Record) -> Field | None:
     """Return the field whose change `flag` records, if the write only wrote back what had been read; else None.
 
     If the field is cleared by writing 1, a 1 must have been written back, because a 0 has no effect. Any other field
-    must be one that the firmware did not name in the write.
+    must take the written value, and the firmware must not have named it in the write.
 
     read: the value of the register that the read half of the read-modify-write returned.
     """
@@ -277,7 +277,7 @@ def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> li
 
 
 def _recorded(run: Run, record: Record) -> list[Link]:
-    """Return a link to the cause that the record names; an empty list if the record names none."""
+    """Return a link to the cause that the record names; an empty list if it names none that was recorded."""
     found = run.row_of(record.cause)
     if found is None:
         return []
@@ -290,8 +290,8 @@ def _recorded(run: Run, record: Record) -> list[Link]:
 def _request(run: Run, row: int, record: Record) -> list[Link]:
     """Return a link to the request that set a PIEIFR flag; no link if the record does not set such a flag.
 
-    The request is the last rise of a module's flag that can request this interrupt. If it is more than
-    MAX_REQUEST_CYCLES cycles before the record, no link is returned.
+    The request is the last rise of a module's flag that can request this interrupt. If it was not recorded, or is more
+    than MAX_REQUEST_CYCLES cycles before the record, no link is returned.
     """
     unit, _, owner = record.where.rpartition(".")
     register, _, line = record.what.partition(".")
@@ -315,8 +315,8 @@ def _request(run: Run, row: int, record: Record) -> list[Link]:
 def _of_interrupt(run: Run, row: int, record: Record) -> list[Link]:
     """Return links from the entry of a service routine to its PIEIFR flag and to the service routines that delayed it.
 
-    If the record is the end of a service routine, return a link to the entry of this routine. If no change of the
-    PIEIFR flag is recorded, return a link to the cause that the record names.
+    If the record is the end of a service routine, return a link to the entry of this routine. If no rise of the PIEIFR
+    flag is recorded, or the vector has no such flag, return a link to the cause that the record names.
     """
     if not record.value or record.what not in LINES:
         return _recorded(run, record)
@@ -355,7 +355,7 @@ def holders(run: Run, row: int, record: Record) -> tuple[str, ...]:
 def mover(run: Run, row: int, record: Record) -> str:
     """Return the party whose pull or release of a wire the EDGE or HOLD record describes; "" if it is not known.
 
-    If several parties pulled or released the wire at once, the last of them in the record's text is returned.
+    If several parties pulled or released the wire at once, the last of them in the text that names them is returned.
     """
     earlier = _before(run, row, record)
     now, before = _named(record.text), () if earlier is None else _named(earlier.text)

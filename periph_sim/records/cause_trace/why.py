@@ -1,4 +1,4 @@
-r"""Causes and effects of the value that a field, wire, span or interrupt has at an instant.
+r"""Causes and effects of the value that a field, wire, span, interrupt or variable has at an instant.
 
 question --> value, and the record of the change to this value --> its causes, back in time
                                                              \--> its effects, the next read and the next change
@@ -38,8 +38,8 @@ class Answer:
     back: the record that gave the value, then the causes of this record; empty if the signal had not changed before.
         For a wire that is low, the first record is instead the last change, up to `tick`, of the set of parties that
         hold the wire low.
-    pulled_by: the parties that first pulled the wire low; empty if the signal is not a wire that is low.
-    held_by: the parties that hold the wire low at `tick`; empty if the signal is not a wire that is low.
+    pulled_by: the parties that first pulled the wire low; empty if the signal is not a wire that has fallen and is low.
+    held_by: the parties that hold this wire low at `tick`; empty in the same cases.
     effects: the first records, at most EFFECTS, whose cause is the record that gave the value.
     reader: the first recorded read of the field after the change to the value and before the next change, or None.
     reads: number of recorded reads of the field between these two changes.
@@ -65,7 +65,8 @@ class Answer:
 def why(run: Run | Path | str, question: str, depth: int = DEPTH) -> Answer:
     """Return the answer to a question such as "I2C-A.I2CSTR.XRDY@12.345ms".
 
-    Raise NotInRun if the name is unknown or ambiguous, if the time is outside the run, or if the file is no recording.
+    Raise NotInRun if the question is not NAME@TIME, if the name is unknown or ambiguous, if the time is invalid or
+    outside the run, or if the file is no recorded run; BadCapture if the recording is damaged.
 
     run: a recorded run, or its file.
     depth: maximum number of causes that are followed back.
@@ -207,7 +208,7 @@ def said(run: Run, step: Link) -> str:
 
 
 def _with_source(words: str) -> str:
-    """Return the text with its last part, "[section of the manual]", protected against line breaks."""
+    """Return the text with "[section of the manual]" at its end, if it has one, protected against line breaks."""
     what, bracket, source = words.partition(" [")
     return f"{what} {together(f'[{source}')}" if bracket else words
 

@@ -1,1 +1,1 @@
-"""Lints. Each lint is a function that yields the accesses that violate a rule; it has the decorator `lint.finds`."""
+"""Lints. Each lint is a function with the decorator `lint.finds` that yields the violations of a rule."""

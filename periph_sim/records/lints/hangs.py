@@ -22,16 +22,16 @@ def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
     """Yield the first reads of waits that are longer than `options.bound`, or that never end.
 
     A wait is a polling loop: a series of 1 to LONGEST_PASS reads that is made at least twice in a row, without another
-    access of the same routine. A series of several reads is no wait if one of them removes data, as a read of SCIRXBUF
-    does: such a loop makes progress. A read that is made only once is no wait either, because the firmware may have
-    gone on to code that accesses no register.
+    access of the same routine. A series of several reads is no wait if one of them removes a word or clears a flag, as
+    a read of SCIRXBUF or I2CISRC does: such a loop makes progress. A read that is made only once is no wait either,
+    because the firmware may have gone on to code that accesses no register.
 
     Skipped polls are not recorded. Therefore a wait lasts from its first recorded read to the next other access of its
     routine, including computations before this access. If there is none, the wait lasts to the end of the run in the
     main program, and to its last recorded read in a service routine.
 
-    A wait of the main program that is cut off by the end of the run is a fault, however short, if the main program has
-    never got past this loop.
+    A wait of the main program that is cut off by the end of the run is a fault, however short, if neither the main
+    program nor a service routine has ever got past this loop.
     """
     table = run.table
     bound = int(options.bound * run.per_second)
@@ -74,7 +74,7 @@ def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> 
 
     A stretch is within one routine. It is left out if the series itself consists of repetitions of a shorter series.
 
-    ids: for each access, a number that is the same for accesses of the same register at the same place.
+    ids: for each access, a number that is the same for equal kinds of access to the same register at the same place.
     is_look: for each access, True if it is a read that may belong to a wait.
     following: for each access, the row of the next access of its routine; -1 for the last one.
     """

@@ -73,8 +73,9 @@ def stale_flag(run: Run, options: Options) -> Iterator[Fault]:
     """Yield reads during a transfer that see a flag which rose before this transfer began.
 
     Firmware that waits for the flag then mistakes an old event for a new one. The flags are SCD, RRDY, ARDY and NACK.
-    Only reads of a single flag are judged. In Python firmware and C sources, these are reads such as `i2c.I2CSTR.SCD`.
-    In a program image, they are TBIT instructions, and AND instructions whose mask selects one flag.
+    Only reads of a single flag that belong to no read-modify-write are judged. In Python firmware and C sources, these
+    are reads such as `i2c.I2CSTR.SCD`. In a program image, they are `TBIT loc16,#bit`, and `AND AX,loc16,#mask` with a
+    mask that selects one flag.
     """
     table = run.table
     for group in accesses(run, "R", I2CSTR):
@@ -130,7 +131,7 @@ def xrdy_alone(run: Run, options: Options) -> Iterator[Fault]:
 def _sdir_wiped_by(run: Run, group: Group) -> Rows:
     """Return, for each access, the row of the firmware's write that cleared SDIR after the module was addressed.
 
-    The row is -1 if the last change of SDIR before the access was not such a write.
+    The row is -1 if the last change of SDIR before the access was not made by such a write, or AAS has changed since.
     """
     value = run.table.value
     changes = run.changes(group.unit, group.module, I2CSTR, I2CSTR["SDIR"])
@@ -151,7 +152,7 @@ OVERWRITTEN = "writes I2CDXR while XRDY = 0: the byte written before was not tak
 def receive_register_early(run: Run, options: Options) -> Iterator[Fault]:
     """Yield reads of I2CDRR that return no new byte, because none was received or the last byte was already read.
 
-    FIFO mode and a disabled module (IRS = 0) are not judged.
+    FIFO mode and a disabled module (IRS = 0) are not judged, nor are reads after RRDY was cleared other than by a read.
     """
     for group in accesses(run, "R", I2CDRR):
         changes = run.changes(group.unit, group.module, I2CSTR, I2CSTR["RRDY"])

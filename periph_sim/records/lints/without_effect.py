@@ -1,4 +1,4 @@
-"""Lints of register writes that change nothing in the chip."""
+"""Lints of writes to register fields that have no effect."""
 
 from __future__ import annotations
 

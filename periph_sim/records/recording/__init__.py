@@ -27,8 +27,8 @@ class RecordingWriter:
     MODE: "w" for text, "wb" for bytes.
     KINDS: the kinds of records that the format needs.
     write: the method that is called with each record.
-    sink: a RecordSink, which receives the fields of each record without a Record object. It replaces `write`; None if
-        `write` receives the records.
+    sink: a RecordSink, which receives the fields of each record of a run without a Record object. It replaces `write`,
+        except in `rewrite`; None if `write` receives the records.
     clocks: the history of SYSCLKOUT of each unit. It is set only just before `close` is called.
     """
 
@@ -84,7 +84,8 @@ def recording(path: Path | None, modules: dict[str, tuple[str, ...]]) -> Iterato
     path: the file of the recording; if it is None, the functions do nothing.
     modules: for each unit, the names of its modules and of its named pins, as in `RecordingWriter`.
 
-    Raise BadRecording if the suffix is unknown or the file cannot be written.
+    Raise BadRecording if the suffix is unknown or the file cannot be written. A BadCapture in the block is converted to
+    BadRecording. The first function raises BadRecording if a library of the format is missing.
     """
     writers: list[RecordingWriter] = []
 

@@ -1,4 +1,4 @@
-"""Waveform files of a run: .vcd, .fst and .sr. They show these signals (.sr: only those of one bit, no fields):
+"""Waveform files of a run: .vcd, .fst and .sr. They show these signals (.sr: 64 at most, of one bit, no fields):
 
     EDGE   wires.SCL                     a wire: SCL, SDA, RX, TX, each named pin, and any other wire that changes
     FLAG   dsp.I2C_A.I2CSTR              a whole register of an I2C or SCI module
@@ -6,6 +6,7 @@
     IRQ    dsp.interrupt.I2CINT1A        1 from entering the service routine to leaving it
     SPAN   dsp.span.model                1 while the span lasts
            bus.I2C.busy, address, ...    state of the bus, decoded from SCL and SDA when the run is over
+           bus.I2C.text, bus.UART.text   .fst only: texts of BUS records, and of the bytes of FRAME records
 
 A file must name its signals before their changes. But the interrupts and spans of a run are known only at its end.
 Therefore all changes are kept in memory until the end, at 16 bytes each.

@@ -40,7 +40,7 @@ RATE = re.compile(rf"\s*(\d{{1,{MOST_DIGITS}}}(?:\.\d{{0,{MOST_DIGITS}}})?(?:[eE
 
 
 class BadCapture(ValueError):
-    """A file cannot be read or written.
+    """A capture cannot be read, converted or written.
 
     The message states the file, the place in it, what was found and expected, and a remedy (`way_out`).
     """
@@ -160,8 +160,8 @@ class Capture:
     def channel(self, wanted: str | int) -> Channel:
         """Return the channel with this name or index. An index can also be given as a text of digits.
 
-        The part of a name after its last dot is sufficient if it is unique. Raise LookupError, with similar names, if
-        no channel or more than one channel matches.
+        The part of a name after its last dot is sufficient if it is unique. Names are tried before indices. Raise
+        LookupError, with names of channels, if no channel or more than one channel matches.
         """
         if isinstance(wanted, str):
             found = [c for c in self.channels if c.name == wanted]
@@ -210,7 +210,7 @@ def channel_of(name: str, index: int, at: Iterable[int], levels: Iterable[int | 
 
 
 def rate_of(text: str) -> Fraction:
-    """Parse a sample rate: `4 MHz`, `500 kHz`, `1.5MHz`, `12000000`. Raise ValueError if it is invalid."""
+    """Parse a sample rate: `4 MHz`, `500 kHz`, `1.5MHz`, `12000000`. Raise ValueError if it is invalid or too high."""
     match = RATE.fullmatch(text)
     if not match or match[2].casefold() not in UNITS:
         asked = shorten(repr(text.strip()))
@@ -328,7 +328,7 @@ def with_channels(capture: Capture, names: Sequence[str]) -> Capture:
 def within(capture: Capture, window: Span) -> Capture:
     """Return the part of the capture in a window. Positions are then counted from the start of the window.
 
-    Raise BadCapture if the window is not within the capture.
+    Raise BadCapture if the window is empty or not within the capture.
     """
     if not 0 <= window.begin < window.end <= capture.length:
         raise BadCapture(
@@ -352,7 +352,8 @@ def _within(channel: Channel, window: Span) -> Channel:
 def window_of(text: str, rate: Fraction | None) -> Span:
     """Parse a window of times, `100 us..1.2 ms`, or of positions, `400..4800`.
 
-    Times between two positions are rounded so that the window becomes longer. Raise ValueError if the text is invalid.
+    Times between two positions are rounded so that the window becomes longer. Raise ValueError if the text is invalid
+    or the window is empty, and for times if there is no rate.
     """
     begin, dots, end = text.partition("..")
     if not dots:

@@ -45,8 +45,9 @@ class Named(NamedTuple):
     """The buses of a capture.
 
     i2c: SCL and SDA of each I2C bus.
-    uart: the lines with the word RX or TX in their names.
+    uart: the lines with the word RX or TX, possibly with a number, in their names.
     left_over: the SCL and SDA lines without a partner.
+    Of several lines of the same kind with equal edges, only the first one is listed.
     """
 
     i2c: list[tuple[Channel, Channel]]
@@ -87,7 +88,7 @@ def _line(channel: Channel) -> _Line | None:
 
 
 def _same(line: _Line, other: _Line) -> bool:
-    """Return True if two lines have equal edges, and so seem to be one wire in two scopes of a simulation."""
+    """Return True if two lines of the same kind have equal edges, and so seem to be one wire in two scopes."""
     a, b = line.channel, other.channel
     return line.line == other.line and len(a.edges) > 0 and a.initial == b.initial and np.array_equal(a.edges, b.edges)
 
@@ -139,7 +140,7 @@ def channels_given(
     given: the settings in the value of the option, as `pairs_given` returns them.
     lines: a dictionary from names of settings to lines. A line may have several names: mosi and simo are one line.
 
-    Raise InputError if two settings are for the same line, if the capture does not have a channel, or if two lines have
+    Raise InputError if two settings are for the same line, if a channel is missing or ambiguous, or if two lines have
     the same channel.
     """
     found: dict[str, Channel] = {}

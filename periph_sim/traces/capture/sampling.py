@@ -81,7 +81,7 @@ def _up(positions: Positions, ratio: Fraction) -> Positions:
 
 
 def grid_of(channels: tuple[Channel, ...]) -> int:
-    """Return the greatest common divisor of the distances between edges, in positions; 1 for fewer than two edges."""
+    """Return the greatest common divisor of the distances between edges, in positions; 1 if all are 0."""
     busy = [channel.edges for channel in channels if len(channel.edges)]
     steps = [int(np.gcd.reduce(edges - busy[0][0])) for edges in busy]
     return max(1, gcd(*steps))
@@ -90,7 +90,7 @@ def grid_of(channels: tuple[Channel, ...]) -> int:
 def is_exact(capture: Capture) -> bool:
     """Return True if the capture is marked as exact, or if the grid of its edges is finer than any analyser's.
 
-    Samples are never exact.
+    Samples, and captures without a rate, are never exact.
     """
     if capture.sampled or capture.rate is None:
         return False
@@ -106,7 +106,10 @@ def sample_step(capture: Capture) -> int:
 
 
 def stamp_notes(capture: Capture) -> list[str]:
-    """Return a list with a note on the assumed resolution of time stamps; an empty list for samples and exact times."""
+    """Return a list with a note on the assumed resolution of time stamps.
+
+    Return an empty list for samples, for exact times, and if the capture has no rate.
+    """
     if capture.sampled or capture.rate is None or is_exact(capture):
         return []
     apart = float(grid_of(capture.channels) * 10**9 / capture.rate)
@@ -270,7 +273,7 @@ def on_grid(
     per_second: the number of ticks per second.
     said: the description of a wrong time in the message, with {} in place of the time.
 
-    Raise BadCapture if a time is not on a sample.
+    Raise BadCapture if a time is not on a sample, by the rule of `quantized`, and OverflowError as `quantized` does.
     """
     moments = np.unique(np.concatenate([np.array([last], np.int64), *lines]))
     try:

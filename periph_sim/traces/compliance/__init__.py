@@ -28,7 +28,8 @@ def check(
 
     exact: how time stamps are interpreted; see `resolution_of`.
 
-    Raise LookupError if a channel is missing, and ValueError if the capture has no rate or the mode is unknown.
+    Raise LookupError if a channel is missing or ambiguous, and ValueError if the capture has no rate or the mode is
+    unknown.
     """
     mode = Mode(mode)
     resolution = resolution_of(capture, exact)

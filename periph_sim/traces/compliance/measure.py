@@ -152,7 +152,7 @@ def measure(capture: Capture, scl: str | int, sda: str | int, mode: Mode, resolu
 
     mode: determines which pulses are spikes, and which low phases are stretched.
 
-    Raise LookupError if a channel is missing.
+    Raise LookupError if a channel is missing or ambiguous.
     """
     lines = capture.channel(scl), capture.channel(sda)
     spans = capture.known(*lines)
@@ -224,7 +224,7 @@ class _Part:
         return self.rises[seen] - self._low_from[seen]
 
     def measures(self, shortest_low: int) -> dict[str, Measured]:
-        """Return a dictionary from the symbol of each limit to its measured times.
+        """Return a dictionary from the symbol of each limit that a capture can show to its measured times.
 
         shortest_low: the length of the shortest low phase before a bit in the whole capture, in positions.
         """

@@ -3,10 +3,11 @@
     Measures + LIMITS + Resolution --judge--> one Row per limit --> Report
 
 Each time is measured with an error, so it has several possible true values. A time passes if all of these values are
-within the limit, fails if none of them is, and is undecidable otherwise. A row fails if any of its times fails.
-Otherwise it is undecidable if any of its times is undecidable, or if a pulse between two samples may have been missed.
-Otherwise it passes.
-Floats are used only in texts and JSON; all calculations are exact.
+within the limit. It fails if none of them is, unless it is not certain that the limit applies (`Measured.doubtful`), or
+the time is too long and an edge within it may have been missed. Otherwise it is undecidable. Maxima do not apply to
+excused times (`Measured.excused`). A row fails if any of its times fails. Otherwise it is undecidable if any of its
+times is undecidable, or if a pulse between two samples may have been missed. Otherwise it passes. Floats are used only
+in texts and JSON; all calculations are exact.
 """
 
 from __future__ import annotations
@@ -182,7 +183,7 @@ class Report:
     def assert_compliant(self, strict: bool = False) -> None:
         """Raise AssertionError, with the broken limits and their worst occurrences, if a limit is broken.
 
-        AssertionError is also raised if no time was measured.
+        AssertionError is also raised if no time with a limit was measured.
 
         strict: True if an undecidable limit counts as broken.
         """

@@ -64,7 +64,7 @@ class Rows(NamedTuple):
     bus      uint8   number of the bus in the list of buses to decode; 0 until the buses are numbered
     event    uint8   index into EVENTS
     value    int32   address, byte or bits; -1 if there is no value. The type is int64 for a data line of an SPI bus
-    bits     uint8   number of bits on the wire; but 10 for an address row whose value has all ten bits
+    bits     uint8   number of bits on the wire; but 10 for an "address" whose value has all ten bits (`i2c_rows`)
     detail   uint8   index into DETAILS
     """
 

@@ -144,12 +144,12 @@ class Phase:
 
 @dataclass(frozen=True, slots=True)
 class Transfer:
-    """A transfer from START to STOP.
+    """A transfer from START to STOP, or everything before the first START of the capture, or of its known part.
 
-    stop: the STOP; None if the capture, or its known part, ends before the STOP.
+    phases: the phases; empty before the first START, because the boundaries of bytes are unknown there.
+    stop: the STOP; None if the capture, or its known part, ends before the STOP. Before the first START, the last STOP.
     gap: the number of positions from the previous STOP to the START; None if the previous STOP was not captured.
-    lead: the pulses of SCL before the first START of the capture, or of its known part. A transfer with such pulses has
-        no phases, because its START was not captured and the boundaries of its bytes are unknown.
+    lead: the pulses of SCL before the first START; empty for a transfer with a START.
     """
 
     phases: tuple[Phase, ...]
@@ -166,14 +166,14 @@ _Pulse = tuple[int, int, int | None, int | None, int | None]  # the fields of a 
 
 
 def transfers(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") -> list[Transfer]:
-    """Decode all transfers of a capture, in order. Raise LookupError if a channel is missing."""
+    """Decode all transfers of a capture, in order. Raise LookupError if a channel is missing or ambiguous."""
     return [transfer for edges in i2c_edges(capture, scl, sda) for transfer in _transfers(edges)]
 
 
 def events(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") -> list[Event]:
     """Decode all events of a capture, in order, from the first START of each known span on.
 
-    Raise LookupError if a channel is missing.
+    Raise LookupError if a channel is missing or ambiguous.
     """
     return events_of_table(i2c_table(capture, scl, sda))
 

@@ -54,12 +54,12 @@ class I2cTable(NamedTuple):
     at      int64   the edge of SDA for START and STOP, otherwise the rising SCL of the first bit (for ACK and NACK the
                     ninth bit)
     last    int64   the rising SCL of the last bit (for an address its R/W bit); equal to `at` for START and STOP
-    end     int64   the falling SCL after the last bit; the START or STOP if it comes before this fall; `last` if the
-                    known span ends before both; equal to `at` for START and STOP
+    end     int64   the falling SCL after the last bit; for ACK and NACK the START or STOP if it comes before this fall;
+                    `last` if the known span ends before this fall; equal to `at` for START and STOP
     value   int16   the seven bits of ADDRESS, the ten bits of ADDRESS_LOW, the byte of DATA, or the bits of CUT, the
                     last bit least significant; -1 for other kinds
     bits    uint8   8 for a complete byte, 1 for ACK and NACK, fewer than 8 for CUT, 0 for START and STOP
-    read    bool    True if the R/W bit says that the target sends in this phase; False if there is no R/W bit
+    read    bool    True if the R/W bit says that the target sends in this phase; False for START, STOP and without R/W
     """
 
     kind: NDArray[np.uint8]
@@ -114,13 +114,13 @@ def i2c_table(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", 
 
     glitch: pulses of SCL or SDA that are shorter than this number of positions are removed first.
 
-    Raise LookupError if a channel is missing.
+    Raise LookupError if a channel is missing or ambiguous.
     """
     return joined([_empty(0), *(_table(edges) for edges in i2c_edges(capture, scl, sda, glitch))])
 
 
 def i2c_bits(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", glitch: int = 0) -> I2cBits:
-    """Return all pulses of SCL, including those before the first START. Raise LookupError if a channel is missing."""
+    """Return all pulses of SCL, also before the first START. Raise LookupError if a channel is missing or ambiguous."""
     none = (np.empty(0, np.int64), np.empty(0, np.uint8), np.empty(0, np.int64), np.empty(0, np.int64))
     return joined([I2cBits(*none), *(bits_of(edges) for edges in i2c_edges(capture, scl, sda, glitch))])
 
@@ -345,7 +345,7 @@ def impossible_rate(capture: Capture, scl: str | int) -> str:
 
     The message is also "" if SCL has too few edges, or if the capture has no rate.
 
-    Raise LookupError if the channel is missing.
+    Raise LookupError if the channel is missing or ambiguous.
     """
     line = capture.channel(scl)
     rises = line.edges[line.levels == 1]
@@ -374,7 +374,7 @@ def swapped_lines(capture: Capture, scl: str | int, sda: str | int) -> str:
 
     On swapped lines, most pulses of SCL look like a START and a STOP, so few STARTs are followed by a whole address.
 
-    Raise LookupError if a channel is missing.
+    Raise LookupError if a channel is missing or ambiguous.
     """
     whole, starts = _whole_addresses(capture, scl, sda)
     if 2 * whole > starts:
@@ -391,7 +391,7 @@ def swapped_lines(capture: Capture, scl: str | int, sda: str | int) -> str:
 def likely_cause(capture: Capture, scl: str | int, sda: str | int) -> str:
     """Return the likely reason why lines have no complete START and address: idle lines, or swapped ones.
 
-    Raise LookupError if a channel is missing.
+    Raise LookupError if a channel is missing or ambiguous.
     """
     idle = [line.name for line in map(capture.channel, (scl, sda)) if not len(line.edges)]
     if len(idle) == 2:

@@ -14,9 +14,9 @@ Rules:
 - A word begins at the first latching edge after the previous word. Without a chip select, the first word begins at the
   first latching edge of the capture. The first latching edge after a span in which the level of a line is unknown
   begins a word, too.
-- With a chip select, latching edges are ignored while the chip select is inactive. A change of the chip select, or the
-  end of the capture, ends a word; the bits of an incomplete word are an event "cut". If the chip select is active from
-  the beginning, the first word begins at the first latching edge.
+- With a chip select, latching edges are ignored while the chip select is inactive. A change of the chip select, the end
+  of the capture or an unknown level ends a word; the bits of an incomplete word are an event "cut". If the chip select
+  is active from the beginning, the first word begins at the first latching edge.
 
 Polarity and phase are usually called CPOL and CPHA. TI's CLK_PHASE is the opposite of CPHA.
 """
@@ -89,7 +89,7 @@ def events(
     clk, mosi, miso, cs: the channels; None for a line that is not used.
     glitch: pulses of any line that are shorter than this number of positions are removed first.
 
-    Raise LookupError if a channel is missing, and ValueError if there is no data line.
+    Raise LookupError if a channel is missing or ambiguous, and ValueError if there is no data line.
     """
     if mosi is None and miso is None:
         raise ValueError("no data line; expected mosi, miso or both")

@@ -13,7 +13,8 @@ Rules:
 - Each bit is sampled once, at the first sample at or after the middle of the bit, or three times around its middle. Of
   three samples, the majority counts. If the start bit is sampled high, the event is a rejected start.
 - Only the first stop bit is checked. The first falling edge after the sample point of this bit starts the next frame.
-- A low phase that is at least as long as a frame is a break. It is also decoded as a frame.
+- A low phase that ends and is at least as long as a frame is a break. If it does not begin within a frame, it is also
+  decoded as a frame.
 - A pulse shorter than half a bit is a glitch. If a glitch is in the interval in which receivers may sample a bit
   (`windows_of`), some receivers may read this bit as 0 and others as 1.
 
@@ -141,8 +142,8 @@ def uart_table(capture: Capture, channel: str | int, line: Line, glitch: int = 0
     glitch: pulses that are shorter than this number of positions are removed first.
     vote: True if each bit is the majority of three samples.
 
-    Raise LookupError if the channel is missing, and ValueError if the capture has no rate, or fewer than two positions
-    per bit.
+    Raise LookupError if the channel is missing or ambiguous, and ValueError if the capture has no rate, or fewer than
+    two positions per bit.
     """
     wire = capture.channel(channel)
     width = width_of(capture, line.baud)
@@ -288,7 +289,7 @@ def breaks_of(wire: Channel, line: Line, width: Fraction) -> UartTable:
 
 
 def low_pulses(wire: Channel, invert: bool) -> tuple[Positions, Positions]:
-    """Return the positions at which the pulses with the level of a start bit begin, and those at which they end."""
+    """Return the positions at which the whole pulses with the level of a start bit begin, and where they end."""
     first = int(wire.initial == int(invert))
     rises = wire.edges[first + 1 :: 2]
     return wire.edges[first::2][: len(rises)], rises
@@ -333,8 +334,8 @@ def events(capture: Capture, channel: str | int, line: Line, vote: bool = False)
 
     vote: True if each bit is the majority of three samples.
 
-    Raise LookupError if the channel is missing, and ValueError if the capture has no rate, or fewer than two positions
-    per bit.
+    Raise LookupError if the channel is missing or ambiguous, and ValueError if the capture has no rate, or fewer than
+    two positions per bit.
     """
     return events_of_table(uart_table(capture, channel, line, vote=vote))
 

@@ -55,14 +55,14 @@ PULSES, LENGTHS = 12, 3  # minimum number of low pulses; minimum number of their
 
 
 def rate_doubt(capture: Capture, channel: str | int, line: Line, glitch: int = 0) -> tuple[str, Line] | None:
-    """Return the evidence against the baud rate of `line`, and the format that fits the edges; None if `line` fits.
+    """Return the evidence against the baud rate of `line`, and the format that fits the edges; None without evidence.
 
     Only the beginning of a long capture is checked.
 
     glitch: pulses that are shorter than this number of positions are removed first.
 
-    Raise LookupError if the channel is missing, and ValueError if the capture has no rate, or fewer than two positions
-    per bit.
+    Raise LookupError if the channel is missing or ambiguous, and ValueError if the capture has no rate, or fewer than
+    two positions per bit.
     """
     capture, index = _beginning(capture, capture.channel(channel))
     wrong, frames = misread_frames(capture, index, line, glitch)

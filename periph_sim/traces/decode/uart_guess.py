@@ -48,7 +48,7 @@ ENOUGH = 6  # number of different byte values that are enough evidence for a sha
 CLEAN = 0.005  # a shape is accepted if its share of wrong frames is at most this much above the smallest share
 
 MANY = 12  # minimum number of pulses from which a constant lengthening of all pulses can be estimated
-LOOKED_AT = 20_000  # maximum number of edges that are decoded to try a shape
+LOOKED_AT = 20_000  # maximum number of edges of a known span that are decoded to try a shape
 LONGEST = 10.5  # maximum length of a low pulse in bits, for a start bit and nine data bits; longer pulses are breaks
 
 
@@ -91,8 +91,8 @@ def guess(
     invert: True if the line idles low, False if the line idles high; None if this is unknown.
     glitch: pulses that are shorter than this number of positions are removed first.
 
-    Raise LookupError if the channel is missing, and ValueError if the capture has no rate, or too few edges for a
-    guess.
+    Raise LookupError if the channel is missing or ambiguous, and ValueError if the capture has no rate, or too few
+    edges for a guess, or if `shape` is invalid.
     """
     wire = capture.channel(channel)
     rate = capture.rate_for("a guess of the baud rate needs")
@@ -127,7 +127,7 @@ class _Tried:
 
 
 def _best(rate: Fraction, step: int, parts: list[Channel], shape: str | None, invert: bool) -> Guess | None:
-    """Return the best guess for one polarity; None if all pulses are too short.
+    """Return the best guess for one polarity; None if no pulse is at least two positions long.
 
     step: the length of a sample in positions.
     parts: the line in each known span.

@@ -2,8 +2,8 @@
 
     Capture A, Capture B --decode--> events --pair--> entries --> TraceDiff
 
-Events are paired in order by their kind and content, regardless of their times. Then the times of each pair are
-compared.
+Events are paired in order by their kind and content. Times only decide between equal events. Then the times of each
+pair are compared.
 If an interrupt came 3 us later in B, all events after it are 3 us later. Only the first of them is a change point.
 
 Times are whole ticks of a clock whose rate is a multiple of the rates of both captures. The lateness of an event is its
@@ -46,7 +46,7 @@ def diff_i2c(
     lines: the names of SCL and SDA in A, and also in B unless `lines_b` is given.
     tolerance: the allowed lateness or earliness in seconds, by default one position of A plus one position of B.
 
-    Raise LookupError if a channel is missing, and ValueError if a capture has no rate.
+    Raise LookupError if a channel is missing or ambiguous, and ValueError if a capture has no rate.
     """
     return _diff(a, b, i2c_groups(a, *lines), i2c_groups(b, *(lines_b or lines)), tolerance)
 
@@ -65,8 +65,8 @@ def diff_uart(
     channel: the name of the line in A, and also in B unless `channel_b` is given.
     tolerance: the allowed lateness or earliness in seconds, by default one position of A plus one position of B.
 
-    Raise LookupError if a channel is missing, and ValueError if a capture has no rate, or fewer than two positions per
-    bit.
+    Raise LookupError if a channel is missing or ambiguous, and ValueError if a capture has no rate, or fewer than two
+    positions per bit.
     """
     other = channel if channel_b is None else channel_b
     return _diff(a, b, uart_groups(a, channel, line), uart_groups(b, other, line), tolerance)

@@ -10,13 +10,14 @@ Two captures of the same behaviour have the same words, even if their rates and 
     groups of A, groups of B --equal groups--> --equal events--> --events of the same class--> pairs
 
 First, equal groups are paired, which covers most of a long capture. Then the events between these groups are paired one
-by one if enough of them are equal. Otherwise similar groups are paired, or groups with equal addresses if there are too
+by one if all are of the same classes in both captures, or if enough of them are equal. Otherwise similar groups are
+paired, or groups with equal addresses if there are too
 many groups to compare them all. If one of several equal events is missing, times decide which of them it is. In a pair
 of groups, the events that are not equal are paired if they are of the same class (a byte with a byte, ACK with NACK),
 and count as changed. All other events are missing (only in A) or inserted (only in B).
 
     A   read 6 of 68    read 6 of 53    read 6 of 1E
-    B   53 NACK         read 1 of 53                     -->  only the reads of 53 are paired, with changed events
+    B   53 NACK         read 1 of 53                     -->  only the reads of 53 are paired
 
 The similarity of two groups is the share of words that they have in common. Two groups can be paired if this share is
 at least a half, or if their sequences of addresses or of classes of events are equal. Of all pairings that keep the
@@ -60,7 +61,7 @@ Group = list[Event]
 def i2c_groups(capture: Capture, scl: str | int, sda: str | int) -> list[Group]:
     """Return each transfer of a capture as a group, from the first START on.
 
-    Raise LookupError if a channel is missing.
+    Raise LookupError if a channel is missing or ambiguous.
     """
     groups: list[Group] = []
     for event in i2c.events(capture, scl, sda):
@@ -71,7 +72,7 @@ def i2c_groups(capture: Capture, scl: str | int, sda: str | int) -> list[Group]:
 
 
 def uart_groups(capture: Capture, channel: str | int, line: uart.Line) -> list[Group]:
-    """Return each frame and break of a line as a group. Rejected starts are left out.
+    """Return each frame, cut frame and break of a line as a group. Rejected starts are left out.
 
     The same errors are raised as by `decode.uart.events`.
     """

@@ -29,8 +29,11 @@ def wire_lanes(
 ) -> list[Lane]:
     """Return the lanes of the bus and of its bytes, followed by the lanes of other wires that change within the span.
 
+    The lanes of the bus are left out if nothing happens on it within the span, or if one of SCL and SDA is missing.
+
     columns: the number of columns of the diagram. If a bit is narrower than a column, the lane of bytes shows whole
-        phases of transfers. If a byte is narrower than a column, there is no lane of bytes.
+        phases of transfers. If a byte is narrower than a column, or SCL rises fewer than ten times in the capture,
+        there is no lane of bytes.
     expected: the expected values of wrong data bytes. The key of a byte is (position of the last START or repeated
         START before the byte, number of data bytes between the address and the byte).
     """
@@ -118,7 +121,7 @@ def _bytes(transfer: i2c.Transfer, bit: int, expected: Mapping[tuple[int, int], 
 
 
 def _phases(transfer: i2c.Transfer, end: int) -> Iterator[Stretch]:
-    """Yield a box for each phase of a transfer, with the address, the direction and the number of data bytes.
+    """Yield a box for each phase with a whole address: the address, the direction and the number of data bytes.
 
     If the address was not acknowledged, the box has only the address and N.
     """
@@ -136,7 +139,7 @@ def _around(capture: Capture, span: Span) -> Capture:
 
     This part begins with the last STOP before the span, or after the last unknown level before the span if that is
     later; if there is neither, with the capture. It extends beyond the end of the span by half the length of the
-    span, so that a byte at the end of the span is complete if the capture is long enough.
+    span, if the capture is long enough, so that a byte at the end of a long span is complete.
     """
     scl, sda = (capture.channel(name) for name in BUS)
     known = [one for one in capture.known(scl, sda) if one.begin <= span.begin]

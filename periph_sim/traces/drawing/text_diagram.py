@@ -101,9 +101,9 @@ def _wave(initial: int, edges: Sequence[tuple[float, int]], slices: _Slices) -> 
 
 
 def _boxes(boxes: Sequence[Box], slices: _Slices) -> str:
-    """Draw each box as [-- text --] or, if the box is too narrow, as the text, the first word of the text, or |||.
+    """Draw each box as [-- text --], [text], the text, the first word of the text, or |||, whichever fits first.
 
-    The text of a wrong box ends in !.
+    The text of a wrong box ends in !. A box is left out if earlier boxes occupy all its columns.
     """
     row = [" "] * slices.count
     taken = 0  # the first column that no earlier box occupies
@@ -131,7 +131,7 @@ def _boxed(text: str, mark: str, width: int) -> str:
 
 
 def _ticks(ticks: Sequence[tuple[float, str]], slices: _Slices) -> str:
-    """Draw each tick as |text. A text that would cover another tick or text is left out."""
+    """Draw each tick as |text. A text that would cover another tick or text, or not fit the row, is left out."""
     row = [" "] * slices.count
     places = [(slices.column(at), text) for at, text in ticks if 0 <= slices.column(at) < slices.count]
     for column, _ in places:
@@ -144,7 +144,7 @@ def _ticks(ticks: Sequence[tuple[float, str]], slices: _Slices) -> str:
 
 
 def _marks(marks: Sequence[Mark], slices: _Slices) -> list[str]:
-    """Draw a row for each mark, in order of time, with v above the instant."""
+    """Draw a row for each mark in the window, in order of time, with v above the instant."""
     rows = []
     for mark in sorted(marks, key=lambda one: one.at):
         column = slices.column(mark.at)

@@ -100,8 +100,9 @@ def writers(installed: bool = False) -> dict[str, Format]:
 def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = False) -> Capture:
     """Read the capture in a file or folder.
 
-    The content of the file determines its format. The suffix only determines which formats are tried first, and which
-    format reports an error if no format recognises the content. A file with a suffix in REFUSED is always rejected.
+    The content of the file determines its format. The suffix only determines which formats are tried first, and, if it
+    has only one format, which format reports an error if no format recognises the content. A file with a suffix in
+    REFUSED is always rejected.
 
     rate, salvage: see the module docstring.
 
@@ -129,7 +130,7 @@ def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = Fals
 
 
 def _readers_of(suffix: str) -> list[Format]:
-    """Return the readable formats of a suffix.
+    """Return the readable formats of a suffix, including those of the project's plugins.
 
     Only modules whose source contains the suffix are imported, because most imports take long.
     """
@@ -171,7 +172,10 @@ def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -
 
 
 def ready_for(path: Path, capture: Capture) -> Capture:
-    """Return the capture converted for the format of `path`. Raise BadCapture if no format has this suffix."""
+    """Return the capture converted for the format of `path`.
+
+    Raise BadCapture if no format has this suffix, or as `on_samples` does.
+    """
     return on_samples(capture) if getattr(_writer_of(path), "SAMPLES_ONLY", False) else capture
 
 

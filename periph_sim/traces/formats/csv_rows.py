@@ -1,6 +1,6 @@
 """Rows of CSV files: their cells and, in the files of logic analysers, their times and levels.
 
-    0.000016460,1,0 --> only rows that change a level are kept: time, levels --> times since the first row, states
+    0.000016460,1,0 --> only rows that change a level, and the first, are kept --> times since the first row, states
 
 Times are integers. Their unit is the last decimal of the time with the most decimals so far. Only few combinations of
 levels occur, so the text of each combination is parsed once.
@@ -46,7 +46,7 @@ class Rows:
     timed: True if rows begin with a time; otherwise the time is the number of the row.
     expected, way_out: parts of the message about a malformed row.
     count: the number of rows so far.
-    last_line: the line number of the last row so far.
+    last_line: the line number of the last row that was passed to `add`.
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class Rows:
         self._first = self._last = 0
 
     def add(self, line: int, row: str) -> None:
-        """Add a row. Raise BadCapture, with the line, if the row is malformed or the times of rows decrease."""
+        """Add a row. Raise BadCapture, with the line, if it is malformed or too early, or if there are too many."""
         time, _, levels = row.partition(self._separator) if self._timed else ("", "", row)
         try:
             kind = self._kinds.get(levels)
@@ -118,15 +118,15 @@ class Rows:
         self._times = times if self._last > MOST_POSITION else array("q", times)
 
     def times(self) -> Positions:
-        """Return the times of the rows in which a level changes, and the time of the last row.
+        """Return the times of the first row, of the rows in which a level changes, and of the last row.
 
-        The result is an array of int64 or, if a time exceeds 64 bits, of Python's integers.
+        The result is an array of int64 or, if a time exceeds MOST_POSITION, of Python's integers.
         """
         times = [*self._times, self._last]
         return np.array(times, object if self._last > MOST_POSITION else np.int64)
 
     def states(self, index: int) -> Levels:
-        """Return the state of one channel in each row in which the level of any channel changes.
+        """Return the state of one channel in the first row and in each row in which the level of any channel changes.
 
         index: the number of the channel's column, counted from 0 without the column of times.
         """

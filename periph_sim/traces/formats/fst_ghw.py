@@ -2,10 +2,10 @@
 
     file --> a separate process with the library `pywellen` --> positions and states --> Capture
 
-Chosen, as for VCD: tick 0 is position 0; `z` is high; states other than 0 and 1 are unknown; reals and strings are
-ignored. Each bit of a vector is a channel `name[k]`, where k is 0 for the least significant bit, because the library
-does not report declared ranges. The end of the capture is the last time in an FST file, and the last change in a GHW
-file, which states no end.
+Chosen, as for VCD: tick 0 is position 0; `L` is 0; `H` and `z` are 1; all other states are unknown; reals and strings
+are ignored. Each bit of a vector is a channel `name[k]`, where k is 0 for the least significant bit, because the
+library does not report declared ranges. The end of the capture is the last time in an FST file, and the last change in
+a GHW file, which states no end.
 
 VCD is not read with this library, because the library loses the end of a capture and the declared ranges of vectors.
 

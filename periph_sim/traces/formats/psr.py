@@ -65,7 +65,10 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """Read the edges as a Capture, in samples of `rate` if it is given. Raise BadCapture if the file has errors."""
+    """Read the edges as a Capture, in samples of `rate` if it is given.
+
+    Raise BadCapture if the file has errors, or if it has no edges or edges that `rate` does not fit.
+    """
     head, table = _load(path)
     capture = _stored(path, head, table) if head.get("capture") is not None else _wires(path, table)
     return capture if rate is None or rate == capture.rate else _at_rate(capture, rate)
@@ -279,7 +282,7 @@ def _strings(given: Any) -> list[str]:
 
 
 def _clock(given: Any) -> tuple[tuple[int, Fraction], ...]:
-    """Parse pairs of a tick and a frequency. Raise ValueError if a pair is invalid or the ticks decrease."""
+    """Parse pairs of a tick and a frequency. Raise ValueError if one is invalid, there are none, or ticks decrease."""
     found = tuple((_whole(tick), Fraction(hz)) for tick, hz in given)
     if not found or any(hz <= 0 for _, hz in found) or any(one[0] > other[0] for one, other in pairwise(found)):
         raise ValueError("a clock that is none")
@@ -351,7 +354,7 @@ def _channel(table: RecordTable, place: int, entry: dict[str, Any], length: int)
 
 
 def _at_rate(capture: Capture, rate: Fraction) -> Capture:
-    """Convert a capture to a rate. If positions are samples, only `rate` changes; otherwise ticks become samples.
+    """Convert a capture to a rate. For samples, or without a rate, only `rate` changes; otherwise ticks become samples.
 
     Raise BadCapture if an edge is between two samples, or if two edges of a channel are in one sample.
     """

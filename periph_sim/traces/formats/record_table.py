@@ -153,9 +153,9 @@ class RecordTable:
 
 @final
 class _Strings:
-    """`text` and `field` of the last record of a topic, and their indices.
+    """`text` and `field` of the last record of a topic with an even or with an odd value, and their indices.
 
-    The next record of the topic usually has the same string objects, so that no search for the indices is needed.
+    The next such record usually has the same string objects, so that no search for the indices is needed.
     """
 
     __slots__ = ("field", "field_place", "text", "text_place")

@@ -2,9 +2,8 @@
 
     <SALEAE> version type | v0: level begin end count times... | v1: chunks of level rate begin end count times...
 
-Times are float64 seconds. If the rate is known, they are converted to samples: version 1 states the rate, and for
-version 0 the caller must state `rate`. Otherwise they are converted to nanoseconds, as in Saleae's CSV of the same
-capture.
+Times are float64 seconds. If the rate is known, they are converted to samples: it is `rate` or, in version 1, the rate
+that all chunks state. Otherwise they are converted to nanoseconds, as in Saleae's CSV of the same capture.
 
 Chosen: position 0 is the earliest start of all files. Levels between chunks are unknown. With salvage, the levels
 of a channel are unknown after a damaged place in its file.
@@ -71,7 +70,7 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
     """Read the capture of one file, or of all `digital_N.bin` of a folder.
 
-    Raise BadCapture with the file and byte of an error.
+    Raise BadCapture with the file and place of an error.
     """
     files = _files(path) if path.is_dir() else {_number(path) or 0: path}
     if not files:
@@ -104,7 +103,10 @@ class _Grid:
         self._strict = rate is not None
 
     def places(self, path: Path, times: NDArray[np.float64]) -> Positions:
-        """Return the positions of changes. Raise BadCapture if the rate is known and a change is not on a sample."""
+        """Return the positions of changes.
+
+        Raise BadCapture if the rate is known and a change is not on a sample, or if a position exceeds MOST_POSITION.
+        """
         exact = self._exact(path, times)
         near = np.rint(exact)
         off = np.abs(exact - near) > OFF_GRID
@@ -198,7 +200,8 @@ def _number(path: Path) -> int | None:
 def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
     """Read the heads of the chunks of a file. `_changes` reads the times of changes later.
 
-    If the file is damaged, leave out the chunks after the damage and add a note; if `notes` is None, raise BadCapture.
+    If the file is damaged, leave out the chunks after the damage and add a note. Raise BadCapture instead if `notes` is
+    None, or if the first chunk or the head of the file is damaged.
     """
     try:
         opened = open_regular(path)

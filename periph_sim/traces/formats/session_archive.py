@@ -1,6 +1,6 @@
 """Reader of packed samples in zip archives, in blocks that fit into the cache of a processor.
 
-    central directory, or local headers if it is broken --> Archive.members --> blocks of unpacked bytes
+    central directory (salvage: or local headers) --> Archive.members --> blocks of unpacked bytes
     block --> words --> words that differ from the previous word --> their changed bits --> edges per channel
 
 Sizes, CRC-32 and the end of the deflate stream are checked while blocks are read. A mismatch raises `Damage`. The
@@ -82,7 +82,8 @@ class Archive:
     members: a dictionary from names to members.
     notes: notes on what could not be read, if `salvage` is True.
 
-    Raise BadCapture if the file is no zip archive, or if its directory is damaged and `salvage` is False.
+    Raise BadCapture if the file is no zip archive. Raise it, too, if `salvage` is False and the directory is damaged or
+    lists a member that cannot be unpacked.
     """
 
     def __init__(self, path: Path, what: str, salvage: bool = False) -> None:
@@ -258,7 +259,7 @@ def ini_keys(text: str, section: str) -> dict[str, str]:
 
 
 def samplerate_of(path: Path, place: str, text: str | None, rate: Fraction | None, notes: list[str]) -> Fraction | None:
-    """Return `rate` or, if `rate` is None, the samplerate in `text`. Add a note and return None if both are missing.
+    """Return `rate` or, if `rate` is None, the samplerate in `text`. Add a note and return None if both are None or 0.
 
     Raise BadCapture, with `place` as the place in the file, if `text` is no rate.
     """
@@ -349,7 +350,7 @@ def scanned(
 
     unpacked: a function that converts a block to samples.
 
-    Raise BadCapture for damage unless `salvage` is True.
+    Raise BadCapture for damage unless `salvage` is True, and if there are too many edges.
     """
     try:
         if member not in archive.members:

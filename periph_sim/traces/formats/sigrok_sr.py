@@ -62,7 +62,7 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
     """Read the capture; `rate` overrides the file's samplerate.
 
-    Raise BadCapture if zip, metadata or samples are broken.
+    Raise BadCapture if zip, metadata or samples are broken, or if there are no samples.
     """
     with Archive(path, WHAT, salvage) as archive:
         if (version := archive.text("version").strip()) not in ("1", "2"):
@@ -102,7 +102,7 @@ def _sample_members(path: Path, archive: Archive, capturefile: str, notes: list[
     """Return the members that contain samples: a single member, or chunks in the order of their numbers (10 after 9).
 
     If a number is missing, the list ends before this number and a note is added. Raise BadCapture instead if `notes` is
-    None or if number 1 is missing.
+    None or if number 1 is missing, and if there are no samples or too many.
     """
     chunk = re.compile(re.escape(capturefile) + r"-(\d{1,9})", re.ASCII)
     numbered = {int(match[1]): name for name in archive.members if (match := chunk.fullmatch(name))}
@@ -168,7 +168,7 @@ def _number(path: Path, keys: dict[str, str], key: str, least: int, most: int) -
 def write(capture: Capture, path: Path) -> tuple[str, ...] | None:
     """Write a capture in version 2. The channels are, in order, the bits of a sample from bit 0 on.
 
-    Raise BadCapture if sigrok could not read a file with this capture.
+    Raise BadCapture if sigrok could not read a file with this capture, or if there are too many samples.
     """
     _check_writable(capture, path)
     with path.open("wb") as file:
@@ -176,7 +176,7 @@ def write(capture: Capture, path: Path) -> tuple[str, ...] | None:
 
 
 def write_to(file: IO[bytes], capture: Capture) -> tuple[str, ...] | None:
-    """Write a capture to an open file.
+    """Write a capture to an open file. Return a note if levels are unknown.
 
     The capture must have at most 64 channels, and its rate must be a whole number of samples per second or None.
     """

@@ -3,7 +3,7 @@
     time [s],phi [deg],ax [g]
     0.00,1.5,0.01
 
-The first line contains the titles; every other line has one finite number per column.
+The first line contains the titles; every other line that is not blank has one finite number per column.
 """
 
 from __future__ import annotations

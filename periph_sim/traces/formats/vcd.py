@@ -9,7 +9,7 @@ loses the end of a capture and the declared ranges of vectors, and its errors st
 Chosen:
 - Tick 0 of the file is position 0. Values before the first `#` are at tick 0. Before its first value, a level is
   unknown.
-- `z` is high (a released open-drain line); `x` and the VHDL states other than 0 and 1 are unknown.
+- `z` is high (a released open-drain line), as is `H`; `L` is low; `x` and the VHDL states U, W and - are unknown.
 - Each bit of a vector is a channel, `name[k]`. Reals, strings, events and parameters are ignored.
 - A last `#N` without changes after it is the end, so that the length is N positions. Otherwise the last change is at
   the last position.
@@ -98,8 +98,9 @@ def timescale_of(capture: Capture) -> tuple[str, Fraction, list[str]]:
 def channel_names(capture: Capture) -> list[str]:
     """Return names that VCD can hold, in the order of the channels.
 
-    Blanks, and a `$` at the beginning of a part, are replaced by `_`. A name with an empty part between dots is
-    replaced by `channel_` and the index. If several names are equal, numbers are appended to all except the first.
+    A series of blanks, and a `$` at the beginning of a part, are replaced by `_`. A name with an empty part between
+    dots is replaced by `channel_` and the index. If several names are equal, numbers are appended to all except the
+    first.
     """
     names: list[str] = []
     for channel in capture.channels:

@@ -3,8 +3,8 @@
     SCL  11100111...
 
 A brick is one character of a `wave`. All bricks have the same length, so the picture is true to scale. The length of a
-brick is the greatest common divisor of the positions of all edges and of the end; without the end, if there would be
-too many bricks. A window that needs too many bricks nevertheless is an error.
+brick is the greatest common divisor of the positions of all changes and of the end; without the end, if there would be
+too many bricks. A window that needs too many bricks nevertheless, or has too many edges, is an error.
 
 Source: the WaveDrom schema (github.com/wavedrom/schema), waves `0`, `1`, `x` and `.` for "as before".
 """

@@ -19,7 +19,7 @@ def register_of(module: str, name: str) -> Register | None:
 
 
 def reads_take(name: str) -> bool:
-    """Return True if a read of the register removes the word or the flag that it returns. name: "MODULE.REGISTER"."""
+    """Return True if a read of the register "MODULE.REGISTER" removes the word that it returns, or clears a field."""
     register = register_of(*name.partition(".")[::2])
     return register is not None and register.reads_take
 

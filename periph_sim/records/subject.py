@@ -1,8 +1,8 @@
 """Parsing of questions about a run: a signal and a time, as "I2CA.I2CSTR.XRDY@12.345ms", or accesses to a register.
 
 The unit may be left out of the name of a register, which then means the registers of all units. The first parts of the
-name of a signal may be left out if only one signal has the rest. Hyphens and case do not
-matter, except that signals which a name fits in its exact spelling have priority.
+name of a signal may be left out if only one signal has the rest. Hyphens and case do not matter, except that signals
+that a name fits in its exact spelling have priority.
 """
 
 from __future__ import annotations

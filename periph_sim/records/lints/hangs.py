@@ -22,8 +22,8 @@ def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
     """Yield the first reads of waits that are longer than `options.bound`, or that never end.
 
     A wait is a polling loop: a series of 1 to LONGEST_PASS reads that is made at least twice in a row, without another
-    access of the same routine. A series of several reads is no wait if one of them removes a word or clears a flag, as
-    a read of SCIRXBUF or I2CISRC does: such a loop makes progress. A read that is made only once is no wait either,
+    access of the same routine. A series of several reads is no wait if one of them removes a word or clears a field,
+    as a read of SCIRXBUF or I2CISRC does: such a loop makes progress. A read that is made only once is no wait either,
     because the firmware may have gone on to code that accesses no register.
 
     Skipped polls are not recorded. Therefore a wait lasts from its first recorded read to the next other access of its

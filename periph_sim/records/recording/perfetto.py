@@ -155,8 +155,8 @@ def _title(transfer: i2c.Transfer) -> str:
 def _byte(byte: i2c.Byte, place: int) -> str:
     """Return a byte as text: `0x68 W ACK` for the first byte after a START, `0x1D ACK` for other bytes.
 
-    For a byte that is cut off, the text has the received bits instead of a value. A byte
-    without a ninth bit is `0xD0 no ninth bit`, which includes the R/W bit of an address byte.
+    For a byte that is cut off, the text has the received bits instead of a value. A byte without a
+    ninth bit is shown whole, as `0xD0 no ninth bit`.
 
     place: the number of bytes between the START and this byte; 0 for the address byte.
     """

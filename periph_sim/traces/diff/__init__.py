@@ -2,8 +2,8 @@
 
     Capture A, Capture B --decode--> events --pair--> entries --> TraceDiff
 
-Events are paired in order by their kind and content. Times only decide between equal events. Then the times of each
-pair are compared.
+Events are paired in order by their kind and content. Times only decide which of several equal events are paired.
+Then the times of each pair are compared.
 If an interrupt came 3 us later in B, all events after it are 3 us later. Only the first of them is a change point.
 
 Times are whole ticks of a clock whose rate is a multiple of the rates of both captures. The lateness of an event is its

@@ -11,10 +11,10 @@ Two captures of the same behaviour have the same words, even if their rates and 
 
 First, equal groups are paired, which covers most of a long capture. Then the events between these groups are paired one
 by one if all are of the same classes in both captures, or if enough of them are equal. Otherwise similar groups are
-paired, or groups with equal addresses if there are too
-many groups to compare them all. If one of several equal events is missing, times decide which of them it is. In a pair
-of groups, the events that are not equal are paired if they are of the same class (a byte with a byte, ACK with NACK),
-and count as changed. All other events are missing (only in A) or inserted (only in B).
+paired, or groups with equal addresses if there are too many groups to compare them all. If one of several equal events
+is missing, times decide which of them it is. In a pair of groups, the events that are not equal are paired if they are
+of the same class (a byte with a byte, ACK with NACK), and count as changed. All other events are missing (only in A) or
+inserted (only in B).
 
     A   read 6 of 68    read 6 of 53    read 6 of 1E
     B   53 NACK         read 1 of 53                     -->  only the reads of 53 are paired

@@ -67,7 +67,7 @@ def recognises(path: Path, head: bytes) -> bool:
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
     """Read the edges as a Capture, in samples of `rate` if it is given.
 
-    Raise BadCapture if the file has errors, or if it has no edges or edges that `rate` does not fit.
+    Raise BadCapture if the file has errors, if a run has no edge of a wire, or if `rate` does not fit the edges.
     """
     head, table = _load(path)
     capture = _stored(path, head, table) if head.get("capture") is not None else _wires(path, table)

@@ -2,8 +2,8 @@
 
     two address bytes and the record --refilled | at once--> 16 words of TX FIFO --I2CCNT bytes--> the bus, then STOP
 
-With `count_at_start` = False, I2CCNT is 0 at START, which means 65536 bytes. The right count is written after START.
-After a NACK, firmware writes the values `after_nack` to I2CMDR. The next write follows as soon as the bus is free.
+With `count_at_start` = False, I2CCNT is 0 at START, which means 65536 bytes. The right count is written after STT = 1.
+After a NACK, firmware writes the values `after_nack` to I2CMDR. The next write waits for the bus, at most PATIENCE.
 
 Source: SPRUG03B sections 2.5.4, 5.10 (I2CCNT); Table 6 (RM, STT, STP), Table 10 (BB), Table 21 (I2CFFTX).
 """
@@ -19,7 +19,7 @@ from periph_sim.firmware import Dsp, start_i2c
 FREE, STT, STP, MST, TRX, IRS = 0x4000, 0x2000, 0x0800, 0x0400, 0x0200, 0x0020  # masks in I2CMDR
 FLAGS = 0x0026  # mask of SCD, ARDY and NACK in I2CSTR, which are cleared by writing ones
 DEPTH = 16  # words of the transmit FIFO
-PATIENCE = Fraction(10, 1000)  # the longest wait for the bus, in seconds
+PATIENCE = Fraction(10, 1000)  # the longest waits for the bus and for the end of a write, in seconds
 
 
 @dataclass

@@ -40,7 +40,7 @@ GROUP_9 = 0x100  # mask of group 9 in PIEACK
 class Settings(ModelSettings):
     """Settings of a case besides those of the models: addresses, bus, and behaviour of service routines.
 
-    nested: True if edges of the bus may interrupt the SCI's service routine.
+    nested: True if interrupts of the bus may interrupt the SCI's service routine.
     """
 
     bus: Literal["pins", "module"] = "pins"
@@ -64,7 +64,7 @@ class Settings(ModelSettings):
 
 
 class EmulatedChip(Registers):
-    """A sensor. latched: its registers when it was last addressed. was_read: True if read since the models last ran."""
+    """A sensor. latched: registers at the last address. was_read: True if read, up to a STOP, since the models ran."""
 
     def __init__(self, address: int) -> None:
         super().__init__(b"", REGISTERS)

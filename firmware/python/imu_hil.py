@@ -8,8 +8,8 @@ are written field by field: each assignment to a field reads and writes the whol
 
 A frame is six signed 16-bit values, low byte first: roll, pitch, yaw, then acceleration x, y, z. With arithmetic =
 "bytes" the chips show these values, so a byte on the bus identifies its frame. The gyroscope shows the angles, the
-accelerometer the accelerations, and the magnetometer the angles again, each in its chip's byte order. With any other
-arithmetic ("float64", "float32", "q16", ...) the chips show the output of the sensor models.
+accelerometer the accelerations, and the magnetometer the angles again, each in its chip's order of axes and bytes. With
+any other arithmetic ("float64", "float32", "q16", ...) the chips show the output of the sensor models.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Emulator:
     # SCI ---------------------------------------------------------------------
 
     def sci_received(self) -> None:
-        """Serve SCIRXINTA: the FIFO holds a complete frame."""
+        """Serve SCIRXINTA: read twelve bytes, which are a frame if none was lost and `fifo_level` is FRAME_BYTES."""
         sci, pie = self.sci, self.pie
         assert sci is not None and pie is not None
         self.frame = bytes(sci.SCIRXBUF.all & 0xFF for _ in range(FRAME_BYTES))

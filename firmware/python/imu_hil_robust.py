@@ -13,7 +13,7 @@ Differences from imu_hil, with their reasons:
 * A frame ends when RX is idle: characters left in the FIFO without new ones belong to a broken frame, and are
   discarded. So a lost character costs one frame, not all later ones.
 * The models run when a frame arrives, so a read has the values of the last frame, not of the frame before. No model run
-  starts during a round, nor in the time `guard` before it. TIMER0 predicts a round from the start of the round before.
+  starts in a round, unless it was aborted, or `guard` before it. TIMER0 predicts a round from the start of the last.
 
 Source: dissertation section 3.4 (work to be done); SPRUG03B (W1C flags, IRS), SPRUFZ5A (FIFO), SPRUFB0D 5.5 (timers).
 """
@@ -123,7 +123,7 @@ class Emulator:
     # I2C ---------------------------------------------------------------------
 
     def own_address(self, address: int) -> None:
-        """Set the address of the next chip. IRS = 0 releases the bus and clears all flags."""
+        """Set the address of the next chip. IRS = 0 releases the bus and resets all flags but BB."""
         i2c = self.i2c
         i2c.I2CMDR.all = 0
         i2c.I2COAR.all = address
@@ -169,7 +169,7 @@ class Emulator:
     # The main loop -----------------------------------------------------------
 
     def wait_for_round(self) -> bool:
-        """Wait until the first chip is addressed. Run the models on each frame; return True if they ran."""
+        """Wait for the first chip's address. Run the models on each frame, if so set; return True if they ran."""
         i2c, near, late, ran = self.i2c, self.round_timer, self.wait_timer, False
         frames = self.settings.models_run == "frame"
 
@@ -193,7 +193,7 @@ class Emulator:
                 ran = True
 
     def look_at_round(self) -> None:
-        """If the predicted round is overdue by two guard times, predict the next one, so that the models can run."""
+        """If the predicted round is about one guard time overdue, predict the next one, so that the models can run."""
         if self.round_timer.TCR.TIF == 1:
             self.overdue += 1
             if self.overdue * self.settings.patience > 2 * self.settings.guard:

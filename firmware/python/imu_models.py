@@ -141,7 +141,7 @@ def models_of(settings: ModelSettings, dsp: Dsp) -> Models | None:
 
 
 def shown(frame: bytes) -> tuple[bytes, bytes, bytes]:
-    """Return the data without models: angles, accelerations, angles again, in each chip's byte order."""
+    """Return the data without models: angles, accelerations, angles again, in each chip's order of axes and bytes."""
     roll, pitch, yaw, *accelerations = FRAME.unpack(frame)
     return BIG.pack(roll, pitch, yaw), LITTLE.pack(*accelerations), _swapped(roll, pitch, yaw)
 

@@ -2,9 +2,9 @@
 
     address, replies, busy  -->  polled | interrupt, with or without FIFO  -->  the bus
 
-Each read is answered with the next entry of `replies`, followed by `filler` bytes. The device is
-not reachable for the time `asleep` at the start, and for the time `busy[n]` after the n-th write that ended with a
-STOP, like an EEPROM that stores data. During these times, firmware holds the I2C module in reset,
+Each read is answered with the next entry of `replies` (later with the last one again), followed by `filler` bytes. The
+device is not reachable for the time `asleep` at the start, and for the time `busy[n]` after write n (from 0) that
+ended with a STOP, like an EEPROM that stores data. During these times, firmware holds the I2C module in reset,
 so that it does not acknowledge its address.
 
 As slave-transmitter, the module always requests one byte more than the master reads (SPRUG03B Figure 17). This surplus

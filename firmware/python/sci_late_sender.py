@@ -1,4 +1,4 @@
-"""A sender on SCI-A whose TX pin is low until the SCI takes it over. Then it sends a message periodically.
+"""A sender on SCI-A whose TX pin is low for a time before the SCI takes it over. Then it sends a message periodically.
 
 Source: SPRUFB0D section 6 (GPIO29 is an ordinary pin until GPAMUX2 selects SCITXDA); SPRUFZ5A section 1.2.8.
 """
@@ -13,7 +13,7 @@ from periph_sim.firmware import Dsp, Duration, HexBytes, start_pin, start_sci
 
 @dataclass
 class Settings:
-    """The settings that a case can give to this program. low: how long the pin is low before the SCI takes it over."""
+    """The settings that a case can give to this program. low: time that the pin is low before the SCI takes it over."""
 
     brr: int = 1
     low: Duration = Fraction(0)

@@ -13,7 +13,7 @@ from periph_sim.firmware import Dsp, Duration, start_sci
 
 @dataclass
 class Settings:
-    """The settings that a case can give to this program. period: time between two reads of RXFFST."""
+    """The settings that a case can give to this program. period: time before each read of RXFFST."""
 
     brr: int = 40
     period: Duration = Fraction(1, 1000)

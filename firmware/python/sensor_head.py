@@ -33,7 +33,7 @@ class Settings:
 
 
 class Head:
-    """The sensor head. rounds: the data read in each round, by address; None for a chip that did not answer."""
+    """The sensor head. rounds: the data read in each round, by address; None after a NACK of address or pointer."""
 
     def __init__(self, dsp: Dsp, settings: Settings) -> None:
         self.dsp = dsp

@@ -22,19 +22,19 @@ class Target(Protocol):
     """Interface of the device that a slave represents, whether by the I2C module or by pins."""
 
     def addressed(self, reads: bool) -> None:
-        """Begin a read or a write, after its address was acknowledged."""
+        """Begin a read or a write, whose address is acknowledged in any case."""
 
     def received(self, byte: int) -> None:
-        """Receive a byte of a write, which was already acknowledged."""
+        """Receive a byte of a write, which is acknowledged in any case."""
 
     def byte(self) -> int:
         """Return the byte that a read sends next."""
 
     def step(self) -> None:
-        """Advance to the next byte of a read. Called when the shift register has taken the previous byte."""
+        """Advance to the next byte of a read. Called at XRDY or, with pins, when the previous byte was sent."""
 
     def over(self) -> None:
-        """End the transfer at a STOP."""
+        """End the transfer, if there is one, at a STOP. `SlaveModule` also calls it at other STOPs."""
 
 
 class SlaveInterrupt:
@@ -74,12 +74,12 @@ class SlaveInterrupt:
         raise NotImplementedError
 
     def over(self) -> None:
-        """Handle SCD: the transfer has ended with a STOP."""
+        """Handle SCD: this transfer, or one with another device, has ended with a STOP."""
         raise NotImplementedError
 
 
 class SlaveModule(SlaveInterrupt):
-    """A slave on I2C-A with one own address. General calls are acknowledged, but not passed on to `target`."""
+    """A slave on I2C-A with one own address. General calls are acknowledged, but `target` only gets their STOP."""
 
     def __init__(self, dsp: Dsp, target: Target) -> None:
         self.dsp = dsp

@@ -6,9 +6,9 @@
 
     Low is driven: DIR = 1 with the latch at 0. High is released: DIR = 0, with a pull-up.
 
-An interrupt shows only that a line has changed, so the routine reads both levels. If both have changed, the change
-of SDA was data. No edge is lost if the routine reads the lines before they change again: docs/any_order.md gives the
-SCL rate that allows this. SCL is held at the end of a byte, while the target prepares the next one.
+An interrupt shows only that a line has changed, so the routine reads both levels. If both have changed, SDA was data,
+or a START if both fell on an idle bus. No edge is lost if the routine reads the lines before they change again:
+docs/any_order.md gives the SCL rate for this. SCL is held at the end of a byte, while the target prepares the next one.
 
 Source: UM10204 sections 3.1.4 to 3.1.10, Table 10; SPRUFB0D sections 6 (GPIO) and 8.6 (XINT).
 """

@@ -37,7 +37,7 @@ class Settings:
 
     @property
     def brr(self) -> int:
-        """The divider whose rate, LSPCLK / (8 * (BRR + 1)), is nearest to `baud`."""
+        """The divider for `baud`: LSPCLK / (8 * baud) - 1, rounded, from 1 to 0xFFFF."""
         return max(1, min(0xFFFF, round(Fraction(LSPCLK_HZ, 8 * self.baud)) - 1))
 
     @property

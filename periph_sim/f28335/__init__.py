@@ -17,7 +17,7 @@ use of an option: a step of the run that depends on the answer. `assume` returns
 XRS: the reset of the whole F28335, by its pin of this name or by the watchdog.
 standard mode: the mode of an SCI or SPI without FIFOs (SCIFFENA = 0, SPIFFENA = 0).
 SYSCLKOUT: the clock of the CPU. LSPCLK: the clock of SCI and SPI, SYSCLKOUT divided. OSCCLK: the clock of the crystal.
-EALLOW: the instruction after which writes to protected registers take effect, until the instruction EDIS.
+EALLOW: the instruction after which writes to protected registers take effect, until EDIS or a service routine begins.
 mask: an integer in which each bit represents one thing, such as a pin or a line; bit i is thing i.
 `# core:` begins a comment for the build of the compiled core, which translates modules to C.
 Times are cycles of SYSCLKOUT unless a docstring says otherwise.

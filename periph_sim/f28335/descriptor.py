@@ -40,7 +40,7 @@ class Frame(IntEnum):
 
 
 class DescriptorError(ValueError):
-    """Error: a descriptor contradicts itself, the manual's tables, or another module of its part."""
+    """Error: the description of a module or part contradicts itself, the manual, or another module of the part."""
 
 
 class Interrupt(Struct, frozen=True):
@@ -71,7 +71,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     clock: the clock that the module runs on, "SYSCLKOUT" or "LSPCLK".
     interrupts: its interrupts, in the order of the bits of the chip's `requests`.
     inputs, outputs: the module's signals in the table of the pin multiplexer, in the order of `INPUTS` and `OUTPUTS`
-        of the chip. inputs is None if any pin can affect the module.
+        of the chip. inputs is None if any pin can affect the module, directly or by interrupts.
     pins: for each signal of the module, the GPIO number to which TI's start-up code assigns it.
     wires: for each name that a case may use, the signal of the module that has this name.
     bus: True if all units of a scene connect their modules of this name to the same wires, as on an I2C bus.

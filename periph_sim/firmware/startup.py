@@ -11,7 +11,7 @@ from ..processor.dsp import Dsp
 
 
 def start_pin(dsp: Dsp, pin: int) -> None:
-    """Make the pin with this GPIO number an output at level 0.
+    """Make the pin with this GPIO number an output at level 0, if its MUX field is 0 as after a reset.
 
     Do nothing if this unit has no module GPIO (key `modules` of the unit in the case).
     """
@@ -49,7 +49,7 @@ def start_i2c(dsp: Dsp, own_address: int = 0) -> None:
 
 
 def sci_fifo_receiver(dsp: Dsp, brr: int, level: int, sciccr: int = 0x07) -> None:
-    """Set up SCI-A with a receive FIFO that requests an interrupt when it has `level` words.
+    """Set up SCI-A with a receive FIFO that requests an interrupt when it has `level` words or more.
 
     brr: LSPCLK / (8 * rate) - 1.
     sciccr: the value of SCICCR; 0x07 is 8 data bits, no parity, one stop bit.
@@ -78,7 +78,7 @@ def sci_fifo_receiver(dsp: Dsp, brr: int, level: int, sciccr: int = 0x07) -> Non
 def start_pie(dsp: Dsp, handlers: dict[str, Callable[[], None]]) -> None:
     """Enable the PIE, the interrupts named in `handlers`, and then interrupts as a whole (EINT).
 
-    handlers: a dictionary from the names of interrupts, such as "TINT0", to their service routines.
+    handlers: a dictionary from names of interrupts in the groups of the PIE, such as "TINT0", to service routines.
     """
     pie = dsp.module("PIE")
     pie.PIECTRL.ENPIE = 1

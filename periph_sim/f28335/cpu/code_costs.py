@@ -1,11 +1,11 @@
-"""SYSCLKOUT cycles that C28x instructions and compiled C code take, without the wait states of memory and bus.
+"""SYSCLKOUT cycles that C28x instructions and compiled C code take. Only `poll_pass` includes wait states.
 
 The constants are for firmware that is not machine code, such as Python firmware. For programs that are images of
 machine code, `processor/c28x/encodings.toml` has the cycles of all instructions.
 
 The figures in `CodeCosts` were counted in the 127 different F28335 images (COFF, TI compilers 5.2 to 22.6, 3380
-functions) of eight public repositories. Pipeline stalls are not included. docs/fidelity.md describes the method and
-shows the instruction sequences.
+functions) of eight public repositories. Pipeline stalls are not included. docs/fidelity.md compares them with cycles
+that were measured in running programs.
 
 Source: SPRU430F chapter 6, the CYC line of each instruction; SPRUEO2A (FPU), SPRS439M Table 3-5 (wait states). The
 comments at the interrupt delays cite their sources.
@@ -40,7 +40,7 @@ class CodeCosts(Struct, frozen=True):
     The defaults are the median or the most frequent case; the comments give the range found.
 
     between_accesses: cycles of the code before a register access, for addresses, data, tests and branches.
-    poll_pass: cycles of one pass of a loop that polls a register of peripheral frame 2, including the access.
+    poll_pass: cycles of one pass of a loop that polls a register of peripheral frame 2, including the wait states.
     isr_prologue: cycles in which the code of a service routine saves registers. The 14 words that the CPU itself saves
         are not included.
     isr_epilogue: cycles in which a service routine restores these registers. IRET is not included.

@@ -10,7 +10,7 @@ instruction such as CLRC INTM the owner calls the method of the same name at the
 It calls `next_taken` at each boundary between two instructions. There is no boundary inside an RPT loop, and an
 instruction that has reached pipeline stage D2 completes. If an interrupt is taken at the boundary in cycle b:
 
-    b                        enter(b, number): IFR bit cleared, context saved, IER bit cleared, ST1 changed
+    b                        enter(b, number): context saved, ST1 changed; if maskable, IFR and IER bits cleared
     b + vector_delay         the owner gets the vector from the PIE
     b + entry_cycles         first instruction of the service routine
 
@@ -78,10 +78,10 @@ def int13_source(xnmicr: int) -> str:
 
 
 class Context(NamedTuple):
-    """Context that is saved when an interrupt is taken.
+    """Context that is saved when an interrupt is taken or TRAP is executed.
 
-    number: the number of the interrupt.
-    sp, st1, ier: the values of these registers before the interrupt was taken.
+    number: the number of the interrupt or, after TRAP, of the vector.
+    sp, st1, ier: the values of these registers before that.
     """
 
     number: int

@@ -5,14 +5,14 @@
                                       PRDH:PRD ---+<--+ the step after zero, or TRB
 
 Cycles are not counted one by one: the count is computed when it is read. `next_wake` is the cycle at which TIF is set
-next. If nothing would change then (TIE = 0 and TIF already 1), `next_wake` is NEVER. TIM and PSC change without a
-wake-up, so `register_map` marks them as changing with time.
+next. If the timer is stopped, or nothing would change then (TIE = 0 and TIF already 1), `next_wake` is NEVER. TIM and
+PSC change without a wake-up, so `register_map` marks them as changing with time.
 
 Source: SPRUFB0D section 5.5, Tables 31 to 38.
 
 Chosen:
-- Only a step to zero sets TIF. A load of 0 by TRB or by a CPU write does not. With PRD = 0 every step sets TIF, so the
-  period is (PRD + 1)(TDDR + 1) in this case as well.
+- With timer_tif_point = on_zero, only a step to zero sets TIF. A load of 0 by TRB or by a CPU write does not. With
+  PRD = 0 every step sets TIF, so the period is (PRD + 1)(TDDR + 1) in this case as well.
 - With timer_tif_point = on_reload, every step that reloads the count sets TIF, including the first one after reset.
 - If the count reaches zero in the cycle of a TCR write, TIF is set first. If the write has TIF = 1, it then clears TIF.
 - With its clock off (PCLKCR3) the timer stops, but its registers can still be read and written.

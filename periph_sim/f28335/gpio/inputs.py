@@ -14,8 +14,8 @@ is asynchronous. The level then follows at the first SYSCLKOUT edge that coincid
 after it. `seen_at` returns this cycle, so that the owner can pass the edge to the peripheral without a wake-up of this
 chip.
 
-With QSEL = 1 or 2 the pin has a qualifier and is called sampled. `changed` reports the changes of its level, and the
-changes of an input signal's level that new MUX or QSEL settings cause.
+With QSEL = 1 or 2 the pin has a qualifier and is called sampled. `changed` reports the changes of an input signal that
+a qualifier, new settings or a reset causes, and all changes of the XINT lines that the owner watches.
 
 Source: SPRUFB0D section 6, PCLKCR3 in section 5.1.
 
@@ -53,7 +53,7 @@ class Qualifier:
 
         period 2, 3 samples   sample     | | | | | |
                               level    ___/~~~~~~~~~
-                              qualified_________/~~~
+                              qualified________/~~~~
 
     Evaluation is lazy: samples are not taken one by one. Each call counts the samples since the previous call.
 
@@ -111,7 +111,7 @@ class Qualifier:
             self.due = NEVER
 
     def configure(self, now: int, period: int, samples: int, origin: int) -> None:
-        """Set `period`, `samples` and `origin`, as in the docstring of the class, from cycle `now` on."""
+        """Set `period`, `samples` and `origin`, as in the docstring of the class, for samples after cycle `now`."""
         self.advance(now)
         self._period, self._samples, self._origin = period, samples, origin
         self._plan()
@@ -127,7 +127,7 @@ class Qualifier:
 
 # Mask: the pins on which GPIOINENCLK has no effect: GPIO32, GPIO33 and port C.
 NOT_GATED = 0b11 << 32 | ALL >> 64 << 64
-WORDS = range(0, 32 * (at.SELECT - at.DATA) // at.DATA_WORDS, 16)  # number of the lowest pin in each word of GPxDAT
+WORDS = range(0, 32 * (at.SELECT - at.DATA) // at.DATA_WORDS, 16)  # lowest pin of each word of GPxDAT; 2 have none
 
 
 class GpioInputs(GpioSettings):
@@ -237,7 +237,7 @@ class GpioInputs(GpioSettings):
         return (level & ~self._sampled | self._qualified & self._sampled) & ~self._dead
 
     def _words(self, now: int) -> list[int]:
-        """Return the levels of all pins in cycle `now` as the 16-bit words of GPADAT, GPBDAT and GPCDAT."""
+        """Return the levels of all pins in cycle `now` as the words of GPADAT, GPBDAT and GPCDAT, and two zeros."""
         level, pads, qualified = self._synchronised(now), self.pads, self._qualified
         if level is not self._last_level or pads is not self._last_pads or qualified is not self._last_qualified:
             self._last_level, self._last_pads, self._last_qualified = level, pads, qualified

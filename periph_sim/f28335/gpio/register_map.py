@@ -1,8 +1,8 @@
 """Table of the GPIO registers as in the manual, 0x6F80 to 0x6FFF.
 
 The ports are A (GPIO0-31), B (32-63) and C (64-87). Control registers are 32 bits wide and EALLOW-protected, data
-registers 32 bits wide and unprotected; the interrupt selects are 16 bits wide. The bus accesses a 32-bit register as
-two words, the low word at the even offset.
+registers 32 bits wide and unprotected; the interrupt selects are 16 bits wide, GPIOLPMSEL 32, and both protected. The
+bus accesses a 32-bit register as two words, the low word at the even offset.
 
 Names are those of C2000Ware's DSP2833x_Gpio.h. Source: SPRUFB0D sections 6.2, 6.3 and 6.6 (Tables 39 to 41, Figures 47
 to 72).

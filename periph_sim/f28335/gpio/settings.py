@@ -156,7 +156,7 @@ class GpioSettings(Chip):
     def reset_settings(self, now: int) -> None:
         """Set all registers to their reset values, and all sampling periods to one cycle. Call `activate` after it."""
         self.writes += 1
-        self._stored = dict(AT_RESET)  # the values that a read returns
+        self._stored = dict(AT_RESET)  # the values that a read returns, except for the data registers
         self._active = dict(AT_RESET)  # the values in effect; used only for MUX, QSEL and CTRL
         self._periods: list[int] = [1] * GROUPS  # sampling period of each group of eight pins
         # For each group, a cycle in which its pins are sampled. Its other samples are whole sampling periods before or

@@ -140,7 +140,7 @@ class I2cLines(Chip):
     def _visible_changes(self) -> int:
         """Return ANY_CHANGED if a readable register has changed since the last call, or there is a note.
 
-        Else return PINS_CHANGED.
+        Else return PINS_CHANGED. The first call after an access, reset, halt or gate change returns ANY_CHANGED.
         """
 
         before, self._readable = self._readable, self.state.readable()

@@ -352,7 +352,7 @@ class I2cMaster(I2cMasterData):
         return self._bit
 
     def only_clocks(self) -> bool:
-        """Return True if the master does nothing but transfer a byte of eight bits, and waits for SCL to rise."""
+        """Return True if the master only transfers a byte of eight bits, and has no step scheduled."""
         return not (self.frozen or self.halting) and self._n == SKIPPED_BITS + 1 and self.due == NEVER
 
     def byte(self) -> int:

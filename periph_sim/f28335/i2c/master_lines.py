@@ -5,7 +5,7 @@
 
 START, repeated START and STOP are called conditions. The subclasses `I2cMasterData` and `I2cMaster` decide when to make
 one. `_step` is the next action, and `due` its cycle. If another device lengthens a low phase, the high phase begins
-later. If another device pulls SCL low, the high phase of this module ends at once (`I2cMaster.fell`).
+later. If another device pulls SCL low in the high phase of a bit, this module does so, too (`I2cMaster.fell`).
 
 Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6, 15.
 
@@ -175,12 +175,12 @@ class I2cMasterLines:
         self._starting = False  # True from the module's START or repeated START until this has passed the noise filter
         self._stopping = False  # True from the module's STOP until this has passed the noise filter
         self._own_restart = False
-        # To read from a 10-bit address, the module sends the full address, makes a repeated START by itself, and sends
-        # the first address byte again. This list has the bytes to send after the repeated START; otherwise it is empty.
+        # With ten_bit_read = full_address_first, the module sends the full 10-bit address, makes a repeated START by
+        # itself, and sends the first address byte again. This list has the bytes to send after it; else it is empty.
         self._restart_next: list[int] = []
 
     def _latch_command(self) -> None:
-        """At a START, latch the registers that apply to the whole transfer: the counter and the address."""
+        """At STT, latch the address and, if cnt_copy_point is "start", the counter for the whole transfer."""
         state = self.state
         if state.options.cnt_copy_point.assume(state.touched) == "start":
             self.load_counter()
@@ -221,7 +221,7 @@ class I2cMasterLines:
     def _restart(self, now: int, own: bool) -> None:
         """Begin a repeated START. own: False if firmware commanded it by STT; True if the module makes it by itself.
 
-        The module does so after a START byte, and when it reads from a 10-bit address.
+        The module does so after a START byte and, as `ten_bit_read` says, when it reads from a 10-bit address.
         """
         self._own_restart = own
         if not own:

@@ -1,7 +1,7 @@
 """Undocumented behaviours of the I2C module as named options, each with its default and its other values.
 
-Each option has its question and the registers that it concerns. Times are in module clocks (IPSC + 1 cycles of
-SYSCLKOUT) or SYSCLKOUT cycles, according to the unit.
+Each option has its question and, if it concerns registers, their names. Times are in module clocks (IPSC + 1 cycles
+of SYSCLKOUT) or SYSCLKOUT cycles, according to the unit.
 
 The default of `dxr_to_xsr_copy_point` agrees with an observation on silicon: a routine that waits for SDIR before its
 first I2CDXR write sent every byte correctly, and the same routine without the wait did not. With the default

@@ -7,8 +7,8 @@ Source: SPRUG03B sections 3, 5.11, 5.12, Tables 3, 9, 10, 11, 21, 22.
 
 Chosen:
 - If a flag is cleared before the code of its request is loaded, the request is dropped.
-- In FIFO mode XRDY = 1 if the TX FIFO has room, RRDY = 1 if the RX FIFO is not empty.
-- While a reset bit holds a FIFO empty, the interrupt flag of the FIFO does not change.
+- In FIFO mode XRDY = 1 if the TX FIFO has room. A received byte sets RRDY; a read that empties the RX FIFO clears it.
+- While a reset bit holds a FIFO empty, the interrupt flag of the FIFO is not set.
 - Setting the enable bit of a FIFO interrupt while its flag is 1 requests the interrupt at once, even with FFEN = 0.
   Setting FFEN while flag and enable bit are 1 does not.
 """
@@ -56,7 +56,7 @@ class I2cRequests:
         """Reset by XRS."""
         self.str: int = I2C_MAP["I2CSTR"].reset
         self.ier = self.isrc_high = self.requests = self.held = 0
-        self.wanted = False  # True while the module is the transmitter in a transfer and so may need data
+        self.wanted = False  # True while a transmitter may need data; as slave with BCM = 0, only after an underflow
         self.nack_as_slave = False
         self.code = 0
         self.code_at = NEVER
@@ -136,10 +136,10 @@ class I2cRequests:
         return codes[0] if codes else 0
 
     def load_code(self, now: int) -> None:
-        """Load INTCODE with the code of the pending request that goes first, and request I2CINT1A.
+        """Load INTCODE, if it is 0, with the code of the pending request that goes first, and request I2CINT1A.
 
-        An unread code stays, unless the option isrc_preempt lets the new code replace it. Call this after the arbiter's
-        delay (`code_at`).
+        With the option isrc_preempt, the new code may replace an unread one, without a request. Call this after the
+        arbiter's delay (`code_at`).
         """
         self.code_at = NEVER
         code = self._first()

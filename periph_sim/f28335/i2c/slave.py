@@ -1,20 +1,20 @@
 """The I2C module as slave: responds to START, STOP and the edges of SCL, and sets flags.
 
     OFF --START--> ADDRESS --match--> RECEIVE or TRANSMIT --STOP--> OFF
-                      +--no match, or NACK received--> IGNORE --START or STOP-->
+                      +--no match, NACK of address, or NACK received--> IGNORE --START or STOP-->
 
     7-bit     AAAAAAA r/w
     10-bit    11110AA w   AAAAAAAA   [Sr  11110AA r]
 
-A byte has n bits: 8 in an address, BC in data. `bit` counts the rises of SCL in the present byte. "Rise 8" and "fall 8"
-are the edges of the n-th SCL pulse of the byte, "rise 9" and "fall 9" those of the pulse of the acknowledge bit.
+A byte has n bits: 8 in an address, BC (0: 8) in data. `bit` counts the rises of SCL in the present byte. "Rise 8" and
+"fall 8" are the edges of the byte's n-th SCL pulse, "rise 9" and "fall 9" those of the pulse of the acknowledge bit.
 
 Source: SPRUG03B sections 2, 3 and 5.8, Table 1, Table 10, Figure 17.
 
 Chosen:
 - A slave that has sent a NACK for a data byte continues to receive until the next START or STOP.
-- At the fall of SCL that ends a NACK, NACKSNT is set and NACKMOD is cleared.
-- With dxr_to_xsr_copy_point = eager_reloaded_at_address, I2CXSR is reloaded at fall 8 of a matching read address.
+- At the fall of SCL that ends a NACK, NACKSNT is set, and NACKMOD is cleared if it was 1 at rise 8.
+- With BCM = 1 and dxr_to_xsr_copy_point = eager_reloaded_at_address, fall 8 of a matching read address reloads I2CXSR.
 """
 
 # core: compiled
@@ -94,7 +94,7 @@ class I2cSlave(I2cSlaveData):
     # Skipped bits (see `bus.i2c.bit_skip`) -----------------------------------------------
 
     def waits_for_byte(self) -> bool:
-        """Return True if SCL is low before the first bit of a byte of eight bits, and the slave does not hold SCL."""
+        """Return True before the first bit of a byte of eight bits, if the slave waits for nothing but edges of SCL."""
         if self.bit or self._n != 8 or self.due != NEVER or self.pulls & SCL:
             return False
         return self.phase != TRANSMIT or self._shifting

@@ -4,7 +4,7 @@
                         +--empty--> underflow: SCL held low until I2CDXR is written
     bits --> ACK or NACK --> I2CDRR, or I2CRSR while I2CDRR is unread: SCL held low until I2CDRR is read
 
-`slave` handles START, STOP and addresses, and calls these methods for data bytes.
+The diagram shows the default options. `slave` handles START, STOP and addresses, and calls these methods for data.
 
 Source: SPRUG03B sections 2 and 3, Tables 1, 8, 10, Figure 17.
 
@@ -138,7 +138,7 @@ class I2cSlaveData:
         self.due = min(self._copy_at, self._release_at)
 
     def _begin_byte(self, now: int, first: bool) -> None:
-        """Begin to send a data byte, or hold SCL low if there is none. Call at fall 9 of an acknowledged byte.
+        """Begin to send a data byte, or handle an underflow. Call at fall 9 of an acknowledged byte.
 
         In free data format, the first call is at the fall of SCL after START.
         first: True for the first data byte of a read.
@@ -219,7 +219,7 @@ class I2cSlaveData:
         state.nack_received(now, as_slave=True, refused="a byte")
 
     def _copy_at_rise9(self, now: int) -> None:
-        """Copy I2CDXR to I2CXSR at rise 9 if dxr_to_xsr_copy_point is "ack_rise9".
+        """Copy I2CDXR to I2CXSR at rise 9 if dxr_to_xsr_copy_point is "ack_rise9" and BCM = 1.
 
         XRDY rises at the copy or at fall 9, as the option xrdy_rise_point selects.
         """

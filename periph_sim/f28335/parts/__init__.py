@@ -17,6 +17,6 @@ def part_names() -> tuple[str, ...]:
 
 @cache
 def part_named(name: str) -> Part | None:
-    """Return the part with a name such as "F28335"; None if there is none. Only this part's file is imported."""
+    """Return the part with this name, such as "F28335", or None. Import only its file and the files that it uses."""
     module = module_with("PART", __name__, __path__, name.lower()) if name.isupper() else None
     return None if module is None else cast(Part, module.PART)

@@ -118,7 +118,7 @@ class Pie(Chip):
     def cpu_vector(self, number: int) -> int:
         """Fetch vector `number` for INT13 and above, or for TRAP or INTR. Return the address of the vector.
 
-        With ENPIE = 1, a number from 1 to 12 means line 1 of the group with this number, and PIEVECT is updated. Vector
+        With ENPIE = 1, PIEVECT is updated, and a number from 1 to 12 means line 1 of the group with this number. Vector
         0, for reset, is always in boot ROM, and does not change PIEVECT.
         """
         if not self._piectrl & ENPIE or number == CPU_VECTORS["RESET"]:

@@ -7,8 +7,8 @@ change. Ticks coincide with LSPCLK edges, which are in each cycle n with n % div
 each have a clock. The two clocks are equal, with two exceptions: the transmitter's clock can be restarted, and after a
 debugger halt one clock may run on until its frame is complete while the other is stopped.
 
-Chosen: the divider runs whenever the module has a clock; SW RESET does not affect it. A change of LSPCLK keeps the
-number of LSPCLK edges left to the next tick.
+Chosen: the divider runs whenever the module has a clock, unless a debugger halt stops it; SW RESET does not affect it.
+A change of LSPCLK keeps the number of LSPCLK edges left to the next tick.
 
 Source: TI SPRUFZ5A sections 1.2.7 and 2.4; SPRUFB0D section 5.1.
 """

@@ -8,7 +8,7 @@ The CPU's side in `module` configures receiver and transmitter.
 
 Chosen, where the manual is silent:
 - In loop-back the level of TXD passes through the receiver's synchroniser in place of the level of RXD. The frames are
-  also on the pin TXD.
+  also on the pin TXD. The autobaud detector receives its levels before the synchroniser.
 - rx_int_extra delays every receive request that the line causes, including those of breaks and errors. A request that a
   CPU access causes is immediate.
 - When the debugger halts the CPU with FREE = 0 and SOFT = 1, each direction completes its frame in progress. Then its
@@ -49,7 +49,7 @@ SHORT_BREAK = (
 # Attributes of receiver and transmitter that are numbers of SCICLK ticks.
 RX_TICKS = ("next_tick", "_low_from", "_high_from", "_idle_base", "_start", "_missing_stop", "_break_at")
 TX_TICKS = ("next_tick", "_began", "_end", "_last_end", "_start_at", "_load_at", "_edge_at")
-LONGEST_PAUSE = 256  # length, in bits, of the pause that FFTXDLY = 255 may select (option `fftxdly_max`)
+LONGEST_PAUSE = 256  # length of the pause that FFTXDLY = 255 may select, in `fftxdly_unit` (option `fftxdly_max`)
 
 
 def since(tick: int, now: int, least: int) -> int:
@@ -282,7 +282,7 @@ class SciLines(Chip):
         self._rx_at = self._rx_clock.at(bits.next_tick)
 
     def _move(self, now: int, word: int, address: int) -> None:
-        """Move a character from RXSHF to SCIRXBUF or the FIFO."""
+        """Pass a received character to `SciRx`, which moves it to SCIRXBUF or the FIFO or drops it."""
         rx = self._rx
         rx.deliver(word, address, bool(word & FE) and self._is_break_like(word, address))
         self._load_received()
@@ -295,7 +295,7 @@ class SciLines(Chip):
             self.loaded |= RECEIVED
 
     def _is_break_like(self, word: int, address: int) -> bool:
-        """Return True if every bit of the frame was 0.
+        """Return True if every bit of the frame, up to the first stop bit, was 0.
 
         word: the received word with the flags FE and PE. The parity bit is derived from PE.
         """

@@ -4,12 +4,13 @@
                         |
                         +--> RXRDY, FE, PE, OE, RXWAKE, RXFFST, RXFFINT, RXFFOVF --> request
 
-The owner calls `deliver` during the stop bit, when the bit receiver has received a frame.
+The owner calls `deliver` at the point of the stop bit that the option `rxrdy_point` selects, or at the end of autobaud.
 
 Chosen, where the manual is silent:
 - In standard mode with RXBKINTENA = 1, every character that moves to SCIRXBUF requests RXINT, even if it overwrites an
-  unread one.
-- Setting an enable bit while its flag is 1 requests RXINT at once. The transmitter requests TXINT in the same way.
+  unread one. Characters that move there while SLEEP hides them (option `sleep_loads_buffer`) request nothing.
+- Setting an enable bit that the present mode uses, while its flag is 1, requests RXINT or TXINT at once, except for
+  RXFFOVF.
 - In FIFO mode an address frame sets RXWAKE. Only a read of SCIRXBUF or a reset clears it. This applies to both
   multiprocessor modes.
 - A word read from the FIFO stays in SCIRXBUF. Reads of the empty FIFO return this word if the option
@@ -18,7 +19,7 @@ Chosen, where the manual is silent:
 - RXFIFORESET does not change RXFFOVF. Clearing SCIFFENA does not change RXFFINT.
 - RXFIFORESET = 0 does not prevent RXFFINT: with RXFFIL = 0, even the empty FIFO sets it.
 - RXFFOVF requests RXINT only when it changes from 0 to 1.
-- BRKDT, like all flags, is set only while RXENA = 1.
+- BRKDT, like all flags in SCIRXST, is set only while RXENA = 1.
 
 Source: TI SPRUFZ5A sections 1.2.4 to 1.2.10, tables 2-7, 2-8, 2-10.
 """
@@ -47,7 +48,7 @@ class SciRx:
     def __init__(self, options: SciOptions, touched: set[str]) -> None:
         self.options = options
         self.touched = touched
-        self.framing_errors = self.parity_errors = 0  # numbers of characters with these errors, since construction
+        self.framing_errors = self.parity_errors = 0  # characters with these errors while RXENA = 1
         # True if SCIRXBUF got a word, even one equal to the old word, since the owner last set this to False.
         self.loaded = False
         self.fifo = InterruptFifo(SCI_MAP["SCIFFRX"], True, options.fifo_int_mode, touched)
@@ -136,7 +137,7 @@ class SciRx:
         self.request = requested
 
     def _to_fifo(self, word: int) -> int:
-        """Add a word to the FIFO. Return ST_OE if OE must be set, else 0."""
+        """Add a word to the FIFO, unless RXFIFORESET = 0 or a full FIFO drops it. Return ST_OE if OE must be set."""
         waiting = len(self.fifo)
         overrun = 0
         if waiting and self.options.oe_in_fifo_mode.assume(self.touched) == "per_unread_word":
@@ -157,7 +158,7 @@ class SciRx:
         return ST_OE
 
     def _set_errors(self, errors: int, keep: bool = False) -> None:
-        """Set the error flags of one character or break, and request RXINT if RXERRINTENA = 1.
+        """Set the error flags of one character or break. With RXERRINTENA = 1, request RXINT as `rxerr_int_mode` says.
 
         keep: True to keep the flags of earlier characters, even if the option `error_flags_sticky` is False.
         """
@@ -173,7 +174,7 @@ class SciRx:
     # FIFO interrupt ---------------------------------------------------------
 
     def _watch_level(self) -> None:
-        """Set RXFFINT if RXFFST has reached RXFFIL, and request RXINT if RXFFIENA = 1."""
+        """In FIFO mode, set RXFFINT if RXFFST has reached RXFFIL, and then request RXINT if RXFFIENA = 1."""
         if self.fifo.watch(self.fifo_mode):
             self.request = True
 
@@ -218,7 +219,7 @@ class SciRx:
         self._watch_level()
 
     def set_enables(self, bk_enabled: bool, error_enabled: bool) -> None:
-        """Set RXBKINTENA and RXERRINTENA. Setting one of them while its flag is 1 requests RXINT at once."""
+        """Set the enables. Setting one while its flag is 1 requests RXINT; RXBKINTENA does so only in standard mode."""
         if bk_enabled and not self.bk_enabled and not self.fifo_mode and self.status & (ST_RXRDY | ST_BRKDT):
             self.request = True
         if error_enabled and not self.error_enabled and self.show_status() & ST_RXERROR:

@@ -6,16 +6,16 @@ Evaluation is lazy: an edge is only recorded. When a frame, a break or an idle l
 from the recorded edges, with the same result as sampling at every SCICLK. A tick is a sample; changes between two
 samples are not seen.
 
-Rules: Four low samples in a row are a start bit; the first of them is sub-sample 1. The value of every bit is the
-majority of its sub-samples 4, 5, 6. The search for the next start bit begins inside the stop bit or, in address-bit
-mode, already inside the address bit, because of an erratum.
+Rules: Four low samples in a row are a start bit; the first of them is sub-sample 1. The value of a bit is the majority
+of its sub-samples 4, 5, 6 (stop bit: option `stop_vote_samples`). The search for the next start bit begins inside the
+stop bit or, by an erratum, in address-bit mode inside the address bit (option `addrbit_hunt_with_parity`).
 
 Chosen, where the manual is silent:
 - After a missing stop bit, a low level counts as a start bit only if a high level was sampled before it. So a break
-  yields one character. Exception: in address-bit mode, a start bit that was accepted by the end of the vote on the
-  stop bit stays accepted.
-- If a high level is sampled before ten low bits of a break are over, the count begins again at the next missing stop
-  bit.
+  yields one frame. Exception: in address-bit mode, a start bit that was accepted by the end of the vote on the stop bit
+  stays accepted.
+- If a high level is sampled before the low bits of a break (option `break_bits`) are over, the count begins again at
+  the next missing stop bit.
 - Idle bits are counted from the end of the last programmed stop bit. Any low sample restarts the count, even if it is
   not part of a start bit. The line is idle after 80 high samples (ten bits).
 - If SW RESET is released while the line is low, the next four low samples are a start bit as usual.
@@ -51,7 +51,7 @@ class SciRxBits:
 
     word: after `step` returned FRAME, the received word with FE and PE.
     address: after `step` returned FRAME, 1 for an address frame, else 0.
-    framed: True from the acceptance of a start bit to the end of its frame.
+    framed: True from the acceptance of a start bit until `step` returns FRAME, or a break or `close` drops the frame.
     short_break: True after a frame of zeros if the line then stayed low for more than two bits, but too short for a
         break. The owner reads it and sets it to False.
     """
@@ -261,7 +261,7 @@ class SciRxBits:
         self.word = word
 
     def _after_missing_stop(self, stop: int, start: int, frame: SciFormat) -> None:
-        """Begin to count the bits of a break, if the line is still low. Accept no start bit before a high level."""
+        """Count the bits of a break, if the line is still low. Accept no further start bit before a high level."""
         voted = start + frame.voted_at
         since_vote = stop >> frame.voted_at - frame.stop_at
         if self._break_at == FAR and not since_vote & 1:

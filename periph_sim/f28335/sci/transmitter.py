@@ -9,7 +9,8 @@ Times are SCICLK ticks. With the default options a word is loaded into TXSHF at 
 Chosen, where the manual is silent:
 - TXWAKE works in FIFO mode as in standard mode: it applies to the next word that is loaded into TXSHF.
 - A word that is written less than FFTXDLY after the end of the previous word waits for the rest of FFTXDLY.
-- SCIFFENA selects whether words are sent from the FIFO or from SCITXBUF. When it changes, both keep their words.
+- SCIFFENA selects whether words are sent from the FIFO or from SCITXBUF. When it changes, both keep their words. A
+  write in FIFO mode then replaces a word that waits in SCITXBUF.
 - Words written to the FIFO while SW RESET = 0 wait. So do words written while SCIRST = 0, if scirst_scope = "shifters".
 - If SW RESET sets TXRDY to 1, TXINT is not requested.
 - TXFIFOXRESET = 0 does not prevent TXFFINT: the FIFO is empty then, so TXFFST <= TXFFIL for every TXFFIL.
@@ -99,7 +100,7 @@ class SciTx:
         self._waiting = False  # True if SCITXBUF holds a character
         self._drain = 0  # number of words that are still sent although TXENA = 0
         self._loaded = False  # True if TXSHF holds a word whose start bit has not begun
-        self._data_frame = False  # True if a frame is being sent, not an idle time
+        self._data_frame = False  # True if the present or last transmission is a frame, not an idle time
         self._end = FAR  # tick at which the frame or idle time ends
         self._start_at = FAR  # tick of the next start bit
         self._load_at = FAR  # tick of the next load
@@ -283,7 +284,7 @@ class SciTx:
     # From the CPU -----------------------------------------------------------
 
     def write_buffer(self, now: int, value: int) -> None:
-        """Process a CPU write of SCITXBUF: the word waits there or, in FIFO mode, in the FIFO."""
+        """Process a CPU write of SCITXBUF: the word waits there or, in FIFO mode, in the FIFO, or is lost (`lost`)."""
         was_empty = self._is_empty()
         before = self._txbuf_mark, self.txbuf
         self._txbuf_mark, self.txbuf = self.mark, value & 0xFF
@@ -329,7 +330,7 @@ class SciTx:
         self.replan(now)
 
     def watch_level(self) -> None:
-        """Set TXFFINT if TXFFST has fallen to TXFFIL, and request TXINT if TXFFIENA = 1."""
+        """In FIFO mode, set TXFFINT if TXFFST has fallen to TXFFIL, and then request TXINT if TXFFIENA = 1."""
         if self.fifo.watch(self.fifo_mode and not self._is_held()):
             self.request = True
 

@@ -11,12 +11,13 @@
 With CLK_PHASE = 1 the first bit is at the output before the first edge of SPICLK (`present`).
 
 Chosen, where the manual is silent:
-- A read of SPITXBUF returns the word last written, even after this word has moved to SPIDAT.
+- A read of SPITXBUF returns the word last written, even after this word has moved to SPIDAT, unless the option
+  `txbuf_write_when_full` has ignored it.
 - SPIFFENA selects whether words pass through the FIFOs or through SPITXBUF and SPIRXBUF alone. When it changes,
-  SPITXBUF and the FIFOs keep their words.
+  SPITXBUF and the FIFOs keep their words. A write in FIFO mode then replaces a word that waits in SPITXBUF.
 - A word read from the receive FIFO stays in SPIRXBUF.
-- While a reset bit holds a FIFO empty, the interrupt flag of the FIFO does not change.
-- Setting an enable bit while its flag is 1 requests the interrupt at once.
+- While a reset bit holds a FIFO empty, the interrupt flag of the FIFO is not set.
+- Setting an enable bit that the present mode uses requests the interrupt at once if its flag (not RXFFOVF) is 1.
 - If RXFFOVF requests RXINT (option `rxffovf_interrupt`), it does so at each overflow.
 
 Source: TI SPRUEU3 sections 1.3.2, 1.4, 1.5, 2.1.3, 2.1.6 to 2.1.8 and 2.1.9 (SPIFFTX and SPIFFRX).
@@ -83,13 +84,13 @@ class SpiFifo(InterruptFifo):
         return word
 
     def update_flag(self) -> None:
-        """Set the FIFO's interrupt flag if the number of words has reached TXFFIL or RXFFIL. Update `request`."""
+        """In FIFO mode, set the flag if the level is reached and no reset bit holds the FIFO. Update `request`."""
         self.request = self.watch(self.on and self.accepts) or self.request
 
     def write_register(self, value: int) -> None:
         """Write SPIFFTX or SPIFFRX.
 
-        After a write of SPIFFTX, the owner calls `hold` for SPIRST and `turn` for SPIFFENA, for both FIFOs.
+        After a write of SPIFFTX, the owner calls `turn` and, if SPIRST has changed, `hold`, for both FIFOs.
         """
         if self.write(value) and self.on:
             self.request = True

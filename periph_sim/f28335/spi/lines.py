@@ -2,14 +2,14 @@
 
     A master sends two bits, CLKPOLARITY = 0, CLK_PHASE = 0. h: half a bit, the longer half if SPIBRR + 1 is odd.
 
-    STE    1 0 . . . . . . 1
-    CLK    0 . 1 . 0 . 1 . 0
-    SIMO       b15 . . b14
-           |<h>|
+    STE    1 0 . . . . . . . . . 1
+    CLK    0 . . 1 . 0 . 1 . 0 . .
+    SIMO         b15 . . b14
+             |<h>|
 
 With CLK_PHASE = 0, data change at the leading edge and are latched at the trailing edge. STE rises half a bit after the
-last trailing edge. With CLK_PHASE = 1, data are latched at the leading edge. They change half a bit before the first
-leading edge, and at each trailing edge. STE rises at the last trailing edge.
+last trailing edge. With CLK_PHASE = 1, data are latched at the leading edge. They change before the first leading edge,
+by half a bit or as `ste_lead` says, and at each trailing edge. STE rises at the last trailing edge.
 
 A master counts LSPCLK edges from one edge of SPICLK to the next (`LspclkTimer`); a slave follows the pins. The CPU's
 side is in `module`.
@@ -25,10 +25,10 @@ Chosen, where the manual is silent:
 - If SPISTE of a slave rises in the cycle of an edge of SPICLK, the edge counts. If SPISTE falls in this cycle, the edge
   does not count.
 - SIMO and SOMI keep their last output level, which is 0 after reset.
-- A change between master and slave drops the character in progress.
+- A change between master and slave drops the character in progress and the one in SPITXBUF.
 - When the debugger halts the CPU with FREE = 0 and SOFT = 1, the module still sends all written words if a character is
-  in progress. For a master it is in progress from the first edge of SPICLK on, for a slave from the first latched bit
-  on. Otherwise, and with SOFT = 0, the module stops at once.
+  in progress. For a master it is in progress from the first edge of SPICLK until the transfer ends, for a slave from
+  the first latched bit to the last edge of SPICLK. Otherwise, and with SOFT = 0, the module stops at once.
 - In loop-back the transfer is also on the pins of a master. Loop-back has no effect on a slave.
 
 Source: TI SPRUEU3 sections 1.3.2, 1.4.3, 1.5, 2.1.9 and 2.1.10; SPRS439M, SPI timing, for SPISTE of a master; SPRUFB0D
@@ -117,7 +117,7 @@ class SpiLines(Chip):
 
     def _release(self) -> None:
         """End the transfer of a master: SPISTE rises."""
-        self._begun = False  # True if a master has made the first edge of SPICLK and has not released SPISTE yet
+        self._begun = False  # True if a master has made the first edge of SPICLK and has not ended the transfer yet
         self._ste = STE  # level that a master drives on SPISTE
 
     # State ------------------------------------------------------------------
@@ -313,7 +313,7 @@ class SpiLines(Chip):
 
     @property
     def _delay(self) -> int:
-        """TXDLY in LSPCLK cycles."""
+        """TXDLY in LSPCLK cycles; 0 in standard mode."""
         return self._ffct * sum(self._halves) if self._tx.fifo.on else 0
 
     def _begin(self, now: int) -> None:

@@ -2,10 +2,11 @@
 
 Chosen, where the manual is silent:
 - The module's clock is off after construction and after `reset`. LSPCLK keeps its last setting.
-- SW RESET = 0 and SPIRST = 0 do not change SPIDAT, SPIRXBUF and SPITXBUF. SPIRST = 0 does not change SPISTS.
+- SW RESET = 0 and SPIRST = 0 do not change SPIDAT, SPIRXBUF and SPITXBUF, but clear BUFFULL_FLAG: a waiting word is
+  not sent. SPIRST = 0 does not change the other flags of SPISTS.
 - Words written to the FIFO while SW RESET = 0 are sent after it becomes 1.
-- A write of SPIDAT while a character is in progress replaces the bits that have not been shifted out yet.
-- A new character length, rate, phase or polarity takes effect at once.
+- A write of SPIDAT while a character is in progress replaces all its bits, received ones too, but not their count.
+- A new character length, phase or polarity takes effect at once, a new rate from the next edge of SPICLK on.
 
 Source: TI SPRUEU3 chapter 2; SPRUFB0D section 5.1 for the clock gate.
 """

@@ -2,7 +2,7 @@
 
     PLLCR, PLLSTS  -->  sysclk_hz
     LOSPCP, HISPCP -->  lspclk_divider, lspclk_phase, hspclk_divider
-    PCLKCR0/1/3    -->  gates, enabled()                        (2 cycles after the write)
+    PCLKCR0/3      -->  gates, enabled()                        (2 cycles after the write)
     SCSR, WDCR, .. -->  reset_requested, WAKEINT in `requests`
 
 Times are SYSCLKOUT cycles as for every chip, but this chip sets the length of a cycle. After every input the owner
@@ -17,7 +17,8 @@ Source: SPRUFB0D section 5; lock time SPRS439M Table 6-9; boot ROM SPRS439M Tabl
 Chosen:
 - Every write of PLLCR makes the PLL lock again, even if the value is the same or 0 (Table 22 names the write, not a
   change of the value).
-- The manual requires DIVSEL = 0 while the PLL locks. Another DIVSEL divides OSCCLK as in bypass (DIVIDE).
+- The manual requires DIVSEL = 0 while the PLL locks. With pll_lock_clock = osc_div_4, another DIVSEL divides OSCCLK as
+  in bypass (DIVIDE).
 - A reserved PLLCR value acts as bypass. DIVSEL = 3 with the PLL on divides by 1.
 - New prescaler values take effect at once.
 - If there is no register at an address, a read returns 0 and a write has no effect.

@@ -13,10 +13,10 @@ Source: SPRUFB0D section 5.4, Tables 26 to 30; SPRZ272N section 3.1.3.
 
 Chosen:
 - While the watchdog is disabled, WDCNTR keeps its count. It continues from this count when it is enabled again.
-- A wrong WDCHK acts like an overflow if the same write leaves the watchdog enabled. The other fields of that write take
-  effect as well.
-- With wd_bad_key = reset, the write of a wrong key acts like an overflow at once. The errata also say that a correct
-  key after it prevents the reset. This is not modelled.
+- A wrong WDCHK acts like an overflow, but WDCNTR keeps its count, if the same write leaves the watchdog enabled. The
+  other fields of that write take effect as well.
+- With wd_bad_key = reset, a wrong key acts at once like a wrong WDCHK, if the watchdog is enabled. The errata also say
+  that a correct key after it prevents the reset. This is not modelled.
 - The dividers before WDCNTR form one chain, and WDPS selects a tap of it. A new WDPS takes effect at once.
 """
 

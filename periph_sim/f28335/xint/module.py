@@ -19,8 +19,8 @@ Source: SPRUFB0D section 8.6, Figures 91 to 95, Tables 121 to 126.
 
 Chosen:
 - A counter runs from the moment its line is enabled, even before the first edge.
-- XNMI is not modelled: XNMICR is only stored, although its SELECT decides whether timer 1 requests INT13. XNMICTR reads
-  0.
+- XNMI is not modelled: XNMICR is stored, and enabling XNMI adds a note. XNMICTR reads 0. The owner uses SELECT of
+  XNMICR to decide whether timer 1 requests INT13.
 """
 
 from __future__ import annotations

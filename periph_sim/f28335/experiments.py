@@ -1,8 +1,8 @@
-"""For open questions about the hardware, an experiment that would answer each of them.
+"""Experiments that would answer open questions about the hardware, at most one for each question.
 
 The keys of EXPERIMENTS are the group and the name of the question's option. `run --questions` prints the experiments.
-They have a file of their own, because the simulation does not need them. If a question has no entry here, no experiment
-is known for it.
+They have a file of their own, because the simulation does not need them. If a question has no entry here, like those
+of the SPI, no experiment is printed for it.
 """
 
 from __future__ import annotations

@@ -98,7 +98,7 @@ class I2cRegisters(I2cRequests):
     # Data path, sending --------------------------------------------------------
 
     def tx_ready(self) -> bool:
-        """Return True if a byte waits to be copied to I2CXSR."""
+        """Return True if a byte waits in I2CDXR or, in FIFO mode, in I2CDXR or the TX FIFO."""
         return bool(self.tx_fifo) or self.dxr_full if self.fifo else self.dxr_full
 
     def write_dxr(self, now: int, value: int) -> None:

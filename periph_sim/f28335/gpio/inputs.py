@@ -127,7 +127,7 @@ class Qualifier:
 
 # Mask: the pins on which GPIOINENCLK has no effect: GPIO32, GPIO33 and port C.
 NOT_GATED = 0b11 << 32 | ALL >> 64 << 64
-WORDS = range(0, 32 * (at.SELECT - at.DATA) // at.DATA_WORDS, 16)  # lowest pin of each word of GPxDAT; 2 have none
+WORDS = range(0, 32 * (at.SELECT - at.DATA) // at.DATA_WORDS, 16)  # lowest pin of each word; the last 2 have no pins
 
 
 class GpioInputs(GpioSettings):

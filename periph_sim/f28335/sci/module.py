@@ -58,12 +58,12 @@ class Sci(SciLines):
 
     @property
     def framing_errors(self) -> int:
-        """Number of characters whose first stop bit was 0 while RXENA = 1. Resets do not clear this number."""
+        """Number of characters that ended with RXENA = 1 and a first stop bit of 0. Resets do not clear this number."""
         return self._rx.framing_errors
 
     @property
     def parity_errors(self) -> int:
-        """Number of characters with a wrong parity bit while RXENA = 1. Resets do not clear this number."""
+        """Number of characters that ended with RXENA = 1 and a wrong parity bit. Resets do not clear this number."""
         return self._rx.parity_errors
 
     # CPU access -------------------------------------------------------------

@@ -48,7 +48,7 @@ class SciRx:
     def __init__(self, options: SciOptions, touched: set[str]) -> None:
         self.options = options
         self.touched = touched
-        self.framing_errors = self.parity_errors = 0  # characters with these errors while RXENA = 1
+        self.framing_errors = self.parity_errors = 0  # characters with these errors that ended with RXENA = 1
         # True if SCIRXBUF got a word, even one equal to the old word, since the owner last set this to False.
         self.loaded = False
         self.fifo = InterruptFifo(SCI_MAP["SCIFFRX"], True, options.fifo_int_mode, touched)

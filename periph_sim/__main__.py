@@ -9,7 +9,7 @@ from .supervisor import supervise
 
 
 def command_line() -> None:
-    gc.disable()  # garbage collection during imports only costs time; `get_command` enables it again
+    gc.disable()  # garbage collection during imports only costs time; `get_command` enables it again after them
     from .cli import run_command
 
     run_command()

@@ -25,7 +25,7 @@ def make_case(changes: Sequence[str] = (), **tables: Any) -> Case:
 
     changes: texts "key=value", which change the tables as `--set` does.
 
-    Raise BadCase if a table is invalid.
+    Raise BadCase if a table or a change is invalid.
     """
     return case_of_tables(tables, f"make_case({tables.get('name', '')})", changes)
 

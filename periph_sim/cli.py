@@ -1,8 +1,9 @@
 """The command line, which prints tables or one JSON object and ends with an exit status.
 
-The exit status is 0 if all budgets hold or the replay agrees, and 1 if not. It is 2 for incorrect usage or input, and 3
-for an internal error or if user code has ended the process (see `supervisor`). It is 141 if the program that reads the
-output has ended.
+The exit status is 0 if the command finds nothing wrong, for example if all budgets hold, and 1 if it does. It is 2 for
+incorrect usage or input, after Ctrl-C or SIGTERM, and if the output cannot be written. It is 3 for an internal error,
+or if user code has ended the process or redirected its output (see `supervisor`). It is 141 if the program that reads
+the output has ended.
 
 A Python file in one of the `PACKAGES` defines a subcommand if it has a function with the file's name and the decorator
 `command`. Only the subcommand that is run is imported, so `periph-sim decode` does not import chips and boards.
@@ -23,7 +24,7 @@ import click
 from . import __version__, form
 from .core.output_encoding import substitute_unencodable
 
-MISTAKE, FAULT = 2, 3  # exit statuses for incorrect usage or input, and for an internal error
+MISTAKE, FAULT = 2, 3  # exit statuses for incorrect usage or input, Ctrl-C or a full disk, and for an internal error
 CLOSED_PIPE = 141  # exit status that shells report for a process ended by SIGPIPE; 0 and 1 would be a verdict
 CANNOT_WRITE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # error numbers of a full disk, a quota or a file size limit
 COMPLETING = "_PERIPH_SIM_COMPLETE"  # environment variable with which a shell asks click for completions
@@ -116,7 +117,10 @@ def _is_command(file: Path) -> bool:
 
 
 def _about(file: Path) -> tuple[str, str]:
-    """Return the section and the summary of a command. They are read from its file, because importing takes longer."""
+    """Return the section and the summary of a command; ("", "") if its file does not define it as usual.
+
+    They are read from the file, because importing takes longer.
+    """
     import ast
 
     for node in ast.parse(file.read_text(encoding="utf-8")).body:
@@ -199,7 +203,7 @@ def is_closed_pipe(error: OSError) -> bool:
 
 
 def _output_is_gone(error: Exception) -> bool:
-    """Return True if standard output was missing at the start, or if user code has closed it."""
+    """Return True if standard output was missing at the start, or if user code has closed it or its descriptor."""
     closed = sys.stdout is None or sys.stdout.closed
     return closed or (isinstance(error, OSError) and error.errno == errno.EBADF and error.filename is None)
 

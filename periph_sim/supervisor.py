@@ -115,6 +115,9 @@ def split(name: str, *, strict: bool = True) -> Completion:
     name: the command's name, for messages.
     strict: what to do if the worker exits without a call of `complete`. True: exit with NO_VERDICT and a message.
         False: exit with the worker's status if it is not 0, otherwise as for True.
+
+    If a signal ends the worker, the waiting process ends by the same signal. If the worker exits with another status
+    than it has reported, the waiting process exits with NO_VERDICT.
     """
     for stream in (sys.stdout, sys.stderr):
         if stream is not None:
@@ -219,7 +222,7 @@ _stopped_at = float("-inf")
 
 
 def _interrupt(number: int, _: FrameType | None) -> None:
-    """Handle a signal: raise KeyboardInterrupt, unless another signal came less than REPEATED seconds before.
+    """Handle a signal: raise KeyboardInterrupt, unless another signal came up to REPEATED seconds before.
 
     Ctrl-C reaches the worker twice: as a signal to the process group, and as the copy from the waiting process.
     """

@@ -64,9 +64,10 @@ def check(
     """Run cases and compare their figures with their baselines, exactly.
 
     PATH is a case file, or a folder with cases in it or below it. Default: `cases` of
-    [tool.periph-sim] in pyproject.toml, else timing, else the current folder. Baselines
-    are baselines/NAME.json beside the case, or in `baselines` of that table. If a case has a coverage
-    file (prove --save), the runs that gave its worst values are repeated and compared, too.
+    [tool.periph-sim] in the nearest pyproject.toml, else timing beside this file, else its folder. Without such a
+    table: timing, else the current folder. Baselines are baselines/NAME.json beside the case, or in `baselines` of
+    that table. If a case has a coverage file (prove --save), the runs that gave its worst values are repeated and
+    compared, too.
 
     Exit status 0: the budgets that a case lists in `breaks` are broken, all others hold (with --guaranteed: and
     are proven), nothing hangs,

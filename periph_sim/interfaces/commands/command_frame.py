@@ -249,7 +249,7 @@ SHARE = "a fifth to a fourteenth"
 def progress(name: str) -> Iterator[Callable[[float], None] | None]:
     """Yield a function that displays the completed share, 0 to 1, as a bar; None if standard error is no terminal.
 
-    If standard error is a terminal, the advice of `cost_of_form` is printed at the end. name: the text beside the bar.
+    If it is a terminal, the advice of `cost_of_form` is printed after a block without error. name: the text at the bar.
     """
     if not sys.stderr.isatty():
         yield None
@@ -288,7 +288,7 @@ FILE_NAME = re.compile(r"[A-Za-z0-9_][\w.-]*")
 
 
 def read_capture(path: Path, rate: str | None, salvage: bool = False, option: str = "--rate") -> Capture:
-    """Read the capture in a file. Raise BadCapture if the file cannot be read.
+    """Read the capture in a file. Raise BadCapture if it cannot be read, and ClickException if the rate is invalid.
 
     rate: the sample rate as the user wrote it; None if the option is not given.
     salvage: True to read a damaged file up to the damage.
@@ -356,7 +356,7 @@ def length_given(text: str) -> Fraction:
 
 
 def check_file_name(place: Path) -> None:
-    """Raise ClickException if a file name has characters that are difficult to type or to import."""
+    """Raise ClickException if a file name begins with "." or "-", or has not only letters, digits, "_", "." and "-"."""
     if not FILE_NAME.fullmatch(place.name):
         raise click.ClickException(f"{place.name!r} is no name for files; expected letters, digits, '_' and '-'")
 
@@ -372,7 +372,7 @@ def require_distinct_outputs(**outputs: Path | None) -> None:
 
 
 def open_run(path: Path, sysclk: str | None) -> Run:
-    """Open a recorded run. Raise BadCapture or NotInRun if the file does not contain a run.
+    """Open a recorded run. Raise BadCapture or NotInRun if the file cannot be read or does not contain a run.
 
     sysclk: the frequency of SYSCLKOUT as the user wrote it; None if the option is not given.
     """

@@ -38,8 +38,8 @@ def compliance(
 ) -> int:
     """Judge every I2C timing limit over the whole of CAPTURE.
 
-    A limit passes, fails, or cannot be decided at the capture's sample rate. Exit status 0: no limit fails; 1: a limit
-    fails, or nothing was measured.
+    A limit passes, fails, or cannot be decided at the capture's sample rate. Exit status 0: no limit fails
+    (with --strict: all are decided); 1: otherwise, or nothing was measured.
     """
     from ...replay.channels import channel_map
     from ...traces.compliance import Verdict, check

@@ -1,6 +1,7 @@
 """`periph-sim convert IN OUT`: convert a capture or a recorded run to another format.
 
-OUT is read again and compared with IN. A note reports each loss in OUT.
+A capture is read again from OUT, if there is a reader for its format, and compared with what was to be written. A note
+reports each loss in OUT. Edges that differ are an error.
 """
 
 from __future__ import annotations
@@ -105,7 +106,7 @@ def _sizes(capture: formats.Capture) -> str:
 
 
 def _not_kept(ready: formats.Capture, out: Path) -> Iterator[str]:
-    """Read OUT again. Yield a sentence if it ends at another position than IN. Raise BadCapture if its edges differ.
+    """Read OUT again. Yield a sentence if it ends at another position than `ready`. Raise BadCapture if edges differ.
 
     Yield nothing if there is no reader for the format of OUT.
     """

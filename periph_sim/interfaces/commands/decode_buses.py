@@ -73,7 +73,8 @@ def asked_for(
     shortest: pulses of fewer positions are ignored as glitches.
 
     Raise ClickException if an option is invalid or names a channel that the capture does not have. Without options,
-    raise ClickException if no channel has a usual name, or if nothing can be decoded.
+    raise ClickException if there is neither a channel named as a serial line nor a pair named as I2C, or if a serial
+    line cannot be decoded and no bus has an event.
     """
     if i2cs or uarts or spis:
         serial = (bus for text in uarts for bus in _uart(capture, text, shortest))
@@ -147,7 +148,7 @@ def _uart(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
 
 
 def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: int, doubtful: bool = True) -> Bus:
-    """Decode a serial line.
+    """Decode a serial line. If it has no edges, there is nothing to decode, and its settings are not checked.
 
     given: the settings that the user states, as a dictionary from names to values. If the rate is missing or "auto",
         all missing settings are guessed.

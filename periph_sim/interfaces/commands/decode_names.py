@@ -93,9 +93,9 @@ class NamedDevice:
         return named
 
     def _write(self, reply: Any, data: list[int], values: list[int], events: list[int]) -> list[tuple[int, NamedByte]]:
-        """Return the names up to the first byte that the captured device or its model does not acknowledge.
+        """Return the names of the bytes before the first one that the captured device or its model refuses by a NACK.
 
-        Later bytes have no names, because it is unknown whether a byte without ACK moves the register pointer.
+        That byte and later ones have no names, because a byte without ACK may have moved the register pointer or not.
         """
         named: list[tuple[int, NamedByte]] = []
         before: int | None = None

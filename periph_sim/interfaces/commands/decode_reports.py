@@ -41,10 +41,11 @@ def counts(rows: Rows, first: Numbers, buses: Sequence[Bus], capture: Capture) -
     """Return a row with the columns COUNTS for each address of an I2C bus, and for each bus as a whole.
 
     bytes: data bytes, frames or words.
-    read: data bytes that an I2C target sent.
-    refused: addresses and written bytes that no target acknowledged.
+    read: data bytes that an I2C target sent; None for other buses.
+    refused: addresses and written bytes that no target acknowledged; None for other buses.
     errors: frames with parity or frame errors, and incomplete bytes, frames and words.
-    load_percent: the time from START to STOP, or in bursts and selections, as a share of the recorded time.
+    load_percent: the time from START to STOP, or in bursts and selections, as a share of the recorded time; None if
+        there is no recorded time.
     """
     begins = np.union1d(first, np.flatnonzero((rows.event == START) | (rows.event == AGAIN)))
     data = (rows.event == DATA) | (rows.event == FRAME) | (rows.event == WORD)
@@ -128,7 +129,7 @@ def glitch_notes(buses: Sequence[Bus], capture: Capture, shortest: int | None) -
 
     shortest: as for `glitches`.
 
-    Raise ClickException if this width is unknown, because the capture has no sample rate.
+    Raise ClickException if this width is unknown, because the capture has no sample rate, or if it is 0.
     """
     notes = []
     for bus in buses:

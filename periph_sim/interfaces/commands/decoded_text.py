@@ -24,8 +24,8 @@ GAP = "  "
 class Clock(NamedTuple):
     """Converter of positions in a capture to seconds: one position is `scale` units of 10**-decimals s.
 
-    The conversion is exact if the sample period in seconds has at most twelve decimals. Otherwise, times are rounded to
-    picoseconds, or to larger units in captures that last for months.
+    Times have at most twelve decimals, and fewer in captures that last for months. If the sample period in seconds has
+    more decimals than that, times are rounded.
     """
 
     scale: Fraction

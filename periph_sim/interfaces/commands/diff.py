@@ -44,8 +44,8 @@ def diff(
 ) -> int:
     """Compare the events of captures A and B, one by one, and their times.
 
-    Exit status 0: the events are the same, and their times differ by no more than the tolerance, by
-    default one sample of A plus one sample of B; 1: otherwise.
+    Exit status 0: the events are the same, and their times, counted from the first event of both, differ by
+    no more than the tolerance, by default one sample of A plus one sample of B; 1: otherwise.
     """
     from ...replay.channels import channel_map
     from ...traces.diff import diff_i2c, diff_uart, text_report
@@ -82,7 +82,7 @@ def diff(
 def _line(text: str) -> tuple[str | None, Line]:
     """Parse the value of --uart, such as `rx=CHANNEL,baud=RATE,format=8n1`. Return the channel and the settings.
 
-    The channel is None if it is not stated. Raise ClickException if the rate is not stated.
+    The channel is None if it is not stated. Raise ClickException if the rate is missing, or a part is invalid.
     """
     given = pairs_given("--uart", text, ("rx", "baud", "format"))
     if given.get("baud", "auto") == "auto":

@@ -19,7 +19,8 @@ def image(image: Path, function: str | None, cycles: bool, verbose: bool, as_jso
     """Show the contents of FILE, the .out of TI's linker, COFF2 or C28x ELF, or assembly (.asm).
 
     The contents are the sections, the entry, vectors that the code stores, registers that it accesses, functions with
-    their sizes, and words of code that are no instructions. Exit status 0: there are no such words; 1: there are some.
+    their sizes, and words of code that are no instructions. Exit status 0: there are no such words, or
+    --cycles is given; 1: there are some.
     """
     if cycles != (function is not None):
         raise click.UsageError("--cycles and FUNCTION belong together: periph-sim image --cycles FILE FUNCTION")

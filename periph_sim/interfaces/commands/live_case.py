@@ -1,7 +1,8 @@
 """The case that `new --live` writes: it repeats a live session, and the log of the session drives the wires.
 
 case file, its changes --+
-log --> wires, duration -+--> case with [outside], and with new budgets if the case file has none
+log --> wires, duration -+--> case with [outside], and with new budgets if the case file has no [[budget]]
+                              and no [[serial.expect]]
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from ...timing.verdict import NOT_JUDGED
 from ..reports.case_text import Tree, move_files, toml, usable_budgets
 from .command_frame import check_file_name
 
-MEASURES = (  # measures that become budgets if a case has no budget
+MEASURES = (  # measures that become budgets if a case has no [[budget]] and no [[serial.expect]]
     *("overruns", "fifo high-water", "missed rounds", "nacked rounds", "nacked", "stretch", "response", "round"),
 )
 
@@ -31,8 +32,8 @@ def files_of(log: Path, given: str | None) -> tuple[dict[Path, str], Path]:
     log: the log of the live session.
     given: the name of the new case; None for the name of the session's case followed by `_live`.
 
-    Raise ClickException or BadCase if the log is invalid, if its case was not read from a file, or if this file is
-    missing.
+    Raise ClickException or BadCase if the log is invalid, if its case was not read from a file, if this file is missing
+    or invalid, or if the new name is no name for files.
     """
     try:
         reader = LogReader(log)

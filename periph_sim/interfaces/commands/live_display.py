@@ -22,7 +22,7 @@ WIRES = ("SCL", "SDA", "RX", "TX")
 
 
 class LiveDisplay(AbstractContextManager["LiveDisplay"]):
-    """The display of a live session, as a context manager. At its end, it displays the session's last snapshot.
+    """The display of a live session, as a context manager. If it ends without an error, it shows the last snapshot.
 
     in_terminal: True to display the session in the terminal.
     address: the address and the port of the page that displays the session; None for no page.

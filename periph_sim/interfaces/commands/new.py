@@ -1,4 +1,4 @@
-"""`periph-sim new KIND [NAME]`: write a firmware and its case, ready to run.
+"""`periph-sim new KIND [NAME]`: write a firmware and its case, ready to run; for an image or C sources, only a case.
 
 With `--example`, the command copies a shipped case. With `--live`, it writes the case of a live session.
 """
@@ -84,8 +84,8 @@ def new(
     NAME is the name of the files, with or without a folder: bench/thermometer. For image and c it
     is the path of the program; the command runs the program to find modules, pins and limits for a case in
     the present folder. With --example NAME is the folder of the copy. With --live the new case is the case of
-    the session, but the session's log replaces its [host] or [controller]. If that case has no budgets, the
-    session's results become budgets. Existing files are never overwritten.
+    the session, but the session's log replaces its [host] or [controller]. If that case has no [[budget]] and
+    no [[serial.expect]], the session's results become budgets. Existing files are never overwritten.
     """
     following: str | None = None
     notes: list[str] = []
@@ -253,7 +253,7 @@ def _example(name: str, folder: Path) -> Files:
 
 
 def _with_headers(source: Path) -> list[Path]:
-    """Return a C file and the headers in its folder that it includes."""
+    """Return a C file and the headers in its folder that it includes, directly or not."""
     found = [source]
     for file in found:
         names = re.findall(r'^#include "([^"/]+)"', file.read_text(encoding="utf-8"), re.M)

@@ -151,7 +151,10 @@ class LoopCalls(CallListener):
 
 
 def image_case(path: Path) -> WrittenCase:
-    """Return a case for an image, to be written to the current folder. Raise BadImage if the image cannot run."""
+    """Return a case for an image, to be written to the current folder.
+
+    Raise BadImage if the file is no image, and ClickException as `_case` does.
+    """
     image = program_in(path)
     section, boot = _boot(image)
     unit = {"image": relpath(path), "boot": boot}
@@ -166,7 +169,8 @@ def image_case(path: Path) -> WrittenCase:
 def sources_case(path: Path) -> WrittenCase:
     """Return a case for the C sources below a folder. The case file belongs in the current folder.
 
-    Raise ClickException if there is no such folder, no C source below it, or no source that defines main.
+    Raise ClickException if there is no such folder, no C source below it, or no source that defines main, and
+    as `_case` does.
     """
     if not path.is_dir():
         what = "it is no folder" if path.exists() else "there is no such folder"
@@ -203,6 +207,8 @@ def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> W
     program: the keys of the case that name the program.
     comments: the first comments at the top of the case; comments about the run follow.
     notes: the first notes for the user; notes about the run follow.
+
+    Raise ClickException if the file of the new case exists, or if the program cannot be built or run.
     """
     name = re.sub(r"[^\w.-]", "_", Path(abspath(path)).stem)  # abspath replaces "." and ".." by the folder's name
     target = Path(f"{name}.toml")

@@ -98,8 +98,8 @@ def prove(
     """Run CASE at many phases, and show the phases at which budgets break.
 
     With a [host] and a [controller], a phase is the start of a frame, counted from the start of a round. With only one
-    of them, it is the start of a frame or of a round, counted from its nominal time. Phases at which an interrupt
-    of the host comes near a write of the firmware are run cycle by cycle, the others in steps.
+    of them, it is the start of a frame or of a round, counted from its nominal time. In the
+    first case, phases at which an interrupt comes near a write are run cycle by cycle if there are not too many.
 
     Without --table, the result holds for the phases that were run, in the states that these runs reached. It is no
     proof for other states, other run times of code, or other clocks.
@@ -113,12 +113,12 @@ def prove(
     With --questions, the phases or the table are run again with each other answer to the open questions, and with
     pairs of related answers. The output names the budgets whose verdict depends on an answer.
 
-    With --save, the result is written to coverage/NAME.json beside the case, with --table to proofs/NAME.json. A
-    coverage that was stopped is continued.
+    With --save, the result is written to coverage/NAME.json beside the case, with --table and a proven budget to
+    proofs/NAME.json. A coverage that was stopped is continued.
 
-    Exit status 0: every budget that the output does not list as left out held at all these phases (with --table: is
-    proven; with --questions: with every answer); 1: otherwise; 2: the command was stopped (results so far are shown,
-    except with --table), or a file could not be written.
+    Exit status 0: no run failed, and every budget that the output does not list as left out held at all these phases
+    (with --table: is proven; with --questions: with every answer); 1: otherwise; 2: the command was stopped (results
+    so far are shown, except with --table), or a file could not be written.
     """
     from ...proof import coverage_file
     from ...proof.saved_paths import coverage_path, proof_path

@@ -44,7 +44,7 @@ def named(name: str) -> tuple[str, str]:
     """Return the module and the register that a user's text names. The register is "" if the text names a module.
 
     A register may be named without its module, in upper or lower case. Raise ClickException if several modules have a
-    register of this name.
+    register of this name, or if the text is no such name but resembles the name of a register and of no module.
     """
     register = name.upper()
     modules = [] if name in MAPS else [module for module, (_, registers) in MAPS.items() if register in registers]

@@ -187,7 +187,7 @@ def _show(came: Sweep, varied: list[str], stopped: str) -> None:
 
 
 def _why(came: Sweep, row: int) -> str:
-    """Return the reason why a run does not pass, as the end of a sentence."""
+    """Return the reason why a run does not pass, as the end of a sentence; "" if it passes."""
     error = str(came.error[row])
     if came.verdict[row] == "error":
         return f": error: {error}"

@@ -56,10 +56,11 @@ def trade(
 ) -> int:
     """Run CASE with each available choice between speed and accuracy, and compare errors and CPU time.
 
-    Each choice is a row: the units of another case (--firmware) that run an image or C sources; another arithmetic of
-    the sensor models; or a recording. Each row is compared with the most accurate row: the number of budgets with the
-    same verdict, and the largest differences of times and of samples in the chips' answers. The n-th value of a row is
-    compared with the n-th value of the most accurate row. This row and the case as given are always run.
+    Each choice is a row: the units of another case (--firmware), for example with an image or C sources; another
+    arithmetic of the sensor models; or a recording. Each row is compared with the most accurate row: the number of
+    budgets with the same verdict, and the largest differences of times and of samples in the chips' answers. The n-th
+    value of a row is compared with the n-th value of the most accurate row. This row and the case as given are always
+    run.
     """
     from ...scene.case.load import load
     from ..reports.trade import trade as report

@@ -31,8 +31,8 @@ def watch(case: Path, changes: tuple[str, ...]) -> int:
     """Run CASE again whenever one of its files changes, until Ctrl-C.
 
     Its files are the case, the Python files beside its firmware, every file that the case
-    names, and its baseline. After the first run only the verdict is printed, and the figures
-    that changed since the run before.
+    names, and its baseline. After the first run, the figures that changed
+    since the run before are printed in place of the table of budgets.
     """
     from ..reports.baselines.outcome import run_case
 
@@ -51,7 +51,10 @@ def watch(case: Path, changes: tuple[str, ...]) -> int:
 
 
 def _check_command_line(case: Path, changes: tuple[str, ...]) -> None:
-    """Raise BadCase for mistakes that no edit of the case corrects: a missing file, and an invalid --set."""
+    """Raise BadCase for mistakes that no edit of the case corrects: a missing file, and an invalid --set.
+
+    If the case is not valid without --set, --set is not checked.
+    """
     file = CaseFile(case)
     try:
         _ = file.case

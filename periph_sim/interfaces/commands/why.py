@@ -1,4 +1,4 @@
-"""`periph-sim why RUN QUESTION`: why a field, wire, span or interrupt had its state at an instant."""
+"""`periph-sim why RUN QUESTION`: why a field, wire, span, interrupt or variable had its state then."""
 
 from __future__ import annotations
 

@@ -124,6 +124,8 @@ def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
 def _write(place: Path, found: dict[str, Explained]) -> None:
     """Write a file with a picture for each budget. If a file cannot be written, write none and raise BadCheck.
 
+    Raise ClickException if two budgets would have the same file.
+
     place: the file, or the folder of the files.
     found: a dictionary from budgets to explanations.
     """

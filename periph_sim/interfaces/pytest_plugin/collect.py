@@ -2,7 +2,7 @@
 
     timing/mine.toml --> timing/mine.toml::hangs nowhere    passes if nothing waits forever
                          timing/mine.toml::response         passes if the budget holds (and is proven, see below)
-                         timing/mine.toml::coverage         passes if the worst values of its coverage file are as saved
+                         timing/mine.toml::coverage         fails if a worst value of its coverage file is not as saved
 
 There is a test "coverage" only if the case has a coverage file, which `periph-sim prove --save` writes.
 

@@ -63,7 +63,7 @@ class SceneFactory:
         unit: a dictionary from further keys of a unit, such as pins, to their values.
         tables: the other tables of a case (controller, host, budget, ...).
 
-        Raise BadCase, with one sentence, if the case cannot be run.
+        Raise BadCase, with one sentence, if the case cannot be built, and the errors of a run.
         """
         __tracebackhide__ = True
         try:
@@ -106,7 +106,7 @@ class SceneFactory:
 
 
 def _length(given: Length) -> Fraction | None:
-    """Return a duration in seconds, or None for None. Raise BadCase if the duration is not above 0."""
+    """Return a duration in seconds, or None for None. Raise BadCase if it is no duration above 0."""
     if given is None:
         return None
     try:

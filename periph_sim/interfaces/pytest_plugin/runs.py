@@ -195,7 +195,7 @@ class Run:
 
 
 def run_plan(plan: Plan, on_judged: OnJudged, *, keep_edges: bool = False, record: bool = False) -> Run:
-    """Build and run a case. Raise BadCase if it cannot be built.
+    """Build and run a case. Raise BadCase if it cannot be built, and the errors of the run.
 
     on_judged: a function that is called with the run and the verdicts each time that a test asserts budgets.
     keep_edges: True to keep the edges of all wires.
@@ -234,7 +234,7 @@ MOST_EXPLAINED = 3  # maximum number of worst occurrences that are explained
 def failure_text(run: Run, broken: Sequence[Verdict], judged: int) -> str:
     """Return the text of a failed assertion.
 
-    The first line names the budgets that do not hold. For a single budget, it also has the worst value and the limit.
+    The first line names the budgets that do not hold. For a single budget, it also says what was found.
 
     judged: the number of budgets that were asserted.
     """

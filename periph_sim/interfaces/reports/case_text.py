@@ -19,9 +19,9 @@ Tree = dict[str, Any]
 
 
 def move_files(tree: Tree, before: Path, after: Path) -> None:
-    """Change the relative paths in a case that moves to another folder: those of files and of folders of C headers.
+    """Change the paths in a case that moves to another folder: those of files and of folders of C headers.
 
-    before, after: the folders of the old and of the new case, to which the paths are relative.
+    before, after: the folders of the old and of the new case. The new paths are relative to `after`.
     """
     named = (text for text in texts_in(tree) if 0 < len(text) < 200 and (before / text).is_file())
     tree.update(copied(tree, {text: relpath(before / text, after) for text in named}))

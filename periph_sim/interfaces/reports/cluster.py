@@ -73,7 +73,7 @@ class ClusterExecutor(Executor):
         self._watch.start()
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Start a call in a process that serves calls of this executor only."""
+        """Start a call in a process that serves calls of this executor only. Keyword arguments are not passed on."""
         return self._submit(fn, args, is_alone=False)
 
     def submit_alone(self, fn: Callable[..., T], /, *args: object) -> Future[T]:

@@ -30,7 +30,7 @@ from .cluster import ClusterError, ClusterExecutor, worker_pool
 from .processes import results_of
 
 PART = 512  # number of phases of a part
-TRIED = 64  # number of phases that are run to estimate the time
+TRIED = 64  # maximum number of phases that are run to estimate the time
 SAVED_EVERY = 10.0  # minimum number of seconds between two writes of the coverage file
 
 
@@ -206,7 +206,7 @@ def _results(
 def _finish(coverage: Coverage) -> None:
     """Find the ends of the windows. Then look for shorter runs that have the same worst values.
 
-    For each worst value that was found in a run of several phases, the phase at which it occurred is run alone.
+    For each worst value that has an instant and was found in a run of several phases, its phase is run alone.
     """
     if not coverage.found.held and not coverage.found.failed:
         return

@@ -35,9 +35,10 @@ RENEW = "prove --save renews it"
 class CoverageCheck:
     """The result of checking a coverage file.
 
-    state: "unreadable" if the file is no coverage; "not run" if the check was stopped before its runs; "changed" if
-        values or phases differ from those in the file, or if the runs cannot be made. If nothing differs, "incomplete"
-        if phases are missing in the file, "out of date" if the case or its files have changed, otherwise "as saved".
+    state: "unreadable" if the file is no coverage or was removed; "not run" if the check was stopped before its runs;
+        "changed" if values or phases differ from those in the file, or if the runs cannot be made. If nothing differs,
+        "incomplete" if phases are missing in the file, "out of date" if the case or its files have changed, otherwise
+        "as saved".
     report: what the file says about its case.
     values: the number of worst values that were compared.
     findings: for each difference, the name of the budget, or None for the whole case, and a sentence. Budgets that are

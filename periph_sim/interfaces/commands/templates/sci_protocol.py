@@ -1,4 +1,4 @@
-"""Answers commands received over SCI-A as text lines: "V?" with the version, "S n" with "OK" once n is stored."""
+"""Answers text lines received over SCI-A: "V?" by the version, "S n" by "OK" and "S?" by the stored n, else "ERROR"."""
 
 from periph_sim.firmware import start_sci
 

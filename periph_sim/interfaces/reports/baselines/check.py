@@ -1,4 +1,4 @@
-"""Run case files, each in a process of its own, and compare the results with the baselines of the cases.
+"""Run case files, in worker processes if there are several jobs, and compare the results with the cases' baselines.
 
     paths --> cases --> processes --> outcomes --> compared, explained, judged --> CaseCheck
                                                    or written as new baselines
@@ -123,7 +123,7 @@ STOPPED = "it was not run to its end, because the check was stopped"
 
 
 def case_files(paths: Iterable[Path | str]) -> list[Path]:
-    """Return the case files at these paths, each once. A folder is replaced by all cases below it.
+    """Return the case files at these paths, each path once. A folder is replaced by all cases below it.
 
     Raise BadCheck if a path does not exist or a folder contains no case.
     """

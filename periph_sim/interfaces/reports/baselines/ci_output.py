@@ -1,11 +1,11 @@
 """Results of a check for continuous integration: JUnit XML, and annotations of GitHub.
 
 JUnit XML: each case is a test suite. It has a test case for each budget, and a test case with the name "the case" for
-findings about the whole case. Properties contain the figures. A budget that must break passes if it breaks.
+findings about the whole case. Properties contain the figures. If a budget must break, its break is no failure.
 
-Annotations: one line per failing budget. Source: GitHub's "Workflow commands for GitHub Actions":
-`::error file=...,line=...::message`. Percent signs, carriage returns and line feeds are written as %25, %0D and %0A.
-In properties such as `file`, colons and commas are also written as %3A and %2C.
+Annotations: a line for each failing budget, case and coverage file. Source: GitHub's "Workflow commands for GitHub
+Actions": `::error file=...,line=...::message`. Percent signs, carriage returns and line feeds are written as
+%25, %0D and %0A. In properties such as `file`, colons and commas are also written as %3A and %2C.
 """
 
 from __future__ import annotations
@@ -22,13 +22,14 @@ from .summary import place_in_clone
 
 
 def github(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> list[str]:
-    """Return the annotations: `::error` for each failing budget, and `::warning` for the firmware line at fault.
+    """Return the annotations: `::error` for each failing budget or case, and `::warning` for a firmware line at fault.
 
     A coverage file that is out of date or incomplete gives a `::notice`.
 
     refused: cases that could not be run; each gives an `::error` line.
 
-    All findings about a budget, or about the whole case, share one annotation, because GitHub shows only ten per step.
+    Findings at one line about one budget, or about the whole case, share an annotation, because GitHub shows only ten
+    per step.
     """
     lines = []
     for check in checks:

@@ -141,9 +141,10 @@ def _figures(old: Figures, new: Figures) -> tuple[str, ...]:
 
 
 def explain(changes: list[Change], before: Baseline, now: Baseline, first_wrong: str) -> None:
-    """Set the reason of each changed worst or least value that has a chain of events.
+    """Set the reason of each changed value that has a chain of events: the worst or the least value of a budget.
 
-    The reason is the difference between the chain in the baseline and the chain in the run.
+    The reason is the difference between the chain in the baseline and the chain in the run. If the baseline has no
+    chain, it is the instant of the value. If wrong bytes are new, it is the first wrong byte.
 
     first_wrong: the description of the first wrong byte of the run; "" if there is none.
     """

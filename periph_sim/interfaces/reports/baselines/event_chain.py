@@ -2,14 +2,14 @@
 
     case, wanted occurrences --> a short second run, recorded --> records around each --> chain
     chain of the baseline, chain of the run --> the event that moved most, and the first difference
-    BUS, ACCESS, IRQ, SPAN of a run --> "TICKS EVENT" lines --> BLAKE2b, one digest
+    BUS, IRQ, SPAN and writes of registers --> "TICKS EVENT" lines --> BLAKE2b, one digest
     BUS records of addresses and bytes, with their ACKs --> BLAKE2b, one digest per PART bytes
 
 Runs with the same digest of events have equal chains, so no second run is needed to find the chains. Each digest of
 bytes covers all bytes up to its end, so the first digest that differs shows where two runs begin to differ.
 
-Chains have no reads, because it does not matter how often a flag is polled. Chains have no values of accesses, because
-a worst case that moves to another round has other data.
+Chains and the digest of events have no reads of registers, because it does not matter how often a flag is polled. They
+have no values of accesses, because a worst case that moves to another round has other data.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class EventLine(NamedTuple):
 
 @output_muted()
 def chains(case: Case, wanted: dict[str, Wanted]) -> dict[str, EventLine]:
-    """Run the case again until the last wanted occurrence has ended. Return the chain of events of each occurrence.
+    """Run the case again until AROUND after the last wanted occurrence. Return the chain of events of each occurrence.
 
     The result is a dictionary with the keys of `wanted`.
     """

@@ -33,7 +33,7 @@ SCHEMA: Literal[1] = 1  # version of the file format; other versions are refused
 class Figures(Table, frozen=True, kw_only=True):
     """The figures of one budget.
 
-    unit: "time" for ticks, or the name of what is counted.
+    unit: "time" for ticks, "%" and "LSB" for millionths of a whole and of an LSB, or the name of what is counted.
     count: the number of occurrences.
     worst, least: the largest and the smallest value; None if nothing was measured.
     worst_at, least_at: the instants of these values in ticks; None if a value has no instant.

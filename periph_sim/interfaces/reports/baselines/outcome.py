@@ -64,7 +64,7 @@ class Outcome:
 
 @dataclass
 class RejectedCase:
-    """A case that cannot be run.
+    """A case that cannot be run or compared.
 
     why: the reason as one sentence.
     outside: True if the reason is that the case needs an outside party, which is no error.
@@ -76,7 +76,7 @@ class RejectedCase:
 
 
 def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = False) -> Outcome | RejectedCase:
-    """Run a case for the duration that it states, and return the outcome."""
+    """Run a case for the duration that it states, and return the outcome, or the reason why it cannot be run."""
     try:
         case = load(path, list(changes))
         if case.outside is not None and case.outside.log is None:
@@ -97,6 +97,8 @@ def run_again(
 
     Return two dictionaries: from budgets to the events around their wanted occurrences, and from budgets to
     explanations.
+
+    Raise BadCheck if the case cannot be run again.
     """
     try:
         case = load(path, list(changes))

@@ -99,7 +99,7 @@ def _table(check: CaseCheck, since: tuple[str, Baselines] | None) -> list[str]:
 
 
 def _change(verdict: Verdict, before: Baseline | str, now: Baseline) -> str:
-    """Return the exact change of a budget's value since the earlier baseline, or the reason why there is none.
+    """Return the change of a budget's value since the earlier baseline, or the reason why there is none.
 
     Baselines contain no percentiles. For a percentile, the change of the largest value is returned.
     """

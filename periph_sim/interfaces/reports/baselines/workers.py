@@ -1,4 +1,4 @@
-"""Calls for case files, each in a process of its own, several at a time.
+"""Calls for case files, each in a process of its own if there are several, and several at a time.
 
 call --> thread, if one of `jobs` is free --> new process --> result, or BadCheck if the process died
 """
@@ -33,7 +33,7 @@ def workers(jobs: int | None, calls: int, cluster: ClusterExecutor | None = None
     """Yield a function that starts calls, each in a process of its own.
 
     jobs: the maximum number of calls at a time; None for one per core. With one job, or at most one call, the calls run
-        in this process.
+        in this process, when their results are requested.
     cluster: the cluster that makes the calls instead; None for processes of this computer.
     """
     if cluster is not None:

@@ -25,10 +25,10 @@ window: the records around an occurrence, and a few earlier ones that give the s
 ends: the two records at which an occurrence begins and ends; equal if it is an instant.
 activity: a service routine, a span, a wait, or other code of a CPU. A span is a named part of the firmware, such as a
     function of an image.
-wait: a loop that polls fields of registers until one of them changes, or IDLE.
+wait: a loop that polls fields of registers until one of them changes, IDLE, or an endless loop.
 image: a program that is executed instruction by instruction; other firmware consists of Python functions or C sources.
 party: a unit, a device, the controller or another object that can drive a line of a bus.
-phase: the part of an I2C transfer from a START or repeated START to the next START or STOP.
+phase: the part of an I2C transfer from a START or repeated START to the next one, a STOP or lost arbitration.
 stretch: a time in which a CPU or the bus has one activity (`Stretch`). A stretch of SCL is a longer low time.
 place: a location in the firmware.
 thing: the last event of a measure, such as "refused".

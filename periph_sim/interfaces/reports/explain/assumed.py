@@ -46,7 +46,7 @@ def assumed_in(case: Case, result: Result, length: Fraction | None) -> dict[str,
     """Repeat a failed run. Return a dictionary from each broken budget to the options used in its worst occurrence.
 
     Budgets whose worst occurrence has no instant or is later than LATEST are left out, because a long second run is not
-    worth its time. Return {} if the firmware fails in the second run.
+    worth its time. Return {} if the firmware fails in the second run, or if the run used no such option.
 
     length: the duration of the run in seconds; None for the duration that the case states.
     """

@@ -163,9 +163,9 @@ def parts_of(stretches: Iterable[Stretch]) -> tuple[Part, ...]:
 
 
 def difference(here: Iterable[Part], there: Iterable[Part]) -> tuple[Part, ...]:
-    """Return the length of each part of `here` minus its length in `there`, the largest difference first.
+    """Return each part of `here` and `there` with its length in `here` minus that in `there`, the largest one first.
 
-    Parts of equal length are left out.
+    A part that is missing has the length 0. Parts of equal length are left out.
     """
     before = {(part.doing, part.what): part for part in there}
     found = []
@@ -180,7 +180,7 @@ MOST_PARTS = 6
 
 
 def text(chain: Chain) -> list[str]:
-    """Return the explanation as lines. The first line has the budget, its worst value and the instant."""
+    """Return the explanation as lines. The first line has the budget, and its worst value or what was found."""
     show = chain.timebase.show
 
     def signed(ticks: int) -> str:

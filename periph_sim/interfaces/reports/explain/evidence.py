@@ -31,7 +31,7 @@ MOST = 12  # maximum number of listed service routines, spans and waits of an oc
 
 @dataclass(frozen=True)
 class RecordedPhase:
-    """A phase of a transfer according to the records: from a START or repeated START to the next START or STOP.
+    """A phase of a transfer in the records: from a START or repeated START to the next one, a STOP or lost arbitration.
 
     name: the name of the addressed device; "" if unknown.
     start: "START" or "repeated START".
@@ -119,7 +119,7 @@ class Evidence:
     def doing_at(self, tick: int) -> tuple[str, FirmwarePlace | None]:
         """Return the firmware's activity at a tick as a phrase, and its place.
 
-        If no service routine, span or wait is in progress, the phrase names the last access before the tick.
+        If no service routine, span or wait is in progress, the phrase names the last access before the tick, if any.
         """
         part = self.blame_at(tick)
         if part is not None:
@@ -149,7 +149,7 @@ class Evidence:
         return [r for r in alike if begin <= r.tick <= end]
 
     def flags(self, begin: int, end: int, *fields: str) -> list[Record]:
-        """Return the changes of some fields of the SCI module from tick `begin` to tick `end`."""
+        """Return the changes of some fields of the unit's SCI-A from tick `begin` to tick `end`."""
         changes = self.window.between(begin, end, Kind.FLAG)
         return [r for r in changes if r.where == f"{self.unit}.{SCI}" and r.what in fields]
 

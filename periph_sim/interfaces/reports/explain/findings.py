@@ -137,7 +137,7 @@ def asked(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]:
 def transfers(evidence: Evidence, begin: int, end: int) -> list[Step]:
     """Return a Step for each `RecordedPhase` that begins between two ticks.
 
-    Consecutive phases with the same address share a Step if the address was not acknowledged.
+    Consecutive phases with the same address and direction share a Step if the address was not acknowledged.
     """
     steps = []
     inside = [phase for phase in evidence.phases if begin <= phase.begin < end]
@@ -243,8 +243,8 @@ def _bytes(evidence: Evidence, ends: Ends) -> Finding:
     If a unit sent the byte, its origin is a write of I2CDXR. The firmware may have made this write before the START of
     the read, for an earlier read. If a device sent the byte, its origin is the device and, in a memory, the word.
 
-    If the firmware wrote every byte after the START, no write is the cause: the firmware had calculated a wrong value
-    before. The spans and service routines before the read are then listed, too.
+    If the firmware wrote every byte after the START, it had calculated a wrong value before. The first write is then
+    given as the cause, and the spans and service routines before the read are listed, too.
     """
     at = evidence.window.begin
     phase = next((p for p in evidence.phases if p.begin >= at), None)
@@ -337,7 +337,7 @@ def _fifo(evidence: Evidence, ends: Ends) -> Finding:
 def _beside(evidence: Evidence, ends: Ends) -> Finding:
     """Find the accesses and the changes of fields that a measure uses, close to the start of the occurrence.
 
-    Return no steps if the measure does not use both accesses and changes of fields.
+    Return no steps if the measure does not use exactly accesses and changes of fields.
     """
     at, near = evidence.window.begin, evidence.window.timebase.ticks(PROMPT, "nearest")
     if ends.measure.kinds != {Kind.ACCESS, Kind.FLAG}:

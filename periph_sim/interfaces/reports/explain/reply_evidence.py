@@ -74,7 +74,10 @@ def unanswered(evidence: Evidence) -> list[Step]:
 
 
 def wrong_characters(evidence: Evidence) -> list[WrongCharacter]:
-    """Return the wrong characters of a wrong reply, or all characters where an SCI must be silent."""
+    """Return the first wrong characters of a wrong reply, or the first characters where an SCI must be silent.
+
+    There are at most MOST_CHARACTERS; none if the verdict is about something else.
+    """
     verdict = evidence.window.verdict
     if verdict.measure == UNSOLICITED or verdict.measure.startswith(SILENCE):
         found = _unsolicited(evidence, verdict.measure.removeprefix(SILENCE))[:MOST_CHARACTERS]

@@ -3,10 +3,10 @@
     case, verdicts --> ranges of ticks --> one more run, everything recorded --> kept records --> a Window for each
     recorded run, verdicts ------------------------------------------------------^
 
-Runs are deterministic, so the second run has the same occurrences. It ends after the last range. The records in the
-ranges and shortly before them are kept. Of the earlier records, only the last one with each combination of `kind`,
-`where` and `what` is kept: together they are the state at the start of a range. The needed memory does not grow with
-the length of the run.
+Runs are deterministic, so the second run has the same occurrences. It ends after the last range, or later
+if the STOP of a wrong read comes later. The records in the ranges and shortly before them are kept. Of the earlier
+records, only the last one with each combination of `kind`, `where` and `what` is kept: together they are the state at
+the start of a range. The needed memory does not grow with the length of the run.
 """
 
 from __future__ import annotations
@@ -367,7 +367,8 @@ class _Keeper:
 def _with_stretch(window: Window) -> Window:
     """Return a window whose occurrence is the stretch, if the verdict is about a stretch; else the window itself.
 
-    Before this call, the occurrence is a whole phase. The stretch is the longest low time of SCL in this phase.
+    Before this call, the occurrence begins with a phase. The stretch is the end of the longest low time of SCL in this
+    phase, as long as the worst value.
     """
     event = event_of(window.verdict)
     if event is None or event.how != "stretch" or window.begin == window.end:

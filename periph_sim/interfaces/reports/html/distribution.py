@@ -43,7 +43,7 @@ class Distribution:
     """The distribution of the values of a budget.
 
     unit: the unit of all numbers, which depends on the size of the values.
-    counted: True if the values are whole counts, so that a bin of width 1 contains one distinct value.
+    counted: True if the values are whole numbers of the unit, so that a bin of width 1 contains one distinct value.
     least, worst: the smallest and the largest value.
     limits: key and value of each limit.
     quantiles: name and value (nearest rank) of each quantile.
@@ -88,7 +88,8 @@ def distribution(values: Values, per_ns: int) -> Distribution:
 def scale_of(unit: str, largest: int, per_ns: int) -> tuple[str, int, int]:
     """Return (name, size, width) for the unit in which values are shown.
 
-    name: the name of this unit. For a time, it is the first of UNITS in which the largest value is below 1000.
+    name: the name of this unit. For a time, it is the first of UNITS in which the largest value is below
+        1000, or else the last of them.
     size: the size of this unit in the unit of the recorded values, such as ticks.
     width: the minimum width of a bin in the unit of the recorded values.
     """
@@ -244,7 +245,7 @@ def axis_ticks(
 
 
 def _rules(spread: Distribution, scale: _Scale) -> tuple[Rule, ...]:
-    """Return the lines of the limits from left to right. If two texts would overlap, they are in different rows."""
+    """Return the lines of the limits from left to right. Texts that would overlap are in different rows (of ROWS)."""
     rules: list[Rule] = []
     free = [float("-inf")] * ROWS
     for key, value in sorted(spread.limits, key=lambda one: one[1]):

@@ -43,9 +43,9 @@ class BudgetReport:
     limits: key and text of each limit.
     source: the source of the limit, as the case states it.
     must_break: True if the case says that the budget breaks.
-    distribution, over_time: None if the budget has a single number per run.
+    distribution, over_time: None if no values were kept, for example if the budget has a single number per run.
     timeline: the timeline around the worst value; None if the worst value has no instant.
-    explanation: the explanation of the worst value; None if the worst value has no instant.
+    explanation: the explanation of the worst value; None if the worst value has no instant, and for a replay.
     failure: a description of the failure, also of one that the case expects; None if the budget holds as it should.
     per_second: the number of ticks per second.
     others: more occurrences beyond a limit, in order of time: for each, its instant in ticks from the start of the run,
@@ -83,11 +83,11 @@ class CaseReport:
     """The report of one case.
 
     verdict: "pass" or "fail".
-    standing: "good" if the case passes, "known" if it fails only in the budgets that it lists in `breaks`, else "bad".
+    standing: "good" if the case passes, "known" if exactly the budgets in its `breaks` fail, else "bad".
     commit: the commit of the case's repository; "" if there is none.
     clocks: each unit and its SYSCLKOUT as text.
     findings: errors that are not described in the `failure` of a budget.
-    options: the options for undocumented behaviour that the run used, as UNIT.GROUP.NAME.
+    options: the options for undocumented behaviour that the run used, as UNIT.GROUP.NAME or CHIP.NAME.
     changes: the "key=value" texts with which the case was read.
     counts: a dictionary from names to counts of the run, such as bytes on the bus.
     coverage: what the coverage file of the case says; None if there is no file.
@@ -202,7 +202,7 @@ def report_of_file(
 def _others(
     case: Case, per_second: int, verdicts: Sequence[Verdict], overs: Sequence[OverTime | None]
 ) -> list[Verdict]:
-    """Return further occurrences beyond the limits of broken budgets, as verdicts.
+    """Return the further occurrences beyond the limits of broken budgets that get a timeline, as verdicts.
 
     The worst value and the instant of such a verdict are those of the occurrence. Budgets that the case expects to
     break are left out.

@@ -116,7 +116,8 @@ def shown_violations(over: OverTime, worst_at: int) -> tuple[tuple[int, int], ..
     """Return the violations that get a timeline in addition to the worst violation, in order of time.
 
     These are the first SHOWN // 2 violations of the run, and some later ones: the later violations are divided, in
-    order of time, into PARTS equal parts, and the worst violation of each part is taken.
+    order of time, into PARTS equal parts, and the violation with the largest value of each part is taken (for a `min`,
+    with the smallest).
     """
     others = [one for one in over.violations if one[0] != worst_at]
     first, rest = others[: SHOWN // 2], others[SHOWN // 2 :]
@@ -126,7 +127,9 @@ def shown_violations(over: OverTime, worst_at: int) -> tuple[tuple[int, int], ..
 
 
 FIELD_WIDTH = 1000  # width of the field (the plot area) in the units of the SVG paths
-NEAR = 1.5  # a limit is drawn if its distance from the values is at most this multiple of the values' range
+# A limit is drawn if its distance from the values is at most this multiple of the values' range; if all values are
+# equal, of the value.
+NEAR = 1.5
 ROOM = 0.08  # margin above and below the values and the drawn limits, as a fraction of their range
 
 

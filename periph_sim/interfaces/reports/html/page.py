@@ -158,7 +158,7 @@ def _parts(chain: Chain) -> list[tuple[Part, float, str]]:
 
 
 def _gist(case: CaseReport) -> str:
-    """Return a summary of a case: "9 of 11 budgets hold; 1 must break and does"."""
+    """Return a summary of a case: "9 of 11 budgets hold; 1 must break, and does"."""
     hold = sum(one.verdict.passed and not one.must_break for one in case.budgets)
     known = sum(one.must_break and one.as_it_should_be for one in case.budgets)
     said = f"{hold} of {len(case.budgets)} budgets hold"

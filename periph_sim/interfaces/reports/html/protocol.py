@@ -2,7 +2,7 @@
 
  time    bus      what
  0.0 us  I2C      START 0x68 R ACK  12 ACK  34 NACK  STOP
-80.0 us  RX       01 00 7F ...                                characters without a pause between them are one row
+80.0 us  RX       01 00 7F ...                                characters with only short pauses between them are one row
 """
 
 from __future__ import annotations

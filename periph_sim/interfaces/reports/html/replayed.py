@@ -3,8 +3,8 @@
 Report, Replay --one more run, everything recorded--> windows --> timelines
 capture --aligned at the last agreed event--> lanes "capture" ----^       --> CaseReport, one row for each divergence
 
-A divergence is a difference of the replay from the capture. A replay without divergences has one row, with the number
-of its events. Times count from the beginning of the capture.
+A divergence is a difference of the replay from the capture. Without divergences, one row has the number of events. In a
+session, the budgets have rows, too. Times count from the beginning of the capture.
 """
 
 from __future__ import annotations

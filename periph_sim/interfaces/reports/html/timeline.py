@@ -9,7 +9,7 @@ ACCESS    -----------> one lane per register: reads and writes with their firmwa
 
 At first, the page draws only the chosen lanes. These are the lanes of wires and registers that the explanation names;
 the wires of a bus that the explanation mentions (SCL and SDA for a transfer, RX and TX for a frame); fields that the
-explanation or the measure names; and service routines, spans and waits in the part that is visible at first.
+explanation or the measure names; and service routines, spans, waits and notes in the part that is visible at first.
 """
 
 from __future__ import annotations

@@ -6,11 +6,11 @@ answers that break nothing alone, two at a time --> a run with both, if
     their questions are related (`Question.is_related`), or
     the second question is touched only with the first answer
 
-An answer *breaks* something if a budget passes in the case as it is but not with this answer, if firmware gets stuck,
-or if the run cannot be made. Such an answer is not tried in pairs, because its question must be decided in any case.
-The answers that break nothing are tried in the pairs shown above. Three answers at once are never tried. A question
-that is touched only in a pair, or only with an answer that breaks something, is not varied; `Exploration.not_varied`
-names it.
+An answer *breaks* something if a budget passes in the case as it is but not with this answer, if firmware gets stuck
+only with it, or if the run cannot be made. Such an answer is not tried in pairs, because its question must be decided
+in any case. The answers that break nothing are tried in the pairs shown above. Three answers at once are never tried. A
+question that is touched only in a pair, or only with an answer that breaks something, is not varied;
+`Exploration.not_varied` names it.
 """
 
 from __future__ import annotations

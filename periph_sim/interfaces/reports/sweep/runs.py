@@ -5,8 +5,9 @@
 ["seed=1", ["seed=2", "start=1 ms"]]                --> the same two runs, in the form of `--set`
 Job, values of some runs                            --> a Row for each run; Jobs and Rows can be sent between processes
 
-The values of a key can be one text: "1, 2, 5" or "0 ms to 20 ms step 10 us". A range includes its last value if this is
-a whole number of steps from the first value. The values of a range are exact, and in the unit of the step.
+`--vary` has the values of a key in one text: "1, 2, 5" or "0 ms to 20 ms step 10 us". A range includes its last
+value if this is a whole number of steps from the first value. The values of a range are exact, and in the unit of the
+step.
 """
 
 from __future__ import annotations

@@ -157,7 +157,7 @@ def _whole(values: Any) -> NDArray[np.int64]:
 
 
 def _numbers_or_texts(values: list[object]) -> Column:
-    """Return a column of numbers if all values are numbers; otherwise a column of texts."""
+    """Return a column of numbers or booleans if all values are of this kind; otherwise a column of texts."""
     plain = [value.item() if hasattr(value, "item") else value for value in values]
     kinds = {type(value) for value in plain}
     if kinds <= {int, float} or kinds == {bool}:
@@ -172,7 +172,8 @@ FEW = 64  # if a sweep has at most this number of runs, they are sent one by one
 class SweepStopped(KeyboardInterrupt):
     """Raised after Ctrl-C or SIGTERM, or if a cluster is lost.
 
-    finished: the figures of the completed runs. runs: the number of all runs. reason: "" after Ctrl-C or SIGTERM.
+    finished: the figures of the completed runs. runs: the number of all runs. The message has the argument `reason`,
+        which is "" after Ctrl-C or SIGTERM.
     """
 
     def __init__(self, finished: Sweep, runs: int, reason: str = "") -> None:
@@ -209,8 +210,9 @@ def sweep(
     on_progress: a function that is called with the completed share, 0 to 1, in this thread.
 
     Raise BadCase if a change names no key of the case, or if no run could be made. If only some runs could not be made,
-    the result has the reasons. After Ctrl-C or SIGTERM, raise SweepStopped, a KeyboardInterrupt, with the completed
-    runs. A script that calls this function with more than one process needs the usual `if __name__ == "__main__":`.
+    the result has the reasons. After Ctrl-C, SIGTERM or the loss of a cluster, raise SweepStopped, a KeyboardInterrupt,
+    with the completed runs; if there is none, raise KeyboardInterrupt or ClusterError. A script that calls this
+    function with more than one process needs the usual `if __name__ == "__main__":`.
     """
     if isinstance(case, Case):
         raise BadCase("a sweep changes keys of a file; give the path of the case, or write one")
@@ -243,7 +245,7 @@ def sweep(
 
 
 def _loaded(file: Path, texts: Texts) -> Case:
-    """Return the case. Raise BadCase for an unknown key.
+    """Return the case. Raise BadCase for an unknown key, or if the case without changes is invalid.
 
     A wrong value is not reported here, but in the row of its run.
     """
@@ -290,7 +292,8 @@ def row_batches(job: Job, texts: Texts, executor: Executor | None, jobs: int) ->
 def _by_processes(job: Job, parts: Sequence[Texts], jobs: int, cluster: ClusterExecutor | None) -> Iterator[list[Row]]:
     """Execute the parts in worker processes, or on a cluster. Yield the rows of each part, in the order of the parts.
 
-    If a process dies, the runs of the first unfinished part are repeated, each in a process of its own.
+    If a process dies, the runs of the first unfinished part are repeated one by one, so that only a run that ends its
+    process is lost.
     """
     done = 0
     while done < len(parts):

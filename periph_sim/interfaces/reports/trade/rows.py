@@ -82,7 +82,10 @@ def kind_of(case: Case) -> str:
 
 
 def _arithmetics(case: Case, given: Row) -> Iterator[Row]:
-    """Yield a row for the unchanged case and a row for each other number format, the most accurate format first."""
+    """Yield a row for the unchanged case and, if there are sensor models, for each other number format.
+
+    The most accurate format comes first.
+    """
     settings = {name: _settings(unit) for name, unit in case.unit.items() if unit.firmware}
     computing = {name: one for name, one in settings.items() if getattr(one, "arithmetic", BYTES) != BYTES}
     present = {getattr(one, "arithmetic", BYTES) for one in computing.values()}

@@ -1,7 +1,7 @@
 """Comparison of the choices for a scene: the errors and the CPU time of each, and a recommendation.
 
 Each choice is a row. The errors of a row are the differences from the most accurate row. CPU time is measured after the
-start of the scenes. The measurement is repeated until the rows differ significantly.
+start of the scenes. It is repeated until the rows differ significantly, within limits (FEWEST, MOST, PATIENCE).
 """
 
 from __future__ import annotations

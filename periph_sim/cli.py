@@ -1,9 +1,9 @@
 """The command line, which prints tables or one JSON object and ends with an exit status.
 
-The exit status is 0 if the command finds nothing wrong, for example if all budgets hold, and 1 if it does. It is 2 for
-incorrect usage or input, after Ctrl-C or SIGTERM, and if the output cannot be written. It is 3 for an internal error,
-or if user code has ended the process or redirected its output (see `supervisor`). It is 141 if the program that reads
-the output has ended.
+The exit status is 0 if the command finds nothing wrong, for example if all budgets hold, and 1 if it finds something.
+It is 2 for incorrect usage or input, after Ctrl-C or SIGTERM, and if the output cannot be written. It is 3 for an
+internal error, or if user code has ended the process or redirected its output (see `supervisor`). It is 141 if the
+program that reads the output has ended.
 
 A Python file in one of the `PACKAGES` defines a subcommand if it has a function with the file's name and the decorator
 `command`. Only the subcommand that is run is imported, so `periph-sim decode` does not import chips and boards.

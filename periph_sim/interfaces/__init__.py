@@ -7,8 +7,8 @@ budget: a limit for a measure, such as the response time of a unit on the bus.
 occurrence: one measured value of a budget, or the events that determine it. In the worst occurrence, the value is
     nearest to the limit or farthest beyond it. The least critical occurrence is the opposite.
 verdict: the result of a budget in a run: it passes, it is broken, or it is not judged, because too little was measured.
-instant of a verdict: the time `Verdict.at_s` of its worst value. A value of a whole run, such as a sum, may have no
-    instant.
+instant of a verdict: the time `Verdict.at_s` of its worst value, or of a fault that breaks the budget. A value of a
+    whole run, such as a sum, may have no instant.
 record: an event of a run that was stored, such as an edge on a wire or an access to a register.
 option: the choice of one behaviour where TI's manuals leave the behaviour of the chip open.
 chain: the events around an occurrence, as lines of text in a baseline (`reports.baselines.event_chain`), or with their

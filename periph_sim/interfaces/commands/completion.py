@@ -97,7 +97,7 @@ def complete_budget(context: click.Context, parameter: click.Parameter, begun: s
 
 @silently
 def complete_key(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
-    """Offer the keys that --set can change in the case, each followed by "="."""
+    """Offer keys that --set can change in the case, each followed by "=" (see `_case_schema` and `_keys`)."""
     schema, definitions = _case_schema()
     return next_parts((f"{key}=" for key in _keys(_tree(context), schema, definitions)), begun)
 
@@ -134,7 +134,7 @@ def complete_optimization(context: click.Context, parameter: click.Parameter, be
 
 @silently
 def complete_row(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
-    """Offer the names of rows in the table of `trade`, except rows that are made from other cases."""
+    """Offer the names that rows in the table of `trade` can have, except rows that are made from other cases."""
     from ..reports.trade.rows import ARITHMETICS, AS_GIVEN, RECORDINGS
 
     names = [AS_GIVEN, *(f"arithmetic={name}" for name in ARITHMETICS), *(f"record {name}" for name in RECORDINGS)]
@@ -188,7 +188,9 @@ def _case_schema() -> tuple[Schema, Schema]:
 
 
 def _keys(value: object, schema: Schema, definitions: Schema, missing: int = 0) -> Iterator[str]:
-    """Yield the keys that a table has or can have. Keys of inner tables have a path, such as controller.period.
+    """Yield keys that a table has or can have. Keys of inner tables have a path, such as controller.period.
+
+    Obsolete keys that the file does not have are left out.
 
     value: the table, or a list of tables.
     schema: the schema of the table. definitions: the schemas that it refers to.

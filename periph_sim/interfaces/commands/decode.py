@@ -1,6 +1,6 @@
 """`periph-sim decode FILE`: list the events on the buses of a capture, or export them to another tool.
 
-pcapng      Wireshark, tshark          a packet for each message, burst or selection (SPI), an interface for each bus
+pcapng      Wireshark, tshark          a packet for each message, burst or selection, an interface for each bus in use
 hexdump     text2pcap, any script      the same bytes as text, each packet below its time
 sigrok      scripts for sigrok-cli     a line for each event, `START-END i2c-1: Address write: 53`
 logic2      scripts for Logic 2        a line for each condition, byte, frame or word, as Logic 2 exports its tables

@@ -93,7 +93,7 @@ class NamedDevice:
         return named
 
     def _write(self, reply: Any, data: list[int], values: list[int], events: list[int]) -> list[tuple[int, NamedByte]]:
-        """Return the names of the bytes before the first one that the captured device or its model refuses by a NACK.
+        """Return the names of the bytes before the first one that the captured device or its model does not accept.
 
         That byte and later ones have no names, because a byte without ACK may have moved the register pointer or not.
         """

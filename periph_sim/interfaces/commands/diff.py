@@ -44,8 +44,8 @@ def diff(
 ) -> int:
     """Compare the events of captures A and B, one by one, and their times.
 
-    Exit status 0: the events are the same, and their times, counted from the first event of both, differ by
-    no more than the tolerance, by default one sample of A plus one sample of B; 1: otherwise.
+    Exit status 0: the events are the same, and their times, counted from the first event that is in
+    both, differ by no more than the tolerance, by default one sample of A plus one sample of B; 1: otherwise.
     """
     from ...replay.channels import channel_map
     from ...traces.diff import diff_i2c, diff_uart, text_report

@@ -23,8 +23,8 @@ def prove_under_questions(case: Path, changes: tuple[str, ...], cover: Cover, jo
 
     cover: the values of --step, --phases, --rounds, --start-up and --table.
 
-    Return the exit status: 0 if every covered budget holds (with a table: is proven) with every answer, and each answer
-    could be judged without firmware that is stuck, else 1.
+    Return the exit status: 0 if every covered budget holds (with a table: is proven) with every answer, and no run
+    is stuck or cannot be made; else 1.
     """
     with running_user_code():
         duration = load(case, list(changes)).duration

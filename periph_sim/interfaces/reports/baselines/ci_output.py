@@ -3,7 +3,7 @@
 JUnit XML: each case is a test suite. It has a test case for each budget, and a test case with the name "the case" for
 findings about the whole case. Properties contain the figures. If a budget must break, its break is no failure.
 
-Annotations: a line for each failing budget, case and coverage file. Source: GitHub's "Workflow commands for GitHub
+Annotations: lines on failing budgets and cases (see `github`). Source: GitHub's "Workflow commands for GitHub
 Actions": `::error file=...,line=...::message`. Percent signs, carriage returns and line feeds are written as
 %25, %0D and %0A. In properties such as `file`, colons and commas are also written as %3A and %2C.
 """

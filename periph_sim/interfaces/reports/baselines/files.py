@@ -60,7 +60,8 @@ class Baseline(Table, frozen=True, kw_only=True):
     events: the number of simulated events.
     counts: the counts of a run that are not figures of a budget.
     digest: the digest of all events and their times (see `EventDigests`); "" in files of an earlier version.
-    bus_bytes: the digests of the bytes on the I2C bus (see `EventDigests`); empty in files of an earlier version.
+    bus_bytes: the digests of the bytes on the I2C bus (see `EventDigests`); empty without such bytes, and in files of
+        an earlier version.
     """
 
     schema_version: Literal[1] = SCHEMA

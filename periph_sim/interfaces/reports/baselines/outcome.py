@@ -31,7 +31,7 @@ class Outcome:
         joined to a budget by `and` has the line of the budget.
     breaks_line, name_line: the lines of the keys `breaks` and `name` in the file; 0 if unknown.
     changes: the "key=value" texts applied to the case.
-    typical: the least critical occurrence of each budget, as verdicts.
+    typical: the least critical occurrence of each budget that has several, as verdicts.
     trouble: sentences about wires that stay low and firmware that waits forever.
     values: the values of each budget; None for a budget whose values were not kept.
     """

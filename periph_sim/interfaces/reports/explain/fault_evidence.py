@@ -251,7 +251,7 @@ def _part(evidence: Evidence, phase: RecordedPhase) -> eeprom.Part | None:
 
 
 def first_word(evidence: Evidence, phase: RecordedPhase) -> int | None:
-    """Return the word address of a read's first byte; None if it is no memory or the phase before did not set it."""
+    """Return the word address of a read's first byte; None if no memory is read or the phase before set no address."""
     memory = _part(evidence, phase)
     before = max((p for p in evidence.phases if p.end <= phase.begin), key=lambda p: p.begin, default=None)
     if memory is None or before is None or before.read or before.address != phase.address:

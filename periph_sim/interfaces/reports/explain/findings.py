@@ -337,7 +337,7 @@ def _fifo(evidence: Evidence, ends: Ends) -> Finding:
 def _beside(evidence: Evidence, ends: Ends) -> Finding:
     """Find the accesses and the changes of fields that a measure uses, close to the start of the occurrence.
 
-    Return no steps if the measure does not use exactly accesses and changes of fields.
+    Return no steps if the measure uses only one of these kinds of records, or other kinds.
     """
     at, near = evidence.window.begin, evidence.window.timebase.ticks(PROMPT, "nearest")
     if ends.measure.kinds != {Kind.ACCESS, Kind.FLAG}:

@@ -62,8 +62,8 @@ class Window:
     kept: the ranges of `records`: one, or two if the middle of a long occurrence was not kept.
     records: all records in these ranges, in order of time.
     before: the state before the first range: for each combination of `kind`, `where` and `what`, the last record, in
-        order of time. These are levels of wires, values of fields, accesses, and spans and service routines. If a span
-        or service routine has not ended, the value of its record is 1.
+        order of time. These are levels of wires, values of fields, accesses, spans, service routines and others. If a
+        span, wait or service routine has not ended, the value of its record is 1.
     edges: the edges of all wires of the scene; positions are ticks. Levels are known in `kept` and for some time before
         each range.
     start: the tick at which the run began, from which `verdict.at_s` counts.

@@ -133,7 +133,7 @@ def case_report(
 
     result: the result of the run.
     values: the values of each budget, in the order of the budgets.
-    typical: the least critical occurrence of each budget, as verdicts (the result of `Scene.typical`).
+    typical: the least critical occurrence of each budget that has several, as verdicts (see `Scene.typical`).
     per_second: the number of ticks per second.
     length: the duration of the run in seconds; None for the duration that the case states.
     changes: the "key=value" texts with which the case was read.

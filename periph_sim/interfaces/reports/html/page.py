@@ -24,7 +24,7 @@ from .gather import BudgetReport, CaseReport
 from .over_time import shown_unit, time_plot
 
 STYLES = ("report.css", "budget.css", "timeline.css")
-SCRIPTS = (  # each script is after the scripts that it uses
+SCRIPTS = (  # each script is after the scripts that it uses while it is loaded
     "times.js",
     "lanes.js",
     "tooltip.js",

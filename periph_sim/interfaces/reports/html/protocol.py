@@ -23,8 +23,8 @@ class Row(NamedTuple):
     at, end: the start and the end in ticks from the origin of the timeline.
     bus: "I2C", or the wire of SCI characters.
     start: "START", "Sr" for a repeated START, or "" for characters.
-    address: the address, as in "0x68"; "" for characters.
-    way: the direction, "R" or "W"; "" for characters.
+    address: the address, as in "0x68"; "" for characters, and if it is incomplete.
+    way: the direction, "R" or "W"; "" for characters, and if the address is incomplete.
     ack: the answer to the address, "ACK" or "NACK"; "" if there is none.
     data: for each byte, the value in hexadecimal, the answer, and the expected value if the byte is wrong, else "". For
         a character, "error" or "" takes the place of the answer.

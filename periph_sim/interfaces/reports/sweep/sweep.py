@@ -91,7 +91,10 @@ class Sweep:
         return {name: budget.worst for name, budget in self.budgets.items()}
 
     def columns(self) -> dict[str, Column]:
-        """Return a dictionary from names to all columns, for example for pandas.DataFrame or a CSV file."""
+        """Return a dictionary from names to columns, for example for pandas.DataFrame or a CSV file.
+
+        It has all columns except `simulated_s` and `events`.
+        """
         table: dict[str, Column] = {**self.changes, "verdict": self.verdict, "error": self.error}
         for name, budget in self.budgets.items():
             figures = {one.name: getattr(budget, one.name) for one in fields(budget)[2:]}

@@ -97,9 +97,9 @@ def prove(
 ) -> int:
     """Run CASE at many phases, and show the phases at which budgets break.
 
-    With a [host] and a [controller], a phase is the start of a frame, counted from the start of a round. With only one
-    of them, it is the start of a frame or of a round, counted from its nominal time. With
-    both, phases at which an interrupt comes near a write are run cycle by cycle, if there are not too many.
+    With a [host] and a [controller], a phase is the start of a frame, counted from the start of a round; those at
+    which an interrupt comes near a write are run cycle by cycle, if there are not too many. With only one of them, it
+    is the start of a frame or round, counted from its nominal time. With neither, it is the delay of [[serial.send]].
 
     Without --table, the result holds for the phases that were run, in the states that these runs reached. It is no
     proof for other states, other run times of code, or other clocks.

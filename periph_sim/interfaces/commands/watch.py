@@ -30,9 +30,9 @@ PAUSE = 0.3  # seconds between checks of the files; polling needs no library and
 def watch(case: Path, changes: tuple[str, ...]) -> int:
     """Run CASE again whenever one of its files changes, until Ctrl-C.
 
-    Its files are the case, the Python files beside its firmware, every file that the case
-    names, and its baseline. After the first run, the figures that changed
-    since the run before are printed in place of the table of budgets.
+    Its files are the case, every file that the case names, the files beside these that they may
+    import or include, and its baseline. After the first run, the figures that changed since the run
+    before are printed in place of the table of budgets.
     """
     from ..reports.baselines.outcome import run_case
 

@@ -157,8 +157,8 @@ class Run:
     def assert_budgets(self, *names: str, guaranteed: bool = False) -> None:
         """Raise AssertionError, with a table and a diagram, if any of these budgets does not hold.
 
-        guaranteed: True to require a saved proof of the budgets, which `periph-sim prove --table --save` writes. A
-            proof holds only for a case file without changes.
+        guaranteed: True to require a saved proof of the budgets, too, which `periph-sim prove --table --save` writes. A
+            proof holds only for a case file without changes. If only a proof is missing, there is no table.
 
         Raise NoSuchBudget if the case has no budget with one of the names, and ValueError if no name is given.
         """

@@ -37,7 +37,7 @@ compiled_only = pytest.mark.skipif(form.running == form.INTERPRETED, reason="a w
 ANSWER = """
 [[budget]]
 name = "answer"
-measure = "from bus START to access W I2C-A.I2CDXR in same transfer"
+measure = "from bus START to 2nd bus byte of transfer, same transfer"
 max = "1 s"
 """
 
@@ -96,8 +96,9 @@ def test_no_ordinary_run_is_worse_than_the_table_and_some_are_as_bad(whole: Tabl
         duration = Fraction(at + per_second // 100, per_second)
         result = Scene(case.model_copy(update={"inputs": inputs, "duration": duration})).run()
         for verdict in result.budgets:
-            assert verdict.worst is not None
-            seen[verdict.name].append(verdict.worst)
+            if verdict.name in seen:
+                assert verdict.worst is not None
+                seen[verdict.name].append(verdict.worst)
     assert {name: max(values) for name, values in seen.items()} == {name: worst_of(whole, name) for name in seen}
 
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, partial
 from random import Random
 from typing import Annotated, Protocol, cast
 
@@ -67,15 +67,22 @@ class When:
             raise ValueError("spread is longer than every, so faults would be out of order; shorten it")
 
 
+LONG_HIGH = 10  # a high phase of SCL that is so many times as long as the low phase before it is no clock
+
+
 class SdaPuller(Agent):
     """Base of the faults that pull SDA low during one clock of SCL. `arm` requests the next disturbance.
 
-    Subclasses define `sampled`, which is called with the new level of SCL after each change of SCL.
+    Subclasses define `clocked`, which is called with the new level of SCL after each change of SCL.
     """
 
-    STATE = State("_armed _pulls")
+    STATE = State("_armed _pulls _low _falls", ticks="_fell")
 
     def __init__(self, place: FaultContext) -> None:
+        self._kernel = place.kernel
+        self._fell = place.kernel.now  # the tick of the last fall of SCL
+        self._low = 0  # duration of the last low phase of SCL, in ticks
+        self._falls = 0
         self._scl, self._sda = place.wire("SCL"), place.wire("SDA")
         self._pin = self._sda.attach(place.who)
         self._armed = False
@@ -85,10 +92,29 @@ class SdaPuller(Agent):
     def arm(self) -> None:
         self._armed = True
 
+    def sampled(self, now: int, levels: int) -> None:
+        if levels:
+            self._low = now - self._fell
+        else:
+            self._fell = now
+            self._falls += 1
+        self.clocked(now, levels)
+
+    def clocked(self, now: int, level: int) -> None:
+        raise NotImplementedError
+
     def _pull(self, pulls: bool) -> None:
         """Pull SDA low if `pulls`, else release it."""
         self._pulls = pulls
         self._pin.drive(not pulls)
+
+    def _expect_fall(self) -> None:
+        """Release SDA if SCL stays high, because no controller makes clocks while it waits for SDA."""
+        self._kernel.call_at(self._kernel.now + LONG_HIGH * self._low, partial(self._not_clocked, self._falls))
+
+    def _not_clocked(self, falls: int) -> None:
+        if falls == self._falls and self._pulls:
+            self._pull(False)
 
 
 class HeldLine:

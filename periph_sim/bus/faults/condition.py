@@ -37,13 +37,12 @@ class Condition(SdaPuller):
 
     def __init__(self, settings: Settings, place: FaultContext) -> None:
         super().__init__(place)
-        self._kernel = place.kernel
         self._stop = settings.condition == "STOP"
         self._late = place.ticks(settings.late)
         self._rise = 0  # number of rises of SCL so far while a fault was armed
 
-    def sampled(self, now: int, levels: int) -> None:
-        if not levels:
+    def clocked(self, now: int, level: int) -> None:
+        if not level:
             if self._armed and self._stop:
                 self._pull(True)
             elif self._pulls:

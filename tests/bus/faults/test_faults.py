@@ -134,6 +134,15 @@ def test_a_flip_lets_a_stop_pass():
     assert play(diagram, Desk("flip", at="10 ns"), COLUMN) == tidy(diagram)
 
 
+def test_a_flip_ends_if_nobody_makes_clocks_while_sda_is_low():
+    diagram = """
+    > scl  1.0.1.0.1.........................0.1.
+    > sda  1..0...1.......................0......
+    < SDA  1..0........................1..0......
+    """
+    assert play(diagram, Desk("flip", at="30 ns"), COLUMN) == tidy(diagram)
+
+
 def test_faults_come_again_and_again_a_little_late_by_chance():
     settings = {"wire": "SDA", "at": "1 us", "every": "500 ns", "spread": "200 ns", "times": 20, "width": "10 ns"}
     falls = Desk("spike", seed=4, **settings).falls("SDA", 10**6)

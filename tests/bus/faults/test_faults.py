@@ -115,6 +115,24 @@ def test_a_stop_that_nobody_gave_is_a_rise_of_sda_within_the_next_1():
     assert play(diagram, Desk("condition", condition="STOP", at="30 ns", late="20 ns"), COLUMN) == tidy(diagram)
 
 
+def test_the_clock_of_a_stop_is_no_bit_and_not_followed_by_a_start():
+    diagram = """
+    > scl  1.0.1.0.1.........0.1...0.
+    > sda  1..0......1......0.1......
+    < SDA  1..0......1......0.1...01.
+    """
+    assert play(diagram, Desk("condition", at="50 ns", late="30 ns"), COLUMN) == tidy(diagram)
+
+
+def test_a_start_that_nobody_gave_ends_if_nobody_makes_clocks_while_sda_is_low():
+    diagram = """
+    > scl  1.0.1.........................0.
+    > sda  1............................0..
+    < SDA  1.....0...................1..0..
+    """
+    assert play(diagram, Desk("condition", at="10 ns", late="20 ns"), COLUMN) == tidy(diagram)
+
+
 def test_a_flipped_bit_is_the_next_1_for_one_clock():
     diagram = """
     > scl  1.0.1.0.1.0.1.0.

@@ -120,12 +120,12 @@ class SdaPuller(Agent):
 class HeldLine:
     """A party that can hold one line low.
 
-    ticks: the time for which the line is held, if `clocks` is 0.
+    ticks: the time for which the line is held, if `clocks` is 0. A pull while the line is held extends this time.
     clocks: the number of falls of SCL after which the line is released; 0 to release it after `ticks`.
     who: the name of the party on the wire.
     """
 
-    STATE = State("_left")
+    STATE = State("_left", ticks="_until")
 
     def __init__(self, kernel: Kernel, wire: Wire, scl: Wire | None, who: str, ticks: int, clocks: int) -> None:
         """scl: the wire SCL; it can be None if `clocks` is 0."""
@@ -133,6 +133,7 @@ class HeldLine:
         self._pin = wire.attach(who)
         self._ticks, self._clocks = ticks, clocks
         self._left = 0  # number of falls of SCL until the line is released; 0 if `clocks` is 0 or the line is not held
+        self._until = kernel.now  # the tick at which the line is released, if `clocks` is 0
         if clocks:
             assert scl is not None
             watch([scl], self._scl_changed)
@@ -141,7 +142,8 @@ class HeldLine:
         self._pin.drive(0)
         self._left = self._clocks
         if not self._clocks:
-            self._kernel.call_at(self._kernel.now + self._ticks, self._let_go)
+            self._until = self._kernel.now + self._ticks
+            self._kernel.call_at(self._until, self._let_go)
 
     def _scl_changed(self, now: int, level: int) -> None:
         if self._left and not level:
@@ -150,7 +152,8 @@ class HeldLine:
                 self._let_go()
 
     def _let_go(self) -> None:
-        self._pin.drive(1)
+        if self._kernel.now >= self._until:
+            self._pin.drive(1)
 
 
 @dataclass(frozen=True)

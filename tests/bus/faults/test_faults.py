@@ -73,6 +73,14 @@ def test_a_line_is_held_for_a_length():
     assert play(diagram, Desk("hold", wire="SDA", at="20 ns", length="60 ns"), COLUMN) == tidy(diagram)
 
 
+def test_a_line_that_is_held_again_is_released_after_the_last_length():
+    diagram = """
+    < SDA  1.0...............1..
+    """
+    settings = {"at": "20 ns", "every": "50 ns", "times": 3, "length": "60 ns"}
+    assert play(diagram, Desk("hold", wire="SDA", **settings), COLUMN) == tidy(diagram)
+
+
 def test_a_line_is_held_until_scl_has_fallen_so_often():
     diagram = """
     > scl  10101.010101010

@@ -253,6 +253,7 @@ class I2cController(BitParty):
         self._mark("clear", clocks)
         self._refused_since = NO_TIME
         if free and self._phase_index:
+            self._disarm_guard()
             self._transfer.lost = True
             self._finish()
         else:

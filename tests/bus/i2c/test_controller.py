@@ -157,6 +157,17 @@ def test_a_low_bus_while_a_one_is_sent_loses_arbitration_and_lets_go():
     assert rig.wires["SDA"].held_by() == ["partner"] and rig.wires["SCL"].held_by() == []
 
 
+def test_no_byte_is_under_way_while_the_transfer_after_a_lost_address_waits_for_the_bus():
+    rig = I2cRig()
+    transfer = rig.begin(Phase(0x7F, read=True, count=1))
+    rig.pull(6 * UNIT, "sda", 0)
+    rig.run_until(15 * UNIT)
+    assert transfer.lost and rig.controller.bytes_under_way() == 0
+    rig.begin(Phase(0x7F, read=True, count=1))
+    rig.run_until(30 * UNIT)
+    assert rig.controller.bytes_under_way() == 0
+
+
 def test_a_low_bus_while_a_zero_is_sent_loses_nothing():
     rig = I2cRig()
     transfer = rig.begin(Phase(0x00, read=False))

@@ -63,7 +63,7 @@ class Host(Agent):
 
     frames: the number of frames that the host has begun to send.
     bytes: the number of bytes in these frames, without the bytes that are not sent (`HostSchedule.lose`).
-    late: the number of frames that were left out because the previous frame was still being sent.
+    late: the number of frames that were left out because the previous frame was still being sent, or sent again.
     sent: functions called with (number, values, tick at which the last stop bit ends) at the last edge of each frame,
         also of a repeated frame.
     """
@@ -76,7 +76,7 @@ class Host(Agent):
     )
 
     _sending: tuple[int, tuple[int, ...], bytes]  # number, values and bytes of the frame in progress
-    _again: bool  # True if the frame in progress will be sent again
+    _again: bool  # True from the begin of a frame that will be sent again until it begins again
 
     def __init__(
         self,
@@ -108,6 +108,7 @@ class Host(Agent):
         self._pause = int(self._period // 1)
         self._by_schedule: bool = schedule.paced_by == "schedule" and schedule.starts is None
         self._number = 0
+        self._again = False
         # `_due` has the ticks at which the frames so far were due. If `due` calculates these ticks from the period,
         # `_due` has only the first of them.
         if schedule.starts:
@@ -176,7 +177,7 @@ class Host(Agent):
         for begin, end in schedule.silent:
             if begin <= now < end:
                 return
-        if self._peer.busy:
+        if self._peer.busy or self._again:
             self.late += 1
             return
         values = self._values(number)

@@ -124,6 +124,13 @@ def test_a_doubled_frame_is_sent_again_as_soon_as_it_is_over():
 
 
 @pytest.mark.parametrize("paced_by", ["schedule", "pause"])
+def test_a_frame_that_is_due_when_a_doubled_frame_begins_again_is_late(paced_by: PacedBy):
+    desk = Desk(HostSchedule(first=0, period=FRAME, frames=3, twice=frozenset({0}), paced_by=paced_by))
+    assert desk.run(20_000) == [(n, ramp(n), at + FRAME) for n, at in ((0, 0), (0, FRAME), (2, 2 * FRAME))]
+    assert (desk.host.frames, desk.host.late) == (3, 1)
+
+
+@pytest.mark.parametrize("paced_by", ["schedule", "pause"])
 def test_where_a_tick_lies_between_frames(paced_by: PacedBy):
     desk = Desk(HostSchedule(first=1000, period=2000, paced_by=paced_by))
     assert desk.host.frame_at(0) == Fraction(-1, 2)

@@ -135,7 +135,7 @@ def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Target
     for fault in table.fault:
         if fault.kind == "off":
             until = None if fault.until is None else context.start + context.ticks(fault.until)
-            cut_power(context.kernel, side, disturbed, context.start + context.ticks(fault.after), until)
+            cut_power(context.kernel, side, target, context.start + context.ticks(fault.after), until)
     return side
 
 

@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from random import Random
+from typing import Protocol, runtime_checkable
 
 from ...core.kernel import Kernel
 from ...core.state import State
@@ -20,6 +21,14 @@ from ..faults import HeldLine
 from .target_side import Reply, Stretches, Target, TargetSide
 
 READ = 1
+
+
+@runtime_checkable
+class HasPowerOff(Protocol):
+    """A target that drives more wires than those of the bus."""
+
+    def power_off(self) -> None:
+        """Handle the loss of the supply: these wires become inactive until `power_on`."""
 
 
 @dataclass(frozen=True)
@@ -164,11 +173,16 @@ def _strike(rules: Sequence[Rule]) -> None:
 
 def cut_power(kernel: Kernel, side: TargetSide, target: Target, at: int, until: int | None) -> None:
     """Switch the target off at tick `at`, and on again at tick `until`; if `until` is None, the target stays off."""
-    kernel.call_at(at, lambda: side.power(False))
+
+    def go_off() -> None:
+        side.power(False)
+        if isinstance(target, HasPowerOff):
+            target.power_off()
 
     def come_back() -> None:
         target.power_on()
         side.power(True)
 
+    kernel.call_at(at, go_off)
     if until is not None:
         kernel.call_at(until, come_back)

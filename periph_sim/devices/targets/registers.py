@@ -130,7 +130,7 @@ class RegisterDevice(PlainReply):
     values: the registers' values by name.
     """
 
-    STATE = State("values _feeds _pointer _byte _taken")
+    STATE = State("values _feeds _pointer _byte _taken _powered")
 
     def __init__(self, settings: Settings, place: TargetContext, address: int, feeds: dict[str, Feed]) -> None:
         self.addresses = (address,)
@@ -146,14 +146,20 @@ class RegisterDevice(PlainReply):
         }
         interrupt = settings.interrupt
         self._interrupt = None if interrupt is None else (interrupt, _pin(interrupt.wire, place))
+        self._powered = True
         self._reset()
         if self._interrupt is not None:
             self._plan()
 
     def power_on(self) -> None:
         """Reset every register, and skip the updates that became due while the power was off."""
-        for feed in self._feeds.values():
-            feed.advance(self._place.kernel.now)
+        self._skip_updates()
+        self._powered = True
+        self._reset()
+
+    def power_off(self) -> None:
+        """Reset every register. The interrupt pin is not active without power."""
+        self._powered = False
         self._reset()
 
     def _reset(self) -> None:
@@ -278,16 +284,23 @@ class RegisterDevice(PlainReply):
         if due:
             self._place.kernel.call_at(max(min(due), self._place.kernel.now), self._updated)
 
+    def _skip_updates(self) -> None:
+        for feed in self._feeds.values():
+            feed.advance(self._place.kernel.now)
+
     def _updated(self) -> None:
-        self._apply_updates()
-        self._show()
+        if self._powered:
+            self._apply_updates()
+            self._show()
+        else:
+            self._skip_updates()
         self._plan()
 
     def _show(self) -> None:
-        """Drive the interrupt pin, if there is one. It is active while any bit of [device.NAME.interrupt] is set."""
+        """Drive the interrupt pin, if there is one. With power, it is active while a bit of its key `bits` is set."""
         if self._interrupt is not None:
             interrupt, pin = self._interrupt
-            pending = bool(self.values[interrupt.register_name] & interrupt.bits)
+            pending = self._powered and bool(self.values[interrupt.register_name] & interrupt.bits)
             pin.drive(int(pending == (interrupt.active == "high")))
 
 

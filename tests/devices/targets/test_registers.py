@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from periph_sim.core.wire import Wire
+from periph_sim.devices.targets.registers import RegisterDevice
 from periph_sim.scene.case.model import BadCase, Case
 from periph_sim.scene.scene import Scene
 from tests.devices.targets.bus_of import Bus
@@ -226,6 +227,25 @@ def test_the_interrupt_pin_follows_its_bits(active: str):
     assert wire.level == idle  # STATUS was read
     scene.kernel.run_until(2 * per_ms)
     assert wire.level != idle  # the next value
+
+
+@pytest.mark.parametrize("active", ["low", "high"])
+@pytest.mark.parametrize(("bits", "expected"), [(1, "01000001"), (2, "11000011")])  # set by updates; set by the reset
+def test_without_power_the_interrupt_pin_is_idle_and_updates_are_skipped(bits: int, expected: str, active: str):
+    unit = {"firmware": "responder", "modules": ["I2C-A", "GPIO"], "pins": {"DRDY": 12}}
+    fault = {"kind": "off", "after": "1500 us", "until": "3500 us"}
+    status = {**STATUS, "reset": 0x02}
+    it = {"model": "registers", "address": 0x48, "register": [status, DATA], "fault": [fault]}
+    it["interrupt"] = {"wire": "DRDY", "register": "STATUS", "bits": bits, "active": active}
+    scene = Scene(Case.model_validate({"name": "x", "duration": "5 ms", "unit": {"dsp": unit}, "device": {"it": it}}))
+    levels = []
+    for half_ms in range(1, 9):
+        scene.kernel.run_until(half_ms * scene.timebase.per_second // 2000)
+        levels.append(scene.wires["DRDY"].level)
+    # every 1 ms an update; no power from 1.5 to 3.5 ms
+    assert levels == [int(pending == (active == "high")) for pending in map(int, expected)]
+    target = scene.devices["it"].target
+    assert isinstance(target, RegisterDevice) and target.values["DATA"] == 1
 
 
 def test_data_ready_is_set_with_each_update_and_cleared_by_its_read():

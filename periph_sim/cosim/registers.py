@@ -14,10 +14,12 @@ def peek(scene: Scene, place: str) -> int:
     OutsideError if it is unknown.
     """
     parts = place.split(".")
+    if not scene.units:
+        raise OutsideError(f"{place}: the scene has no unit, and only units have registers; add a [unit.NAME] table")
     if parts[0] not in scene.units:
         if len(scene.units) > 1:
             raise OutsideError(f"{place}: give the unit; {did_you_mean(parts[0], scene.units)}")
-        parts.insert(0, next(iter(scene.units), ""))
+        parts.insert(0, next(iter(scene.units)))
     if len(parts) not in (3, 4):
         raise OutsideError(f"{place!r}: expected MODULE.REGISTER or MODULE.REGISTER.FIELD, such as I2C-A.I2CSTR.SCD")
     unit, module, name = parts[:3]

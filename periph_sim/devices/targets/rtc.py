@@ -286,6 +286,6 @@ class Rtc(PlainReply):
 
 
 def build(model: str, settings: Settings, place: TargetContext) -> Rtc:
-    if settings.time is not None and not datetime(1900, 1, 1) <= settings.time < datetime(2100, 1, 1) - timedelta(1):
+    if settings.time is not None and not 1900 <= settings.time.year <= 2099:
         raise BadDevice("its calendar has the years 1900 to 2099", "time")
     return Rtc(settings, place, address_among(place, model, (ADDRESS,)))

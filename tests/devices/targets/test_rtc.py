@@ -39,6 +39,14 @@ def test_it_counts_from_the_time_that_the_case_gives():
     assert shown(bus) == "00 00 80 01 03 12 04 20"
 
 
+@pytest.mark.parametrize(
+    ("time", "registers"),
+    [("1900-01-01 00:00:00", "00 00 80 01 01 00 01 19"), ("2099-12-31 00:00:00", "00 00 80 31 12 99 04 20")],
+)
+def test_its_calendar_has_the_years_1900_to_2099(time: str, registers: str):
+    assert shown(clock(time=time)) == registers
+
+
 def test_its_crystal_may_be_fast():
     fast, exact = clock(time="2012-01-01 00:00:00", ppm=1000), clock(time="2012-01-01 00:00:00")
     fast.wait(SECOND - SECOND // 1000 + 1000)
@@ -182,7 +190,8 @@ def test_registers_that_are_no_time(registers: str, sentence: str):
     [
         ({"time": "noon"}, "device.clock.time"),
         ({"time": "2012-03-01T15:39:50Z"}, "no time zone and whole seconds"),
-        ({"time": "2120-03-01 15:39:50"}, "its calendar has the years 1900 to 2099"),
+        ({"time": "1899-12-31 23:59:59"}, "its calendar has the years 1900 to 2099"),
+        ({"time": "2100-01-01 00:00:00"}, "its calendar has the years 1900 to 2099"),
         ({"address": 0x68}, "isl12026 has no address 0x68; it can have 0x6f"),
         ({"tiem": "2012-03-01 15:39:50"}, "a isl12026 has no such key"),
     ],

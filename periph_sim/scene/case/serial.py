@@ -79,12 +79,14 @@ class SerialEntry(Table, frozen=True, kw_only=True):
 class SendTable(SerialEntry, frozen=True, kw_only=True):
     """Characters to send: exactly one of `text`, `bytes`, `file` and `break`.
 
-    The time is exactly one of `at`, `after`, `after_text` and `after_bytes`. A busy line delays the send.
+    The time is exactly one of `at`, `after`, `after_text` and `after_bytes`. A send begins when earlier sends
+    on its line are over. Characters of units on an RS-485 pair do not delay it.
 
     name: name in messages, in `after_send` and in `--set`
     to: receiving SCI: `"dsp.SCI-A"`, or `"SCI-A"` if one unit has it
     break: time the line is held low
-    address: character sent first: with address bit 1 or after 11 idle bits, by `multiprocessor`
+    address: character sent first, by `multiprocessor`: with address bit 1, or 11 bits or more after earlier sends on
+        its line
     after_text, after_bytes: characters from the SCI that trigger the send
     delay: time from the event to the first start bit
     period: time between repetitions after the first event

@@ -152,14 +152,17 @@ def compile_one(
     always_set: pairs (class, attribute) of attributes whose setters must reject None.
 
     Raise NoBuild with the output of Cython or of the compiler if it fails, or if the C code does not pass
-    `require_directives`. Raise ValueError as `arrays_of` and `with_none_refused` do.
+    `require_directives` or the checks of `c_checks` cannot be added to it.
     """
     c_file = generate(module, package, kind)
     types = types_of(module, Path(package))
     require_directives(types[module], c_file)
     text = PROTOTYPE.sub(COLD, c_file.read_text("utf-8"), count=1)
-    text = with_none_refused(text, always_set)
-    text = with_index_checks(text, arrays_of(types.values()))
+    try:
+        text = with_none_refused(text, always_set)
+        text = with_index_checks(text, arrays_of(types.values()))
+    except ValueError as why:
+        raise NoBuild(f"{module} does not compile; {why}") from None
     c_file.write_text(text, "utf-8")
     begins = f"-DPyInit_{module.split('.')[-1]}=PyInit_{symbol(f'{package}.{module}')}"
     flags = [flag.format(folder=Path.cwd()) for flag in kind.flags]

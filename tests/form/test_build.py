@@ -100,6 +100,31 @@ def test_what_does_not_compile_is_told_with_the_compilers_words_and_the_last_bui
     assert [path.name for path in built.iterdir()] == ["kept"]
 
 
+TWO_ARRAYS = """
+# core: compiled
+from typing import Annotated
+
+class One:
+    low: Annotated[list[int], 4]
+
+class Two:
+    low: Annotated[list[int], 8]
+"""
+
+
+@pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
+def test_code_to_which_no_checks_can_be_added_is_told_in_a_line(tmp_path: Path, monkeypatch, capsys):
+    package = tmp_path / "arrays"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "one.py").write_text(TWO_ARRAYS)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(build, "compiler", lambda: "cc")
+    assert build.status_of(lambda: build.build(package, tmp_path / "built", 1), "the core stays interpreted") == 1
+    said = "one does not compile; two arrays are called 'low', of different lengths; rename one of them"
+    assert capsys.readouterr().err == f"the core stays interpreted: {said}\n"
+
+
 ONE = """
 # core: compiled
 from . import NAME

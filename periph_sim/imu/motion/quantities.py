@@ -37,23 +37,20 @@ def quantity(units: Mapping[str, float], least: float, most: float, value: objec
 
     units: for each accepted unit, the factor that converts a number in this unit.
     least, most: the inclusive limits of the converted number.
-    value: the text. A float is also accepted, as a number in the unit whose factor is 1.
+    value: the text. A number is refused, because it has no unit.
 
     Raise ValueError, whose message says what is wrong, if the value is invalid.
     """
     example = " or ".join(units)
-    if isinstance(value, float):  # a default value, or a value from Settings that were built in Python
-        number = value
-    elif not isinstance(value, str):
+    if not isinstance(value, str):
         raise ValueError(f"{value!r} has no unit; write a number, a blank and {example}")
-    else:
-        digits, unit = number_and_unit(value)
-        if unit not in units:
-            raise ValueError(f"{value!r}: expected a number, a blank and {example}")
-        try:
-            number = float(Fraction(digits)) * units[unit]
-        except (ValueError, ZeroDivisionError, OverflowError):
-            raise ValueError(f"{value!r}: {digits!r} is not a number") from None
+    digits, unit = number_and_unit(value)
+    if unit not in units:
+        raise ValueError(f"{value!r}: expected a number, a blank and {example}")
+    try:
+        number = float(Fraction(digits)) * units[unit]
+    except (ValueError, ZeroDivisionError, OverflowError):
+        raise ValueError(f"{value!r}: {digits!r} is not a number") from None
     if not isfinite(number) or not least <= number <= most:
         base = next(unit for unit, factor in units.items() if factor == 1)
         raise ValueError(f"{value!r}: expected {shown(most, base, least)}")

@@ -112,6 +112,8 @@ def test_sines_that_add_up_to_more_than_the_range_are_refused_where_they_do():
     ("name", "given", "sentence"),
     [
         ("static", {"theta": 10}, "10 has no unit; write a number, a blank and rad or deg or mrad"),
+        ("static", {"psi": 0.5}, "0.5 has no unit; write a number, a blank and rad or deg or mrad"),
+        ("servo", {"hold": 2.0}, "2.0 has no unit; write a number, a blank and ns or us or ms or s or min or h or d"),
         ("static", {"theta": "10"}, "'10': expected a number, a blank and rad or deg or mrad"),
         ("static", {"theta": "10 g"}, "'10 g': expected a number, a blank and rad or deg or mrad"),
         ("static", {"theta": "nan deg"}, "'nan deg': 'nan' is not a number"),

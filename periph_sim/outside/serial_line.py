@@ -106,13 +106,18 @@ class SerialLine:
             self.broken = on
             self._queue.append(0 if on else 1)
 
+    @property
+    def is_idle(self) -> bool:
+        """True if nothing is in the queue and the last frame has ended."""
+        return not self._queue and self._free_at() <= self._session.now
+
     def send_break(self, length: str) -> None:
         """Pull RX low now for a duration such as "1 ms".
 
         Raise OutsideError if bytes are waiting or the last frame has not ended, and ValueError if `length` is invalid.
         """
         session = self._session
-        if self._queue or self._free_at() > session.now:
+        if not self.is_idle:
             raise OutsideError("a break cannot begin: bytes are on their way; advance first")
         end = session.now + session.ticks(length)
         session.apply(session.now, {self.rx: 0})

@@ -81,6 +81,11 @@ class _Queue(Door):
         with self.changed:
             return sum(count for count, _ in self._requests) + (0 if self.line is None else self.line.waiting)
 
+    def is_idle(self) -> bool:
+        """Return True if the line has sent everything, so that a break can begin at once."""
+        with self.changed:
+            return not self._requests and (self.line is None or self.line.is_idle)
+
     def set(self, baud: int, form: str) -> None:
         """Set rate and format at the next call of `turn`. Raise OutsideError now if they are invalid."""
         with self.changed:
@@ -303,11 +308,13 @@ class Serial(SerialBase):  # type: ignore[misc]
 
     def send_break(self, duration: float = 0.25) -> None:
         """Send a break after all written bytes. duration: in seconds of real time; in simulated seconds if pace=0."""
-        self.flush()
+        self._must_be_open()
+        self._wait_until(self._queue.is_idle, None)
         if self._thread is not None:
             super().send_break(duration)
             return
-        self._wait_until(lambda: False, 0.001)
+        if not self._queue.is_idle():
+            raise SerialException(f"a break cannot begin: bytes are on their way after {FOREVER} simulated seconds")
         assert self._queue.line is not None
         self._queue.line.send_break(f"{duration * 1e6:.0f} us")
 

@@ -176,17 +176,26 @@ def test_a_rate_that_no_line_can_have_is_refused_where_it_is_set(tmp_path: Path)
             line.baudrate = 10_000_000_000
 
 
-def test_a_break_at_the_pace_of_a_clock_follows_the_bytes_written_before(tmp_path: Path) -> None:
-    """Its end is requested 50 ms after its beginning, which must not wait behind bytes then."""
+@pytest.mark.parametrize(
+    ("baud", "count", "length", "least"),
+    [
+        (115_200, 2000, 0.05, 3_000_000),  # behind 174 ms; at least a millisecond, while a frame is low for a bit only
+        (50, 1, 0.2, 180_000_000),  # behind 200 ms; at least 60 ms, which is three bits
+    ],
+)
+def test_a_break_at_the_pace_of_a_clock_follows_the_bytes_written_before(
+    tmp_path: Path, baud: int, count: int, length: float, least: int
+) -> None:
+    """Its end is requested `length` after its beginning, which must not wait behind bytes then."""
     log = tmp_path / "live.jsonl"
-    with port(tmp_path, f"&log={log}") as line:
-        line.write(b"\xff" * 2000)  # 174 ms
-        line.send_break(0.05)
+    with port(tmp_path, f"&log={log}", baudrate=baud) as line:
+        line.write(b"\xff" * count)
+        line.send_break(length)
         line.flush()
     rows = [row for row in map(json.loads, log.read_text().splitlines()) if isinstance(row, list)]
     levels = [(tick, wires["RX"]) for tick, wires, *_ in rows if "RX" in wires]
     longest = max(after - before for (before, level), (after, _) in pairwise(levels) if level == 0)
-    assert longest > 3_000_000, "a millisecond; a frame is low for a bit only"
+    assert longest > least
 
 
 def test_the_scene_of_a_closed_port_is_free(tmp_path: Path) -> None:
@@ -219,7 +228,35 @@ def test_a_break_has_its_length_in_simulated_time(tmp_path: Path) -> None:
     begin, end, broken, over, usual, usual_over, *_ = [row[0] for row in rows]
     bit = 3_000_000_000 // 115_200
     assert (end - begin, over - broken, usual_over - usual) == (bit, 600_000, 750_000_000), "pyserial's own are 0.25 s"
-    assert broken - begin >= 3_000_000, "a millisecond, in which the frame ends"
+    assert broken - begin >= 10 * bit, "the frame has ended"
+
+
+def test_a_break_waits_for_the_end_of_a_slow_frame_and_of_a_break_that_was_held(tmp_path: Path) -> None:
+    """A frame takes 8.3 ms at 1200 baud."""
+    log = tmp_path / "live.jsonl"
+    with port(tmp_path, f"&pace=0&log={log}", baudrate=1200, timeout=0.02) as line:
+        line.write(b"\xff\xff")
+        line.break_condition = True
+        line.break_condition = False
+        line.send_break(0.01)
+        line.read(100)
+    rows = [row for row in map(json.loads, log.read_text().splitlines()) if isinstance(row, list)]
+    begin, _, second, _, held, held_over, sent, over = [row[0] for row in rows if "RX" in row[1]]
+    bit = 3_000_000_000 // 1200
+    assert (second - begin, held - second, held_over - held, over - sent) == (10 * bit, 10 * bit, bit, 30_000_000)
+    assert sent >= held_over
+
+
+def test_a_break_behind_more_than_an_hour_of_bytes_is_refused_in_a_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(protocol_f28335, "FOREVER", 1)
+    with port(tmp_path, baudrate=50) as line:
+        line.write(b"a" * 8)  # 1.6 s
+        with pytest.raises(serial.SerialException, match=r"^a break cannot begin: bytes are on their way after 1 sim"):
+            line.send_break()
+        line.flush()
+        line.send_break()
 
 
 @pytest.mark.parametrize(

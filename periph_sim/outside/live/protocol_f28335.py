@@ -237,10 +237,11 @@ class Serial(SerialBase):  # type: ignore[misc]
         self._must_be_open()
         sent = bytes(data)
         timeout = self._write_timeout
-        end = None if timeout is None else self.clock() + timeout
+        clock = self.clock if self._thread is None else time.monotonic
+        end = None if timeout is None else clock() + timeout
         done = self._queue.put(sent)
         while done < len(sent):
-            if end is not None and self.clock() >= end:
+            if end is not None and clock() >= end:
                 raise SerialTimeoutException(
                     f"{done} of {len(sent)} bytes were written, and a megabyte waits; {SLOWER}"
                 )

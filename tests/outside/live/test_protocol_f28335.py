@@ -330,6 +330,13 @@ def test_a_write_that_finds_no_room_ends_at_its_time_limit(tmp_path: Path, monke
         assert 0.02 <= line.clock() - begun < 0.04
 
 
+def test_at_the_pace_of_a_clock_the_time_limit_of_a_write_is_real_time(tmp_path: Path, monkeypatch) -> None:
+    """20 characters take 4.4 simulated seconds at 50 baud, which is 44 ms of real time."""
+    monkeypatch.setattr(protocol_f28335, "MOST", 1)
+    with port(tmp_path, "&pace=100", baudrate=50, write_timeout=3) as line:
+        assert line.write(bytes(20)) == 20
+
+
 def test_what_nobody_reads_is_counted_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(protocol_f28335, "Backlog", lambda: Backlog(10))
     line = port(tmp_path, timeout=1)

@@ -78,7 +78,8 @@ def _drift(found: Allan, noise: Density) -> float:
     """
     freedom = edf(found)
     behind = slice(noise.region.stop, int(np.count_nonzero(freedom >= LEAST_EDF)))
-    ratio = found.variance[behind] * found.taus[behind] / noise.value
+    with np.errstate(divide="ignore"):  # without white noise, each ratio is inf
+        ratio = found.variance[behind] * found.taus[behind] / noise.value
     by_chance = chdtrc(freedom[behind], freedom[behind] * ratio)
     above = np.flatnonzero(by_chance < UNLIKELY)
     return float(found.deviation[behind][above[0] :].max()) if len(above) else 0.0
@@ -148,7 +149,7 @@ def identify(
     slow: True to fit bias instability and random walk, too.
 
     Raise BadSeries if nothing can be identified: samples or period are invalid (see `series`), all samples are equal,
-    or, if `slow` is False, an Allan variance is 0 or the Allan deviation has no slope of -1/2 at 1 s or below.
+    an Allan variance is 0, or, if `slow` is False, the Allan deviation has no slope of -1/2 at 1 s or below.
     """
     given = series(name, samples, period)
     found, noise, terms = _fitted(given, slow)
@@ -171,7 +172,7 @@ def _fitted(given: Series, slow: bool) -> tuple[Allan, Density, SlowTerms | None
     found = allan(given.samples, given.period)
     if not slow:
         return found, density(given.name, found), None
-    terms = slow_terms(found)
+    terms = slow_terms(given.name, found)
     return found, white_part(found, terms), terms
 
 

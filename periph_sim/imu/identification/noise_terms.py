@@ -24,13 +24,16 @@ from math import log, pi, sqrt
 
 import numpy as np
 from scipy.optimize import nnls
+from scipy.special import ndtri
 
 from .allan import Allan, BadSeries, Floats
 from .confidence import edf, interval, white_covariance
 
 READ_AT = 1.0  # tau in seconds at which the density is read
 LEAST_EDF_OF_SLOPE = 8.0  # minimum degrees of freedom of a variance from which a slope is determined
+LEAST_EDF = 2.0  # minimum degrees of freedom of a variance that is used in the fit of all terms
 LEAST_POINTS = 3  # minimum number of points on the line of slope -1/2
+ZERO_VARIANCE = "an Allan variance is 0, so there is no noise to be found"
 AGREE = 3.0  # a point is on a line if it differs from the line by less than this number of standard errors
 
 
@@ -40,7 +43,8 @@ class Density:
 
     value, error: the density and its standard error.
     edf: the degrees of freedom of the chi-square distribution of `value`.
-    region: the indices of the points of the Allan curve from which the density was calculated.
+    region: the indices of the points of the Allan curve from which the density was calculated. It can be empty if slow
+        terms were fitted, too (see `white_part`).
     at_one_second: the square of the Allan deviation at the tau nearest to 1 s, times this tau.
     """
 
@@ -51,7 +55,13 @@ class Density:
     at_one_second: float
 
     def bounds(self, level: float) -> tuple[float, float]:
-        """Return the ends of the interval that contains the true density with the probability `level`."""
+        """Return the ends of the interval that contains the true density with the probability `level`.
+
+        Below LEAST_EDF degrees of freedom, the interval is that of a normal distribution, without the part below 0.
+        """
+        if self.edf < LEAST_EDF:
+            aside = float(ndtri((1 + level) / 2)) * self.error
+            return max(self.value - aside, 0.0), self.value + aside
         low, high = interval(np.array([self.edf]), level)
         return self.value * float(low[0]), self.value * float(high[0])
 
@@ -68,7 +78,7 @@ def density(name: str, found: Allan) -> Density:
     relative = relative[:known, :known]
     scaled_variance = found.variance[:known] * found.taus[:known]
     if not scaled_variance.all():
-        raise BadSeries(f"{name}: an Allan variance is 0, so there is no noise to be found")
+        raise BadSeries(f"{name}: {ZERO_VARIANCE}")
     about = int(np.abs(np.log(found.taus[:known] / READ_AT)).argmin())
     regions = (_region(scaled_variance, relative, centre) for centre in range(about, -1, -1))
     region = next((one for one in regions if one.stop - one.start >= LEAST_POINTS), None)
@@ -129,7 +139,6 @@ def _agrees(scaled_variance: Floats, relative: Floats, begin: int, end: int, can
 
 
 ROUNDS = 4  # number of fits; the weights of a fit follow from the previous fit and converge after a few fits
-LEAST_EDF = 2.0  # minimum degrees of freedom of a variance that is used in the fit
 FLOOR = 2 * log(2) / pi  # the variance of the flat part divided by B squared, so its deviation is 0.664 B
 
 
@@ -181,7 +190,7 @@ def white_part(found: Allan, terms: SlowTerms) -> Density:
     """Return the fitted density of white noise.
 
     Its region begins at the first point. The length of the region is the number of points at which white noise is more
-    than half of the variance.
+    than half of the variance; the region is empty if there is none.
     """
     most = int(np.count_nonzero(terms.white.squared / found.taus > found.variance / 2))
     about = int(np.abs(np.log(found.taus / READ_AT)).argmin())
@@ -190,10 +199,17 @@ def white_part(found: Allan, terms: SlowTerms) -> Density:
     return Density(terms.white.squared, terms.white.squared_error, freedom, slice(0, most), read)
 
 
-def slow_terms(found: Allan) -> SlowTerms:
-    """Fit N, B and K to Allan variances at octaves (m = 1, 2, 4 ...)."""
+def slow_terms(name: str, found: Allan) -> SlowTerms:
+    """Fit N, B and K to Allan variances at octaves (m = 1, 2, 4 ...).
+
+    name: the name of the series, for messages.
+
+    Raise BadSeries if an Allan variance is 0.
+    """
     used = edf(found) >= LEAST_EDF
     taus, variance, freedom = found.taus[used], found.variance[used], edf(found)[used]
+    if not variance.all():
+        raise BadSeries(f"{name}: {ZERO_VARIANCE}")
     parts = np.stack([1 / taus, np.full_like(taus, FLOOR), taus / 3], axis=1)
     relative = white_covariance(found.counts[used], found.length)
     correlation = relative / np.sqrt(np.outer(np.diag(relative), np.diag(relative)))

@@ -2,8 +2,8 @@
 
 There is one panel per unit. The error bar of each point contains the true deviation with a probability of 68 %. The
 line of slope -1/2 is thick where it was fitted and thin where it is extended to 1 s. A ring marks the value of this
-line at 1 s; the square of this value is the density. A dashed line is the sum of all terms, if the slow terms were
-fitted.
+line at 1 s; the square of this value is the density. If white noise is nowhere most of the noise, there is neither line
+nor ring. A dashed line is the sum of all terms, if the slow terms were fitted.
 """
 
 from __future__ import annotations
@@ -63,10 +63,11 @@ def _draw(panel: Axes, axis: IdentifiedAxis, colour: str, mark: str) -> None:
         label=axis.found.series.name,
     )
     fitted = found.taus[noise.region]
-    panel.plot(fitted, np.sqrt(noise.value / fitted), color=colour, linewidth=1.2)
-    to_read = np.array([min(fitted[0], READ_AT), max(fitted[-1], READ_AT)])
-    panel.plot(to_read, np.sqrt(noise.value / to_read), color=colour, linewidth=0.6)
-    panel.plot([READ_AT], [np.sqrt(noise.value / READ_AT)], "o", markersize=9, markerfacecolor="none", color=colour)
+    if len(fitted):
+        panel.plot(fitted, np.sqrt(noise.value / fitted), color=colour, linewidth=1.2)
+        to_read = np.array([min(fitted[0], READ_AT), max(fitted[-1], READ_AT)])
+        panel.plot(to_read, np.sqrt(noise.value / to_read), color=colour, linewidth=0.6)
+        panel.plot([READ_AT], [np.sqrt(noise.value / READ_AT)], "o", markersize=9, markerfacecolor="none", color=colour)
     slow = axis.found.slow
     if slow is not None:
         whole = noise.value / found.taus

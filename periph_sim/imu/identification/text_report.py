@@ -68,13 +68,14 @@ def _known(axis: IdentifiedAxis) -> tuple[str, ...]:
     """Return the cells of one row under KNOWN.
 
     They are the name of the recording's column, the 95 % interval of the noise density, the density of the noise that
-    rounding adds, and the first and last tau of the fit.
+    rounding adds, and the first and last tau of the fit, or "-" if white noise is nowhere most of the noise.
     """
     found = axis.found
     low, high = found.density.bounds(LEVELS["95 %"])
     taus = found.allan.taus[found.density.region]
     rounding = f"{found.quantisation_density:.2e}" if found.series.lsb is not None else "-"
-    return found.series.name, f"{low:.3e} to {high:.3e}", rounding, f"{taus[0]:g} s, {taus[-1]:g} s"
+    fitted = f"{taus[0]:g} s, {taus[-1]:g} s" if len(taus) else "-"
+    return found.series.name, f"{low:.3e} to {high:.3e}", rounding, fitted
 
 
 def _slow(axis: IdentifiedAxis) -> list[tuple[str, ...]]:

@@ -75,6 +75,35 @@ def test_slow_terms_are_shown_with_their_intervals(rest: Path, periph_sim: Run):
     assert "gyroscope_z      bias instability  -" in out and "not significant" in out
 
 
+@pytest.mark.parametrize(
+    ("samples", "density"),
+    [
+        (np.cumsum(np.random.default_rng(3).normal(size=5000)), "4.731e-04 to 3.068e-02"),
+        (np.arange(5000.0), "0.000e+00 to 1.877e-02"),  # a ramp: the fitted density of white noise is 0
+    ],
+)
+def test_slow_terms_of_a_recording_whose_noise_is_nowhere_mostly_white(
+    desk: Path, periph_sim: Run, samples: np.ndarray, density: str
+):
+    rows = "".join(f"{value!r}\n" for value in samples.tolist())
+    Path("walk.csv").write_text(f"x [g]\n{rows}", encoding="utf-8")
+    came = periph_sim("identify", "walk.csv", "--rate", "50 Hz", "--slow-terms", "--plot", "walk.svg")
+    assert (came.status, came.err) == (0, "")
+    (known,) = [line for line in came.out.splitlines() if density in line]
+    assert known.split()[-2:] == ["-", "-"], "neither rounding nor a fitted part"
+    assert Path("walk.svg").read_bytes().startswith(b"<?xml")
+    told = json.loads(periph_sim("identify", "walk.csv", "--rate", "50 Hz", "--slow-terms", "--json").out)
+    assert told["columns"][0]["noise_density"]["fitted_taus_s"] == []
+
+
+@pytest.mark.parametrize("more", [(), ("--slow-terms",)])
+def test_samples_that_alternate_have_no_noise(desk: Path, periph_sim: Run, more: tuple[str, ...]):
+    Path("f.csv").write_text("x [g]\n" + "0\n1\n" * 100, encoding="utf-8")
+    came = periph_sim("identify", "f.csv", "--rate", "50 Hz", *more)
+    assert (came.status, came.out) == (2, "")
+    assert came.err.startswith("Error: x: an Allan variance is 0, so there is no noise to be found")
+
+
 @pytest.mark.parametrize(("name", "begins"), [("allan.svg", b"<?xml"), ("allan.png", b"\x89PNG")])
 def test_the_plot_is_written_whole_and_the_same_each_time(rest: Path, periph_sim: Run, name: str, begins: bytes):
     lines = rest.read_text(encoding="utf-8").splitlines()

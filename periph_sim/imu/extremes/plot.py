@@ -53,10 +53,11 @@ def picture(report: ExtremesReport) -> str:
 
 
 class _Axis:
-    """A logarithmic axis of whole powers of ten that include `low` and `high`, drawn from `begin` to `end`."""
+    """A logarithmic axis from `begin` to `end`: whole powers of ten, at least two, that include `low` and `high`."""
 
     def __init__(self, low: float, high: float, begin: float, end: float) -> None:
-        self.powers = range(floor(log10(low)), ceil(log10(high)) + 1)
+        first = floor(log10(low))
+        self.powers = range(first, max(ceil(log10(high)), first + 1) + 1)
         self._begin, self._end = begin, end
 
     def place(self, value: float) -> float:

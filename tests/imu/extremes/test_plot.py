@@ -19,11 +19,12 @@ COSTS = {  # cycles from, to; guessed; error in LSB
 }
 
 
-def drawn() -> list[tuple[str, dict[str, str], str]]:
-    """(what, attributes, text) of each part."""
-    costs = {name: SimpleNamespace(low=low, high=high, guessed=guess) for name, (low, high, guess, _) in COSTS.items()}
-    errors = {name: SimpleNamespace(largest=error) for name, (*_, error) in COSTS.items() if error is not None}
-    made: Any = SimpleNamespace(names=tuple(COSTS), costs=costs, errors=errors)
+def drawn(*names: str) -> list[tuple[str, dict[str, str], str]]:
+    """(what, attributes, text) of each part. names: those of COSTS that are drawn; all by default."""
+    given = {name: COSTS[name] for name in names or COSTS}
+    costs = {name: SimpleNamespace(low=low, high=high, guessed=guess) for name, (low, high, guess, _) in given.items()}
+    errors = {name: SimpleNamespace(largest=error) for name, (*_, error) in given.items() if error is not None}
+    made: Any = SimpleNamespace(names=tuple(given), costs=costs, errors=errors)
     report: ExtremesReport = made
     root = ElementTree.fromstring(picture(report))
     return [(node.tag.rpartition("}")[2], dict(node.attrib), node.text or "") for node in root.iter()]
@@ -75,6 +76,13 @@ def test_axes_and_their_words():
     assert told["Error against cycles of one sample of nine axes"] == (450.0, 28.0, "middle")
     x, y, anchor = told["measured: 250 us"]
     assert (x, y, anchor) == (pytest.approx(90 + 385 * 1.574031 - 6, abs=0.01), 74.0, "end")  # log10(37 500) - 3
+
+
+def test_the_axis_of_errors_has_two_labels_if_nothing_has_an_error():
+    parts = drawn("right", "beside")
+    assert {a["cy"] for what, a, _ in parts if what == "circle"} == {"480.0"}
+    labels = {text: y for text, (x, y, _) in words(parts).items() if x == 82 and text != "LSB, worst axis"}
+    assert labels == {"exact": 484.0, "0.0001": 64.0}
 
 
 @pytest.mark.parametrize(

@@ -40,6 +40,9 @@ def imu_table(samples: int, seed: int, parameters: str | None, turn: bool, csv: 
     from ..models.parameters import ImuParameters
     from ..parameter_sets import named
 
+    for option, given in (("--write", csv is not None), ("--json", as_json)):
+        if turn and given:
+            raise click.UsageError(f"{option} with --turn: a turn is shown as text only; remove one of them")
     with usage_errors_in_one_sentence(), ExitStack() as outputs:
         unfinished = None
         if csv is not None:

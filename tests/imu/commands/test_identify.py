@@ -35,6 +35,14 @@ def test_the_turn_of_figure_5_1_with_its_field(periph_sim: Run):
     assert "\n 180  -0.4835   0.2137  -0.0145           0.0437\n" in came.out
 
 
+@pytest.mark.parametrize("more", [("--write", "t.csv"), ("--json",)])
+def test_the_turn_is_text_only(desk: Path, periph_sim: Run, more: tuple[str, ...]):
+    came = periph_sim("imu-table", "--turn", *more)
+    assert (came.status, came.out) == (2, "")
+    assert f"Error: {more[0]} with --turn: a turn is shown as text only; remove one of them" in came.err
+    assert not Path("t.csv").exists()
+
+
 def test_a_set_that_is_neither_shipped_nor_a_file(periph_sim: Run):
     came = periph_sim("imu-table", "--parameters", "table_6")
     assert came.status == 2

@@ -67,7 +67,8 @@ class SerialLine:
         """Set the rate and format of all later frames. Raise OutsideError if the rate or the format is invalid.
 
         Waiting bytes are sent with the new rate and format. There is one exception: if the new parity is mark or space,
-        the parity bit of a waiting byte is 1 if the parity was mark when the byte was written, else 0.
+        the parity bit of a waiting byte is 1 if the parity was mark when the byte was written, else 0. If the new
+        format has no parity bit, bytes whose parity bit should be wrong are sent without an error.
         """
         free = self._free_at()
         self._bit, self._format = self.checked(baud, form)
@@ -93,7 +94,7 @@ class SerialLine:
             raise OutsideError(f"{data!r} is not of type bytes; write b'abc' or 'abc'.encode()")
         if wrong not in WRONG:
             raise OutsideError(f"wrong={wrong!r}: expected {' or '.join(map(repr, WRONG[1:]))}")
-        if wrong == "parity" and self._format.parity == "none" and not self._format.address:
+        if wrong == "parity" and not has_parity_bit(self._format):
             raise OutsideError("wrong parity: the format has none; set one, as in 8e1")
         if data:
             self.hold_break(False)
@@ -186,7 +187,7 @@ class SerialLine:
         """Schedule the edges of a frame. begin: the time of its start bit, in units of 1 / `_parts` tick."""
         form, parts, bit = self._format, self._parts, self._parts_of_bit
         levels = form.levels(byte, ninth)
-        if wrong == "parity":
+        if wrong == "parity" and has_parity_bit(form):
             levels[-1 - form.stop] ^= 1
         elif wrong == "stop":
             levels[-form.stop :] = [0] * form.stop
@@ -211,6 +212,11 @@ class SerialLine:
         self._got.append(character.value)
         self.received += 1
         self.wrong += not character.good or character.address != self._ninth
+
+
+def has_parity_bit(form: UartFormat) -> bool:
+    """Return True if a bit follows the data: a parity bit, or the address bit for mark and space parity."""
+    return form.parity != "none" or form.address
 
 
 def parts_of_format(form: str) -> tuple[int, str, int]:

@@ -253,6 +253,22 @@ def test_another_rate_counts_from_the_end_of_the_frame_before() -> None:
     assert edges_of_rx(records) == [(0, 0), (int(BIT), 1), (begin, 0), (begin + 3000, 1)]
 
 
+@pytest.mark.parametrize(
+    ("wrong", "form", "frame"),
+    [
+        ("parity", "8n1", "0 00000000 1"),  # there is no parity bit any more
+        ("parity", "8o1", "0 00000000 0 1"),  # it would be 1
+        ("stop", "8n2", "0 00000000 00 1"),
+    ],
+)
+def test_bytes_with_a_wrong_bit_that_wait_are_sent_in_the_new_format(wrong: Any, form: str, frame: str) -> None:
+    session, line, records = quiet("8e1")
+    line.write(b"\0", wrong)
+    line.set(115_200, form)
+    later(session, "1 ms")
+    assert edges_of_rx(records) == edges_of(frame)
+
+
 def test_a_break_is_as_long_as_it_is_asked_for_and_parted_from_a_frame_by_a_bit() -> None:
     session, line, records = quiet()
     line.send_break("300 us")

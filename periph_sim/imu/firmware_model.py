@@ -37,6 +37,11 @@ class ImuFirmware:
         self._arithmetic = arithmetic if isinstance(arithmetic, str) else None
         self._noise_seed: Any = getattr(settings, "noise_seed", None)
 
+    @property
+    def runs_per_frame(self) -> bool:
+        """True if the firmware runs the models once per host frame instead of once per round."""
+        return getattr(self._settings, "models_run", "round") == "frame"
+
     def check(self, case: Case, unit: str) -> None:
         """Raise BadCase if the models' Ts is not the period at which this firmware runs the models in the case.
 
@@ -44,7 +49,7 @@ class ImuFirmware:
         rounds; otherwise once per round. If the case has neither frames nor rounds, nothing is checked.
         """
         rounds = case.controller or case.rounds
-        per_frame = getattr(self._settings, "models_run", "round") == "frame" or rounds is None
+        per_frame = self.runs_per_frame or rounds is None
         table = case.host if per_frame else rounds
         if table is None:
             return

@@ -131,7 +131,14 @@ def computed_sensors(subject: EmulatorUnderTest) -> Readings:
 
 
 def frames_by_schedule(subject: EmulatorUnderTest) -> Ints:
-    """Return, for each round, the number of the frame whose values are read if nothing is late; -1 for no frame."""
+    """Return, for each round, the number of the frame whose values are read if nothing is late; -1 for no frame.
+
+    Raise BadCase if the emulator runs its models once per frame, because then the values of a round follow from the
+    times at which the runs end.
+    """
+    if subject.runs_per_frame:
+        what = 'without wires, the models run once a round, but models_run is "frame"; run over wires, without --direct'
+        raise subject.case.mistake(what, "unit", subject.unit, "settings", "models_run")
     host, controller = subject.host, subject.controller
     request = BITS_OF_REQUEST / controller.rate + controller.gap
     over = controller.first + 3 * request - controller.gap  # time at which round 0 ends, and the models begin, in s
@@ -237,7 +244,8 @@ def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], Non
     wires: True to simulate SCI and I2C; False to calculate the codes directly.
     progress: a function that is called with the completed share, 0 to 1, if `wires` is True.
 
-    Raise NoAttitude if no round was complete, or if the filter cannot be used (see `estimate`).
+    Raise NoAttitude if no round was complete, or if the filter cannot be used (see `estimate`). Raise BadCase if
+    `wires` is False and the emulator runs its models once per frame.
     """
     parts = len(RATES) + 1
 

@@ -29,6 +29,7 @@ class EmulatorUnderTest:
     sensors: the parameters of the emulator's sensor models.
     arithmetic: the name of the emulator's arithmetic.
     seed: the seed of the emulator's noise; None for no noise.
+    runs_per_frame: True if the emulator runs its models once per host frame instead of once per round.
     host, controller: the tables [host] and [controller] of the case.
     frames: the frames of the host.
     duration: the duration of the experiment in seconds.
@@ -39,6 +40,7 @@ class EmulatorUnderTest:
     sensors: ImuParameters
     arithmetic: str
     seed: int | None
+    runs_per_frame: bool
     host: HostTable
     controller: Controller
     frames: MotionFrames
@@ -103,6 +105,7 @@ def subject_of(case: Case, duration: Fraction | None = None) -> EmulatorUnderTes
         sensors,
         arithmetics[0],
         seed if isinstance(seed, int) else None,
+        scene.model.runs_per_frame,
         case.host,
         case.controller,
         scene.frames,

@@ -45,6 +45,25 @@ def test_with_two_angles_only_the_corrected_emulator_follows_and_its_lateness_is
     assert rms(late.apart.total) < 0.5 * apart["emulator corrected less real sensors"]
 
 
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ("unit.dsp.settings.models_run=frame",),
+        (
+            "unit.dsp.firmware=imu_hil_robust",
+            'unit.dsp.modules=["I2C-A", "SCI-A", "GPIO", "TIMER0", "TIMER1"]',
+        ),  # its default is "frame"
+    ],
+)
+def test_models_that_run_once_a_frame_are_compared_over_wires_only(changes: tuple[str, ...]):
+    one = subject("0.3", TWO_ANGLES, *changes)
+    over = run(one, wires=True)
+    assert over.bytes is not None and over.bytes.different == 0 < over.bytes.compared
+    with pytest.raises(BadCase) as refused:
+        run(one, wires=False)
+    assert "unit.dsp.settings.models_run: without wires, the models run once a round" in str(refused.value)
+
+
 def test_what_is_told():
     outcome = run(subject("0.3", TWO_ANGLES), wires=True)
     shown = list(lines(outcome))

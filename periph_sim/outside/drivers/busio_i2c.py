@@ -23,7 +23,7 @@ class I2C(AbstractContextManager["I2C"]):
         simulated time.
 
     The transfers raise OSError with the same codes as on hardware: ENODEV if the address is not acknowledged, EIO if a
-    byte is not acknowledged, ETIMEDOUT if another party holds or wins the bus, or if the address is invalid.
+    byte is not acknowledged, ETIMEDOUT if another party holds or wins the bus. An address above 0x7f is EINVAL.
     """
 
     def __init__(self, session: Session, frequency: int = 100_000, pause: str = "100 us") -> None:

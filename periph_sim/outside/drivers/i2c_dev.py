@@ -39,13 +39,16 @@ class SmbusTransfer:
     The PEC covers all bytes of the transfer, addresses included: CRC-8, x^8 + x^2 + x + 1 (System Management Bus 3.2,
     sections 6.4 and 6.5).
 
-    Raise OSError with the codes of the Linux kernel: ENXIO if the address is not acknowledged, EIO if a byte is not
-    acknowledged, EBADMSG for a wrong PEC, EPROTO for a block of an invalid length.
+    Raise OSError with the codes of the Linux kernel: EINVAL if the address is not 0 to 0x7f, ENXIO if the address is
+    not acknowledged, EIO if a byte is not acknowledged, EBADMSG for a wrong PEC, EPROTO for a block of an invalid
+    length.
 
     refused: the code for an address that is not acknowledged.
     """
 
     def __init__(self, master: Master, address: int, checks: bool = False, refused: int = errno.ENXIO) -> None:
+        if address not in range(0x80):
+            raise OSError(errno.EINVAL, f"address {address!r}: expected 0 to 0x7f")
         self._master = master
         self._address = address
         self._checks = checks

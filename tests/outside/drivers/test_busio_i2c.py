@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+from typing import Any
 
 import pytest
 
@@ -54,6 +55,13 @@ def test_who_does_not_answer_is_an_oserror() -> None:
         got = bytearray(1)
         i2c.writeto_then_readfrom(0x53, b"\x00", got)
         assert got == b"\xe5"
+
+
+@pytest.mark.parametrize("address", [-1, 0x80, "0x50"])
+def test_what_is_no_address_is_an_invalid_argument(address: Any) -> None:
+    with bus() as i2c, pytest.raises(OSError, match=f"address {address!r}: expected 0 to 0x7f") as refused:
+        i2c.writeto(address, b"\x00")
+    assert refused.value.errno == errno.EINVAL
 
 
 def test_a_held_bus_is_a_timeout(monkeypatch: pytest.MonkeyPatch) -> None:

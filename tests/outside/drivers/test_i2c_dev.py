@@ -113,6 +113,8 @@ def test_messages_with_repeated_starts(number_1: Any) -> None:
         (lambda bus: bus.read_byte_data(0x33, 0), errno.ENXIO),
         (lambda bus: bus.write_byte_data(0x33, 0, 0), errno.ENXIO),
         (lambda bus: bus.i2c_rdwr(smbus2.i2c_msg.read(0x33, 1)), errno.ENXIO),
+        (lambda bus: bus.i2c_rdwr(smbus2.i2c_msg.write(0x80, [1])), errno.EINVAL),
+        (lambda bus: bus.i2c_rdwr(smbus2.i2c_msg.write(0x20, [1]), smbus2.i2c_msg.read(0x80, 1)), errno.EINVAL),
         (lambda bus: bus.read_block_data(0x20, 0x70), errno.EPROTO),  # it says that 0 bytes come
     ],
 )

@@ -56,11 +56,15 @@ class Derivative(Generic[T]):
     def __init__(self, a: Arithmetic[T], period: float, wrap: Wrap = "as built") -> None:
         self._a, self._v = a, vectors_of(a)
         self._wrap = wrap
-        self._per_second = a.constant(1 / period)
+        try:
+            self._per_second = a.constant(1 / period)
+        except DoesNotFit as error:
+            raise DoesNotFit(f"1 / period: {error}") from None
         held = float(a.value(self._per_second))
         if abs(held * period - 1) > COARSEST:
             off = f"{abs(held * period - 1):.2%}"
-            raise DoesNotFit(f"{1 / period:g} is {off} off in {a.name}; take more fraction bits, or a shorter period")
+            shown = f"1 / period: {1 / period:g} is {off} off in {a.name}"
+            raise DoesNotFit(f"{shown}; take more fraction bits, or a shorter period")
         self._half_turn, self._turn = a.constant(pi), a.constant(2 * pi)
         self._minus_half_turn = a.constant(-pi)
 

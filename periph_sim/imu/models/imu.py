@@ -108,7 +108,7 @@ class Imu(Generic[T]):
         still = (zero, zero, zero)
         self.silence: Noise[T] = Noise(still, still, still)
         self.at_rest: State[T] = State(still, still)
-        self.derivative = _named("derivative, 1 / period", lambda: Derivative(a, imu.period, imu.wrap))
+        self.derivative = _named("derivative", lambda: Derivative(a, imu.period, imu.wrap))
         self.gyroscope = _named("gyroscope", lambda: Gyroscope(a, imu.gyroscope))
         self.accelerometer = _named("accelerometer", lambda: Accelerometer(a, imu.accelerometer))
         self.magnetometer = _named("magnetometer", lambda: Magnetometer(a, imu.magnetometer))

@@ -65,17 +65,21 @@ def test_what_one_sample_costs_in_operations() -> None:
 
 
 @pytest.mark.parametrize(
-    ("imu", "sentence"),
+    ("imu", "bits", "sentence"),
     [
         (
             ImuParameters(period=1e-6),
-            "derivative, 1 / period: 1e+06 does not fit Q16, which ends at 32768; take fewer ",
+            16,
+            "derivative: 1 / period: 1e+06 does not fit Q16, which ends at 32768; take fewer ",
         ),
-        (ImuParameters(magnetometer=MagnetometerParameters(scale=1e5)), "magnetometer: 100000 does not fit Q16"),
-        (ImuParameters(accelerometer=AccelerometerParameters(scale=1e5)), "accelerometer: 100000 does not fit Q16"),
+        (ImuParameters(period=1.0), 29, "derivative: 6.28319 does not fit Q29, which ends at 4; take fewer "),  # 2 pi
+        (ImuParameters(magnetometer=MagnetometerParameters(scale=1e5)), 16, "magnetometer: 100000 does not fit Q16"),
+        (ImuParameters(accelerometer=AccelerometerParameters(scale=1e5)), 16, "accelerometer: 100000 does not fit Q16"),
     ],
 )
-def test_a_constant_that_a_format_cannot_hold_is_told_with_its_part(imu: ImuParameters, sentence: str) -> None:
+def test_a_constant_that_a_format_cannot_hold_is_told_with_its_part(
+    imu: ImuParameters, bits: int, sentence: str
+) -> None:
     with pytest.raises(DoesNotFit) as caught:
-        Imu(Q(16), imu)
+        Imu(Q(bits), imu)
     assert str(caught.value).startswith(sentence)

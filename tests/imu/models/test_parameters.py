@@ -113,6 +113,6 @@ def test_a_period_whose_inverse_shrinks_in_q16_is_refused(period: float, refused
     if not refused:
         assert Imu(Q(16), imu).a.name == "q16"
         return
-    with pytest.raises(DoesNotFit, match=r"^derivative, 1 / period: 0.000277778 is 1.12% off in q16; take more"):
+    with pytest.raises(DoesNotFit, match=r"^derivative: 1 / period: 0.000277778 is 1.12% off in q16; take more"):
         Imu(Q(16), imu)
     assert Imu(Float64(), imu).a.name == "float64"

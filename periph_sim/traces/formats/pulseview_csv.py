@@ -59,7 +59,10 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """Read the capture. `rate` overrides the rate that the file states. Raise BadCapture with the line of an error."""
+    """Read the capture. `rate` overrides the rate that the file states; times are converted to samples of this rate.
+
+    Raise BadCapture with the line of an error.
+    """
     with path.open(encoding="utf-8-sig", errors="replace") as file:
         return _read(path, file, rate, salvage)
 
@@ -100,19 +103,19 @@ def _read(path: Path, file: IO[str], rate: Fraction | None, salvage: bool) -> Ca
     if not rows.count:
         raise _no_rows(path)
     try:
-        at, positions_a_second = _positions(path, head, rows)
+        at, positions_a_second = _positions(path, head, rows, rate)
     except OverflowError:
         found, expected = "times that need over 64 bits", "times of one kind"
         raise BadCapture(path, "its times", found, expected, "export again") from None
     lost = int((at[1:-1] == at[:-2]).sum())  # number of rows that have the same sample as the next row
     if lost:
         notes.append(f"rows ignored, since the next row has the same sample: {lost}")
-    if not rate and not positions_a_second:
+    if not positions_a_second:
         notes.append("the file states no samplerate, so positions have no time")
     length = int(at[-1]) + 1
     channels = tuple(channel_of_states(name, i, at[:-1], rows.states(i), length) for i, name in enumerate(head.names))
-    sampled = not head.timed or head.rate is not None
-    return Capture(path, rate or positions_a_second, length, channels, sampled, tuple(notes))
+    sampled = not head.timed or rate is not None or head.rate is not None
+    return Capture(path, positions_a_second, length, channels, sampled, tuple(notes))
 
 
 def _lines(path: Path, file: IO[str]) -> Iterator[str]:
@@ -189,23 +192,25 @@ def _header(path: Path, head: Head, number: int, line: str) -> bool:
     return True
 
 
-def _positions(path: Path, head: Head, rows: Rows) -> tuple[Positions, Fraction | None]:
+def _positions(path: Path, head: Head, rows: Rows, rate: Fraction | None) -> tuple[Positions, Fraction | None]:
     """Return the positions of the rows with a change and of the last row, and the number of positions per second.
+
+    rate: the sampling rate; None to use the rate that the file states, if any.
 
     Raise OverflowError if a position exceeds 64 bits.
     """
     times = rows.times()
     if not head.timed:
         times[-1] = rows.count - 1
-        return times, head.rate
-    rate = head.rate
+        return times, rate or head.rate
     if head.unit is not None:
         power = UNITS[head.unit]
-    elif rate is not None:
-        power = next(p for p in UNITS.values() if 10**p >= rate or p == 15)
+    elif head.rate is not None:
+        power = next(p for p in UNITS.values() if 10**p >= head.rate or p == 15)
     else:
         raise BadCapture(path, "the header", "times without unit or samplerate", "one of them", "export with comments")
     per_second = Fraction(10 ** (power + rows.decimals))
+    rate = rate or head.rate
     if rate is None:
         step = gcd(10**rows.decimals, *times.tolist())
         times, rate = times // step, per_second / step

@@ -71,6 +71,25 @@ def test_a_time_column_without_a_rate_is_in_its_own_unit(tmp_path: Path):
     assert facts(capture) == (2_000_000, 9, False)
 
 
+@pytest.mark.parametrize(
+    "header",
+    [
+        "microseconds,logic,logic",
+        "; Samplerate: 1 MHz\nmicroseconds,a,b",
+        "; Channels (2/8): a, b\n; Samplerate: 1 MHz\n",
+    ],
+)
+def test_times_become_samples_of_the_stated_rate(tmp_path: Path, header: str):
+    """Samples of 250 ns, from 0 us to 3 us:
+
+    0    ____--------  rises at sample 4
+    1    ----________  falls at sample 4, rises at sample 12
+    """
+    capture = read(tmp_path, f"{header}\n0,0,1\n1,1,0\n3,1,1\n", 4_000_000)
+    assert list(edges(capture).values()) == [[0, 4], [1, 4, 12]]
+    assert facts(capture) == (4_000_000, 13, True)
+
+
 def test_no_comments_no_header_no_rate(tmp_path: Path):
     capture = read(tmp_path, "0\n1\n1\n0\n")
     assert edges(capture) == {"0": [0, 1, 3]}

@@ -263,6 +263,22 @@ def quantized(ticks: Positions, per_second: Fraction, rate: Fraction) -> Positio
     return samples.astype(np.int64)
 
 
+def refuse_beyond(path: Path, tick: int, per_second: Fraction, rate: Fraction) -> None:
+    """Raise BadCapture if the number of the sample nearest to a time exceeds MOST_POSITION.
+
+    tick, per_second, rate: a time in ticks, the number of ticks per second, and the number of samples per second.
+    """
+    sample = round(tick * rate / per_second)
+    if sample > MOST_POSITION:
+        raise BadCapture(
+            path,
+            "its times",
+            f"sample {sample} of {rate_text(rate)}",
+            f"at most {MOST_POSITION}",
+            "state the right rate or none",
+        )
+
+
 def on_grid(
     path: Path, lines: Sequence[Positions], last: int, per_second: Fraction, rate: Fraction, said: str
 ) -> tuple[list[Positions], int]:
@@ -273,9 +289,10 @@ def on_grid(
     per_second: the number of ticks per second.
     said: the description of a wrong time in the message, with {} in place of the time.
 
-    Raise BadCapture if a time is not on a sample, by the rule of `quantized`, and OverflowError as `quantized` does.
+    Raise BadCapture if a time is not on a sample, by the rule of `quantized`, or after sample MOST_POSITION.
     """
     moments = np.unique(np.concatenate([np.array([last], np.int64), *lines]))
+    refuse_beyond(path, int(moments[-1]), per_second, rate)
     try:
         samples = quantized(moments, per_second, rate)
     except OffGrid as off:

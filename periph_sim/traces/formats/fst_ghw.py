@@ -41,7 +41,7 @@ from ..capture.capture import (
     changes,
     channel_of_states,
 )
-from ..capture.sampling import nearest, on_grid
+from ..capture.sampling import nearest, on_grid, refuse_beyond
 from .vcd import OURS, STATES, channel_names, timescale_of
 
 NAME = "FST or GHW waveform"
@@ -82,6 +82,7 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
         )
     length = end if end is not None and end > last else last + 1
     if rate is not None:
+        refuse_beyond(path, length, ticks or rate, rate)
         lines, last = on_grid(path, [at for at, _ in signals], last, ticks or rate, rate, "a change at tick {}")
         signals = [(at, letters) for at, (_, letters) in zip(lines, signals, strict=True)]
         length = max(last + 1, int(-(-length * rate // (ticks or rate))))

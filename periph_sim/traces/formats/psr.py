@@ -39,7 +39,7 @@ from numpy.typing import NDArray
 from ...core.input_files import open_regular
 from ...core.records import RECORDED, Kind
 from ..capture.capture import BadCapture, Capture, Channel, Span, channel_of_states
-from ..capture.sampling import on_grid
+from ..capture.sampling import on_grid, refuse_beyond
 from .record_table import COLUMNS, TABLES, TOPIC, RecordTable, Topics
 
 NAME = "periph-sim records (.psr)"
@@ -356,11 +356,13 @@ def _channel(table: RecordTable, place: int, entry: dict[str, Any], length: int)
 def _at_rate(capture: Capture, rate: Fraction) -> Capture:
     """Convert a capture to a rate. For samples, or without a rate, only `rate` changes; otherwise ticks become samples.
 
-    Raise BadCapture if an edge is between two samples, or if two edges of a channel are in one sample.
+    Raise BadCapture if an edge is between two samples, if two edges of a channel are in one sample, or if the capture
+    ends after sample MOST_POSITION.
     """
     ratio = capture.rate
     if capture.sampled or ratio is None:
         return replace(capture, rate=rate)
+    refuse_beyond(capture.path, capture.length, ratio, rate)
     said = f"an edge at position {{}} of {ratio} a second"
     channels = []
     length = int(-(-capture.length * rate // ratio))

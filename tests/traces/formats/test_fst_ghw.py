@@ -108,6 +108,18 @@ def test_with_the_rate_positions_are_samples(tmp_path: Path):
     )
 
 
+@pytest.mark.parametrize(("end", "beyond"), [(1 << 62, 1 << 62), (0, 1 << 61)])
+def test_a_time_beyond_64_bits_at_the_rate_is_refused(tmp_path: Path, end: int, beyond: int):
+    late = (1 << 61) - 1 if not end else 7
+    path = written(tmp_path / "x.fst", {"a": 1}, [(0, "a", "1"), (late, "a", "0")], end, exponent=0)
+    with pytest.raises(formats.BadCapture) as caught:
+        formats.read(path, Fraction(10**9))
+    assert str(caught.value) == (
+        f"{path}, its times: found sample {beyond}000000000 of 1 GHz, expected at most {1 << 62}; "
+        "state the right rate or none"
+    )
+
+
 def test_the_same_edges_as_in_vcd(tmp_path: Path):
     given = formats.read(written(tmp_path / "x.fst", {"scl": 1, "sda": 1}, [(0, "scl", "0"), (0, "sda", "1"),
         *((n, ("scl", "sda")[n % 3 == 0], str(n >> 1 & 1)) for n in range(1, 3000))], 4000))  # fmt: skip

@@ -126,6 +126,15 @@ def test_a_run_on_the_grid_of_a_rate_or_refused(tmp_path: Path):
     )
 
 
+def test_a_time_beyond_64_bits_at_the_rate_is_refused(tmp_path: Path):
+    path = saved(tmp_path / "run.psr", RUN, 1 << 61)
+    with pytest.raises(formats.BadCapture) as caught:
+        formats.read(path, Fraction(12 * 10**9))
+    assert str(caught.value) == (
+        f"{path}, its times: found sample {1 << 63} of 12 GHz, expected at most {1 << 62}; state the right rate or none"
+    )
+
+
 def test_a_run_without_edges_is_no_capture(tmp_path: Path):
     path = saved(tmp_path / "run.psr", RUN[6:])
     assert psr.holds_run(path) and len(psr.read_table(path)) == 1

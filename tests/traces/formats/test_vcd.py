@@ -239,6 +239,17 @@ def test_a_wrong_rate_is_refused(tmp_path: Path):
     )
 
 
+def test_a_time_beyond_64_bits_at_the_rate_is_refused(tmp_path: Path):
+    text = "$timescale 100 s $end\n$var wire 1 ! a $end\n#0\n0!\n#4000000000000000000\n1!\n"
+    assert edges(read(tmp_path, text)) == {"a": [0, 4 * 10**18]}
+    with pytest.raises(BadCapture) as caught:
+        read(tmp_path, text, 10**9)
+    assert str(caught.value) == (
+        f"{tmp_path}/x.vcd, its times: found sample 4{'0' * 29} of 1 GHz, expected at most {1 << 62}; "
+        "state the right rate or none"
+    )
+
+
 CUT = SIGROK.replace("#250000", "#2")
 
 

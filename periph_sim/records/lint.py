@@ -107,7 +107,7 @@ def lint(run: Run | Path | str, options: Options | None = None) -> list[Finding]
     for name, one in all_lints().items():
         for fault in one.faults(run, options or Options()):
             for place, rows in run.by_place(fault.rows):
-                first = int(run.table.tick[rows[0]])
+                first = int(run.table.tick[rows].min())
                 found.append(Finding(name, fault.unit, place, len(rows), first, fault.text, fault.source))
     return sorted(found, key=lambda finding: (finding.first, finding.lint, finding.place))
 

@@ -560,3 +560,16 @@ def test_findings_are_one_a_place_in_the_order_of_their_first_times():
         ("without-effect", "a:1", 2, 40, "dsp"),
         ("without-effect", "d:1", 1, 60, "dsp"),
     ]
+
+
+def test_the_first_time_of_a_place_is_the_earliest_of_all_routines():
+    """isr at 5     helper polls from 10
+    main            helper polls from LONG + 200
+    """
+    poll = "{} R I2CSTR 0 helper:1{}\n{} R I2CSTR 0 helper:1{}\n{} W I2CDXR 1 g:2{}\n"
+    text = "5 irq I2CINT1A 1\n" + poll.format(10, " <1", 20, " <1", LONG + 50, " <1")
+    text += f"{LONG + 100} irq I2CINT1A 0 <1\n"
+    text += poll.format(LONG + 200, "", LONG + 210, "", 2 * LONG + 500, "")
+    run = by_hand(*_rows(text), end=9_000_000)
+    (spin,) = [one for one in lint(run) if one.lint == "spin-without-bound"]
+    assert (spin.place, spin.count, spin.first) == ("helper:1", 2, 10 * CYCLE)

@@ -129,12 +129,14 @@ def held(run: Run, group: Group, register: Register, name: str) -> NDArray[np.bo
 def text(run: Run, findings: list[Finding]) -> str:
     """Return the findings as text, with the total at the end.
 
-    Each finding has its place, what is wrong, the section of the manual, its lint, its count and its first time.
+    Each finding has its place, what is wrong, the section of the manual if it is known, its lint, its count and its
+    first time.
     """
     lines = []
     for f in findings:
         times = "once" if f.count == 1 else f"{f.count} times, first"
-        lines.append(f"{' '.join(filter(None, (f.unit, f.place)))}: {f.text} [{f.source}]")
+        source = f" [{f.source}]" if f.source else ""
+        lines.append(f"{' '.join(filter(None, (f.unit, f.place)))}: {f.text}{source}")
         lines.append(f"  {f.lint}, {times} at {run.at(f.first)}")
     places = counted(len(findings), "finding") if findings else "nothing found"
     return "\n".join([*lines, f"{run.name}: {places} by {len(all_lints())} lints"])

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from periph_sim.core.records import Kind
-from periph_sim.records.lint import Options, all_lints, lint
+from periph_sim.records.lint import Options, all_lints, lint, text
 from periph_sim.records.run import Run
 from tests.records.scenes import CYCLE, by_hand
 
@@ -573,3 +573,9 @@ def test_the_first_time_of_a_place_is_the_earliest_of_all_routines():
     run = by_hand(*_rows(text), end=9_000_000)
     (spin,) = [one for one in lint(run) if one.lint == "spin-without-bound"]
     assert (spin.place, spin.count, spin.first) == ("helper:1", 2, 10 * CYCLE)
+
+
+def test_a_finding_without_a_source_shows_none():
+    run = by_hand(*_rows("10 R X.UNKNOWN 0 f:1\n20 R X.UNKNOWN 0 f:1"), end=160)
+    said = "dsp f:1: polls X.UNKNOWN for up to 1 us (150 cycles), until the end of the run, and never got past it"
+    assert text(run, lint(run)).splitlines()[0] == said

@@ -265,7 +265,7 @@ def _beside(run: Run, group: Group, f: Field | None, place: _Reads) -> _Beside:
         before += [sides[0], _of_polls(run, polls, polls.before)]
         after += [sides[1], _of_polls(run, polls, polls.after)]
         closer = np.minimum(sides[0].distances, sides[1].distances)
-        nearest += [sides[0]._replace(distances=closer), before[-1], after[-1]]
+        nearest += [sides[0]._replace(distances=closer), _nearest_of_polls(run, polls, changes)]
         reads += int(looking.sum())
         unplaced = np.union1d(unplaced, polls.unplaced)
     both = _joined(nearest)
@@ -291,6 +291,17 @@ def _of_polls(run: Run, polls: Polls, ticks: Rows) -> _Side:
     there = ticks >= 0
     changes, at = polls.changes[there], ticks[there]
     return _Side(at, np.abs(run.table.tick[changes] - at), changes)
+
+
+def _nearest_of_polls(run: Run, polls: Polls, changes: Rows) -> _Side:
+    """Return each reconstructed poll once, with the distance to the nearest change. `_Side.changes` is not used."""
+    ticks = np.unique(np.concatenate([polls.before, polls.after]))
+    ticks = ticks[ticks >= 0]
+    of_changes = np.sort(run.table.tick[changes])
+    at = np.searchsorted(of_changes, ticks)
+    next_one, last_one = np.minimum(at, len(of_changes) - 1), np.maximum(at - 1, 0)
+    closer = np.minimum(np.abs(of_changes[next_one] - ticks), np.abs(of_changes[last_one] - ticks))
+    return _Side(ticks, closer, np.zeros_like(ticks))
 
 
 def _joined(sides: list[_Side]) -> _Side:

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from periph_sim.records.races import PlaceRaces, races
-from tests.records.scenes import by_hand
+from periph_sim.records.races import PlaceRaces, distances, races
+from tests.records.scenes import CYCLE, by_hand
 from tests.records.test_races import RRDY, flag, read
 
 
@@ -57,6 +57,34 @@ def test_a_change_before_the_first_read_or_behind_the_last_is_in_no_wait():
 def test_several_changes_in_one_wait_are_each_between_their_own_polls():
     of = place(read(0), read(10), flag(33, "RRDY", 1), flag(58, "RRDY", 0), read(100))
     assert (sides(of), of.histogram) == ((3, 2, 4, 0), (0, 4, 3, 0, 0, 0))
+
+
+def test_a_poll_next_to_several_changes_counts_once_with_the_nearest():
+    """
+    period of 10       80    90           100   110
+    flags in one tick        BB AAS SDIR        polls at 80 and 90: 2 polls
+    a poll between           BB           AAS   polls at 80, 90 and 100
+    """
+    at_once = [flag(85, name, 1) for name in ("BB", "AAS", "SDIR")]
+    of = place(read(0), read(10), *at_once, read(500))
+    assert (sides(of), of.histogram) == ((5, 5, 2, 0), (0, 2, 2, 1, 0, 0))
+    assert [of.tolist() for of in distances(by_hand(read(0), read(10), *at_once, read(500)))[:2]] == [
+        [85, 75, 5, 5, 415],
+        [0, 10 * CYCLE, 80 * CYCLE, 90 * CYCLE, 500 * CYCLE],
+    ]
+    of = place(read(0), read(10), flag(85, "BB", 1), flag(92, "AAS", 1), read(500))
+    assert (sides(of), of.histogram) == ((2, 5, 3, 0), (0, 3, 2, 1, 0, 0))  # 5, 2 and 8 cycles
+
+
+def test_the_nearest_change_of_a_poll_may_be_one_that_another_poll_is_next_to():
+    """
+    polls at 0, 7 of a pass of 20    40   47          60
+    changes                          BB               AAS    47 is next to AAS only, but nearer to BB
+    """
+    reads = [read(at) for at in (0, 7, 20, 27)]
+    of = distances(by_hand(*reads, flag(40, "BB", 1), flag(60, "AAS", 1), read(200), read(207)))
+    polls = dict(zip((of[1] // CYCLE).tolist(), of[0].tolist(), strict=True))
+    assert (polls[40], polls[47], polls[60]) == (0, 7, 0)
 
 
 @pytest.mark.parametrize(("waits", "believed"), [(2, False), (3, True)])

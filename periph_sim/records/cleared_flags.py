@@ -1,6 +1,8 @@
 """Flags that read-modify-writes cleared, for each place in the firmware.
 
-All registers that have flags which are cleared by writing 1 are covered.
+All registers that have flags which are cleared by writing 1 are covered. A field of several bits, such as PIEACK,
+counts as one flag: it rises with each change to a value other than 0, and is cleared when it becomes 0. It is therefore
+not reported that `PIEACK |= 0x80` also acknowledges other groups.
 
     CLEARABLE --> ClearedRegister --> ModifiesOfPlace: cleared flags, by whether firmware had read them
                         '-- Flag: its last rise
@@ -241,7 +243,7 @@ class ClearedRegister:
         return last
 
     def flag_changed(self, flag: Flag, number: int, tick: int, value: int, cause: int) -> None:
-        """Process the record of a flag that rises (value 1) or falls (value 0)."""
+        """Process the record of a flag that rises (`value` is not 0) or is cleared (`value` is 0)."""
         if value:
             flag.rose = number
             return

@@ -258,6 +258,18 @@ def test_a_flag_that_rises_between_read_and_write(cleared: bool, lost: int):
     assert races(run).lost == lost
 
 
+def test_a_field_of_several_bits_counts_as_one_flag():
+    """`PIEACK |= 0x80` acknowledges group 1 along with group 8, which is not reported."""
+    access = [(100, Kind.ACCESS, "dsp", "R PIE.PIEACK", 0x81, "f:1", 0)]
+    access += [(102, Kind.ACCESS, "dsp", "W PIE.PIEACK", 0x81, "f:1", 0)]
+    changes = [
+        (cycle, Kind.FLAG, "dsp.PIE", "PIEACK.PIEACK", value, "", 0) for cycle, value in ((10, 0x80), (20, 0x81))
+    ]
+    found = races(by_hand(*changes, *access, (102, Kind.FLAG, "dsp.PIE", "PIEACK.PIEACK", 0, "", 4)), "PIE.PIEACK")
+    (modify,) = found.modifies
+    assert (modify.meant, modify.flags, found.lost) == (("PIEACK",), (), 0)
+
+
 def test_a_write_that_clears_what_was_seen_is_not_a_loss():
     run = by_hand(flag(50, "RRDY", 1), read(80, RRDY, "look:9"), read(100, RRDY), write(102, RRDY | SCD))
     assert races(run).lost == 0

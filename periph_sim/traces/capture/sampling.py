@@ -197,7 +197,7 @@ def exact_time(text: str) -> tuple[int, int]:
         zone = "+00:00" if match[3] in (None, "Z") else match[3]
         since = datetime.fromisoformat(match[1] + zone) - datetime(1970, 1, 1, tzinfo=UTC)
         part = match[2] or ""
-        return int(f"{since.days * 86400 + since.seconds}{part}"), len(part)
+        return (since.days * 86400 + since.seconds) * 10 ** len(part) + int(part or 0), len(part)
     raise ValueError(f"{shorten(repr(text.strip()))} is neither seconds nor an ISO 8601 time")
 
 

@@ -15,6 +15,7 @@ from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import BadCapture, Capture, Channel, Span, channel_of
 from periph_sim.traces.capture.sampling import (
     LONGEST_PAUSE,
+    exact_time,
     grid_of,
     is_exact,
     on_samples,
@@ -153,3 +154,18 @@ def test_a_pause_may_be_long_beside_as_much_of_the_rest():
     with pytest.raises(BadCapture, match=f"--window 0..{capture.length}, or"):
         on_samples(longer)
     assert on_samples(replace(longer, exact=True)).sampled
+
+
+@pytest.mark.parametrize(
+    ("text", "time"),
+    [
+        ("1970-01-01T00:00:02.050Z", (2050, 3)),
+        ("1970-01-01 02:00:00+02:00", (0, 0)),
+        ("1969-12-31T23:59:59.75Z", (-25, 2)),
+        ("1969-12-31T23:59:55.25Z", (-475, 2)),
+        ("1969-12-31T23:59:55", (-5, 0)),
+        ("-0.25", (-25, 2)),
+    ],
+)
+def test_a_fraction_of_a_second_counts_forwards_before_1970_too(text: str, time: tuple[int, int]):
+    assert exact_time(text) == time

@@ -31,6 +31,7 @@ Counts = NDArray[np.int64]
 
 OF_EVENTS = np.array([EVENTS >> 3 * pair & KINDS for pair in range(16)], np.uint8)
 OF_COUNTED = np.array(COUNTED, np.int64)
+NEVER = np.iinfo(np.int64).max  # in place of a position: there is none
 
 
 class I2cRowKind(IntEnum):
@@ -55,7 +56,7 @@ class I2cTable(NamedTuple):
                     ninth bit)
     last    int64   the rising SCL of the last bit (for an address its R/W bit); equal to `at` for START and STOP
     end     int64   the falling SCL after the last bit; for ACK and NACK the START or STOP if it comes before this fall;
-                    `last` if the known span ends before this fall; equal to `at` for START and STOP
+                    `last` if the known span ends before all of these; equal to `at` for START and STOP
     value   int16   the seven bits of ADDRESS, the ten bits of ADDRESS_LOW, the byte of DATA, or the bits of CUT, the
                     last bit least significant; -1 for other kinds
     bits    uint8   8 for a complete byte, 1 for ACK and NACK, fewer than 8 for CUT, 0 for START and STOP
@@ -278,8 +279,8 @@ def _rows(edges: I2cEdges, found: _Bytes) -> I2cTable:
     table.kind[at_ack] = values[ninth] + np.uint8(I2cRowKind.ACK)  # NACK is ACK + 1
     table.at[at_ack] = table.last[at_ack] = rises[ninth]
     # A START or STOP within the ninth pulse ends the ACK before SCL falls.
-    following = np.append(conditions, np.iinfo(np.int64).max)[found.phase[found.acked] + 1]
-    table.end[at_ack] = np.minimum(_behind(falls, rises, ninth), following)
+    ends = np.minimum(np.append(falls, NEVER)[ninth], np.append(conditions, NEVER)[found.phase[found.acked] + 1])
+    table.end[at_ack] = np.where(ends == NEVER, rises[ninth], ends)
     table.bits[at_ack] = 1
     table.read[at_ack] = found.read[found.acked]
     return table

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Capture
 from periph_sim.traces.decode import i2c
-from periph_sim.traces.decode.i2c_stream import BITS, BYTE_OVER, COUNTED, KINDS, RISE, SCL, SDA, START, I2cStream
+from periph_sim.traces.decode.i2c_stream import BITS, BYTE, BYTE_OVER, COUNTED, KINDS, RISE, SCL, SDA, START, I2cStream
+from periph_sim.traces.decode.i2c_table import I2cRowKind, i2c_table
 from tests.captures.test_captures_decode import i2c_lines
 from tests.profiles import examples
 from tests.traces.decode.drawing import Plain, of_bytes, plain
@@ -98,6 +99,21 @@ def bus(random: Random, count: int, sound: bool = False) -> Capture:
 def test_streams_arrays_and_transfers_have_the_same_events(capture: Capture):
     assert streamed(capture) == plain(i2c.events(capture))
     assert [event for transfer in i2c.transfers(capture) for event in i2c.events_of(transfer)] == i2c.events(capture)
+
+
+@given(captures(("SCL", "SDA")) | st.builds(bus, st.randoms(use_true_random=False), st.integers(1, 30)))
+@settings(max_examples=examples(80), deadline=None)
+def test_bytes_of_arrays_end_where_the_stream_says(capture: Capture):
+    ends: list[int] = []
+    for span in capture.known(*capture.channels):
+        scl, sda = (channel.cut(span) for channel in capture.channels)
+        stream = I2cStream(scl.initial | sda.initial << 1)
+        edges = np.union1d(scl.edges, sda.edges)
+        levels = (scl.at(edges) | sda.at(edges) << 1).tolist()
+        ends += [at for at, now in zip(edges.tolist(), levels, strict=True) if stream.sample(now) & BYTE]
+    table = i2c_table(capture)
+    is_ninth = (table.kind == I2cRowKind.ACK) | (table.kind == I2cRowKind.NACK)
+    assert table.end[is_ninth & (table.end > table.at)].tolist() == ends
 
 
 @pytest.mark.parametrize("shown", [0x00, 0xFF, 0x53, 0xAC])

@@ -137,6 +137,17 @@ def test_an_ack_ends_at_the_condition_in_its_pulse():
     assert (table.end[:-1] <= table.at[1:]).all()
 
 
+@pytest.mark.parametrize(("kept", "ends"), [(82, [10, 78]), (86, [10, 78, 82]), (87, [10, 78, 86, 86])])
+def test_an_ack_ends_at_the_condition_in_its_pulse_also_if_scl_never_falls_again(kept: int, ends: list[int]):
+    """SCL rises at 82, and SDA rises at 86, which is a STOP; the capture ends before, between or after these edges."""
+    bus = wave()
+    bus.start()
+    for bit in (1, 0, 1, 0, 0, 1, 1, 0):
+        bus.bit(bit)
+    bus.stop()
+    assert i2c_table(of_bytes(bytes(bus.samples[:kept]), ("SCL", "SDA"))).end.tolist() == ends
+
+
 def test_a_ten_bit_address_is_two_bytes_and_one_number():
     bus = wave()
     bus.start()

@@ -122,6 +122,9 @@ def uart_rows(table: UartTable) -> Rows:
 def spi_rows(events: Sequence[spi.Event], is_mosi: bool) -> Rows:
     """Return the rows of one data line of an SPI bus, and the rows of its chip select.
 
+    Raise OverflowError for a word of 2**63 or more, which only a format of 64 bits allows: the column `value` cannot
+    hold it.
+
     is_mosi: True for the line MOSI, False for MISO.
     """
     rows = []

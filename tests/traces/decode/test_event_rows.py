@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.traces.decode import i2c_table, uart
+from periph_sim.traces.decode import i2c_table, spi, uart
 from periph_sim.traces.decode.event_rows import (
     DETAILS,
     EVENTS,
@@ -19,6 +19,7 @@ from periph_sim.traces.decode.event_rows import (
     merged,
     no_rows,
     purpose_of,
+    spi_rows,
     uart_rows,
 )
 from periph_sim.traces.decode.i2c_table import I2cTable
@@ -198,3 +199,10 @@ def test_each_address_byte_is_for_what_the_table_says(byte: int):
     rows = [row.split(" ", 3) for row in TABLE.strip().splitlines()]
     named = [purpose for *bits, purpose in rows if matches("".join(bits), byte)]
     assert named == ([purpose_of(byte)] if purpose_of(byte) else [])
+
+
+def test_of_spi_words_have_up_to_63_bits():
+    rows = spi_rows([spi.Event("word", 10, 73, (1 << 63) - 1, None, 63)], is_mosi=True)
+    assert told(rows) == [(10, 73, 0, "word", (1 << 63) - 1, 63, "")]
+    with pytest.raises(OverflowError):
+        spi_rows([spi.Event("word", 10, 74, 1 << 63, None, 64)], is_mosi=True)

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import time
-import tomllib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from ...core.input_files import note_inputs_of, read_regular
+from ...core.input_files import note_inputs_of
 from ...scene.case.load import CaseFile
 from ...scene.case.model import BadCase
 from ...scene.case.origin import named_files, texts_in
+from ...scene.case.toml_file import read
 from .command_frame import command, say, usage_errors_in_one_sentence
 from .result_text import HEADLINES, broken_lines, budget_table, title
 from .shared_options import CHANGES
@@ -70,7 +70,8 @@ def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome 
     before: the last outcome that was not rejected; None if there is none.
     """
     from ..reports.baselines.compare import compare
-    from ..reports.baselines.files import BadCheck, path_for, read
+    from ..reports.baselines.files import BadCheck, path_for
+    from ..reports.baselines.files import read as read_baseline
     from ..reports.baselines.outcome import RejectedCase
 
     if isinstance(came, RejectedCase):
@@ -84,7 +85,7 @@ def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome 
         changed = [f"  {change}" for change in compare(before.figures, came.figures) if not change.note]
         say(*(changed or ["  no figure changed"]))
     try:
-        baseline = read(path_for(came.path))
+        baseline = read_baseline(path_for(came.path))
     except BadCheck as error:
         say(f"  {error}")
         return came
@@ -133,7 +134,7 @@ def files_of(case: Path) -> Iterator[Path]:
     yield case
     yield path_for(case)
     try:
-        tree = tomllib.loads(read_regular(case).decode("utf-8"))
-    except (OSError, ValueError):
+        _, tree = read(case, "case")
+    except BadCase:
         return
     yield from named_files(case.parent, texts_in(tree))

@@ -112,6 +112,18 @@ def test_junit_is_written_and_annotations_follow_the_table(periph_sim: Run, case
     assert (root.get("tests"), root.get("failures")) == ("4", "1")
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
+def test_an_output_replaces_no_file_of_a_case_that_a_worker_reads(periph_sim: Run, cases: Path, encoding: str):
+    put(cases, "other")
+    for case in cases.glob("*.toml"):
+        case.write_text(case.read_text(encoding="utf-8"), encoding=encoding)
+    firmware = cases / "other_firmware.py"
+    before = firmware.read_bytes()
+    came = periph_sim("check", "--jobs", "2", "--junit", str(firmware))
+    assert came.status == 2 and "found a file that this command reads" in came.err.replace("\n", " ")
+    assert firmware.read_bytes() == before
+
+
 @pytest.mark.parametrize(
     ("tolerance", "status"), [("4", 1), ("5", 0), ("4 cycles", 1), ("5 cycles", 0), ("33 ns", 1), ("34ns", 0)]
 )

@@ -86,3 +86,22 @@ def test_files_of_a_case_are_what_it_names_and_what_its_firmware_may_import(case
         (cases / name).touch()
     there = {file.as_posix() for file in files_of(cases / "small.toml") if file.exists()}
     assert there == {"timing/small.toml", "timing/fw/a.py", "timing/fw/b.py", "timing/set.toml"}
+
+
+def test_files_of_a_case_that_begins_with_a_byte_order_mark_are_those_without_it(cases: Path):
+    without = {*files_of(cases / "small.toml")}
+    text = (cases / "small.toml").read_text(encoding="utf-8")
+    (cases / "small.toml").write_text(text, encoding="utf-8-sig")
+    assert {*files_of(cases / "small.toml")} == without > {cases / "small_firmware.py"}
+
+
+def test_tables_that_are_nested_too_deeply_are_a_sentence_until_they_are_corrected(
+    periph_sim: Run, typing: Callable[..., None], cases: Path
+):
+    case = cases / "small.toml"
+    deep = f"deep = {'[' * 2000}{']' * 2000}\n"
+    text = case.read_text(encoding="utf-8")
+    case.write_text(deep + text, encoding="utf-8")
+    typing(lambda: edit(case, deep, ""))
+    came = periph_sim("watch", "timing/small.toml")
+    assert came.status == 0 and "nested too deeply" in came.out and "\nsmall: PASS" in came.out

@@ -47,7 +47,7 @@ def prove_with_table(
     """
     case = Path(job.file)
     with running_user_code():
-        note_inputs([case])
+        note_inputs([case], job.changes)
         with files_read() as read:
             loaded = load(case, list(job.changes))
             if jobs is not None and within is None and (loaded.host is None or loaded.controller is None):

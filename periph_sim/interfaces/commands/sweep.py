@@ -71,7 +71,7 @@ def sweep(
         fixed = {key.strip(): [value.strip()] for key, value in (_parts("--set", change) for change in changes)}
         for key in fixed.keys() & varied.keys():
             raise click.ClickException(f"--set and --vary both name {key}; remove one of them")
-        note_inputs([case])
+        note_inputs([case], [f"{key}={value}" for key, values in (fixed | varied).items() for value in values])
         unfinished = None if csv_file is None else outputs.enter_context(atomic_write(csv_file))
         stopped = ""
         with workers as executor, progress(case.stem) as on_progress:

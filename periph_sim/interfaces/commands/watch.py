@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from ...core.input_files import note_inputs_of
-from ...scene.case.load import CaseFile
+from ...scene.case.load import CaseFile, apply
 from ...scene.case.model import BadCase
 from ...scene.case.origin import named_files, texts_in
 from ...scene.case.toml_file import read
@@ -30,8 +31,8 @@ PAUSE = 0.3  # seconds between checks of the files; polling needs no library and
 def watch(case: Path, changes: tuple[str, ...]) -> int:
     """Run CASE again whenever one of its files changes, until Ctrl-C.
 
-    Its files are the case, every file that the case names, the files beside these that they may
-    import or include, and its baseline. After the first run, the figures that changed since the run
+    Its files are the case, every file that the case or --set names, the files beside these that they
+    may import or include, and its baseline. After the first run, the figures that changed since the run
     before are printed in place of the table of budgets.
     """
     from ..reports.baselines.outcome import run_case
@@ -41,9 +42,9 @@ def watch(case: Path, changes: tuple[str, ...]) -> int:
             _check_command_line(case, changes)
             before: Outcome | None = None
             while True:
-                seen = stamps(case)
+                seen = stamps(case, changes)
                 before = _print_run(run_case(case, changes), before)
-                while stamps(case) == seen:
+                while stamps(case, changes) == seen:
                     time.sleep(PAUSE)
     except KeyboardInterrupt:
         click.echo()
@@ -98,10 +99,10 @@ def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome 
 Stamps = dict[Path, tuple[int, int]]
 
 
-def stamps(case: Path) -> Stamps:
-    """Return a dictionary from each existing file of a case to its time of last change, in ns, and its size."""
+def stamps(case: Path, changes: Iterable[str] = ()) -> Stamps:
+    """Return a dictionary from each existing file of a changed case to its time of last change, in ns, and its size."""
     found: Stamps = {}
-    for file in {*files_of(case)}:
+    for file in {*files_of(case, changes)}:
         try:
             status = file.stat()
         except (OSError, ValueError):
@@ -110,31 +111,38 @@ def stamps(case: Path) -> Stamps:
     return found
 
 
-def note_inputs(cases: Iterable[Path], but_baselines: bool = False) -> None:
+def note_inputs(cases: Iterable[Path], changes: Sequence[str] = (), but_baselines: bool = False) -> None:
     """Register the files of these cases as inputs of the command. A command must not write to its inputs.
 
     Commands whose worker processes read the files call this function, because files are otherwise registered only
     in the process that reads them.
 
+    changes: the "key=value" texts that the command applies to the cases, together or in different runs.
     but_baselines: True to leave out the baselines of the cases, because the command writes them.
     """
     from ..reports.baselines.files import path_for
 
     for case in cases:
-        note_inputs_of(file for file in files_of(case) if not (but_baselines and file == path_for(case)))
+        files = files_of(case, changes)
+        note_inputs_of(file for file in files if not (but_baselines and file == path_for(case)))
 
 
-def files_of(case: Path) -> Iterator[Path]:
+def files_of(case: Path, changes: Iterable[str] = ()) -> Iterator[Path]:
     """Yield the paths of the case file, of its baseline, of files that the case names, and of files beside its sources.
 
     The files beside sources are those that the sources may import or include. A path need not exist.
+
+    changes: "key=value" texts. The files that their values name are files of the case, too.
     """
     from ..reports.baselines.files import path_for
 
     yield case
     yield path_for(case)
-    try:
-        _, tree = read(case, "case")
-    except BadCase:
-        return
-    yield from named_files(case.parent, texts_in(tree))
+    trees: list[dict[str, object]] = []
+    with suppress(BadCase):
+        trees.append(read(case, "case")[1])
+    for change in changes:
+        trees.append({})
+        with suppress(BadCase):
+            apply(trees[-1], change)
+    yield from named_files(case.parent, texts_in(trees))

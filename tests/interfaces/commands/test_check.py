@@ -124,6 +124,17 @@ def test_an_output_replaces_no_file_of_a_case_that_a_worker_reads(periph_sim: Ru
     assert firmware.read_bytes() == before
 
 
+def test_an_output_replaces_no_file_that_a_change_names(periph_sim: Run, cases: Path):
+    put(cases, "other")
+    put(Path("elsewhere"), "mine")
+    firmware = Path("elsewhere/mine_firmware.py")
+    before = firmware.read_bytes()
+    change = f"unit.dsp.firmware=../{firmware}"
+    came = periph_sim("check", "--jobs", "2", "--set", change, "--junit", str(firmware))
+    assert came.status == 2 and "found a file that this command reads" in came.err.replace("\n", " ")
+    assert firmware.read_bytes() == before
+
+
 @pytest.mark.parametrize(
     ("tolerance", "status"), [("4", 1), ("5", 0), ("4 cycles", 1), ("5 cycles", 0), ("33 ns", 1), ("34ns", 0)]
 )

@@ -64,6 +64,17 @@ def test_the_table_has_of_each_budget_the_run_that_was_nearest_to_its_limit(peri
     assert (came.status, came.err) == (1, "")
 
 
+def test_the_csv_file_replaces_no_firmware_that_vary_names(periph_sim: Run) -> None:
+    Path("others").mkdir()
+    other = Path("others/other.py")
+    other.write_text(FIRMWARE, encoding="utf-8")
+    came = periph_sim(
+        "sweep", "small.toml", "--jobs", "2", "--vary", f"unit.dsp.firmware=mine.py, {other}", "--csv", str(other)
+    )
+    assert came.status == 2 and "found a file that this command reads" in came.err.replace("\n", " ")
+    assert other.read_text(encoding="utf-8") == FIRMWARE
+
+
 def test_a_stopped_sweep_says_so_in_its_table_and_in_json(periph_sim: Run) -> None:
     interrupted = FIRMWARE.replace("    with", "    if settings.work > 2e-5: raise KeyboardInterrupt\n    with")
     Path("mine.py").write_text(interrupted, encoding="utf-8")

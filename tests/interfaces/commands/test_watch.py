@@ -105,3 +105,12 @@ def test_tables_that_are_nested_too_deeply_are_a_sentence_until_they_are_correct
     typing(lambda: edit(case, deep, ""))
     came = periph_sim("watch", "timing/small.toml")
     assert came.status == 0 and "nested too deeply" in came.out and "\nsmall: PASS" in came.out
+
+
+def test_files_of_a_changed_case_are_also_those_that_the_changes_name(cases: Path):
+    changes = ["unit.dsp.firmware=../fw/a.py", 'unit.dsp.settings.sensors = "../set.toml"', "no change", "seed=2"]
+    Path("fw").mkdir()
+    for name in ("fw/a.py", "fw/b.py", "set.toml"):
+        Path(name).touch()
+    added = {*files_of(cases / "small.toml", changes)} - {*files_of(cases / "small.toml")}
+    assert {file.as_posix() for file in added} == {"timing/../fw/a.py", "timing/../fw/b.py", "timing/../set.toml"}

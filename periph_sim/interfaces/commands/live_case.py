@@ -1,8 +1,7 @@
 """The case that `new --live` writes: it repeats a live session, and the log of the session drives the wires.
 
 case file, its changes --+
-log --> wires, duration -+--> case with [outside], and with new budgets if the case file has no [[budget]]
-                              and no [[serial.expect]]
+log --> wires, duration -+--> case with [outside], and with new budgets if the case has none
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from ...timing.verdict import NOT_JUDGED
 from ..reports.case_text import Tree, move_files, toml, usable_budgets
 from .command_frame import check_file_name
 
-MEASURES = (  # measures that become budgets if a case has no [[budget]] and no [[serial.expect]]
+MEASURES = (  # measures that become budgets if a case has no budgets
     *("overruns", "fifo high-water", "missed rounds", "nacked rounds", "nacked", "stretch", "response", "round"),
 )
 
@@ -52,18 +51,19 @@ def files_of(log: Path, given: str | None) -> tuple[dict[Path, str], Path]:
     _, tree = read(source, "case")
     for change in head.changes:
         apply(tree, change)
-    name = case_of(tree, source).name
+    case = case_of(tree, source)
     move_files(tree, source.parent, place.parent)
     if reader.unfinished:
         click.echo(reader.unfinished, err=True)
     tree |= {
         "name": place.name,
-        "about": f"The live session of {name}, driven from outside by {log.name}.",
+        "about": f"The live session of {case.name}, driven from outside by {log.name}.",
         "duration": f"{reader.end / head.ticks_per_second:.12f} s",
         "outside": {"wires": list(head.wires), "log": relpath(log, place.parent)},
     }
     target = place.with_name(f"{place.name}.toml")
-    if not tree.get("budget") and not tree.get("serial", {}).get("expect"):
+    # A [[budget]] that [outside] leaves out is only in the tree; a budget of another table only in the case.
+    if not tree.get("budget") and not case.budget:
         tree["budget"] = _as_seen(tree, target)
     return {target: toml(tree)}, target
 

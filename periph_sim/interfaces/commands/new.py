@@ -84,8 +84,9 @@ def new(
     NAME is the name of the files, with or without a folder: bench/thermometer. For image and c it
     is the path of the program; the command runs the program to find modules, pins and limits for a case in
     the present folder. With --example NAME is the folder of the copy. With --live the new case is the case of
-    the session, but the session's log replaces its [host] or [controller]. If that case has no [[budget]] and
-    no [[serial.expect]], the session's results become budgets. Existing files are never overwritten.
+    the session, but the session's log replaces its [host] or [controller]. If that case has no budgets
+    (also none by [[serial]] or [watch]), the session's results become budgets. Existing files are
+    never overwritten.
     """
     following: str | None = None
     notes: list[str] = []

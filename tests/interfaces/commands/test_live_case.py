@@ -62,6 +62,31 @@ def test_a_case_keeps_its_budgets_but_those_of_its_host(periph_sim: Run, tmp_pat
     assert after.outside is not None and after.outside.wires == ("RX",)
 
 
+LED = """
+pins = { led = 34 }
+[watch.led]
+kind = "blink"
+wire = "led"
+rate = "1 kHz"
+tolerance = "1 us"
+"""
+SILENCE = """
+pins = { other = 16, receive = 28 }
+[serial]
+send = [{ name = "quiet", to = "SCI-B", text = "x", at = "1 ms", expect = "nothing", within = "1 ms" }]
+"""
+
+
+@pytest.mark.parametrize(("table", "name"), [(LED, "led"), (SILENCE, "quiet")], ids=["watch", "silence"])
+def test_a_budget_of_another_table_is_the_only_one(periph_sim: Run, tmp_path: Path, table: str, name: str) -> None:
+    case, log = written(tmp_path), tmp_path / "live.jsonl"
+    case.write_text(case.read_text().replace('["SCI-A"]\n', f'["SCI-A", "SCI-B", "GPIO"]{table}'))
+    live(case, log, b"hello")
+    came = periph_sim("new", "--live", str(log))
+    assert came.status == 0, came.err
+    assert [budget.name for budget in load(tmp_path / "echo_live.toml").budget] == [name]
+
+
 @pytest.mark.parametrize("file", sorted((ROOT / "timing").glob("*.toml")), ids=lambda file: file.stem)
 def test_a_tree_is_written_as_it_is_read(file: Path) -> None:
     tree = tomllib.loads(file.read_text(encoding="utf-8")) | {

@@ -8,18 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
+from itertools import zip_longest
+from operator import itemgetter
 from pathlib import Path
 
 import click
-import numpy as np
 
 from ...core.input_files import is_same_file
 from ...core.phrases import counted, did_you_mean
 from ...records.recording import format_of, recording_formats, rewrite
 from ...traces import formats
-from ...traces.capture.capture import window_of, with_channels, within
+from ...traces.capture.capture import Channel, window_of, with_channels, within
 from ...traces.capture.sampling import rate_text, resampled
-from ...traces.formats import BadCapture, psr
+from ...traces.formats import BadCapture, psr, vcd
 from .command_frame import command, rate_given, read_capture, usage_errors_in_one_sentence
 from .shared_options import RATE, SALVAGE
 
@@ -115,11 +116,30 @@ def _not_kept(ready: formats.Capture, out: Path) -> Iterator[str]:
     ):
         return
     again = formats.read(out, ready.rate)
-    kept = {channel.name: channel for channel in again.channels}
-    for index, channel in enumerate(ready.channels):
-        same = kept.get(channel.name) or (again.channels[index] if index < len(again.channels) else None)
-        if same is None or not np.array_equal(same.edges, channel.edges) or same.initial != channel.initial:
-            found = f"other edges of {channel.name} than in {ready.path}"
+    for channel, same in zip_longest(*_in_equal_order(ready, again)):
+        if channel is None or same is None or _content(same) != _content(channel):
+            found = f"other edges of {(channel or same).name} than in {ready.path}"
             raise BadCapture(out, "reading it again", found, "the same", "report this with both files")
     if again.length != ready.length:
         yield f"the end: {again.length} positions instead of {ready.length}"
+
+
+def _in_equal_order(ready: formats.Capture, again: formats.Capture) -> tuple[list[Channel], list[Channel]]:
+    """Return the channels of a capture and of the file in which it was written, both in order of the names in the file.
+
+    Formats with scopes change names and the order of channels. Channels with equal names are in the order of the file.
+    If the reader has also changed names, the channels are in order of their levels and edges.
+    """
+    names = [channel.name for channel in again.channels]
+    for own in ([channel.name for channel in ready.channels], vcd.channel_names(ready)):
+        if sorted(own) == sorted(names):
+            return _sorted_by(own, ready), _sorted_by(names, again)
+    return sorted(ready.channels, key=_content), sorted(again.channels, key=_content)
+
+
+def _sorted_by(names: list[str], capture: formats.Capture) -> list[Channel]:
+    return [channel for _, channel in sorted(zip(names, capture.channels, strict=True), key=itemgetter(0))]
+
+
+def _content(channel: Channel) -> tuple[int, bytes]:
+    return channel.initial, channel.edges.tobytes()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 
 from periph_sim.traces import formats
 from periph_sim.traces.decode import i2c, uart
+from periph_sim.traces.formats import saleae_csv
 from tests.interfaces.commands.conftest import Run
 from tests.traces.formats.looks import edges, facts
 
@@ -125,6 +127,38 @@ def test_what_is_not_kept_is_told(periph_sim: Run, desk: Path):
     came = periph_sim("convert", "gap.csv", "gap.sr")
     assert came.out.count("note: ") == 1
     assert "note: a session has no unknown levels: those of My SDA are written as the level before them" in came.out
+
+
+@pytest.mark.parametrize("suffix", [".vcd", ".fst", ".csv", ".sr", ".psr"])
+@pytest.mark.parametrize(
+    "names",
+    [
+        "A,A,A_2",
+        "a b,a_b,a_b",
+        "bus.SDA,RX,bus.SCL",  # .vcd and .fst declare RX first
+        "bus.D[3],RX,bus.D[2]",  # .fst is read with other indices
+        "x.y,,x",  # an empty name gets a number
+    ],
+)
+def test_channels_whose_names_or_order_a_format_changes_are_kept(periph_sim: Run, desk: Path, names: str, suffix: str):
+    rows = [f"Time [s],{names}", "0.000,0,0,1", "0.001,1,0,1", "0.002,1,1,1", "0.003,0,0,0", "0.004,0,1,0"]
+    Path("given.csv").write_text("\n".join(rows) + "\n")
+    came = periph_sim("convert", "given.csv", f"out{suffix}")
+    assert (came.status, came.err) == (0, "")
+
+
+@pytest.mark.parametrize("names", ["A,B", "A,A"])
+def test_edges_that_a_writer_swaps_are_an_error(periph_sim: Run, desk: Path, monkeypatch, names: str):
+    Path("given.csv").write_text(f"Time [s],{names}\n0.000,0,0\n0.001,1,0\n0.002,1,1\n0.003,1,1\n")
+    write = saleae_csv.write
+
+    def swapped(capture: formats.Capture, path: Path) -> tuple[str, ...]:
+        one, two = capture.channels
+        return write(replace(capture, channels=(replace(two, name=one.name), replace(one, name=two.name))), path)
+
+    monkeypatch.setattr(saleae_csv, "write", swapped)
+    came = periph_sim("convert", "given.csv", "out.csv")
+    assert came.status == 2 and "found other edges of A than in given.csv" in came.err.replace("\n", " ")
 
 
 @pytest.mark.parametrize(

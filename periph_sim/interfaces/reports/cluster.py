@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, closing, contextmanager, suppress
+from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 from platform import python_version
@@ -73,8 +74,8 @@ class ClusterExecutor(Executor):
         self._watch.start()
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Start a call in a process that serves calls of this executor only. Keyword arguments are not passed on."""
-        return self._submit(fn, args, is_alone=False)
+        """Start a call in a process that serves calls of this executor only."""
+        return self._submit(partial(fn, **kwargs), args, is_alone=False)
 
     def submit_alone(self, fn: Callable[..., T], /, *args: object) -> Future[T]:
         """Start a call in a new process, which makes no other call."""

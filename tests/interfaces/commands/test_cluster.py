@@ -12,11 +12,13 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from platform import python_version
 from threading import Event, Thread, Timer
+from types import SimpleNamespace
 
 import pytest
 
@@ -222,6 +224,29 @@ def test_a_worker_with_another_python_is_refused() -> None:
     session = Session("", "", {}, "3.9.1", of.package_digest())
     assert cluster_worker._why_refused(session).endswith(", and this command runs in Python 3.9.1; use the same")
     assert not cluster_worker._why_refused(replace(session, python=python_version()))
+
+
+class OneThread:
+    """A client of Dask whose scheduler and worker are a thread of this process."""
+
+    scheduler = SimpleNamespace(ncores=None)
+
+    def get_executor(self, pure: bool) -> ThreadPoolExecutor:
+        self.pool = ThreadPoolExecutor(1)
+        return self.pool
+
+    def sync(self, call: object, callback_timeout: float) -> dict[str, int]:
+        return {"here": 1}
+
+    def close(self, timeout: float) -> None:
+        self.pool.shutdown()
+
+
+def test_a_call_gets_all_its_arguments() -> None:
+    with closing(of.ClusterExecutor(OneThread(), "here")) as executor:
+        assert executor.submit(sorted, [1, 3, 2], reverse=True).result(MOST) == [3, 2, 1]
+        assert executor.submit(sorted, [1, 3, 2]).result(MOST) == [1, 2, 3]
+        assert [*executor.map(pow, [2, 3], [3, 2])] == [8, 9]
 
 
 @contextmanager

@@ -1,4 +1,7 @@
-"""Options that several commands have, each with the same meaning in all of them."""
+"""Options that several commands have, each with the same meaning in all of them.
+
+`replay` accepts fewer values of --frame than the other commands, because captures are decoded without mark and space.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +57,11 @@ MAP = click.option(
     "--map", "mapping", metavar="LINE=CHANNEL,...", help="Channels of the lines, by name or index: scl=0,sda=1 or rx=0."
 )
 EIGHT_BITS = "8n1"  # the default of --frame
-FRAME = click.option("--frame", metavar="FRAME", help="Data bits, parity n, o, e, m or s, and stop bits.  [8n1]")
+FRAME = click.option(
+    "--frame",
+    metavar="FRAME",
+    help="Data bits, parity n, o, e, m or s (replay: n, o or e), and stop bits.  [8n1]",
+)
 SVG = click.option(
     "--svg",
     type=click.Path(path_type=Path),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from pathlib import Path
 
@@ -10,6 +11,9 @@ import pytest
 
 from periph_sim.cli import cli
 from periph_sim.interfaces.commands.command_frame import Command
+from periph_sim.outside.serial_line import parts_of_format
+from periph_sim.replay import BadReplay
+from periph_sim.replay.uart import line_format
 from tests.interfaces.commands.conftest import Run
 
 COMMANDS: dict[str, click.Command] = {
@@ -44,6 +48,19 @@ def test_these_options_have_one_help(option: str):
     options = [one for command in COMMANDS.values() for one in command.params if isinstance(one, click.Option)]
     helps = {one.help for one in options if option in one.opts}
     assert len(helps) == 1
+
+
+def test_the_help_of_frame_names_the_parities_that_each_command_accepts():
+    (frame,) = (one for one in COMMANDS["replay"].params if "--frame" in one.opts)
+    assert isinstance(frame, click.Option) and frame.help is not None
+    everywhere, in_replay = re.findall(r"((?:\w, )+\w or \w)", frame.help)
+    for parity in "noems":
+        assert parts_of_format(f"8{parity}1") == (8, parity, 1) and parity in re.findall(r"\b\w\b", everywhere)
+        if parity in re.findall(r"\b\w\b", in_replay):
+            assert line_format(115200, f"8{parity}1").bits == 8
+        else:
+            with pytest.raises(BadReplay):
+                line_format(115200, f"8{parity}1")
 
 
 @pytest.mark.parametrize(("name", "old", "new"), FORMER)

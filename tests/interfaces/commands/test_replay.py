@@ -129,6 +129,7 @@ def test_a_recording_of_the_replay(periph_sim: Run, tmp_path):
     [
         (["--map", "rx=4"], "there is no channel '4'; it has RX"),
         (["--baud", "115200", "--frame", "9n1"], "'9n1' is no line format; expected data bits 1 to 8"),
+        (["--baud", "115200", "--frame", "8m1"], "'8m1' is no line format; expected data bits 1 to 8, n, o or e, and"),
         (["--baud", "900000"], "samples a bit at 900000 baud; expected at least 2"),
         (["--first", "3"], "--first is for I2C captures; this one is not mapped so"),
         (["--frame", "8n1"], "--frame needs --baud"),

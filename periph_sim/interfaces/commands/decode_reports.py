@@ -129,8 +129,10 @@ def glitch_notes(buses: Sequence[Bus], capture: Capture, shortest: int | None) -
 
     shortest: as for `glitches`.
 
-    Raise ClickException if this width is unknown, because the capture has no sample rate, or if it is 0.
+    Raise ClickException if this width is unknown, because the capture has no sample rate, or if `shortest` is 0.
     """
+    if shortest == 0:
+        raise click.ClickException("--glitches with --glitch 0: no pulse is shorter; give --glitch a greater width")
     notes = []
     for bus in buses:
         limit = bus.glitch if shortest is None else shortest

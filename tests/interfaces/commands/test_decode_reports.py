@@ -289,6 +289,13 @@ def test_glitches_of_a_serial_line_are_shorter_than_half_a_bit(periph_sim: Run):
             "--counts and --glitches print their rows as table, csv or json; leave out --transfers, --chip and --case",
         ),
         (["--glitches", "--nacked"], "--glitches lists pulses of lines; leave out --address, --nacked and --first"),
+        *(
+            (
+                ["--glitches", "--glitch", width],
+                "--glitches with --glitch 0: no pulse is shorter; give --glitch a greater width",
+            )
+            for width in ("0ns", "0")
+        ),
         (["--address", "0x400"], "--address: '0x400' is no 10-bit address; expected 0 to 0x3FF, right-aligned"),
     ],
 )

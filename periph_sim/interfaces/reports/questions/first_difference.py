@@ -9,6 +9,7 @@ later, and not as missing.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
@@ -17,6 +18,7 @@ from ....core.records import Kind, Record
 from ....processor.user_code import output_muted
 from ....records.record_text import happened_where
 from ....scene.prepared import PreparedScene
+from ....scene.scene import Scene
 from .. import REFUSED
 from ..baselines.event_chain import numbered
 from .covered_rows import CoveredResult
@@ -54,17 +56,20 @@ class FirstDifference(NamedTuple):
 class _RecordedRun:
     """A run that is made a slice at a time.
 
+    scene: the scene of the run; None if it cannot be built. The run then has no records.
     records: the records after the last slice in which the records of both runs were equal.
     """
 
     def __init__(self, prepared: PreparedScene, changes: Sequence[str]) -> None:
         self.records: list[Record] = []
-        self.scene = prepared.scene(changes, lambda recorder, _: recorder.subscribe(KINDS, self.records.append))
+        self.scene: Scene | None = None
+        with suppress(*REFUSED):
+            self.scene = prepared.scene(changes, lambda recorder, _: recorder.subscribe(KINDS, self.records.append))
         self._ended = False
 
     def advance(self, seconds: Fraction) -> None:
         """Run up to a time from the start. A run whose firmware fails goes no further."""
-        if not self._ended:
+        if self.scene is not None and not self._ended:
             try:
                 self.scene.advance(self.scene.start + self.scene.timebase.ticks(seconds, "nearest"))
             except REFUSED:
@@ -107,6 +112,8 @@ def first_difference(
 ) -> FirstDifference | None:
     """Run a case with two lists of "key=value" texts up to the first difference; None if there is none.
 
+    A run whose scene cannot be built has no events.
+
     length: the duration of the runs in seconds.
     """
     runs = base, other = _RecordedRun(prepared, before), _RecordedRun(prepared, answers)
@@ -133,7 +140,9 @@ def _content(record: Record) -> tuple[object, ...]:
 
 def _earliest(base: _RecordedRun, other: _RecordedRun, first: int) -> FirstDifference | None:
     """Return the earliest event that differs. The records are compared from index `first` on."""
-    start, timebase = base.scene.start, base.scene.timebase
+    scene = other.scene if base.scene is None else base.scene
+    assert scene is not None  # otherwise, there is no record that differs
+    start, timebase = scene.start, scene.timebase
     one, two = base.occurrences(first), other.occurrences(first)
     apart = [key for key in {**one, **two} if one.get(key) != two.get(key)]
     if not apart:

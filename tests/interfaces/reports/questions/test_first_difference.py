@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -14,7 +16,9 @@ from periph_sim.interfaces.reports.questions.first_difference import (
     first_difference,
     first_differences,
 )
+from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.prepared import PreparedScene
+from periph_sim.scene.scene import Scene
 from tests.interfaces.reports.questions.small import FIRMWARE, LENGTH, explored, written
 
 SYSTEM = "unit.dsp.options.system"
@@ -78,6 +82,33 @@ def test_firmware_that_fails_ends_the_comparison(tmp_path: Path) -> None:
     fails = FIRMWARE.replace("sci.SCILBAUD.all = 7", "raise ValueError('no')")
     came = compared(written(tmp_path, firmware=fails), GATE)
     assert came is not None and came.other is not None and "SCIHBAUD" in came.other.text
+
+
+def test_a_run_that_cannot_be_built_has_no_event(tmp_path: Path) -> None:
+    gone = "unit.dsp.firmware=gone.py"
+    came = compared(written(tmp_path), gone)
+    assert came is not None and came.base is not None and came.other is None
+    assert compared(tmp_path / "small.toml", before=(gone,)) == FirstDifference(None, came.base)
+    assert compared(tmp_path / "small.toml", gone, before=(gone,)) is None
+
+
+def test_the_other_runs_are_compared_though_one_cannot_be_built(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The answer of the question about the clock gate is one with which no scene can be built."""
+    build = PreparedScene.scene
+
+    def refusing(self: PreparedScene, changes: Sequence[str] = (), *others: Any) -> Scene:
+        if GATE in changes:
+            raise BadCase("no such scene")
+        return build(self, changes, *others)
+
+    monkeypatch.setattr(PreparedScene, "scene", refusing)
+    file = written(tmp_path)
+    came = explored(file, "budget.work.max=183.333 ns")
+    found = first_differences(file, ["budget.work.max=183.333 ns"], LENGTH, came.attempts, dependences(came))
+    alone = [attempt.answers[0].change if len(attempt.answers) == 1 else "" for attempt in came.attempts]
+    assert found[alone.index(GATE)] is not None and len(found) == 3
 
 
 def test_a_pair_is_compared_with_its_first_answer_and_the_number_is_limited(

@@ -123,24 +123,27 @@ STOPPED = "it was not run to its end, because the check was stopped"
 
 
 def case_files(paths: Iterable[Path | str]) -> list[Path]:
-    """Return the case files at these paths, each path once. A folder is replaced by all cases below it.
+    """Return the case files at these paths, each once, by its first path. A folder is replaced by all cases below it.
+
+    A link to a case is a case of its own, because it has its own name and baseline.
 
     Raise BadCheck if a path does not exist or a folder contains no case.
     """
-    found: dict[Path, None] = {}
+    found: dict[Path, Path] = {}  # from each case, as a path without links to folders, to its first path
     for path in map(Path, paths):
         if path.is_dir():
             inside = list(cases_below(path))
             if not inside:
                 expected = "expected .toml files with a [unit.NAME], [controller] or [[budget]] table"
                 raise BadCheck(f"{path}: it contains no case; {expected}")
-            found |= dict.fromkeys(inside)
         elif path.exists():
-            found[path] = None
+            inside = [path]
         else:
             hint = similar_file(path) or "give case files, or folders of them"
             raise BadCheck(f"{path}: there is no such file or folder; {hint}")
-    return list(found)
+        for case in inside:
+            found.setdefault(case.parent.resolve() / case.name, case)
+    return [*found.values()]
 
 
 def check(

@@ -312,6 +312,17 @@ def test_cases_of_sub_folders_are_found_among_files_that_are_none(tmp_path: Path
     assert case_files([Path(".")]) == [Path("timing/timing.toml"), Path("timing/slow/timing_slow.toml")]
 
 
+def test_a_case_that_is_given_by_several_paths_is_checked_once(cases: Path):
+    case = cases / "small.toml"
+    (cases / "sub").mkdir()
+    (cases / "link").symlink_to(cases.absolute())
+    others = [cases / "sub" / ".." / "small.toml", cases / "link" / "small.toml", case.absolute(), cases]
+    assert case_files([case, *others]) == [case]
+    assert case_files([*others, case]) == others[:1]
+    (cases / "other.toml").symlink_to(case.absolute())  # has a baseline of its own
+    assert case_files([case, cases / "other.toml"]) == [case, cases / "other.toml"]
+
+
 def test_a_case_of_broken_toml_is_found_and_not_passed_over(cases: Path):
     (cases / "bad.toml").write_text("[unit.dsp\nfirmware = ", encoding="utf-8")
     assert cases / "bad.toml" in case_files([cases])

@@ -212,14 +212,13 @@ class I2cRegisters(I2cRequests):
         self.set(now, STR_RRDY)
 
     def read_drr(self, now: int) -> int:
-        if self.fifo:
+        if self.fifo and self.rx_fifo:
+            self.drr = self.rx_fifo.pop()
             if self.rx_fifo:
-                self.drr = self.rx_fifo.pop()
-                if self.rx_fifo:
-                    self.loaded |= RECEIVED
-                else:
-                    self.str &= ~STR_RRDY
-                self.fifo_levels(now)
+                self.loaded |= RECEIVED
+            else:
+                self.str &= ~STR_RRDY
+            self.fifo_levels(now)
         else:
             self.drr_unread = False
             self.str &= ~STR_RRDY

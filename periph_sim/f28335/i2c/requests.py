@@ -7,7 +7,8 @@ Source: SPRUG03B sections 3, 5.11, 5.12, Tables 3, 9, 10, 11, 21, 22.
 
 Chosen:
 - If a flag is cleared before the code of its request is loaded, the request is dropped.
-- In FIFO mode XRDY = 1 if the TX FIFO has room. A received byte sets RRDY; a read that empties the RX FIFO clears it.
+- In FIFO mode XRDY = 1 if the TX FIFO has room. A received byte sets RRDY. A read of I2CDRR clears RRDY if the RX FIFO
+  is then empty. RXFFRST = 0 and I2CFFEN do not change RRDY, so it can be 1 while the RX FIFO is empty.
 - While a reset bit holds a FIFO empty, the interrupt flag of the FIFO is not set.
 - Setting the enable bit of a FIFO interrupt while its flag is 1 requests the interrupt at once, even with FFEN = 0.
   Setting FFEN while flag and enable bit are 1 does not.

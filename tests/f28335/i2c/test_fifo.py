@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ..i2c_registers import FFEN, FFIENA, FFINT, FFINTCLR, FFRST, INT2, IRS
+from ..i2c_registers import FFEN, FFIENA, FFINT, FFINTCLR, FFRST, INT2, IRS, RRDY
 from ..i2c_rig import BIT, OWN, Rig
 
 SOON = 20
@@ -128,6 +128,25 @@ def test_rxffrst_0_empties_the_receive_fifo_and_keeps_it_empty():
     rig.send(4)
     assert count(rig, "RX") == 1
     assert rig.read("I2CDRR") == 4
+
+
+@pytest.mark.rule("I2C-240", "I2C-241", "I2C-298")
+@pytest.mark.parametrize("cleared", ["by a read of I2CDRR", "by writing 1"])
+def test_rxffrst_0_leaves_rrdy_which_a_read_of_i2cdrr_clears_even_with_the_fifo_empty(cleared: str):
+    rig = fifos()
+    rig.address()
+    rig.send(1)
+    rig.send(2)
+    rig.write("I2CFFRX", 0)
+    rig.write("I2CFFRX", FFRST)
+    assert (count(rig, "RX"), rig.flag("RRDY")) == (0, 1)
+    if cleared == "by writing 1":
+        rig.write("I2CSTR", RRDY)
+    else:
+        rig.read("I2CDRR")
+    assert rig.flag("RRDY") == 0
+    rig.send(3)
+    assert (count(rig, "RX"), rig.flag("RRDY"), rig.read("I2CDRR"), rig.flag("RRDY")) == (1, 1, 3, 0)
 
 
 # The flags

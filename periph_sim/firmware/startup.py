@@ -78,15 +78,15 @@ def sci_fifo_receiver(dsp: Dsp, brr: int, level: int, sciccr: int = 0x07) -> Non
 def start_pie(dsp: Dsp, handlers: dict[str, Callable[[], None]]) -> None:
     """Enable the PIE, the interrupts named in `handlers`, and then interrupts as a whole (EINT).
 
-    handlers: a dictionary from names of interrupts in the groups of the PIE, such as "TINT0", to service routines.
+    handlers: a dictionary from names of maskable interrupts, such as "TINT0" or "INT14", to service routines.
     """
     pie = dsp.module("PIE")
     pie.PIECTRL.ENPIE = 1
     # PIEACK is cleared before any line is enabled in PIEIER. In the other order, a pending request could cause two
     # pulses on INTx: the first when its line is enabled, and the second when PIEACK, set by the first, is cleared.
     pie.PIEACK.all = 0xFFF
-    for name, handler in handlers.items():
-        group, line = dsp.handle(name, handler)
-        setattr(pie[f"PIEIER{group}"], f"INTx{line}", 1)
+    for group, line in [dsp.handle(name, handler) for name, handler in handlers.items()]:
+        if line:  # 0 for INT13 and above, which do not pass through the PIE
+            setattr(pie[f"PIEIER{group}"], f"INTx{line}", 1)
         dsp.enable_interrupt(group)
     dsp.eint()

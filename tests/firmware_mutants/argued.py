@@ -116,6 +116,8 @@ OF_THE_PUBLISHED = (
     ),
 )
 
+OF_EACH_INTERRUPT = "for group, line in [dsp.handle(name, handler) for name, handler in handlers.items()]:"
+
 OF_THE_START = (
     Argument(
         "every case of these firmwares has a GPIO module",
@@ -233,9 +235,9 @@ OF_THE_START = (
         "asks for one within it",
         (
             "start_pie: moved past pie.PIEACK.all = 4095: pie.PIECTRL.ENPIE = 1",
-            "start_pie: moved past for name, handler in handlers.items():: pie.PIEACK.all = 4095",
-            "start_pie: moved past dsp.enable_interrupt(group): setattr(pie[f'PIEIER{group}'], f'INTx{line}', 1)",
-            "start_pie: moved past dsp.eint(): for name, handler in handlers.items():",
+            f"start_pie: moved past {OF_EACH_INTERRUPT}: pie.PIEACK.all = 4095",
+            "start_pie: moved past dsp.enable_interrupt(group): if line:",
+            f"start_pie: moved past dsp.eint(): {OF_EACH_INTERRUPT}",
         ),
         ("SYS-151",),
     ),

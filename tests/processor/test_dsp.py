@@ -153,6 +153,28 @@ def test_an_interrupt_that_is_pending_at_the_start_up_is_taken_once():
     assert len(entered) == 1
 
 
+@pytest.mark.parametrize(("timer", "name"), [("TIMER0", "TINT0"), ("TIMER1", "INT13"), ("TIMER2", "INT14")])
+def test_start_pie_enables_an_interrupt_in_a_group_of_the_pie_or_outside_of_them(timer: str, name: str):
+    dsp, kernel, _ = unit(timer)
+    entered: list[int] = []
+
+    def main() -> None:
+        dsp.module(timer).PRD.all = 3000
+        start_pie(dsp, {name: lambda: entered.append(dsp.cpu.cycle)})
+        dsp.module(timer).TCR.all = 0x4020  # TIE, TRB
+        dsp.compute(4000)
+
+    run(dsp, kernel, main)
+    assert entered
+
+
+def test_start_pie_refuses_an_interrupt_without_a_bit_in_ier():
+    dsp, kernel, _ = unit()
+    dsp.start(lambda: start_pie(dsp, {"NMI": lambda: None}))
+    with pytest.raises(FirmwareError, match="18 does not name a CPU interrupt; expected a number from 1 to 16"):
+        kernel.run_until(1000)
+
+
 def test_pieack_after_pieier_requests_a_second_time_and_the_error_says_so():
     dsp, kernel, _ = unit("SCI-B")
 

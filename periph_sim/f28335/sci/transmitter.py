@@ -10,7 +10,7 @@ Chosen, where the manual is silent:
 - TXWAKE works in FIFO mode as in standard mode: it applies to the next word that is loaded into TXSHF.
 - A word that is written less than FFTXDLY after the end of the previous word waits for the rest of FFTXDLY.
 - SCIFFENA selects whether words are sent from the FIFO or from SCITXBUF. When it changes, both keep their words. A
-  write in FIFO mode then replaces a word that waits in SCITXBUF.
+  word that waits in SCITXBUF stays there in FIFO mode: writes add words to the FIFO only.
 - Words written to the FIFO while SW RESET = 0 wait. So do words written while SCIRST = 0, if scirst_scope = "shifters".
 - If SW RESET sets TXRDY to 1, TXINT is not requested.
 - TXFIFOXRESET = 0 does not prevent TXFFINT: the FIFO is empty then, so TXFFST <= TXFFIL for every TXFFIL.
@@ -290,6 +290,8 @@ class SciTx:
         self._txbuf_mark, self.txbuf = self.mark, value & 0xFF
         if self.fifo_mode:
             self._to_fifo()
+            if self._waiting:
+                self._txbuf_mark, self.txbuf = before
         elif self.in_swreset and self.options.txbuf_write_in_swreset.assume(self.touched) == "lost":
             self.lost.append(f"SCITXBUF was written {value & 0xFF:#04x} while SW RESET = 0: the character is lost")
             return

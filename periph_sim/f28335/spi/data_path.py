@@ -11,10 +11,12 @@
 With CLK_PHASE = 1 the first bit is at the output before the first edge of SPICLK (`present`).
 
 Chosen, where the manual is silent:
-- A read of SPITXBUF returns the word last written, even after this word has moved to SPIDAT, unless the option
-  `txbuf_write_when_full` has ignored it.
 - SPIFFENA selects whether words pass through the FIFOs or through SPITXBUF and SPIRXBUF alone. When it changes,
-  SPITXBUF and the FIFOs keep their words. A write in FIFO mode then replaces a word that waits in SPITXBUF.
+  SPITXBUF and the FIFOs keep their words. A word that waits in SPITXBUF stays there in FIFO mode: writes add words to
+  the transmit FIFO only.
+- A read of SPITXBUF returns the word last written, even after this word has moved to SPIDAT or to the FIFO. This does
+  not include writes that leave a waiting word in SPITXBUF: those in FIFO mode, and those that the option
+  `txbuf_write_when_full` ignores.
 - A word read from the receive FIFO stays in SPIRXBUF.
 - While a reset bit holds a FIFO empty, the interrupt flag of the FIFO is not set.
 - Setting an enable bit that the present mode uses requests the interrupt at once if its flag (not RXFFOVF) is 1.
@@ -147,6 +149,8 @@ class TransmitBuffer:
         before, self.txbuf = self.txbuf, value
         if self.fifo.on:
             self._write_fifo(value)
+            if self.full:
+                self.txbuf = before
         elif not enabled:
             self.lost.append(f"SPITXBUF was written {value:#06x} while a reset holds the SPI: the character is lost")
         elif self.full:

@@ -54,6 +54,19 @@ def test_fifo_mode_can_be_left_again():
     assert rig.transmit(0x4B, 10) == frame(0x4B)
 
 
+@pytest.mark.rule("SCI-148")
+def test_scitxbuf_and_the_fifo_keep_their_words_when_sciffena_changes():
+    rig = SciRig(fifo=True, SCIFFENA=0, TXENA=0).check("""
+        > SCITXBUF  .  5  .  3  .  .  .........  .  .........
+        > SCIFFENA  .  .  1  .  0  .  .........  1  .........
+        > TXENA     .  .  .  .  .  1  .........  .  .........
+        < TXFFST    0  .  .  1  .  .  .........  0  .........
+        < TXRDY     1  0  1  .  0  1  .........  .  .........
+        < TXD       1  .  .  .  .  0  1010....1  0  1.0.....1
+    """)
+    assert rig.notes("lost") == []
+
+
 @pytest.mark.rule("SCI-149", "SCI-150", "SCI-152")
 def test_the_transmit_fifo_holds_sixteen_words():
     rig = SciRig(fifo=True, TXENA=0)

@@ -46,6 +46,19 @@ def test_fifo_mode_can_be_left_and_entered_again():
     assert [word & 0xF for word in rig.received()] == [1, 2]
 
 
+@pytest.mark.rule("SPI-058")
+def test_spitxbuf_and_the_fifo_keep_their_words_when_spiffena_changes():
+    rig = SpiRig({}, SLAVE, SPIRST=1, TXFIFO=1)
+    rig.write("SPITXBUF", 0x3300)  # goes on to SPIDAT
+    rig.write("SPITXBUF", 0x5500)
+    rig.set(SPIFFENA=1)
+    rig.write("SPITXBUF", 0xFF00)
+    assert (rig.get("TXFFST"), rig.get("BUFFULL_FLAG"), rig.read("SPITXBUF")) == (1, 0, 0x5500)
+    rig.set(SPIFFENA=0)
+    assert (rig.get("TXFFST"), rig.get("BUFFULL_FLAG"), rig.read("SPITXBUF")) == (1, 1, 0x5500)
+    assert rig.notes("lost") == []
+
+
 @pytest.mark.rule("SPI-059", "SPI-061")
 def test_sixteen_words_fit_beside_the_one_in_spidat():
     rig = SpiRig(fifo=True)

@@ -12,8 +12,8 @@ Chosen, where the manual is silent:
 - rx_int_extra delays every receive request that the line causes, including those of breaks and errors. A request that a
   CPU access causes is immediate.
 - When the debugger halts the CPU with FREE = 0 and SOFT = 1, each direction completes its frame in progress. Then its
-  clock stops. In the receiver, a frame is in progress after its start bit was accepted. With SOFT = 0 both clocks stop
-  at once.
+  clock stops. In the receiver, a frame is in progress after its start bit was accepted, until it is complete or a break
+  drops it. With SOFT = 0 both clocks stop at once.
 - In autobaud three things happen in the same cycle, after 7/8 of the stop bit: the character is received, ABD is set,
   and the baud divider is set.
 
@@ -264,9 +264,6 @@ class SciLines(Chip):
                 if bits.address and not self._layout.address:
                     self.options.rxwake_idle_point.assume(self.touched)
                 self._move(at, bits.word, bits.address)
-                if self._rx_stopping:
-                    self._rx_stopping = False
-                    self._rx_clock.stop(at)
             elif event == IDLE:
                 if self.options.rxwake_idle_point.assume(self.touched) == "tenth_bit" and self._rx.enabled:
                     self._rx.status |= ST_RXWAKE
@@ -274,6 +271,9 @@ class SciLines(Chip):
                 if self._rx.line_break() and self.options.rx_after_break.assume(self.touched) == "blocked":
                     bits.close()
                 self._request_rx(at)
+            if self._rx_stopping and event in (FRAME, BREAK):  # a break drops the frame in progress
+                self._rx_stopping = False
+                self._rx_clock.stop(at)
         if bits.short_break:
             bits.short_break = False
             if self._rx.enabled:

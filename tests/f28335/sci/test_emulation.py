@@ -44,6 +44,19 @@ def test_soft_1_finishes_the_character_that_is_received():
     """)
 
 
+@pytest.mark.rule("SCI-210")
+def test_soft_1_stops_the_receiver_when_a_break_drops_the_frame_in_progress():
+    """The line is 1 for one SCICLK in the address bit of a frame without stop bit. The next frame begins there."""
+    rig = SciRig({"rx_after_break": "next_high"}, fifo=True, ADDRIDLE_MODE=1, SOFT=1, FREE=0)
+    rig.send_samples("0" * 78 + "1" + "0" * 20)
+    assert rig.flags("RXFFST", "BRKDT") == {"RXFFST": 1, "BRKDT": 0}
+    rig.chip.suspend(rig.now, True)
+    rig.send("0" * 12 + "1" * 3)
+    assert rig.flags("RXFFST", "BRKDT") == {"RXFFST": 1, "BRKDT": 1}
+    rig.send(frame(0x4B, address=0) + "1")
+    assert rig.get("RXFFST") == 1
+
+
 @pytest.mark.rule("SCI-211")
 @pytest.mark.parametrize("soft", [0, 1])
 def test_free_1_runs_on(soft):

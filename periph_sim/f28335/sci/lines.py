@@ -14,6 +14,8 @@ Chosen, where the manual is silent:
 - When the debugger halts the CPU with FREE = 0 and SOFT = 1, each direction completes its frame in progress. Then its
   clock stops. In the receiver, a frame is in progress after its start bit was accepted, until it is complete or a break
   drops it. With SOFT = 0 both clocks stop at once.
+- Reception that a break has ended (option rx_after_break) begins again only after SW RESET or a system reset, not after
+  SCIRST = 0, a change of CDC, or autobaud. Autobaud then sets ABD and the divider, but its character is not received.
 - In autobaud three things happen in the same cycle, after 7/8 of the stop bit: the character is received, ABD is set,
   and the baud divider is set.
 
@@ -32,7 +34,7 @@ from .clock import SciClock
 from .options import SciOptions
 from .receiver import SciRx
 from .receiver_bits import BREAK, FAR, FE, FRAME, IDLE, IDLE_TICKS, PE, SciRxBits
-from .register_map import ABD, CDC, FREE, LOOPBKENA, SCI_MAP, SOFT, ST_RXWAKE
+from .register_map import ABD, CDC, FREE, LOOPBKENA, SCI_MAP, SOFT, ST_BRKDT, ST_RXWAKE
 from .transmitter import SciTx
 
 RECEIVED = 1 << SCI_MAP["SCIRXBUF"].offset | 1 << SCI_MAP["SCIRXEMU"].offset
@@ -268,8 +270,8 @@ class SciLines(Chip):
                 if self.options.rxwake_idle_point.assume(self.touched) == "tenth_bit" and self._rx.enabled:
                     self._rx.status |= ST_RXWAKE
             elif event == BREAK:
-                if self._rx.line_break() and self.options.rx_after_break.assume(self.touched) == "blocked":
-                    bits.close()
+                if self._rx.line_break():
+                    self._arm_receiver(at)
                 self._request_rx(at)
             if self._rx_stopping and event in (FRAME, BREAK):  # a break drops the frame in progress
                 self._rx_stopping = False
@@ -335,11 +337,12 @@ class SciLines(Chip):
             self._abd_requested = True
             self.requests |= TXINT
         self._arm_receiver(at)
-        self._move(at, word, 0)
+        if not self._is_blocked():
+            self._move(at, word, 0)
         self._replan()
 
     def _arm_receiver(self, now: int) -> None:
-        """Connect RXD to the autobaud detector if CDC = 1 and ABD = 0, else to the bit receiver.
+        """Connect RXD to the autobaud detector if CDC = 1 and ABD = 0, else to the bit receiver if no break blocks it.
 
         While SW RESET = 0 or SCIRST = 0, connect RXD to neither of them.
         """
@@ -347,11 +350,15 @@ class SciLines(Chip):
         waits = listening and self._ffct & (CDC | ABD) == CDC
         was_listening = self._listening
         self._autobaud.arm(waits)
-        self._listening = listening and not waits
+        self._listening = listening and not waits and not self._is_blocked()
         if self._listening and not was_listening:
             self._bits.open(self._rx_clock.passed(now) + 1)
         elif was_listening and not self._listening:
             self._bits.close()
+
+    def _is_blocked(self) -> bool:
+        """Return True if nothing is received because BRKDT = 1, as the option rx_after_break selects."""
+        return self._rx.status & ST_BRKDT > 0 and self.options.rx_after_break.assume(self.touched) == "blocked"
 
     # Register effects ---------------------------------------------------------
 

@@ -128,6 +128,35 @@ def test_sw_reset_toggled_after_a_break_enables_reception_again():
     assert rig.received() == [0x4B]
 
 
+@pytest.mark.rule("SCI-093")
+@pytest.mark.parametrize("field", ["SCIRST", "CDC"])
+def test_after_a_break_neither_scirst_nor_cdc_enables_reception_again(field: str):
+    rig = SciRig(fifo=True)
+    rig.send("0" * 25 + "1" * 3)
+    rig.received()
+    usual = rig.get(field)
+    rig.set(**{field: 1 - usual})
+    rig.set(**{field: usual})
+    rig.send(frame(0x55) + "1")
+    assert rig.flags("RXFFST", "BRKDT") == {"RXFFST": 0, "BRKDT": 1}
+
+
+@pytest.mark.rule("SCI-093")
+def test_after_a_break_autobaud_measures_the_rate_but_receives_nothing():
+    rig = SciRig(fifo=True)
+    rig.send("0" * 25 + "1" * 3)
+    rig.received()
+    rig.set(CDC=1)
+    rig.send(frame(ord("A")) + "11", bit=1312)
+    assert (rig.get("ABD"), rig.get("SCILBAUD")) == (1, 40)
+    rig.send(frame(0x55) + "1", bit=1312)
+    assert rig.flags("RXFFST", "BRKDT") == {"RXFFST": 0, "BRKDT": 1}
+    rig.set(SWRESET=0)
+    rig.set(SWRESET=1)
+    rig.send(frame(0x55) + "1", bit=1312)
+    assert rig.received() == [0x55]
+
+
 @pytest.mark.rule("SCI-092", "SCI-093")
 def test_system_reset_ends_a_break_too():
     rig = SciRig()

@@ -27,6 +27,8 @@ Chosen:
 - With GPIOINENCLK = 0, an output pin of port A or B (except GPIO32 and 33) reads 0, and so does an XINT line that
   selects it. When GPIOINENCLK is set again, the pin shows the level of its pad at once. If the pin has a qualifier, the
   qualifier starts from 0.
+- GPIOINENCLK has no effect on a pin that feeds an input of a peripheral, even if the peripheral can also drive it, as
+  the SPI does with its pins.
 """
 
 # core: compiled
@@ -281,7 +283,8 @@ class GpioInputs(GpioSettings):
         shown = self._shown(now)
         self._pull_ups: BigInt = ALL & ~self._ports(PULL_UPS)  # mask: pins whose pull-up is on
         self._outputs: BigInt = self._ports(DIRECTIONS) & self._settings.gpio  # mask: general-purpose outputs
-        self._dead = 0 if self._input_clock else (self._outputs | self._settings.outputs) & ~NOT_GATED
+        outputs = self._outputs | self._settings.outputs & ~self._settings.inputs
+        self._dead = 0 if self._input_clock else outputs & ~NOT_GATED
         self._asynchronous = self._settings.asynchronous & ~self._settings.gpio
         self._last_level = None
         self._sampled = 0

@@ -847,6 +847,27 @@ def test_gpioinenclk_does_not_touch_the_i2c_pins(mux):
     )
 
 
+@pytest.mark.rule("SYS-077")
+@pytest.mark.parametrize("qsel", [0, 1, 3])
+def test_gpioinenclk_does_not_touch_a_peripheral_s_pin_that_is_an_input_too(qsel):
+    """The SPI drives SPICLKA as master and receives it as slave."""
+    rig = given_to((18, 1))
+    rig.select(18, qsel)
+    rig.pin(rig.now, 18, 1)
+    settled(rig)
+    rig.gpio.gate(rig.now, False)
+    assert (rig.gpio.peripheral_level(rig.now, "SPICLKA"), rig.read("GPADAT") >> 18 & 1) == (1, 1)
+    later = {0: "0 . .", 1: ". . 0", 3: "0 . ."}[qsel]
+    check(
+        f"""
+        > GPIO18~        1 . . 0 . .
+        < GPADAT.GPIO18  1 . . {later}
+        < SPICLKA        1 . . {later}
+        """,
+        rig,
+    )
+
+
 # What is due ------------------------------------------------------------------
 
 

@@ -4,8 +4,8 @@
 
 Each transfer is a text as in the I2C specification: a 7-bit address in hexadecimal, then W with the bytes to write or
 R with the number of bytes to read. Sr separates parts; START and STOP are implied. `R 6 ACK` also acknowledges the last
-byte if mr_nack_at_count0 = only_with_stp. Transfer n begins `pauses[n]`, or 0, after the previous STOP. After a NACK,
-firmware begins the next part or, in the last part, sets STP to end the transfer.
+byte if mr_nack_at_count0 = only_with_stp, which is not the default. Transfer n begins `pauses[n]`, or 0, after the
+previous STOP. After a NACK, firmware begins the next part or, in the last part, sets STP to end the transfer.
 
 Non-repeat mode (RM = 0) counts the bytes with I2CCNT; an address without data needs RM = 1, since I2CCNT = 0
 means 65536.

@@ -4,7 +4,7 @@
 
 For a read, firmware sends the pointer byte with STT and without STP (RM = 0), and waits for ARDY. Then it sets STT and
 STP as master-receiver, reads I2CCNT bytes when RRDY is set, and waits until SCD shows the STOP. After a NACK of the
-address or pointer, the module holds the bus, so firmware sets STP to end the transfer.
+write address or pointer, firmware sets STP to free the bus. After one of the read address, it waits for RRDY forever.
 
 Source: SPRUG03B Table 6 (RM, STT, STP) and section 2.5.4; TI's i2c_eeprom example for the settings.
 """
@@ -33,7 +33,7 @@ class Settings:
 
 
 class Head:
-    """The sensor head. rounds: the data read in each round, by address; None after a NACK of address or pointer."""
+    """The sensor head. rounds: the data of each round, by address; None after a NACK of write address or pointer."""
 
     def __init__(self, dsp: Dsp, settings: Settings) -> None:
         self.dsp = dsp

@@ -107,5 +107,4 @@ def round_events(measure: Measure) -> set[str]:
     """Return the records about the schedule of rounds that a measure uses, such as "due" and "next"."""
     if not isinstance(measure, EventMeasure):
         return set()
-    each = [one for matcher in measure.matchers for one in matcher.each]
-    return {one.what for one in each if one.kind is Kind.ROUND}
+    return {one.what for one in measure.events() if one.kind is Kind.ROUND}

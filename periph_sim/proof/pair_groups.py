@@ -12,9 +12,10 @@ of the round to the first tick of the frame's cell.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from ..core.chip import NEVER
+from ..f28335.xint.module import Xint
 from .free_run import FreeRun, NotClosed
 from .normal_state import NormalState, differences, digest, period_of, periods_of
 from .record_digests import SCI, GroupDigest
@@ -153,6 +154,8 @@ class GroupRunner:
         self._polls: Any = program.cpu.polls
         self._bus: Any = dsp.processor.bus
         self._unit = dsp.name
+        if (xint := dsp.sockets.get("XINT")) is not None and cast(Xint, xint.chip).enabled:
+            raise NotClosed("an external interrupt is enabled, whose flags could show the line of the frame")
         self._sci = tuple(f"{name}.{SCI}" for name in self.run.scene.units)
         self._lspclk = {f"{name}.SYS.chip.lspclk_phase" for name in self.run.scene.units}
         self.at = self.place()

@@ -22,9 +22,11 @@ from ..core.records import UNWANTED, Kind, Listener
 CLOCK_REGISTERS = ("WDCR", "WDKEY", "WDCNTR", "SCSR", "PLLCR", "PLLSTS", "LOSPCP")
 SCI = "SCI"  # the names of SCI modules and of their interrupts begin with this
 SENDING = "SCITXBUF"
-OF_XINTS = "PIEIFR12"
+OF_XINTS = ("PIEIFR1", "PIEIFR12")
 PADS = ("GPADAT", "GPBDAT", "GPCDAT")
-ROUTINE, SERIAL, SENDS, PIE, READ, WRITE, SHOWS_LINE = range(7)  # roles of records
+OUTPUTS = ("SET", "CLEAR", "TOGGLE")  # ends of the names of the GPIO registers that only change the levels of outputs
+CLOCKS = ("PCLKCR", "LPMCR")  # how the names of registers begin that stop clocks
+ROUTINE, SERIAL, SENDS, PIE, READ, WRITE, SHOWS_LINE, ROUTES_LINE = range(8)  # roles of records
 
 
 class RoundDigest(Listener):
@@ -99,8 +101,12 @@ class GroupDigest(RoundDigest):
             self._texts[tag] = f"{where} {what}"
             if module.startswith(SCI):
                 self._roles[tag] = SENDS if register == SENDING else SERIAL
-            elif (module == "GPIO" and register.startswith(PADS)) or module == "XINT" or register == OF_XINTS:
+            elif (module == "GPIO" and register.startswith(PADS)) or module == "XINT" or register in OF_XINTS:
                 self._roles[tag] = SHOWS_LINE
+            elif what.startswith("W ") and (
+                (module == "GPIO" and not register.endswith(OUTPUTS)) or register.startswith(CLOCKS)
+            ):
+                self._roles[tag] = ROUTES_LINE
             elif module == "PIE":
                 self._roles[tag] = PIE
             else:
@@ -120,12 +126,14 @@ class GroupDigest(RoundDigest):
             self._notice(f"it sends: {self._texts[tag]}")
         elif self._serving and role is not None:
             self.routine = hash((self.routine, tag, 2 * (tick - self.entered) + 1, 2 * value + 1))
-            if role in (READ, WRITE):
+            if role in (READ, WRITE, SHOWS_LINE, ROUTES_LINE):
                 self._notice(f"its service routine accesses {self._texts[tag]}")
         elif role == SERIAL:
             self._notice(f"it accesses {self._texts[tag]} outside of the service routine")
         elif role == SHOWS_LINE:
             self._notice(f"it depends on {self._texts[tag]}, which shows the line of the frame")
+        elif role == ROUTES_LINE:
+            self._notice(f"it accesses {self._texts[tag]}, which can change how the frame is received")
         else:
             if role in (READ, WRITE, PIE):
                 self.accessed_since.add(self._texts[tag])

@@ -169,7 +169,7 @@ class CoveredCase:
         for budget, plan in zip(self.case.budget, self._plan.limits, strict=True):
             measures = [each.make() for _, each in [(budget, plan), *plan.joined]]
             of_events = [measure for measure in measures if isinstance(measure, EventMeasure)]
-            each = [one for measure in of_events for matcher in measure.matchers for one in matcher.each]
+            each = [one for measure in of_events for one in measure.events()]
             found[budget.name] = each if len(of_events) == len(measures) else None
         return found
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from fractions import Fraction
 
 from ..bus.uart.frame_format import UartFormat
 from ..scene.case.model import Case
+from ..scene.case.wiring import wiring_of
 from .free_run import NotClosed
 from .normal_state import LONG_PAST
 
@@ -37,6 +39,13 @@ def check_pair(case: Case) -> tuple[str, ...]:
     for name, length in _longest(case).items():
         if length * LONG_PAST > 1:
             raise NotClosed(f"{name} lasts longer than {1000 / LONG_PAST:g} ms, so its effects can outlast a rest")
+    if case.host is not None and case.controller is not None:
+        for name, pins in wiring_of(case).pins.items():
+            wire, count = Counter(pins.values()).most_common(1)[0]
+            if count > 1:
+                raise NotClosed(
+                    f"unit {name} has {count} pins at the wire {wire}, and could see frames at each"
+                )
     if case.host is not None and case.host.motion.get("kind") != "static":
         raise NotClosed('the bytes of the frames differ; add motion = { kind = "static" } to [host] for equal bytes')
     return ("head._number", "host._number")

@@ -254,6 +254,17 @@ WAIT = "asked:    TBIT  @I2CSTR,#AAS\n"
             "          TBIT  @I2CSTR,#AAS\n",
             "it accesses dsp R SCI-A.SCIFFRX outside of the service routine",
         ),
+        (
+            ACK,
+            ACK + "          MOVW  DP,#GPBSET >> 6\n          MOV   AH,@GPADAT\n",
+            "its service routine accesses dsp R GPIO.GPADAT",
+        ),
+        (
+            ACK,
+            ACK + "          EALLOW\n          MOVW  DP,#0x6F80 >> 6\n          MOV   @0x6F80,#0\n          EDIS\n",
+            "its service routine accesses dsp W GPIO.GPACTRL",
+        ),
+        (ACK, ACK + "          MOV   AH,@PIEACK + 2\n", "its service routine accesses dsp R PIE.PIEIFR1"),
     ],
 )
 def test_firmware_that_notices_more_of_a_frame_is_refused(old: str, new: str, reason: str, tmp_path: Path):
@@ -299,6 +310,9 @@ def test_only_events_that_no_frame_moves_are_judged(tmp_path: Path):
         "first": "interrupt latency SCIRXINTA to first access",
         "numbered": "from 1st access R SCI-A.SCIFFRX of transfer to interrupt SCIRXINTA leave, next",
         "edges": "from edge SCL fall to edge SCL rise, next",
+        "in the routine": "from 1st bus address of interrupt SCIRXINTA to bus STOP, next",
+        "given": "from bus START to bus STOP, next, given 1st bus address of interrupt SCIRXINTA",
+        "unless": "from bus START to bus STOP, next, unless edge RX fall",
     }
     budgets = [f'\n[[budget]]\nname = "{name}"\nmeasure = "{text}"\nmax = "1 s"\n' for name, text in texts.items()]
     text = path.read_text(encoding="utf-8") + "".join(budgets)
@@ -306,6 +320,8 @@ def test_only_events_that_no_frame_moves_are_judged(tmp_path: Path):
     covered = within_round(CoveredCase(Job(str(path))))
     assert {budget.name for budget in covered.case.budget} == {"latency", "service", "own", "pin", "edges"}
     assert covered.left_out["numbered"] == covered.left_out["irq to stop"]
+    assert covered.left_out["in the routine"] == covered.left_out["given"] == covered.left_out["irq to stop"]
+    assert covered.left_out["unless"] == "a frame can move 'edge RX fall' in a way that is not run"
     assert covered.left_out["irq to stop"] == "it relates the service routine of the SCI to other events"
     assert covered.left_out["reads"] == "a frame can move 'access R I2C-A.I2CSTR' in a way that is not run"
 
@@ -322,6 +338,24 @@ def test_only_events_that_no_frame_moves_are_judged(tmp_path: Path):
 def test_a_case_whose_starts_are_not_those_of_the_table_is_refused(change: str, reason: str, tmp_path: Path):
     with pytest.raises(NotClosed, match=reason):
         prove(Job(str(write_lonely(tmp_path)), (change,)))
+
+
+@pytest.mark.parametrize(("pin", "wire"), [("RX = 34", "RX"), ("SCL = 28", "SCL"), ("RX = 32", "RX")])
+def test_a_second_pin_at_a_wire_is_refused(pin: str, wire: str, tmp_path: Path):
+    path = write_lonely(tmp_path)
+    path.write_text(
+        path.read_text(encoding="utf-8").replace('"GPIO"]\n', f'"GPIO"]\npins = {{ {pin} }}\n'), encoding="utf-8"
+    )
+    with pytest.raises(NotClosed, match=f"unit dsp has 2 pins at the wire {wire}"):
+        prove(Job(str(path)))
+
+
+def test_an_external_interrupt_is_refused(tmp_path: Path):
+    enable = "XINT1CR   .set 0x7070\n_start_pin: MOVW DP,#XINT1CR >> 6\n          MOV   @XINT1CR,#1\n"
+    path = write_lonely(tmp_path, ("_start_pin:", enable))
+    path.write_text(path.read_text(encoding="utf-8").replace('"GPIO"]\n', '"GPIO", "XINT"]\n'), encoding="utf-8")
+    with pytest.raises(NotClosed, match="an external interrupt is enabled"):
+        prove(Job(str(path)))
 
 
 def test_frames_before_a_late_first_round_are_not_in_the_table(tmp_path: Path):

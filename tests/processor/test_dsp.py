@@ -238,6 +238,52 @@ def test_a_reset_takes_all_modules_at_once_so_that_none_sees_the_slower_clock_at
     assert dsp.sockets["I2C-A"].notes == []
 
 
+MS = 3_000_000  # ticks of a millisecond
+
+
+def reset_by_pin(dsp: Dsp, kernel: Kernel, low_at: int, low_for: int) -> None:
+    """Pull XRS low for this time, in ticks."""
+    pin = (xrs := Wire(kernel, "XRS", dsp.recorder)).attach("fault")
+    dsp.connect_reset(xrs)
+    kernel.call_at(kernel.now + low_at, lambda: pin.drive(0))
+    kernel.call_at(kernel.now + low_at + low_for, lambda: pin.drive(1))
+
+
+def test_a_unit_whose_reset_pin_is_low_for_long_stays_in_reset_until_its_release():
+    """The watchdog, which a reset switches on, overflows 4.37 ms later if it counts."""
+    dsp, kernel, _ = unit()
+    begun: list[int] = []
+
+    def main() -> None:
+        begun.append(kernel.now)
+        dsp.compute(10_000_000)
+
+    reset_by_pin(dsp, kernel, low_at=1 * MS, low_for=20 * MS)
+    released = kernel.now + 21 * MS
+    dsp.start(main)
+    kernel.run_until(released)
+    assert len(begun) == 1
+    kernel.run_until(released + 10 * MS)
+    assert len(begun) == 2 and begun[1] > released
+    assert (dsp.resets, dsp.watchdog_resets) == (1, [])
+
+
+def test_modules_count_from_the_release_of_the_reset_pin():
+    """Main reads WDCNTR and TIM at once: SYSCLKOUT is 7.5 MHz, and WDCNTR counts each 512 periods of OSCCLK."""
+    kernel = Kernel()
+    dsp = Dsp(kernel, Timebase(150_000_000), Recorder(), DspPlan("dsp", ("TIMER0",), {}, from_boot=True))
+    seen: list[tuple[int, bool]] = []
+
+    def main() -> None:
+        seen.append((dsp.module("SYS").WDCNTR.all, dsp.module("TIMER0").TIM.all > 0xFFFF - 100))
+        dsp.compute(1_000_000)
+
+    reset_by_pin(dsp, kernel, low_at=1 * MS, low_for=1 * MS)
+    dsp.start(main)
+    kernel.run_until(3 * MS)
+    assert seen == [(0, True), (0, True)]
+
+
 @pytest.mark.parametrize("pin", [-1, 88, 1.0, None])
 def test_a_pin_that_the_chip_does_not_have_is_refused(pin: object):
     dsp, *_ = unit("GPIO")

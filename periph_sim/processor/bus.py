@@ -325,8 +325,6 @@ class Bus:
         value: as `fetch` returns it.
         """
         self._post(at, operand, value, self._place() if self._wants_place(operand) else None)
-        if operand.pieack:
-            self._core.wrote_pieack(at)
 
     def modify(self, at: int, operand: Operand, number: int) -> None:
         """Write `number` to a bit field by one instruction that reads and writes the word with the field.
@@ -343,6 +341,8 @@ class Bus:
 
     def _post(self, at: int, operand: Operand, value: int, where: SourceLocation | None) -> None:
         lands = at + self._write_lands.assume(self._core.touched)
+        if operand.pieack:
+            self._core.wrote_pieack(at)
         if operand.frame1:
             self._last_pf1_write = at
         if operand.protected and not self._core.eallow:

@@ -55,8 +55,12 @@ class ImageCpu(ImageMemory):
         self.reset()
 
     def reset(self) -> None:
-        """Set the registers to their values at the end of the boot ROM. Memory keeps its contents."""
+        """Set the registers to their values at the end of the boot ROM. Memory keeps its contents.
+
+        Registers of the frames that are not modelled are reset, too.
+        """
         Cpu.__init__(self)
+        self.elsewhere.reset()
         self.left = 0
         self.timing.drain()
         self.polls.forget()

@@ -201,6 +201,28 @@ def test_lspclk_changed_and_changed_back_is_that_of_the_sci_each_time():
     assert [rise - fall for fall, rise in zip(low[::2], low[1::2], strict=True)] == [16 * 2 * n for n in (4, 2, 4)]
 
 
+def test_the_statement_of_a_lost_word_is_the_write_and_not_what_runs_when_it_lands():
+    """TXSHF takes the first character, SCITXBUF the second; the third is lost while the statement behind it runs."""
+    dsp, kernel, _ = unit("SCI-A")
+
+    def main() -> None:
+        clocks, sci = dsp.module("SYS"), dsp.module("SCI-A")
+        dsp.eallow()
+        clocks.PCLKCR0.SCIAENCLK = 1
+        dsp.compute(10)
+        sci.SCICTL1.all = 0x22
+        for _ in range(2):
+            sci.SCITXBUF.all = 0
+            dsp.compute(50)
+        sci.SCITXBUF.TXDT = 0
+        dsp.compute(50)
+
+    run(dsp, kernel, main)
+    (count,) = dsp.lost_counts.values()
+    (place,) = dsp.note_places.values()
+    assert (count, place.line - main.__code__.co_firstlineno) == (1, 9)
+
+
 @pytest.mark.parametrize(("timer", "number"), [("TIMER1", 13), ("TIMER2", 14)])
 def test_timers_1_and_2_interrupt_the_cpu_without_the_pie(timer: str, number: int):
     dsp, kernel, _ = unit(timer)

@@ -47,7 +47,7 @@ class Posted:  # core: freelist 4
 
     lands: the cycle at whose end the write takes effect.
     value: the words to write: the low word of the register in bits 0 to 15, the high word in bits 16 to 31.
-    where: the statement that issued the write; None if no subscriber needs the statement.
+    where: the statement that issued the write; None if nothing needs the statement.
     cause: the record that caused the write.
     following: the posted write that lands after this one; None for the last.
     """
@@ -320,13 +320,8 @@ class Bus:
         return cycle + operand.write_waits
 
     def store(self, at: int, operand: Operand, value: int) -> None:
-        """Post a write of an operand in cycle `at`. It is ignored if the register is protected and EALLOW is 0.
-
-        value: as `fetch` returns it.
-        """
+        """Post a write in cycle `at`. It is ignored if the register is protected and EALLOW = 0. value: see `fetch`."""
         self._post(at, operand, value, self._place() if self._wants_place(operand) else None)
-        if operand.pieack:
-            self._core.wrote_pieack(at)
 
     def modify(self, at: int, operand: Operand, number: int) -> None:
         """Write `number` to a bit field by one instruction that reads and writes the word with the field.
@@ -338,11 +333,15 @@ class Bus:
         self._post(at, operand, value & ~operand.mask | number << operand.lsb & operand.mask, where)
 
     def _wants_place(self, operand: Operand) -> bool:
-        """Return True if a subscriber needs the statement that makes a write or a modify."""
-        return self._notes.placed or (operand.recorded and operand.reads.places + operand.writes.places > NOWHERE)
+        """Return True if a subscriber, or a note on a lost word, needs the statement that makes a write or a modify."""
+        if self._notes.placed or operand.to_send:
+            return True
+        return operand.recorded and operand.reads.places + operand.writes.places > NOWHERE
 
     def _post(self, at: int, operand: Operand, value: int, where: SourceLocation | None) -> None:
         lands = at + self._write_lands.assume(self._core.touched)
+        if operand.pieack:
+            self._core.wrote_pieack(at)
         if operand.frame1:
             self._last_pf1_write = at
         if operand.protected and not self._core.eallow:

@@ -111,7 +111,7 @@ class Dsp(FirmwareView):
     sources: the C sources that the unit runs; None for other firmware.
     """
 
-    STATE = State("resets _random _drawn")
+    STATE = State("resets _held_in_reset _random _drawn")
 
     def __init__(self, kernel: Kernel, timebase: Timebase, recorder: Recorder, plan: DspPlan) -> None:
         super().__init__(plan.name, plan.seed, plan.costs)
@@ -132,7 +132,7 @@ class Dsp(FirmwareView):
         self._restart: Callable[[int], None] = lambda delay: self.cpu.start(self._from_reset, delay)
         self._gates = self.control.gates
         self._lspclk = (self.control.lspclk_divider, self.control.lspclk_phase)
-        self.resets = 0
+        self.resets, self._held_in_reset = 0, False  # `_held_in_reset` is True while XRS is low
         self.note_places: dict[tuple[str, int], SourceLocation] = {}
         self.lost_counts: Counter[Note] = Counter()
         self.watchdog_resets: list[tuple[int, SourceLocation | None]] = []
@@ -237,16 +237,15 @@ class Dsp(FirmwareView):
 
         If `FirmwareNotes.placed` is False, keep only the statement of the first occurrence of each note on a lost word.
         """
-        is_lost_word = note.code == "lost" and "was written" in note.text
-        if is_lost_word:
+        placed = self.processor.notes.placed
+        if note.code == "lost" and "was written" in note.text:
             self.lost_counts[note] += 1
+            placed = placed or self.lost_counts[note] == 1
         elif note.code == "duty":
             self.processor.notes.raise_if_strict(note, socket.name, self._kernel.now)
         else:
             return
-        first_lost = is_lost_word and self.lost_counts[note] == 1
-        where = self.processor.causing_statement() if first_lost or self.processor.notes.placed else None
-        if where is not None:
+        if placed and (where := self.processor.causing_statement()) is not None:
             self.note_places.setdefault((socket.name, self.clock.tick(cycle)), where)
 
     def restored(self) -> None:
@@ -326,12 +325,22 @@ class Dsp(FirmwareView):
 
     def _xrs_changed(self, tick: int, level: int) -> None:
         """Begin or end the reset at the next cycle, since clocks change only at the start of a cycle."""
-        action = partial(self._restart, 0) if level else self._enter_reset
-        self._kernel.call_at(self.clock.tick(self.clock.cycle_at(tick)), action)
+        self._kernel.call_at(self.clock.tick(self.clock.cycle_at(tick)), partial(self._hold_in_reset, not level))
+
+    def _hold_in_reset(self, held: bool) -> None:
+        """Begin or end a reset by XRS. At its end, reset the modules again, because their models count during it."""
+        self._held_in_reset = held
+        if held:
+            self._enter_reset()
+        else:
+            self._reset_modules()
+            self._restart(0)
 
     def _reset(self) -> None:
-        """Reset the unit by the watchdog, which asserts XRS."""
-        if self.control.reset_requested:
+        """Reset the unit by the watchdog, which asserts XRS. If XRS is low already, reset only the modules."""
+        if self.control.reset_requested and self._held_in_reset:
+            self._reset_modules()
+        elif self.control.reset_requested:
             self.watchdog_resets.append((self._kernel.now, self.program.place()))
             self._enter_reset()
             self._restart(WDRST_CYCLES)
@@ -342,8 +351,13 @@ class Dsp(FirmwareView):
         self.resets += 1
         for callback in self.on_reset:
             callback()
-        cycle = self.clock.cycle_at(self._kernel.now)
         self.processor.kill(GreenletExit)
+        self._reset_modules()
+
+    def _reset_modules(self) -> None:
+        """Reset the interrupt logic of the CPU, and every module."""
+        self._kernel.materialize()
+        cycle = self.clock.cycle_at(self._kernel.now)
         self.core.reset(cycle)
         for socket in self.sockets.values():
             socket.chip.reset(cycle)

@@ -17,6 +17,8 @@ from ..f28335.descriptor import Frame
 from ..f28335.memory.memory_map import BOTH, HIGH, LOW, PROTECTED_BLOCK, WORDS_MASK, ModuleRange, WaitStates
 from ..f28335.pie.register_map import PIEACK
 
+TO_SEND = frozenset({"I2CDXR", "SCITXBUF", "SPIDAT", "SPITXBUF"})  # registers that take words to send
+
 
 @final
 class Operand:
@@ -34,6 +36,7 @@ class Operand:
     frame1, frame2: True if the register is in peripheral frame 1, or 2.
     protected: True if only firmware with EALLOW = 1 can write the register.
     pieack: True if the register is PIEACK.
+    to_send: True if the register takes words to send, so that a written word can be lost.
     recorded: True if accesses are recorded.
     harmless: True if a read has no effect. False also for a 32-bit access to 16-bit registers.
     steady: True if a read of the register has no effect and its value does not change with time.
@@ -80,6 +83,7 @@ class Operand:
         self.frame2: bool = place.frame is Frame.PF2
         self.protected: bool = register.protected
         self.pieack = register is PIEACK
+        self.to_send: bool = register.name in TO_SEND
         self.recorded = recorded
         self.placed = False
         self.harmless: bool = harmless and not neighbour

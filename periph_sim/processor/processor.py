@@ -312,14 +312,14 @@ class Processor(Agent):
         self._number = number
         saved = core.enter(self.time.cycle, number)
         words[ST1_WORD], words[IER_WORD] = saved.st1, saved.ier
-        self.bus.ram.put_words(self._frame(self.time.cycle, saved.sp), words)
+        self.bus.ram.put_words(self.frame(self.time.cycle, saved.sp), words)
         self._under_way = FETCHES
         return self.reach(core.ready - core.entry_cycles + core.vector_delay) and self._go_on()
 
     def iret(self) -> bool:
-        """Execute IRET: restore the context and continue after 8 cycles. Result: as `reach`. Errors: see `_frame`."""
+        """Execute IRET: restore the context and continue after 8 cycles. Result: as `reach`. Errors: see `frame`."""
         core, cycle = self.core, self.time.cycle
-        words: list[int] = list(self.bus.ram.words(self._frame(cycle, core.returning_sp), CONTEXT_WORDS))
+        words: list[int] = list(self.bus.ram.words(self.frame(cycle, core.returning_sp), CONTEXT_WORDS))
         core.iret(cycle, words[ST1_WORD], words[IER_WORD])
         self.program.restore(words)
         self._under_way = RETURNS
@@ -377,7 +377,7 @@ class Processor(Agent):
             "set ENPIE before interrupts are enabled"
         )
 
-    def _frame(self, cycle: int, sp: int) -> int:
+    def frame(self, cycle: int, sp: int) -> int:
         """Return the address of the context that is saved when SP is `sp`. Raise InterruptFault if it is not in RAM."""
         first = frame_of(sp)
         for address in (first, first + CONTEXT_WORDS - 1):

@@ -47,7 +47,9 @@ def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgr
         variables = Variables(program.image)
         ram = dsp.processor.bus.ram
         found = map(variables.find, named)
-        program.cpu.watched = VariableRecords(found, ram, recorder, dsp.clock, name, program.place)
+        program.cpu.watched = records = VariableRecords(found, ram, recorder, dsp.clock, name, program.place)
+        if unit.memory:
+            program.add_call_listener(records)
     if f"{name}.{CPU}.{STACK}" in wanted:
         stacks = [section for section in program.image.sections if section.name == SECTION]
         if not stacks:

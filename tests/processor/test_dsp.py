@@ -223,6 +223,28 @@ def test_lspclk_changed_and_changed_back_is_that_of_the_sci_each_time():
     assert [rise - fall for fall, rise in zip(low[::2], low[1::2], strict=True)] == [16 * 2 * n for n in (4, 2, 4)]
 
 
+def test_the_statement_of_a_lost_word_is_the_write_and_not_what_runs_when_it_lands():
+    """TXSHF takes the first character, SCITXBUF the second; the third is lost while the statement behind it runs."""
+    dsp, kernel, _ = unit("SCI-A")
+
+    def main() -> None:
+        clocks, sci = dsp.module("SYS"), dsp.module("SCI-A")
+        dsp.eallow()
+        clocks.PCLKCR0.SCIAENCLK = 1
+        dsp.compute(10)
+        sci.SCICTL1.all = 0x22
+        for _ in range(2):
+            sci.SCITXBUF.all = 0
+            dsp.compute(50)
+        sci.SCITXBUF.TXDT = 0
+        dsp.compute(50)
+
+    run(dsp, kernel, main)
+    (count,) = dsp.lost_counts.values()
+    (place,) = dsp.note_places.values()
+    assert (count, place.line - main.__code__.co_firstlineno) == (1, 9)
+
+
 @pytest.mark.parametrize(("timer", "number"), [("TIMER1", 13), ("TIMER2", 14)])
 def test_timers_1_and_2_interrupt_the_cpu_without_the_pie(timer: str, number: int):
     dsp, kernel, _ = unit(timer)
@@ -258,6 +280,52 @@ def test_a_reset_takes_all_modules_at_once_so_that_none_sees_the_slower_clock_at
     kernel.run_until(kernel.now + 2_000_000)
     assert dsp.resets == 1 and dsp.clock.hz < 10_000_000
     assert dsp.sockets["I2C-A"].notes == []
+
+
+MS = 3_000_000  # ticks of a millisecond
+
+
+def reset_by_pin(dsp: Dsp, kernel: Kernel, low_at: int, low_for: int) -> None:
+    """Pull XRS low for this time, in ticks."""
+    pin = (xrs := Wire(kernel, "XRS", dsp.recorder)).attach("fault")
+    dsp.connect_reset(xrs)
+    kernel.call_at(kernel.now + low_at, lambda: pin.drive(0))
+    kernel.call_at(kernel.now + low_at + low_for, lambda: pin.drive(1))
+
+
+def test_a_unit_whose_reset_pin_is_low_for_long_stays_in_reset_until_its_release():
+    """The watchdog, which a reset switches on, overflows 4.37 ms later if it counts."""
+    dsp, kernel, _ = unit()
+    begun: list[int] = []
+
+    def main() -> None:
+        begun.append(kernel.now)
+        dsp.compute(10_000_000)
+
+    reset_by_pin(dsp, kernel, low_at=1 * MS, low_for=20 * MS)
+    released = kernel.now + 21 * MS
+    dsp.start(main)
+    kernel.run_until(released)
+    assert len(begun) == 1
+    kernel.run_until(released + 10 * MS)
+    assert len(begun) == 2 and begun[1] > released
+    assert (dsp.resets, dsp.watchdog_resets) == (1, [])
+
+
+def test_modules_count_from_the_release_of_the_reset_pin():
+    """Main reads WDCNTR and TIM at once: SYSCLKOUT is 7.5 MHz, and WDCNTR counts each 512 periods of OSCCLK."""
+    kernel = Kernel()
+    dsp = Dsp(kernel, Timebase(150_000_000), Recorder(), DspPlan("dsp", ("TIMER0",), {}, from_boot=True))
+    seen: list[tuple[int, bool]] = []
+
+    def main() -> None:
+        seen.append((dsp.module("SYS").WDCNTR.all, dsp.module("TIMER0").TIM.all > 0xFFFF - 100))
+        dsp.compute(1_000_000)
+
+    reset_by_pin(dsp, kernel, low_at=1 * MS, low_for=1 * MS)
+    dsp.start(main)
+    kernel.run_until(3 * MS)
+    assert seen == [(0, True), (0, True)]
 
 
 @pytest.mark.parametrize("pin", [-1, 88, 1.0, None])

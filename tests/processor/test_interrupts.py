@@ -226,6 +226,28 @@ def test_a_note_of_the_cpu_is_counted_and_recorded_each_time():
     assert [(r.what, r.value, r.text) for r in records] == [("duty", n, note.text) for n in (1, 2)]
 
 
+@pytest.mark.rule("SYS-126")
+@pytest.mark.parametrize(("field", "pause", "reported"), [("all", 0, 1), ("PIEACK", 0, 1), ("PIEACK", 1, 0)])
+def test_pieack_and_eint_without_a_nop_between_are_noted_for_the_word_and_for_its_field(
+    field: str, pause: int, reported: int
+):
+    """PIEACK = 1, NOP or not, CLRC INTM."""
+    bench = Bench([(100, 0, 0)])
+    bench.enable()
+
+    def routine() -> None:
+        setattr(bench.pie_regs.PIEACK, field, 1)
+        if pause:
+            bench.cpu.instruction(pause)
+        bench.cpu.eint()
+        bench.cpu.compute(20)
+        bench.cpu.dint()
+
+    bench.cpu.program.handle("SEQ1INT", routine)
+    bench.run(lambda: bench.cpu.compute(1000), 900)
+    assert [note.source for note in bench.processor.notes.counts] == ["SPRZ272N section 3.1.1"] * reported
+
+
 @pytest.mark.parametrize("into", range(8))
 def test_after_main_returns_service_routines_still_run(into: int):
     """Main ends in the run-time library's endless branch, 4 cycles a pass; IFR latches 4 cycles after the request."""

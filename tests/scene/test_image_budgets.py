@@ -114,6 +114,25 @@ def test_a_case_sets_memory_by_symbol(tmp_path: Path):
     assert seen(tmp_path, budgets, "", "unit.dsp.memory._step=7") == {"most": 21}
 
 
+def test_a_preset_that_main_begins_with_is_a_change_of_its_variable(tmp_path: Path):
+    """The start-up code writes 1 to _step and 0 to _total, and MOVL writes both words of _total at once.
+
+    _step  | 5 | 1 | 5 from main on
+    _total | 0xFFFFFFFF | 0 | 0xFFFFFFFF from main on, then 7 less at each call of _work
+    """
+    start_up = "_c_int00: MOVW DP,#_step >> 6\n MOVB @_step,#1,UNC\n ZAPA\n MOVL @_total,ACC\n MOV @SP,#0x400"
+    budgets = {
+        "one": 'time in variable _step = 1; max = "1 ms"',
+        "five": "count of variable _step = 5; exactly = 1",
+        "all": "count of variable _step change; exactly = 2",
+        "total": "count of variable _total-long change; exactly = 5",
+    }
+    memory = 'memory = { _step = 5, "_total-long" = 0xFFFFFFFF }\n'
+    found = seen(tmp_path, budgets, memory, source=SOURCE.replace("_c_int00: MOV @SP,#0x400", start_up))
+    assert found["one"] == pytest.approx((6 * 1 + 2 * 4 + 4) / 7.5, abs=0.01)  # EALLOW and EDIS take 4, LCR 4
+    assert (found["five"], found["all"], found["total"]) == (1, 2, 5)
+
+
 def test_a_cpu_in_idle_has_no_load(tmp_path: Path):
     """Busy for the 3 * 216 cycles and what is around them, of 7500; then IDLE, which nothing ends."""
     busy = seen(tmp_path, {"load": 'cpu load; max = "99 %"'})["load"]

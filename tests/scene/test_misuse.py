@@ -49,6 +49,7 @@ STATEMENTS = {
     "dsp.spin(lambda: 0, pass_cycles=1 << 70)": f"dsp.spin: pass_cycles = {1 << 70} exceeds the longest possible run",
     "dsp.compute(2.5)": "a time of 2.5 is not an exact number",
     "dsp.span(7)": "dsp.span needs the name of the span, but got 7",
+    "dsp.handle('RESET', lambda: None)": "the vector 'RESET' is in boot ROM, so it takes no routine",
     "dsp.handle('XINT1', None)": "the routine of 'XINT1' is None; give the function itself, without calling it",
     "dsp.handle('XINT1', lambda x: 0)": "the routine of 'XINT1' takes (x); a service routine is a plain function",
 }

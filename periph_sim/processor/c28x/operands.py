@@ -58,6 +58,7 @@ def ranged(number: int, least: int, most: int, text: str) -> int:
 
 
 CALLS = ("LB", "LC", "LCR", "FFC")
+LARGEST_FLOAT32 = (2 - 2**-23) * 2.0**127
 PMA_PAGE = 0x3F_0000  # the upper bits of program addresses in C2xLP instructions
 # `<<` and `|` can be operators of an expression. But `<<` before `#` begins a shift operand, and `||` begins a parallel
 # instruction, so these two end the expression.
@@ -123,10 +124,9 @@ def half_of(text: str, evaluate: Evaluate) -> int:
     """Return the upper half of a float32. text: the float, "#2.5", or the upper half itself, "#0x4020"."""
     inner = text.strip().lstrip("#").strip()
     if re.fullmatch(r"[-+]?(\d+\.\d*|\.\d+|\d+)(e[-+]?\d+)?", inner, re.I) and not re.fullmatch(r"0x.*", inner, re.I):
-        try:
-            bits = int(struct.unpack("<I", struct.pack("<f", float(inner)))[0])
-        except OverflowError:
-            raise BadInstruction(f"{inner} is too large for a float32") from None
+        if abs(float(inner)) > LARGEST_FLOAT32:
+            raise BadInstruction(f"{inner} is too large for a float32")
+        bits = int(struct.unpack("<I", struct.pack("<f", float(inner)))[0])
         if bits & 0xFFFF:
             raise BadInstruction(f"{inner} needs more than the upper half of a float32")
         return bits >> 16

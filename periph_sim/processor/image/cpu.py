@@ -55,8 +55,12 @@ class ImageCpu(ImageMemory):
         self.reset()
 
     def reset(self) -> None:
-        """Set the registers to their values at the end of the boot ROM. Memory keeps its contents."""
+        """Set the registers to their values at the end of the boot ROM. Memory keeps its contents.
+
+        Registers of the frames that are not modelled are reset, too.
+        """
         Cpu.__init__(self)
+        self.elsewhere.reset()
         self.left = 0
         self.timing.drain()
         self.polls.forget()
@@ -250,7 +254,7 @@ class ImageCpu(ImageMemory):
     def enter(self, vector: int) -> None:
         """Execute TRAP or INTR: save the context at SP, and enter the service routine, regardless of INTM and IER.
 
-        vector: the number of the vector.
+        vector: the number of the vector. Raise InterruptFault if the stack or the vector is not in RAM.
         """
         routine = self._processor.fetch_for_trap(self._time.cycle, vector)
         self.hand_over()
@@ -258,7 +262,7 @@ class ImageCpu(ImageMemory):
         saved = self._core.trap(self._time.cycle, vector)
         self.cycles += self._core.vector_waits
         context[8], context[10] = saved.st1, saved.ier
-        self._ram.put_words(frame_of(saved.sp), context)
+        self._ram.put_words(self._processor.frame(self._time.cycle, saved.sp), context)
         self.begin_routine(routine)
 
     def intr_clears_flag(self, bit: int) -> bool:

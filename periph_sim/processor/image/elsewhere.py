@@ -7,7 +7,7 @@
     boot ROM         other words read as 0, and a note is made; calling a routine, or reading the version, is an error
     XINTF zones      are memory with the minimum of one wait state, and a note is made; XTIMING is ignored
     frames           of modules that are not modelled, or not in the unit, keep what is written, and a note is made;
-                     a write to a command register of the flash is an error
+                     a write to a command register of the flash is an error; a reset sets them to 0, or to FRAME_RESET
     stubs            are values that reads of a word return, regardless of writes to the word
 
 Source: SPRS439M Figure 3-2, Tables 3-5 and 3-8 to 3-11; SPRUFB0D Tables 86 to 96 (EALLOW); SPRUI07 Table 2-19.
@@ -93,6 +93,16 @@ class UnmappedMemory:
         self.to_come: list[int] = []
         self._flash = self._fetches(Content.FLASH)  # the result is kept, because each jump in flash needs it
         self.set_part(PART)
+
+    def reset(self) -> None:
+        """Reset the registers of the frames. Memory in XINTF zone 0 keeps its contents."""
+        for address in range(FRAMES_END):
+            if self._states[address] & REGISTER:
+                self._frames[address] = 0
+        self._frames[FOPT] = 0
+        for address, value in FRAME_RESET.items():
+            self._frames[address] = value
+        self._flash = self._fetches(Content.FLASH)
 
     def set_part(self, part: Part) -> None:
         """Use the memory map of this part, a member of the F2833x family."""

@@ -72,7 +72,7 @@ class ImageMemory(Engine):
         self.reads_unwritten: Callable[[int], None] | None = None
 
     def fill(self, address: int, value: int) -> None:
-        """Set a word before the program begins, or as a preset when main begins. This is not recorded as a write."""
+        """Set a word before the program begins, or as a preset when main begins. `watched` is not called."""
         if L0_AGAIN <= address < L4_AGAIN:
             address -= MIRROR
         if block_at(address) is not None:

@@ -2,7 +2,7 @@
 
     ImageProgram --executed--> InstructionWatch: Coverage, StackDepth; CountingLoop of `counting_loop`
     ImageProgram --jumped, push--> CallStack --called, returned--> CallListener: FunctionSpans, Profile, PresetMemory
-    ImageMemory --written--> VariableRecords
+    ImageMemory --written--> VariableRecords, which is a CallListener, too
 
 Observers of this module do not change the state of the program, except `PresetMemory`, which writes variables when main
 begins.
@@ -303,8 +303,13 @@ class Profile(CallListener):
         return sorted(found, key=lambda one: (-one.own, -one.total, one.name))
 
 
-class VariableRecords:
-    """Makes FLAG records of `UNIT.memory`, one for each change of a variable.
+MAIN = ("main", "_main")
+
+
+class VariableRecords(CallListener):
+    """Makes FLAG records of `UNIT.memory`, one for each change of a variable by the program or by `PresetMemory`.
+
+    Add it as a listener to calls after `PresetMemory`, if the case sets variables.
 
     addresses: for each address, the variables that contain the word at this address.
     values: for the name of each variable, its last recorded value, or its initial value before the first record.
@@ -334,21 +339,26 @@ class VariableRecords:
 
     def written(self, address: int, cycle: int) -> None:
         """Record each variable that a write of the word at `address` has changed. address: a key of `addresses`."""
-        for variable in self.addresses[address]:
+        self._record(self.addresses[address], self._clock.tick(cycle))
+
+    def called(self, name: str, tick: int) -> None:
+        """When main begins, record each variable that `PresetMemory` has changed."""
+        if name in MAIN:
+            for variables in self.addresses.values():
+                self._record(variables, tick)
+
+    def _record(self, variables: Iterable[Variable], tick: int) -> None:
+        """Record those of the variables that have changed since their last records."""
+        for variable in variables:
             value = self._value(variable)
             if value != self.values[variable.name]:
                 self.values[variable.name] = value
-                self._recorder.emit(
-                    self._clock.tick(cycle), Kind.FLAG, self._where, variable.name, value, self._place() or ""
-                )
+                self._recorder.emit(tick, Kind.FLAG, self._where, variable.name, value, self._place() or "")
 
     def _value(self, variable: Variable) -> int:
         if variable.words == 1:
             return variable.value_of(self._ram.word(variable.address))
         return variable.value_of(self._ram.word32(variable.address & ~1))
-
-
-MAIN = ("main", "_main")
 
 
 class PresetMemory(CallListener):

@@ -41,6 +41,7 @@ SETS = re.compile(r"([A-Za-z_$][\w.$]*)\s+\.set\s+(.+)", re.IGNORECASE)
 INCLUDES = re.compile(r'\s*\.include\s+"([^"]+)"', re.IGNORECASE)
 COMMENT = re.compile(r'((?:"[^"]*"|\'.\'|[^;"])*);.*')
 SHIPPED = EXAMPLES / "firmware" / "c28x"
+USAGE = {".sect": ((1, 2), '"NAME", ADDRESS [, LOAD ADDRESS]'), ".reserve": ((2,), '"NAME", ADDRESS, WORDS')}
 NOP = 0x7700
 MOST_WORDS = 0x40_0000  # maximum number of words of a section: the size of program space
 
@@ -108,6 +109,7 @@ class _Source:
     def define(self, name: str, value: int, section: str) -> None:
         if name in self.symbols:
             raise BadInstruction(f"{name!r} is defined twice")
+        _latin_1(name)
         self.symbols[name] = value
         self.sections[name] = section
 
@@ -126,12 +128,10 @@ class _Source:
             self._place = outer
 
     def _line(self, text: str) -> None:
-        sets = SETS.fullmatch(text)
-        if sets:
-            self.define(sets[1], self.number(sets[2]), "")
+        if sets := SETS.fullmatch(text):
+            self.define(sets[1], _checked(self.number(sets[2]), sets[2], 32), "")
             return
-        labelled = LABEL.fullmatch(text)
-        if labelled:
+        if labelled := LABEL.fullmatch(text):
             self.define(labelled[1], self.here.at, self.here.name)
             text = labelled[2]
         text = text.removeprefix("||").strip()
@@ -153,16 +153,13 @@ class _Source:
             raise BadInstruction(f"section {block.name!r} has more than {MOST_WORDS} words")
 
     def _directive(self, directive: str, rest: str) -> None:
-        if directive in (".sect", ".reserve"):
+        if directive in USAGE:
             name, *numbers = _operands(rest)
-            places = [self.number(one) for one in numbers]
-            wanted = (1, 2) if directive == ".sect" else (2,)
+            places = [_checked(self.number(one), one, 32) for one in numbers]
+            wanted, usage = USAGE[directive]
             if not re.fullmatch(r'"[^"]+"', name) or len(places) not in wanted or min(places) < 0:
-                usage = (
-                    '.sect "NAME", ADDRESS [, LOAD ADDRESS]' if wanted[0] == 1 else '.reserve "NAME", ADDRESS, WORDS'
-                )
-                raise BadInstruction(f"{directive} {rest} is not {usage}")
-            name = name.strip('"')
+                raise BadInstruction(f"{directive} {rest} is not {directive} {usage}")
+            _latin_1(name := name.strip('"'))
             if any(block.name == name for block in self.blocks) or any(one.name == name for one in self.reserved):
                 raise BadInstruction(f"section {name!r} is defined twice")
             if directive == ".sect":
@@ -177,7 +174,7 @@ class _Source:
             for operand in _operands(rest):
                 if not re.fullmatch(r'"[^"]*"', operand):
                     raise BadInstruction(f"{operand} is not a text in double quotes")
-                characters = tuple(operand[1:-1].encode("latin-1", "replace"))
+                characters = tuple(_latin_1(operand[1:-1]))
                 self._put(len(characters), lambda at, symbols, put=characters: put)  # type: ignore[misc]
         elif directive in (".word", ".long"):
             count = 2 if directive == ".long" else 1
@@ -214,12 +211,25 @@ class _Source:
 
 def _number_of(operand: str, count: int) -> Callable[[int, Mapping[str, int]], tuple[int, ...]]:
     def put(at: int, symbols: Mapping[str, int]) -> tuple[int, ...]:
-        value = evaluate(operand, symbols, at)
-        if not -(1 << 16 * count - 1) <= value < 1 << 16 * count:
-            raise BadInstruction(f"{operand!r} is {value}, which does not fit {16 * count} bits")
+        value = _checked(evaluate(operand, symbols, at), operand, 16 * count)
         return (value & 0xFFFF, value >> 16 & 0xFFFF)[:count]
 
     return put
+
+
+def _checked(value: int, operand: str, bits: int) -> int:
+    """Return the value of an operand. Raise BadInstruction if it does not fit this number of bits."""
+    if not -(1 << bits - 1) <= value < 1 << bits:
+        raise BadInstruction(f"{operand!r} is {value}, which does not fit {bits} bits")
+    return value
+
+
+def _latin_1(text: str) -> bytes:
+    """Return the bytes of a text. Raise BadInstruction for a character that is not in Latin-1."""
+    try:
+        return text.encode("latin-1")
+    except UnicodeEncodeError as error:
+        raise BadInstruction(f"{text!r} has the character {text[error.start]!r}, which is not in Latin-1") from None
 
 
 def _operands(text: str) -> list[str]:
@@ -257,9 +267,8 @@ def assemble(text: str, path: Path | None = None) -> Image:
     )
     debug: dict[str, bytes] = {}
     if path is not None:
-        blocks = [block for block in source.blocks if block.has_code]
-        rows = [([(at, place.path, place.line) for place, at, _ in block.pieces], block.at) for block in blocks]
-        debug = debug_sections(str(path), rows)
+        coded = (([(at, *place[:2]) for place, at, _ in one.pieces], one.at) for one in source.blocks if one.has_code)
+        debug = debug_sections(str(path), tuple(coded))
     return Image("assembled", source.symbols[source.entry], (*sections, *source.reserved), symbols, debug=debug)
 
 

@@ -205,10 +205,14 @@ LITTLE_ENDIAN, NO_RELOCATIONS = 0x0100, 0x0001
 OPTIONAL_MAGIC = 0x0108
 ABSOLUTE = -1
 SHORT_NAME = 8
+WORD32 = 0xFFFF_FFFF
 
 
 def write(image: Image) -> bytes:
-    """Return the bytes of a file with this image. Debug sections become COPY sections, whose size counts bytes."""
+    """Return the bytes of a file with this image. Debug sections become COPY sections, whose size counts bytes.
+
+    Values of symbols are written as 32 bits, also negative ones.
+    """
     strings = _NewStrings()
     debug = list(image.debug.items())
     count = len(image.sections) + len(debug)
@@ -228,12 +232,12 @@ def write(image: Image) -> bytes:
     for symbol in image.symbols:
         kind = LABEL if symbol.label else EXTERNAL if symbol.external else STATIC
         number = numbers[symbol.section] if symbol.section else ABSOLUTE
-        symbols += SYMBOL.pack(strings.field(symbol.name), symbol.address, number, 0, kind, 0)
+        symbols += SYMBOL.pack(strings.field(symbol.name), symbol.address & WORD32, number, 0, kind, 0)
     flags = EXECUTABLE | LITTLE_ENDIAN | NO_RELOCATIONS
     symbols_at = at + len(raw)
     header = FILE_HEADER.pack(COFF2, count, 0, symbols_at, len(image.symbols), OPTIONAL_HEADER.size, flags, C28X)
     code_words = sum(section.size for section in image.code)
-    optional = OPTIONAL_HEADER.pack(OPTIONAL_MAGIC, image.tool_version, code_words, 0, 0, image.entry, 0, 0)
+    optional = OPTIONAL_HEADER.pack(OPTIONAL_MAGIC, image.tool_version, code_words, 0, 0, image.entry & WORD32, 0, 0)
     return header + optional + headers + raw + symbols + strings.table()
 
 

@@ -196,7 +196,10 @@ class Variable(Struct, frozen=True):
     def bits_of(self, value: float) -> int:
         """Return the bits of a number. Raise BadVariable if the number does not fit the variable."""
         if self.kind == FLOAT:
-            return int.from_bytes(struct.pack("<f", value), "little")
+            try:
+                return int.from_bytes(struct.pack("<f", value), "little")
+            except (OverflowError, struct.error):
+                raise BadVariable(f"{self.name} is a float of 32 bits, so {value} does not fit") from None
         if not isinstance(value, int):
             raise BadVariable(f"{self.name} is not a float, so {value} does not fit; give an integer")
         bits = 16 * self.words
@@ -217,11 +220,10 @@ class Variables:
         }
         self._types: dict[str, DIE] = {}
         self._debug = DebugInfo(image)  # kept, because types are read from it when they are needed
-        for name, address, kind, number in self._debug.each(_declared):
-            words, sign = number or (1, UNSIGNED)
+        for name, address, kind in self._debug.each(_declared):
             for known in (name, f"_{name}"):
                 if known == name or known in self._known:
-                    self._known[known] = Variable(known, address, words, sign)
+                    self._known[known] = Variable(known, address, 1, UNSIGNED)
                     self._types[known] = kind
 
     def find(self, name: str) -> Variable:
@@ -230,14 +232,18 @@ class Variables:
         name: "x", "x.member", "x[3]", an address such as "0x9042", or one of these followed by "-long".
         """
         short = name.removesuffix(LONG)
-        found = self._found(short)
+        found = self._found(short, any_type=short != name)
         area = area_at(found.address)
         if area is None or area.content is Content.REGISTERS:
             where = f"{name} is at {found.address:#06x}, which is not memory"
             raise BadVariable(f"{where}; write a register's field as MODULE.REGISTER.FIELD")
         return found if short == name else Variable(name, found.address, 2, UNSIGNED)
 
-    def _found(self, name: str) -> Variable:
+    def _found(self, name: str, any_type: bool) -> Variable:
+        """Return the variable with a name without "-long".
+
+        any_type: if the type is no number of 16 or 32 bits, True to return the first word, False to raise BadVariable.
+        """
         if ADDRESS.fullmatch(name):
             return Variable(name, int(name, 16), 1, UNSIGNED)
         outer = name
@@ -247,9 +253,9 @@ class Variables:
         if found is None:
             raise BadVariable(f"the image has no variable {outer!r}; {did_you_mean(outer, self._known)}")
         path = name[len(outer) :]
-        if not path:
-            return found
         if kind is None:
+            if not path:
+                return found
             index = INDEX.fullmatch(path)
             if index is None:
                 way = _by_word(outer, found.address)
@@ -258,12 +264,12 @@ class Variables:
         try:
             offset, inner = inside(kind, outer, path)
             number = number_type(inner)
-            if number is None:
+            if number is None and not any_type:
                 parts = members_of(inner)
                 one = f"give one of its members, {', '.join(parts)}"
                 way = one if parts else _by_word(name, found.address + offset)
                 raise BadVariable(f"{name} is not a number of 16 or 32 bits; {way}")
-            return Variable(name, found.address + offset, *number)
+            return Variable(name, found.address + offset, *(number or (1, UNSIGNED)))
         except BadVariable:
             raise
         except Exception as error:  # for damaged data, the library raises exceptions of many types
@@ -275,8 +281,8 @@ def _by_word(outer: str, address: int) -> str:
     return f"give the address of a word, for example 0x{address:04x} for {outer}"
 
 
-def _declared(dwarf: object, unit: CompileUnit) -> Iterator[tuple[str, int, DIE, tuple[int, str] | None]]:
-    """Yield (name, address, type, `number_type` of the type) of each variable at a fixed address."""
+def _declared(dwarf: object, unit: CompileUnit) -> Iterator[tuple[str, int, DIE]]:
+    """Yield (name, address, type) of each variable at a fixed address."""
     for entry in unit.get_top_DIE().iter_children():
         attributes = entry.attributes
         if entry.tag != "DW_TAG_variable" or not {"DW_AT_location", "DW_AT_type", "DW_AT_name"} <= attributes.keys():
@@ -284,5 +290,4 @@ def _declared(dwarf: object, unit: CompileUnit) -> Iterator[tuple[str, int, DIE,
         location = attributes["DW_AT_location"].value
         if isinstance(location, list) and len(location) >= 5 and location[0] == DW_OP_ADDR:
             address = int.from_bytes(bytes(location[1:5]), "little")
-            kind = entry.get_DIE_from_attribute("DW_AT_type")
-            yield text_of(attributes["DW_AT_name"].value), address, kind, number_type(kind)
+            yield text_of(attributes["DW_AT_name"].value), address, entry.get_DIE_from_attribute("DW_AT_type")

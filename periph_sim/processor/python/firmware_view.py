@@ -217,7 +217,7 @@ class FirmwareView:
         """Make `handler` the service routine of a vector. Return (group, line) in the PIE.
 
         For a vector without a group, such as "INT13" or "NMI", return (number of the vector, 0). Raise Misuse if
-        `handler` is no plain function without arguments, KeyError if there is no such vector.
+        `handler` is no plain function without arguments, or the vector is RESET; KeyError if there is no such vector.
         name: the name of the vector, such as "I2CINT1A".
         """
         if not callable(handler):
@@ -227,6 +227,8 @@ class FirmwareView:
             raise Misuse(f"the routine of {name!r} {what}; a service routine is a plain function without arguments")
         if name not in pie_map.VECTORS:
             raise KeyError(f"there is no vector {name!r}; {did_you_mean(name, [*pie_map.LINES, *pie_map.CPU_VECTORS])}")
+        if name == "RESET":
+            raise Misuse("the vector 'RESET' is in boot ROM, so it takes no routine; after a reset, main begins again")
         self.cpu.program.handle(name, handler)
         return pie_map.LINES[name] if name in pie_map.LINES else (pie_map.CPU_VECTORS[name], 0)
 

@@ -276,7 +276,10 @@ class PythonProgram(Program):
         return None if self.placed is not None else self._places.of_line(code, line)
 
     def handle(self, vector: Text, routine: Handler) -> None:
-        """Make `routine` the service routine of a vector: store its code address in the vector table of the PIE."""
+        """Make `routine` the service routine of a vector: store its code address in the vector table of the PIE.
+
+        vector: the name of a vector in this table, which is any vector but RESET.
+        """
         entry = VECTORS[vector]
         self.handlers[vector] = routine
         self._code[ROUTINES + entry] = routine

@@ -269,6 +269,8 @@ def test_a_symbol_that_comes_later_fits_until_it_is_known():
         ("ADD ACC,@AL<<#0", "outside 1 to 15"),
         ("MOV AL,*-SP[64]", "outside 0 to 63"),
         ("ADDF32 R0H,#0.1,R1H", "more than the upper half"),
+        ("ADDF32 R0H,#1e39,R1H", "1e39 is too large for a float32"),
+        ("ADDF32 R0H,#-1e400,R1H", "-1e400 is too large for a float32"),
         ("LCR #0x400000", "outside 0 to"),
         ("MOVW DP,#1 +", "not a number"),
         ("SETFLG RND=2", "not a flag of STF"),

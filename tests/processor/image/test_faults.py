@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.processor.user_code import FirmwareLost
-from tests.processor.image.rig import HEAD, Rig
+from tests.processor.image.rig import ENPIE, HEAD, Rig
 
 STACK = ' .reserve ".stack", 0x400, 16\n' + HEAD
 TAKEN = " OR IFR,#0x1000\n OR IER,#0x1000\n CLRC INTM\n NOP\n ESTOP0"
@@ -39,6 +39,9 @@ TAKEN = " OR IFR,#0x1000\n OR IER,#0x1000\n CLRC INTM\n NOP\n ESTOP0"
             r"^dsp: INT13 was taken at cycle \d+ with PIECTRL.ENPIE = 0, .*; at .*, ACC=0x00000000 .* last jumps",
         ),
         (HEAD + " TRAP #20", r"^dsp: the vector 20 of TRAP or INTR was taken at cycle \d+ with PIECTRL.ENPIE = 0, .*"),
+        (HEAD + ENPIE + " MOV @SP,#0x7000\n TRAP #20", r"^dsp: SP = 0x7000 at cycle \d+; 0x7000 is not memory; at .*"),
+        (HEAD + ENPIE + " MOV @SP,#0x2000\n INTR INT1", r"^dsp: SP = 0x2000 at cycle \d+; 0x2000 is not memory"),
+        (HEAD + ENPIE + " MOV @SP,#0x7F8\n TRAP #20", r"^dsp: SP = 0x7f8 at cycle \d+; 0x0805 is not memory"),
         (HEAD + " MOV @SP,#0x7000\n" + TAKEN, r"^dsp: SP = 0x7000 at cycle \d+; 0x7000 is not memory; at .*last jumps"),
     ],
 )

@@ -70,6 +70,27 @@ def test_each_write_of_the_flashs_wait_states_counts():
     assert rig.cpu.elsewhere.fetches(0x33_0000) == (1, 4, 3)
 
 
+def test_a_reset_resets_registers_of_frames_and_keeps_zone_0():
+    """The flash's wait states and its prefetch, TBCTL of ePWM1 (0x6800) and a word of XINTF zone 0.
+
+    The first pass keeps what it reads at 0x9101, writes, and ends in a reset by WDCHK = 0; the second pass ends.
+    """
+    reads = "".join(
+        f" MOVW DP,#{address:#x} >> 6\n MOV AL,@{address:#x}\n MOV *XAR4++,AL\n"
+        for address in (0x0A86, 0x0A80, 0x6800, 0x4000)
+    )
+    writes = "".join(
+        f" MOVW DP,#{address:#x} >> 6\n MOV @{address:#x},#{value:#x}\n"
+        for address, value in ((0x0A86, 0x0503), (0x0A80, 1), (0x6800, 7), (0x4000, 8))
+    )
+    head = HEAD.replace("#0x68", "#0x28") + " MOVW DP,#COUNT >> 6\n INC @COUNT\n MOVL XAR4,#0x9101\n"
+    last = " MOVW DP,#COUNT >> 6\n CMP @COUNT,#2\n SB last,EQ\n EALLOW\n"
+    rig = Rig(f"{head}{reads}{last}{writes} MOVW DP,#WDCR >> 6\n MOV @WDCR,#0\nloop: SB loop,UNC\nlast: ESTOP0").run()
+    assert rig.program.finished and rig.dsp.resets == 1
+    assert [rig.word(0x9101 + n) for n in range(4)] == [0x0F0F, 0, 0, 8]
+    assert rig.cpu.elsewhere.fetches(0x33_0000) == (1, 15, 15)
+
+
 def test_the_normal_state_differs_after_the_first_access_to_a_word_that_clears_it():
     before, after = (Rig(HEAD + LOOP).cpu.elsewhere for _ in range(2))
     for each in (before, after):

@@ -156,6 +156,16 @@ def test_files_that_include_each_other_are_refused(tmp_path: Path):
         (BEGUN + ".long -0x80000001", "line 3: '-0x80000001' is -2147483649, which does not fit 32 bits"),
         ('.sect ".text", 1, 2, 3', 'line 1: .sect ".text", 1, 2, 3 is not .sect "NAME", ADDRESS [, LOAD ADDRESS]'),
         ('.sect ".text", 1, -2', 'is not .sect "NAME", ADDRESS [, LOAD ADDRESS]'),
+        (BEGUN + '.sect ".far", 0x123456789', "line 3: '0x123456789' is 4886718345, which does not fit 32 bits"),
+        (BEGUN + '.sect ".far", 0x9000, 1 << 32', "line 3: '1 << 32' is 4294967296, which does not fit 32 bits"),
+        (BEGUN + '.sect ".far", 0xFFFFFFFF\n.word 1', "section '.far' lies at 0xffffffff"),
+        (BEGUN + '.reserve ".far", 0x9000, 1 << 32', "line 3: '1 << 32' is 4294967296, which does not fit 32 bits"),
+        (BEGUN + "X .set 0x1FFFFFFFF", "line 3: '0x1FFFFFFFF' is 8589934591, which does not fit 32 bits"),
+        (BEGUN + "X .set -0x80000001", "line 3: '-0x80000001' is -2147483649, which does not fit 32 bits"),
+        (BEGUN + "Xω .set 1", "line 3: 'Xω' has the character 'ω', which is not in Latin-1"),
+        (BEGUN + '.sect "€", 0x9800', "line 3: '€' has the character '€', which is not in Latin-1"),
+        (BEGUN + '.reserve "€", 0x9800, 1', "line 3: '€' has the character '€', which is not in Latin-1"),
+        (BEGUN + '.string "5 €"', "line 3: '5 €' has the character '€', which is not in Latin-1"),
         (".sect text, 1", 'is not .sect "NAME", ADDRESS [, LOAD ADDRESS]'),
         ('.reserve ".x", 1', 'is not .reserve "NAME", ADDRESS, WORDS'),
         ('.reserve ".x", 1, 2, 3', 'is not .reserve "NAME", ADDRESS, WORDS'),
@@ -174,6 +184,7 @@ def test_files_that_include_each_other_are_refused(tmp_path: Path):
         (BEGUN + '.include "none.inc"', "none.inc: No such file"),
         (BEGUN + '.include "x.asm"', "'.text' is defined twice"),
         (BEGUN + "AND @0,#1 <<", "line 3: '1 <<' is not a number"),
+        (BEGUN + ".entry X\nX .set -1", "its entry 0xffffffff is not in a loaded code section"),
         (BEGUN + '.sect ".text", 0x9000', "line 3: section '.text' is defined twice"),
         (BEGUN + '.sect ".d", 0x8000\n.word 1', "overlap at 0x008000"),
         (BEGUN + '.sect ".d", 0x7900\n.word 1', "over peripheral registers"),
@@ -181,11 +192,18 @@ def test_files_that_include_each_other_are_refused(tmp_path: Path):
 )
 def test_refused_in_one_sentence(tmp_path: Path, source: str, sentence: str):
     file = tmp_path / "x.asm"
-    file.write_text(source)
+    file.write_text(source, encoding="utf-8")
     with pytest.raises(BadImage) as error:
         assemble_file(file)
     assert sentence in str(error.value)
     assert str(error.value).startswith(f"{file}: ")
+
+
+def test_a_negative_constant_is_a_symbol_of_32_bits_in_the_file(tmp_path: Path):
+    (tmp_path / "x.asm").write_text(f"{BEGUN}X .set -1\n.word X")
+    image, _ = assemble_file(tmp_path / "x.asm")
+    assert {symbol.name: symbol.address for symbol in image.symbols}["X"] == 0xFFFF_FFFF
+    assert image.sections[0].words == (0x7700, 0xFFFF)
 
 
 def test_the_shipped_program_is_written_and_read_back(periph_sim: Run, tmp_path: Path):  # noqa: F811

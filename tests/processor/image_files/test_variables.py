@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -188,7 +189,6 @@ def variables() -> Variables:
 @pytest.mark.parametrize(
     ("name", "address", "words", "kind"),
     [
-        ("state", 0x9040, 1, "unsigned"),
         ("state-long", 0x9040, 2, "unsigned"),
         ("state.count", 0x9040, 2, "signed"),
         ("_state.count", 0x9040, 2, "signed"),
@@ -199,7 +199,8 @@ def variables() -> Variables:
         ("words[4]", 0x9064, 1, "unsigned"),
         ("words[2]-long", 0x9062, 2, "unsigned"),
         ("pointers[2]", 0x90A4, 2, "unsigned"),
-        ("wide", 0x9070, 1, "unsigned"),
+        ("state.inner-long", 0x9048, 2, "unsigned"),
+        ("wide-long", 0x9070, 2, "unsigned"),
         ("_plain", 0x9080, 1, "unsigned"),
         ("_plain[3]", 0x9083, 1, "unsigned"),
         ("0x9084", 0x9084, 1, "unsigned"),
@@ -218,6 +219,10 @@ def test_a_part_has_its_place_and_width(variables: Variables, name: str, address
         ("computed", "the image has no variable 'computed'; "),
         ("stat.count", "the image has no variable 'stat'; did you mean state"),
         ("state.cuont", "state has no member 'cuont'; did you mean count?"),
+        ("state", "state is not a number of 16 or 32 bits; give one of its members, count, parts, inner, low"),
+        ("_state", "_state is not a number of 16 or 32 bits; give one of its members, count, parts, inner, low"),
+        ("words", "words is not a number of 16 or 32 bits; give the address of a word, for example 0x9060 for words"),
+        ("wide", "wide is not a number of 16 or 32 bits; give the address of a word, for example 0x9070 for wide"),
         ("state.inner", "state.inner is not a number of 16 or 32 bits; give one of its members, sign, gain"),
         ("state.parts", "state.parts is not a number of 16 or 32 bits; give the address of a word, for example 0x9042"),
         ("state.parts[1]", "state.parts[1] is not a number of 16 or 32 bits"),
@@ -254,10 +259,13 @@ def test_bits_are_the_number_of_their_type(kind: str, words: int, bits: int, val
     assert kind == "float" or variable.bits_of(value) == bits
 
 
-def test_a_float_takes_any_number_and_other_variables_whole_ones():
+def test_a_float_takes_any_number_of_its_range_and_other_variables_whole_ones():
     assert (
         Variable("x", 0x9000, 2, "float").bits_of(-2.0) == Variable("x", 0x9000, 2, "float").bits_of(-2) == 0xC000_0000
     )
+    for value in (1e40, -1e40, 10**400):
+        with pytest.raises(BadVariable, match=rf"^x is a float of 32 bits, so {re.escape(str(value))} does not fit$"):
+            Variable("x", 0x9000, 2, "float").bits_of(value)
     with pytest.raises(BadVariable, match=r"^x is not a float, so 1\.0 does not fit; give an integer$"):
         Variable("x", 0x9000, 1, "signed").bits_of(1.0)
 

@@ -47,7 +47,8 @@ class SciRx:
     def __init__(self, options: SciOptions, touched: set[str]) -> None:
         self.options = options
         self.touched = touched
-        self.framing_errors = self.parity_errors = 0  # numbers of characters with these errors, since construction
+        # Numbers of characters with these errors, and of characters that an overrun lost, since construction.
+        self.framing_errors = self.parity_errors = self.lost = 0
         # True if SCIRXBUF got a word, even one equal to the old word, since the owner last set this to False.
         self.loaded = False
         self.fifo = InterruptFifo(SCI_MAP["SCIFFRX"], True, options.fifo_int_mode, touched)
@@ -97,6 +98,7 @@ class SciRx:
         else:
             if self.status & ST_RXRDY:
                 errors |= ST_OE
+                self.lost += 1
             self.rxbuf = word & 0xFF
             self.loaded = True
             self.status |= ST_RXRDY
@@ -146,6 +148,7 @@ class SciRx:
         if self.fifo.push(word):
             self.loaded = self.loaded or not waiting
             return overrun
+        self.lost += 1
         if self.options.fifo_overflow_drops.assume(self.touched) == "oldest":
             self.fifo.pop()
             self.fifo.push(word)

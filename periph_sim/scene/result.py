@@ -96,7 +96,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         counts |= {"frames": scene.host.frames}
     if scene.frames is not None:
         counts["beyond_16_bits"] = scene.frames.beyond.total()
-    counts["overruns"] = sum(x.measure.count for x in scene.limits if x.budget.measure == "overruns")
+    counts["overruns"] = max((x.measure.count for x in scene.limits if x.budget.measure == "overruns"), default=0)
     counts[SKIPPED] = sum(dsp.program.polls_skipped for dsp in scene.units.values())
     counts["resets"] = sum(dsp.resets for dsp in scene.units.values())
     compared = None if scene.derived is None else scene.derived.bytes  # None if no bytes are compared

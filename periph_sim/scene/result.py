@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, cast
 from ..core.chip import joined
 from ..core.phrases import counted
 from ..timing.verdict import FAIL, NOT_JUDGED, PASS, Verdict
+from .case.inputs_table import InputsTable
 from .case.optimizations import obsolete_fidelity
 
 if TYPE_CHECKING:
@@ -191,14 +192,20 @@ def notes_of(scene: Scene) -> list[str]:
 
 
 def _late_parties(scene: Scene) -> list[str]:
-    """Return a note for a controller or host whose key `first` is at or after the end of the case."""
-    case, timebase = scene.case, scene.timebase
+    """Return a note for a controller or host whose first round or frame is at or after the end of the case.
+
+    Its start is the first in the list of [inputs], or without such a list the key `first` of the party.
+    """
+    case, timebase, inputs = scene.case, scene.timebase, scene.case.inputs or InputsTable()
     end = timebase.show(timebase.ticks(case.duration, "nearest"))
+    parties = (("controller", "round", case.controller, inputs.rounds), ("host", "frame", case.host, inputs.frames))
     return [
-        f"{name}: its first {what}, at {timebase.show(timebase.ticks(table.first, 'nearest'))}, is after the end of "
-        f"the case, {end}"
-        for name, what, table in (("controller", "round", case.controller), ("host", "frame", case.host))
-        if table is not None and table.first >= case.duration
+        f"{name}: its first {what}, at {timebase.show(timebase.ticks(first, 'nearest'))}, is after the end of the "
+        f"case, {end}"
+        for name, what, table, starts in parties
+        if table is not None
+        for first in (starts[:1] if starts is not None else (table.first,))
+        if first >= case.duration
     ]
 
 

@@ -130,3 +130,18 @@ def test_a_controller_that_begins_after_the_case_ends_is_noted(first: str, shown
 def test_a_host_that_begins_after_the_case_ends_is_noted():
     result = Scene(load(TIMING / "uart_logger.toml", ["host.first='4 s'"])).run(Fraction(2, 1000))
     assert "host: its first frame, at 4000.000 ms, is after the end of the case, 200.000 ms" in result.notes
+
+
+@pytest.mark.parametrize(
+    ("inputs", "shown"),
+    [
+        ("rounds=['1 ms', '300 ms']", ""),
+        ("rounds=['300 ms']", "controller: its first round, at 300.000 ms, is after the end of the case, 200.000 ms"),
+        ("rounds=[]", ""),
+        ("frames=['1 ms']", "controller: its first round, at 1000.000 ms, is after the end of the case, 200.000 ms"),
+    ],
+)
+def test_the_first_round_is_that_of_the_inputs_if_they_list_rounds(inputs: str, shown: str):
+    changes = ["duration='200 ms'", "controller.first='1 s'", f"inputs={{{inputs}}}"]
+    notes = Scene(load(TIMING / "imu_hil_published.toml", changes)).run(Fraction(2, 1000)).notes
+    assert [note for note in notes if "is after the end" in note] == [shown] * bool(shown)

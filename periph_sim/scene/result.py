@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, cast
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 
 # The key of the number of skipped polls in `Result.counts`. It describes the work of the simulator, not the case.
 SKIPPED = "polls_skipped"
+BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")  # a TOML key that needs no quotes
 
 
 @dataclass
@@ -259,5 +262,5 @@ def pins_of(gpio: Gpio, descriptor: ModuleDescriptor, signal: str) -> tuple[int,
 
 
 def _key(name: str) -> str:
-    """Return a name as a TOML key, quoted if it has a point."""
-    return f'"{name}"' if "." in name else name
+    """Return a name as a TOML key, quoted unless it consists of letters A to Z, digits, "_" and "-"."""
+    return name if BARE_KEY.fullmatch(name) else json.dumps(name, ensure_ascii=False)

@@ -83,6 +83,14 @@ def test_an_input_on_another_pin_than_the_wire_is_noted_with_the_key_to_add(monk
     ]
 
 
+@pytest.mark.parametrize(("wire", "key"), [("my-line_2", "my-line_2"), ("my line", '"my line"'), ("ü", '"ü"')])
+def test_the_key_to_add_is_in_quotes_where_toml_needs_them(wire: str, key: str):
+    table = {"firmware": "under test", "modules": ["SCI-A", "GPIO"], "pins": {wire: 28}}
+    program = Firmware("under test", lambda dsp, settings: receives_on_gpio36(dsp), None)
+    (note, _) = Scene(case(unit={"dsp": table}), programs={"dsp": program}).run().notes
+    assert note.endswith(f"add pins = {{ {key} = 36 }} to the unit")
+
+
 def test_a_module_without_pins_is_not_noted(monkeypatch: pytest.MonkeyPatch):
     result = scene_with(monkeypatch, lambda dsp: dsp.compute(10), ["SCI-A", "GPIO"], host={}).run()
     assert [note for note in result.notes if "has no wire" in note] == []

@@ -60,5 +60,5 @@ def test_a_program_without_a_main_for_python_is_an_image_or_c_sources(tmp_path: 
     path = tmp_path / "polls.asm"
     path.write_text(POLLS)
     scene = Scene(case(unit={"dsp": {"image": str(path), "modules": ["TIMER0"]}}))
-    with pytest.raises(Misuse, match="^dsp runs an image or C sources, which have no main that Python could call$"):
+    with pytest.raises(Misuse, match=r"^dsp runs an image or C sources, which have no main that Python could call$"):
         scene.firmware["dsp"].main(scene.units["dsp"], None)

@@ -95,6 +95,18 @@ def test_a_case_and_firmware_in_python_and_its_records(tmp_path: Path):
             lambda: make_case(name="mine", dura="1 ms"),
             "make_case(mine): there is no key 'dura'; did you mean duration?",
         ),
+        (
+            lambda: make_case(name="mine", duration="1 ms", seed=2**70),
+            "make_case(mine): seed is an integer that does not fit 64 bits; give a smaller number",
+        ),
+        (
+            lambda: make_case(name="mi\nne", duration="1 ms"),
+            r"make_case(mi\nne): name: 'mi\nne' is no name; a name is one line of printable characters",
+        ),
+        (
+            lambda: make_case(name="mine", duration="1 ms", controller={"order": ("gyro\nscope",)}),
+            r"make_case(mine): controller.order.0: 'gyro\nscope' is no name",
+        ),
         (lambda: run(make_case(**TABLES), ["seed=2"]), "changes go with a file; give them to load or make_case"),
         (lambda: run(make_case(**TABLES), seconds="3"), "seconds='3': '3' has no unit"),
         (lambda: run(make_case(**TABLES), programs={"dps": idle}), "case mine has no unit 'dps'; it has dsp"),

@@ -88,6 +88,12 @@ def test_a_case_and_firmware_in_python_and_its_records(tmp_path: Path):
     assert run(make_case(["budget.work.max=9 us"], **TABLES), programs={"dsp": idle}).verdict == "fail"
 
 
+@pytest.mark.parametrize("name", ["mine", "a/b", "../b", "/b", ""])
+def test_files_of_a_case_without_a_file_are_in_the_current_folder(name: str):
+    made = make_case(**TABLES | {"name": name})
+    assert made.folder == Path() and made.file == Path(f"make_case({name})")
+
+
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [

@@ -101,7 +101,8 @@ def case_of_tables(tree: dict[str, Any], label: str, changes: Sequence[str] = ()
     label: the name of the case in messages, in place of a file.
     """
     places = tuple((change, apply(tree, change)) for change in changes)
-    source = Source(Path(label if label.isprintable() else ascii(label)[1:-1]), "", places, tuple(texts_in(tree)))
+    shown = Path(label if label.isprintable() else ascii(label)[1:-1])
+    source = Source(shown, "", places, tuple(texts_in(tree)), is_label=True)
     refuse_unusable(source, tree)
     try:
         return built(Case.model_validate(tree), source)

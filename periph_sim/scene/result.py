@@ -35,7 +35,8 @@ class Result:
         or a device let no simulated time pass, or if the controller still waits for a line that another party holds
         low. Otherwise "pass", or "not judged" if the case has no budgets.
     wall_s: seconds of real time of the run, without the time to build the scene.
-    wire_bytes: number of complete bytes on the I2C bus, including addresses (`Scene.bytes_on_bus`).
+    wire_bytes: number of complete bytes on the I2C bus, including addresses (`Scene.bytes_on_bus`). With a controller
+        agent, and no outside party on the bus, the bytes of units that are masters, too, do not count.
     bytes_skipped: number of I2C bytes whose first seven bits were simulated in one step.
     sci_bytes: number of characters that the host, the parties in [serial] and an outside party sent to SCIs of units.
     sci_bytes_sent: number of characters that SCIs of units sent.

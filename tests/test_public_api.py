@@ -88,12 +88,30 @@ def test_a_case_and_firmware_in_python_and_its_records(tmp_path: Path):
     assert run(make_case(["budget.work.max=9 us"], **TABLES), programs={"dsp": idle}).verdict == "fail"
 
 
+@pytest.mark.parametrize("name", ["mine", "a/b", "../b", "/b", ""])
+def test_files_of_a_case_without_a_file_are_in_the_current_folder(name: str):
+    made = make_case(**TABLES | {"name": name})
+    assert made.folder == Path() and made.file == Path(f"make_case({name})")
+
+
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
         (
             lambda: make_case(name="mine", dura="1 ms"),
             "make_case(mine): there is no key 'dura'; did you mean duration?",
+        ),
+        (
+            lambda: make_case(name="mine", duration="1 ms", seed=2**70),
+            "make_case(mine): seed is an integer that does not fit 64 bits; give a smaller number",
+        ),
+        (
+            lambda: make_case(name="mi\nne", duration="1 ms"),
+            r"make_case(mi\nne): name: 'mi\nne' is no name; a name is one line of printable characters",
+        ),
+        (
+            lambda: make_case(name="mine", duration="1 ms", controller={"order": ("gyro\nscope",)}),
+            r"make_case(mine): controller.order.0: 'gyro\nscope' is no name",
         ),
         (lambda: run(make_case(**TABLES), ["seed=2"]), "changes go with a file; give them to load or make_case"),
         (lambda: run(make_case(**TABLES), seconds="3"), "seconds='3': '3' has no unit"),

@@ -2,7 +2,8 @@
 
     the wait depends on         what can end the wait
     registers of a module       if the module's clock is on: its events, and changes of its wires by other parties
-                                if the CPU takes interrupts: those of the modules whose interrupts are enabled, too
+                                if the CPU takes interrupts: those of the modules whose interrupts are enabled, too;
+                                the watchdog, if no service routine restarts it
     registers without a model   the watchdog, if no service routine restarts it
     memory                      service routines of interrupts, and the watchdog
     IDLE                        the watchdog; events and wires of the modules whose interrupts IER and PIEIER enable
@@ -47,10 +48,7 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
     """
     wait = dsp.program.unanswered_wait()
     if wait is not None:
-        # The watchdog ends the wait only if no service routine restarts the watchdog (see RESTARTED).
-        now = dsp.clock.cycle_at(dsp.processor.time.instant()[1])
-        ends = watchdog_runs(dsp) and dsp.control.watchdog_rounds(wait.since, now) < RESTARTED
-        return "" if ends else wait.unanswered
+        return "" if watchdog_ends(dsp, wait.since) else wait.unanswered
     if not dsp.processor.time.waits_for_input and not polls_for_input(dsp):
         return ""
     if dsp.core.idlestat:
@@ -65,6 +63,8 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
             return ""  # firmware loops without a wait, or the watchdog will end its wait
         if not takes_interrupts(dsp):
             return f"only a service routine could change that, and {OFF[bool(dsp.core.intm)]}; {ENABLE}"
+    if spin.polls and watchdog_ends(dsp, spin.since):
+        return ""
     gates = {module: dsp.plan.part.by_name[module].gate for module in signals_behind(dsp, spin)}
     modules = [module for module, gate in gates.items() if not gate or dsp.control.enabled(gate)]
     if spin.polls and not modules and not unanswered:
@@ -128,6 +128,15 @@ def sleep_reason(dsp: Dsp) -> str:
 def watchdog_runs(dsp: Dsp) -> bool:
     """Return True if the watchdog will reset the unit or interrupt it."""
     return dsp.control.next_wake < NEVER
+
+
+def watchdog_ends(dsp: Dsp, since: int) -> bool:
+    """Return True if the watchdog will end a wait, because no service routine restarts it (see RESTARTED).
+
+    since: the cycle at which the wait began.
+    """
+    now = dsp.clock.cycle_at(dsp.processor.time.instant()[1])
+    return watchdog_runs(dsp) and dsp.control.watchdog_rounds(since, now) < RESTARTED
 
 
 def takes_interrupts(dsp: Dsp) -> bool:

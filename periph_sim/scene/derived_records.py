@@ -25,8 +25,12 @@ if TYPE_CHECKING:
 
 KINDS = (Kind.TRANSFER, Kind.ROUND, Kind.RECEIVER, Kind.DATA, Kind.BUS)
 OF_UNITS = {"held alone", "unfinished"}  # the names (`what`) of the records that `HeldRecords` makes
-OF_BYTES = {"wrong bytes", "bytes compared", "expected byte"}  # names of some records that `ByteRecords` makes
+# the names of the records that `ByteRecords`, `AgeRecords` and `ErrorRecords` make
+OF_BYTES = {"bytes asked", "bytes compared", "wrong bytes", "expected byte", "zeros", "unknown bytes"}
+OF_AGES = {"chip read", "age", "unknown age", "model age", "model run"}
+OF_ERRORS = {"sample", "value error", "value error at frame", "unknown error"}
 OF_MODELS = {"model age", "model run"}  # the names of the records that `AgeRecords` derives from spans of firmware
+OF_ORIGINS = {"age", "unknown age"}  # the names of the records for which `AgeRecords` needs `Origins`
 
 
 class DerivedRecords:
@@ -57,11 +61,12 @@ class DerivedRecords:
         named = self._named
         if named[Kind.DATA]:
             self._attach_data(scene, named[Kind.DATA])
-        if named[Kind.TRANSFER] & OF_UNITS:
-            from ..timing.derived.held_records import HELD_ALONE, HeldRecords
+        has_bus = "SCL" in scene.wires and "SDA" in scene.wires
+        if named[Kind.TRANSFER] & OF_UNITS and has_bus:
+            from ..timing.derived.held_records import HeldRecords
 
             for unit in scene.units:
-                if self._recorder.topic(Kind.TRANSFER, unit, HELD_ALONE).has_subscribers:
+                if any(self._recorder.topic(Kind.TRANSFER, unit, what).has_subscribers for what in OF_UNITS):
                     self._held.append(HeldRecords(self._recorder, unit))
                     self._held[-1].attach(scene.wires["SCL"], scene.wires["SDA"])
         if named[Kind.TRANSFER] - OF_UNITS:
@@ -76,7 +81,7 @@ class DerivedRecords:
             RoundRecords(self._recorder, scene.bus.rounds, scene.bus.period, scene.bus.starts)
         if named[Kind.RECEIVER]:
             scene.uart.record_receivers()
-        if "stuck" in named[Kind.BUS] and scene.head is None:  # a controller agent reports stuck lines itself
+        if "stuck" in named[Kind.BUS] and has_bus and scene.head is None:  # a controller agent reports them itself
             from ..bus.i2c.line_observers import STUCK_AFTER, StuckWatch
 
             length = STUCK_AFTER if scene.case.rounds is None else scene.case.rounds.stuck_after
@@ -109,7 +114,7 @@ class DerivedRecords:
         """
         checks_host = scene.case.checks_host
         origins: Origins | None = None
-        if "age" in named or (named & OF_BYTES and checks_host):
+        if named & OF_ORIGINS or (named & OF_BYTES and checks_host):
             origins = _origins_of(scene)
             scene.on_frame(origins.frame)
             scene.on_transfer(origins.transfer)
@@ -118,15 +123,16 @@ class DerivedRecords:
 
             self.bytes = ByteRecords(self._recorder, origins if checks_host else None)
             scene.on_transfer(self.bytes.transfer)
-        if "chip read" in named:
+        if named & OF_AGES:
             ages = self._age_records()
-            ages.origins = origins if "age" in named else None
+            ages.origins = origins if named & OF_ORIGINS else None
             scene.on_frame(ages.frame)
             scene.on_transfer(ages.transfer)
-        if "sample" in named:
+        if named & OF_ERRORS and scene.host_agent is not None:
             from ..timing.derived.error_records import ErrorRecords
 
-            assert scene.host_agent is not None
+            if scene.truth is None and named & OF_ERRORS != {"sample"}:
+                raise _no_truth(scene)
             errors = ErrorRecords(self._recorder, scene.host_agent.truth_at, scene.host_agent.host.due)
             scene.on_frame(errors.frame)
             scene.on_transfer(errors.transfer)
@@ -158,6 +164,14 @@ def _origins_of(scene: Scene) -> Origins:
     for dsp in scene.units.values():
         dsp.on_reset.append(origins.reset)
     return origins
+
+
+def _no_truth(scene: Scene) -> BadCase:
+    """Return an error about the first budget on errors of sensor models, in a scene without true values."""
+    texts = ((entry, part.plan.text) for entry, limit in enumerate(scene.limits) for part in limit.parts)
+    entry = next(entry for entry, text in texts if "error" in text)
+    what = f"{scene.case.budget[entry].measure!r} of sensor models needs a motion to compare with; give [host.motion]"
+    return scene.case.mistake(what, "budget", entry, "measure")
 
 
 def _mistake(case: Case, what: str) -> BadCase:

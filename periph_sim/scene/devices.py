@@ -24,7 +24,7 @@ from .case.error_text import own_settings
 from .context import SceneContext
 
 ACCESS = {"read": 1, "write": 0, "any": None}
-OTHERS = ("controller", "host", "serial", "outside")  # the names of other parties; a device must not have such a name
+OTHERS = ("controller", "host", "serial", "outside")  # names of other parties, which no chip or device may have
 
 
 class NoteLog:

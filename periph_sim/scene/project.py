@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import os
 import tomllib
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated
@@ -28,7 +29,7 @@ from ..core.convert import BadTable
 from ..core.input_files import read_input
 from ..core.phrases import did_you_mean
 from ..core.table import Table
-from .case.discover import is_searched
+from .case.discover import is_case, is_searched
 from .case.error_text import explain
 from .case.model import BadCase
 from .case.origin import Source, line_of
@@ -83,16 +84,31 @@ class Project(Struct, frozen=True):
         The default applies if the project sets no folder of baselines, or if the case is not among the project's cases.
 
         The folder of baselines has the same sub-folders as the folder of cases, so that two cases of the same name in
-        one of these folders have different baselines. Cases with equal paths inside two folders share one baseline.
+        one of these folders have different baselines. Raise BadCase if the case has the same path inside its folder as
+        another case of the project has inside another folder, because both would have the same baseline.
         """
         if self.settings.baselines is None:
             return None
         case = case.resolve()
-        for place in map(Path.resolve, self.cases()):
-            if case.is_relative_to(place):
-                inside = Path(case.name) if place.is_file() else case.relative_to(place)
-                return _near(self.folder / self.settings.baselines / inside.with_suffix(".json"))
-        return None
+        places = [place.resolve() for place in self.cases()]
+        inside = _inside(case, places)
+        if inside is None:
+            return None
+        baseline = _near(self.folder / self.settings.baselines / inside.with_suffix(".json"))
+        for place in places:
+            other = place if place.is_file() else place / inside
+            if other != case and _inside(other, places) == inside and is_case(other):
+                what = f"{_near(case)} and {_near(other)} would both have {baseline}; rename one of them"
+                raise BadCase(f"{self.where('baselines')}: {what}, or leave baselines out")
+        return baseline
+
+
+def _inside(case: Path, places: Sequence[Path]) -> Path | None:
+    """Return the path of a case inside the first of these folders or files that contains it; None if there is none."""
+    for place in places:
+        if case.is_relative_to(place):
+            return Path(case.name) if place.is_file() else case.relative_to(place)
+    return None
 
 
 def project_of(folder: Path) -> Project:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, cast
@@ -9,6 +11,7 @@ from typing import TYPE_CHECKING, cast
 from ..core.chip import joined
 from ..core.phrases import counted
 from ..timing.verdict import FAIL, NOT_JUDGED, PASS, Verdict
+from .case.inputs_table import InputsTable
 from .case.optimizations import obsolete_fidelity
 
 if TYPE_CHECKING:
@@ -21,6 +24,7 @@ if TYPE_CHECKING:
 
 # The key of the number of skipped polls in `Result.counts`. It describes the work of the simulator, not the case.
 SKIPPED = "polls_skipped"
+BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")  # a TOML key that needs no quotes
 
 
 @dataclass
@@ -31,7 +35,8 @@ class Result:
         or a device let no simulated time pass, or if the controller still waits for a line that another party holds
         low. Otherwise "pass", or "not judged" if the case has no budgets.
     wall_s: seconds of real time of the run, without the time to build the scene.
-    wire_bytes: number of complete bytes on the I2C bus, including addresses (`Scene.bytes_on_bus`).
+    wire_bytes: number of complete bytes on the I2C bus, including addresses (`Scene.bytes_on_bus`). With a controller
+        agent, and no outside party on the bus, the bytes of units that are masters, too, do not count.
     bytes_skipped: number of I2C bytes whose first seven bits were simulated in one step.
     sci_bytes: number of characters that the host, the parties in [serial] and an outside party sent to SCIs of units.
     sci_bytes_sent: number of characters that SCIs of units sent.
@@ -96,7 +101,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         counts |= {"frames": scene.host.frames}
     if scene.frames is not None:
         counts["beyond_16_bits"] = scene.frames.beyond.total()
-    counts["overruns"] = sum(x.measure.count for x in scene.limits if x.budget.measure == "overruns")
+    counts["overruns"] = max((x.measure.count for x in scene.limits if x.budget.measure == "overruns"), default=0)
     counts[SKIPPED] = sum(dsp.program.polls_skipped for dsp in scene.units.values())
     counts["resets"] = sum(dsp.resets for dsp in scene.units.values())
     compared = None if scene.derived is None else scene.derived.bytes  # None if no bytes are compared
@@ -191,14 +196,20 @@ def notes_of(scene: Scene) -> list[str]:
 
 
 def _late_parties(scene: Scene) -> list[str]:
-    """Return a note for a controller or host whose key `first` is at or after the end of the case."""
-    case, timebase = scene.case, scene.timebase
+    """Return a note for a controller or host whose first round or frame is at or after the end of the case.
+
+    Its start is the first in the list of [inputs], or without such a list the key `first` of the party.
+    """
+    case, timebase, inputs = scene.case, scene.timebase, scene.case.inputs or InputsTable()
     end = timebase.show(timebase.ticks(case.duration, "nearest"))
+    parties = (("controller", "round", case.controller, inputs.rounds), ("host", "frame", case.host, inputs.frames))
     return [
-        f"{name}: its first {what}, at {timebase.show(timebase.ticks(table.first, 'nearest'))}, is after the end of "
-        f"the case, {end}"
-        for name, what, table in (("controller", "round", case.controller), ("host", "frame", case.host))
-        if table is not None and table.first >= case.duration
+        f"{name}: its first {what}, at {timebase.show(timebase.ticks(first, 'nearest'))}, is after the end of the "
+        f"case, {end}"
+        for name, what, table, starts in parties
+        if table is not None
+        for first in (starts[:1] if starts is not None else (table.first,))
+        if first >= case.duration
     ]
 
 
@@ -252,5 +263,5 @@ def pins_of(gpio: Gpio, descriptor: ModuleDescriptor, signal: str) -> tuple[int,
 
 
 def _key(name: str) -> str:
-    """Return a name as a TOML key, quoted if it has a point."""
-    return f'"{name}"' if "." in name else name
+    """Return a name as a TOML key, quoted unless it consists of letters A to Z, digits, "_" and "-"."""
+    return name if BARE_KEY.fullmatch(name) else json.dumps(name, ensure_ascii=False)

@@ -273,7 +273,7 @@ class Scene:
         """Return the number of complete bytes on the I2C bus, including addresses.
 
         The bytes are counted on the wires if there is no controller agent, or if an outside party also drives the bus.
-        Otherwise, only the bytes in the transfers of the controller agent are counted.
+        Otherwise, only the bytes in the transfers of the controller agent are counted, and not those of other masters.
         """
         if self._counter is not None:
             return self._counter.bytes

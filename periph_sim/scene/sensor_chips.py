@@ -22,7 +22,7 @@ from .case.error_text import checked_options
 from .case.model import Case
 from .case.party_tables import ChipTable, ValueTable
 from .context import SceneContext
-from .devices import NoteLog
+from .devices import OTHERS, NoteLog
 
 
 class ChipOnBus:
@@ -78,7 +78,7 @@ def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipO
     table = case.chip[name]
     place = ("chip", name)
     kind = _kind(case, name)
-    if name in case.unit or name == "controller":
+    if name in case.unit or name in OTHERS:
         raise case.mistake(f"{name!r} is another party on the wires already; give the chip another name", *place)
     address = kind.ADDRESSES[0] if table.address is None else table.address
     if address not in kind.ADDRESSES:

@@ -79,24 +79,30 @@ def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
 def modules_of(scene: Scene) -> dict[str, Module]:
     """Return a dictionary from names to the parts of a scene that have a state, as their attribute `STATE` declares.
 
-    The states of the parts are collected and restored in the order of the dictionary.
+    The states of the parts are collected and restored in the order of the dictionary. If a part has the name of an
+    earlier part, its name gets an apostrophe.
     """
     samplers = _samplers(scene)
     keys: dict[type, Keyed] = {Sampler: Keyed(lambda sampler: (sampler.rank,), samplers.__getitem__)}
-    parts: dict[str, object] = {}
+    parts: list[tuple[str, object]] = []
     if scene.head is not None:
-        parts |= {"controller": scene.head.controller, "head": scene.head}
+        parts += [("controller", scene.head.controller), ("head", scene.head)]
     if scene.host is not None:
-        parts["host"] = scene.host
-    parts |= {**scene.chips, **scene.devices}
-    parts |= {f"fault {number}": fault for number, fault in enumerate(scene.faults)}
-    parts |= {f"sampler {rank}": sampler for rank, sampler in sorted(samplers.items())}
-    found = {"records": Module(scene.recorder)}
+        parts.append(("host", scene.host))
+    parts += [*scene.chips.items(), *scene.devices.items()]
+    parts += [(f"fault {number}", fault) for number, fault in enumerate(scene.faults)]
+    parts += [(f"sampler {rank}", sampler) for rank, sampler in sorted(samplers.items())]
+    modules = [("records", Module(scene.recorder))]
     for name, dsp in scene.units.items():
-        found |= _unit_modules(name, dsp, dsp.clock.cycle_at(scene.kernel.now), keys)
-    found |= {name: Module(part, keys=keys) for name, part in (parts | scene.wires).items()}
+        modules += _unit_modules(name, dsp, dsp.clock.cycle_at(scene.kernel.now), keys).items()
+    modules += [(name, Module(part, keys=keys)) for name, part in (*parts, *scene.wires.items())]
     # The kernel is last, because its events are identified by attributes of the modules before it.
-    found["kernel"] = Module(scene.kernel, keys=keys)
+    modules.append(("kernel", Module(scene.kernel, keys=keys)))
+    found: dict[str, Module] = {}
+    for name, module in modules:
+        while name in found:
+            name += "'"
+        found[name] = module
     return found
 
 

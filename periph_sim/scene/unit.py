@@ -194,4 +194,4 @@ def _started_sources(case: Case, name: str, unit: Unit, dsp: Dsp) -> Firmware:
 
 def _no_python(dsp: Dsp, settings: object) -> None:
     """Raise Misuse: an image or C sources have no main that Python could call."""
-    raise Misuse(f"{dsp.name} runs an image, which has no main that Python could call")
+    raise Misuse(f"{dsp.name} runs an image or C sources, which have no main that Python could call")

@@ -16,7 +16,7 @@ from msgspec import Struct
 
 from ..core.exact_number import exact_number
 from ..core.table import duration, share
-from ..core.time import NO_TIME, Timebase, round_ratio
+from ..core.time import NO_TIME, Timebase, TimeError, round_ratio
 from .budget_schema import Budget
 from .language.scope import BadEvent, Scope
 from .measures.event import EventMeasure
@@ -73,7 +73,7 @@ def plan_of(
 ) -> BudgetPlan:
     """Return the plan of a budget.
 
-    Raise BadBudget if the budget cannot be judged. Raise TimeError if `after` has too many ticks.
+    Raise BadBudget if the budget cannot be judged, or if `after` has too many ticks.
 
     scope: the names that a measure of events may contain. start: the tick at which the run begins. others: the plans of
     the earlier budgets in the same scene.
@@ -92,7 +92,10 @@ def plan_of(
     if budget.after is not None:
         if not measure.series:
             raise BadBudget(f"{budget.measure!r} is one number a run, so none of it can be left out", "after")
-        not_before = start + timebase.ticks(budget.after, "nearest")
+        try:
+            not_before = start + timebase.ticks(budget.after, "nearest")
+        except TimeError as error:
+            raise BadBudget(str(error), "after") from None
     joined = tuple(_joined(budget, measure, entry, timebase, scope, start) for entry in range(len(budget.also)))
     same = (  # a budget with joined conditions never shares its measure
         place

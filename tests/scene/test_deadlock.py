@@ -285,11 +285,13 @@ def test_a_module_without_clock_sees_no_traffic(monkeypatch: pytest.MonkeyPatch)
 # Watchdog ----------------------------------------------------------------------
 
 
-def scene_from_boot(monkeypatch: pytest.MonkeyPatch, firmware: Callable[[Dsp], None], duration: str) -> Scene:
+def scene_from_boot(
+    monkeypatch: pytest.MonkeyPatch, firmware: Callable[[Dsp], None], duration: str, *modules: str
+) -> Scene:
     """Boot leaves the watchdog on and the PLL off: SYSCLKOUT 7.5 MHz, WDCNTR overflows after 512 * 256 OSCCLK."""
     program = Firmware("under test", lambda dsp, settings: firmware(dsp), None)
     monkeypatch.setattr(unit_module, "load_firmware", lambda name: program)
-    unit = {"firmware": "under test", "modules": [], "from_boot": True}
+    unit = {"firmware": "under test", "modules": list(modules), "from_boot": True}
     return Scene(case(duration, unit={"dsp": unit}))
 
 
@@ -320,6 +322,24 @@ def test_a_reset_also_ends_a_spin_that_nothing_else_would(monkeypatch):
     result = scene_from_boot(monkeypatch, waits, "9 ms").run()
     assert result.counts["resets"] == 2 and len(began) == 3
     assert result.stuck == []  # the watchdog is due
+
+
+def turns_on_the_sci(dsp: Dsp) -> None:
+    dsp.eallow()
+    dsp.module("SYS").PCLKCR0.SCIAENCLK = 1
+    dsp.edis()
+
+
+@pytest.mark.parametrize("clock", [True, False])
+def test_a_reset_also_ends_a_poll_of_a_module(monkeypatch: pytest.MonkeyPatch, clock: bool):
+    def waits(dsp: Dsp) -> None:
+        if clock:
+            turns_on_the_sci(dsp)
+        sci = dsp.module("SCI-A")
+        dsp.spin(lambda: sci.SCIRXST.RXRDY == 1)
+
+    result = scene_from_boot(monkeypatch, waits, "9 ms", "SCI-A").run()
+    assert (result.counts["resets"], result.stuck) == (2, [])
 
 
 def test_a_serviced_watchdog_never_resets(monkeypatch):

@@ -3,17 +3,28 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Collection
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 import pytest
 
+from periph_sim.core.time import NO_TIME
+from periph_sim.devices.host_frames import host_frames
 from periph_sim.processor.dsp import Dsp
+from periph_sim.scene import derived_records
+from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase, Case
 from periph_sim.scene.scene import Scene
+from periph_sim.timing.budget_schema import Budget
+from periph_sim.timing.derived import error_records
+from periph_sim.timing.derived.origins import FrameOrigins, Origin
+from periph_sim.timing.language.scope import RECORDS
 from periph_sim.timing.measures.registry import MEASURES
-from tests.scene.runs import run_file
-from tests.scene.small import scene_with
+from tests.scene.absent import HEAD, HOST, IMU, LOGGER
+from tests.scene.runs import TIMING, run_file
+from tests.scene.small import case, scene_with
 from tests.timing.events_by_hand import make
 
 BUDGET = 'budget=[{{name = "one", measure = "{}", max = {}}}]'
@@ -49,10 +60,10 @@ def alone(measure: str, limit: object, module: str = "I2C-A") -> Case:
 def test_every_measure_says_what_it_needs(measure):
     kind = make(measure)
     limit = "1 ms" if kind.unit == "time" else 0
-    case = alone(measure, limit, "GPIO" if kind.needs == "I2C-A" else "I2C-A")
+    lacking = alone(measure, limit, "GPIO" if kind.needs == "I2C-A" else "I2C-A")
     needs = "[controller], or [rounds] for a unit that is the master," if kind.needs == "rounds" else kind.needs
     with pytest.raises(BadCase, match=re.escape(f"'{measure}' needs {needs} in the scene, which has none")):
-        Scene(case)
+        Scene(lacking)
 
 
 def test_a_span_needs_nothing_but_its_firmware():
@@ -95,3 +106,103 @@ def test_rounds_of_a_master_say_how_long_a_line_may_be_low(monkeypatch):
 def test_the_event_and_the_measure_count_the_same(monkeypatch):
     event, measure = ran(monkeypatch, "60 ms", [COUNT, {"name": "measure", "measure": "stuck", "max": 0}]).budgets
     assert event.worst == measure.worst == 1
+
+
+THINGS = {f"{kind} {name}": thing for kind, things in RECORDS.items() for name, thing in things.items()}
+NINE = {"time": "9 s", "LSB": "9 LSB"}  # a limit of values, by their unit
+
+Values = list[tuple[int, int]]  # pairs (value, tick)
+
+
+class NotAllCompared(FrameOrigins):
+    """Origins that have left out what the bytes ff ff ... may be."""
+
+    def __init__(self) -> None:
+        super().__init__(host_frames())
+
+    def origin(self, address: int, got: bytes) -> Origin:
+        return Origin(None, NO_TIME, bytes(6), judged=False) if got[0] == 0xFF else super().origin(address, got)
+
+
+def nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    pass
+
+
+def not_all_compared(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(derived_records, "_origins_of", lambda scene: NotAllCompared())
+
+
+def one_frame_stored(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(error_records, "MOST", 1)
+
+
+FIXED = "unit.dsp.settings.table={'0x68'='ff ff ff ff ff ff', '0x53'='00 00 00 00 00 00', '0x1e'='12 34 56 12 34 56'}"
+# Runs that together have every derived record: the case, its length in seconds, changes, and what is set before.
+RUNS: dict[str, tuple[str, str, list[str], Callable[[pytest.MonkeyPatch], None]]] = {
+    "rounds of an emulator": ("imu_hil_published", "0.07", [], nothing),
+    "a run that ends in the first transfer": ("imu_hil_published", "0.0053", [], nothing),
+    "bytes that are not the host's": ("imu_hil_published", "0.25", [FIXED], not_all_compared),
+    "samples that fit an old frame": ("imu_moving", "0.1", [], one_frame_stored),
+    "characters that are not read": ("imu_hil_published", "0.1", ["unit.dsp.settings.fifo_level=31"], nothing),
+    "a slave that holds SCL": ("forum/interrupt_once", "0.05", [], nothing),
+    "requests of nobody": ("any_order_strays", "0.07", [], nothing),
+}
+
+
+def values_of(run: str, names: Collection[str]) -> dict[str, Values]:
+    """The values of the records of these names, each as a budget of its own sees them."""
+    file, seconds, changes, before = RUNS[run]
+    budgets = [
+        Budget(name=name, measure=f"value of record {name}", max=NINE.get(THINGS[name].unit, 9)) for name in names
+    ]
+    tables = load(TIMING / f"{file}.toml", changes).model_copy(update={"budget": tuple(budgets), "breaks": ()})
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        before(monkeypatch)
+        scene = Scene(tables, keep_values=True)
+        scene.run(Fraction(seconds))
+    found = {limit.budget.name: limit.values(scene.start) for limit in scene.limits}
+    return {
+        name: [] if values is None else list(zip(values.values.tolist(), values.at.tolist(), strict=True))
+        for name, values in found.items()
+    }
+
+
+@cache
+def beside_all_others(run: str) -> dict[str, Values]:
+    """The values of all records that the case of a run can have."""
+    lacking = () if load(TIMING / f"{RUNS[run][0]}.toml").host is not None else ("host", "SCI")
+    return values_of(run, [name for name, thing in THINGS.items() if thing.needs not in lacking])
+
+
+@pytest.mark.parametrize("name", THINGS)
+def test_a_budget_on_one_record_sees_what_it_sees_beside_budgets_on_all_others(name: str):
+    occurs = False
+    for run in RUNS:
+        beside = beside_all_others(run)
+        if name in beside:
+            assert values_of(run, [name])[name] == beside[name], run
+            occurs |= bool(beside[name])
+    assert occurs, "it occurs in none of the runs, so nothing was compared"
+
+
+@pytest.mark.parametrize("name", ["value error", "value error at frame", "unknown error"])
+def test_errors_of_models_need_a_motion_whatever_a_budget_does_with_them(name: str):
+    budget = {"name": "b", "measure": f"count of record data {name}", "max": 0}
+    tables = {"unit": {"dsp": IMU | {"pins": {"MODEL": 34}}}, "controller": HEAD | {"period": "20 ms"}, "host": HOST}
+    sentence = f"'count of record data {name}' of sensor models needs a motion to compare with; give [host.motion]"
+    with pytest.raises(BadCase, match=re.escape(f"budget.b.measure: {sentence}")):
+        Scene(case(**tables, budget=[budget]))
+
+
+@pytest.mark.parametrize("name", THINGS)
+def test_a_record_that_a_scene_cannot_have_ends_nothing(name: str):
+    budget = {"name": "b", "measure": f"from span x begin to record {name}", "max": "1 s"}
+    (verdict,) = Scene(case(unit={"dsp": LOGGER}, budget=[budget])).run().budgets
+    assert verdict.verdict == "not judged"
+
+
+@pytest.mark.parametrize("name", ["held alone", "unfinished"])
+def test_a_hold_of_scl_needs_a_module_that_can_hold_it(name: str):
+    budget = {"name": "b", "measure": f"count of record transfer {name}", "max": 0}
+    with pytest.raises(BadCase, match=f"'count of record transfer {name}' needs I2C-A in the scene, which has none"):
+        Scene(case(unit={"dsp": LOGGER}, budget=[budget]))

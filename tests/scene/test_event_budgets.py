@@ -128,6 +128,11 @@ BASE = (TIMING / "imu_hil_published.toml").read_text(encoding="utf-8").split("[[
             'measure = "response"\nmax = "9 us"\nexactly = "9 us"',
             "line 27: budget.b.exactly: exactly says all that max could; leave one of them out",
         ),
+        (
+            'measure = "response"\nmax = "9 us"\nafter = "300000 d"',
+            "line 27: budget.b.after: a time of 3e+05 d is too long: with ticks of 1/3000000000 s the longest is "
+            "17791.9 d",
+        ),
     ],
 )
 def test_a_mistake_is_told_with_its_line(tmp_path: Path, text: str, sentence: str):

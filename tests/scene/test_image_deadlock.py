@@ -234,6 +234,15 @@ def test_a_sleep_that_the_watchdog_ends_is_none(tmp_path: Path):
     assert ran(tmp_path, FLAG, wdcr=ENABLED).stuck == []
 
 
+@pytest.mark.parametrize(("us", "resets"), [(500, 0), (12_000, 2)])
+def test_a_poll_of_a_module_that_the_watchdog_ends_is_none(tmp_path: Path, us: int, resets: int):
+    loop = "MOVW DP,#TIMER0TCR >> 6\n MOV AL,@TIMER0TCR\n TBIT AL,#15\n SB again,NTC"
+    (told,) = ran(tmp_path, loop, STOPPED, us=us).stuck
+    assert "waits for TIMER0.TCR.TIF at " in told
+    result = ran(tmp_path, loop, STOPPED, wdcr=ENABLED, us=us)
+    assert (result.counts["resets"], result.stuck) == (resets, [])
+
+
 @pytest.mark.parametrize(
     ("loop", "before", "what"),
     [

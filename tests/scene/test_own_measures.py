@@ -121,8 +121,20 @@ def test_an_edit_of_the_shared_file_counts_for_the_next_scene(case_file: Path):
         (
             '"uneven" =',
             '"period of frame" =',
-            "own.toml, line 7: measures.period of frame: there is a measure 'period of frame' already; "
-            "give this one another name",
+            "own.toml, line 7: measures.period of frame: 'period' begins the text of other measures; give this one "
+            "another name",
+        ),
+        (
+            '"uneven" =',
+            '"time lost" =',
+            "own.toml, line 7: measures.time lost: 'time' begins the text of other measures; give this one another "
+            "name",
+        ),
+        (
+            '"uneven" =',
+            '"span:model" =',
+            "own.toml, line 7: measures.span:model: 'span:' begins the text of other measures; give this one another "
+            "name",
         ),
         (
             '"uneven" =',

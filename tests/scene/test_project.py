@@ -86,6 +86,26 @@ def test_baselines_of_its_cases_stand_in_its_folder_and_those_of_others_beside_t
     assert path_for(Path("other.toml")) == Path("baselines/other.json")
 
 
+@pytest.mark.parametrize("cases", ['["a", "b"]', '["b/line.toml", "a"]', '["a/line.toml", "b/line.toml"]'])
+def test_two_cases_never_share_a_baseline(repository: Path, cases: str):
+    """As a/line.toml and b/line.toml would share base/line.json. In nested folders, a/deep/line.toml has its own."""
+    files = [repository / name for name in ("a/line.toml", "b/line.toml", "a/deep/line.toml", "b/other.toml")]
+    for file in files:
+        file.parent.mkdir(exist_ok=True)
+        file.write_text("[unit.dsp]\n")
+    say(repository, f'{TABLE}cases = {cases}\nbaselines = "base"\n')
+    for one, other in (("a", "b"), ("b", "a")):
+        sentence = f"{one}/line.toml and {other}/line.toml would both have base/line.json; rename one of them"
+        with pytest.raises(BadCase, match=f"^pyproject.toml, line 3: baselines: {sentence}, or leave baselines out$"):
+            path_for(Path(f"{one}/line.toml"))
+    say(repository, f'{TABLE}cases = ["a", "a/deep", "b/other.toml"]\nbaselines = "base"\n')
+    assert path_for(Path("a/line.toml")) == Path("base/line.json")
+    assert path_for(Path("a/deep/line.toml")) == Path("base/deep/line.json")
+    (repository / "b" / "line.toml").write_text("[tool]\n")  # not a case
+    say(repository, f'{TABLE}cases = ["a", "b"]\nbaselines = "base"\n')
+    assert path_for(Path("a/line.toml")) == Path("base/line.json")
+
+
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [

@@ -193,7 +193,7 @@ def test_what_a_case_may_get_wrong(changes: list[str], sentence: str):
     assert sentence in text and "real_chips.toml" in text and "\n" not in text
 
 
-@pytest.mark.parametrize("name", ["dsp", "controller"])
+@pytest.mark.parametrize("name", ["dsp", "controller", "host", "serial", "outside"])
 def test_a_chip_has_a_name_of_its_own(name: str):
     unit = {"dsp": {"firmware": "imu_hil", "modules": ["I2C-A"]}}
     with pytest.raises(BadCase, match="another party on the wires already"):

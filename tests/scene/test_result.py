@@ -83,6 +83,14 @@ def test_an_input_on_another_pin_than_the_wire_is_noted_with_the_key_to_add(monk
     ]
 
 
+@pytest.mark.parametrize(("wire", "key"), [("my-line_2", "my-line_2"), ("my line", '"my line"'), ("ü", '"ü"')])
+def test_the_key_to_add_is_in_quotes_where_toml_needs_them(wire: str, key: str):
+    table = {"firmware": "under test", "modules": ["SCI-A", "GPIO"], "pins": {wire: 28}}
+    program = Firmware("under test", lambda dsp, settings: receives_on_gpio36(dsp), None)
+    (note, _) = Scene(case(unit={"dsp": table}), programs={"dsp": program}).run().notes
+    assert note.endswith(f"add pins = {{ {key} = 36 }} to the unit")
+
+
 def test_a_module_without_pins_is_not_noted(monkeypatch: pytest.MonkeyPatch):
     result = scene_with(monkeypatch, lambda dsp: dsp.compute(10), ["SCI-A", "GPIO"], host={}).run()
     assert [note for note in result.notes if "has no wire" in note] == []
@@ -130,3 +138,18 @@ def test_a_controller_that_begins_after_the_case_ends_is_noted(first: str, shown
 def test_a_host_that_begins_after_the_case_ends_is_noted():
     result = Scene(load(TIMING / "uart_logger.toml", ["host.first='4 s'"])).run(Fraction(2, 1000))
     assert "host: its first frame, at 4000.000 ms, is after the end of the case, 200.000 ms" in result.notes
+
+
+@pytest.mark.parametrize(
+    ("inputs", "shown"),
+    [
+        ("rounds=['1 ms', '300 ms']", ""),
+        ("rounds=['300 ms']", "controller: its first round, at 300.000 ms, is after the end of the case, 200.000 ms"),
+        ("rounds=[]", ""),
+        ("frames=['1 ms']", "controller: its first round, at 1000.000 ms, is after the end of the case, 200.000 ms"),
+    ],
+)
+def test_the_first_round_is_that_of_the_inputs_if_they_list_rounds(inputs: str, shown: str):
+    changes = ["duration='200 ms'", "controller.first='1 s'", f"inputs={{{inputs}}}"]
+    notes = Scene(load(TIMING / "imu_hil_published.toml", changes)).run(Fraction(2, 1000)).notes
+    assert [note for note in notes if "is after the end" in note] == [shown] * bool(shown)

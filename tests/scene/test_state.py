@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import pytest
 
+from periph_sim import make_case
 from periph_sim.core.records import RECORDED, Record
 from periph_sim.core.restore import NotRestorable, restore
 from periph_sim.core.snapshot import Absent, Foreign, Made, Snapshot, class_name
@@ -248,6 +250,22 @@ def test_a_snapshot_of_firmware_that_was_edited_is_refused(tmp_path: Path):
     Scene(case).restore(snapshot)
     source.write_text(text.replace("100)", "200)"))
     assert refused(Scene(case), snapshot) == "the snapshot was taken of a scene with another program in unit dsp"
+
+
+@pytest.mark.parametrize("name", ["head", "records", "kernel", "SCL", "dsp.clock", "fault 0", "sampler 1", "head'"])
+def test_a_chip_with_the_name_of_another_part_hides_no_state(name: str):
+    tables = {
+        "unit": {"dsp": {"firmware": "responder", "modules": ["I2C-A"]}},
+        "controller": {"order": ["gyroscope"]},
+        "chip": {name: {"model": "itg3200", "values": {"fixed": [10, -20, 30]}}},
+        "fault": [{"kind": "hold", "wire": "SDA", "at": "1 ms", "length": "1 ms"}],
+    }
+
+    def parts(tables: dict[str, Any]) -> list[object]:
+        scene = Scene(make_case(name="names", duration="1 ms", **tables))
+        return [type(module.target) for module in modules_of(scene).values()]
+
+    assert parts(tables) == parts(tables | {"chip": {"gyroscope": tables["chip"][name]}})
 
 
 def test_a_state_that_no_run_leads_to_is_refused():

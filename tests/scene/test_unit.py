@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from periph_sim.processor.dsp import Dsp, DspPlan
+from periph_sim.processor.user_code import Misuse
 from periph_sim.scene import unit as unit_module
 from periph_sim.scene.scene import Scene
 from tests.scene.small import case
@@ -53,3 +54,11 @@ def test_a_stub_answers_from_a_time_on_that_is_counted_from_the_start(tmp_path: 
     (note,) = [note for note in scene.run(Fraction(1, 1000)).notes if "ESTOP0" in note]
     ended = re.search(r"at ([0-9.]+) us", note)
     assert ended and float(ended[1]) == pytest.approx(us, abs=2)
+
+
+def test_a_program_without_a_main_for_python_is_an_image_or_c_sources(tmp_path: Path):
+    path = tmp_path / "polls.asm"
+    path.write_text(POLLS)
+    scene = Scene(case(unit={"dsp": {"image": str(path), "modules": ["TIMER0"]}}))
+    with pytest.raises(Misuse, match=r"^dsp runs an image or C sources, which have no main that Python could call$"):
+        scene.firmware["dsp"].main(scene.units["dsp"], None)

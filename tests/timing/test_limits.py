@@ -163,6 +163,12 @@ def test_a_part_of_the_time_is_judged_and_shown_in_percent():
             "measure",
             "there is no measure 'perod of frame'; did you mean period of EV",
         ),
+        (
+            "response",
+            {"max": "1 us", "after": "300000 d"},
+            "after",
+            "a time of 3e+05 d is too long: with ticks of 1/",
+        ),
     ],
 )
 def test_limits_that_contradict_each_other_or_their_measure_are_refused(measure, limits, key, sentence):

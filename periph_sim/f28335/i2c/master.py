@@ -72,11 +72,12 @@ class I2cMaster(I2cMasterData):
     skip_high: the time from a release of SCL until the module pulls SCL low again, in cycles.
     """
 
-    STATE = State("sees_idle _waits_for_bus", cycles="_free_from", expires="_free_from")
+    STATE = State("sees_idle starts _waits_for_bus", cycles="_free_from", expires="_free_from", results="starts")
 
     def __init__(self, state: I2cRegisters, limits: I2cLimits) -> None:
         super().__init__(state, limits)
         self.sees_idle = True
+        self.starts = 0  # number of STARTs and repeated STARTs that this module has made
         self.reset()
 
     def reset(self) -> None:
@@ -213,6 +214,7 @@ class I2cMaster(I2cMasterData):
         """End the START: pull SCL low, and begin the first byte."""
         state = self.state
         mdr = state.mdr
+        self.starts += 1
         self._scl_low(now)
         if self._own_restart and self._restart_next:
             self._addresses, self._restart_next = self._restart_next, []

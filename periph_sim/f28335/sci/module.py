@@ -66,6 +66,11 @@ class Sci(SciLines):
         """Number of characters that ended with RXENA = 1 and a wrong parity bit. Resets do not clear this number."""
         return self._rx.parity_errors
 
+    @property
+    def characters_lost(self) -> int:
+        """Number of characters lost by an overrun of the FIFO or of SCIRXBUF. Resets do not clear this number."""
+        return self._rx.lost
+
     # CPU access -------------------------------------------------------------
 
     def read(self, now: int, offset: int) -> int:

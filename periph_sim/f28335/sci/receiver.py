@@ -48,7 +48,8 @@ class SciRx:
     def __init__(self, options: SciOptions, touched: set[str]) -> None:
         self.options = options
         self.touched = touched
-        self.framing_errors = self.parity_errors = 0  # characters with these errors that ended with RXENA = 1
+        # Numbers of characters that ended with RXENA = 1 and these errors, and of characters that an overrun lost.
+        self.framing_errors = self.parity_errors = self.lost = 0
         # True if SCIRXBUF got a word, even one equal to the old word, since the owner last set this to False.
         self.loaded = False
         self.fifo = InterruptFifo(SCI_MAP["SCIFFRX"], True, options.fifo_int_mode, touched)
@@ -98,6 +99,7 @@ class SciRx:
         else:
             if self.status & ST_RXRDY:
                 errors |= ST_OE
+                self.lost += 1
             self.rxbuf = word & 0xFF
             self.loaded = True
             self.status |= ST_RXRDY
@@ -147,6 +149,7 @@ class SciRx:
         if self.fifo.push(word):
             self.loaded = self.loaded or not waiting
             return overrun
+        self.lost += 1
         if self.options.fifo_overflow_drops.assume(self.touched) == "oldest":
             self.fifo.pop()
             self.fifo.push(word)

@@ -98,11 +98,12 @@ def case_of_tables(tree: dict[str, Any], label: str, changes: Sequence[str] = ()
 
     Raise BadCase if the case is not valid.
 
-    label: the name of the case in messages, in place of a file. Integers and names are not checked as in a file
-        (`refuse_unusable`).
+    label: the name of the case in messages, in place of a file.
     """
     places = tuple((change, apply(tree, change)) for change in changes)
-    source = Source(Path(label), "", places, tuple(texts_in(tree)))
+    shown = Path(label if label.isprintable() else ascii(label)[1:-1])
+    source = Source(shown, "", places, tuple(texts_in(tree)), is_label=True)
+    refuse_unusable(source, tree)
     try:
         return built(Case.model_validate(tree), source)
     except BadTable as error:
@@ -135,9 +136,9 @@ def refuse_unusable(source: Source, tree: object, place: Place = ()) -> None:
     """Raise BadCase, with file, line and key, for an integer beyond 64 bits or a name with unprintable characters."""
     if isinstance(tree, dict):
         for key, value in tree.items():
-            _check_name(source, key, (*place, key))
+            _check_name(source, str(key), (*place, key))
             refuse_unusable(source, value, (*place, key))
-    elif isinstance(tree, list):
+    elif isinstance(tree, list | tuple):
         for number, value in enumerate(tree):
             refuse_unusable(source, value, (*place, number))
     elif isinstance(tree, str):

@@ -164,7 +164,7 @@ class Case(Table, frozen=True, kw_only=True):
     @property
     def folder(self) -> Path:
         """The folder of the case's file, to which its paths are relative; the current folder if there is no file."""
-        return Path() if self._source is None else self._source.path.parent
+        return Path() if self._source is None else self._source.folder
 
     @property
     def file(self) -> Path | None:

@@ -16,15 +16,23 @@ Place = tuple[str | int, ...]  # the keys and list indices that lead from the to
 class Source(Struct, frozen=True):
     """The file of a case, and the changes that were applied to it.
 
+    path: the path of the file; if the case has no file, because its tables were given by a program, a label for them.
     text: the text of the file as it was read.
     changes: the `key=value` texts that were applied, each with the place that it changed.
     values: all strings that are values in the case, after the changes. Some of these strings name files.
+    is_label: True if `path` is a label.
     """
 
     path: Path
     text: str
     changes: tuple[tuple[str, Place], ...] = ()
     values: tuple[str, ...] = ()
+    is_label: bool = False
+
+    @property
+    def folder(self) -> Path:
+        """The folder of the file; the current folder if there is no file."""
+        return Path() if self.is_label else self.path.parent
 
     def where(self, place: Place) -> str:
         """Return, for messages, where the value at this place was written: the file and line, or the `--set`."""

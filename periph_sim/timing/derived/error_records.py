@@ -89,7 +89,7 @@ class ErrorRecords:
         values = chip.data.values(bytes(phase.got))
         if chip.error.has_subscribers:
             chip.error.emit(phase.start_at, _off(values, self._truth_at(phase.answer_at)[chip.name]))
-        if chip.at_frame.has_subscribers:
+        if chip.at_frame.has_subscribers or chip.unknown.has_subscribers:
             self._record_best(chip, values, phase.start_at)
 
     def _record_best(self, chip: _Chip, values: Sequence[int], at: int) -> None:

@@ -56,7 +56,7 @@ RECORDS: dict[str, dict[str, Thing]] = {
         **dict.fromkeys(("acknowledge", "answer", "refused"), ON_BUS),
         "stretch": Thing("I2C-A", "time", by_read=True),
         "held": Thing("I2C-A", "time"),
-        **dict.fromkeys(("held alone", "unfinished"), Thing("", "time", of="unit")),
+        **dict.fromkeys(("held alone", "unfinished"), Thing("I2C-A", "time", of="unit")),
     },
     "round": dict.fromkeys(("due", "missed", "begin", "end", "next", "refused"), IN_ROUND),
     "receiver": {**dict.fromkeys(("character", "received", "lost"), AT_SCI), "words": Thing("SCI", "words")},

@@ -72,8 +72,12 @@ def check_measure(name: str, sentences: Mapping[str, str]) -> None:
 
     The text is checked as far as this is possible without a scene.
     """
-    if name in (*MEASURES, *PHRASES, UNSOLICITED) or is_form(name) or name.startswith((SPAN, *PREFIXES)):
+    if name in (*MEASURES, *PHRASES, UNSOLICITED):
         raise BadEvent(f"there is a measure {name!r} already; give this one another name")
+    begins = [prefix for prefix in (SPAN, *PREFIXES) if name.startswith(prefix)]
+    begins += [name.partition(" ")[0]] * is_form(name)
+    if begins:
+        raise BadEvent(f"{begins[0]!r} begins the text of other measures; give this one another name")
     text = expanded(name, sentences)
     if is_form(text):
         said = measure_of(text)

@@ -21,6 +21,7 @@ class Heard:
     def __init__(self) -> None:
         self.words: list[tuple[int, bool]] = []  # that wait, whether one was lost
         self.characters = 0
+        self.lost = 0
 
     def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
         names = {(Kind.RECEIVER, what) for what in ("words", "lost", "received")}
@@ -32,22 +33,26 @@ class Heard:
         elif record.what == "words":
             self.words.append((record.value, False))
         else:
+            self.lost += 1
             self.words[-1] = (self.words[-1][0], True)
 
 
-def heard(characters: int, fifo: bool) -> Heard:
-    """Of an SCI whose firmware reads none of so many characters."""
+def heard(characters: int, fifo: bool, reads_after: tuple[int, ...] = (), **options: str) -> Heard:
+    """Of an SCI whose firmware reads SCIRXBUF after these pauses in us, if any, and then no more."""
 
     def main(dsp: Dsp) -> None:
         sci = start_sci(dsp, "SCI-A")
         if not fifo:
             sci.SCIFFTX.SCIFFENA = 0
+        for pause in reads_after:
+            dsp.compute(pause * 150)
+            assert sci.SCIRXBUF.all == 0x55
         while True:
             dsp.compute(1000)
 
     serial = {"send": [{"to": "dsp.SCI-A", "at": "100 us", "bytes": "55 " * characters}]}
-    found = Heard()
-    made = scene({"dsp": main}, None, (), found.subscribe, unit={"dsp": unit("SCI-A")}, serial=serial, duration="3 ms")
+    found, table = Heard(), unit("SCI-A", options={"sci": options})
+    made = scene({"dsp": main}, None, (), found.subscribe, unit={"dsp": table}, serial=serial, duration="3 ms")
     made.run()
     return found
 
@@ -65,3 +70,21 @@ def heard(characters: int, fifo: bool) -> Heard:
 def test_each_character_is_told_be_it_lost_or_not(characters: int, fifo: bool, words: list[tuple[int, bool]]):
     found = heard(characters, fifo)
     assert (found.characters, found.words) == (characters, words)
+
+
+@pytest.mark.parametrize("drops", ["oldest", "newest"])
+@pytest.mark.parametrize(("characters", "fifo", "lost"), [(12, False, 11), (16, True, 0), (17, True, 1), (20, True, 4)])
+def test_every_lost_character_counts_though_its_flag_stays_set(characters: int, fifo: bool, lost: int, drops: str):
+    assert heard(characters, fifo, fifo_overflow_drops=drops).lost == lost
+
+
+def test_characters_that_are_read_in_between_are_not_lost():
+    """The flag of an overrun stays set.
+
+    RX       |-1-|-2-|-3-|-4-|-5-|-6-|------
+    reads                 ^   ^
+    lost             1   2           5
+    OE       ________|~~~~~~~~~~~~~~~~~~~~~~
+    """
+    found = heard(6, False, (400, 90))
+    assert (found.lost, found.words) == (3, [(0, True)])

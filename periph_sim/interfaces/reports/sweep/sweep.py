@@ -63,7 +63,7 @@ class Sweep:
     changes: a dictionary from changed keys to their values in all runs; "" for a run that does not change the key.
     verdict: "pass", "fail", "not judged", or "error" if the run could not be made.
     error: the reason why the run could not be made, or "stuck: " and the reason why a failed run got stuck; or "".
-    wire_bytes: the number of bytes on the I2C bus.
+    wire_bytes: the number of bytes on the I2C bus, as `Result.wire_bytes`.
     sci_bytes: the number of bytes that the SCIs of units received.
     sci_bytes_sent: the number of bytes that the SCIs of units sent.
     budgets: a dictionary from the names of budgets to their figures.

@@ -11,6 +11,7 @@ from collections.abc import Collection, Sequence
 
 from ..core.records import Kind
 from ..timing.budgets import BudgetJudge
+from ..timing.language.matcher import Matcher
 from ..timing.measures.event import EventMeasure
 from ..timing.measures.margin import Margin
 from ..timing.measures.measure import Measure
@@ -107,4 +108,12 @@ def round_events(measure: Measure) -> set[str]:
     """Return the records about the schedule of rounds that a measure uses, such as "due" and "next"."""
     if not isinstance(measure, EventMeasure):
         return set()
-    return {one.what for one in measure.events() if one.kind is Kind.ROUND}
+    return {one.what for one in events_of(measure) if one.kind is Kind.ROUND}
+
+
+def events_of(measure: EventMeasure) -> list[Matcher]:
+    """Return all events on which the values depend: also those of clauses, and those that begin and end groups."""
+    each = [one for matcher in measure._all_matchers for one in matcher.each]
+    groups = [one.group for one in each if one.group is not None]
+    ends = [end for group in groups for end in (group.begin, group.end)]
+    return each + [one for end in ends for one in end.each]

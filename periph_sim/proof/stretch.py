@@ -30,7 +30,7 @@ from ..timing.budget_schema import Budget
 from ..timing.language.matcher import Matcher
 from ..timing.measures.event import EventMeasure
 from ..timing.verdict import FAIL, Verdict, percentile
-from .measures_at_rest import round_events
+from .measures_at_rest import events_of, round_events
 from .phases import ROUNDS, Phases
 
 DUE = frozenset({"due", "missed", "refused"})  # records at the due time of a round, without jitter
@@ -169,7 +169,7 @@ class CoveredCase:
         for budget, plan in zip(self.case.budget, self._plan.limits, strict=True):
             measures = [each.make() for _, each in [(budget, plan), *plan.joined]]
             of_events = [measure for measure in measures if isinstance(measure, EventMeasure)]
-            each = [one for measure in of_events for one in measure.events()]
+            each = [one for measure in of_events for one in events_of(measure)]
             found[budget.name] = each if len(of_events) == len(measures) else None
         return found
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..devices.chips.register_chip import RegisterChip
     from ..f28335.descriptor import ModuleDescriptor
     from ..f28335.gpio.module import Gpio
+    from ..f28335.i2c.module import I2c
     from ..processor.dsp import Dsp
     from .scene import Scene
 
@@ -88,6 +89,12 @@ ON_THE_HOST = (
 
 def result_of(scene: Scene, length: int, wall: float) -> Result:
     """Return the result of a run of `length` ticks, which took `wall` seconds."""
+    masters = _other_masters(scene)
+    if masters:
+        for limit in scene.limits:
+            limit.leave_out_bus(
+                f"{' and '.join(masters)} sent as a master, but the events are those of [controller] only"
+            )
     verdicts = [limit.verdict(scene.start) for limit in scene.limits]
     deadlocks = scene.deadlocks()
     stuck = [*scene.stuck.sentences[:10], *deadlocks]
@@ -193,6 +200,14 @@ def notes_of(scene: Scene) -> list[str]:
             at = scene.timebase.show(fault.next_at - scene.start)
             lines.append(f"{fault.who} never occurred: its time, {at}, is after the end of the run")
     return lines + _late_parties(scene) + _missed_rounds(scene) + scene.uart.notes()
+
+
+def _other_masters(scene: Scene) -> list[str]:
+    """Return the I2C modules that made a START, if the scene's bus events are only those of the controller."""
+    if scene.head is None or scene.head.controller.beside_others:
+        return []
+    modules = {f"{name}.{module}": one for name, dsp in scene.units.items() for module, one in dsp.sockets.items()}
+    return [name for name, one in modules.items() if ".I2C" in name and cast("I2c", one.chip).master.starts]
 
 
 def _late_parties(scene: Scene) -> list[str]:

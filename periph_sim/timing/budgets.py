@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, final
 
 from msgspec import Struct
 
+from ..core.records import Kind
 from ..core.time import NO_TIME, Timebase
 from ..form.c_types import BigInt
 from .budget_plan import PER_MILLE, BudgetPlan
 from .budget_schema import Budget
+from .measures.event import EventMeasure
 from .measures.measure import MILLIONTHS, Measure, Tally
 from .verdict import FAIL, NOT_JUDGED, PASS, Verdict
 
@@ -107,6 +109,13 @@ class BudgetJudge:
                 if lacks:
                     what = f"{self.measure.count} values of {self.budget.measure!r}"
                     part._found = f"{part.budget.measure!r} has no value for {lacks} of {what}"
+
+    def leave_out_bus(self, why: str) -> None:
+        """Do not judge the budget because of `why` if it depends on events of the bus, unless it is broken."""
+        for part in self.parts:
+            measure = part.measure
+            if isinstance(measure, EventMeasure) and Kind.BUS in measure.kinds:
+                measure.not_judged = measure.not_judged or why
 
     def verdict(self, start: int = 0) -> Verdict:
         """Return the verdict of a run that began at tick `start`.

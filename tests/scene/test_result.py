@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 
@@ -153,3 +154,57 @@ def test_the_first_round_is_that_of_the_inputs_if_they_list_rounds(inputs: str, 
     changes = ["duration='200 ms'", "controller.first='1 s'", f"inputs={{{inputs}}}"]
     notes = Scene(load(TIMING / "imu_hil_published.toml", changes)).run(Fraction(2, 1000)).notes
     assert [note for note in notes if "is after the end" in note] == [shown] * bool(shown)
+
+
+TWO_MASTERS = """
+name = "two_masters"
+duration = "3 ms"
+
+[unit.dsp]
+firmware = "captured_master"
+modules = ["I2C-A"]
+
+[unit.dsp.settings]
+script = ["50 W 00 3c"]
+pauses = ["{pause}"]
+
+[device.memory]
+model = "24c02"
+
+[controller]
+first = "1 ms"
+period = "100 ms"
+
+[[controller.request]]
+address = 0x51
+count = 1
+
+[[budget]]
+name = "starts"
+measure = "count of bus START"
+max = {limit}
+
+[[budget]]
+name = "writes"
+measure = "count of access W dsp:I2C-A.I2CMDR"
+min = 1
+"""
+
+
+@pytest.mark.parametrize(
+    ("pause", "limit", "verdict"),
+    [("1 ms", 1, "not judged"), ("1 ms", 0, "fail"), ("1 s", 1, "pass")],
+)
+def test_bus_events_of_the_controller_alone_do_not_pass_beside_another_master(
+    pause: str, limit: int, verdict: str, tmp_path: Path
+):
+    """controller  S 51 P        one START in the records
+    dsp                  S 50 00 3c P
+    """
+    path = tmp_path / "two.toml"
+    path.write_text(TWO_MASTERS.format(pause=pause, limit=limit), encoding="utf-8")
+    starts, writes = Scene(load(path)).run().budgets
+    assert starts.verdict == verdict
+    why = "dsp.I2C-A sent as a master, but the events are those of [controller] only"
+    assert (starts.found == why) is (pause == "1 ms")
+    assert writes.verdict == "pass"

@@ -31,7 +31,6 @@ from .transfer import BusTiming, Phase, Transfer
 
 # Tags of the controller's events. Each names the next step of a transfer; STUCK checks for a stuck line.
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
-
 OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that only the controller itself can report
 ADDRESS = -1  # value of `_index` during an address byte
 NO_BYTE = 1 << 30  # value of `_index` after the last byte of a phase, when a STOP or repeated START is next

@@ -176,13 +176,6 @@ class EventMeasure(Measure):
         self._plans: list[list[TopicTests]] = []  # for each tag, the tests for records with this tag
         self._names: list[str] = []  # for each tag, the name of the span; "" if the records are not about a span
 
-    def events(self) -> list[Matcher]:
-        """Return all events on which the values depend: also those of clauses, and those that begin and end groups."""
-        each = [one for matcher in self._all_matchers for one in matcher.each]
-        groups = [one.group for one in each if one.group is not None]
-        ends = [end for group in groups for end in (group.begin, group.end)]
-        return each + [one for end in ends for one in end.each]
-
     @property
     def subjects(self) -> Subjects:
         return self._needed

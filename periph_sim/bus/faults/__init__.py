@@ -67,7 +67,7 @@ class When:
             raise ValueError("spread is longer than every, so faults would be out of order; shorten it")
 
 
-LONG_HIGH = 10  # a high phase of SCL that is so many times as long as the low phase before it is no clock
+LONG_HIGH = 10  # a high phase of SCL that is longer than this multiple of the low phase before it is no clock
 
 
 class SdaPuller(Agent):

@@ -342,7 +342,7 @@ class VariableRecords(CallListener):
         self._record(self.addresses[address], self._clock.tick(cycle))
 
     def called(self, name: str, tick: int) -> None:
-        """When main begins, record each variable that `PresetMemory` has changed."""
+        """Record, as main begins, each variable that `PresetMemory` has changed."""
         if name in MAIN:
             for variables in self.addresses.values():
                 self._record(variables, tick)

@@ -167,6 +167,12 @@ def _phrase(said: ParsedMeasure, scope: Scope) -> Maker:
 
 def _of_events(said: ParsedMeasure, scope: Scope, sentence: Sentence = UNNAMED) -> Maker:
     """Return the maker of a count, value or sum of one event, or of a time or a count between two events."""
+    if said.form in ("value", "sum"):
+        event = said.events[0]
+        for one in (event, *event.others):
+            if one.kind != "record":
+                what = f"{said.form} of takes a record event, not {one.text!r}"
+                raise BadEvent(f"{said.text!r}: {what}; write count of the event, or level of a field or a variable")
     first, *others = (matcher(event, scope) for event in said.events)
     clauses = _clauses(said, scope, sentence)
     if not others:

@@ -188,7 +188,8 @@ def _clauses(said: ParsedMeasure, scope: Scope, sentence: Sentence) -> Clauses:
     if said.group not in ("", "unit") and asked:
         what = f"pairs of one {said.group} are counted {said.group} by {said.group}"
         raise BadEvent(f"{said.text!r}: {what}; leave 'for each {asked[0]}' out")
-    unknown = [(f"event {event.text!r}", "cannot be judged") for clause, event in said.clauses if clause == "unless"]
+    unless = [event.text for clause, event in said.clauses if clause == "unless"]
+    unknown = [("event", f"matched {text!r}, which 'unless' excludes") for text in unless]
     unfinished = [event.text for clause, event in said.clauses if clause == "unfinished"]
     return Clauses(
         tuple(matcher(event, scope) for _, event in said.clauses),

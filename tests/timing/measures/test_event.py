@@ -175,6 +175,37 @@ def test_counts():
     assert measure("count of span modle begin").silent
 
 
+NACKED = """
+    10 bus controller START 0
+    20 bus controller NACK  0
+    30 bus controller STOP  0
+    40 bus controller START 0
+    50 bus controller NACK  0
+    60 bus controller STOP  0
+"""
+
+
+@pytest.mark.parametrize(
+    ("clauses", "missing", "not_judged"),
+    [
+        ("given bus NACK", "", ""),
+        ("given bus NACK byte", "no event matched 'bus NACK byte'", ""),
+        ("given bus stuck, given bus byte", "no event matched 'bus stuck' and 'bus byte'", ""),
+        ("given span modle end", "no event matched 'span modle end'; the run had no span", ""),
+        ("unless bus stuck", "", ""),
+        ("unless bus NACK", "", "2 events matched 'bus NACK', which 'unless' excludes"),
+        ("unless 2nd bus START of round", "", "1 event matched '2nd bus START of round', which 'unless' excludes"),
+    ],
+)
+@pytest.mark.parametrize("form", ["from bus START to bus STOP", "count of bus START"])
+def test_a_clause_that_leaves_a_budget_not_judged_is_the_reason(form: str, clauses: str, missing: str, not_judged: str):
+    of = measure(f"{form}, {clauses}")
+    of.listen(Rounds(2))
+    tell(of, records(NACKED))
+    of.finish(100)
+    assert (of.silent, of.missing() if of.silent else "", of.not_judged) == (missing != "", missing, not_judged)
+
+
 def test_levels():
     of = "10 flag dsp.SCI-A SCIFFRX.RXFFST 3\n20 flag dsp.SCI-A SCIFFRX.RXFFST 9\n30 flag dsp.SCI-A SCIFFRX.RXFFIL 20"
     assert came(tell(measure("level of SCI-A.SCIFFRX.RXFFST"), records(of))) == (9, 20, 3, 2)

@@ -43,9 +43,7 @@ def check_pair(case: Case) -> tuple[str, ...]:
         for name, pins in wiring_of(case).pins.items():
             wire, count = Counter(pins.values()).most_common(1)[0]
             if count > 1:
-                raise NotClosed(
-                    f"unit {name} has {count} pins at the wire {wire}, and could see frames at each"
-                )
+                raise NotClosed(f"unit {name} has {count} pins at the wire {wire}, and could see frames at each")
     if case.host is not None and case.host.motion.get("kind") != "static":
         raise NotClosed('the bytes of the frames differ; add motion = { kind = "static" } to [host] for equal bytes')
     return ("head._number", "host._number")

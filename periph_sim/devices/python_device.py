@@ -28,8 +28,9 @@ from .targets import PlainReply, TargetContext
 class DevicePin:
     """A wire, named in the case, that the device reads and drives with an open drain.
 
-    level: the present level of the wire. It is right at every instant, because every edge is simulated on a wire to
-        which a device is attached. On other wires, the edges of a byte or frame may be skipped.
+    level: the present level of the wire. A drive changes it when the hook or function that drives has returned. It is
+        right at every instant, because every edge is simulated on a wire to which a device is attached. On other
+        wires, the edges of a byte or frame may be skipped.
     """
 
     def __init__(self, wire: Wire, who: str) -> None:
@@ -55,6 +56,7 @@ class DeviceBus:
 
     def __init__(self, place: TargetContext, per_second: int, guard: UserCode) -> None:
         self.random: Random = place.random
+        self._pins: dict[str, DevicePin] = {}
         self._guard = guard
         self._place = place
         self._per_second = per_second
@@ -65,9 +67,10 @@ class DeviceBus:
         return Fraction(self._place.kernel.now - self._place.start, self._per_second)
 
     def stretch(self, length: str) -> None:
-        """Hold SCL low for a length such as "20 us".
+        """Hold SCL low from now on for a length such as "20 us".
 
-        Call this only in on_address, on_write or on_read, which run just after a fall of SCL.
+        The hooks on_address, on_write and on_read run just after a fall of SCL, so the present byte is stretched. At
+        other instants, as in a function of `after`, SCL falls if it is high, also on an idle bus.
         """
         self._place.hold_clock(self._ticks(length))
 
@@ -81,9 +84,11 @@ class DeviceBus:
         kernel.call_at(kernel.now + self._ticks(length), call)
 
     def pin(self, name: str) -> DevicePin:
-        """Return a pin of this device on a wire that is named in a unit's `pins`."""
+        """Return the pin of this device on a wire that is named in a unit's `pins`; each wire has one."""
         try:
-            return DevicePin(self._place.wire(name), self._place.who)
+            if name not in self._pins:
+                self._pins[name] = DevicePin(self._place.wire(name), self._place.who)
+            return self._pins[name]
         except ValueError as error:
             raise Misuse(str(error)) from None
 

@@ -52,6 +52,7 @@ class FirmwareNotes:
         self._recorder = recorder
         self._name = name
         self._place = place
+        self._start = kernel.now  # the tick at which the run begins
 
     def move_from(self, cycle: int, notes: list[Note]) -> None:
         """Count and record the notes in a list, and empty the list."""
@@ -73,9 +74,13 @@ class FirmwareNotes:
             self._recorder.emit(tick, Kind.NOTE, self._name, note.code, self.counts[note], note.text)
 
     def raise_if_strict(self, note: Note, who: Text, tick: int) -> None:
-        """If `strict`, raise FirmwareError for the code "duty". who: the module or unit that makes the note."""
+        """If `strict`, raise FirmwareError for the code "duty", and set the kernel's time to `tick`.
+
+        who: the module or unit that makes the note. tick: the present instant of the CPU, which may run ahead.
+        """
         if self.strict and note.code == "duty":
-            at = self._clock.timebase.show(tick)
+            self._kernel.now = tick
+            at = self._clock.timebase.show(tick - self._start)
             where = self._place()
             place = "" if where is None else f", {where.for_people()}"
             raise FirmwareError(f"{who}{place}, at {at}: {note.text} [{note.source}]")

@@ -142,6 +142,31 @@ def test_of_an_image_function_line_and_address(tmp_path: Path):
     assert " us, _c_int00 (own.asm:10, 0x00900a): PLLCR was written with PLLSTS.MCLKOFF = 0" in module_note
 
 
+ACCESS = """
+          .sect ".text", 0x9000
+_c_int00: MOVL  XAR4,#{address}
+          {access}
+          ESTOP0
+"""
+
+
+@pytest.mark.parametrize(
+    ("address", "access", "at"),
+    [
+        ("0x6F82", "MOV   *XAR4,#1", "0.133"),
+        ("0x0D00", "MOV   *XAR4,#1", "0.133"),
+        ("0x7052", "MOVL  ACC,*XAR4", "0.400"),
+    ],
+)
+def test_the_run_of_an_image_ends_at_the_instant_of_the_broken_duty(tmp_path: Path, address: str, access: str, at: str):
+    (tmp_path / "own.asm").write_text(ACCESS.format(address=address, access=access))
+    unit = {"image": str(tmp_path / "own.asm"), "modules": ["SCI-A"]}
+    scene = Scene(case(unit={"dsp": unit}, strict=True, start="3 s"))
+    with pytest.raises(FirmwareError, match=rf", at {at} us: .* \[SP"):
+        scene.run(Fraction("0.0001"))
+    assert scene.timebase.show(scene.kernel.now - scene.start) == f"{at} us"
+
+
 def test_of_python_firmware_file_and_line(monkeypatch: pytest.MonkeyPatch):
     def careless(dsp: Dsp) -> None:
         dsp.module("SYS").LOSPCP.all = 2

@@ -166,7 +166,7 @@ class TargetSide(BitParty):
                 self.hold_clock(ticks)
 
     def hold_clock(self, ticks: int) -> None:
-        """Hold SCL low for the next `ticks`. Only `answer` and the reply may call this, just after a fall of SCL."""
+        """Hold SCL low for the next `ticks`. `answer` and the reply call this just after a fall of SCL."""
         self._scl.drive(0)
         self._held_until = max(self._held_until, self._kernel.now + ticks)
         self._kernel.schedule(self._kernel.now + ticks, self, LET_GO)

@@ -294,7 +294,10 @@ def _match_bus(event: Event, scope: Scope) -> Matcher:
 def _match_frame(event: Event, scope: Scope) -> Matcher:
     if event.name not in scope.lines:
         if event.name in LINES:
-            raise BadEvent(f"{event.text!r} needs {event.name} in the scene, which has no such wire; give a unit SCI-A")
+            named = [line for line in scope.lines if "." in line]  # RX and TX are the lines of a single SCI-A
+            alike = [line for line in named if line.endswith(f".{event.name}")]
+            hint = f"write frame {' or '.join(alike or named)}" if named else "give a unit SCI-A"
+            raise BadEvent(f"{event.text!r} needs {event.name} in the scene, which has no such wire; {hint}")
         hint = did_you_mean(event.name, [*scope.lines, *FRAME_PARTS[:3]])
         raise BadEvent(f"{event.text!r}: there is no serial line {event.name!r}; {hint}")
     if event.how in OF_PAIRS and event.name not in scope.pairs:

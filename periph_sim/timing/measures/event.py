@@ -349,7 +349,8 @@ class EventMeasure(Measure):
     def why_silent(self) -> str:
         said = self._clauses.said
         if self.ungiven:
-            return said.unproven
+            clauses = zip(self._clauses.matchers, self._roles, strict=True)
+            return said.unproven or self.unmatched([m for m, role in clauses if role == GIVEN])
         if said.nothing is not None and self.spans is not None:
             return "" if self.first_seen else f"{said.nothing}; {span_hint(self.matchers[0].what, self.spans)}"
         if said.nothing is not None:

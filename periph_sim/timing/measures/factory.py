@@ -171,6 +171,12 @@ def _phrase(said: ParsedMeasure, scope: Scope) -> Maker:
 
 def _of_events(said: ParsedMeasure, scope: Scope, sentence: Sentence = UNNAMED) -> Maker:
     """Return the maker of a count, value or sum of one event, or of a time or a count between two events."""
+    if said.form in ("value", "sum"):
+        event = said.events[0]
+        for one in (event, *event.others):
+            if one.kind != "record":
+                what = f"{said.form} of takes a record event, not {one.text!r}"
+                raise BadEvent(f"{said.text!r}: {what}; write count of the event, or level of a field or a variable")
     first, *others = (matcher(event, scope) for event in said.events)
     clauses = _clauses(said, scope, sentence)
     if not others:
@@ -186,7 +192,8 @@ def _clauses(said: ParsedMeasure, scope: Scope, sentence: Sentence) -> Clauses:
     if said.group not in ("", "unit") and asked:
         what = f"pairs of one {said.group} are counted {said.group} by {said.group}"
         raise BadEvent(f"{said.text!r}: {what}; leave 'for each {asked[0]}' out")
-    unknown = [(f"event {event.text!r}", "cannot be judged") for clause, event in said.clauses if clause == "unless"]
+    unless = [event.text for clause, event in said.clauses if clause == "unless"]
+    unknown = [("event", f"matched {text!r}, which 'unless' excludes") for text in unless]
     unfinished = [event.text for clause, event in said.clauses if clause == "unfinished"]
     return Clauses(
         tuple(matcher(event, scope) for _, event in said.clauses),

@@ -27,7 +27,8 @@ class Sentence(Struct, frozen=True):
         makes records for the measure, the range includes the records from which these records are made.
     asked: a noun in the plural for the events of the clause `for each`, at which a value should be measured.
     nothing: a phrase that says why nothing was measured; None if the measure finds the reason itself.
-    unproven: for a clause `given`, a phrase that says why nothing is proven if the clause's event did not happen.
+    unproven: for a clause `given`, a phrase that says why nothing is proven if the clause's event did not happen. If it
+        is "", the verdict names the event.
     cut_off: for a clause `unfinished` or a pair, a phrase that says what was not over when the run ended.
     unknown: for each clause `unless`, a pair (noun, reason). If the event of the clause happened, the budget is not
         judged, with a reason such as "3 reads may carry other frames" from ("read", "may carry other frames").

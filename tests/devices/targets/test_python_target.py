@@ -118,6 +118,55 @@ def test_its_pins_drive_wires_and_show_their_levels(tmp_path: Path):
         target.receive_byte(0, 2)
 
 
+LATE = """\
+class Device:
+    def __init__(self, bus):
+        self.bus = bus
+
+    def on_write(self, level):
+        for _ in range(100):
+            pin = self.bus.pin("DRDY")
+        before = pin.level
+        pin.drive(level)
+        self.bus.note(f"{before}, then {pin.level}")
+        self.bus.after("1 us", lambda: self.bus.note(f"{self.bus.pin('DRDY').level} later"))
+"""
+
+
+def test_a_pin_is_one_however_often_it_is_asked_for_and_its_level_changes_after_the_hook(tmp_path: Path):
+    unit = {"firmware": "responder", "modules": ["I2C-A", "GPIO"], "pins": {"DRDY": 12}}
+    (tmp_path / "mine.py").write_text(LATE, encoding="utf-8")
+    mine = {"model": "mine.py", "address": 0x42}
+    tables = {"name": "x", "duration": "1 s", "unit": {"dsp": unit}, "device": {"mine": mine}}
+    scene = Scene(Case.model_validate(tables).from_source(Source(tmp_path / "case.toml", "")))
+    for level in (0, 1):
+        scene.devices["mine"].target.receive_byte(0, level)
+        scene.kernel.run_until(scene.kernel.now + scene.timebase.per_second // 100_000)
+    notes = [note.text for note in scene.devices["mine"].log.notes]
+    assert notes == ["1, then 1", "0 later", "0, then 0", "1 later"]
+
+
+IDLE = """\
+class Device:
+    def __init__(self, bus):
+        self.bus = bus
+
+    def on_write(self, byte):
+        self.bus.after("100 us", lambda: self.bus.stretch("50 us"))
+"""
+
+
+def test_a_stretch_called_later_holds_scl_of_an_idle_bus_and_is_of_no_phase(tmp_path: Path):
+    bus = device(tmp_path, IDLE)
+    assert bus.do("42 W 01") == "42 01"
+    shown = []
+    for _ in range(5):
+        bus.wait(35 * US)
+        shown.append(bus.scene.wires["SCL"].level)
+    assert shown == [1, 1, 0, 0, 1]
+    assert [phase.stretch for phase in bus.last.phases] == [0]
+
+
 @pytest.mark.parametrize(
     ("text", "more", "sentence"),
     [

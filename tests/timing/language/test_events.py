@@ -5,10 +5,11 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.timing.language.events import matcher
-from periph_sim.timing.language.scope import BadEvent, scope_of_table
+from periph_sim.timing.language.scope import BadEvent, Scope, scope_of_table
 from periph_sim.timing.measures.over_table import rows_of
 from tests.timing.events_by_hand import BARE, MODULES, NO_BUS, ONE, TWO, records, table
 
+CABLES = Scope({"a": ("SCI-A",), "b": ("SCI-A",)}, lines=("a.SCI-A.TX", "b.SCI-A.TX"))
 RUN = """
      0 access dsp        W_I2C-A.I2CDXR  0x11
     10 edge   SCL        level           0
@@ -126,6 +127,12 @@ def test_it_fits_the_same_records_one_by_one_and_all_at_once(event: str, ticks: 
         ("bus stuck", NO_BUS, "'bus stuck' needs SCL and SDA in the scene, which has none; give it [controller]"),
         ("bus clear", BARE, "'bus clear' needs [controller] in the scene, which has none; give it [controller]"),
         ("frame", BARE, "'frame' needs RX in the scene, which has no such wire; give a unit SCI-A"),
+        ("frame TX", CABLES, "'frame TX' needs TX in the scene, which has no such wire; write frame a.SCI-A.TX or b."),
+        (
+            "frame",
+            CABLES,
+            "'frame' needs RX in the scene, which has no such wire; write frame a.SCI-A.TX or b.SCI-A.TX",
+        ),
         ("frame bgin", ONE, "'frame bgin': there is no serial line 'bgin'; did you mean begin?"),
         ("frame TX 7 begin", ONE, "'frame TX 7 begin': what a frame carries is known at its end; write frame TX 7 end"),
         ("last edge RX rise of transfer", NO_BUS, "'last edge RX rise of transfer': a transfer needs SCL and SDA in"),

@@ -271,7 +271,7 @@ class Serial(SerialBase):  # type: ignore[misc]
 
         timeout: None for no limit. If pace=0, the limit is then FOREVER.
 
-        If pace is not 0, a failure of the session also ends the wait.
+        A failure of the session also ends the wait; if pace=0, with a SerialException.
         """
         if self._thread is not None:
             with self._queue.changed:
@@ -282,7 +282,11 @@ class Serial(SerialBase):  # type: ignore[misc]
         step = session.ticks("100 us")
         self._queue.turn()
         while not over() and session.now < end:
-            session.advance(min(session.now + step, end))
+            try:
+                session.advance(min(session.now + step, end))
+            except Exception as error:
+                self._failed = str(error)
+                raise SerialException(self._failed) from error
             self._queue.turn()
 
     def _must_be_open(self) -> None:

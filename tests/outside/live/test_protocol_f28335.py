@@ -300,6 +300,17 @@ def test_firmware_that_fails_is_told_to_the_client(tmp_path: Path, cycles: int) 
     line.close()
 
 
+def test_firmware_that_fails_at_full_speed_is_told_to_the_client(tmp_path: Path) -> None:
+    case = written(tmp_path)
+    (tmp_path / "echo_firmware.py").write_text("def main(dsp, settings):\n    dsp.compute(1000)\n    1 / 0\n")
+    with serial.serial_for_url(f"f28335://{case}?pace=0", timeout=1) as line:
+        line.write(b"a")
+        for call in (line.flush, line.read, lambda: line.write(b"a"), lambda: line.in_waiting):
+            with pytest.raises(serial.SerialException, match=r"ZeroDivisionError at line 3 of echo_firmware.py"):
+                call()
+    assert line.result.simulated_s < 0.001
+
+
 @pytest.mark.timeout(30)  # seconds: one who waits for room that never comes would loop
 @pytest.mark.parametrize("pace", [0, 1000])
 def test_who_writes_more_than_the_line_takes_waits_and_loses_nothing(tmp_path: Path, monkeypatch, pace: int) -> None:

@@ -148,6 +148,7 @@ def lost(name: str) -> str:
         ("10 W I2CCNT 6 f:1\n20 W I2CCNT 5 f:2\n30 flag I2CMDR.MST 1", [(10, COUNT)]),  # the second one is for it
         ("5 flag I2CMDR.MST 1\n7 flag I2CMDR.MST 0\n10 W I2CCNT 6 f:1\n20 flag I2CMDR.MST 0", [(10, COUNT)]),
         (f"{ON}10 W I2CMDR 0x0220 f:1 TRX", [(10, TRX)]),
+        (f"{ON}10 W I2CMDR 0x0020 f:1 TRX", [(10, TRX)]),  # a 0 is a don't-care, too
         (f"{ON}10 W I2CMDR 0x0220 f:1 IRS", []),
         (f"{ON}10 W I2CMDR 0x0220 f:1", []),
         (f"{ON}10 W I2CMDR 0x0620 f:1 TRX", []),  # MST

@@ -228,8 +228,15 @@ class Itg3200(RegisterChip):
             self._reset(now)
             return
         changed = old ^ self.get("PWR_MGM")
-        if self.get("PWR_MGM", "CLK_SEL") > 5:
-            self.note("duty", f"CLK_SEL = {self.get('PWR_MGM', 'CLK_SEL')} is reserved", f"{SHEET} PWR_MGM")
+        source = self.get("PWR_MGM", "CLK_SEL")
+        if source > 5:
+            self.note("duty", f"CLK_SEL = {source} is reserved", f"{SHEET} PWR_MGM")
+        elif source > 3:
+            self.note(
+                "unknown",
+                f"CLK_SEL = {source} selects an external clock; this model keeps its internal rate",
+                f"{SHEET} PWR_MGM",
+            )
         if changed & 0x07:
             self._settled, self._ready_shown = self.after(now, PLL_SETTLING), False
         if changed & 0x40:

@@ -24,7 +24,9 @@ F = TypeVar("F", bound=Callable[..., Any])
 NUMBER = re.compile(r"-?\d+")
 RATE = click.option("--rate", metavar="RATE", help="Sample rate, if the file has none: '4 MHz'.")
 SALVAGE = click.option(
-    "--salvage", is_flag=True, help="Read a damaged file up to the damage, and say what was dropped."
+    "--salvage",
+    is_flag=True,
+    help="Read a damaged file (no .psr, .fst, .ghw) up to the damage, and say what was dropped.",
 )
 GUARANTEED = click.option(
     "--guaranteed/--no-guaranteed",

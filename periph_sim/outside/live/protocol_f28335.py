@@ -24,6 +24,7 @@ from urllib.parse import parse_qs, urlsplit
 from serial import PortNotOpenError, SerialBase, SerialException, SerialTimeoutException
 
 from ...core.exact_number import exact_number
+from ...core.phrases import counted
 from ...scene.case.model import Case
 from ...scene.result import Result
 from ..errors import OutsideError
@@ -111,6 +112,7 @@ class Serial(SerialBase):  # type: ignore[misc]
     result: the result of the run, after the port is closed.
     pacer: the pacer of the session, which measures the lateness.
     lost: number of discarded bytes from the SCI, after the port is closed. At most a megabyte waits for the client.
+    unsent: number of written bytes whose frames had not begun when the session ended, after the port is closed.
 
     While a megabyte waits for the line, a write blocks, for at most `write_timeout`. `set=...` in a URL changes a key
     of the case, and may be repeated.
@@ -119,6 +121,7 @@ class Serial(SerialBase):  # type: ignore[misc]
     is_open: bool
     result: Result | None
     lost: int
+    unsent: int
     case: Case
     pacer: Pacer
     _loop: Loop | None
@@ -147,7 +150,7 @@ class Serial(SerialBase):  # type: ignore[misc]
             raise OutsideError(f"{url}: pace {given['pace']!r}: expected a number, as in pace=1") from None
         path, port = asked.netloc + asked.path, given.get("port", "scia")
         changes = tuple(every.get("set", ()))
-        self.result, self.lost = None, 0
+        self.result, self.lost, self.unsent = None, 0, 0
         self._failed = ""
         self._stopped = threading.Event()
         self._thread = None
@@ -190,6 +193,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         self.result = self._session.finish()
         self.lost = self._queue.came.lost
         with self._queue.changed:
+            self.unsent = self._queue.waits()
             self._queue.line = None
             self._queue.changed.notify_all()
         self._loop = None
@@ -206,6 +210,9 @@ class Serial(SerialBase):  # type: ignore[misc]
             self._thread.join()
         if self.lost:
             said = f"{self._port}: {self.lost} unread bytes of the SCI were discarded, since only a megabyte is kept"
+            warnings.warn(said, RuntimeWarning, stacklevel=2)
+        if self.unsent and not self._failed:
+            said = f"{self._port} was closed before it had sent {counted(self.unsent, 'byte')}; call flush() first"
             warnings.warn(said, RuntimeWarning, stacklevel=2)
 
     def clock(self) -> float:
@@ -271,7 +278,7 @@ class Serial(SerialBase):  # type: ignore[misc]
 
         timeout: None for no limit. If pace=0, the limit is then FOREVER.
 
-        If pace is not 0, a failure of the session also ends the wait.
+        A failure of the session also ends the wait; if pace=0, with a SerialException.
         """
         if self._thread is not None:
             with self._queue.changed:
@@ -282,7 +289,11 @@ class Serial(SerialBase):  # type: ignore[misc]
         step = session.ticks("100 us")
         self._queue.turn()
         while not over() and session.now < end:
-            session.advance(min(session.now + step, end))
+            try:
+                session.advance(min(session.now + step, end))
+            except Exception as error:
+                self._failed = str(error)
+                raise SerialException(self._failed) from error
             self._queue.turn()
 
     def _must_be_open(self) -> None:

@@ -50,7 +50,8 @@ def without_effect(run: Run, options: Options) -> Iterator[Fault]:
     """Yield writes without effect: of TRX and I2CCNT as slave, of STT and STP while the module is in reset (IRS = 0).
 
     TRX sets the direction of a master and of the free data format; the direction of a slave comes from the R/W bit of
-    the address byte. Only bit-field writes of TRX are judged. I2CCNT does not limit a slave-receiver. For a
+    the address byte. TRX is a don't-care there, 0 as well as 1 (table 7), but not with the option value `eager_if_trx`.
+    Only bit-field writes of TRX are judged. I2CCNT does not limit a slave-receiver. For a
     slave-transmitter, the manual is ambiguous (option `cnt_in_slave_tx`).
 
     A write of TRX or I2CCNT is no fault if the module becomes master before the next change of TRX or the next write of
@@ -72,7 +73,7 @@ def _of_mode(run: Run, group: Group) -> Iterator[Fault]:
     others = run.changes(group.unit, group.module, I2CMDR, TRX)
     until = np.append(others, len(run.table))[np.searchsorted(others, group.rows + 1, "right")]
     plain = value & (MST.mask | FDF.mask) == 0
-    yield Fault(group.unit, _as_slave(run, group, until, named & plain), TRX_TEXT, "SPRUG03B tables 5 and 6 (TRX)")
+    yield Fault(group.unit, _as_slave(run, group, until, named & plain), TRX_TEXT, "SPRUG03B tables 5 and 7 (TRX)")
     enabled = held(run, group, I2CMDR, "IRS") | (value & IRS.mask != 0)
     for f in (STT, STP):
         rows = group.rows[~enabled & (value & f.mask != 0)]

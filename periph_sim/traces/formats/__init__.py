@@ -17,7 +17,7 @@ and also the definitions for reading, for writing, or for both:
 
 A new module in this folder needs no registration. `rate` is the sampling rate if the file states no rate or a wrong
 rate; times in seconds are converted to samples of this rate. With `salvage`, a damaged file is read up to the damage,
-and the notes of the Capture say what was left out.
+and the notes of the Capture say what was left out. A format that cannot do this says so in the error.
 """
 
 from __future__ import annotations

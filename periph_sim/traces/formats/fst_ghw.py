@@ -33,6 +33,7 @@ import numpy as np
 
 from ..capture.capture import (
     MOST_POSITION,
+    NO_SALVAGE,
     STATE_LETTERS,
     UNKNOWN,
     BadCapture,
@@ -68,10 +69,12 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
     """Read the capture in ticks of the file, or in samples if `rate` is given.
 
     Raise BadCapture if the file has errors.
+
+    salvage: True to say in the error for a damaged file that no part of it can be read.
     """
     with path.open("rb") as file:
         end = _fst_end(file.read(FST_HEAD.size))
-    head, signals = _signals(path)
+    head, signals = _signals(path, salvage)
     if not head["variables"]:
         raise BadCapture(path, "the file", "no line of one bit", "at least one", "dump the lines of the bus")
     ticks = _ticks(head)
@@ -103,7 +106,9 @@ def _fst_end(head: bytes) -> int | None:
     return int(end) if (block, length) == (0, FST_LENGTH) else None
 
 
-def _signals(path: Path) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]]]:
+def _signals(
+    path: Path, salvage: bool
+) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]]]:
     """Read a file in a separate process.
 
     Return a head with names and timescale, and for each signal the positions of changes and the states after them. A
@@ -123,9 +128,8 @@ def _signals(path: Path) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any
     if done.returncode:
         said = ERROR.findall(done.stderr.decode(errors="replace"))
         found = f"an error of its reader ({said[-1] if said else 'aborted'})"
-        raise BadCapture(
-            path, "the file", found, "an undamaged waveform of kinds that it knows", "dump it again, or as VCD"
-        )
+        way_out = "dump it again, or as VCD" + (NO_SALVAGE if salvage else "")
+        raise BadCapture(path, "the file", found, "an undamaged waveform of kinds that it knows", way_out)
     first, _, _ = done.stdout.partition(b"\n")
     head = json.loads(first)
     signals = []

@@ -38,7 +38,7 @@ from numpy.typing import NDArray
 
 from ...core.input_files import open_regular
 from ...core.records import RECORDED, Kind
-from ..capture.capture import BadCapture, Capture, Channel, Span, channel_of_states
+from ..capture.capture import NO_SALVAGE, BadCapture, Capture, Channel, Span, channel_of_states
 from ..capture.sampling import on_grid, refuse_beyond
 from .record_table import COLUMNS, TABLES, TOPIC, RecordTable, Topics
 
@@ -68,9 +68,16 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
     """Read the edges as a Capture, in samples of `rate` if it is given.
 
     Raise BadCapture if the file has errors, if a run has no edge of a wire, or if `rate` does not fit the edges.
+
+    salvage: True to say in the error for a damaged file that no part of it can be read.
     """
-    head, table = _load(path)
-    capture = _stored(path, head, table) if head.get("capture") is not None else _wires(path, table)
+    try:
+        head, table = _load(path)
+        capture = _stored(path, head, table) if head.get("capture") is not None else _wires(path, table)
+    except BadCapture as error:
+        if not salvage or error.way_out != COPY:
+            raise
+        raise BadCapture(path, error.place, error.found, error.expected, COPY + NO_SALVAGE) from error
     return capture if rate is None or rate == capture.rate else _at_rate(capture, rate)
 
 

@@ -186,6 +186,14 @@ def test_reserved_settings_leave_a_note(number: int, value: int, what: str):
     assert note.code == "duty" and what in note.text
 
 
+@pytest.mark.parametrize(("clk_sel", "codes"), [(0, []), (3, []), (4, ["unknown"]), (5, ["unknown"]), (7, ["duty"])])
+def test_an_external_clock_leaves_a_note_since_it_is_not_modelled(clk_sel: int, codes: list[str]):
+    bench = bench_of(0, 0, 0)
+    bench.write(PWR_MGM, clk_sel)
+    assert [note.code for note in bench.chips[0].notes] == codes
+    assert all(f"CLK_SEL = {clk_sel} " in note.text for note in bench.chips[0].notes)
+
+
 # What the specification leaves open -----------------------------------------------------
 
 

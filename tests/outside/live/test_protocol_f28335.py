@@ -21,6 +21,8 @@ from periph_sim.outside.live import protocol_f28335  # noqa: E402
 from periph_sim.outside.live.backlog import Backlog  # noqa: E402
 from tests.outside.live.echo import written  # noqa: E402
 
+UNSENT = pytest.mark.filterwarnings("ignore:.* was closed before it had sent:RuntimeWarning")
+
 
 def port(folder: Path, more: str = "&pace=0", **given: Any) -> Any:
     assert periph_sim.live.PACKAGE in serial.protocol_handler_packages
@@ -108,12 +110,35 @@ def test_at_the_pace_of_a_clock(tmp_path: Path) -> None:
 
 
 def test_bytes_that_wait_are_given_up_as_the_port_is_closed(tmp_path: Path) -> None:
-    with port(tmp_path) as line:
-        line.write(bytes(30))
-        assert (line.in_waiting, line.out_waiting) == (0, 30), "they are the line's"
+    line = port(tmp_path)
+    line.write(bytes(30))
+    assert (line.in_waiting, line.out_waiting) == (0, 30), "they are the line's"
+    with pytest.warns(RuntimeWarning, match=r"&pace=0 was closed before it had sent 30 bytes; call flush\(\) first$"):
+        line.close()
     assert line._queue.waits() == 0
 
 
+@pytest.mark.parametrize("pace", [0, 1])
+def test_bytes_that_are_not_sent_at_the_end_are_counted_and_told(tmp_path: Path, pace: int) -> None:
+    """A character takes 8.3 ms at 1200 baud."""
+    line = port(tmp_path, f"&pace={pace}", baudrate=1200)
+    line.write(bytes(5000))
+    with pytest.warns(RuntimeWarning, match=r"before it had sent (4\d\d\d|5000) bytes; call flush"):
+        line.close()
+    assert line.unsent + line.result.sci_bytes == 5000
+    line.open()
+    assert line.unsent == 0
+    line.close()
+
+
+def test_bytes_that_a_flush_has_sent_are_not_told(tmp_path: Path, recwarn: pytest.WarningsRecorder) -> None:
+    with port(tmp_path) as line:
+        line.write(b"abc")
+        line.flush()
+    assert line.unsent == 0 and not recwarn.list
+
+
+@UNSENT
 def test_a_flush_in_another_thread_ends_as_the_port_is_closed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     line = port(tmp_path, "&pace=1", baudrate=300)
     line.write(bytes(300))  # ten seconds
@@ -300,6 +325,18 @@ def test_firmware_that_fails_is_told_to_the_client(tmp_path: Path, cycles: int) 
     line.close()
 
 
+def test_firmware_that_fails_at_full_speed_is_told_to_the_client(tmp_path: Path) -> None:
+    case = written(tmp_path)
+    (tmp_path / "echo_firmware.py").write_text("def main(dsp, settings):\n    dsp.compute(1000)\n    1 / 0\n")
+    with serial.serial_for_url(f"f28335://{case}?pace=0", timeout=1) as line:
+        line.write(b"a")
+        for call in (line.flush, line.read, lambda: line.write(b"a"), lambda: line.in_waiting):
+            with pytest.raises(serial.SerialException, match=r"ZeroDivisionError at line 3 of echo_firmware.py"):
+                call()
+    assert line.result.simulated_s < 0.001
+
+
+@UNSENT
 @pytest.mark.timeout(30)  # seconds: one who waits for room that never comes would loop
 @pytest.mark.parametrize("pace", [0, 1000])
 def test_who_writes_more_than_the_line_takes_waits_and_loses_nothing(tmp_path: Path, monkeypatch, pace: int) -> None:
@@ -319,6 +356,7 @@ def test_who_writes_more_than_the_line_takes_waits_and_loses_nothing(tmp_path: P
             assert line.read(100) == bytes(range(1, 101))
 
 
+@UNSENT
 def test_a_write_that_finds_no_room_ends_at_its_time_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A character takes 200 ms at 50 baud."""
     monkeypatch.setattr(protocol_f28335, "MOST", 1)
@@ -330,6 +368,7 @@ def test_a_write_that_finds_no_room_ends_at_its_time_limit(tmp_path: Path, monke
         assert 0.02 <= line.clock() - begun < 0.04
 
 
+@UNSENT
 def test_at_the_pace_of_a_clock_the_time_limit_of_a_write_is_real_time(tmp_path: Path, monkeypatch) -> None:
     """20 characters take 4.4 simulated seconds at 50 baud, which is 44 ms of real time."""
     monkeypatch.setattr(protocol_f28335, "MOST", 1)

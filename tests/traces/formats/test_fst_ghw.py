@@ -175,6 +175,17 @@ def test_an_abort_of_the_reader_is_one_sentence(tmp_path: Path, monkeypatch: pyt
     )
 
 
+def test_a_cut_file_says_that_no_part_of_it_is_salvaged(tmp_path: Path):
+    path = written(tmp_path / "x.fst", {"scl": 1}, [(t, "scl", str(t % 2)) for t in range(90)], 100)
+    assert len(formats.read(path, salvage=True).channels) == 1
+    path.write_bytes(path.read_bytes()[:400])
+    with pytest.raises(formats.BadCapture) as caught:
+        formats.read(path, salvage=True)
+    assert str(caught.value).endswith(
+        "; dump it again, or as VCD, since --salvage reads no part of a file of this format"
+    )
+
+
 GHDL = shutil.which("ghdl")
 BLINK = """
 entity blink is end entity;

@@ -152,6 +152,26 @@ def test_only_a_run_holds_a_run(tmp_path: Path):
     assert [psr.holds_run(tmp_path / name) for name in names] == [True, False, False, False, False, False]
 
 
+@pytest.mark.parametrize("kept", [100, 700, None], ids=["cut early", "cut late", "flipped"])
+def test_a_damaged_file_says_that_no_part_of_it_is_salvaged(tmp_path: Path, kept: int | None):
+    path = saved(tmp_path / "run.psr", RUN)
+    whole = path.read_bytes()
+    flipped = whole[:60] + bytes(byte ^ 0xFF for byte in whole[60:90]) + whole[90:]
+    path.write_bytes(flipped if kept is None else whole[:kept])
+    said = refusal(path, formats.read)
+    assert said.endswith("; copy or record it again")
+    with pytest.raises(formats.BadCapture) as caught:
+        formats.read(path, salvage=True)
+    assert str(caught.value) == f"{path}, {said}, since --salvage reads no part of a file of this format"
+
+
+def test_a_sound_file_is_read_with_salvage_and_other_errors_do_not_mention_it(tmp_path: Path):
+    path = saved(tmp_path / "run.psr", RUN)
+    assert facts(formats.read(path, salvage=True)) == facts(formats.read(path))
+    with pytest.raises(formats.BadCapture, match=r"; read it with the newer periph-sim it is from$"):
+        formats.read(changed(path, lambda head: head.update(version=4)), salvage=True)
+
+
 def changed(path: Path, change: Callable[[dict[str, Any]], object]) -> Path:
     """The file with another head."""
     with np.load(path) as found:

@@ -206,8 +206,9 @@ def _other_masters(scene: Scene) -> list[str]:
     """Return the I2C modules that made a START, if the scene's bus events are only those of the controller."""
     if scene.head is None or scene.head.controller.beside_others:
         return []
-    modules = {f"{name}.{module}": one for name, dsp in scene.units.items() for module, one in dsp.sockets.items()}
-    return [name for name, one in modules.items() if ".I2C" in name and cast("I2c", one.chip).master.starts]
+    modules = [(name, *one) for name, dsp in scene.units.items() for one in dsp.sockets.items()]
+    i2c = [(f"{name}.{module}", socket) for name, module, socket in modules if module.startswith("I2C")]
+    return [name for name, socket in i2c if cast("I2c", socket.chip).master.starts]
 
 
 def _late_parties(scene: Scene) -> list[str]:

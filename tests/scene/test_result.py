@@ -208,3 +208,10 @@ def test_bus_events_of_the_controller_alone_do_not_pass_beside_another_master(
     why = "dsp.I2C-A sent as a master, but the events are those of [controller] only"
     assert (starts.found == why) is (pause == "1 ms")
     assert writes.verdict == "pass"
+
+
+def test_a_unit_whose_name_contains_that_of_a_module_is_no_master_by_its_sci(tmp_path: Path):
+    text = TWO_MASTERS.format(pause="1 s", limit=1).replace('["I2C-A"]', '["I2C-A", "SCI-A"]').replace("dsp:", "")
+    path = tmp_path / "two.toml"
+    path.write_text(text.replace("unit.dsp", 'unit."a.I2Cb"'), encoding="utf-8")
+    assert [budget.verdict for budget in Scene(load(path)).run().budgets] == ["pass", "pass"]

@@ -38,7 +38,7 @@ class Heard:
 
 
 def heard(characters: int, fifo: bool, reads_after: tuple[int, ...] = (), **options: str) -> Heard:
-    """Of an SCI whose firmware reads SCIRXBUF after these pauses in us, if any, and then no more."""
+    """Monitor an SCI whose firmware reads SCIRXBUF once after each of these pauses, in us, and then never again."""
 
     def main(dsp: Dsp) -> None:
         sci = start_sci(dsp, "SCI-A")

@@ -16,7 +16,7 @@ import numpy as np
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from ..identification.text_report import IdentifiedAxis
+from ..identification.identify import Identified
 from ..models.parameters import ImuParameters
 from ..models.quantity import BadParameter, Vector
 from ..noise import AXES
@@ -25,7 +25,7 @@ from .rest import SENSORS, UNITS, Sensor
 GRAVITY = np.array([0.0, 0.0, -1.0])  # output of an ideal level accelerometer at rest in g (section 4.3.4)
 
 
-def parameters_of_axes(axes: Mapping[str, IdentifiedAxis], hard_iron: bool) -> ImuParameters:
+def parameters_of_axes(axes: Mapping[str, Identified], hard_iron: bool) -> ImuParameters:
     """Return the parameter set of Table 4.1, updated with the identified columns of a recording.
 
     The magnetometer's mean minus its hard iron becomes the earth field. A slow term of the noise (bias instability or
@@ -57,10 +57,10 @@ def parameters_of_axes(axes: Mapping[str, IdentifiedAxis], hard_iron: bool) -> I
     return imu
 
 
-def _identified(name: str, sensor: Any, three: list[IdentifiedAxis], hard_iron: bool) -> Sensor:
+def _identified(name: str, sensor: Any, three: list[Identified], hard_iron: bool) -> Sensor:
     matrix = np.array(sensor.matrix) / sensor.scale
-    felt = np.linalg.solve(matrix, [axis.found.series.samples.mean() for axis in three])
-    changes: dict[str, Vector] = {"noise_density": _vector([axis.found.sensor_density for axis in three])}
+    felt = np.linalg.solve(matrix, [axis.series.samples.mean() for axis in three])
+    changes: dict[str, Vector] = {"noise_density": _vector([axis.sensor_density for axis in three])}
     if name == "accelerometer":
         changes["bias"] = _vector(felt - GRAVITY)
     elif name == "gyroscope":
@@ -68,10 +68,10 @@ def _identified(name: str, sensor: Any, three: list[IdentifiedAxis], hard_iron: 
     else:
         iron = np.array(sensor.hard_iron)
         if hard_iron:
-            iron = np.linalg.solve(matrix, [axis.found.bias.value for axis in three])
+            iron = np.linalg.solve(matrix, [axis.bias.value for axis in three])
             changes["hard_iron"] = _vector(iron)
         changes["earth_field"] = _vector(felt - iron)
-    slow = [axis.found.slow for axis in three]
+    slow = [axis.slow for axis in three]
     terms = [one for one in slow if one is not None]
     if terms:
         for key in ("bias_instability", "random_walk"):

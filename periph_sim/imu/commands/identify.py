@@ -14,7 +14,7 @@ from ...interfaces.commands.command_frame import command, print_json, rate_given
 
 if TYPE_CHECKING:
     from ...traces.formats.unit_csv import Column
-    from ..identification.text_report import IdentifiedAxis
+    from ..identification.identify import Identified
 
 PICTURES = (".svg", ".png")
 UNEVEN = 0.01  # maximum relative difference of the periods of two recordings
@@ -79,7 +79,7 @@ def identify(
                 note_input(given)
         paths = {path: outputs.enter_context(atomic_write(path)) for path in (picture, parameters) if path is not None}
         axes, period = _axes(file, rate, expect, undisturbed, slow_terms)
-        count = len(axes[0].found.series.samples)
+        count = len(axes[0].series.samples)
         title = f"{file}: {count} samples, one every {period:g} s"
         if picture is not None:
             from ..identification.plot import plot
@@ -89,7 +89,7 @@ def identify(
             from ..at_rest.identified import parameters_of_axes
             from ..parameter_sets import text_of
 
-            named = {axis.found.series.name: axis for axis in axes}
+            named = {axis.series.name: axis for axis in axes}
             found = parameters_of_axes(named, undisturbed is not None)
             paths[parameters].write_text(text_of(found), encoding="utf-8")
     if as_json:
@@ -101,10 +101,9 @@ def identify(
 
 def _axes(
     file: Path, rate: str | None, expect: tuple[str, ...], undisturbed: Path | None, slow: bool
-) -> tuple[list[IdentifiedAxis], float]:
+) -> tuple[list[Identified], float]:
     """Identify every column of a file except time. Return the identified columns and the sampling period in seconds."""
     from ..identification.identify import identify as identified
-    from ..identification.text_report import IdentifiedAxis
 
     columns, period = _recording(file, rate)
     others: Mapping[str, Column] = {}
@@ -124,8 +123,10 @@ def _axes(
                     f"{undisturbed}: there is no column '{name} [{column.unit}]', unlike in {file}"
                 )
             plain = others[name].values
-        found = identified(name, column.values, period, expected=wanted.get(name, 0.0), undisturbed=plain, slow=slow)
-        axes.append(IdentifiedAxis(column.unit, found))
+        expected = wanted.get(name, 0.0)
+        axes.append(
+            identified(name, column.values, period, unit=column.unit, expected=expected, undisturbed=plain, slow=slow)
+        )
     return axes, period
 
 

@@ -104,6 +104,7 @@ LEAST_SIGMA = 0.4  # minimum sigma of the noise in LSB; below, rounding does not
 class Identified:
     """The parameters of one axis.
 
+    unit: the unit of the samples, for reports; "" if it is not known.
     bias: the mean minus a reference. The reference is the expected value or, for hard iron, the mean of the recording
         without the magnetic disturbance.
     density: the measured density of white noise, which includes the density of rounding to LSB. If slow terms (bias
@@ -112,6 +113,7 @@ class Identified:
     notes: warnings for the reader, as sentences.
     """
 
+    unit: str
     series: Series
     allan: Allan
     density: Density
@@ -138,12 +140,14 @@ def identify(
     samples: ArrayLike,
     period: float,
     *,
+    unit: str = "",
     expected: float = 0.0,
     undisturbed: ArrayLike | None = None,
     slow: bool = False,
 ) -> Identified:
     """Identify the parameters of one axis, recorded at rest every `period` seconds.
 
+    unit: the unit of the samples, for reports.
     expected: the mean that a sensor without bias would have.
     undisturbed: for hard iron, samples without the disturbance; their mean replaces `expected`.
     slow: True to fit bias instability and random walk, too.
@@ -159,7 +163,7 @@ def identify(
     else:
         other = series(f"{name} undisturbed", undisturbed, period)
         bias = level.less(mean(other, *_fitted(other, slow)[:2]))
-    return Identified(given, found, noise, bias, terms, tuple(_notes(given, noise, bias)))
+    return Identified(unit, given, found, noise, bias, terms, tuple(_notes(given, noise, bias)))
 
 
 def _fitted(given: Series, slow: bool) -> tuple[Allan, Density, SlowTerms | None]:

@@ -18,8 +18,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .confidence import LEVELS, edf, interval
+from .identify import Identified
 from .noise_terms import FLOOR, READ_AT
-from .text_report import IdentifiedAxis
 
 # People with colour blindness can distinguish these colours.
 COLOURS = ("#0060a8", "#c04a00", "#3a7d34", "#7a3b9a", "#777777")
@@ -27,7 +27,7 @@ MARKS = "osd^v"
 STYLE: dict[Any, Any] = {"svg.hashsalt": "periph-sim", "svg.fonttype": "none", "font.size": 9.0, "axes.axisbelow": True}
 
 
-def plot(title: str, axes: Sequence[IdentifiedAxis], path: Path) -> None:
+def plot(title: str, axes: Sequence[Identified], path: Path) -> None:
     """Write the plot as SVG or PNG, according to the suffix. Equal input gives an equal SVG file."""
     units = list(dict.fromkeys(axis.unit for axis in axes))
     with rc_context(STYLE):
@@ -47,8 +47,8 @@ def plot(title: str, axes: Sequence[IdentifiedAxis], path: Path) -> None:
         figure.savefig(path, metadata=metadata, dpi=110)
 
 
-def _draw(panel: Axes, axis: IdentifiedAxis, colour: str, mark: str) -> None:
-    found, noise = axis.found.allan, axis.found.density
+def _draw(panel: Axes, axis: Identified, colour: str, mark: str) -> None:
+    found, noise = axis.allan, axis.density
     low, high = interval(edf(found), LEVELS["68 %"])
     bars = np.abs(found.deviation * (np.sqrt(np.stack([low, high])) - 1))
     panel.errorbar(
@@ -60,7 +60,7 @@ def _draw(panel: Axes, axis: IdentifiedAxis, colour: str, mark: str) -> None:
         markersize=4,
         linewidth=1,
         capsize=2,
-        label=axis.found.series.name,
+        label=axis.series.name,
     )
     fitted = found.taus[noise.region]
     if len(fitted):
@@ -68,7 +68,7 @@ def _draw(panel: Axes, axis: IdentifiedAxis, colour: str, mark: str) -> None:
         to_read = np.array([min(fitted[0], READ_AT), max(fitted[-1], READ_AT)])
         panel.plot(to_read, np.sqrt(noise.value / to_read), color=colour, linewidth=0.6)
         panel.plot([READ_AT], [np.sqrt(noise.value / READ_AT)], "o", markersize=9, markerfacecolor="none", color=colour)
-    slow = axis.found.slow
+    slow = axis.slow
     if slow is not None:
         whole = noise.value / found.taus
         whole = whole + FLOOR * slow.bias_instability.squared + slow.random_walk.squared * found.taus / 3

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import floor, log10
 
 from ...core.text_table import paragraph, text_table
@@ -15,15 +14,7 @@ FOUND = ("column", "bias", "noise density", "sensor's own")
 KNOWN = ("column", "95 % of the density", "rounding", "fitted from, to")
 
 
-@dataclass(frozen=True, eq=False)
-class IdentifiedAxis:
-    """One column of a recording: its unit and its identified parameters."""
-
-    unit: str
-    found: Identified
-
-
-def table(title: str, axes: Sequence[IdentifiedAxis]) -> str:
+def table(title: str, axes: Sequence[Identified]) -> str:
     """Format a title, the parameters and errors of each column, the slow terms if they were fitted, and notes."""
     lines = [title, "", *text_table(FOUND, [_found(axis) for axis in axes])]
     lines += ["", *text_table(KNOWN, [_known(axis) for axis in axes])]
@@ -31,11 +22,11 @@ def table(title: str, axes: Sequence[IdentifiedAxis]) -> str:
     slow = [row for axis in axes for row in _slow(axis)]
     if slow:
         lines += ["", *text_table(("column", "slow term", "value", "95 % of it", ""), slow)]
-    notes = [line for axis in axes for note in axis.found.notes for line in paragraph(f"note: {note}")]
+    notes = [line for axis in axes for note in axis.notes for line in paragraph(f"note: {note}")]
     return "\n".join([*lines, *([""] if notes else []), *notes])
 
 
-def as_json(axes: Sequence[IdentifiedAxis]) -> list[dict[str, object]]:
+def as_json(axes: Sequence[Identified]) -> list[dict[str, object]]:
     """Return one object for each column, with numbers in the unit of the column and in seconds."""
     return [_object(axis) for axis in axes]
 
@@ -57,32 +48,30 @@ def scaled(value: float, error: float) -> str:
     return f"({with_error(value / 10**power, error / 10**power)})e{power:+03d}"
 
 
-def _found(axis: IdentifiedAxis) -> tuple[str, ...]:
-    found = axis.found
-    bias = f"{with_error(found.bias.value, found.bias.error)} {axis.unit}"
-    density = scaled(found.density.value, found.density.error)
-    return found.series.name, bias, density, f"{found.sensor_density:.3e}"
+def _found(axis: Identified) -> tuple[str, ...]:
+    bias = f"{with_error(axis.bias.value, axis.bias.error)} {axis.unit}"
+    density = scaled(axis.density.value, axis.density.error)
+    return axis.series.name, bias, density, f"{axis.sensor_density:.3e}"
 
 
-def _known(axis: IdentifiedAxis) -> tuple[str, ...]:
+def _known(axis: Identified) -> tuple[str, ...]:
     """Return the cells of one row under KNOWN.
 
     They are the name of the recording's column, the 95 % interval of the noise density, the density of the noise that
     rounding adds, and the first and last tau of the fit, or "-" if white noise is nowhere most of the noise.
     """
-    found = axis.found
-    low, high = found.density.bounds(LEVELS["95 %"])
-    taus = found.allan.taus[found.density.region]
-    rounding = f"{found.quantisation_density:.2e}" if found.series.lsb is not None else "-"
+    low, high = axis.density.bounds(LEVELS["95 %"])
+    taus = axis.allan.taus[axis.density.region]
+    rounding = f"{axis.quantisation_density:.2e}" if axis.series.lsb is not None else "-"
     fitted = f"{taus[0]:g} s, {taus[-1]:g} s" if len(taus) else "-"
-    return found.series.name, f"{low:.3e} to {high:.3e}", rounding, fitted
+    return axis.series.name, f"{low:.3e} to {high:.3e}", rounding, fitted
 
 
-def _slow(axis: IdentifiedAxis) -> list[tuple[str, ...]]:
-    slow = axis.found.slow
+def _slow(axis: Identified) -> list[tuple[str, ...]]:
+    slow = axis.slow
     if slow is None:
         return []
-    name = axis.found.series.name
+    name = axis.series.name
     unit = f"({axis.unit})" if "/" in axis.unit else axis.unit
     return [
         (name, "bias instability", *_term(slow.bias_instability, axis.unit)),
@@ -96,14 +85,14 @@ def _term(term: Term, unit: str) -> tuple[str, str, str]:
     return said, f"{low:.2g} to {high:.2g} {unit}", "" if term.found else "not significant"
 
 
-def _object(axis: IdentifiedAxis) -> dict[str, object]:
-    found, noise, bias = axis.found, axis.found.density, axis.found.bias
+def _object(axis: Identified) -> dict[str, object]:
+    noise, bias = axis.density, axis.bias
     row: dict[str, object] = {
-        "column": found.series.name,
+        "column": axis.series.name,
         "unit": axis.unit,
-        "samples": len(found.series.samples),
-        "period_s": found.series.period,
-        "lsb": found.series.lsb,
+        "samples": len(axis.series.samples),
+        "period_s": axis.series.period,
+        "lsb": axis.series.lsb,
         "bias": {
             "value": bias.value,
             "standard_error": bias.error,
@@ -117,14 +106,14 @@ def _object(axis: IdentifiedAxis) -> dict[str, object]:
             "edf": noise.edf,
             **{f"interval_{level}": noise.bounds(part) for level, part in LEVELS.items()},
             "read_at_1_s": noise.at_one_second,
-            "of_rounding": found.quantisation_density,
-            "of_the_sensor": found.sensor_density,
-            "fitted_taus_s": found.allan.taus[noise.region].tolist(),
+            "of_rounding": axis.quantisation_density,
+            "of_the_sensor": axis.sensor_density,
+            "fitted_taus_s": axis.allan.taus[noise.region].tolist(),
         },
-        "allan": {"tau_s": found.allan.taus.tolist(), "deviation": found.allan.deviation.tolist()},
-        "notes": list(found.notes),
+        "allan": {"tau_s": axis.allan.taus.tolist(), "deviation": axis.allan.deviation.tolist()},
+        "notes": list(axis.notes),
     }
-    if found.slow is not None:
-        for key, term in (("bias_instability", found.slow.bias_instability), ("random_walk", found.slow.random_walk)):
+    if axis.slow is not None:
+        for key, term in (("bias_instability", axis.slow.bias_instability), ("random_walk", axis.slow.random_walk)):
             row[key] = {"value": term.value, "interval_95 %": term.bounds(1.96), "told_from_0": term.found}
     return row

@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy
+from msgspec import structs
 
 from periph_sim.imu.at_rest.identified import parameters_of_axes
 from periph_sim.imu.at_rest.rest import SENSORS, UNITS, at_rest, expected_at_rest
-from periph_sim.imu.identification.identify import identify
-from periph_sim.imu.identification.text_report import IdentifiedAxis
+from periph_sim.imu.identification.identify import Identified, identify
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.models.quantity import BadParameter
 from periph_sim.imu.noise import AXES
 
 
-def identified(imu: ImuParameters, seed: int, samples: int = 10_000) -> dict[str, IdentifiedAxis]:
+def identified(imu: ImuParameters, seed: int, samples: int = 10_000) -> dict[str, Identified]:
     got = at_rest(imu, samples, seed)
     return {
-        f"{sensor}_{axis}": IdentifiedAxis(
-            UNITS[sensor], identify(f"{sensor}_{axis}", got[sensor][:, column], imu.period)
-        )
+        f"{sensor}_{axis}": identify(f"{sensor}_{axis}", got[sensor][:, column], imu.period, unit=UNITS[sensor])
         for sensor in SENSORS
         for column, axis in enumerate(AXES)
     }
@@ -37,11 +37,11 @@ def test_what_was_put_into_the_models_comes_back_within_its_error_bars_over_200_
             given, came = getattr(imu, sensor), getattr(told, sensor)
             key = "earth_field" if sensor == "magnetometer" else "bias"
             off = abs(getattr(came, key)[column] - getattr(given, key)[column])
-            density, rounding = given.noise_density[column], axis.found.quantisation_density
+            density, rounding = given.noise_density[column], axis.quantisation_density
             for row, (part, z) in enumerate(((0.6827, 1.0), (0.95, 1.96))):
-                low, high = axis.found.density.bounds(part)
+                low, high = axis.density.bounds(part)
                 hits[row, place] += low - rounding <= density <= high - rounding
-                hits[2 + row, place] += off <= z * axis.found.bias.error
+                hits[2 + row, place] += off <= z * axis.bias.error
     for row, part in zip(hits, (0.6827, 0.95, 0.6827, 0.95), strict=True):
         least, most = scipy.stats.binom.interval(1 - 1e-3 / 9, seeds, part)
         assert least <= row.min() and row.max() <= most, part
@@ -54,7 +54,7 @@ def test_the_set_gives_the_same_means_again():
     expected = expected_at_rest(parameters_of_axes(axes, hard_iron=False))
     for name, axis in axes.items():
         sensor, letter = name.split("_")
-        found = axis.found.series.samples
+        found = axis.series.samples
         again = expected[sensor][AXES.index(letter)]
         assert again.mean == pytest.approx(found.mean(), abs=5e-5)
         assert again.variance == pytest.approx(found.var(), rel=0.02)
@@ -64,8 +64,8 @@ def test_hard_iron_against_a_recording_without_it():
     imu, samples = ImuParameters(), 5000
     with_iron, without = (at_rest(one, samples, seed)["magnetometer"] for one, seed in ((imu, 1), (plain(imu), 2)))
     axes = {
-        f"magnetometer_{axis}": IdentifiedAxis(
-            "gauss", identify(f"magnetometer_{axis}", with_iron[:, k], imu.period, undisturbed=without[:, k])
+        f"magnetometer_{axis}": identify(
+            f"magnetometer_{axis}", with_iron[:, k], imu.period, unit="gauss", undisturbed=without[:, k]
         )
         for k, axis in enumerate(AXES)
     }
@@ -76,16 +76,15 @@ def test_hard_iron_against_a_recording_without_it():
 
 
 def plain(imu: ImuParameters) -> ImuParameters:
-    from msgspec.structs import replace
-
-    return replace(imu, magnetometer=replace(imu.magnetometer, hard_iron=(0.0, 0.0, 0.0)))
+    magnetometer = structs.replace(imu.magnetometer, hard_iron=(0.0, 0.0, 0.0))
+    return structs.replace(imu, magnetometer=magnetometer)
 
 
 def test_slow_terms_go_into_the_set_where_they_were_found():
     noise = np.random.default_rng(1).normal(size=(4000, 3))
     walk = 0.05 * np.cumsum(np.random.default_rng(2).normal(size=4000))
     values = {"x": noise[:, 0], "y": noise[:, 1] + walk, "z": noise[:, 2]}
-    axes = {f"gyroscope_{a}": IdentifiedAxis("deg/s", identify(a, v, 0.02, slow=True)) for a, v in values.items()}
+    axes = {f"gyroscope_{a}": identify(a, v, 0.02, unit="deg/s", slow=True) for a, v in values.items()}
     told = parameters_of_axes(axes, hard_iron=False).gyroscope
     assert told.random_walk[0] == told.random_walk[2] == 0
     assert told.random_walk[1] == pytest.approx(0.05 / 0.02**0.5, rel=0.5)
@@ -102,6 +101,6 @@ def test_columns_that_are_no_sensor_lack_an_axis_or_have_another_unit_are_refuse
         BadParameter, match=r"^gyroscope_y: it is missing; a set needs all three axes of the gyroscope$"
     ):
         parameters_of_axes(without, False)
-    other = IdentifiedAxis("rad/s", axes["gyroscope_z"].found)
+    other = replace(axes["gyroscope_z"], unit="rad/s")
     with pytest.raises(BadParameter, match=r"^gyroscope_z: its unit is 'rad/s'; expected 'deg/s'$"):
         parameters_of_axes(axes | {"gyroscope_z": other}, False)

@@ -11,11 +11,11 @@ from array import array
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ..bus.i2c.transfer import Transfer
 from ..devices.sensor_head import SensorHead
-from ..devices.sensor_rounds import ChipData, Round
+from ..devices.sensor_rounds import Round
 from .models.parameters import ImuParameters
 from .rotations import Floats
 from .sensors import SENSORS
@@ -54,6 +54,13 @@ class Readings:
     lsb_per_unit: dict[str, float]
     overflow: int | None = None
 
+    def in_units(self) -> dict[str, Floats]:
+        """Return the values in deg/s, g and gauss, by the name of the chip. A value with an overflow is NaN."""
+        found = {name: codes / self.lsb_per_unit[name] for name, codes in self.codes.items()}
+        if self.overflow is not None:
+            found["magnetometer"][self.codes["magnetometer"] == self.overflow] = np.nan
+        return found
+
     def samples(self, imu: ImuParameters) -> Samples:
         """Return the readings in deg/s, g and gauss, in the body's axes.
 
@@ -61,25 +68,16 @@ class Readings:
         magnetometer has an overflow, all three values of this sample are NaN.
         """
         found = {}
-        for name, codes in self.codes.items():
+        for name, values in self.in_units().items():
             sensor = getattr(imu, name)
-            values = codes / self.lsb_per_unit[name]
-            if name == "magnetometer" and self.overflow is not None:
-                values[(codes == self.overflow).any(axis=1)] = np.nan
             known = sensor.hard_iron if name == "magnetometer" else sensor.bias
+            # A NaN on one axis makes all three values NaN.
             found[name] = np.linalg.solve(np.array(sensor.matrix) / sensor.scale, values.T).T - known
         mounted = found["gyroscope"]
         body = np.empty_like(mounted)
         for column, axis in enumerate(imu.gyroscope.mounting):
             body[:, abs(int(axis)) - 1] = np.sign(axis) * mounted[:, column]
         return Samples(self.seconds, body, found["accelerometer"], found["magnetometer"])
-
-
-def in_units(chip: ChipData, counts: ArrayLike) -> Floats:
-    """Convert the codes of a chip, int[n, 3], to deg/s, g or gauss, float64[n, 3]. An overflow code becomes NaN."""
-    raw = np.asarray(counts, np.float64)
-    values = raw / float(chip.lsb_per_unit)
-    return values if chip.overflow is None else np.where(raw == chip.overflow, np.nan, values)
 
 
 class SampleLog:
@@ -100,18 +98,18 @@ class SampleLog:
         head.on_transfer.append(self._transfer)
         head.on_round.append(self._round_over)
 
-    def samples(self) -> Samples:
-        """Return all samples so far."""
+    def readings(self) -> Readings:
+        """Return the codes of all samples so far."""
         seconds = (np.array(self._due, np.int64) - self._start) / self._ticks
-        counts = self.counts()
-        gyro, accel, mag = (
-            in_units(SENSORS[name], counts[name]) for name in ("gyroscope", "accelerometer", "magnetometer")
-        )
-        return Samples(seconds, gyro, accel, mag)
+        codes = {name: np.array(counts, np.int64).reshape(-1, 3) for name, counts in self._counts.items()}
+        scales = {name: float(chip.lsb_per_unit) for name, chip in SENSORS.items()}
+        return Readings(seconds, codes, scales, SENSORS["magnetometer"].overflow)
 
-    def counts(self) -> dict[str, Ints]:
-        """Return the codes of all samples so far, int64[n, 3], by the name of the chip."""
-        return {name: np.array(counts, np.int64).reshape(-1, 3) for name, counts in self._counts.items()}
+    def samples(self) -> Samples:
+        """Return all samples so far, in the axes of the chips and with biases."""
+        readings = self.readings()
+        found = readings.in_units()
+        return Samples(readings.seconds, found["gyroscope"], found["accelerometer"], found["magnetometer"])
 
     def _transfer(self, transfer: Transfer) -> None:
         for phase in transfer.phases:

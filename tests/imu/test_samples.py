@@ -13,8 +13,7 @@ from periph_sim.devices.chips.sensed_values import held
 from periph_sim.imu.attitude import errors, estimate
 from periph_sim.imu.moving import experiment as direct
 from periph_sim.imu.rotations import quaternions
-from periph_sim.imu.samples import Readings, SampleLog, Samples, in_units
-from periph_sim.imu.sensors import SENSORS as CHIPS
+from periph_sim.imu.samples import Readings, SampleLog, Samples
 from periph_sim.scene.scene import Scene
 from tests.devices.aerospace import FIELD, at_rest, body_rates, to_body
 from tests.imu.motion import at_times
@@ -74,18 +73,6 @@ def test_a_round_in_which_a_chip_is_silent_is_left_out():
     scene.run()
     samples = log.samples()
     assert samples.seconds.shape == (0,) and samples.mag.shape == (0, 3)
-
-
-@pytest.mark.parametrize(
-    ("chip", "counts", "values"),
-    [
-        ("gyroscope", (115, -230, 0), (8, -16, 0)),
-        ("accelerometer", (256, -128, 1), (1, -0.5, 1 / 256)),
-        ("magnetometer", (660, -330, 66), (1, -0.5, 0.1)),
-    ],
-)
-def test_scales(chip: str, counts: tuple[int, ...], values: tuple[float, ...]):
-    assert in_units(CHIPS[chip], [counts]).tolist() == [pytest.approx(values)]
 
 
 def test_a_motion_comes_back_through_chips_wires_and_filter():

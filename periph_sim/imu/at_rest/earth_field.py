@@ -26,11 +26,9 @@ from math import atan2, degrees, radians
 import numpy as np
 
 from ...core.text_table import text_table
-from ..models.imu import Imu
 from ..models.parameters import ImuParameters, MagnetometerParameters
 from ..models.quantity import Vector
-from ..numeric.float64 import Float64
-from .rest import Floats
+from .rest import Floats, lsb_at_rest
 from .static_table import REAL
 
 MEAN = REAL["magnetometer"].mean
@@ -80,11 +78,7 @@ def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
 
     yaws: the yaws in degrees.
     """
-    model = Imu(Float64(), imu)
-    fields = []
-    for yaw in yaws:
-        turned, _ = model.motion((0.0, 0.0, radians(yaw)), model.at_rest.attitude)
-        fields.append(model.magnetometer.lsb(turned, model.silence.magnetometer))
+    fields = [lsb_at_rest(imu, (0.0, 0.0, radians(yaw)))["magnetometer"] for yaw in yaws]
     return np.array(fields).clip(*imu.magnetometer.limits) / imu.magnetometer.scale
 
 

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from ..models.imu import Imu, Inputs
 from ..models.parameters import (
+    NONE,
     AccelerometerParameters,
     GyroscopeParameters,
     ImuParameters,
@@ -83,12 +84,14 @@ def at_rest(imu: ImuParameters, samples: int, seed: int) -> dict[str, Floats]:
     return found
 
 
-def lsb_at_rest(imu: ImuParameters) -> dict[str, Triple[float]]:
-    """Return x, y, z of each sensor at rest, in LSB, by the sensor's name, before noise, saturation and rounding."""
+def lsb_at_rest(imu: ImuParameters, attitude: Triple[float] = NONE) -> dict[str, Triple[float]]:
+    """Return x, y, z of each sensor at rest, in LSB, by the sensor's name, before noise, saturation and rounding.
+
+    attitude: roll, pitch, yaw in rad.
+    """
     model = Imu(Float64(), imu)
-    zero = model.at_rest.body
-    turned, body = model.motion(zero, zero)
-    inputs = Inputs(turned, zero, body, zero, model.silence)
+    turned, body = model.motion(attitude, attitude)
+    inputs = Inputs(turned, NONE, body, NONE, model.silence)
     return {name: model.lsb_of(name, inputs) for name in SENSORS}
 
 

@@ -29,11 +29,7 @@ INPUTS = (
 
 
 class NotFinite(ValueError):
-    """An input of the models is NaN or infinite. axis: the input, such as "attitude, pitch"."""
-
-    def __init__(self, axis: str, value: float) -> None:
-        super().__init__(f"{axis}: {value}; expected a finite number")
-        self.axis = axis
+    """An input of the models is NaN or infinite. The message names the input, such as "attitude, pitch"."""
 
 
 R = TypeVar("R")
@@ -123,7 +119,7 @@ class Imu(Generic[T]):
         if not isinstance(self.a, Q):
             for axis, value in zip(INPUTS, chain(attitude, acceleration, *noise), strict=True):
                 if not isfinite(cast(float, value)):
-                    raise NotFinite(axis, float(cast(float, value)))
+                    raise NotFinite(f"{axis}: {float(cast(float, value))}; expected a finite number")
 
     def motion(self, attitude: Triple[T], before: Triple[T]) -> tuple[Angles[T], Triple[T]]:
         """Return the sines and cosines of an attitude, and p, q, r in rad/s.

@@ -110,7 +110,7 @@ def emulator(subject: EmulatorUnderTest, progress: Progress | None = None) -> Em
     scene = Scene(subject.case, observer.subscribe)
     observer.listen(scene)
     scales = {name: getattr(subject.sensors, name).scale for name in SENSORS}
-    readings = _read(scene, subject, scales, progress)
+    readings = replace(_read(scene, subject, progress), lsb_per_unit=scales, overflow=None)
     return Emulated(readings, np.array(observer.frames, np.int64), np.array(observer.runs, np.int64))
 
 
@@ -122,8 +122,7 @@ def chips(subject: EmulatorUnderTest, progress: Progress | None = None) -> Readi
     clock = Timebase()
     scene = Scene(case, sources=sources(subject, clock.per_second, clock.ticks(case.start, "nearest")))
     assert scene.timebase.per_second == clock.per_second
-    readings = _read(scene, subject, {name: float(chip.lsb_per_unit) for name, chip in SENSORS.items()}, progress)
-    return replace(readings, overflow=SENSORS["magnetometer"].overflow)
+    return _read(scene, subject, progress)
 
 
 def sources(subject: EmulatorUnderTest, ticks: int, start: int) -> dict[str, Source]:
@@ -152,8 +151,8 @@ def sources(subject: EmulatorUnderTest, ticks: int, start: int) -> dict[str, Sou
     return {name: source(name) for name in SENSORS}
 
 
-def _read(scene: Scene, subject: EmulatorUnderTest, scales: dict[str, float], progress: Progress | None) -> Readings:
+def _read(scene: Scene, subject: EmulatorUnderTest, progress: Progress | None) -> Readings:
     assert scene.head is not None
     log = SampleLog(scene.head, scene.start, scene.timebase.per_second)
     scene.run(subject.duration, progress)
-    return Readings(log.samples().seconds, log.counts(), scales)
+    return log.readings()

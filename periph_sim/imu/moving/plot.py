@@ -41,7 +41,7 @@ def attitudes(outcome: MovingOutcome, path: Path) -> None:
         _lines(axes[-1], outcome.seconds, np.stack([apart[name].total for name in names], axis=1), names)
         axes[-1].set(ylabel="apart, degrees", xlabel="time, s")
         _legend(axes[-1])
-        _save(figure, path)
+        figure.savefig(path, metadata={"Date": None})
 
 
 def rates(outcome: MovingOutcome, path: Path) -> None:
@@ -59,7 +59,7 @@ def rates(outcome: MovingOutcome, path: Path) -> None:
             panel.set(ylabel=f"{name}, deg/s")
         _legend(axes[0])
         axes[-1].set(xlabel="time, s")
-        _save(figure, path)
+        figure.savefig(path, metadata={"Date": None})
 
 
 def _figure(panels: int) -> tuple[Figure, Sequence[Axes]]:
@@ -79,7 +79,3 @@ def _lines(panel: Axes, seconds: Floats, columns: Floats, names: Sequence[str]) 
     step = max(1, -(-len(seconds) // POINTS))
     for column, name, colour, dash in zip(columns.T, names, COLOURS[:3], DASHES, strict=True):
         panel.plot(seconds[::step], column[::step], dash, color=colour, linewidth=1.1, label=name)
-
-
-def _save(figure: Figure, path: Path) -> None:
-    figure.savefig(path, metadata={"Date": None})

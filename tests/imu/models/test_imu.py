@@ -46,7 +46,6 @@ def test_a_single_sample_names_the_axis(name: str, value: float, axis: int) -> N
     with pytest.raises(NotFinite) as caught:
         model.step(attitude, acceleration, Noise(*chips), model.at_rest)
     assert str(caught.value) == f"{INPUTS[axis]}: {value}; expected a finite number"
-    assert caught.value.axis == INPUTS[axis]
 
 
 def test_the_first_input_that_is_wrong_is_named() -> None:

@@ -133,15 +133,13 @@ class UdpFrames:
 
 @dataclass
 class SentCounts:
-    """Counts of the frames and bytes that the host unit has sent, and of the bytes that it has received.
+    """Counts of the frames that the host unit has sent, and of the bytes that it has received.
 
     frames: the number of frames sent.
-    bytes: the number of bytes sent.
     came: the number of bytes received.
     """
 
     frames: int = 0
-    bytes: int = 0
     came: int = 0
 
 
@@ -179,7 +177,6 @@ def send_frames(
         if data is not None:
             port.write(data)
             sent.frames += 1
-            sent.bytes += len(data)
             pacer.reached(due)
     port.flush()
     return sent

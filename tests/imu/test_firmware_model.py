@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, radians, sin
+from math import radians
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,6 +12,7 @@ from periph_sim.imu.firmware_model import ImuFirmware, resting_attitude
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
+from tests.devices.aerospace import FIELD, at_rest
 from tests.scene.runs import run_file
 
 
@@ -42,14 +43,6 @@ def test_it_follows_the_controller_and_not_the_host(tmp_path: Path) -> None:
         models_with("20 ms", tmp_path, "controller.period=25 ms")
 
 
-def test_a_period_that_is_no_parameter_is_told_by_its_value(tmp_path: Path) -> None:
-    with pytest.raises(BadCase) as refused:
-        models_with("1 ns", tmp_path)
-    assert str(refused.value).endswith(
-        "sensors.toml, line 1: period: 1e-09 s is out of range; expected 1e-06 to 3600 s"
-    )
-
-
 def test_models_that_run_with_each_frame_have_the_hosts_period() -> None:
     case = load(Path("timing/imu_models.toml"), ["host.period=10 ms"])
     per_frame, per_round = SimpleNamespace(models_run="frame"), SimpleNamespace(models_run="round")
@@ -67,21 +60,9 @@ def test_where_nobody_asks_in_rounds_it_is_the_hosts_and_alone_it_is_any() -> No
     ImuFirmware(ImuParameters(), None).check(asked_by_nobody.model_copy(update={"host": None}), "dsp")
 
 
-FIELD = (0.3, -0.05, 0.4)
-
-
-def in_body(vector: tuple[float, float, float], roll: float, pitch: float, yaw: float) -> list[float]:
-    """Rx(roll) Ry(pitch) Rz(yaw) of a vector that is north, east, down."""
-    n, e, d = vector
-    p, t, s = map(radians, (roll, pitch, yaw))
-    x, y = n * cos(s) + e * sin(s), e * cos(s) - n * sin(s)
-    x, z = x * cos(t) - d * sin(t), d * cos(t) + x * sin(t)
-    return [x, y * cos(p) + z * sin(p), z * cos(p) - y * sin(p)]
-
-
 @pytest.mark.parametrize("roll", [0.0, 25.0, -80.0, 150.0])
 @pytest.mark.parametrize("pitch", [0.0, 40.0, -70.0])
 @pytest.mark.parametrize("yaw", [0.0, 60.0, -100.0, 179.0])
 def test_every_attitude_is_found(roll: float, pitch: float, yaw: float) -> None:
-    accel = in_body((0.0, 0.0, -1.0), roll, pitch, yaw)
-    assert resting_attitude(accel, in_body(FIELD, roll, pitch, yaw), FIELD) == pytest.approx((roll, pitch, yaw))
+    accel, mag = at_rest(*map(radians, (roll, pitch, yaw)))
+    assert resting_attitude(accel, mag, FIELD) == pytest.approx((roll, pitch, yaw))

@@ -6,11 +6,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.imu.model_codes import ModelCodes
-from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.near_gaussian import FEW, NEAR, first_of, philox
-from periph_sim.imu.noise import BLOCK, AxisNoise, Gaussian, ImuNoise, NoiseTerms
-from periph_sim.imu.numeric import arithmetic_names as named
+from periph_sim.imu.noise import BLOCK, AxisNoise, Gaussian, NoiseTerms
 
 
 @given(st.integers(0, (1 << 128) - 1), st.integers(0, 1 << 40))
@@ -37,11 +34,3 @@ def test_behind_the_first_few_and_with_other_terms_numpy_is_asked():
     assert stream.near(FEW) is None and stream.near(BLOCK) == first_of(stream.key, 1)[0]
     plain, walking = (AxisNoise(NoiseTerms(1.0, random_walk=walk), 0.02, 1, "x") for walk in (0.0, 0.1))
     assert plain.near(0) is not None and walking.near(0) is None
-
-
-@given(st.integers(0, 10_000), st.integers(0, 2 * FEW))
-def test_a_models_noise_is_the_exact_one_rounded(seed: int, number: int):
-    constant = named.scalar("q16").constant
-    exact = ImuNoise(ImuParameters(), seed).at(number)
-    expected = tuple(tuple(map(constant, axes)) for axes in exact)
-    assert tuple(ModelCodes(ImuParameters(), "q16", seed).noise(number)) == expected

@@ -58,6 +58,7 @@ def host_unit(
     except ImportError:
         raise click.ClickException("the host unit needs pyserial: pip install 'periph-sim[live]'") from None
     from ...outside.live.loop import signals_calling
+    from ..host_frames import FRAME_BYTES
     from ..host_unit import FlightFrames, UdpFrames, pacer_for, send_frames
 
     if (flight is None) == (udp is None):
@@ -80,7 +81,7 @@ def host_unit(
         with _opened(serial, port, baud) as line:
             pacer = pacer_for(line)
             sent = send_frames(line, source, every, pacer, frames, lambda: bool(asked))
-    click.echo(f"{sent.frames} frames, {sent.bytes} bytes sent to {port}, {sent.came} received")
+    click.echo(f"{sent.frames} frames, {sent.frames * FRAME_BYTES} bytes sent to {port}, {sent.came} received")
     if isinstance(source, UdpFrames):
         source.close()
         click.echo(f"{source.held} frames repeated the values before, {source.refused} datagrams refused")

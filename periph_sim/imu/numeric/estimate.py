@@ -168,23 +168,22 @@ SATURATED = Library(
 
 
 GUESS = "a guess: no figure published for 64-bit software floating point on the C28x"
-SIMPLE = {
+RANGES = {  # of float64 in software, in cycles
+    **dict.fromkeys(("scaled", *(kind for kind in OPERANDS if "integer" in kind)), (60, 300)),
     "neg": (2, 10),
     "select": (40, 120),
     "clamp": (80, 240),
     "add": (80, 250),
     "sub": (80, 250),
     "mul": (100, 350),
+    "div": (500, 2000),
+    "sqrt": (500, 3000),
+    "sincos": (3000, 16000),
+    **dict.fromkeys(("mag", "atan", "atan2"), (1500, 8000)),
 }
-LONG = {"div": (500, 2000), "sqrt": (500, 3000), "sincos": (3000, 16000)}
-LONGEST = (1500, 8000)
-
-RANGES = {**{kind: (60, 300) for kind in OPERANDS if "integer" in kind or kind == "scaled"}, **SIMPLE, **LONG}
 
 DOUBLE = Library(
-    "float64 in software",
-    GUESS,
-    {kind: Cost(*RANGES.get(kind, LONGEST), GUESS, guessed=True) for kind in OPERANDS},
+    "float64 in software", GUESS, {kind: Cost(*RANGES[kind], GUESS, guessed=True) for kind in OPERANDS}
 )
 
 

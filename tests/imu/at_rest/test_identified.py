@@ -61,8 +61,9 @@ def test_the_set_gives_the_same_means_again():
 
 
 def test_hard_iron_against_a_recording_without_it():
-    imu, samples = ImuParameters(), 5000
-    with_iron, without = (at_rest(one, samples, seed)["magnetometer"] for one, seed in ((imu, 1), (plain(imu), 2)))
+    imu = ImuParameters()
+    plain = structs.replace(imu, magnetometer=structs.replace(imu.magnetometer, hard_iron=(0.0, 0.0, 0.0)))
+    with_iron, without = (at_rest(one, 5000, seed)["magnetometer"] for one, seed in ((imu, 1), (plain, 2)))
     axes = {
         f"magnetometer_{axis}": identify(
             f"magnetometer_{axis}", with_iron[:, k], imu.period, unit="gauss", undisturbed=without[:, k]
@@ -73,11 +74,6 @@ def test_hard_iron_against_a_recording_without_it():
     assert told.hard_iron == pytest.approx(imu.magnetometer.hard_iron, abs=5e-4)
     assert told.earth_field == pytest.approx(imu.magnetometer.earth_field, abs=5e-4)
     assert parameters_of_axes(axes, hard_iron=True).gyroscope == imu.gyroscope
-
-
-def plain(imu: ImuParameters) -> ImuParameters:
-    magnetometer = structs.replace(imu.magnetometer, hard_iron=(0.0, 0.0, 0.0))
-    return structs.replace(imu, magnetometer=magnetometer)
 
 
 def test_slow_terms_go_into_the_set_where_they_were_found():

@@ -19,19 +19,11 @@ from periph_sim.imu.numeric.float64 import Float64
 SAMPLES = 10_000
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3, 4, 5])
-def test_ten_thousand_samples_agree_with_the_model_on_every_axis(seed: int):
-    rows = static_table(ImuParameters(), at_rest(ImuParameters(), SAMPLES, seed))
-    limit = scipy.stats.norm.isf(0.5e-3 / 18)  # one in a thousand over the eighteen figures
-    for row in rows:
-        assert abs(row.mean.ours_off) < limit, (row.sensor, row.axis)
-        assert abs(row.variance.ours_off) < limit, (row.sensor, row.axis)
-        assert row.three_sigma.ours_off == pytest.approx(row.variance.ours_off, abs=0.1)
-
-
 def test_all_seeds_axes_means_and_variances_together_are_as_far_off_as_chance_has_it():
     rows = [row for seed in range(20) for row in static_table(ImuParameters(), at_rest(ImuParameters(), SAMPLES, seed))]
     assert len(rows) == 180
+    for row in rows:
+        assert row.three_sigma.ours_off == pytest.approx(row.variance.ours_off, abs=0.1)
     for figure in ("mean", "variance"):
         squares = sum(getattr(row, figure).ours_off ** 2 for row in rows)
         assert scipy.stats.chi2.ppf(0.5e-3, len(rows)) < squares < scipy.stats.chi2.isf(0.5e-3, len(rows))
@@ -104,10 +96,3 @@ def test_samples_are_those_of_the_models_with_the_same_noise(rounding: str):
         assert all(
             (found[name][n] * sensors[name].scale).round(9).tolist() == [*getattr(codes, name)] for name in SENSORS
         )
-
-
-def test_a_split_or_other_seed_of_the_experiment():
-    assert np.array_equal(
-        at_rest(ImuParameters(), 500, 3)["gyroscope"], at_rest(ImuParameters(), 900, 3)["gyroscope"][:500]
-    )
-    assert (at_rest(ImuParameters(), 500, 3)["gyroscope"] != at_rest(ImuParameters(), 500, 4)["gyroscope"]).any()

@@ -9,12 +9,10 @@ import pytest
 
 from periph_sim.core.input_error import InputError
 from periph_sim.imu.extremes import NAMES, OUTSIDE, SWEEPS, USUAL, ExtremesReport, report
-from periph_sim.imu.extremes.events import first_where
 from periph_sim.imu.extremes.frames import codes_of
 from periph_sim.imu.extremes.plot import picture
 from periph_sim.imu.extremes.sweeps import spinning
 from periph_sim.imu.extremes.text_report import as_json, text
-from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.numeric.arithmetic_names import NoSuchArithmetic
 from periph_sim.imu.numeric.q import DoesNotFit
 
@@ -144,11 +142,6 @@ def test_time_drifts_by_what_the_format_makes_of_ts(whole: ExtremesReport) -> No
     assert notes["float32"].endswith("halts at 145.6 h")  # 2**19 s: the next is 1/16 s on, Ts rounds to 0
 
 
-def test_first_where_halves_its_way() -> None:
-    assert first_where(lambda x: x >= 3.25, 0, 10) == pytest.approx(3.25)
-    assert first_where(lambda x: False, 0, 10) is None
-
-
 def test_the_report_as_text_json_and_picture(whole: ExtremesReport) -> None:
     shown = text(whole)
     assert all(sweep.name in shown for sweep in SWEEPS) and "wraps" in shown and "85.65" in shown
@@ -174,17 +167,6 @@ def test_only_some_and_wrong_names() -> None:
         report(("float16",))
     with pytest.raises(DoesNotFit, match=r"^gyroscope: -32768 does not fit Q20"):
         report(("q20",), samples=100)
-
-
-def test_another_set_changes_costs_and_range() -> None:
-    from periph_sim.imu.models.parameters import MagnetometerParameters
-
-    plain, turned = (
-        report(("q16",), samples=100, only=("roll rate",), imu=imu)
-        for imu in (ImuParameters(), ImuParameters(magnetometer=MagnetometerParameters(spherical="rotation")))
-    )
-    assert turned.costs["q16"].low < plain.costs["q16"].low
-    assert turned.errors["q16"].error["magnetometer"] < plain.errors["q16"].error["magnetometer"]
 
 
 def test_one_count_of_roll_is_four_lsb_of_rate(whole: ExtremesReport) -> None:

@@ -37,36 +37,21 @@ WRONG = (nan, inf, -inf)
 @pytest.mark.parametrize("name", FLOATS)
 @pytest.mark.parametrize("value", WRONG)
 @pytest.mark.parametrize("axis", range(15))
-def test_a_single_sample_names_the_axis(name: str, value: float, axis: int) -> None:
+def test_a_sample_names_the_first_axis_that_is_wrong(name: str, value: float, axis: int) -> None:
     a = named.scalar(name)
     model = Imu(a, ImuParameters())
     values = [a.constant(0.0)] * 15
-    values[axis] = a.constant(value)
+    values[axis:] = [a.constant(value)] * (15 - axis)
     attitude, acceleration, *chips = (tuple(values[first : first + 3]) for first in range(0, 15, 3))
     with pytest.raises(NotFinite) as caught:
         model.step(attitude, acceleration, Noise(*chips), model.at_rest)
     assert str(caught.value) == f"{INPUTS[axis]}: {value}; expected a finite number"
 
 
-def test_the_first_input_that_is_wrong_is_named() -> None:
-    model = Imu(Float64(), ImuParameters())
-    with pytest.raises(NotFinite, match=r"^attitude, pitch: inf; "):
-        model.step((0.0, inf, nan), (nan, 0.0, 0.0), model.silence, model.at_rest)
-
-
 @pytest.mark.parametrize("value", WRONG)
 def test_q_formats_have_no_number_for_it_either(value: float) -> None:
     with pytest.raises(DoesNotFit):
         named.scalar("q16").constant(value)
-
-
-@pytest.mark.parametrize("name", ["float64", "float32", "q16", "q16 saturating", "q12"])
-def test_finite_numbers_of_every_kind_pass(name: str) -> None:
-    a = named.scalar(name)
-    model = Imu(a, ImuParameters())
-    three = (a.constant(0.1), a.constant(-0.2), a.constant(0.3))
-    codes, _ = model.step(three, three, model.silence, model.at_rest)
-    assert all(abs(int(code)) <= 32768 for chip in codes for code in chip)
 
 
 ZERO = (0.0, 0.0, 0.0)

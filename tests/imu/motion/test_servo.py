@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.imu.motion import BadMotion
-from periph_sim.imu.motion.servo import RPM, Servo, Settings, motion, path
+from periph_sim.imu.motion.servo import Servo, Settings, motion, path
 from tests.imu.motion import at_times
 
 
@@ -79,11 +79,6 @@ def test_it_ends_at_zero_and_stays_there():
     assert isinstance(servo, Servo)
     assert not at_times.attitudes(servo, np.array([servo.ends, servo.ends + 1e6])).any()
     assert not at_times.accelerations(servo, np.array([1.0])).any()
-
-
-def test_the_speeds_are_the_published_ones():
-    assert Settings().fast == pytest.approx(52.2 / 60 * 2 * np.pi)
-    assert pytest.approx(2 * np.pi) == RPM * 60
 
 
 def test_too_many_readings_and_a_negative_resolution_are_refused():

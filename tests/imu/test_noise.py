@@ -104,29 +104,24 @@ def test_white_noise_has_the_variance_density_over_period():
     assert abs(variance / 8e-4 - 1) < 4 * np.sqrt(2 / count)  # Table 5.1: 0.0008 g**2
 
 
+def allan_variances(terms: NoiseTerms, count: int, octaves: range) -> tuple[np.ndarray, np.ndarray]:
+    """Averaging times, and the means of twelve seeds' overlapping Allan variances."""
+    taus = PERIOD * 2.0 ** np.array(octaves)
+    series = [axis(terms, seed).values(0, count) for seed in range(12)]
+    found = [allantools.oadev(one, rate=50, data_type="freq", taus=taus)[:2] for one in series]
+    return found[0][0], np.mean([deviation**2 for _, deviation in found], axis=0)
+
+
 def test_bias_instability_is_flat_at_the_height_of_ieee_952():
-    """Overlapping Allan deviation of twelve seeds; the floor is B sqrt(2 ln 2 / pi) = 0.664 B."""
-    found = []
-    for seed in range(12):
-        series = axis(NoiseTerms(0.0, bias_instability=1.0), seed).values(0, 1 << 17)
-        taus, deviation, _, _ = allantools.oadev(
-            series, rate=50, data_type="freq", taus=PERIOD * 2.0 ** np.arange(3, 12)
-        )
-        found.append(deviation**2)
-    floor = np.sqrt(np.mean(found, axis=0)) / np.sqrt(2 * log(2) / pi)
-    assert len(taus) == 9
+    """The floor of the Allan deviation is B sqrt(2 ln 2 / pi) = 0.664 B."""
+    _, variances = allan_variances(NoiseTerms(0.0, bias_instability=1.0), 1 << 17, range(3, 12))
+    floor = np.sqrt(variances) / np.sqrt(2 * log(2) / pi)
     assert floor == pytest.approx(np.ones(9), abs=0.06)
 
 
 def test_random_walk_rises_as_k_squared_tau_over_three():
-    found = []
-    for seed in range(12):
-        series = axis(NoiseTerms(0.0, random_walk=0.5), seed).values(0, 1 << 15)
-        taus, deviation, _, _ = allantools.oadev(
-            series, rate=50, data_type="freq", taus=PERIOD * 2.0 ** np.arange(4, 9)
-        )
-        found.append(deviation**2)
-    assert np.mean(found, axis=0) / (0.25 * taus / 3) == pytest.approx(np.ones(5), abs=0.1)
+    taus, variances = allan_variances(NoiseTerms(0.0, random_walk=0.5), 1 << 15, range(4, 9))
+    assert variances / (0.25 * taus / 3) == pytest.approx(np.ones(5), abs=0.1)
 
 
 def test_an_imu_has_nine_streams():

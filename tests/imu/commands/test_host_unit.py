@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.imu.test_host_unit import FLIGHT
+from tests.imu.test_host_unit import flight  # noqa: F401
 from tests.interfaces.commands.conftest import Run
 from tests.interfaces.commands.test_serve import serve
 from tests.outside.live.echo import written
@@ -16,9 +16,7 @@ from tests.outside.live.echo import written
 pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
 
 
-def test_the_command(periph_sim: Run, tmp_path: Path) -> None:
-    flight = tmp_path / "flight.csv"
-    flight.write_text(FLIGHT)
+def test_the_command(periph_sim: Run, flight: Path, tmp_path: Path) -> None:  # noqa: F811
     url = f"f28335://{written(tmp_path)}?pace=0"
     came = periph_sim("host-unit", url, "--flight", str(flight), "--frames", "3", "--host-encoding", "byte_order=big")
     assert came.status == 0 and came.out.startswith(f"3 frames, 36 bytes sent to {url}, ")
@@ -38,9 +36,7 @@ def test_the_command(periph_sim: Run, tmp_path: Path) -> None:
         assert refused.status == 2 and any(part in said for part in sentence.split("|")), said
 
 
-def test_it_sends_to_a_port_that_cannot_limit_how_long_it_blocks(periph_sim: Run, tmp_path: Path) -> None:
-    flight = tmp_path / "flight.csv"
-    flight.write_text(FLIGHT)
+def test_it_sends_to_a_port_that_cannot_limit_how_long_it_blocks(periph_sim: Run, flight: Path, tmp_path: Path) -> None:  # noqa: F811
     served = serve(str(written(tmp_path)), "--rfc2217", "0")
     assert served.stdout is not None
     url = served.stdout.readline().strip()

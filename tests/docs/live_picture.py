@@ -9,7 +9,6 @@ is out of date when that has changed.
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -17,7 +16,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from tests.docs.pages import FILE, ROOT
-from tests.docs.photographs import with_digest
+from tests.docs.photographs import opened, with_digest
 
 PAGE = ROOT / "docs" / "live.md"
 PICTURE = ROOT / "docs" / "pictures" / "live.png"
@@ -47,22 +46,11 @@ def taken() -> bytes:
             sends = [*command, "host-unit", f"{folder}/dsp", "--flight", f"{folder}/flight.csv"]
             with subprocess.Popen(sends, stdout=subprocess.DEVNULL) as sender:
                 try:
-                    return with_digest(_photographed(url), digest_now())
+                    with opened(url, WIDTH) as page:
+                        page.wait_for_timeout(WATCHED)
+                        return with_digest(page.screenshot(full_page=True), digest_now())
                 finally:
                     sender.terminate()
         finally:
             served.terminate()
             served.communicate()
-
-
-def _photographed(url: str) -> bytes:
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
-        page = browser.new_page(viewport={"width": WIDTH, "height": 900}, color_scheme="light")
-        page.goto(url)
-        page.wait_for_timeout(WATCHED)
-        png = page.screenshot(full_page=True)
-        browser.close()
-    return png

@@ -137,6 +137,15 @@ def output(command: str, folder: Path) -> str:
     return "".join(f"{line.rstrip()}\n" for line in done.stdout.splitlines())
 
 
+def written(page: Path, command: str, name: str, folder: Path) -> str:
+    """The text of the file that a command of a page writes. ValueError with its output if it writes none."""
+    scratch(page.read_text(encoding="utf-8"), folder)
+    told = output(command, folder)
+    if not (folder / name).is_file():
+        raise ValueError(f"{page.relative_to(ROOT)}: `{command}` wrote no {name}:\n{told}")
+    return (folder / name).read_text(encoding="utf-8")
+
+
 def matches(shown: str, came: str) -> bool:
     """Whether the output fits what the page shows."""
     pattern = ""

@@ -14,11 +14,15 @@ import shutil
 import struct
 import zlib
 from collections.abc import Iterator
+from contextlib import contextmanager
 from hashlib import sha256
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from tests.docs.pages import PAGES, ROOT, output, scratch
+from tests.docs.pages import PAGES
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page
 
 MARK = re.compile(r"^<!-- photographed: (.+) -> (\S+) #(\w+) -->\n!\[[^\]]*\]\((\S+)\)$", re.MULTILINE)
 PARTS = (r'<ul class="failures">.*?</ul>', r"<style>.*?</style>", r"<script>.*?</script>")
@@ -44,16 +48,6 @@ def photographs() -> Iterator[Photograph]:
             yield Photograph(page, command, report, budget, (page.parent / shown).resolve())
 
 
-def written(photograph: Photograph, folder: Path) -> Path:
-    """The report as the command writes it now. ValueError with its output if it writes none."""
-    scratch(photograph.page.read_text(encoding="utf-8"), folder)
-    told = output(photograph.command, folder)
-    report = folder / photograph.report
-    if not report.is_file():
-        raise ValueError(f"{photograph.page.relative_to(ROOT)}: `{photograph.command}` wrote no report:\n{told}")
-    return report
-
-
 def digest(report: str, budget: str) -> str:
     """Of all that a photograph of this budget shows."""
     parts = (*PARTS, rf'<section class="budget" id="{budget}">.*?</section>')
@@ -75,18 +69,25 @@ def with_digest(png: bytes, value: str) -> bytes:
     return png[:SIGNATURE_AND_HEAD] + framed + png[SIGNATURE_AND_HEAD:]
 
 
-def taken(report: Path, budget: str) -> bytes:
-    """The head of a report and one budget as PNG."""
+@contextmanager
+def opened(url: str, width: int) -> Iterator[Page]:
+    """A page in a browser of its own."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
-        page = browser.new_page(viewport={"width": WIDTH, "height": 900}, color_scheme="light")
-        page.goto(report.as_uri())
+        page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme="light")
+        page.goto(url)
+        yield page
+        browser.close()
+
+
+def taken(report: Path, budget: str) -> bytes:
+    """The head of a report and one budget as PNG."""
+    with opened(report.as_uri(), WIDTH) as page:
         page.add_style_tag(content=APART)
         box = page.locator(f"#{budget}").bounding_box()
         assert box is not None
         height = round(box["y"] + box["height"]) + 8
         png = page.screenshot(clip={"x": 0, "y": 0, "width": WIDTH, "height": height}, full_page=True)
-        browser.close()
     return with_digest(png, digest(report.read_text(encoding="utf-8"), budget))

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from tests.docs.pages import PAGES, ROOT, output, scratch
+from tests.docs.pages import PAGES, written
 
 MARK = re.compile(r"^<!-- drawn by: (.+) -> (\S+) -->\n!\[[^\]]*\]\((\S+)\)$", re.MULTILINE)
 
@@ -35,9 +35,4 @@ def pictures() -> Iterator[Picture]:
 
 def draw(picture: Picture, folder: Path) -> str:
     """The picture's text as the command draws it now. ValueError with its output if it draws nothing."""
-    scratch(picture.page.read_text(encoding="utf-8"), folder)
-    told = output(picture.command, folder)
-    drawn = folder / picture.drawn
-    if not drawn.is_file():
-        raise ValueError(f"{picture.page.relative_to(ROOT)}: `{picture.command}` drew no {picture.drawn}:\n{told}")
-    return drawn.read_text(encoding="utf-8")
+    return written(picture.page, picture.command, picture.drawn, folder)

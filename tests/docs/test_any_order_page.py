@@ -1,13 +1,10 @@
-"""docs/any_order.md: its examples, and the figures of its table."""
+"""docs/any_order.md: the figures of its table."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import pytest
 
 from tests.docs import limits_table
-from tests.docs.examples import run_examples
 from tests.docs.limits_table import HIGHEST, RATES, TABLE, USUAL, figures, refreshed_limits
 from tests.docs.pages import ROOT
 from tests.profiles import explores
@@ -16,10 +13,6 @@ PAGE = ROOT / "docs" / "any_order.md"
 ROWS = [
     [cell.strip() for cell in line.strip("|").split("|")] for line in TABLE.findall(PAGE.read_text())[0].splitlines()
 ]
-
-
-def test_every_example_gives_what_the_page_shows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert run_examples(PAGE, tmp_path, monkeypatch) == 4
 
 
 def test_the_highest_rates_are_those_of_the_table() -> None:

@@ -8,13 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from tests.docs.photographs import Photograph, digest, digest_in, photographs, with_digest, written
+from tests.docs.pages import written
+from tests.docs.photographs import Photograph, digest, digest_in, photographs, with_digest
 
 
 @pytest.mark.long  # commands are processes of their own, in which nothing counts lines
 @pytest.mark.parametrize("photograph", [*photographs()], ids=lambda photograph: photograph.file.stem)
 def test_a_photograph_is_of_the_report_as_it_is(photograph: Photograph, tmp_path: Path) -> None:
-    report = written(photograph, tmp_path).read_text(encoding="utf-8")
+    report = written(photograph.page, photograph.command, photograph.report, tmp_path)
     assert digest_in(photograph.file.read_bytes()) == digest(report, photograph.budget), (
         "run `python -m tests.docs.update` and look at it"
     )

@@ -23,5 +23,5 @@ def test_the_first_screen_of_the_readme_has_one():
 
 def test_a_command_that_draws_nothing_is_told_with_what_it_said(tmp_path: Path):
     picture = Picture(ROOT / "README.md", "periph-sim worst nothing.toml --svg .", "x.svg", tmp_path)
-    with pytest.raises(ValueError, match=r"README\.md: `periph-sim worst .*` drew no x\.svg:\nError: nothing\.toml"):
+    with pytest.raises(ValueError, match=r"README\.md: `periph-sim worst .*` wrote no x\.svg:\nError: nothing\.toml"):
         draw(picture, tmp_path)

@@ -12,8 +12,8 @@ from pathlib import Path
 
 from tests.docs import commands, keys, live_picture
 from tests.docs.limits_table import refreshed_limits
-from tests.docs.pages import PAGES, ROOT, refreshed
-from tests.docs.photographs import digest, digest_in, photographs, taken, written
+from tests.docs.pages import PAGES, ROOT, refreshed, written
+from tests.docs.photographs import digest, digest_in, photographs, taken
 from tests.docs.pictures import draw, pictures
 
 
@@ -47,10 +47,9 @@ def main(names: list[str]) -> None:
         if names and one.page.stem not in names:
             continue
         with tempfile.TemporaryDirectory() as folder:
-            report = written(one, Path(folder))
-            now = digest(report.read_text(encoding="utf-8"), one.budget)
-            if not one.file.is_file() or digest_in(one.file.read_bytes()) != now:
-                one.file.write_bytes(taken(report, one.budget))
+            report = written(one.page, one.command, one.report, Path(folder))
+            if not one.file.is_file() or digest_in(one.file.read_bytes()) != digest(report, one.budget):
+                one.file.write_bytes(taken(Path(folder) / one.report, one.budget))
                 print(f"{one.file.relative_to(ROOT)}: photographed")
     if not names or live_picture.PAGE.stem in names:
         there = live_picture.PICTURE

@@ -6,18 +6,15 @@ work on the machine; medians are shown. cpu far below wall means that others had
 
 from __future__ import annotations
 
-import os
 import shutil
-import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 from . import big_captures
-from .timed import Seconds, middle
+from .timed import Seconds, middle, spent
 
 Row = dict[str, Any]
 
@@ -65,15 +62,6 @@ def _ours() -> list[str]:
     """The command beside this interpreter, as users start it."""
     beside = Path(sys.executable).with_name("periph-sim")
     return [str(beside)] if beside.exists() else [sys.executable, "-m", "periph_sim"]
-
-
-def spent(command: Sequence[str]) -> Seconds:
-    """How long one process took, output to nowhere."""
-    before, wall = os.times(), perf_counter()
-    subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True)
-    wall, after = perf_counter() - wall, os.times()
-    cpu = after.children_user - before.children_user + after.children_system - before.children_system
-    return Seconds(wall, cpu)
 
 
 def rows(repeat: int) -> Iterator[Row]:

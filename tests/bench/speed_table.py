@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from textwrap import fill
 from typing import Any
@@ -19,38 +19,27 @@ from typing import Any
 from periph_sim.form import COMPILED, INTERPRETED
 
 from .child import ROOT
-from .levels import EXACT, PLAIN
+from .levels import PLAIN
 from .peers import BUS_OF_OTHERS
 from .start import COMMANDS, SHORT
-from .targets import BYTES, DECLARED, cell, recorded, speed
+from .targets import BYTES, DECLARED, Read, figure, recorded, speed
 
 PAGE, KEPT = ROOT / "docs" / "fidelity.md", ROOT / "docs" / "bench.json"
 MARKS = re.compile(r"(?<=<!-- speed: python -m tests\.bench\.speed_table -->\n).*?(?=<!-- end of speed -->)", re.DOTALL)
 RUN = next(what for what in COMMANDS if "imu_hil" in what)
 
-Read = Callable[[Mapping[str, Sequence[dict[str, Any]]], str], float | None]
-
-
-def per_second(case: str, level: str) -> Read:
-    return lambda parts, form: speed(parts, case, level, form)
-
-
-def times(what: str) -> Read:
-    return lambda parts, form: cell(parts, "start", "cpu_s", what=what, form=form)
-
-
 # The name in the table, how the figure is read from a bench, and how it is shown.
 ROWS: tuple[tuple[str, Read, str], ...] = (
-    ("`imu_hil` with all its budgets", per_second("imu_hil", EXACT), "rate"),
-    ('`imu_hil`, `arithmetic = "bytes"`, no budgets', per_second(BYTES, EXACT), "rate"),
-    ("that case edge by edge", per_second(BYTES, PLAIN), "rate"),
-    ("`responder`", per_second("responder", EXACT), "rate"),
-    ("`responder` edge by edge", per_second("responder", PLAIN), "rate"),
-    ("`responder`, its waits declared", per_second(DECLARED, EXACT), "rate"),
+    ("`imu_hil` with all its budgets", speed("imu_hil"), "rate"),
+    ('`imu_hil`, `arithmetic = "bytes"`, no budgets', speed(BYTES), "rate"),
+    ("that case edge by edge", speed(BYTES, PLAIN), "rate"),
+    ("`responder`", speed("responder"), "rate"),
+    ("`responder` edge by edge", speed("responder", PLAIN), "rate"),
+    ("`responder`, its waits declared", speed(DECLARED), "rate"),
     ("`imu_hil` with its flags recorded", recorded("flags, kept"), "factor"),
     ("`imu_hil` recorded as `.psr`", recorded(".psr"), "factor"),
-    ("10 ms of `imu_hil` from Python, set-up included", times(SHORT), "time"),
-    ("`periph-sim run`, 20 ms of `imu_hil`, all included", times(RUN), "time"),
+    ("10 ms of `imu_hil` from Python, set-up included", figure("start", "cpu_s", what=SHORT), "time"),
+    ("`periph-sim run`, 20 ms of `imu_hil`, all included", figure("start", "cpu_s", what=RUN), "time"),
 )
 
 

@@ -6,12 +6,9 @@ Scene(load(imu_hil)).run(10 ms), again and again in one process --> the same, of
 
 from __future__ import annotations
 
-import resource
-import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from time import perf_counter
 from typing import Any
 
 from periph_sim import form
@@ -19,7 +16,7 @@ from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 
 from .child import ROOT, TIMING, environment, in_form
-from .timed import Seconds, middle, timed
+from .timed import Seconds, middle, spent, timed
 
 Row = dict[str, Any]
 
@@ -46,11 +43,7 @@ def rows(forms: Sequence[str], repeat: int) -> Iterator[Row]:
 
 
 def command(words: Sequence[str], which: str) -> Seconds:
-    before, wall = resource.getrusage(resource.RUSAGE_CHILDREN), perf_counter()
-    program = [sys.executable, "-m", "periph_sim", *words]
-    subprocess.run(program, cwd=ROOT, env=environment(which), capture_output=True, check=True)
-    after, wall = resource.getrusage(resource.RUSAGE_CHILDREN), perf_counter() - wall
-    return Seconds(wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    return spent([sys.executable, "-m", "periph_sim", *words], cwd=ROOT, env=environment(which))
 
 
 def short() -> Row:

@@ -14,6 +14,7 @@ from .start import SHORT
 
 Row = dict[str, Any]
 Parts = Mapping[str, Sequence[Row]]
+Read = Callable[[Parts, str], float | None]
 BYTES, DECLARED = "imu_hil, arithmetic = bytes, no budgets", "responder, waits declared"
 
 
@@ -26,32 +27,33 @@ def cell(parts: Parts, part: str, key: str, **wanted: str) -> float | None:
     return None
 
 
-def speed(parts: Parts, case: str, level: str, form: str) -> float | None:
-    return cell(parts, "levels", "bytes_per_s", case=case, level=level, form=form)
+def figure(part: str, key: str, **wanted: str) -> Read:
+    """How the figure of the row with these values is read, for a form."""
+    return lambda parts, form: cell(parts, part, key, form=form, **wanted)
 
 
-def recorded(way: str) -> Callable[[Parts, str], float | None]:
-    return lambda parts, form: cell(parts, "recorded", "times_as_long", case="imu_hil", recorded=way, form=form)
+def speed(case: str, level: str = EXACT) -> Read:
+    return figure("levels", "bytes_per_s", case=case, level=level)
 
 
-def image(key: str, program: str) -> Callable[[Parts, str], float | None]:
-    return lambda parts, form: cell(parts, "images", key, program=program, form=form)
+def recorded(way: str) -> Read:
+    return figure("recorded", "times_as_long", case="imu_hil", recorded=way)
 
 
 # What it is, how it is read, its unit; compiled, interpreted: at least, or at most where the unit is a time or a factor
 # of it ("x as long"), None where there is no target.
-TARGETS: tuple[tuple[str, Callable[[Parts, str], float | None], str, float | None, float | None], ...] = (
-    (BYTES, lambda p, f: speed(p, BYTES, EXACT, f), "bytes/s", 130_000, 7_000),
-    ("imu_hil as it ships", lambda p, f: speed(p, "imu_hil", EXACT, f), "bytes/s", 75_000, 3_750),
-    ("responder", lambda p, f: speed(p, "responder", EXACT, f), "bytes/s", 240_000, 6_400),
-    ("two_dsps", lambda p, f: speed(p, "two_dsps", EXACT, f), "bytes/s", 60_000, 2_040),
-    (DECLARED, lambda p, f: speed(p, DECLARED, EXACT, f), "bytes/s", 240_000, None),
+TARGETS: tuple[tuple[str, Read, str, float | None, float | None], ...] = (
+    (BYTES, speed(BYTES), "bytes/s", 130_000, 7_000),
+    ("imu_hil as it ships", speed("imu_hil"), "bytes/s", 75_000, 3_750),
+    ("responder", speed("responder"), "bytes/s", 240_000, 6_400),
+    ("two_dsps", speed("two_dsps"), "bytes/s", 60_000, 2_040),
+    (DECLARED, speed(DECLARED), "bytes/s", 240_000, None),
     ("imu_hil, flags recorded", recorded(FLAGS), "x as long", 1.3, 1.3),
     ("imu_hil, .psr recorded", recorded(".psr"), "x as long", 2.0, 2.0),
-    (SHORT, lambda p, f: cell(p, "start", "cpu_s", what=SHORT, form=f), "s", 0.003, 0.015),
-    ("image, busy code", image("instructions_per_s", "busy"), "instructions/s", 30_000_000, 150_000),
-    (f"image, 250 ms of {BACK_TO_BACK}", image("cpu_s", BACK_TO_BACK), "s", 1, 30),
-    (f"image, 250 ms of {WITH_GAPS}", image("cpu_s", WITH_GAPS), "s", 1, 30),
+    (SHORT, figure("start", "cpu_s", what=SHORT), "s", 0.003, 0.015),
+    ("image, busy code", figure("images", "instructions_per_s", program="busy"), "instructions/s", 30_000_000, 150_000),
+    (f"image, 250 ms of {BACK_TO_BACK}", figure("images", "cpu_s", program=BACK_TO_BACK), "s", 1, 30),
+    (f"image, 250 ms of {WITH_GAPS}", figure("images", "cpu_s", program=WITH_GAPS), "s", 1, 30),
 )
 LESS_IS_BETTER = ("x as long", "s")
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import gc
 import resource
-from collections.abc import Callable
+import subprocess
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
-from typing import TypeVar
+from typing import Any, TypeVar
 
 T = TypeVar("T")
 
@@ -41,6 +42,14 @@ def median_of(count: int, work: Callable[[], T]) -> tuple[T, Seconds]:
     """The last result and the median time of `count` runs of `work`."""
     results, times = zip(*(timed(work) for _ in range(count)), strict=True)
     return results[-1], middle(list(times))
+
+
+def spent(command: Sequence[str], **how: Any) -> Seconds:
+    """How long one process took, output to nowhere. how: further arguments of `subprocess.run`."""
+    before, wall = resource.getrusage(resource.RUSAGE_CHILDREN), perf_counter()
+    subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True, **how)
+    after, wall = resource.getrusage(resource.RUSAGE_CHILDREN), perf_counter() - wall
+    return Seconds(wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
 
 
 def peak_mib() -> float:

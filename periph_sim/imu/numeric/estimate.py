@@ -182,9 +182,7 @@ RANGES = {  # of float64 in software, in cycles
     **dict.fromkeys(("mag", "atan", "atan2"), (1500, 8000)),
 }
 
-DOUBLE = Library(
-    "float64 in software", GUESS, {kind: Cost(*RANGES[kind], GUESS, guessed=True) for kind in OPERANDS}
-)
+DOUBLE = Library("float64 in software", GUESS, {kind: Cost(*RANGES[kind], GUESS, guessed=True) for kind in OPERANDS})
 
 
 SYSCLK = 150_000_000  # SYSCLKOUT of the dissertation's board in Hz

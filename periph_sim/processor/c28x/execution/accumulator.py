@@ -100,10 +100,6 @@ def ADD_ACC_loc16shT(cpu: Cpu, f: Operation) -> None:
     add(cpu, cpu.x16(cpu.read16()) << (cpu.t() & 15))
 
 
-def ADD_ACC_loc16(cpu: Cpu, f: Operation) -> None:
-    add(cpu, cpu.x16(cpu.read16()))
-
-
 def ADD_ACC_loc16sh_1_15(cpu: Cpu, f: Operation) -> None:
     add(cpu, cpu.x16(cpu.read16()) << f.s)
 
@@ -112,10 +108,6 @@ def ADD_ACC_loc16sh_16(cpu: Cpu, f: Operation) -> None:
     before = cpu.c
     add(cpu, cpu.read16() << 16)
     cpu.c |= before
-
-
-def ADDB_ACC_8(cpu: Cpu, f: Operation) -> None:
-    add(cpu, f.c)
 
 
 def ADDCL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
@@ -149,10 +141,6 @@ def ADDUL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
 # Subtract -----------------------------------------------------------------------------------------------------------
 
 
-def SUB_ACC_loc16(cpu: Cpu, f: Operation) -> None:
-    subtract(cpu, cpu.x16(cpu.read16()))
-
-
 def SUB_ACC_loc16sh_1_15(cpu: Cpu, f: Operation) -> None:
     subtract(cpu, cpu.x16(cpu.read16()) << f.s)
 
@@ -169,10 +157,6 @@ def SUB_ACC_loc16shT(cpu: Cpu, f: Operation) -> None:
 
 def SUB_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
     subtract(cpu, cpu.x16(f.c) << f.s)
-
-
-def SUBB_ACC_8(cpu: Cpu, f: Operation) -> None:
-    subtract(cpu, f.c)
 
 
 def SBBU_ACC_loc16(cpu: Cpu, f: Operation) -> None:
@@ -346,10 +330,6 @@ def AND_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
     logic(cpu, cpu.acc & f.c << f.s)
 
 
-def AND_ACC_16sh_16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc & f.c << 16)
-
-
 def AND_ACC_loc16(cpu: Cpu, f: Operation) -> None:
     logic(cpu, cpu.acc & cpu.read16())
 
@@ -362,20 +342,12 @@ def OR_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
     logic(cpu, cpu.acc | f.c << f.s)
 
 
-def OR_ACC_16sh_16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc | f.c << 16)
-
-
 def XOR_ACC_loc16(cpu: Cpu, f: Operation) -> None:
     logic(cpu, cpu.acc ^ cpu.read16())
 
 
 def XOR_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
     logic(cpu, cpu.acc ^ f.c << f.s)
-
-
-def XOR_ACC_16sh_16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc ^ f.c << 16)
 
 
 def NOT_ACC(cpu: Cpu, f: Operation) -> None:

@@ -9,17 +9,20 @@ A branch that is not taken sets `Cpu.cycles` to `Operation.not_taken`. Source: S
 from __future__ import annotations
 
 from .cpu import Cpu, Operation
-from .registers import CODE, M16, M32
+from .registers import CODE, M16, M32, PMA
 
 __all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it finds the other functions by name
-
-PMA = 0x3F_0000
 
 
 def _branch(cpu: Cpu, f: Operation, taken: bool, half: int = 0x8000) -> None:
     """If `taken`, jump from this instruction by the signed distance in field c. half: the sign bit of field c."""
+    _jump(cpu, f, taken, f.address + ((f.c ^ half) - half) & CODE)
+
+
+def _jump(cpu: Cpu, f: Operation, taken: bool, goal: int) -> None:
+    """If `taken`, jump to `goal`."""
     if taken:
-        cpu.pc = f.address + ((f.c ^ half) - half) & CODE
+        cpu.pc = goal
     else:
         cpu.cycles = f.not_taken
 
@@ -28,28 +31,8 @@ def B_off16_COND(cpu: Cpu, f: Operation) -> None:
     _branch(cpu, f, cpu.condition(f.k))
 
 
-def BF_off16_COND(cpu: Cpu, f: Operation) -> None:
-    _branch(cpu, f, cpu.condition(f.k))
-
-
 def SB_off8_COND(cpu: Cpu, f: Operation) -> None:
     _branch(cpu, f, cpu.condition(f.k), 0x80)
-
-
-def SBF_off8_EQ(cpu: Cpu, f: Operation) -> None:
-    _branch(cpu, f, bool(cpu.z), 0x80)
-
-
-def SBF_off8_NEQ(cpu: Cpu, f: Operation) -> None:
-    _branch(cpu, f, not cpu.z, 0x80)
-
-
-def SBF_off8_TC(cpu: Cpu, f: Operation) -> None:
-    _branch(cpu, f, bool(cpu.tc), 0x80)
-
-
-def SBF_off8_NTC(cpu: Cpu, f: Operation) -> None:
-    _branch(cpu, f, not cpu.tc, 0x80)
 
 
 def BANZ_off16_ARndec(cpu: Cpu, f: Operation) -> None:
@@ -127,7 +110,7 @@ def XB_indAL(cpu: Cpu, f: Operation) -> None:
 
 
 def XB_pma_COND(cpu: Cpu, f: Operation) -> None:
-    _far(cpu, f, cpu.condition(f.k))
+    _jump(cpu, f, cpu.condition(f.k), PMA | f.c)
 
 
 def XB_pma_ind_ARPn(cpu: Cpu, f: Operation) -> None:
@@ -148,19 +131,12 @@ def XCALL_pma_COND(cpu: Cpu, f: Operation) -> None:
     taken = cpu.condition(f.k)
     if taken:
         cpu.push16(f.next & M16)
-    _far(cpu, f, taken)
+    _jump(cpu, f, taken, PMA | f.c)
 
 
 def XRETC_COND(cpu: Cpu, f: Operation) -> None:
     if cpu.condition(f.k):
         cpu.pc = PMA | cpu.pop16()
-    else:
-        cpu.cycles = f.not_taken
-
-
-def _far(cpu: Cpu, f: Operation, taken: bool) -> None:
-    if taken:
-        cpu.pc = PMA | f.c
     else:
         cpu.cycles = f.not_taken
 
@@ -171,7 +147,7 @@ def _count(cpu: Cpu, f: Operation, step: int) -> None:
     cpu.xar[cpu.arp] = cpu.xar[cpu.arp] + step & M32
     if f.n >= 0:
         cpu.arp = f.n
-    _far(cpu, f, taken)
+    _jump(cpu, f, taken, PMA | f.c)
 
 
 def XBANZ_pma_ind(cpu: Cpu, f: Operation) -> None:

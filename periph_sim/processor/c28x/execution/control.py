@@ -16,7 +16,6 @@ __all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it fin
 
 INTM, DBGM, PAGE0, VMAP = 1 << 0, 1 << 1, 1 << 2, 1 << 3  # masks of bits of ST1
 EALLOW_BIT, AMODE, OBJMODE, M0M1MAP, XF = 1 << 6, 1 << 8, 1 << 9, 1 << 11, 1 << 12
-NMI, EMUINT = 18, 17
 RA, RC = 1 << 30, M16  # masks of fields of RB: RA is 1 while RPTB repeats a block; RC is the repeat count
 RSIZE, RE = 23, 16  # lowest bits of fields of RB: the size and the end address of the block
 
@@ -25,16 +24,8 @@ def NOP_indind(cpu: Cpu, f: Operation) -> None:
     """Do nothing: the only effect is that of the addressing mode on address registers, in `Cpu.locate`."""
 
 
-def IACK_16(cpu: Cpu, f: Operation) -> None:
-    """Do nothing, since no modelled device reads the value on the data bus."""
-
-
 def ESTOP0(cpu: Cpu, f: Operation) -> None:
     cpu.stop()
-
-
-def ESTOP1(cpu: Cpu, f: Operation) -> None:
-    """Do nothing, since no emulator is connected."""
 
 
 def ABORTI(cpu: Cpu, f: Operation) -> None:
@@ -151,14 +142,6 @@ def INTR_INTx(cpu: Cpu, f: Operation) -> None:
     cpu.put_ier(saved & ~(1 << f.c))
 
 
-def INTR_NMI(cpu: Cpu, f: Operation) -> None:
-    cpu.enter(NMI)
-
-
-def INTR_EMUINT(cpu: Cpu, f: Operation) -> None:
-    cpu.enter(EMUINT)
-
-
 def IRET(cpu: Cpu, f: Operation) -> None:
     cpu.leave()
 
@@ -209,20 +192,8 @@ def _look_again(cpu: Cpu, f: Operation, value: int, until_zero: bool) -> None:
 # Not available on the F28335 ---------------------------------------------------------------------------------------
 
 
-def _no_io(f: Operation) -> None:
-    raise IllegalOperation(f"{f.encoding.mnemonic} accesses I/O space, which the F28335 does not have")
-
-
 def IN_loc16_ind_PA(cpu: Cpu, f: Operation) -> None:
-    _no_io(f)
-
-
-def OUT_ind_PA_loc16(cpu: Cpu, f: Operation) -> None:
-    _no_io(f)
-
-
-def UOUT_ind_PA_loc16(cpu: Cpu, f: Operation) -> None:
-    _no_io(f)
+    raise IllegalOperation(f"{f.encoding.mnemonic} accesses I/O space, which the F28335 does not have")
 
 
 def ITRAP0(cpu: Cpu, f: Operation) -> None:

@@ -11,6 +11,8 @@ Source: SPRUEO2A section 2.3. Details that the manual does not specify are chose
 
 from __future__ import annotations
 
+from math import isqrt
+
 SIGN, EXPONENT, FRACTION = 1 << 31, 0xFF, 0x7F_FFFF
 HIDDEN = 1 << 23
 INFINITY = EXPONENT << 23
@@ -61,6 +63,14 @@ def width(value: int) -> int:  # core: noexcept
     return bits + (value >> 1)
 
 
+def shifted(size: int, shift: int, to_nearest: bool) -> int:  # core: noexcept
+    """Return a positive number shifted right by 1 to 62, rounded to nearest even or, otherwise, towards zero."""
+    half = TOP >> TOP_BIT + 1 - shift
+    rest = size & 2 * half - 1
+    size >>= shift
+    return size + 1 if to_nearest and (rest > half or (rest == half and size & 1)) else size
+
+
 def rounded(mantissa: int, exponent: int, to_nearest: bool, sign_of_zero: int = 0) -> int:
     """Return mantissa * 2 ** exponent as a float32, with UNDERFLOW or OVERFLOW if that occurs.
 
@@ -73,14 +83,7 @@ def rounded(mantissa: int, exponent: int, to_nearest: bool, sign_of_zero: int = 
     sign = SIGN if mantissa < 0 else 0
     size = -mantissa if mantissa < 0 else mantissa
     shift = width(size) - MANTISSA_BITS
-    if shift > 0:
-        half = TOP >> TOP_BIT + 1 - shift
-        rest = size & 2 * half - 1
-        size >>= shift
-        if to_nearest and (rest > half or (rest == half and size & 1)):
-            size += 1
-    else:
-        size <<= -shift
+    size = shifted(size, shift, to_nearest) if shift > 0 else size << -shift
     exponent += shift
     if size >> MANTISSA_BITS:
         size, exponent = size >> 1, exponent + 1
@@ -137,11 +140,7 @@ def to_integer(bits: int, least: int, most: int, nearest: bool = False) -> int:
     elif exponent < -MANTISSA_BITS:  # the absolute value is less than 1/2
         size = 0
     else:
-        half = TOP >> TOP_BIT + 1 + exponent
-        rest = size & 2 * half - 1
-        size >>= -exponent
-        if nearest and (rest > half or (rest == half and size & 1)):
-            size += 1
+        size = shifted(size, -exponent, nearest)
     if mantissa < 0:
         size = -size
     return least if size < least else most if size > most else size
@@ -192,15 +191,4 @@ def estimate_of_inverse_root(bits: int) -> int:
     mantissa, exponent = bits & FRACTION | HIDDEN, exponent_of(bits)
     if exponent & 1:
         mantissa, exponent = mantissa << 1, exponent - 1
-    return rounded((1 << 21) // whole_root(mantissa), -21 - exponent // 2, True)
-
-
-def whole_root(value: int) -> int:
-    """Return the square root of a number of up to 26 bits, rounded down."""
-    root = 0
-    bit = 1 << 12
-    while bit:
-        if (root | bit) * (root | bit) <= value:
-            root |= bit
-        bit >>= 1
-    return root
+    return rounded((1 << 21) // isqrt(mantissa), -21 - exponent // 2, True)

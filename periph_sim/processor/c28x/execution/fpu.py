@@ -119,7 +119,7 @@ def multiply(cpu: Cpu, number: int, a: int, b: int) -> None:
 
 def ABSF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
     bits = cpu.r[f.p] = cpu.r[f.q] & ~SIGN
-    cpu.stf = cpu.stf & ~(NF | ZF) | (ZF if is_zero(bits) else 0)
+    compare(cpu, bits, 0)
 
 
 def ADDF32_RaH_16FHi_RbH(cpu: Cpu, f: Operation) -> None:
@@ -160,8 +160,7 @@ def NEGF32_RaH_RbH_CNDF(cpu: Cpu, f: Operation) -> None:
         bits ^= SIGN
     cpu.r[f.p] = bits
     if f.w == UNCF:
-        zero = is_zero(bits)
-        cpu.stf = cpu.stf & ~(NF | ZF) | (ZF if zero else NF if bits & SIGN else 0)
+        compare(cpu, bits, 0)
 
 
 # Two parallel operations; both read the values before the instruction ----------------------------------------------
@@ -254,10 +253,6 @@ def CMPF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
 
 def CMPF32_RaH_16FHi(cpu: Cpu, f: Operation) -> None:
     compare(cpu, cpu.r[f.p], upper(f))
-
-
-def CMPF32_RaH_0_0(cpu: Cpu, f: Operation) -> None:
-    compare(cpu, cpu.r[f.p], 0)
 
 
 def clean(bits: int) -> int:

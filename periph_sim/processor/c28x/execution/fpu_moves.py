@@ -97,10 +97,6 @@ def SWAPF_RaH_RbH_CNDF(cpu: Cpu, f: Operation) -> None:
         cpu.r[f.p], cpu.r[f.q] = cpu.r[f.q], cpu.r[f.p]
 
 
-def ZERO_RaH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = 0
-
-
 def ZEROA(cpu: Cpu, f: Operation) -> None:
     for number in range(8):
         cpu.r[number] = 0

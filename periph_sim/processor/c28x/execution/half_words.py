@@ -66,14 +66,6 @@ def ADDB_AX_8s(cpu: Cpu, f: Operation) -> None:
     cpu.put_ax(f.x, sum16(cpu, cpu.ax(f.x), (f.c ^ 0x80) - 0x80 & M16))
 
 
-def INC_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.write16(sum16(cpu, cpu.read16(), 1))
-
-
-def DEC_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.write16(difference16(cpu, cpu.read16(), 1))
-
-
 def SUB_AX_loc16(cpu: Cpu, f: Operation) -> None:
     cpu.put_ax(f.x, difference16(cpu, cpu.ax(f.x), cpu.read16()))
 

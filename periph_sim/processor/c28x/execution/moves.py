@@ -1,7 +1,7 @@
 """Moves between registers and memory, and arithmetic of address registers.
 
 A form is one encoding of an instruction, a row of `encodings.toml`. The function named like the row executes the form.
-Forms that differ only in the address register have one function: `MOVB_XARn_8` executes `MOVB_XAR6_8` with n = 6.
+Forms that differ only in the address register have one function: `MOVL_XARn_22` executes `MOVL_XAR6_22` with n = 6.
 Source: SPRU430F chapter 6; section 5.8 (addresses that increase in each pass of RPT).
 """
 
@@ -11,11 +11,9 @@ from __future__ import annotations
 
 from .accumulator import logic
 from .cpu import Cpu, Operation
-from .registers import HIGH16, M16, M32, s16
+from .registers import HIGH16, M16, M32, PMA, s16
 
 __all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it finds the other functions by name
-
-PMA = 0x3F_0000
 
 
 def MOV_ind_0_16_loc16(cpu: Cpu, f: Operation) -> None:
@@ -30,20 +28,8 @@ def MOV_loc16_16(cpu: Cpu, f: Operation) -> None:
     cpu.move16(f.c)
 
 
-def MOV_loc16_0(cpu: Cpu, f: Operation) -> None:
-    cpu.move16(0)
-
-
-def MOV_loc16_ACCsh1(cpu: Cpu, f: Operation) -> None:
-    cpu.move16(cpu.acc << 1 & M16)
-
-
 def MOV_loc16_ACCsh2_8(cpu: Cpu, f: Operation) -> None:
     cpu.move16(cpu.acc << f.s + 1 & M16)
-
-
-def MOVH_loc16_ACCsh1(cpu: Cpu, f: Operation) -> None:
-    cpu.move16(cpu.acc << 1 >> 16 & M16)
 
 
 def MOVH_loc16_ACCsh2_8(cpu: Cpu, f: Operation) -> None:
@@ -113,16 +99,8 @@ def MOVW_DP_16(cpu: Cpu, f: Operation) -> None:
     cpu.dp = f.c
 
 
-def MOVZ_DP_10(cpu: Cpu, f: Operation) -> None:
-    cpu.dp = f.c
-
-
 def MOVB_ARn_8(cpu: Cpu, f: Operation) -> None:
     cpu.put_ar(f.n, f.c)
-
-
-def MOVB_XARn_8(cpu: Cpu, f: Operation) -> None:
-    cpu.xar[f.n] = f.c
 
 
 def MOVZ_ARn_loc16(cpu: Cpu, f: Operation) -> None:
@@ -287,20 +265,12 @@ def MOV_ACC_loc16shT(cpu: Cpu, f: Operation) -> None:
     logic(cpu, cpu.x16(cpu.read16()) << (cpu.t() & 15))
 
 
-def MOV_ACC_loc16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.x16(cpu.read16()))
-
-
 def MOV_ACC_loc16sh_1_15(cpu: Cpu, f: Operation) -> None:
     logic(cpu, cpu.x16(cpu.read16()) << f.s)
 
 
 def MOV_ACC_loc16sh_16(cpu: Cpu, f: Operation) -> None:
     logic(cpu, cpu.read16() << 16)
-
-
-def MOVB_ACC_8(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, f.c)
 
 
 def MOVU_ACC_loc16(cpu: Cpu, f: Operation) -> None:

@@ -10,11 +10,9 @@ from __future__ import annotations
 
 from .accumulator import add, difference_ovcu, logic, subtract, sum_ovcu
 from .cpu import Cpu, Operation
-from .registers import M32, s16, s32
+from .registers import M32, PMA, s16, s32
 
 __all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it finds the other functions by name
-
-PMA = 0x3F_0000
 
 
 def product_low(cpu: Cpu, product: int) -> int:

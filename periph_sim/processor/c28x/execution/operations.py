@@ -8,6 +8,8 @@ Source: SPRU430F Table 5-1 and section 5.10 (forms with byte operands).
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from functools import cache
 
 from ..decoder import Instruction
 from ..encodings import WIDE, Encoding
@@ -26,12 +28,51 @@ from . import (
 )
 from .cpu import READS, WRITES, Operation
 
-# Ids of forms that encode one certain address register, such as MOVB_XAR6_8. The function for all address registers,
-# MOVB_XARn_8 in this example, executes these forms.
+# Ids of forms that encode one certain address register, such as MOVL_XAR6_22. The function for all address registers,
+# MOVL_XARn_22 in this example, executes these forms.
 OF_ONE_XAR = re.compile(r"((?:[A-Z]+|MOVL_loc32)_X?AR)(\d)(_[a-z0-9]+)?")
+# For the id of a form without a function of its own: the name of the function that executes it, and the values of the
+# fields that this function uses, but that the form does not have.
+SAME: dict[str, tuple[str, dict[str, int]]] = {
+    "BF_off16_COND": ("B_off16_COND", {}),
+    "SBF_off8_EQ": ("SB_off8_COND", {"k": 1}),
+    "SBF_off8_NEQ": ("SB_off8_COND", {"k": 0}),
+    "SBF_off8_TC": ("SB_off8_COND", {"k": 13}),
+    "SBF_off8_NTC": ("SB_off8_COND", {"k": 12}),
+    "MOVZ_DP_10": ("MOVW_DP_16", {}),
+    "MOVB_XARn_8": ("MOVL_XARn_22", {}),
+    "MOVB_XAR6_8": ("MOVL_XARn_22", {"n": 6}),
+    "MOVB_XAR7_8": ("MOVL_XARn_22", {"n": 7}),
+    "MOV_loc16_0": ("MOV_loc16_16", {"c": 0}),
+    "MOV_loc16_ACCsh1": ("MOV_loc16_ACCsh2_8", {"s": 0}),
+    "MOVH_loc16_ACCsh1": ("MOVH_loc16_ACCsh2_8", {"s": 0}),
+    "MOV_ACC_loc16": ("MOV_ACC_loc16sh_1_15", {"s": 0}),
+    "ADD_ACC_loc16": ("ADD_ACC_loc16sh_1_15", {"s": 0}),
+    "SUB_ACC_loc16": ("SUB_ACC_loc16sh_1_15", {"s": 0}),
+    "MOVB_ACC_8": ("MOV_ACC_16sh_0_15", {"s": 0}),
+    "ADDB_ACC_8": ("ADD_ACC_16sh_0_15", {"s": 0}),
+    "SUBB_ACC_8": ("SUB_ACC_16sh_0_15", {"s": 0}),
+    "AND_ACC_16sh_16": ("AND_ACC_16sh_0_15", {"s": 16}),
+    "OR_ACC_16sh_16": ("OR_ACC_16sh_0_15", {"s": 16}),
+    "XOR_ACC_16sh_16": ("XOR_ACC_16sh_0_15", {"s": 16}),
+    "INC_loc16": ("ADD_loc16_16s", {"c": 1}),
+    "DEC_loc16": ("ADD_loc16_16s", {"c": 0xFFFF}),
+    "CMPF32_RaH_0_0": ("CMPF32_RaH_16FHi", {"i": 0}),
+    "ZERO_RaH": ("MOVIZ_RaH_16FHiHex", {"i": 0}),
+    "PUSH_AR1_AR0": ("PUSH_ARm_ARn", {"n": 0}),
+    "PUSH_AR3_AR2": ("PUSH_ARm_ARn", {"n": 2}),
+    "PUSH_AR5_AR4": ("PUSH_ARm_ARn", {"n": 4}),
+    "POP_AR1_AR0": ("POP_ARm_ARn", {"n": 0}),
+    "POP_AR3_AR2": ("POP_ARm_ARn", {"n": 2}),
+    "POP_AR5_AR4": ("POP_ARm_ARn", {"n": 4}),
+    "INTR_NMI": ("TRAP_0_31", {"c": 18}),
+    "INTR_EMUINT": ("TRAP_0_31", {"c": 17}),
+    "IACK_16": ("NOP_indind", {}),  # no modelled device reads the value on the data bus
+    "ESTOP1": ("NOP_indind", {}),  # no emulator is connected
+    "OUT_ind_PA_loc16": ("IN_loc16_ind_PA", {}),
+    "UOUT_ind_PA_loc16": ("IN_loc16_ind_PA", {}),
+}
 MODULES = (accumulator, half_words, multiply, shifts, moves, stack, branches, control, fpu, fpu_moves)
-
-_forms: dict[str, Operation] = {}
 
 
 def operation(instruction: Instruction) -> Operation:
@@ -39,10 +80,8 @@ def operation(instruction: Instruction) -> Operation:
     encoding, values = instruction.encoding, instruction.values
     form = form_of(encoding)
     made = Operation()
-    for name, value in values.items():
+    for name, value in {**values, **function_of(encoding)[1]}.items():
         setattr(made, name, value)
-    if form.n >= 0:
-        made.n = form.n
     made.place = made.address = instruction.address
     made.next = instruction.address + encoding.words & 0x3F_FFFF
     made.encoding, made.execute = encoding, form.execute
@@ -56,24 +95,27 @@ def operation(instruction: Instruction) -> Operation:
     return made
 
 
+@cache
+def function_of(encoding: Encoding) -> tuple[str, Mapping[str, int]]:
+    """Return the name of the function that executes a form, and the values of fields that the form does not have."""
+    name = encoding.id
+    if name in SAME:
+        return SAME[name]
+    one = OF_ONE_XAR.fullmatch(name)
+    if one:
+        return f"{one[1]}n{one[3] or ''}", {"n": int(one[2])}
+    return name.removesuffix("_ARPn") if encoding.mnemonic == "XBANZ" else name, {}
+
+
+@cache
 def form_of(encoding: Encoding) -> Operation:
     """Return an operation with the properties that all operations of a form share. It is made once for each form.
 
     Raise KeyError if no function executes the form.
     """
-    found = _forms.get(encoding.id)
-    if found is None:
-        found = _forms[encoding.id] = _form_of(encoding)
-    return found
-
-
-def _form_of(encoding: Encoding) -> Operation:
     made = Operation()
-    name, made.encoding = encoding.id, encoding
-    one = OF_ONE_XAR.fullmatch(name)
-    if one:
-        name, made.n = f"{one[1]}n{one[3] or ''}", int(one[2])
-    bind(made, name.removesuffix("_ARPn") if encoding.mnemonic == "XBANZ" else name)
+    made.encoding = encoding
+    bind(made, function_of(encoding)[0])
     made.repeated = encoding.repeated
     made.wide = any(operand in encoding.syntax for operand in WIDE)
     made.byte = encoding.mnemonic == "MOVB" and ("LSB" in encoding.syntax or "MSB" in encoding.syntax)

@@ -14,6 +14,7 @@ from ....core.state import State
 M16, M32 = 0xFFFF, 0xFFFF_FFFF
 HIGH16 = 0xFFFF_0000
 CODE = 0x3F_FFFF  # mask of the bits of a program address
+PMA = 0x3F_0000  # the upper bits of program addresses in C2xLP instructions
 SIGN16, SIGN32 = 1 << 15, 1 << 31
 ACC_UNIT = 1 << 32  # weight of bit 0 of ACC in ACC:P
 

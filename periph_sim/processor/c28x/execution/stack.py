@@ -2,6 +2,7 @@
 
 A form is one encoding of an instruction, a row of `encodings.toml`. The function named like the row executes the form.
 An instruction that pushes two registers, such as PUSH AR1:AR0, stores the second one, here AR0, at the lower address.
+`PUSH_ARm_ARn` executes the forms for lower halves, with the number of the first pushed register in n.
 POP ACC, PUSH XAR4 and similar instructions are aliases of moves. Source: SPRU430F chapter 6.
 """
 
@@ -15,42 +16,18 @@ from .registers import CODE, HIGH16, M16, SPA
 __all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it finds the other functions by name
 
 
-def _push_halves(cpu: Cpu, n: int, shift: int) -> None:
-    cpu.push_pair(cpu.xar[n] >> shift & M16, cpu.xar[n + 1] >> shift & M16)
-
-
-def _pop_halves(cpu: Cpu, n: int) -> None:
-    pair = cpu.pop_pair()
-    cpu.put_ar(n, pair)
-    cpu.put_ar(n + 1, pair >> 16)
-
-
-def PUSH_AR1_AR0(cpu: Cpu, f: Operation) -> None:
-    _push_halves(cpu, 0, 0)
-
-
-def PUSH_AR3_AR2(cpu: Cpu, f: Operation) -> None:
-    _push_halves(cpu, 2, 0)
-
-
-def PUSH_AR5_AR4(cpu: Cpu, f: Operation) -> None:
-    _push_halves(cpu, 4, 0)
+def PUSH_ARm_ARn(cpu: Cpu, f: Operation) -> None:
+    cpu.push_pair(cpu.xar[f.n] & M16, cpu.xar[f.n + 1] & M16)
 
 
 def PUSH_AR1H_AR0H(cpu: Cpu, f: Operation) -> None:
-    _push_halves(cpu, 0, 16)
+    cpu.push_pair(cpu.xar[0] >> 16, cpu.xar[1] >> 16)
 
 
-def POP_AR1_AR0(cpu: Cpu, f: Operation) -> None:
-    _pop_halves(cpu, 0)
-
-
-def POP_AR3_AR2(cpu: Cpu, f: Operation) -> None:
-    _pop_halves(cpu, 2)
-
-
-def POP_AR5_AR4(cpu: Cpu, f: Operation) -> None:
-    _pop_halves(cpu, 4)
+def POP_ARm_ARn(cpu: Cpu, f: Operation) -> None:
+    pair = cpu.pop_pair()
+    cpu.put_ar(f.n, pair)
+    cpu.put_ar(f.n + 1, pair >> 16)
 
 
 def POP_AR1H_AR0H(cpu: Cpu, f: Operation) -> None:

@@ -40,16 +40,12 @@ _UNARY: Mapping[type[ast.unaryop], Callable[[int], int]] = {
 }
 
 
-class BadExpression(BadInstruction):
-    """Raised if a text is not a valid expression. The message is one sentence."""
-
-
-class Undefined(BadExpression):
+class Undefined(BadInstruction):
     """Raised if an expression contains a symbol that is not defined, or is defined only later in the source."""
 
 
 def evaluate(text: str, symbols: Mapping[str, int], here: int) -> int:
-    """Return the value of an expression. Raise BadExpression if it is invalid, Undefined for an undefined symbol.
+    """Return the value of an expression. Raise BadInstruction if it is invalid, Undefined for an undefined symbol.
 
     here: the value of `$`.
     """
@@ -59,11 +55,11 @@ def evaluate(text: str, symbols: Mapping[str, int], here: int) -> int:
     try:
         tree = ast.parse(source, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise BadExpression(f"{text.strip()!r} is not a number or an expression") from None
+        raise BadInstruction(f"{text.strip()!r} is not a number or an expression") from None
     try:
         return _value(tree, symbols, here)
     except ZeroDivisionError:
-        raise BadExpression(f"{text.strip()!r} divides by 0") from None
+        raise BadInstruction(f"{text.strip()!r} divides by 0") from None
 
 
 def _identifier(symbol: re.Match[str]) -> str:
@@ -85,11 +81,11 @@ def _value(node: ast.expr, symbols: Mapping[str, int], here: int) -> int:
         case ast.BinOp(left, how, right) if type(how) in _BINARY:
             first, second = _value(left, symbols, here), _value(right, symbols, here)
             if isinstance(how, ast.LShift | ast.RShift) and not 0 <= second <= MOST_BITS:
-                raise BadExpression(f"a shift by {second} bits is not possible")
+                raise BadInstruction(f"a shift by {second} bits is not possible")
             return _BINARY[type(how)](first, second)
         case ast.UnaryOp(how, operand) if type(how) in _UNARY:
             return _UNARY[type(how)](_value(operand, symbols, here))
-    raise BadExpression("an expression has only numbers, symbols, + - * / % & | ^ ~ << >> and brackets")
+    raise BadInstruction("an expression has only numbers, symbols, + - * / % & | ^ ~ << >> and brackets")
 
 
 class Parsed(NamedTuple):

@@ -48,7 +48,6 @@ class Encoding:
         another form.
     kind: the class of the instruction: core, fpu, c2xlp, c27x, emu (for emulators) or trap.
     alias_of: the id of a more general form that encodes the same words; "" if this form is no alias.
-    shift_bias: the shift count minus the value of field s.
     cycles: the cycles of one execution; for a conditional jump, call or return, the cycles if it is taken.
     not_taken: the cycles of a conditional jump, call or return that is not taken; otherwise equal to `cycles`.
     cycles_where: a condition on a field, and the cycles if it is true. "y & 0x30: 2" means 2 cycles if field y has any
@@ -75,7 +74,6 @@ class Encoding:
     bounds: Mapping[str, range]
     kind: str
     alias_of: str
-    shift_bias: int
     cycles: int
     not_taken: int
     cycles_where: str
@@ -173,7 +171,6 @@ def _encoding(name: str, columns: dict[str, Any]) -> Encoding:
         bounds=bounds,
         kind=take("class", "core"),
         alias_of=take("alias_of", ""),
-        shift_bias=take("shift_bias", 0),
         cycles=cycles,
         not_taken=take("not_taken", cycles),
         cycles_where=take("cycles_where", ""),

@@ -87,17 +87,19 @@ def number_part(token: str, encoding: Encoding) -> Part | None:
 
 
 def shift_part(token: str, encoding: Encoding) -> Part | None:
-    """Return the part for a shift count in field s, such as "#1..16" or "<<2..8"; None if the form has no field s."""
+    """Return the part for a shift count in field s, such as "#1..16" or "<<2..8"; None if the form has no field s.
+
+    The largest shift count is encoded by ones in all bits of the field.
+    """
     if "s" not in encoding.fields:
         return None
     prefix = token.rstrip("0123456789.")
-    bias, mask, least = encoding.shift_bias, encoding.fields["s"].mask, encoding.bounds.get("s", range(1)).start
+    least, most = map(int, token.removeprefix(prefix).split(".."))
+    bias = most - encoding.fields["s"].mask
     return Part(
         lambda values, at: f"{prefix}{values['s'] + bias}",
         rf"{re.escape(prefix)}[^,|<]+?" + (r"|\d+" if prefix == "#" else ""),
-        lambda text, at, evaluate: {
-            "s": ranged(evaluate(text.removeprefix(prefix)), bias + least, mask + bias, text) - bias
-        },
+        lambda text, at, evaluate: {"s": ranged(evaluate(text.removeprefix(prefix)), least, most, text) - bias},
     )
 
 
@@ -236,15 +238,10 @@ def parts_of(encoding: Encoding) -> tuple[Part, ...]:
                 rest = rest[found.end() :]
                 break
         else:
-            parts.append(literal(rest[0]))
+            before = parts.pop().literal if parts[-1].literal else ""
+            parts.append(literal(before + rest[0]))
             rest = rest[1:]
-    joined: list[Part] = []
-    for part in parts:
-        if part.literal and joined and joined[-1].literal:
-            joined[-1] = literal(joined[-1].literal + part.literal)
-        else:
-            joined.append(part)
-    return tuple(joined)
+    return tuple(parts)
 
 
 # Registers, modes and conditions ------------------------------------------------------------------------------------

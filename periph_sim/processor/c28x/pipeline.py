@@ -14,7 +14,6 @@ Source: SPRU430F 4.2 to 4.4, 5.x; SPRUFB0D 2.2 (flash); TI wiki "C28x Pipeline C
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Annotated, final
@@ -45,18 +44,22 @@ from .execution.cpu import Operation
 
 DP, SP, BY_ARP = 1 << 8, 1 << 9, 1 << 10
 REGISTERS = 0x3FF  # mask of XAR0 to XAR7, DP and SP
-NUMBERED = re.compile(r"X?AR([0-7])$")
+NAMES = (*(f"XAR{n}" for n in range(8)), "DP", "SP")  # of the registers in REGISTERS, in the order of their bits
+# For a name in the columns `reads` and `writes`, the mask of the register.
+MASKS = {name: 1 << bit for bit, name in enumerate(NAMES)} | {f"AR{n}": 1 << n for n in range(8)}
+MASKS |= {"XAR[ARP]": BY_ARP, "AR[ARP]": BY_ARP}
 FIELDS = {"ARn": "n", "XARn": "n", "ARm": "m"}
 HELD = frozenset(["NORM", "PWRITE"])  # mnemonics for which `is_held` is True; it is also True for POP of ST1
 BY_ARP_FROM, PUSHES, POPS, CIRCULAR = 0xAE, 0xBD, 0xBE, 0xBF
+MOVING = (0xAE, 0xAF, 0xB9, 0xBA, 0xBB, 0xBC, CIRCULAR)  # values of field l that change XAR(ARP) or XAR6
 
 
 @cache
 def hazards(encoding: Encoding, field: int, n: int, m: int) -> tuple[int, int]:
     """Return the masks (needs, makes) of an instruction. field, n, m: its fields l, n and m; -1 for an absent field."""
     numbers = {"n": n, "m": m}
-    needs = _in_phase("D2", (*encoding.reads, *encoding.writes), numbers)
-    makes = 0 if is_held(encoding) else _in_phase("E", encoding.writes, numbers)
+    needs = registers_in((*encoding.reads, *encoding.writes), numbers, "D2")
+    makes = 0 if is_held(encoding) else registers_in(encoding.writes, numbers, "E")
     if field >= 0:
         needs |= addressing(field)
         register = 1 << (field & 7) if 0xA0 <= field < 0xA8 else SP if field == SP_FIELD else 0  # @XARn, @ARn or @SP
@@ -77,26 +80,18 @@ def writes_at_once(encoding: Encoding) -> bool:
     return "PC" in encoding.writes or is_held(encoding)
 
 
-def _in_phase(phase: str, places: Iterable[str], numbers: Mapping[str, int]) -> int:
-    """Return the mask of the registers that a form uses in a phase of the pipeline, such as "D2".
+def registers_in(places: Iterable[str], numbers: Mapping[str, int], phase: str = "") -> int:
+    """Return the mask of the registers among these places.
 
     places: entries of the columns `reads` and `writes`, such as "XARn@D2".
     numbers: the values of the fields n and m, by "n" and "m".
+    phase: the phase of the pipeline, such as "D2", in which the registers are used; "" for all phases.
     """
     mask = 0
     for place in places:
         name, _, when = place.partition("@")
-        if when != phase:
-            continue
-        numbered = NUMBERED.match(name)
-        if numbered:
-            mask |= 1 << int(numbered[1])
-        elif name in FIELDS:
-            mask |= 1 << numbers[FIELDS[name]]
-        elif name in ("XAR[ARP]", "AR[ARP]"):
-            mask |= BY_ARP
-        elif name in ("DP", "SP"):
-            mask |= DP if name == "DP" else SP
+        if phase in ("", when):
+            mask |= 1 << numbers[FIELDS[name]] if name in FIELDS else MASKS.get(name, 0)
     return mask
 
 

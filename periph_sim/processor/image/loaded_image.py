@@ -10,7 +10,7 @@ reads by the last symbol at or before the address of the word.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Annotated, NamedTuple
 
@@ -21,7 +21,7 @@ from ...core.state import State
 from ...core.time import Clock
 from ...f28335.memory.address_space import Content, area_at, full_name
 from ..c28x.decoder import Instruction, sweep
-from ..image_files.constants import Known, accesses
+from ..image_files.constants import accesses
 from ..image_files.debug_info import FunctionMap
 from ..image_files.model import NO_STACK, Image
 from ..operand import Operand
@@ -184,10 +184,10 @@ class LoadedImage(Program):
             texts = [f"{operand.name}.{fields_of(operand.register, mask)}" for operand in operands]
             texts += [f"{full_name(address)} & {mask:#06x}" for address in elsewhere]
             return Awaited(" and ".join(dict.fromkeys(texts)), self._unanswered(elsewhere) if elsewhere else "")
-        steps = list(_instructions(first, words))
+        steps = _instructions(first, words)
         if not any(_is_exit(one, first, branch) for one in steps):
             return Awaited("")
-        found = accesses(steps, frozenset(), Known(cpu.dp, cpu.xar, cpu.sp))
+        found = accesses(steps, frozenset(), cpu)
         read = dict.fromkeys(one.address for one in found if "r" in one.how)
         areas = [(address, area_at(address)) for address in read]
         names = [self._word_name(at) for at, area in areas if area is not None and area.content is Content.RAM]
@@ -278,12 +278,18 @@ def mask_of(first: int, words: tuple[int, ...]) -> int:
     return ALL
 
 
-def _instructions(first: int, words: tuple[int, ...]) -> Iterator[Instruction]:
-    """Yield the instructions in these words. The last word is used only as the second word of an instruction."""
+@lru_cache(maxsize=256)
+def _instructions(first: int, words: tuple[int, ...]) -> tuple[Instruction, ...]:
+    """Return the instructions in these words, up to the first word that is none.
+
+    The last word is used only as the second word of an instruction.
+    """
+    steps = []
     for found in sweep(first, words):
         if isinstance(found, int) or found.address >= first + len(words) - 1:
-            return
-        yield found
+            break
+        steps.append(found)
+    return tuple(steps)
 
 
 def _is_exit(one: Instruction, first: int, branch: int) -> bool:

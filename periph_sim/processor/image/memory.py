@@ -20,6 +20,7 @@ from ...f28335.system_options import SystemOptions
 from ...form.c_types import UInt16
 from ..c28x.execution.engine import PAGE, Engine
 from ..c28x.execution.registers import IllegalOperation
+from ..c28x.pipeline import SP, addressing
 from ..processor import Processor
 from .elsewhere import BOOT_ROM, UnmappedMemory
 from .instruction_timing import InstructionTiming
@@ -29,8 +30,6 @@ from .polls import PollSkipper
 WATCHDOG_KEY = clocks_map.BASE + clocks_map.WDKEY.offset
 RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # addresses of L0 to L7
 LOW_RAM = 0x800  # M0 and M1 are below this address
-STACK_FIELDS, BEHIND_STACK_FIELDS = 0x40, 0x80  # the first value of field l for *-SP[n], and the value after the last
-PUSHES, POPS = 0xBD, 0xBE  # values of field l for *SP++ and *--SP
 WAITED_FROM = 0xC000  # L4 to L7, which begin here, have wait states as program memory
 L0_AGAIN, L4_AGAIN = 0x3F_8000, 0x3F_C000  # L0 to L3 are mapped a second time, from L0_AGAIN to L4_AGAIN - 1
 MIRROR = L0_AGAIN - 0x8000  # the second address of a word minus its first address
@@ -175,8 +174,7 @@ class ImageMemory(Engine):
         then a mistake of the program. SP may be odd.
         how: the words "read from" or "written to", for the message.
         """
-        on_stack = STACK_FIELDS <= self.field < BEHIND_STACK_FIELDS or self.field in (PUSHES, POPS)
-        if self.ea == address and not on_stack:
+        if self.ea == address and addressing(self.field) != SP:
             raise IllegalOperation(
                 f"32 bits are {how} the odd address {address:#08x}; on the chip, {address & ~1:#08x}"
             )

@@ -12,18 +12,19 @@ Source: SPRU430F chapter 5 (addresses).
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from ..c28x.decoder import Instruction
-from ..c28x.encodings import DIRECT, INDEXED, STACK, WIDE, places
-from ..c28x.pipeline import POPS, PUSHES
+from ..c28x.encodings import places
+from ..c28x.execution.cpu import REGISTER, WRITES
+from ..c28x.execution.engine import Engine
+from ..c28x.execution.operations import operation
+from ..c28x.execution.registers import Registers
+from ..c28x.pipeline import BY_ARP, FIELDS, MASKS, MOVING, POPS, PUSHES, REGISTERS, SP, addressing, registers_in
 
-PAGE = 6  # a data page has 2 ** PAGE words
 FPU_REGISTERS = range(0x0F00, 0x0F30)  # a move with an address in this range accesses an FPU register
-XAR = re.compile(r"X?AR([0-7n])")
-CONSTANT = re.compile(r"(MOVL|MOVB|ADDB|SUBB) (X?AR)[0-7n],#\d+")
+XARS = 0xFF  # mask of XAR0 to XAR7
 
 
 class Access(NamedTuple):
@@ -41,123 +42,81 @@ class Access(NamedTuple):
     instruction: Instruction
 
 
-class Known:
-    """Values of DP, SP and XAR0 to XAR7 at a point of the program. A value is None if it is unknown."""
+class _Cpu(Engine):
+    """A CPU without memory. known: the mask of those of the registers REGISTERS whose values are known."""
 
-    def __init__(self, dp: int | None = None, xar: Iterable[int | None] = (None,) * 8, sp: int | None = None) -> None:
-        self.dp = dp
-        self.xar = list(xar)
-        self.sp = sp
+    def __init__(self) -> None:
+        super().__init__()
+        self.known = 0
 
-    def copy(self) -> Known:
-        return Known(self.dp, self.xar, self.sp)
+    def load16(self, address: int) -> int:
+        return 0
+
+    def store16(self, address: int, value: int) -> None:
+        """Discard the value."""
 
 
 def accesses(
-    instructions: Iterable[Instruction | int], functions: frozenset[int], begin: Known | None = None
+    instructions: Iterable[Instruction | int], functions: frozenset[int], begin: Registers | None = None
 ) -> Iterator[Access]:
     """Yield every access that has a known address.
 
     instructions: the result of `sweep`: instructions, and the addresses of words that are no instructions.
     functions: the addresses at which functions begin. All register values are unknown there.
-    begin: the register values before the first instruction; None if all are unknown.
+    begin: the registers before the first instruction; None if their values are unknown.
     """
-    known = begin or Known()
-    waiting: dict[int, Known] = {}  # for the target of each forward branch, the known values there
+    cpu, nothing = _Cpu(), (0, 0, 0, [0] * 8)
+    if begin is not None:
+        cpu.known, cpu.dp, cpu.sp, cpu.xar = REGISTERS, begin.dp, begin.sp, list(begin.xar)
+    waiting: dict[
+        int, tuple[int, int, int, list[int]]
+    ] = {}  # for the target of each forward branch: `known`, DP, SP, XARs
     reached = True
     for instruction in instructions:
         if isinstance(instruction, int) or instruction.address in functions:
-            known, reached = Known(), True
+            cpu.known, reached = 0, True
             waiting.clear()
             if isinstance(instruction, int):
                 continue
-        arrived = waiting.pop(instruction.address, None)
+        arrived = waiting.pop(instruction.address, nothing)
         if not reached:
-            known = arrived or Known()
-        yield from _accesses(instruction, known)
-        _follow(instruction, known)
+            cpu.known, cpu.dp, cpu.sp, cpu.xar = arrived
+        yield from _executed(instruction, cpu)
         goal = instruction.target
         if instruction.is_call:
-            known = Known()
+            cpu.known = 0
         elif goal is not None and goal > instruction.address:
-            waiting.setdefault(goal, known.copy())
+            waiting.setdefault(goal, (cpu.known, cpu.dp, cpu.sp, list(cpu.xar)))
         reached = instruction.goes_on
 
 
-def _accesses(instruction: Instruction, known: Known) -> Iterator[Access]:
-    encoding, values = instruction.encoding, instruction.values
-    if "l" in values and encoding.accesses:
-        address = _address(values["l"], known, _width(instruction))
-        if address is not None:
-            source = XAR.fullmatch(encoding.syntax.rpartition(",")[2])
-            value = known.xar[int(source[1])] if source and encoding.mnemonic == "MOVL" else None
-            yield Access(address, _width(instruction), encoding.accesses, value, instruction)
-    if "*(0:16)" in encoding.syntax and values["c"] not in FPU_REGISTERS:
-        written = encoding.syntax.partition(" ")[2].startswith("*(0:16)")
-        yield Access(values["c"], _width(instruction), "w" if written else "r", None, instruction)
-
-
-def _width(instruction: Instruction) -> int:
-    return 32 if any(wide in instruction.encoding.syntax for wide in WIDE) else 16
-
-
-def _address(field: int, known: Known, width: int) -> int | None:
-    """Return the address that field l encodes; None if the operand is a register, or if the address is unknown."""
-    if field in DIRECT:
-        return None if known.dp is None else known.dp << PAGE | field
-    if field in STACK:
-        return None if known.sp is None else known.sp - (field & 0x3F)
-    if field in INDEXED:
-        base = known.xar[field & 7]
-        return None if base is None else base + (field >> 3 & 7)
-    if field in range(0x80, 0xA0):
-        base, mode = known.xar[field & 7], field >> 3 & 3
-        if base is None or mode == 0:
-            return base
-        if mode == 1:
-            return base - width // 16
-        index = known.xar[mode - 2]
-        return None if index is None else base + (index & 0xFFFF)
-    return None
-
-
-def _follow(instruction: Instruction, known: Known) -> None:
-    """Update the known values after an instruction."""
-    encoding, values, xar = instruction.encoding, instruction.values, known.xar
-    field = values.get("l", -1)
-    if field in range(0x80, 0x90):
-        base, step = xar[field & 7], _width(instruction) // 16
-        xar[field & 7] = None if base is None else base + (step if field < 0x88 else -step)
-    elif field in range(0xA0, 0xA8) and "w" in encoding.accesses:
-        xar[field & 7] = None
-    written = places(encoding.writes)
-    for found in filter(None, map(XAR.fullmatch, written)):
-        number = values["n"] if found[1] == "n" else int(found[1])
-        xar[number] = _constant(instruction, xar[number])
-    if "XAR[ARP]" in written:
-        known.xar = [None] * 8
-    if "SP" in written or field in (PUSHES, POPS):
-        known.sp = None
-    if "DP" in written:
-        if encoding.id in ("MOVW_DP_16", "MOVZ_DP_10"):
-            known.dp = values["c"]
-        else:
-            known.dp = known.dp & ~0x3FF | values["c"] if encoding.id == "MOV_DP_10" and known.dp is not None else None
-
-
-def _constant(instruction: Instruction, before: int | None) -> int | None:
-    """Return the value that an instruction writes to an address register; None if it is unknown.
-
-    before: the earlier value of the register.
-    """
-    found, c = CONSTANT.fullmatch(instruction.encoding.syntax), instruction.values.get("c", 0)
-    if found is None:
-        return None
-    mnemonic, register = found.groups()
-    if mnemonic.startswith("MOV") and register == "XAR":
-        return c
-    if before is None:
-        return None
-    if register == "AR":  # a write to ARn keeps the upper half of XARn
-        return before & ~0xFFFF | c
-    return before + c if mnemonic == "ADDB" else before - c
+def _executed(instruction: Instruction, cpu: _Cpu) -> Iterator[Access]:
+    """Yield the accesses of an instruction to known addresses, and execute its effects on the registers."""
+    encoding, f = instruction.encoding, operation(instruction)
+    width, numbers = 32 if f.wide else 16, {"n": f.n, "m": f.m}
+    if f.l in MOVING:
+        cpu.known &= ~XARS
+    elif f.l >= 0 and f.l not in (PUSHES, POPS) and not addressing(f.l) & ~cpu.known:
+        is_known = encoding.id.startswith("MOVL_loc32_XAR") and cpu.known >> f.n & 1
+        value = cpu.xar[f.n] if is_known else None
+        cpu.begin(f)
+        if cpu.ea != REGISTER and encoding.accesses:
+            yield Access(cpu.ea, width, encoding.accesses, value, instruction)
+    if f.absolute and f.c not in FPU_REGISTERS:
+        yield Access(f.c, width, "w" if f.absolute == WRITES else "r", None, instruction)
+    written = registers_in(encoding.writes, numbers)
+    if f.accesses & WRITES and 0xA0 <= f.l < 0xA8:
+        written |= 1 << (f.l & 7)
+    if written & BY_ARP:
+        written |= XARS
+    # These instructions keep a part of the register that they write.
+    kept = [name for name in places(encoding.writes) if name.startswith("AR") or encoding.id == "MOV_DP_10"]
+    needed = [*places(encoding.reads), *kept]
+    is_computed = all(name in MASKS or name in FIELDS for name in needed)
+    if written and is_computed and not registers_in(needed, numbers) & ~cpu.known:
+        cpu.finish(f)
+        cpu.known |= written & REGISTERS
+    else:
+        cpu.known &= ~written
+    if written & SP or f.l in (PUSHES, POPS):
+        cpu.known &= ~SP

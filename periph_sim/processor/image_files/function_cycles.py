@@ -14,9 +14,8 @@ from typing import NamedTuple
 from ...core.phrases import did_you_mean
 from ...core.text_table import paragraph, text_table
 from ..c28x.decoder import UNC, Instruction, decode_at
-from ..c28x.encodings import places
 from ..c28x.execution.operations import operation
-from ..c28x.pipeline import DP, SP, Pipeline, hazards
+from ..c28x.pipeline import DP, NAMES, POPS, PUSHES, SP, Pipeline, hazards, registers_in
 from .debug_info import Function, FunctionMap
 from .model import BadImage, Image
 
@@ -73,9 +72,8 @@ def function_cycles(image: Image, name: str) -> FunctionCycles:
         f.needs, f.makes = hazards(one.encoding, f.l, f.n, f.m)
         pending = pipeline.pending
         registers = pipeline.stall(f, 0)
-        names = (*(f"XAR{n}" for n in range(8)), "DP", "SP")
         unready = f.needs & (pending | pending >> 10 | pending >> 20)
-        waited = " and ".join(name for bit, name in enumerate(names) if unready >> bit & 1)
+        waited = " and ".join(name for bit, name in enumerate(NAMES) if unready >> bit & 1)
         why = [f"waits for {waited}"] if registers else []
         words = _word(one, f.wide, pages)
         late = pipeline.read(words[0], words[1]) if words and "r" in one.encoding.accesses else 0
@@ -123,9 +121,8 @@ def _word(found: Instruction, wide: bool, pages: Mapping[int, int]) -> tuple[int
 
 def _written(found: Instruction) -> int:
     """Return the mask of those of the registers DP and SP that an instruction writes."""
-    writes = places(found.encoding.writes)
-    moved = SP if found.values.get("l", 0) in (0xBD, 0xBE) else 0
-    return (DP if "DP" in writes else 0) | (SP if "SP" in writes else 0) | moved
+    moved = SP if found.values.get("l") in (PUSHES, POPS) else 0
+    return registers_in(found.encoding.writes, {"n": 0, "m": 0}) & (DP | SP) | moved
 
 
 def cycles_text(found: FunctionCycles) -> str:

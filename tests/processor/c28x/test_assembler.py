@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.processor.c28x.assembler import BadExpression, evaluate, parse
+from periph_sim.processor.c28x.assembler import evaluate, parse
 from periph_sim.processor.c28x.decoder import decode_at
 from periph_sim.processor.c28x.encodings import Encoding, encodings
 from periph_sim.processor.c28x.operands import BadInstruction
@@ -365,7 +365,7 @@ def test_expressions(text: str, value: int):
     ],
 )
 def test_what_is_no_expression(text: str):
-    with pytest.raises(BadExpression):
+    with pytest.raises(BadInstruction):
         evaluate(text, {}, AT)
 
 

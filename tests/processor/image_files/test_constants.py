@@ -59,6 +59,9 @@ def test_every_address_register_is_followed_through_every_mode(n: int):
         ("MOVL XAR4,#0x7000\n MOVL @XAR4,ACC\n MOV AL,*XAR4", []),
         ("MOVL XAR4,#0x7000\n MOVL ACC,@XAR4\n MOV AL,*XAR4", [(0x7000, 16, "r")]),
         ("MOVL XAR4,#0x7000\n MOVL XAR5,#0x7100\n ADRK #5\n MOV AL,*XAR5", []),  # whichever ARP points to
+        ("MOVL XAR4,#0x7000\n NOP *,ARP4\n MOV AL,*++\n MOV AL,*XAR4", []),  # as well
+        ("MOVL XAR6,#0x7000\n MOV AL,*AR6%++\n MOV AL,*XAR6", []),
+        ("MOVL XAR4,#0x7000\n MOVB AL.LSB,*+XAR4[5]", [(0x7002, 16, "r")]),  # the index counts bytes
         ("MOVB AR6,#8\n MOV AL,*XAR6", []),  # the upper half is not known
         ("MOVL XAR7,#0x17000\n MOVB AR7,#8\n MOV AL,*XAR7", [(0x10008, 16, "r")]),
         ("MOV AL,*XAR4++\n MOV AL,*XAR4\n ADDB XAR4,#1\n MOV AL,*XAR4", []),

@@ -185,51 +185,41 @@ class Cpu(Registers):
         if self.ea >= 0:
             return self.load16(self.ea)
         field = self.field
-        if field < 0xA8:
-            return self.xar[field & 7] & M16
-        match field:
-            case 0xA8:
-                return self.acc >> 16
-            case 0xA9:
-                return self.acc & M16
-            case 0xAA:
-                return self.p >> 16
-            case 0xAB:
-                return self.p & M16
-            case 0xAC:
-                return self.xt >> 16
-        return self.sp
+        if field == 0xAD:
+            return self.sp
+        whole = self._register()
+        return whole & M16 if field < 0xA8 or field & 1 else whole >> 16
 
     def write16(self, value: int) -> None:  # core: C only
         if self.ea >= 0:
             self.store16(self.ea, value)
             return
         field = self.field
-        if field < 0xA8:
-            self.put_ar(field & 7, value)
-        elif field in (0xA8, 0xA9):
-            self.put_ax(0xA9 - field, value)
-        elif field == 0xAA:
-            self.p = self.p & M16 | value << 16
-        elif field == 0xAB:
-            self.p = self.p & HIGH16 | value
-        elif field == 0xAC:
-            self.put_t(value)
-        else:
+        if field == 0xAD:
             self.sp = value
+        elif field < 0xA8 or field & 1:
+            self._put_register(self._register() & HIGH16 | value)
+        else:
+            self._put_register(self._register() & M16 | value << 16)
 
     def read32(self) -> int:  # core: C only
+        return self.load32(self.ea) if self.ea >= 0 else self._register()
+
+    def write32(self, value: int) -> None:  # core: C only
         if self.ea >= 0:
-            return self.load32(self.ea)
+            self.store32(self.ea, value)
+        else:
+            self._put_register(value)
+
+    def _register(self) -> int:  # core: C only
+        """Return the register of 32 bits that field l selects, or that contains the selected register of 16 bits."""
         field = self.field
         if field < 0xA8:
             return self.xar[field & 7]
         return self.acc if field < 0xAA else self.p if field < 0xAC else self.xt
 
-    def write32(self, value: int) -> None:  # core: C only
-        if self.ea >= 0:
-            self.store32(self.ea, value)
-            return
+    def _put_register(self, value: int) -> None:  # core: C only
+        """Write the register that `_register` returns."""
         field = self.field
         if field < 0xA8:
             self.xar[field & 7] = value

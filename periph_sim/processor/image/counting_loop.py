@@ -29,7 +29,7 @@ from ..c28x.execution.registers import M16
 from ..c28x.pipeline import BY_ARP, addressing
 from ..cpu_time import CpuTime
 from .cpu import ImageCpu
-from .memory import L0_AGAIN, L4_AGAIN, MIRROR, in_plain_ram
+from .memory import first_address, in_plain_ram
 from .observers import InstructionWatch
 
 MOST_TRACED = 256  # maximum number of instructions in a trace
@@ -335,9 +335,7 @@ class CountingLoop(InstructionWatch):
             return ()
         if self._cpu.ea == REGISTER:
             return WORDS.get(operand_texts(f.wide)[f.l].removeprefix("@"), ())
-        address = self._cpu.ea
-        if L0_AGAIN <= address < L4_AGAIN:
-            address -= MIRROR
+        address = first_address(self._cpu.ea)
         if not in_plain_ram(address):
             return ()
         return (address & ~1, address | 1) if f.wide else (address,)

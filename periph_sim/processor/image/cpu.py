@@ -18,7 +18,7 @@ from ...core.state import State
 from ...f28335.cpu.interrupts import CONTEXT_SP, EALLOW, INTM, frame_of
 from ...f28335.memory.ram import FACTOR, MODULUS, OTHER_FACTOR, OTHER_MODULUS, block_at
 from ...f28335.system_options import SystemOptions
-from ..c28x.decoder import decode_at
+from ..c28x.decoder import Instruction, decode_at
 from ..c28x.delay_slots import arrive, delay, late_results, not_kept
 from ..c28x.execution.cpu import READS, REGISTER, Cpu, Operation
 from ..c28x.execution.engine import PAGE
@@ -26,7 +26,7 @@ from ..c28x.execution.operations import operation
 from ..c28x.execution.registers import ARP, ARP_MASK, CODE, READ_ONLY, ST1_RESET, IllegalOperation
 from ..c28x.pipeline import QUEUE_PACKED, STORES_PACKED
 from ..processor import Processor
-from .memory import L0_AGAIN, L4_AGAIN, MIRROR, RAM_TO, ImageMemory, in_plain_ram
+from .memory import RAM_TO, ImageMemory, first_address, in_plain_ram
 
 TIMING = 38  # index of the first entry of the pipeline in the result of `ImageCpu.state`
 FLAGS = 16  # number of words whose flags are a coefficient of a polynomial (see `MODULUS` in `f28335.memory.ram`)
@@ -71,7 +71,7 @@ class ImageCpu(ImageMemory):
 
     def _decode(self) -> Operation:
         pc = self.pc
-        at = pc - MIRROR if L0_AGAIN <= pc < L4_AGAIN else pc
+        at = first_address(pc)
         if at != pc:
             self._code[at >> PAGE] = 1
         if in_plain_ram(at) and not self._written[at]:
@@ -81,21 +81,17 @@ class ImageCpu(ImageMemory):
             made = ImageMemory._decode(self)
         finally:
             self._decoding = False
-        self._prepare(made, self.word_at(made.address), self.word_at(made.address + 1))
+        instruction = Instruction(pc, self.word_at(pc) << 16 | self.word_at(pc + 1), made.encoding)
+        self._prepare(made, instruction)
         if made.encoding.kind == "fpu":
-            self._look_at_slots(made)
+            self._look_at_slots(instruction)
         return made
 
-    def _prepare(self, made: Operation, first: int, second: int) -> None:
-        """Set the properties of a decoded instruction that depend on the timing and on FPU delay slots.
-
-        first, second: the words of the instruction.
-        """
+    def _prepare(self, made: Operation, instruction: Instruction) -> None:
+        """Set the properties of a decoded instruction that depend on the timing and on FPU delay slots."""
         self.timing.prepare(made)
         if made.encoding.kind == "fpu":
-            found = decode_at(made.address, first, second)
-            assert found is not None
-            made.late = late_results(found)
+            made.late = late_results(instruction)
         if self._delays:
             delay(made)
 
@@ -104,18 +100,16 @@ class ImageCpu(ImageMemory):
         found = decode_at(address, first, second)
         assert found is not None
         made = operation(found)
-        self._prepare(made, first, second)
+        self._prepare(made, found)
         return made
 
-    def _look_at_slots(self, f: Operation) -> None:
+    def _look_at_slots(self, instruction: Instruction) -> None:
         """Make a note if the instruction in the delay slot of this instruction reads a late result."""
-        if f.address in self._slots_seen:
+        if instruction.address in self._slots_seen:
             return
-        self._slots_seen.add(f.address)
-        found = decode_at(f.address, self.word_at(f.address), self.word_at(f.address + 1))
-        assert found is not None
+        self._slots_seen.add(instruction.address)
         memory: Any = self  # Any, because compiled code would pass an unbound method of a typed object
-        for text in not_kept(found, memory.word_at):
+        for text in not_kept(instruction, memory.word_at):
             self._options.fpu_delay_slot.assume(self._core.touched)
             self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRUEO2A section 3.2"))
 

@@ -33,6 +33,7 @@ from ..firmware_notes import FirmwareNotes
 
 ERASED = 0xFFFF
 FRAME_READ_WAITS, ROM_WAITS, EXTERNAL_WAITS, PASSWORD_WAITS = 2, 1, 1, 16
+WAITS = {Content.REGISTERS: FRAME_READ_WAITS, Content.RAM: 0, Content.EXTERNAL: EXTERNAL_WAITS}  # others: ROM_WAITS
 L4_WAITS = 1  # wait states of L4 to L7 as program memory
 L4_TO_L7 = range(0xC000, 0x1_0000)
 FLASH_BEGIN, FLASH_END = FLASH.start, FLASH.stop
@@ -201,13 +202,7 @@ class UnmappedMemory:
         if self._flash_begin <= address < FLASH_END:
             return self._flash[1]
         area = area_at(address)
-        if area is None:
-            return 0
-        if area.content is Content.REGISTERS:
-            return FRAME_READ_WAITS
-        if area.content is Content.RAM:
-            return 0
-        return self._waits(area.content)[0]
+        return 0 if area is None else self._waits(area.content)[0]
 
     def fetches(self, address: int) -> tuple[int, int, int]:
         """Return (bits, first, later) for fetches from program memory at an address.
@@ -237,7 +232,7 @@ class UnmappedMemory:
         if content is Content.OTP:
             waits = max(self._frames[FOTPWAIT] & 0x1F, 1)
             return waits, waits
-        waits = EXTERNAL_WAITS if content is Content.EXTERNAL else ROM_WAITS
+        waits = WAITS.get(content, ROM_WAITS)
         return waits, waits
 
     def _area(self, address: int, how: str) -> Area:

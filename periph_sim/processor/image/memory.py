@@ -39,6 +39,11 @@ def in_plain_ram(address: int) -> bool:  # core: noexcept
     return address < LOW_RAM or RAM_FROM <= address < RAM_TO
 
 
+def first_address(address: int) -> int:  # core: noexcept
+    """Return the first address of a word of L0 to L3, which are mapped twice; return any other address unchanged."""
+    return address - MIRROR if L0_AGAIN <= address < L4_AGAIN else address
+
+
 class ImageMemory(Engine):
     """The memory that an image accesses: RAM, registers on the bus, and the words of `elsewhere`.
 
@@ -72,8 +77,7 @@ class ImageMemory(Engine):
 
     def fill(self, address: int, value: int) -> None:
         """Set a word before the program begins, or as a preset when main begins. `watched` is not called."""
-        if L0_AGAIN <= address < L4_AGAIN:
-            address -= MIRROR
+        address = first_address(address)
         if block_at(address) is not None:
             self._ram.put(address, value)
             self._written[address] = 1
@@ -222,10 +226,8 @@ class ImageMemory(Engine):
         if not self._decoding and (address >= WAITED_FROM or not in_plain_ram(address)):
             waits = self.elsewhere.fetches(address)[1]
             self.timing.late += waits + self.timing.read(self.pc, address, self._time.cycle, waits)
-        if in_plain_ram(address):
-            return self._ram.word(address)
-        if L0_AGAIN <= address < L4_AGAIN:
-            return self._ram.word(address - MIRROR)
+        if in_plain_ram(first_address(address)):
+            return self._ram.word(first_address(address))
         area = area_at(address)
         if area is None or area.content is Content.REGISTERS:
             raise IllegalOperation(f"code is fetched from {address:#08x}, where there is no memory")
@@ -235,8 +237,7 @@ class ImageMemory(Engine):
 
     def word_at(self, address: int) -> int:
         """Return a word of code, without cycles or other effects."""
-        if L0_AGAIN <= address < L4_AGAIN:
-            address -= MIRROR
+        address = first_address(address)
         return self._ram.word(address) if in_plain_ram(address) else self.elsewhere.peek(address)
 
     def _keep(self, address: int, value: int) -> None:

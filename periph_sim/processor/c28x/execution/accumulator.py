@@ -89,19 +89,16 @@ def logic(cpu: Cpu, value: int) -> None:
     cpu.nz32(cpu.acc)
 
 
+def shifted16(cpu: Cpu, f: Operation) -> int:
+    """Return a 16-bit operand extended to 32 bits and shifted by field s or, if the form has no field s, by T(3:0)."""
+    return cpu.x16(cpu.value16(f)) << (f.s if f.s >= 0 else cpu.t() & 15)
+
+
 # Add ----------------------------------------------------------------------------------------------------------------
 
 
 def ADD_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
-    add(cpu, cpu.x16(f.c) << f.s)
-
-
-def ADD_ACC_loc16shT(cpu: Cpu, f: Operation) -> None:
-    add(cpu, cpu.x16(cpu.read16()) << (cpu.t() & 15))
-
-
-def ADD_ACC_loc16sh_1_15(cpu: Cpu, f: Operation) -> None:
-    add(cpu, cpu.x16(cpu.read16()) << f.s)
+    add(cpu, shifted16(cpu, f))
 
 
 def ADD_ACC_loc16sh_16(cpu: Cpu, f: Operation) -> None:
@@ -141,22 +138,14 @@ def ADDUL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
 # Subtract -----------------------------------------------------------------------------------------------------------
 
 
-def SUB_ACC_loc16sh_1_15(cpu: Cpu, f: Operation) -> None:
-    subtract(cpu, cpu.x16(cpu.read16()) << f.s)
-
-
 def SUB_ACC_loc16sh_16(cpu: Cpu, f: Operation) -> None:
     before = cpu.c
     subtract(cpu, cpu.read16() << 16)
     cpu.c &= before
 
 
-def SUB_ACC_loc16shT(cpu: Cpu, f: Operation) -> None:
-    subtract(cpu, cpu.x16(cpu.read16()) << (cpu.t() & 15))
-
-
 def SUB_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
-    subtract(cpu, cpu.x16(f.c) << f.s)
+    subtract(cpu, shifted16(cpu, f))
 
 
 def SBBU_ACC_loc16(cpu: Cpu, f: Operation) -> None:
@@ -327,27 +316,15 @@ def ZAPA(cpu: Cpu, f: Operation) -> None:
 
 
 def AND_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc & f.c << f.s)
-
-
-def AND_ACC_loc16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc & cpu.read16())
-
-
-def OR_ACC_loc16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc | cpu.read16())
+    logic(cpu, cpu.acc & cpu.value16(f) << f.s)
 
 
 def OR_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc | f.c << f.s)
-
-
-def XOR_ACC_loc16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc ^ cpu.read16())
+    logic(cpu, cpu.acc | cpu.value16(f) << f.s)
 
 
 def XOR_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.acc ^ f.c << f.s)
+    logic(cpu, cpu.acc ^ cpu.value16(f) << f.s)
 
 
 def NOT_ACC(cpu: Cpu, f: Operation) -> None:

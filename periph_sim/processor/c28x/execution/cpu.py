@@ -190,6 +190,10 @@ class Cpu(Registers):
         whole = self._register()
         return whole & M16 if field < 0xA8 or field & 1 else whole >> 16
 
+    def value16(self, f: Operation) -> int:  # core: C only
+        """Return the operand of 16 bits that field l selects or, if the form has no field l, the number in field c."""
+        return self.read16() if f.l >= 0 else f.c
+
     def write16(self, value: int) -> None:  # core: C only
         if self.ea >= 0:
             self.store16(self.ea, value)

@@ -98,8 +98,9 @@ def condition(cpu: Cpu, code: int) -> bool:
     return True
 
 
-def upper(f: Operation) -> int:
-    return f.i << 16
+def value_of(cpu: Cpu, f: Operation, number: int) -> int:
+    """Return RnH, where n is `number`. If it is -1, because the form has no such field, return the float in field i."""
+    return cpu.r[number] if number >= 0 else f.i << 16
 
 
 def add(cpu: Cpu, number: int, a: int, b: int) -> None:
@@ -122,12 +123,8 @@ def ABSF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
     compare(cpu, bits, 0)
 
 
-def ADDF32_RaH_16FHi_RbH(cpu: Cpu, f: Operation) -> None:
-    add(cpu, f.p, cpu.r[f.q], upper(f))
-
-
 def ADDF32_RaH_RbH_RcH(cpu: Cpu, f: Operation) -> None:
-    add(cpu, f.p, cpu.r[f.q], cpu.r[f.r])
+    add(cpu, f.p, cpu.r[f.q], value_of(cpu, f, f.r))
 
 
 def SUBF32_RaH_RbH_RcH(cpu: Cpu, f: Operation) -> None:
@@ -135,15 +132,11 @@ def SUBF32_RaH_RbH_RcH(cpu: Cpu, f: Operation) -> None:
 
 
 def SUBF32_RaH_16FHi_RbH(cpu: Cpu, f: Operation) -> None:
-    subtract(cpu, f.p, upper(f), cpu.r[f.q])
+    subtract(cpu, f.p, f.i << 16, cpu.r[f.q])
 
 
 def MPYF32_RaH_RbH_RcH(cpu: Cpu, f: Operation) -> None:
-    multiply(cpu, f.p, cpu.r[f.q], cpu.r[f.r])
-
-
-def MPYF32_RaH_16FHi_RbH(cpu: Cpu, f: Operation) -> None:
-    multiply(cpu, f.p, upper(f), cpu.r[f.q])
+    multiply(cpu, f.p, cpu.r[f.q], value_of(cpu, f, f.r))
 
 
 def EINVF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
@@ -214,24 +207,16 @@ def MPYF32_RaH_RbH_RcH_par_SUBF32_RdH_ReH_RfH(cpu: Cpu, f: Operation) -> None:
     result(cpu, f.p, product)
 
 
-def _accumulate(cpu: Cpu, f: Operation, total: int, product: int) -> None:
+def MACF32_R3H_R2H_RdH_ReH_RfH_par_MOV32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
     """Add the previous product to the total, compute the next product, and load a register.
 
-    total, product: numbers of the FPU registers with the total and the previous product.
+    The number of the register with the total is field s; the register with the previous product is the one before it.
     """
     bits = cpu.read32()
     value = product_of(cpu.r[f.u], cpu.r[f.v], nearest(cpu))
-    add(cpu, total, cpu.r[total], cpu.r[product])
+    add(cpu, f.s, cpu.r[f.s], cpu.r[f.s - 1])
     result(cpu, f.t, value)
     moved(cpu, f.p, bits)
-
-
-def MACF32_R3H_R2H_RdH_ReH_RfH_par_MOV32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
-    _accumulate(cpu, f, 3, 2)
-
-
-def MACF32_R7H_R6H_RdH_ReH_RfH_par_MOV32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
-    _accumulate(cpu, f, 7, 6)
 
 
 def MACF32_R7H_R3H_mem32_indXAR7inc(cpu: Cpu, f: Operation) -> None:
@@ -248,11 +233,7 @@ def MACF32_R7H_R3H_mem32_indXAR7inc(cpu: Cpu, f: Operation) -> None:
 
 
 def CMPF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    compare(cpu, cpu.r[f.p], cpu.r[f.q])
-
-
-def CMPF32_RaH_16FHi(cpu: Cpu, f: Operation) -> None:
-    compare(cpu, cpu.r[f.p], upper(f))
+    compare(cpu, cpu.r[f.p], value_of(cpu, f, f.q))
 
 
 def clean(bits: int) -> int:
@@ -263,13 +244,9 @@ def clean(bits: int) -> int:
 
 
 def MAXF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    if compare(cpu, cpu.r[f.p], cpu.r[f.q]) < 0:
-        cpu.r[f.p] = clean(cpu.r[f.q])
-
-
-def MAXF32_RaH_16FHi(cpu: Cpu, f: Operation) -> None:
-    if compare(cpu, cpu.r[f.p], upper(f)) < 0:
-        cpu.r[f.p] = clean(upper(f))
+    value = value_of(cpu, f, f.q)
+    if compare(cpu, cpu.r[f.p], value) < 0:
+        cpu.r[f.p] = clean(value)
 
 
 def MAXF32_RaH_RbH_par_MOV32_RcH_RdH(cpu: Cpu, f: Operation) -> None:
@@ -280,13 +257,9 @@ def MAXF32_RaH_RbH_par_MOV32_RcH_RdH(cpu: Cpu, f: Operation) -> None:
 
 
 def MINF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    if compare(cpu, cpu.r[f.p], cpu.r[f.q]) > 0:
-        cpu.r[f.p] = clean(cpu.r[f.q])
-
-
-def MINF32_RaH_16FHi(cpu: Cpu, f: Operation) -> None:
-    if compare(cpu, cpu.r[f.p], upper(f)) > 0:
-        cpu.r[f.p] = clean(upper(f))
+    value = value_of(cpu, f, f.q)
+    if compare(cpu, cpu.r[f.p], value) > 0:
+        cpu.r[f.p] = clean(value)
 
 
 def MINF32_RaH_RbH_par_MOV32_RcH_RdH(cpu: Cpu, f: Operation) -> None:
@@ -300,11 +273,7 @@ def MINF32_RaH_RbH_par_MOV32_RcH_RdH(cpu: Cpu, f: Operation) -> None:
 
 
 def F32TOI16_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = to_integer(cpu.r[f.q], -0x8000, 0x7FFF) & M32
-
-
-def F32TOI16R_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = to_integer(cpu.r[f.q], -0x8000, 0x7FFF, True) & M32
+    cpu.r[f.p] = to_integer(cpu.r[f.q], -0x8000, 0x7FFF, f.s >= 0) & M32
 
 
 def F32TOI32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
@@ -312,11 +281,7 @@ def F32TOI32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
 
 
 def F32TOUI16_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = to_integer(cpu.r[f.q], 0, M16)
-
-
-def F32TOUI16R_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = to_integer(cpu.r[f.q], 0, M16, True)
+    cpu.r[f.p] = to_integer(cpu.r[f.q], 0, M16, f.s >= 0)
 
 
 def F32TOUI32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
@@ -327,36 +292,25 @@ def FRACF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
     cpu.r[f.p] = fraction(cpu.r[f.q])
 
 
+def integer(cpu: Cpu, f: Operation) -> int:
+    """Return RbH or, if the form has no field q, the operand in memory."""
+    return cpu.r[f.q] if f.q >= 0 else cpu.read32() if f.wide else cpu.read16()
+
+
 def I16TOF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = from_integer(s16(cpu.r[f.q] & M16), nearest(cpu))
-
-
-def I16TOF32_RaH_mem16(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = from_integer(s16(cpu.read16()), nearest(cpu))
-
-
-def I32TOF32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = from_integer(s32(cpu.read32()), nearest(cpu))
+    cpu.r[f.p] = from_integer(s16(integer(cpu, f) & M16), nearest(cpu))
 
 
 def I32TOF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = from_integer(s32(cpu.r[f.q]), nearest(cpu))
-
-
-def UI16TOF32_RaH_mem16(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = from_integer(cpu.read16(), nearest(cpu))
+    cpu.r[f.p] = from_integer(s32(integer(cpu, f)), nearest(cpu))
 
 
 def UI16TOF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = from_integer(cpu.r[f.q] & M16, nearest(cpu))
-
-
-def UI32TOF32_RaH_mem32(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = from_integer(cpu.read32(), nearest(cpu))
+    cpu.r[f.p] = from_integer(integer(cpu, f) & M16, nearest(cpu))
 
 
 def UI32TOF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    cpu.r[f.p] = from_integer(cpu.r[f.q], nearest(cpu))
+    cpu.r[f.p] = from_integer(integer(cpu, f), nearest(cpu))
 
 
 def bind(f: Operation, name: str) -> None:

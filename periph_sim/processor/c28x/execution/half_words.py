@@ -86,15 +86,11 @@ def NEG_AX(cpu: Cpu, f: Operation) -> None:
 
 
 def CMP_AX_loc16(cpu: Cpu, f: Operation) -> None:
-    compared16(cpu, cpu.ax(f.x), cpu.read16())
+    compared16(cpu, cpu.ax(f.x), cpu.value16(f))
 
 
 def CMP_loc16_16s(cpu: Cpu, f: Operation) -> None:
     compared16(cpu, cpu.read16(), f.c)
-
-
-def CMPB_AX_8(cpu: Cpu, f: Operation) -> None:
-    compared16(cpu, cpu.ax(f.x), f.c)
 
 
 def MAX_AX_loc16(cpu: Cpu, f: Operation) -> None:
@@ -122,19 +118,15 @@ def AND_loc16_AX(cpu: Cpu, f: Operation) -> None:
 
 
 def AND_AX_loc16(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, cpu.ax(f.x) & cpu.read16())
+    put(cpu, f.x, cpu.ax(f.x) & cpu.value16(f))
 
 
 def AND_loc16_16s(cpu: Cpu, f: Operation) -> None:
     write(cpu, cpu.read16() & f.c)
 
 
-def ANDB_AX_8(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, cpu.ax(f.x) & f.c)
-
-
 def OR_AX_loc16(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, cpu.ax(f.x) | cpu.read16())
+    put(cpu, f.x, cpu.ax(f.x) | cpu.value16(f))
 
 
 def OR_loc16_16(cpu: Cpu, f: Operation) -> None:
@@ -145,12 +137,8 @@ def OR_loc16_AX(cpu: Cpu, f: Operation) -> None:
     write(cpu, cpu.read16() | cpu.ax(f.x))
 
 
-def ORB_AX_8(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, cpu.ax(f.x) | f.c)
-
-
 def XOR_AX_loc16(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, cpu.ax(f.x) ^ cpu.read16())
+    put(cpu, f.x, cpu.ax(f.x) ^ cpu.value16(f))
 
 
 def XOR_loc16_AX(cpu: Cpu, f: Operation) -> None:
@@ -159,10 +147,6 @@ def XOR_loc16_AX(cpu: Cpu, f: Operation) -> None:
 
 def XOR_loc16_16(cpu: Cpu, f: Operation) -> None:
     write(cpu, cpu.read16() ^ f.c)
-
-
-def XORB_AX_8(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, cpu.ax(f.x) ^ f.c)
 
 
 def NOT_AX(cpu: Cpu, f: Operation) -> None:
@@ -174,11 +158,7 @@ def FLIP_AX(cpu: Cpu, f: Operation) -> None:
 
 
 def MOV_AX_loc16(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, cpu.read16())
-
-
-def MOVB_AX_8(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, f.c)
+    put(cpu, f.x, cpu.value16(f))
 
 
 # Bits and bytes -----------------------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ Source: SPRU430F chapter 6; section 5.8 (addresses that increase in each pass of
 
 from __future__ import annotations
 
-from .accumulator import logic
+from .accumulator import logic, shifted16
 from .cpu import Cpu, Operation
 from .registers import HIGH16, M16, M32, PMA, s16
 
@@ -258,19 +258,7 @@ def XPWRITE_indAL_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def MOV_ACC_16sh_0_15(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.x16(f.c) << f.s)
-
-
-def MOV_ACC_loc16shT(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.x16(cpu.read16()) << (cpu.t() & 15))
-
-
-def MOV_ACC_loc16sh_1_15(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.x16(cpu.read16()) << f.s)
-
-
-def MOV_ACC_loc16sh_16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, cpu.read16() << 16)
+    logic(cpu, shifted16(cpu, f))
 
 
 def MOVU_ACC_loc16(cpu: Cpu, f: Operation) -> None:

@@ -156,12 +156,8 @@ def MAC_P_loc16_0_pma(cpu: Cpu, f: Operation) -> None:
     accumulate(cpu, f.c + cpu.passes)
 
 
-def MAC_P_loc16_indXAR7(cpu: Cpu, f: Operation) -> None:
-    accumulate(cpu, cpu.xar[7])
-
-
 def MAC_P_loc16_indXAR7inc(cpu: Cpu, f: Operation) -> None:
-    accumulate(cpu, stepping(cpu, 1))
+    accumulate(cpu, stepping(cpu, f.s))
 
 
 def XMAC_P_loc16_ind_pma(cpu: Cpu, f: Operation) -> None:
@@ -185,12 +181,8 @@ def dual(cpu: Cpu, address: int) -> None:
     cpu.p = cpu.p + product_low(cpu, lower) & M32
 
 
-def DMAC_ACC_P_loc32_indXAR7(cpu: Cpu, f: Operation) -> None:
-    dual(cpu, cpu.xar[7])
-
-
 def DMAC_ACC_P_loc32_indXAR7inc(cpu: Cpu, f: Operation) -> None:
-    dual(cpu, stepping(cpu, 2))
+    dual(cpu, stepping(cpu, f.s))
 
 
 # 32 by 32 bits ------------------------------------------------------------------------------------------------------
@@ -226,12 +218,8 @@ def accumulate_low(cpu: Cpu, address: int) -> None:
     cpu.p = product_low(cpu, s32(value) * s32(factor))
 
 
-def IMACL_P_loc32_indXAR7(cpu: Cpu, f: Operation) -> None:
-    accumulate_low(cpu, cpu.xar[7])
-
-
 def IMACL_P_loc32_indXAR7inc(cpu: Cpu, f: Operation) -> None:
-    accumulate_low(cpu, stepping(cpu, 2))
+    accumulate_low(cpu, stepping(cpu, f.s))
 
 
 def QMPYL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
@@ -269,12 +257,8 @@ def accumulate_high(cpu: Cpu, address: int) -> None:
     cpu.p = product_high(s32(value) * s32(factor))
 
 
-def QMACL_P_loc32_indXAR7(cpu: Cpu, f: Operation) -> None:
-    accumulate_high(cpu, cpu.xar[7])
-
-
 def QMACL_P_loc32_indXAR7inc(cpu: Cpu, f: Operation) -> None:
-    accumulate_high(cpu, stepping(cpu, 2))
+    accumulate_high(cpu, stepping(cpu, f.s))
 
 
 # P shifted ----------------------------------------------------------------------------------------------------------

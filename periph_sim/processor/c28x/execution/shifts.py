@@ -27,12 +27,13 @@ def right(cpu: Cpu, value: int, shift: int) -> int:
     return value >> shift
 
 
+def count(cpu: Cpu, f: Operation, mask: int) -> int:
+    """Return the shift count, which is in field s or, if the form has no field s, in the bits `mask` of T."""
+    return f.s + 1 if f.s >= 0 else cpu.t() & mask
+
+
 def LSL_ACC_1_16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, left(cpu, cpu.acc, f.s + 1, 32))
-
-
-def LSL_ACC_T(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, left(cpu, cpu.acc, cpu.t() & 15, 32))
+    logic(cpu, left(cpu, cpu.acc, count(cpu, f, 15), 32))
 
 
 def LSLL_ACC_T(cpu: Cpu, f: Operation) -> None:
@@ -48,11 +49,7 @@ def ASRL_ACC_T(cpu: Cpu, f: Operation) -> None:
 
 
 def SFR_ACC_1_16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, right(cpu, s32(cpu.acc) if cpu.sxm else cpu.acc, f.s + 1))
-
-
-def SFR_ACC_T(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, right(cpu, s32(cpu.acc) if cpu.sxm else cpu.acc, cpu.t() & 15))
+    logic(cpu, right(cpu, s32(cpu.acc) if cpu.sxm else cpu.acc, count(cpu, f, 15)))
 
 
 def ROL_ACC(cpu: Cpu, f: Operation) -> None:
@@ -68,27 +65,15 @@ def ROR_ACC(cpu: Cpu, f: Operation) -> None:
 
 
 def LSL_AX_1_16(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, left(cpu, cpu.ax(f.x), f.s + 1, 16))
-
-
-def LSL_AX_T(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, left(cpu, cpu.ax(f.x), cpu.t() & 15, 16))
+    put(cpu, f.x, left(cpu, cpu.ax(f.x), count(cpu, f, 15), 16))
 
 
 def LSR_AX_1_16(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, right(cpu, cpu.ax(f.x), f.s + 1))
-
-
-def LSR_AX_T(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, right(cpu, cpu.ax(f.x), cpu.t() & 15))
+    put(cpu, f.x, right(cpu, cpu.ax(f.x), count(cpu, f, 15)))
 
 
 def ASR_AX_1_16(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, right(cpu, s16(cpu.ax(f.x)), f.s + 1))
-
-
-def ASR_AX_T(cpu: Cpu, f: Operation) -> None:
-    put(cpu, f.x, right(cpu, s16(cpu.ax(f.x)), cpu.t() & 15))
+    put(cpu, f.x, right(cpu, s16(cpu.ax(f.x)), count(cpu, f, 15)))
 
 
 def left64(cpu: Cpu, shift: int) -> None:
@@ -103,11 +88,7 @@ def left64(cpu: Cpu, shift: int) -> None:
 
 
 def LSL64_ACC_P_1_16(cpu: Cpu, f: Operation) -> None:
-    left64(cpu, f.s + 1)
-
-
-def LSL64_ACC_P_T(cpu: Cpu, f: Operation) -> None:
-    left64(cpu, cpu.t() & 63)
+    left64(cpu, count(cpu, f, 63))
 
 
 def right64(cpu: Cpu, shift: int) -> None:
@@ -122,19 +103,11 @@ def right64(cpu: Cpu, shift: int) -> None:
 
 
 def LSR64_ACC_P_1_16(cpu: Cpu, f: Operation) -> None:
-    right64(cpu, f.s + 1)
-
-
-def LSR64_ACC_P_T(cpu: Cpu, f: Operation) -> None:
-    right64(cpu, cpu.t() & 63)
+    right64(cpu, count(cpu, f, 63))
 
 
 def ASR64_ACC_P_1_16(cpu: Cpu, f: Operation) -> None:
-    cpu.put_acc_p(right(cpu, cpu.acc_p(), f.s + 1))
-
-
-def ASR64_ACC_P_T(cpu: Cpu, f: Operation) -> None:
-    cpu.put_acc_p(right(cpu, cpu.acc_p(), cpu.t() & 63))
+    cpu.put_acc_p(right(cpu, cpu.acc_p(), count(cpu, f, 63)))
 
 
 # Normalise ----------------------------------------------------------------------------------------------------------

@@ -49,29 +49,21 @@ def BAR_off16_ARn_ARm_NEQ(cpu: Cpu, f: Operation) -> None:
     _branch(cpu, f, (cpu.xar[f.n] ^ cpu.xar[f.m]) & M16 != 0)
 
 
+def _goal(cpu: Cpu, f: Operation) -> int:
+    """Return the address in field c or, if the form has no field c, the address in XARn."""
+    return f.c if f.c >= 0 else cpu.xar[f.n] & CODE
+
+
 def LB_22(cpu: Cpu, f: Operation) -> None:
-    cpu.pc = f.c
-
-
-def LB_indXAR7(cpu: Cpu, f: Operation) -> None:
-    cpu.pc = cpu.xar[7] & CODE
+    cpu.pc = _goal(cpu, f)
 
 
 # Calls --------------------------------------------------------------------------------------------------------------
 
 
-def _call(cpu: Cpu, f: Operation, goal: int) -> None:
-    """Execute LCR: push RPC, set RPC to the return address, and jump to `goal`."""
-    cpu.push_pair(cpu.rpc & M16, cpu.rpc >> 16)
-    cpu.rpc, cpu.pc = f.next, goal & CODE
-
-
 def LCR_22(cpu: Cpu, f: Operation) -> None:
-    _call(cpu, f, f.c)
-
-
-def LCR_indXARn(cpu: Cpu, f: Operation) -> None:
-    _call(cpu, f, cpu.xar[f.n])
+    cpu.push_pair(cpu.rpc & M16, cpu.rpc >> 16)
+    cpu.rpc, cpu.pc = f.next, _goal(cpu, f)
 
 
 def LRETR(cpu: Cpu, f: Operation) -> None:
@@ -81,12 +73,7 @@ def LRETR(cpu: Cpu, f: Operation) -> None:
 
 def LC_22(cpu: Cpu, f: Operation) -> None:
     cpu.push_pair(f.next & M16, f.next >> 16)
-    cpu.pc = f.c
-
-
-def LC_indXAR7(cpu: Cpu, f: Operation) -> None:
-    cpu.push_pair(f.next & M16, f.next >> 16)
-    cpu.pc = cpu.xar[7] & CODE
+    cpu.pc = _goal(cpu, f)
 
 
 def LRET(cpu: Cpu, f: Operation) -> None:

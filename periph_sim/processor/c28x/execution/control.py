@@ -14,8 +14,6 @@ from .registers import M16, IllegalOperation
 
 __all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it finds the other functions by name
 
-INTM, DBGM, PAGE0, VMAP = 1 << 0, 1 << 1, 1 << 2, 1 << 3  # masks of bits of ST1
-EALLOW_BIT, AMODE, OBJMODE, M0M1MAP, XF = 1 << 6, 1 << 8, 1 << 9, 1 << 11, 1 << 12
 RA, RC = 1 << 30, M16  # masks of fields of RB: RA is 1 while RPTB repeats a block; RC is the repeat count
 RSIZE, RE = 23, 16  # lowest bits of fields of RB: the size and the end address of the block
 
@@ -28,10 +26,6 @@ def ESTOP0(cpu: Cpu, f: Operation) -> None:
     cpu.stop()
 
 
-def ABORTI(cpu: Cpu, f: Operation) -> None:
-    cpu.change_st1(DBGM, True)
-
-
 def IDLE(cpu: Cpu, f: Operation) -> None:
     cpu.idle()
 
@@ -39,16 +33,14 @@ def IDLE(cpu: Cpu, f: Operation) -> None:
 # Status bits --------------------------------------------------------------------------------------------------------
 
 
-def EALLOW(cpu: Cpu, f: Operation) -> None:
-    cpu.change_st1(EALLOW_BIT, True)
+def SETC_bit(cpu: Cpu, f: Operation) -> None:
+    """Set (c = 1) or clear (c = 0) bit b of ST1."""
+    cpu.change_st1(1 << f.b, bool(f.c))
 
 
-def EDIS(cpu: Cpu, f: Operation) -> None:
-    cpu.change_st1(EALLOW_BIT, False)
-
-
-def _status(cpu: Cpu, mask: int, on: int) -> None:
-    """Set (on = 1) or clear status bits. mask: its bits 0 to 7 are SXM, OVM, TC, C, INTM, DBGM, PAGE0 and VMAP."""
+def SETC_mode(cpu: Cpu, f: Operation) -> None:
+    """Set (c = 1) or clear (c = 0) status bits: bits 0 to 7 of y are SXM, OVM, TC, C, INTM, DBGM, PAGE0 and VMAP."""
+    mask, on = f.y, f.c
     if mask & 1:
         cpu.sxm = on
     if mask & 2:
@@ -63,44 +55,16 @@ def _status(cpu: Cpu, mask: int, on: int) -> None:
         cpu.change_st1(mask >> 4, bool(on))
 
 
-def SETC_mode(cpu: Cpu, f: Operation) -> None:
-    _status(cpu, f.y, 1)
-
-
-def CLRC_mode(cpu: Cpu, f: Operation) -> None:
-    _status(cpu, f.y, 0)
-
-
-def CLRC_AMODE(cpu: Cpu, f: Operation) -> None:
-    cpu.change_st1(AMODE, False)
-
-
 def SETC_AMODE(cpu: Cpu, f: Operation) -> None:
     raise IllegalOperation("SETC AMODE selects the operand modes of the C2xLP")
-
-
-def SETC_OBJMODE(cpu: Cpu, f: Operation) -> None:
-    cpu.change_st1(OBJMODE, True)
 
 
 def CLRC_OBJMODE(cpu: Cpu, f: Operation) -> None:
     raise IllegalOperation("CLRC OBJMODE selects the instructions of the C27x")
 
 
-def SETC_M0M1MAP(cpu: Cpu, f: Operation) -> None:
-    cpu.change_st1(M0M1MAP, True)
-
-
 def CLRC_M0M1MAP(cpu: Cpu, f: Operation) -> None:
     raise IllegalOperation("CLRC M0M1MAP selects the memory map of the C27x")
-
-
-def SETC_XF(cpu: Cpu, f: Operation) -> None:
-    cpu.change_st1(XF, True)
-
-
-def CLRC_XF(cpu: Cpu, f: Operation) -> None:
-    cpu.change_st1(XF, False)
 
 
 # Interrupts ---------------------------------------------------------------------------------------------------------
@@ -150,42 +114,21 @@ def IRET(cpu: Cpu, f: Operation) -> None:
 
 
 def RPT_8(cpu: Cpu, f: Operation) -> None:
-    cpu.repeat = f.c
+    cpu.repeat = cpu.value16(f)
 
 
-def RPT_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.repeat = cpu.read16()
-
-
-def _begin_block(cpu: Cpu, f: Operation, count: int) -> None:
-    """Set RB so that a block is repeated `count` times. The block consists of the f.z words after this instruction."""
+def RPTB_label_RC(cpu: Cpu, f: Operation) -> None:
+    """Set RB so that a block is repeated. The block consists of the f.z words after this instruction."""
+    count = cpu.value16(f)
     end = f.address + 1 + f.z & 0x7F
     cpu.rb = (RA if count else 0) | f.z << RSIZE | end << RE | count
 
 
-def RPTB_label_RC(cpu: Cpu, f: Operation) -> None:
-    _begin_block(cpu, f, f.c)
-
-
-def RPTB_label_loc16(cpu: Cpu, f: Operation) -> None:
-    _begin_block(cpu, f, cpu.read16())
-
-
 def LOOPZ_loc16_16(cpu: Cpu, f: Operation) -> None:
-    _look_again(cpu, f, cpu.read16() & f.c, False)
-
-
-def LOOPNZ_loc16_16(cpu: Cpu, f: Operation) -> None:
-    _look_again(cpu, f, cpu.read16() & f.c, True)
-
-
-def _look_again(cpu: Cpu, f: Operation, value: int, until_zero: bool) -> None:
-    """Execute one pass of LOOPZ or LOOPNZ; interrupts can be taken between two passes.
-
-    until_zero: True if the loop ends when `value` is 0, False if it ends when `value` is not 0.
-    """
+    """Execute one pass of LOOPZ (b = 0) or LOOPNZ (b = 1); interrupts can be taken between two passes."""
+    value = cpu.read16() & f.c
     cpu.nz16(value)
-    if (value == 0) != until_zero:
+    if (value == 0) != (f.b == 1):
         cpu.pc = f.address
 
 

@@ -194,6 +194,10 @@ class Cpu(Registers):
         """Return the operand of 16 bits that field l selects or, if the form has no field l, the number in field c."""
         return self.read16() if f.l >= 0 else f.c
 
+    def source16(self, f: Operation) -> int:  # core: C only
+        """Return AL or AH, as field x selects, or, if the form has no field x, the number in field c."""
+        return self.ax(f.x) if f.x >= 0 else f.c
+
     def write16(self, value: int) -> None:  # core: C only
         if self.ea >= 0:
             self.store16(self.ea, value)

@@ -55,11 +55,7 @@ def ADD_AX_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def ADD_loc16_AX(cpu: Cpu, f: Operation) -> None:
-    cpu.write16(sum16(cpu, cpu.read16(), cpu.ax(f.x)))
-
-
-def ADD_loc16_16s(cpu: Cpu, f: Operation) -> None:
-    cpu.write16(sum16(cpu, cpu.read16(), f.c))
+    cpu.write16(sum16(cpu, cpu.read16(), cpu.source16(f)))
 
 
 def ADDB_AX_8s(cpu: Cpu, f: Operation) -> None:
@@ -114,27 +110,19 @@ def AND_AX_loc16_16(cpu: Cpu, f: Operation) -> None:
 
 
 def AND_loc16_AX(cpu: Cpu, f: Operation) -> None:
-    write(cpu, cpu.read16() & cpu.ax(f.x))
+    write(cpu, cpu.read16() & cpu.source16(f))
 
 
 def AND_AX_loc16(cpu: Cpu, f: Operation) -> None:
     put(cpu, f.x, cpu.ax(f.x) & cpu.value16(f))
 
 
-def AND_loc16_16s(cpu: Cpu, f: Operation) -> None:
-    write(cpu, cpu.read16() & f.c)
-
-
 def OR_AX_loc16(cpu: Cpu, f: Operation) -> None:
     put(cpu, f.x, cpu.ax(f.x) | cpu.value16(f))
 
 
-def OR_loc16_16(cpu: Cpu, f: Operation) -> None:
-    write(cpu, cpu.read16() | f.c)
-
-
 def OR_loc16_AX(cpu: Cpu, f: Operation) -> None:
-    write(cpu, cpu.read16() | cpu.ax(f.x))
+    write(cpu, cpu.read16() | cpu.source16(f))
 
 
 def XOR_AX_loc16(cpu: Cpu, f: Operation) -> None:
@@ -142,11 +130,7 @@ def XOR_AX_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def XOR_loc16_AX(cpu: Cpu, f: Operation) -> None:
-    write(cpu, cpu.read16() ^ cpu.ax(f.x))
-
-
-def XOR_loc16_16(cpu: Cpu, f: Operation) -> None:
-    write(cpu, cpu.read16() ^ f.c)
+    write(cpu, cpu.read16() ^ cpu.source16(f))
 
 
 def NOT_AX(cpu: Cpu, f: Operation) -> None:

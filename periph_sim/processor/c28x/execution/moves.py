@@ -24,10 +24,6 @@ def MOV_loc16_ind_0_16(cpu: Cpu, f: Operation) -> None:
     cpu.move16(cpu.load16(f.c + cpu.passes & M16))
 
 
-def MOV_loc16_16(cpu: Cpu, f: Operation) -> None:
-    cpu.move16(f.c)
-
-
 def MOV_loc16_ACCsh2_8(cpu: Cpu, f: Operation) -> None:
     cpu.move16(cpu.acc << f.s + 1 & M16)
 
@@ -41,17 +37,12 @@ def MOV_loc16_ARn(cpu: Cpu, f: Operation) -> None:
 
 
 def MOV_loc16_AX(cpu: Cpu, f: Operation) -> None:
-    cpu.move16(cpu.ax(f.x))
+    cpu.move16(cpu.source16(f))
 
 
 def MOV_loc16_AX_COND(cpu: Cpu, f: Operation) -> None:
     if cpu.condition(f.k):
-        cpu.move16(cpu.ax(f.x))
-
-
-def MOVB_loc16_8_COND(cpu: Cpu, f: Operation) -> None:
-    if cpu.condition(f.k):
-        cpu.move16(f.c)
+        cpu.move16(cpu.source16(f))
 
 
 def MOVL_loc32_ACC_COND(cpu: Cpu, f: Operation) -> None:
@@ -64,7 +55,7 @@ def MOV_loc16_T(cpu: Cpu, f: Operation) -> None:
 
 
 def MOV_ARn_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.put_ar(f.n, cpu.read16())
+    cpu.put_ar(f.n, cpu.value16(f))
 
 
 def MOV_PH_loc16(cpu: Cpu, f: Operation) -> None:
@@ -97,14 +88,6 @@ def MOV_DP_10(cpu: Cpu, f: Operation) -> None:
 
 def MOVW_DP_16(cpu: Cpu, f: Operation) -> None:
     cpu.dp = f.c
-
-
-def MOVB_ARn_8(cpu: Cpu, f: Operation) -> None:
-    cpu.put_ar(f.n, f.c)
-
-
-def MOVZ_ARn_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.xar[f.n] = cpu.read16()
 
 
 def MOVL_loc32_ACC(cpu: Cpu, f: Operation) -> None:
@@ -149,26 +132,18 @@ def MOVL_loc32_XARn(cpu: Cpu, f: Operation) -> None:
 
 
 def MOVL_XARn_22(cpu: Cpu, f: Operation) -> None:
-    cpu.xar[f.n] = f.c
+    cpu.xar[f.n] = cpu.value16(f)
 
 
 # OVC and PM ---------------------------------------------------------------------------------------------------------
 
 
 def MOV_loc16_OVC(cpu: Cpu, f: Operation) -> None:
-    cpu.move16((cpu.ovc & 0x3F) << 10)
-
-
-def MOVU_loc16_OVC(cpu: Cpu, f: Operation) -> None:
-    cpu.move16(cpu.ovc & 0x3F)
+    cpu.move16((cpu.ovc & 0x3F) << f.s)
 
 
 def MOV_OVC_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.put_ovc(cpu.read16() >> 10)
-
-
-def MOVU_OVC_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.put_ovc(cpu.read16())
+    cpu.put_ovc(cpu.read16() >> f.s)
 
 
 def ZAP_OVC(cpu: Cpu, f: Operation) -> None:

@@ -61,14 +61,6 @@ def MPYA_P_T_loc16(cpu: Cpu, f: Operation) -> None:
     cpu.p = s16(cpu.t()) * s16(value) & M32
 
 
-def MPYB_ACC_T_8(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, s16(cpu.t()) * f.c)
-
-
-def MPYB_P_T_8(cpu: Cpu, f: Operation) -> None:
-    cpu.p = s16(cpu.t()) * f.c & M32
-
-
 def MPYS_P_T_loc16(cpu: Cpu, f: Operation) -> None:
     value = cpu.read16()
     subtract(cpu, cpu.psh())
@@ -84,11 +76,11 @@ def MPYU_ACC_T_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def MPYXU_ACC_T_loc16(cpu: Cpu, f: Operation) -> None:
-    logic(cpu, s16(cpu.t()) * cpu.read16())
+    logic(cpu, s16(cpu.t()) * cpu.value16(f))
 
 
 def MPYXU_P_T_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.p = s16(cpu.t()) * cpu.read16() & M32
+    cpu.p = s16(cpu.t()) * cpu.value16(f) & M32
 
 
 def SQRA_loc16(cpu: Cpu, f: Operation) -> None:

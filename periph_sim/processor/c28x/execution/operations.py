@@ -33,28 +33,45 @@ from .cpu import READS, WRITES, Operation
 OF_ONE_XAR = re.compile(r"((?:[A-Z]+|MOVL_loc32)_X?AR)(\d)(_[a-z0-9]+)?")
 # For the id of a form without a function of its own: the name of the function that executes it, and the values of the
 # fields that this function uses, but that the form does not have.
-SAME: dict[str, tuple[str, dict[str, int]]] = {
+EXECUTED_BY: dict[str, tuple[str, dict[str, int]]] = {
+    "ABORTI": ("SETC_bit", {"b": 1, "c": 1}),
     "ADD_ACC_loc16shT": ("ADD_ACC_16sh_0_15", {}),
     "ADD_ACC_loc16": ("ADD_ACC_16sh_0_15", {"s": 0}),
     "ADD_ACC_loc16sh_1_15": ("ADD_ACC_16sh_0_15", {}),
+    "ADD_loc16_16s": ("ADD_loc16_AX", {}),
     "ADDB_ACC_8": ("ADD_ACC_16sh_0_15", {"s": 0}),
     "AND_ACC_16sh_16": ("AND_ACC_16sh_0_15", {"s": 16}),
     "AND_ACC_loc16": ("AND_ACC_16sh_0_15", {"s": 0}),
+    "AND_loc16_16s": ("AND_loc16_AX", {}),
     "ANDB_AX_8": ("AND_AX_loc16", {}),
     "ASR_AX_T": ("ASR_AX_1_16", {}),
     "ASR64_ACC_P_T": ("ASR64_ACC_P_1_16", {}),
     "BF_off16_COND": ("B_off16_COND", {}),
+    "CLRC_AMODE": ("SETC_bit", {"b": 8, "c": 0}),
+    "SETC_M0M1MAP": ("SETC_bit", {"b": 11, "c": 1}),
+    "SETC_OBJMODE": ("SETC_bit", {"b": 9, "c": 1}),
+    "CLRC_XF": ("SETC_bit", {"b": 12, "c": 0}),
+    "SETC_XF": ("SETC_bit", {"b": 12, "c": 1}),
+    "CLRC_mode": ("SETC_mode", {"c": 0}),
+    "SETC_mode": ("SETC_mode", {"c": 1}),
     "CMPB_AX_8": ("CMP_AX_loc16", {}),
-    "DEC_loc16": ("ADD_loc16_16s", {"c": 0xFFFF}),
+    "DEC_loc16": ("ADD_loc16_AX", {"c": 0xFFFF}),
     "DMAC_ACC_P_loc32_indXAR7": ("DMAC_ACC_P_loc32_indXAR7inc", {"s": 0}),
     "DMAC_ACC_P_loc32_indXAR7inc": ("DMAC_ACC_P_loc32_indXAR7inc", {"s": 2}),
+    "EALLOW": ("SETC_bit", {"b": 6, "c": 1}),
+    "EDIS": ("SETC_bit", {"b": 6, "c": 0}),
     "ESTOP1": ("NOP_indind", {}),  # no emulator is connected
     "IACK_16": ("NOP_indind", {}),  # no modelled device reads the value on the data bus
     "IMACL_P_loc32_indXAR7": ("IMACL_P_loc32_indXAR7inc", {"s": 0}),
     "IMACL_P_loc32_indXAR7inc": ("IMACL_P_loc32_indXAR7inc", {"s": 2}),
-    "INC_loc16": ("ADD_loc16_16s", {"c": 1}),
+    "INC_loc16": ("ADD_loc16_AX", {"c": 1}),
     "INTR_NMI": ("TRAP_0_31", {"c": 18}),
     "INTR_EMUINT": ("TRAP_0_31", {"c": 17}),
+    "LB_indXAR7": ("LB_22", {"n": 7}),
+    "LC_indXAR7": ("LC_22", {"n": 7}),
+    "LCR_indXARn": ("LCR_22", {}),
+    "LOOPNZ_loc16_16": ("LOOPZ_loc16_16", {"b": 1}),
+    "LOOPZ_loc16_16": ("LOOPZ_loc16_16", {"b": 0}),
     "LSL_ACC_T": ("LSL_ACC_1_16", {}),
     "LSL_AX_T": ("LSL_AX_1_16", {}),
     "LSL64_ACC_P_T": ("LSL64_ACC_P_1_16", {}),
@@ -66,17 +83,31 @@ SAME: dict[str, tuple[str, dict[str, int]]] = {
     "MOV_ACC_loc16": ("MOV_ACC_16sh_0_15", {"s": 0}),
     "MOV_ACC_loc16sh_1_15": ("MOV_ACC_16sh_0_15", {}),
     "MOV_ACC_loc16sh_16": ("MOV_ACC_16sh_0_15", {"s": 16}),
-    "MOV_loc16_0": ("MOV_loc16_16", {"c": 0}),
+    "MOV_loc16_16": ("MOV_loc16_AX", {}),
+    "MOV_loc16_0": ("MOV_loc16_AX", {"c": 0}),
     "MOV_loc16_ACCsh1": ("MOV_loc16_ACCsh2_8", {"s": 0}),
+    "MOV_loc16_OVC": ("MOV_loc16_OVC", {"s": 10}),
+    "MOV_OVC_loc16": ("MOV_OVC_loc16", {"s": 10}),
     "MOVB_ACC_8": ("MOV_ACC_16sh_0_15", {"s": 0}),
+    "MOVB_AR6_8": ("MOV_ARn_loc16", {"n": 6}),
+    "MOVB_AR7_8": ("MOV_ARn_loc16", {"n": 7}),
     "MOVB_AX_8": ("MOV_AX_loc16", {}),
+    "MOVB_loc16_8_COND": ("MOV_loc16_AX_COND", {}),
     "MOVB_XARn_8": ("MOVL_XARn_22", {}),
     "MOVB_XAR6_8": ("MOVL_XARn_22", {"n": 6}),
     "MOVB_XAR7_8": ("MOVL_XARn_22", {"n": 7}),
     "MOVH_loc16_ACCsh1": ("MOVH_loc16_ACCsh2_8", {"s": 0}),
+    "MOVU_loc16_OVC": ("MOV_loc16_OVC", {"s": 0}),
+    "MOVU_OVC_loc16": ("MOV_OVC_loc16", {"s": 0}),
+    "MOVZ_ARn_loc16": ("MOVL_XARn_22", {}),
+    "MOVZ_AR6_loc16": ("MOVL_XARn_22", {"n": 6}),
+    "MOVZ_AR7_loc16": ("MOVL_XARn_22", {"n": 7}),
     "MOVZ_DP_10": ("MOVW_DP_16", {}),
+    "MPYB_ACC_T_8": ("MPYXU_ACC_T_loc16", {}),
+    "MPYB_P_T_8": ("MPYXU_P_T_loc16", {}),
     "OR_ACC_loc16": ("OR_ACC_16sh_0_15", {"s": 0}),
     "OR_ACC_16sh_16": ("OR_ACC_16sh_0_15", {"s": 16}),
+    "OR_loc16_16": ("OR_loc16_AX", {}),
     "ORB_AX_8": ("OR_AX_loc16", {}),
     "OUT_ind_PA_loc16": ("IN_loc16_ind_PA", {}),
     "POP_AR1_AR0": ("POP_ARm_ARn", {"n": 0}),
@@ -87,6 +118,7 @@ SAME: dict[str, tuple[str, dict[str, int]]] = {
     "PUSH_AR5_AR4": ("PUSH_ARm_ARn", {"n": 4}),
     "QMACL_P_loc32_indXAR7": ("QMACL_P_loc32_indXAR7inc", {"s": 0}),
     "QMACL_P_loc32_indXAR7inc": ("QMACL_P_loc32_indXAR7inc", {"s": 2}),
+    "RPT_loc16": ("RPT_8", {}),
     "SBF_off8_EQ": ("SB_off8_COND", {"k": 1}),
     "SBF_off8_NEQ": ("SB_off8_COND", {"k": 0}),
     "SBF_off8_TC": ("SB_off8_COND", {"k": 13}),
@@ -99,6 +131,7 @@ SAME: dict[str, tuple[str, dict[str, int]]] = {
     "UOUT_ind_PA_loc16": ("IN_loc16_ind_PA", {}),
     "XOR_ACC_loc16": ("XOR_ACC_16sh_0_15", {"s": 0}),
     "XOR_ACC_16sh_16": ("XOR_ACC_16sh_0_15", {"s": 16}),
+    "XOR_loc16_16": ("XOR_loc16_AX", {}),
     "XORB_AX_8": ("XOR_AX_loc16", {}),
     "ADDF32_RaH_16FHi_RbH": ("ADDF32_RaH_RbH_RcH", {}),
     "CMPF32_RaH_16FHi": ("CMPF32_RaH_RbH", {}),
@@ -112,6 +145,7 @@ SAME: dict[str, tuple[str, dict[str, int]]] = {
     "MAXF32_RaH_16FHi": ("MAXF32_RaH_RbH", {}),
     "MINF32_RaH_16FHi": ("MINF32_RaH_RbH", {}),
     "MPYF32_RaH_16FHi_RbH": ("MPYF32_RaH_RbH_RcH", {}),
+    "RPTB_label_loc16": ("RPTB_label_RC", {}),
     "UI16TOF32_RaH_mem16": ("UI16TOF32_RaH_RbH", {}),
     "UI32TOF32_RaH_mem32": ("UI32TOF32_RaH_RbH", {}),
     "ZERO_RaH": ("MOVIZ_RaH_16FHiHex", {"i": 0}),
@@ -143,8 +177,8 @@ def operation(instruction: Instruction) -> Operation:
 def function_of(encoding: Encoding) -> tuple[str, Mapping[str, int]]:
     """Return the name of the function that executes a form, and the values of fields that the form does not have."""
     name = encoding.id
-    if name in SAME:
-        return SAME[name]
+    if name in EXECUTED_BY:
+        return EXECUTED_BY[name]
     one = OF_ONE_XAR.fullmatch(name)
     if one:
         return f"{one[1]}n{one[3] or ''}", {"n": int(one[2])}

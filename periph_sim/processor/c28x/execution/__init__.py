@@ -2,6 +2,6 @@
 
 `registers.Registers` has the registers, `cpu.Cpu` the access to operands, `engine.Engine` the order of instructions.
 `accumulator`, `half_words`, `multiply`, `shifts`, `moves`, `stack`, `branches`, `control`, `fpu` and `fpu_moves` have
-one short function for each form, which is one encoding of an instruction, a row of `encodings.toml`. The function and
-the row have the same name. `operations.EXECUTED_BY` lists the forms that are executed by a function of another name.
+short functions that execute the forms. A form is one encoding of an instruction, a row of `encodings.toml`. It is
+executed by the function of the same name, or by the one that `operations.EXECUTED_BY` names.
 """

@@ -61,11 +61,13 @@ class Evidence:
 
     window: the window of the occurrence.
     unit: the unit whose firmware and flags the queries are about; by default the first unit with firmware records.
+    span: a function that formats a length in ticks.
     """
 
     def __init__(self, window: Window, case: Case, unit: str | None = None) -> None:
         self.window = window
         self.case = case
+        self.span = window.timebase.show
         there = [name for name in case.unit if name in units(window)] or [*case.unit]
         self.unit = unit or (there[0] if there else "")
 
@@ -379,10 +381,6 @@ class Evidence:
         asked = ((cause, link) for walk in walks for cause, link in walk if cause.kind is Kind.FLAG and not link.aside)
         of_module = ((cause, link) for cause, link in asked if not cause.where.endswith(".PIE"))
         return [self.step(cause, f"{happened(cause)} ({link.because})") for cause, link in of_module]
-
-    def span(self, ticks: int) -> str:
-        """Format a length in ticks."""
-        return self.window.timebase.show(ticks)
 
 
 def in_time(record: Record) -> tuple[int, int]:

@@ -61,10 +61,9 @@ def reached(evidence: Evidence, record: Record) -> Record | None:
     The search ends at an action of the firmware, or at a record that is not later than the start of the occurrence.
     Return None if there is no such record.
     """
-    for cause, link in evidence.walk(record):
-        if not link.aside and (cause.kind in IN_FIRMWARE or cause.tick <= evidence.window.begin):
-            return cause
-    return None
+    begin = evidence.window.begin
+    causes = (cause for cause, link in evidence.walk(record) if not link.aside)
+    return next((cause for cause in causes if cause.kind in IN_FIRMWARE or cause.tick <= begin), None)
 
 
 def _of_bus(evidence: Evidence, begin: int, end: int) -> list[Stretch]:

@@ -45,9 +45,7 @@ def unanswered(evidence: Evidence) -> list[Step]:
     _, table = _expected(evidence)
     unit, _, module = table.from_.rpartition(".")
     of = evidence.for_unit(unit) if unit else evidence
-    serial = evidence.case.serial
-    assert serial is not None
-    since = _began(evidence, serial, table, _asked(evidence))
+    since = _began(evidence, table, _asked(evidence))
     records = [r for r in window.between(since, window.end) if r.where == of.unit]
     least = "at least " if window.hole else ""
     steps = []
@@ -93,8 +91,7 @@ def _unsolicited(evidence: Evidence, name: str) -> list[tuple[Record, Record]]:
     name: the name of the send after which the SCI must be silent. UNSOLICITED for all SCIs to which the case sends or
         from which it expects replies, in the whole run.
     """
-    serial, begin = evidence.case.serial, evidence.window.begin
-    assert serial is not None
+    serial, begin = _serial(evidence), evidence.window.begin
     named = [send.to for send in serial.send if name in (UNSOLICITED, send.name)]
     sources = [*named, *([one.from_ for one in serial.expect] if name == UNSOLICITED else [])]
     found = [written for source in dict.fromkeys(sources) if (written := _written(evidence, source, begin))]
@@ -122,13 +119,11 @@ def _wrong(evidence: Evidence, asked: list[Record]) -> list[WrongCharacter]:
     A character is wrong if it differs from the expected character at the same position of the reply. Return an empty
     list if the positions are unknown.
     """
-    serial = evidence.case.serial
-    assert serial is not None
     number, table = _expected(evidence)
-    since = _since(evidence, serial, table, asked)
+    since = _since(evidence, table, asked)
     if since is None or table.anywhere:
         return []
-    bits = serial.form(table).bits
+    bits = _serial(evidence).form(table).bits
     expected = content_of(evidence.case, table, bits, "serial", "expect", number)
     found = []
     for at, (frame, write) in enumerate(_written(evidence, table.from_, since)):
@@ -142,13 +137,18 @@ def _wrong(evidence: Evidence, asked: list[Record]) -> list[WrongCharacter]:
 
 def _expected(evidence: Evidence) -> tuple[int, ExpectTable]:
     """Return the position of the expected reply among the replies of the case, from 0, and its table."""
-    assert evidence.case.serial is not None
     name = evidence.window.verdict.measure.removeprefix(REPLY)
-    return next((n, one) for n, one in enumerate(evidence.case.serial.expect) if one.name == name)
+    return next((n, one) for n, one in enumerate(_serial(evidence).expect) if one.name == name)
 
 
-def _since(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: list[Record]) -> int | None:
+def _serial(evidence: Evidence) -> SerialTable:
+    assert evidence.case.serial is not None  # otherwise, there is no verdict about serial lines
+    return evidence.case.serial
+
+
+def _since(evidence: Evidence, table: ExpectTable, asked: list[Record]) -> int | None:
     """Return the tick from which characters belong to the reply; None if this tick may be before the window."""
+    serial = _serial(evidence)
     if table.after_send is None:
         return evidence.window.begin
     number, send = next((n, s) for n, s in enumerate(serial.send) if table.after_send in (s.name, f"send {n}"))
@@ -161,14 +161,14 @@ def _since(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: l
     return None if early else begin
 
 
-def _began(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: list[Record]) -> int:
+def _began(evidence: Evidence, table: ExpectTable, asked: list[Record]) -> int:
     """Return the tick at which the request of a reply began.
 
     A request may be sent in parts. The pauses between its parts are shorter than the time limit of the reply, and the
     SCI sends nothing in them.
     """
     window = evidence.window
-    since = _since(evidence, serial, table, asked)
+    since = _since(evidence, table, asked)
     if table.after_send is None or since is None:
         return window.begin if since is None else since
     pause = window.timebase.ticks(table.within, "nearest")

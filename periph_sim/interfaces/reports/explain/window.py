@@ -157,6 +157,7 @@ def windows(
     timebase, start = plan.ticks.timebase, plan.ticks.start
     end = start + timebase.ticks(case.duration if length is None else length, "nearest")
     keeper = _Keeper(wanted, timebase, start, end)
+    failures = [shortly_before(one.begin, one.end, timebase) if one.verdict.broken else None for one in keeper.wanted]
 
     def subscribe(recorder: Recorder, _: Timebase) -> None:
         recorder.subscribe(RECORDED, keeper.add)
@@ -165,7 +166,7 @@ def windows(
 
     scene = Scene(plan, subscribe, programs)
     until = keeper.ends
-    assumed = advance(scene, until, keeper.failures)
+    assumed = advance(scene, until, failures)
     while keeper.awaits_bytes and until < keeper.end:
         until = min(2 * until, keeper.end)
         scene.advance(until)
@@ -241,10 +242,10 @@ class _Keeper:
     def __init__(self, verdicts: Iterable[Verdict], timebase: Timebase, start: int, end: int) -> None:
         self._timebase = timebase
         self._start, self.end = start, end
-        self._wanted = [self._want(verdict) for verdict in verdicts if verdict.at_s is not None]
+        self.wanted = [self._want(verdict) for verdict in verdicts if verdict.at_s is not None]
         lead = timebase.ticks(LEAD, "nearest")
         self._ranges: list[Span] = []  # in order of time; ranges that touch or overlap are merged
-        for span in sorted(Span(max(s.begin - lead, start), s.end) for one in self._wanted for s in one.kept):
+        for span in sorted(Span(max(s.begin - lead, start), s.end) for one in self.wanted for s in one.kept):
             if self._ranges and span.begin <= self._ranges[-1].end:
                 self._ranges[-1] = Span(self._ranges[-1].begin, max(self._ranges[-1].end, span.end))
             else:
@@ -260,16 +261,10 @@ class _Keeper:
         return self._ranges[-1].end - 1 if self._ranges else self._start
 
     @property
-    def failures(self) -> list[Span | None]:
-        """For each occurrence whose limit is broken, its ticks and a short time before; None for other occurrences."""
-        spans = ((one.verdict.broken, shortly_before(one.begin, one.end, self._timebase)) for one in self._wanted)
-        return [span if broken else None for broken, span in spans]
-
-    @property
     def awaits_bytes(self) -> bool:
         """True if the expected bytes of a wrong read are not known yet. They are recorded at the STOP of the read."""
         known = {tick for _, tick, _ in self._expected}
-        return any(one.verdict.measure == WRONG_BYTES and one.begin not in known for one in self._wanted)
+        return any(one.verdict.measure == WRONG_BYTES and one.begin not in known for one in self.wanted)
 
     def _want(self, verdict: Verdict) -> _Wanted:
         begin, end = occurrence(verdict, self._timebase, self._start)
@@ -302,7 +297,7 @@ class _Keeper:
     def windows(self, name: str, wires: Collection[str], modules: Mapping[str, tuple[str, ...]]) -> list[Window]:
         self._before += [self._seen] * (len(self._ranges) - len(self._before))  # no record came in the remaining ranges
         self._records.sort(key=lambda r: r.tick)
-        return [_with_stretch(self._window(one, name, wires, modules)) for one in self._wanted]
+        return [_with_stretch(self._window(one, name, wires, modules)) for one in self.wanted]
 
     def _between(self, begin: int, end: int) -> list[Record]:
         """Return the records from tick `begin` up to, but not including, tick `end`."""

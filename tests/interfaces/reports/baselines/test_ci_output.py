@@ -143,16 +143,6 @@ def test_a_cause_without_a_line_of_firmware_gets_no_annotation(blamed: Any):
     assert github([one]) == []
 
 
-def test_causes_are_of_budgets_that_break_and_must_not(cases: Path):
-    put(cases, sdir_wait=False)
-    (one,) = check([cases], jobs=1)
-    assert [*one.causes] == ["wrong bytes"]
-    assert one.causes["wrong bytes"].blamed is not None
-    put(cases, sdir_wait=False, breaks='breaks = ["wrong bytes"]\n')
-    (one,) = check([cases], jobs=1)
-    assert one.causes == {}
-
-
 def test_annotations_escape_what_would_end_them(cases: Path):
     path = put(cases / "a,b:c")
     path.write_text(path.read_text().replace('name = "model"', 'name = "100%:,"'), encoding="utf-8")

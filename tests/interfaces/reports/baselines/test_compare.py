@@ -11,16 +11,23 @@ from periph_sim.interfaces.reports.baselines.event_chain import PART, EventLine,
 from periph_sim.interfaces.reports.baselines.files import Baseline, Figures
 from periph_sim.interfaces.reports.baselines.outcome import occurrence
 
+MS = 3_000_000  # ticks
+CHAIN = ["0 START", "100 W"]
 
-def baseline(unit: str, worst: int) -> Baseline:
-    """One budget, of which `worst` is the only number; a cycle is 20 ticks."""
-    figures = Figures(
-        measure="it", unit=unit, count=1, worst=worst, worst_at=60, least=worst, least_at=60, chain_of="worst", chain=[]
-    )
-    return Baseline(
-        case="one", simulated=6000, ticks_per_second=3_000_000_000, ticks_per_cycle=20, events=1, counts={},
-        budgets={"b": figures},
-    )  # fmt: skip
+
+def case(budgets: dict[str, dict[str, Any]], **more: Any) -> Baseline:
+    """Budgets of a time with a worst and a least occurrence, each with these figures in place of the usual ones.
+
+    A cycle is 20 ticks.
+    """
+    usual = {"measure": "it", "unit": "time", "count": 3, "worst": 200, "worst_at": 60, "least": 100, "least_at": 90}
+    figures = {name: Figures(**{**usual, "chain_of": "worst", "chain": [], **given}) for name, given in budgets.items()}
+    one = {"case": "one", "simulated": 6000, "ticks_per_second": 3_000_000_000, "ticks_per_cycle": 20, "events": 1}
+    return Baseline(**{**one, "counts": {}, "budgets": figures, **more})
+
+
+def changed(before: Baseline, now: Baseline, tolerance: int = 0) -> list[str]:
+    return [f"{change.text}{' (note)' if change.note else ''}" for change in compare(before, now, tolerance)]
 
 
 @pytest.mark.parametrize(
@@ -34,28 +41,7 @@ def baseline(unit: str, worst: int) -> Baseline:
     ],
 )
 def test_a_changed_value_is_told_with_its_unit(unit: str, was: int, came: int, told: str):
-    changes = compare(baseline(unit, was), baseline(unit, came))
-    assert changes[0].text == told
-
-
-MS = 3_000_000  # ticks
-CHAIN = ["0 START", "100 W"]
-
-
-def case(budgets: dict[str, dict[str, Any]], **more: Any) -> Baseline:
-    """Budgets of a time with a worst and a least occurrence, each with these figures in place of the usual ones."""
-    usual = {"measure": "it", "unit": "time", "count": 3, "worst": 200, "worst_at": 60, "least": 100, "least_at": 90}
-    figures = {name: Figures(**{**usual, "chain_of": "worst", "chain": [], **given}) for name, given in budgets.items()}
-    one = {"case": "one", "simulated": 6000, "ticks_per_second": 3_000_000_000, "ticks_per_cycle": 20, "events": 1}
-    return Baseline(**{**one, "counts": {}, "budgets": figures, **more})
-
-
-def changed(before: Baseline, now: Baseline, tolerance: int = 0) -> list[str]:
-    return [f"{change.text}{' (note)' if change.note else ''}" for change in compare(before, now, tolerance)]
-
-
-def of_one(tolerance: int = 0, /, *, before: dict[str, Any] | None = None, **now: Any) -> list[str]:
-    return changed(case({"b": before or {}}), case({"b": now}), tolerance)
+    assert changed(case({"b": {"unit": unit, "worst": was}}), case({"b": {"unit": unit, "worst": came}})) == [told]
 
 
 @pytest.mark.parametrize(
@@ -84,27 +70,20 @@ def test_budgets_that_came_and_went():
 
 
 @pytest.mark.parametrize(
-    ("before", "now", "told"),
+    ("before", "now", "told", "kept"),
     [
-        ([], [], []),
-        (["a", "b"], ["a", "b"], []),
-        (["a", "b"], ["a", "c"], f"first among bytes {PART + 1} to {2 * PART} of the run"),
-        (["a", "b"], ["c", "d"], f"first among bytes 1 to {PART} of the run"),
-        (["a"], ["a", "b"], f"first among bytes {PART + 1} to {2 * PART} of the run"),
-        (["a", "b"], ["a"], f"first among bytes {PART + 1} to {2 * PART} of the run"),
-        ([], ["a", "b"], "--update-baseline adds them (note)"),
+        (["a", "b"], ["a", "c"], f"first among bytes {PART + 1} to {2 * PART} of the run", ("b", "c")),
+        (["a", "b"], ["c", "d"], f"first among bytes 1 to {PART} of the run", ("a", "c")),
+        (["a"], ["a", "b"], f"first among bytes {PART + 1} to {2 * PART} of the run", ("none", "b")),
+        (["a", "b"], ["a"], f"first among bytes {PART + 1} to {2 * PART} of the run", ("b", "none")),
+        ([], ["a", "b"], "--update-baseline adds them", (None, "a")),
     ],
 )
-def test_bytes_of_the_bus(before: list[str], now: list[str], told: str):
-    found = changed(case({}, bus_bytes=before), case({}, bus_bytes=now))
-    assert [text.endswith(told) for text in found] == [True] * bool(told)
-
-
-def test_digests_of_bytes_that_differ_are_kept():
-    (change,) = compare(case({}, bus_bytes=["a", "b"]), case({}, bus_bytes=["a"]))
-    assert (change.before, change.now) == ("b", "none")
-    (change,) = compare(case({}, bus_bytes=[]), case({}, bus_bytes=["a", "b"]))
-    assert (change.before, change.now) == (None, "a")
+def test_bytes_of_the_bus(before: list[str], now: list[str], told: str, kept: tuple[str | None, str]):
+    (change,) = compare(case({}, bus_bytes=before), case({}, bus_bytes=now))
+    assert change.text.endswith(told) and change.note == (not before)
+    assert (change.before, change.now) == kept
+    assert compare(case({}, bus_bytes=now), case({}, bus_bytes=now)) == []
 
 
 @pytest.mark.parametrize(
@@ -127,7 +106,7 @@ def test_digests_of_bytes_that_differ_are_kept():
     ],
 )
 def test_figures_of_a_budget_and_their_tolerance(now: dict[str, Any], tolerance: int, told: list[str]):
-    assert of_one(tolerance, **now) == told
+    assert changed(case({"b": {}}), case({"b": now}), tolerance) == told
 
 
 NUMBER = {"unit": "words", "count": 7, "worst": 7, "worst_at": 60, "least": 7, "least_at": 60}

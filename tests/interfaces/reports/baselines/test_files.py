@@ -91,10 +91,6 @@ def test_a_figure_that_is_no_whole_number_is_refused(cases: Path):
         read(path)
 
 
-def test_no_such_file_is_no_baseline(tmp_path: Path):
-    assert read(tmp_path / "none.json") is None
-
-
 def test_a_full_disk_leaves_every_old_baseline(cases: Path, monkeypatch: pytest.MonkeyPatch):
     put(cases, "a")
     check([cases], jobs=1, update=True)

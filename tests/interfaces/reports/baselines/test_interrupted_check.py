@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,12 +20,6 @@ def stops_after(wanted: float) -> Callable[[float], None]:
         raise KeyboardInterrupt
 
     return told
-
-
-def drives(path: Path) -> Path:
-    """The case with a bus that others drive."""
-    path.write_text(path.read_text() + '[outside]\nwires = ["SDA", "SCL"]\n', encoding="utf-8")
-    return path
 
 
 def test_the_part_done_is_told_after_each_case(cases: Path):
@@ -56,7 +51,8 @@ def test_a_check_without_reports_of_single_cases_and_an_update_stop_at_once(case
 
 
 def test_a_case_that_others_drive_is_passed_over_where_refused_cases_are_reported(cases: Path):
-    driven = drives(put(cases, "driven"))
+    driven = put(cases, "driven")
+    driven.write_text(driven.read_text() + '[outside]\nwires = ["SDA", "SCL"]\n', encoding="utf-8")
     for update in (False, True):
         refused: list[RejectedCase] = []
         (one,) = check([cases], jobs=1, update=update, on_refused=refused.append)
@@ -67,16 +63,10 @@ def test_a_case_that_others_drive_is_passed_over_where_refused_cases_are_reporte
     assert not path_for(driven).exists()
 
 
-def test_a_case_that_cannot_run_stops_an_update_though_refused_cases_are_reported(cases: Path):
+@pytest.mark.parametrize("on_refused", [None, pytest.fail])
+def test_a_case_that_cannot_run_leaves_all_baselines_as_they_were(cases: Path, on_refused: Any):
     before = path_for(put(cases, wait=3000)).read_bytes()
-    put(cases, "zz", does="raise ValueError('boom')")
-    with pytest.raises(BadCheck, match="boom"):
-        check([cases], jobs=1, update=True, on_refused=pytest.fail)
-    assert path_for(cases / "small.toml").read_bytes() == before
-
-
-def test_a_case_without_a_readable_baseline_is_not_judged(cases: Path):
-    path_for(cases / "small.toml").write_text("{", encoding="utf-8")
-    refused: list[RejectedCase] = []
-    assert check([cases], jobs=1, on_refused=refused.append) == []
-    assert [case.path for case in refused] == [cases / "small.toml"]
+    bad = put(cases, "zz", does="raise ValueError('boom')")
+    with pytest.raises(BadCheck, match=r"^dsp: ValueError at line .* of .*zz_firmware.py: boom$"):
+        check([cases], jobs=1, update=True, on_refused=on_refused)
+    assert path_for(cases / "small.toml").read_bytes() == before and not path_for(bad).exists()

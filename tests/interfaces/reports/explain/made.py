@@ -5,6 +5,7 @@ drawn("span model 0 100", "irq SCIRXINTA 20 30")      name, begin, end in ticks;
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,10 @@ from periph_sim.core.time import Timebase
 from periph_sim.interfaces.reports.explain.explain import Explained
 from periph_sim.interfaces.reports.explain.explain import explain as explain_all
 from periph_sim.interfaces.reports.explain.window import Window
+from periph_sim.processor.dsp import Dsp
+from periph_sim.scene.case.model import Case
+from periph_sim.scene.firmware_loader import Firmware
+from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import Verdict
 from periph_sim.traces.capture.capture import Capture, Span
 
@@ -21,6 +26,17 @@ from periph_sim.traces.capture.capture import Capture, Span
 def explain(*case_and_verdicts: Any, **names: Any) -> dict[str, Explained]:
     """The explanations of worst occurrences, by the names of their budgets."""
     return {one.window.verdict.name: one for one in explain_all(*case_and_verdicts, **names)}
+
+
+def run_and_explain(made: Case, program: Callable[[Dsp], None] | None = None) -> dict[str, Explained]:
+    """Run a case, and explain the worst occurrences. program: what its unit dsp executes; None for what it states."""
+    programs = {} if program is None else {"dsp": Firmware("given", lambda dsp, settings: program(dsp), None)}
+    scene = Scene(made, programs=programs)
+    return explain(made, scene.run().budgets, scene.typical(), programs=programs)
+
+
+def steps_of(one: Explained) -> list[str]:
+    return [step.what for step in one.chain.steps]
 
 
 KINDS = {"span": Kind.SPAN, "irq": Kind.IRQ, "wait": Kind.WAIT}

@@ -7,8 +7,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -18,10 +18,8 @@ from periph_sim.interfaces.reports.explain.chain import Chain, FirmwarePlace, Pa
 from periph_sim.interfaces.reports.html.failure import failure
 from periph_sim.processor.dsp import Dsp
 from periph_sim.processor.image_files.assemble import SHIPPED
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import Verdict
-from tests.interfaces.reports.explain.made import TIMEBASE, explain
+from tests.interfaces.reports.explain.made import TIMEBASE, run_and_explain, steps_of
 from tests.records.scenes import line_of
 from tests.scene.small import case
 
@@ -29,7 +27,7 @@ MS = 150_000  # cycles
 UNIT = {"firmware": "pulses", "modules": ["GPIO"], "pins": {"GOOD": 34}}
 
 
-def pulses(dsp: Dsp, settings: object) -> None:
+def pulses(dsp: Dsp) -> None:
     """Pulses of 2.32 ms and 2.41 ms: work is of one length, rest is longer in the second, and extra is shorter.
 
     GOOD  __|~~ work 1.8 ~~ rest 0.5 ~ extra 0.02 ~|_____|~~ work 1.8 ~~ rest 0.6 ~~ extra 0.01 ~|____
@@ -47,14 +45,10 @@ def pulses(dsp: Dsp, settings: object) -> None:
         dsp.compute(MS)
 
 
-def high(**limits: str) -> Chain:
+def high(program: Callable[[Dsp], None], duration: str, **limits: str) -> Chain:
     """Return the explanation of the length of the pulse that is nearest to this limit."""
-    programs = {"dsp": Firmware("pulses", pulses, None)}
     budget = {"name": "high", "measure": "from edge GOOD rise to edge GOOD fall", **limits}
-    made = case("8 ms", unit={"dsp": UNIT}, budget=[budget])
-    scene = Scene(made, programs=programs)
-    verdicts = scene.run().budgets
-    return explain(made, verdicts, scene.typical(), programs=programs)["high"].chain
+    return run_and_explain(case(duration, unit={"dsp": UNIT}, budget=[budget]), program)["high"].chain
 
 
 @pytest.mark.parametrize(
@@ -70,7 +64,7 @@ def high(**limits: str) -> Chain:
 def test_only_a_typical_occurrence_that_keeps_the_limit_says_what_is_to_blame(
     limits: dict[str, str], blamed: str, why: str
 ):
-    chain = high(**limits)
+    chain = high(pulses, "8 ms", **limits)
     assert chain.more and str(chain.blamed) == blamed
     told = failure(chain.verdict, False, chain, None, chain.timebase.per_second)
     assert told is not None and chain.verdict.broken
@@ -88,10 +82,7 @@ def pulse(dsp: Dsp, cycles: int) -> None:
 
 
 def computed(cycles: int) -> Chain:
-    programs = {"dsp": Firmware("pulse", lambda dsp, settings: pulse(dsp, cycles), None)}
-    budget = {"name": "high", "measure": "from edge GOOD rise to edge GOOD fall", "max": "100 ns"}
-    made = case("1 ms", unit={"dsp": UNIT}, budget=[budget])
-    return explain(made, Scene(made, programs=programs).run().budgets, programs=programs)["high"].chain
+    return high(lambda dsp: pulse(dsp, cycles), "1 ms", max="100 ns")
 
 
 def test_a_long_computation_has_the_place_of_the_access_behind_it():
@@ -130,14 +121,11 @@ def test_the_edge_is_traced_to_the_write_that_made_it(after: str, steps: list[st
     watch = {"strobe": {**STROBE, "wire": "LED", "after": after, "tolerance": "1 ns"}}
     duration = "5.5 ms" if after == "4.5 ms" else "5.35 ms"
     blinks = case(duration, unit={"dsp": unit}, watch=watch)
-    scene = Scene(blinks)
-    [verdict] = scene.run(blinks.duration).budgets
-    assert not verdict.passed
-    chain = explain(blinks, [verdict], scene.typical(), Fraction(blinks.duration))["strobe"].chain
-    told = [step.what for step in chain.steps]
-    assert [what[: len(step)] for what, step in zip(told, steps, strict=True)] == steps
+    one = run_and_explain(blinks)["strobe"]
+    assert not one.chain.verdict.passed
+    assert [what[: len(step)] for what, step in zip(steps_of(one), steps, strict=True)] == steps
     if len(steps) > 1:
-        place = chain.steps[1].place
+        place = one.chain.steps[1].place
         assert place is not None and place.line == 35
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -22,11 +21,10 @@ from periph_sim.interfaces.reports.html.protocol import bytes_of
 from periph_sim.interfaces.reports.html.protocol import rows as rows_of
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.scene import Scene
 from periph_sim.traces.capture.capture import Channel
 from periph_sim.traces.decode import i2c
-from tests.interfaces.reports.explain.made import drawn, explain
+from tests.interfaces.reports.explain.made import drawn, run_and_explain
+from tests.interfaces.reports.explain.made import steps_of as said
 from tests.records.scenes import line_of
 from tests.scene.runs import TIMING
 from tests.scene.small import case
@@ -45,14 +43,13 @@ def explained(
 ) -> Explained:
     """The one budget of a scene in which `serve` is a slave at 0x50. start: it finds the module set up."""
 
-    def main(dsp: Dsp, settings: object) -> None:
+    def main(dsp: Dsp) -> None:
         i2c = dsp.module("I2C-A")
         if start:
             start_i2c(dsp, own_address=0x50)
             i2c.I2CMDR.IRS = 1
         serve(i2c, dsp)
 
-    programs = {"dsp": Firmware("slave", main, None)}
     head = {"first": "1 ms", "period": "3 ms", "request": [request], **controller}
     made = case(
         duration,
@@ -60,12 +57,7 @@ def explained(
         controller=head,
         budget=[{"name": "b", "measure": measure, "max": limit}],
     )
-    result = Scene(made, programs=programs).run()
-    return explain(made, result.budgets, programs=programs)["b"]
-
-
-def said(one: Explained) -> list[str]:
-    return [step.what for step in one.chain.steps]
+    return run_and_explain(made, main)["b"]
 
 
 def place_of(one: Explained, words: str) -> str:
@@ -193,15 +185,14 @@ def test_an_acknowledge_that_a_chip_refuses_to_the_firmware_is_not_put_down_to_i
         budget=[{"name": "b", "measure": "count of bus NACK", "max": 0}],
     )
 
-    def main(dsp: Dsp, settings: object) -> None:
+    def main(dsp: Dsp) -> None:
         start_i2c(dsp, own_address=0x50)
         i2c = dsp.module("I2C-A")
         i2c.I2CSAR.all = 0x51
         i2c.I2CMDR.all = 0x2E20  # STT, STP, MST, TRX, IRS
         dsp.spin(lambda: i2c.I2CSTR.NACK == 1)
 
-    programs = {"dsp": Firmware("master", main, None)}
-    one = explain(run, Scene(run, programs=programs).run().budgets, programs=programs)["b"]
+    one = run_and_explain(run, main)["b"]
     assert "address 0x51 not acknowledged" in said(one)
     assert not any("I2COAR" in what or "IRS" in what for what in said(one))
 
@@ -230,10 +221,7 @@ def test_a_wrong_byte_is_told_with_the_line_that_wrote_it_and_when():
 
 
 def test_a_byte_of_another_transfer_is_told_as_one():
-    run = load(TIMING / "imu_hil_no_sdir.toml", [])
-    scene = Scene(run)
-    result = scene.run(Fraction(12, 1000))
-    one = explain(run, result.budgets, length=Fraction(12, 1000))["wrong bytes"]
+    one = run_and_explain(load(TIMING / "imu_hil_no_sdir.toml", ["duration=12 ms"]))["wrong bytes"]
     assert any(
         what.startswith("byte 1: 0x12 ACK, not 0x11, written to I2CDXR") and what.endswith("for gyroscope (0x68 W)")
         for what in said(one)
@@ -391,9 +379,8 @@ def test_a_round_that_lacks_a_request_is_explained_by_the_start_in_its_place():
         rounds={"period": "1.2 ms", "request": [{"address": 0x50, "count": 0}, {"address": 0x51, "count": 0}]},
         budget=[{"name": "b", "measure": "missed rounds", "max": 0}],
     )
-    result = Scene(made).run()
-    assert (result.budgets[0].worst, result.budgets[0].verdict) == (1, "fail")
-    one = explain(made, result.budgets)["b"]
+    one = run_and_explain(made)["b"]
+    assert (one.chain.verdict.worst, one.chain.verdict.broken) == (1, True)
     assert said(one)[-1] == "0x50 W begins, and the request before it was not made"
     assert said(one)[:-1] == ["0x50 W, not acknowledged"], "of the period before"
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import Any
 
 from periph_sim.interfaces.reports.explain.chain import Chain, text
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case
-from periph_sim.scene.scene import Scene
-from tests.interfaces.reports.explain.made import explain
+from tests.interfaces.reports.explain.made import run_and_explain, steps_of
 from tests.scene.runs import TIMING
 
 SCRIPT = ["50 W 00 10 11 22", "50 W", "50 W", "50 W", "50 W 00 10 Sr 50 R 2"]
@@ -37,12 +35,7 @@ def chain(measure: str, script: list[str], requests: list[dict[str, Any]], **dev
         },
         "budget": [{"name": "it", "measure": measure, "max": 0 if measure == "wrong bytes" else "1 s"}],
     }
-    case = Case.model_validate(tables)
-    scene = Scene(case)
-    result = scene.run()
-    explained = explain(case, result.budgets, (), Fraction(2, 1000))["it"]
-    assert explained.chain is not None
-    return explained.chain
+    return run_and_explain(Case.model_validate(tables))["it"].chain
 
 
 def test_polls_that_are_refused_are_one_line():
@@ -105,7 +98,5 @@ def test_a_page_begins_at_a_multiple_of_its_length():
 
 def test_a_low_phase_that_rounding_makes_longer_by_a_tick_is_not_held():
     case = load(TIMING / "eeprom_log.toml", ["duration=20 ms", "unit.dsp.ppm=40"])
-    (verdict,) = [one for one in Scene(case).run().budgets if one.name == "round complete"]
-    explained = explain(case, [verdict])["round complete"]
-    assert explained.chain is not None and len(explained.chain.steps) > 5
-    assert [step.what for step in explained.chain.steps if "SCL held" in step.what] == []
+    steps = steps_of(run_and_explain(case)["round complete"])
+    assert len(steps) > 5 and not [step for step in steps if "SCL held" in step]

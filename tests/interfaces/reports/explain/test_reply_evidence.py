@@ -16,36 +16,31 @@ from periph_sim.interfaces.reports.explain.explain import Explained
 from periph_sim.interfaces.reports.explain.picture import text_picture
 from periph_sim.interfaces.reports.html.failure import failure
 from periph_sim.processor.dsp import Dsp
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.scene import Scene
-from periph_sim.timing.verdict import Verdict
-from tests.interfaces.reports.explain.made import explain
+from tests.interfaces.reports.explain.made import run_and_explain, steps_of
 from tests.scene.serial.programs import Program, answers, says, unit
 from tests.scene.small import case
 
 
 def explained(
     replies: dict[bytes, bytes], ask: str = "a", text: str = "OK", duration: str = "2 ms", bits: int = 8
-) -> tuple[Verdict, Explained]:
+) -> Explained:
     expect = {"name": "told", "from": "SCI-A", "after_send": "ask", "within": "1 ms", "text": text}
     return asked(answers("SCI-A", replies, sciccr=bits - 1), ask, expect, duration, bits)
 
 
 def asked(
     program: Program, ask: str, expect: dict[str, str], duration: str, bits: int = 8, modules: tuple[str, ...] = ()
-) -> tuple[Verdict, Explained]:
-    """Return the verdict on the reply to a send at 100 us, and its explanation."""
-    programs = {"dsp": Firmware("dsp", lambda dsp, settings: program(dsp), None)}
+) -> Explained:
+    """Return the explanation of the verdict on the reply to a send at 100 us."""
     send = {"to": "SCI-A", "name": "ask", "at": "100 us", "text": ask}
     table = {"bits": bits, "send": [send], "expect": [expect]}
     small = case(unit={"dsp": unit("SCI-A", *modules)}, serial=table, duration=duration)
-    (verdict,) = Scene(small, None, programs).run().budgets
-    return verdict, explain(small, [verdict], programs=programs)["told"]
+    return run_and_explain(small, program)["told"]
 
 
 def test_a_wrong_reply_is_shown_up_to_its_end_with_the_writes_of_its_wrong_characters():
-    verdict, told = explained({b"a": b"ER"})
-    window, steps = told.window, [step.what for step in told.chain.steps]
+    told = explained({b"a": b"ER"})
+    window, steps = told.window, steps_of(told)
     ends = [r.tick for r in window.records if (r.kind, r.where, r.what) == (Kind.FRAME, "TX", "end")]
     assert window.end == pytest.approx(ends[1], abs=30_000)  # 10 us: the reader has the nominal rate
     assert steps[0] == "RX: the last character of what asks for it"
@@ -59,44 +54,42 @@ def test_a_wrong_reply_is_shown_up_to_its_end_with_the_writes_of_its_wrong_chara
     assert "".join(text for _, _, text in sent[0].bits) == "S10100010T"
     lanes = {line.split(" ")[0] for line in text_picture(window, 100)}
     assert {"RX", "TX"} <= lanes
-    said = failure(verdict, False, told.chain, None, window.timebase.per_second)
+    said = failure(told.chain.verdict, False, told.chain, None, window.timebase.per_second)
     assert said is not None and said.what.startswith("'OK' was expected from SCI-A, but 'ER' came")
     assert "SCITXBUF written, 0x45" in said.why and "programs.py" in said.place
 
 
 def test_only_the_wrong_characters_of_an_echo_are_told():
     """RX |a|b|c|   TX  |a|b|X|: the first two begin before the reply's time does."""
-    _, told = explained({b"a": b"a", b"b": b"b", b"c": b"X"}, "abc", "abc")
-    assert [step.what for step in told.chain.steps if "SCITXBUF" in step.what] == [
+    told = explained({b"a": b"a", b"b": b"b", b"c": b"X"}, "abc", "abc")
+    assert [step for step in steps_of(told) if "SCITXBUF" in step] == [
         "dsp: SCITXBUF written, 0x58: character 2 of the reply, not 0x63"
     ]
 
 
 def test_a_wrong_reply_to_a_send_that_began_long_before_is_told_too():
     """The window keeps 5 ms before; 60 characters take 5.2 ms."""
-    _, told = explained({b"x" * 60: b"ER"}, "x" * 60, duration="8 ms")
-    assert len([step for step in told.chain.steps if "of the reply, not" in step.what]) == 2
+    told = explained({b"x" * 60: b"ER"}, "x" * 60, duration="8 ms")
+    assert len([step for step in steps_of(told) if "of the reply, not" in step]) == 2
 
 
 def test_bits_that_do_not_go_out_are_not_wrong():
-    _, told = explained({b"a": b"\xcfR"}, bits=7)
-    assert [step.what for step in told.chain.steps if "of the reply" in step.what] == [
+    told = explained({b"a": b"\xcfR"}, bits=7)
+    assert [step for step in steps_of(told) if "of the reply" in step] == [
         "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b"
     ]
 
 
 def test_a_reply_cut_short_is_shown_up_to_its_limit():
-    verdict, told = explained({b"a": b"O"})
-    assert verdict.broken and told.window.end - told.window.begin >= told.window.timebase.per_second // 1000
-    assert not [step for step in told.chain.steps if "character" in step.what and "SCITXBUF" in step.what]
+    told = explained({b"a": b"O"})
+    assert told.chain.verdict.broken and told.window.end - told.window.begin >= told.window.timebase.per_second // 1000
+    assert not [step for step in steps_of(told) if "character" in step and "SCITXBUF" in step]
 
 
 def test_a_reply_that_follows_a_time_has_no_character_that_asks_for_it():
-    programs = {"dsp": Firmware("dsp", lambda dsp, settings: says("SCI-A", b"OR")(dsp), None)}
     booted = {"name": "told", "from": "SCI-A", "at": "1 us", "within": "1 ms", "text": "OK"}
     small = case(unit={"dsp": unit("SCI-A")}, serial={"expect": [booted]}, duration="2 ms")
-    (verdict,) = Scene(small, None, programs).run().budgets
-    steps = [step.what for step in explain(small, [verdict], programs=programs)["told"].chain.steps]
+    steps = steps_of(run_and_explain(small, says("SCI-A", b"OR"))["told"])
     assert [step for step in steps if "character" in step] == [
         "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b"
     ]
@@ -104,15 +97,12 @@ def test_a_reply_that_follows_a_time_has_no_character_that_asks_for_it():
 
 def test_where_earlier_characters_may_be_of_the_reply_too_none_is_told_as_wrong():
     """The begin of what asks is not kept, and something was written since: nobody knows which is the first."""
-    _, told = explained({b"x" * 30: b"O"}, "x" * 60, duration="8 ms")  # O in mid send, O behind it
-    steps = [step.what for step in told.chain.steps]
+    steps = steps_of(explained({b"x" * 30: b"O"}, "x" * 60, duration="8 ms"))  # O in mid send, O behind it
     assert "RX: the last character of what asks for it" in steps and "of the reply" not in " ".join(steps)
 
 
 def test_unsolicited_characters_of_a_run_are_told_with_their_writes():
     """RX |a|      |b|           TX of SCI-A |O|K| |E|R|, where only OK was asked for; SCI-B sends nothing."""
-    program = answers("SCI-A", {b"a": b"OK", b"b": b"ER"})
-    programs = {"dsp": Firmware("dsp", lambda dsp, settings: program(dsp), None)}
     sends = [{"to": "SCI-A", "name": name, "at": at, "text": name} for name, at in (("a", "100 us"), ("b", "1 ms"))]
     table = {
         "send": [{"to": "SCI-B", "name": "c", "at": "1 ms", "text": "c"}, *sends],
@@ -120,8 +110,7 @@ def test_unsolicited_characters_of_a_run_are_told_with_their_writes():
     }
     budget = {"name": "unasked", "measure": "unsolicited replies", "max": 0}
     small = case(unit={"dsp": unit("SCI-A", "SCI-B")}, serial=table, budget=[budget], duration="2 ms")
-    verdicts = Scene(small, None, programs).run().budgets
-    told = explain(small, verdicts, programs=programs)["unasked"]
+    told = run_and_explain(small, answers("SCI-A", {b"a": b"OK", b"b": b"ER"}))["unasked"]
     steps = [step for step in told.chain.steps if "SCITXBUF" in step.what]
     assert [step.what for step in steps] == [
         "dsp: SCITXBUF written, 0x45: unsolicited",
@@ -134,39 +123,39 @@ def test_unsolicited_characters_of_a_run_are_told_with_their_writes():
 # A reply that never came ------------------------------------------------------------
 
 
-def steps_of(program: Program, *modules: str, text: str = "ab") -> list[str]:
-    """Return the steps of a reply that never came to a send of `text` at 100 us, to which OK is expected."""
-    expect = {"name": "told", "from": "dsp.SCI-A", "after_send": "ask", "within": "1 ms", "text": "OK"}
-    return [step.what for step in asked(program, text, expect, "3 ms", modules=modules)[1].chain.steps]
+OK = {"name": "told", "from": "dsp.SCI-A", "after_send": "ask", "within": "1 ms", "text": "OK"}
+
+
+def never_came(program: Program, *modules: str, text: str = "ab") -> Explained:
+    """Return the explanation of a reply that never came to a send of `text` at 100 us, to which OK is expected."""
+    return asked(program, text, OK, "3 ms", modules=modules)
 
 
 def test_a_reply_that_never_came_is_told_with_what_was_read_and_where_the_firmware_is():
-    steps = steps_of(answers("SCI-A", {b"x": b"OK"}))
+    steps = steps_of(never_came(answers("SCI-A", {b"x": b"OK"})))
     assert steps[:3] == [
         "no interrupt is entered from here on",
         "RX: the last character of what asks for it",
         "SCIRXBUF read, 2 times since the request began: 0x61 0x62",
     ]
     assert steps[-1].startswith("dsp: wait for SCI-A.SCIFFRX.RXFFST, begun 9")
-    long = steps_of(answers("SCI-A", {b"x": b"OK"}), text="a" * 20)
+    long = steps_of(never_came(answers("SCI-A", {b"x": b"OK"}), text="a" * 20))
     assert f"SCIRXBUF read, 20 times since the request began: {'0x61 ' * 15}0x61, ..." in long
 
 
 @pytest.mark.parametrize(("at", "until"), [("3 ms", 1000), ("500 us", 313.2)])
 def test_a_reply_that_never_came_is_explained_up_to_its_limit_or_the_next_send(at: str, until: float):
     """RX |a|    limit 1 ms     |b|      or       |a|  |b|   limit"""
-    program = answers("SCI-A", {b"b": b"ER"})
-    programs = {"dsp": Firmware("dsp", lambda dsp, settings: program(dsp), None)}
     sends = [{"to": "SCI-A", "name": text, "at": when, "text": text} for text, when in (("a", "100 us"), ("b", at))]
-    expect = {"name": "told", "from": "dsp.SCI-A", "after_send": "a", "within": "1 ms", "text": "OK"}
-    small = case(unit={"dsp": unit("SCI-A")}, serial={"send": sends, "expect": [expect]}, duration="6 ms")
-    told = explain(small, Scene(small, None, programs).run().budgets, programs=programs)["told"]
+    table = {"send": sends, "expect": [{**OK, "after_send": "a"}]}
+    small = case(unit={"dsp": unit("SCI-A")}, serial=table, duration="6 ms")
+    told = run_and_explain(small, answers("SCI-A", {b"b": b"ER"}))["told"]
     assert told.chain.us(told.chain.length) == pytest.approx(until, abs=1)
     assert told.chain.us(told.chain.steps[-1].at) == pytest.approx(until, abs=1)
-    assert [step.what for step in told.chain.steps if "SCIRXBUF" in step.what] == [
+    assert [step for step in steps_of(told) if "SCIRXBUF" in step] == [
         "SCIRXBUF read, 1 time since the request began: 0x61"
     ]
-    assert "SCITXBUF" not in " ".join(step.what for step in told.chain.steps)
+    assert "SCITXBUF" not in " ".join(steps_of(told))
 
 
 def test_firmware_that_reads_nothing_for_a_reply_says_so():
@@ -175,7 +164,7 @@ def test_firmware_that_reads_nothing_for_a_reply_says_so():
         with dsp.span("elsewhere"):
             dsp.compute(10**6)
 
-    steps = steps_of(main)
+    steps = steps_of(never_came(main))
     assert "no interrupt is entered and SCIRXBUF is not read from here on" in steps
     assert steps[-1].startswith("dsp: span elsewhere, begun 1")
 
@@ -195,7 +184,7 @@ def test_interrupts_before_a_reply_that_never_came_are_counted():
         with dsp.span("forever"):
             dsp.compute(10**6)
 
-    steps = steps_of(main, text="abc")
+    steps = steps_of(never_came(main, text="abc"))
     assert "SCIRXINTA entered, 3 times since the request began" in steps
     assert "SCIRXBUF read, 3 times since the request began: 0x61 0x62 0x63" in steps
     assert "no interrupt" not in " ".join(steps)
@@ -214,13 +203,11 @@ def test_a_request_in_two_parts_is_told_from_its_first_part_with_the_timeout_tha
             if frame in (b"x", b"ab"):
                 sci.SCITXBUF.all = ord("X")
 
-    programs = {"dsp": Firmware("dsp", lambda dsp, settings: main(dsp), None)}
     times = {"x": "100 us", "a": "2 ms", "b": "3 ms", "c": "12 ms"}
     sends = [{"to": "SCI-A", "name": text, "at": at, "text": text} for text, at in times.items()]
-    expect = {"name": "told", "from": "dsp.SCI-A", "after_send": "b", "within": "5 ms", "text": "OK"}
-    small = case(unit={"dsp": unit("SCI-A")}, serial={"send": sends, "expect": [expect]}, duration="20 ms")
-    told = explain(small, Scene(small, None, programs).run().budgets, programs=programs)["told"]
-    steps = [step.what for step in told.chain.steps]
+    table = {"send": sends, "expect": [{**OK, "after_send": "b", "within": "5 ms"}]}
+    told = run_and_explain(case(unit={"dsp": unit("SCI-A")}, serial=table, duration="20 ms"), main)["told"]
+    steps = steps_of(told)
     assert "SCIRXBUF read, 2 times since the request began: 0x61 0x62" in steps
     gave_up = [
         step for step in told.chain.steps if step.what.endswith("wait for SCI-A.SCIFFRX.RXFFST gave up (timeout)")
@@ -241,11 +228,6 @@ def test_firmware_that_polls_a_timer_forever_is_told_with_the_timer_and_the_line
         while timer.TIM.all > 0:
             dsp.compute(100)
 
-    programs = {"dsp": Firmware("dsp", lambda dsp, settings: main(dsp), None)}
-    send = {"to": "SCI-A", "name": "ask", "at": "100 us", "text": "a"}
-    expect = {"name": "told", "from": "dsp.SCI-A", "after_send": "ask", "within": "1 ms", "text": "OK"}
-    small = case(unit={"dsp": unit("SCI-A", "TIMER0")}, serial={"send": [send], "expect": [expect]}, duration="3 ms")
-    told = explain(small, Scene(small, None, programs).run().budgets, programs=programs)["told"]
-    last = told.chain.steps[-1]
+    last = never_came(main, "TIMER0", text="a").chain.steps[-1]
     assert last.what.startswith("dsp: other code, 0.") and last.what.endswith(" us after TIMER0.TIM read")
     assert last.place is not None and last.place.function == "main"

@@ -81,9 +81,13 @@ def test_several_cases_have_an_index_that_leads_to_each(small: CaseReport, opene
     assert page.locator("#c2b1:target h3").inner_text() == "own seen"
 
 
-def test_the_table_sorts_by_a_click_and_turns_round_by_another(opened: Open) -> None:
+@pytest.fixture
+def table(opened: Open) -> Locator:
     page = opened(report(*(budget(name, worst) for name, worst in (("b", 9.0), ("c", 10.5), ("a", 2.0)))))
-    table = page.locator(".verdicts")
+    return page.locator(".verdicts")
+
+
+def test_the_table_sorts_by_a_click_and_turns_round_by_another(table: Locator) -> None:
     assert names(table) == ["c", "b", "a"]  # the broken one first
     title = table.locator("th").get_by_role("button", name="seen")
     title.click()
@@ -95,9 +99,7 @@ def test_the_table_sorts_by_a_click_and_turns_round_by_another(opened: Open) -> 
     assert table.locator("th[aria-sort]").count() == 1
 
 
-def test_the_table_filters_by_verdict_and_by_a_word(opened: Open) -> None:
-    page = opened(report(*(budget(name, worst) for name, worst in (("b", 9.0), ("c", 10.5), ("a", 2.0)))))
-    table = page.locator(".verdicts")
+def test_the_table_filters_by_verdict_and_by_a_word(table: Locator) -> None:
     table.get_by_role("button", name="broken 1").click()
     assert names(table) == ["c"]
     table.get_by_role("button", name="all 3").click()

@@ -6,7 +6,6 @@ import json
 import re
 import subprocess
 from dataclasses import replace
-from fractions import Fraction
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -18,12 +17,10 @@ from periph_sim import form
 from periph_sim.core.time import Timebase
 from periph_sim.interfaces.reports.explain.chain import Chain, FirmwarePlace, Part, Step
 from periph_sim.interfaces.reports.html.failure import Failure, SourceLines
-from periph_sim.interfaces.reports.html.gather import CaseReport, case_report, commit_of
+from periph_sim.interfaces.reports.html.gather import CaseReport, commit_of
 from periph_sim.interfaces.reports.html.page import page, versions
-from periph_sim.scene.case.load import load
-from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import legend
-from tests.interfaces.reports.html.made import US, budget, drawn, report, run_of, small_report
+from tests.interfaces.reports.html.made import US, budget, drawn, report, report_of, run_of, small_report
 
 ROOT = Path(__file__).parents[4]
 MOST = 5_000_000  # bytes, for 10 s
@@ -42,13 +39,8 @@ def said(element: Element) -> str:
 @pytest.fixture(scope="module")
 def imu_hil() -> tuple[CaseReport, str]:
     """The report of the reference case, all ten seconds of it."""
-    case = load(ROOT / "timing" / "imu_hil_published.toml", [])
-    scene = Scene(case, keep_values=True)
-    result = scene.run()
-    found = case_report(
-        case, result, [limit.values(scene.start) for limit in scene.limits], scene.typical(), scene.timebase.per_second
-    )
-    return found, page([found], case.name)
+    found = report_of(ROOT / "timing" / "imu_hil_published.toml")
+    return found, page([found], found.name)
 
 
 @pytest.mark.long
@@ -253,17 +245,14 @@ def test_an_overview_counts_cases_and_marks_findings(small: CaseReport) -> None:
 
 def test_joined_conditions_stand_among_the_limits(tmp_path: Path) -> None:
     text = (ROOT / "timing" / "imu_hil_published.toml").read_text(encoding="utf-8").split("[[budget]]")[0]
+    text = text.replace('"10 s"', '"0.1 s"')
     joined = 'and = [{ measure = "value error of gyroscope", max = "2 LSB" }]'
     path = tmp_path / "joined.toml"
     path.write_text(
         f'{text}[[budget]]\nname = "b"\nmeasure = "age of gyroscope"\nmax = "25 ms"\nafter = "20 ms"\n{joined}\n',
         encoding="utf-8",
     )
-    case = load(path, [])
-    scene = Scene(case, keep_values=True)
-    result = scene.run(Fraction(1, 10))
-    values = [limit.values(0) for limit in scene.limits]
-    (one,) = case_report(case, result, values, scene.typical(), scene.timebase.per_second, Fraction(1, 10)).budgets
+    (one,) = report_of(path).budgets
     assert one.limits == (("age of gyroscope max", "25 ms"), ("value error of gyroscope max", "2.000 LSB"))
     assert one.distribution is not None and (one.distribution.unit, one.distribution.worst) == ("LSB", 5.82375)
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from periph_sim.core.records import Kind, Record
-from periph_sim.interfaces.reports.html.gather import CaseReport
-from tests.interfaces.reports.html.test_timeline import records, response, within
+from periph_sim.interfaces.reports.html.timeline import Timeline
+from tests.interfaces.reports.html.test_timeline import records, response, within, words
 
-__all__ = ["records", "response"]  # fixtures
+__all__ = ["records", "response", "words"]  # fixtures
 
 
 def test_each_start_is_a_row_with_its_address_bytes_and_end(response, records: list[Record]) -> None:  # type: ignore[no-untyped-def]
@@ -29,13 +29,11 @@ def test_each_start_is_a_row_with_its_address_bytes_and_end(response, records: l
     assert [f"{r.value >> 1:02X}" for r in bus if r.what == "byte"] == [byte for row in rows for byte, *_ in row.data]
 
 
-def test_frames_without_a_pause_are_one_row(small: CaseReport, records: list[Record]) -> None:
-    timeline = small.budgets[3].timeline
-    assert timeline is not None
-    rows = [row for row in timeline.rows if row.bus == "RX"]
-    sent = [r for r in within(timeline, records) if r.kind is Kind.FRAME and r.what == "byte"]
+def test_frames_without_a_pause_are_one_row(words: Timeline, records: list[Record]) -> None:
+    rows = [row for row in words.rows if row.bus == "RX"]
+    sent = [r for r in within(words, records) if r.kind is Kind.FRAME and r.what == "byte"]
     assert [byte for row in rows for byte, *_ in row.data] == [f"{r.value:02X}" for r in sent]
-    assert 1 <= len(rows) < len(sent) and rows[0].at == sent[0].tick - timeline.origin
+    assert 1 <= len(rows) < len(sent) and rows[0].at == sent[0].tick - words.origin
 
 
 def test_rows_are_in_order_and_in_the_json(response) -> None:  # type: ignore[no-untyped-def]

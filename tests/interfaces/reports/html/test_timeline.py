@@ -66,6 +66,14 @@ def response(small: CaseReport) -> Timeline:
     return found
 
 
+@pytest.fixture(scope="module")
+def words(small: CaseReport) -> Timeline:
+    """The timeline around the fullest FIFO, with the characters of the host."""
+    found = small.budgets[3].timeline
+    assert found is not None
+    return found
+
+
 def lane(timeline: Timeline, group: str, name: str) -> Lane:
     return next(one for title, lanes in timeline.groups for one in lanes if (title, one.name) == (group, name))
 
@@ -97,13 +105,11 @@ def test_a_flag_is_drawn_as_it_changed_and_says_what_it_means(response: Timeline
     assert "[SPRUG03B table 10]" in said[0]
 
 
-def test_a_field_of_several_bits_is_boxes_that_follow_each_other(small: CaseReport, records: list[Record]) -> None:
-    timeline = small.budgets[3].timeline
-    assert timeline is not None
-    boxes = lane(timeline, "flags", "SCIFFRX.RXFFST")
-    changes = [r for r in within(timeline, records) if r.kind is Kind.FLAG and r.what == "SCIFFRX.RXFFST"]
+def test_a_field_of_several_bits_is_boxes_that_follow_each_other(words: Timeline, records: list[Record]) -> None:
+    boxes = lane(words, "flags", "SCIFFRX.RXFFST")
+    changes = [r for r in within(words, records) if r.kind is Kind.FLAG and r.what == "SCIFFRX.RXFFST"]
     assert boxes.kind == "boxes"
-    assert boxes.at == [timeline.kept[0][0], *(r.tick - timeline.origin for r in changes)]
+    assert boxes.at == [words.kept[0][0], *(r.tick - words.origin for r in changes)]
     assert boxes.end[:-1] == boxes.at[1:]
     assert boxes.labels[1:] == [str(r.value) if r.value < 10 else f"{r.value:#x}" for r in changes]
 
@@ -130,16 +136,14 @@ def test_bytes_are_those_that_the_controller_put_on_the_wire(response: Timeline,
     assert [text for text in said if len(text) == 4] == data
 
 
-def test_characters_on_rx_are_divided_into_their_ten_bits(small: CaseReport, records: list[Record]) -> None:
-    timeline = small.budgets[3].timeline
-    assert timeline is not None
-    boxes, bits, wave = (lane(timeline, "UART", name) for name in ("RX bytes", "RX bits", "RX"))
+def test_characters_on_rx_are_divided_into_their_ten_bits(words: Timeline, records: list[Record]) -> None:
+    boxes, bits, wave = (lane(words, "UART", name) for name in ("RX bytes", "RX bits", "RX"))
     assert boxes.kind == bits.kind == "boxes" and wave.kind == "wave"
-    sent = [r for r in within(timeline, records) if r.kind is Kind.FRAME and r.what == "byte"]
+    sent = [r for r in within(words, records) if r.kind is Kind.FRAME and r.what == "byte"]
     assert boxes.labels == [text for r in sent for text in ("S", f"0x{r.value:02X}", "T")]
     for begin, end in zip(boxes.at[::3], boxes.end[2::3], strict=True):
         assert begin in wave.at  # the start bit falls
-        assert abs((end - begin) / timeline.per_second - 10 / 115_200) < 1e-7
+        assert abs((end - begin) / words.per_second - 10 / 115_200) < 1e-7
     assert all(any(b <= at < e for b, e in zip(boxes.at, boxes.end, strict=True)) for at in wave.at)
     assert "".join(bits.labels) == "".join(f"S{f'{r.value:08b}'[::-1]}T" for r in sent)
     assert bits.at[1:10] == bits.end[:9] and bits.end[9] == boxes.end[2]
@@ -153,16 +157,12 @@ def test_transfers_last_from_start_to_stop(response: Timeline, records: list[Rec
     assert boxes.end == [r.tick - response.origin for r in bus if r.what == "STOP"]
 
 
-def test_service_routines_and_waits_last_from_their_begin_to_their_end(
-    small: CaseReport, records: list[Record]
-) -> None:
-    timeline = small.budgets[3].timeline
-    assert timeline is not None
+def test_service_routines_and_waits_last_from_their_begin_to_their_end(words: Timeline, records: list[Record]) -> None:
     for kind, name in ((Kind.IRQ, "interrupt"), (Kind.WAIT, "wait")):
-        boxes = lane(timeline, "firmware", name)
+        boxes = lane(words, "firmware", name)
         assert boxes.kind == "boxes"
-        begins = [r.tick - timeline.origin for r in within(timeline, records) if r.kind is kind and r.value]
-        ends = [r.tick - timeline.origin for r in within(timeline, records) if r.kind is kind and not r.value]
+        begins = [r.tick - words.origin for r in within(words, records) if r.kind is kind and r.value]
+        ends = [r.tick - words.origin for r in within(words, records) if r.kind is kind and not r.value]
         assert set(begins) <= set(boxes.at) and set(ends) <= set(boxes.end)
 
 
@@ -194,10 +194,8 @@ def test_lanes_of_an_answer_are_those_that_its_explanation_is_about(response: Ti
     assert len(chosen) < sum(len(lanes_) for _, lanes_ in response.groups) / 2
 
 
-def test_lanes_of_a_full_fifo_are_those_of_the_host(small: CaseReport) -> None:
-    timeline = small.budgets[3].timeline
-    assert timeline is not None
-    chosen = {one.name for _, lanes_ in timeline.groups for one in lanes_ if one.chosen}
+def test_lanes_of_a_full_fifo_are_those_of_the_host(words: Timeline) -> None:
+    chosen = {one.name for _, lanes_ in words.groups for one in lanes_ if one.chosen}
     assert {"RX", "RX bytes", "SCIFFRX.RXFFINT"} <= chosen and not chosen & {"SCL", "SDA"}
 
 

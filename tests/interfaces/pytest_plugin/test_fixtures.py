@@ -37,11 +37,6 @@ def test_records_and_edges_are_of_one_run(scene):
 """
 
 
-def test_what_a_run_gives(project: pytest.Pytester) -> None:
-    project.makepyfile(test_it=SCENE)
-    project.runpytest_inprocess("test_it.py").assert_outcomes(passed=3)
-
-
 PYTHON = """
 import pytest
 from firmware.python import responder
@@ -82,11 +77,6 @@ def test_the_function_runs_once(scene):
         run.assert_budgets("work")
     assert seen == [1]
 """
-
-
-def test_scenes_in_python(project: pytest.Pytester) -> None:
-    project.makepyfile(test_it=PYTHON)
-    project.runpytest_inprocess("test_it.py").assert_outcomes(passed=3)
 
 
 MARKS = """
@@ -203,47 +193,46 @@ def test_a_test_that_is_to_fail_is_said_to_be(project: pytest.Pytester) -> None:
     result.stdout.fnmatch_lines([" small/response * broken, as expected  test_it.py::test_it"])
 
 
-def test_the_picture_of_a_second_run_is_that_of_the_first(project: pytest.Pytester) -> None:
-    project.makepyfile(
-        test_it="""
-        def said(run):
-            try:
-                run.assert_all()
-            except AssertionError as error:
-                return str(error)
+PICTURES = """
+def said(run):
+    try:
+        run.assert_all()
+    except AssertionError as error:
+        return str(error)
 
-        def test_it(scene):
-            change = "budget.response.max=1 us", "budget.round complete.max=1 us", "start=1 s"
-            repeated = said(scene("timing/small.toml", *change))
-            kept = said(scene("timing/small.toml", *change, record=True))
-            assert repeated == kept and "0x50 R" in kept and "from 0.001290 s on" in kept
-        """
-    )
-    project.runpytest_inprocess("test_it.py").assert_outcomes(passed=1)
+def test_it(scene):
+    change = "budget.response.max=1 us", "budget.round complete.max=1 us", "start=1 s"
+    repeated = said(scene("timing/small.toml", *change))
+    kept = said(scene("timing/small.toml", *change, record=True))
+    assert repeated == kept and "0x50 R" in kept and "from 0.001290 s on" in kept
+"""
 
 
-def test_no_picture_goes_beyond_the_run_or_shows_nothing(project: pytest.Pytester) -> None:
-    project.makepyfile(
-        test_it="""
-        import pytest
+LIMITS = """
+import pytest
 
-        def works(dsp, settings):
-            while True:
-                with dsp.span("work"):
-                    dsp.compute(1500)
+def works(dsp, settings):
+    while True:
+        with dsp.span("work"):
+            dsp.compute(1500)
 
-        def test_still(scene):
-            budget = {"name": "work", "measure": "span:work", "max": "1 us"}
-            with pytest.raises(AssertionError, match="work, 10.000 us at 0.000000 s: no wire moves around it$"):
-                scene(works, modules=["I2C-A"], budget=[budget], seconds="1 ms").assert_all()
+def test_still(scene):
+    budget = {"name": "work", "measure": "span:work", "max": "1 us"}
+    with pytest.raises(AssertionError, match="work, 10.000 us at 0.000000 s: no wire moves around it$"):
+        scene(works, modules=["I2C-A"], budget=[budget], seconds="1 ms").assert_all()
 
-        @pytest.mark.parametrize("record", [False, True])
-        def test_short(scene, record):
-            run = scene("timing/small.toml", "budget.round complete.max=1 us", seconds="1.5 ms", record=record)
-            with pytest.raises(AssertionError) as raised:
-                run.assert_budgets("round complete")
-            numbers = str(raised.value).splitlines()[-2].split()  # the round ends at 480 us, the run at 500
-            assert numbers == ["0", "100", "200", "300", "400"]
-        """
-    )
-    project.runpytest_inprocess("test_it.py").assert_outcomes(passed=3)
+@pytest.mark.parametrize("record", [False, True])
+def test_short(scene, record):
+    run = scene("timing/small.toml", "budget.round complete.max=1 us", seconds="1.5 ms", record=record)
+    with pytest.raises(AssertionError) as raised:
+        run.assert_budgets("round complete")
+    numbers = str(raised.value).splitlines()[-2].split()  # the round ends at 480 us, the run at 500
+    assert numbers == ["0", "100", "200", "300", "400"]
+"""
+
+
+@pytest.mark.parametrize(("source", "passed"), [(SCENE, 3), (PYTHON, 3), (PICTURES, 1), (LIMITS, 3)])
+def test_what_a_run_gives(project: pytest.Pytester, source: str, passed: int) -> None:
+    """Figures and waves of cases and of firmware in Python; the picture of a second run, and within a short run."""
+    project.makepyfile(test_it=source)
+    project.runpytest_inprocess("test_it.py").assert_outcomes(passed=passed)

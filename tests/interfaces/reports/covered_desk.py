@@ -59,14 +59,15 @@ max = 0
 ONLY = Fraction("0.0092375"), Fraction("0.0092377")  # an interrupt comes 1.04 ms after the start of its frame
 
 
-def put_case(folder: Path, *, service: int = 3000, comment: str = "") -> Path:
+def put_case(folder: Path, *, service: int = 3000, does: str = "", comment: str = "") -> Path:
     """Write the case and its firmware.
 
-    service: cycles that the service routine computes besides. comment: a line after the firmware, without effect.
+    service: cycles that the service routine computes besides. does: what it does instead.
+    comment: a line after the firmware, without effect.
     """
     folder.mkdir(exist_ok=True)
     assert FRAME in FIRMWARE
-    added = f"        self.dsp.compute({service})\n"
+    added = f"        {does or f'self.dsp.compute({service})'}\n"
     (folder / "firmware.py").write_text(FIRMWARE.replace(FRAME, added + FRAME) + comment, encoding="utf-8")
     (folder / "small.toml").write_text(CASE, encoding="utf-8")
     return folder / "small.toml"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 from periph_sim.interfaces.reports.explain.chain import Chain, text
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case
@@ -54,33 +56,48 @@ def read_back(written: str, word: str, expect: str) -> Chain:
     return chain("wrong bytes", script, asked)
 
 
-def test_a_byte_that_a_memory_sends_is_told_with_the_write_that_it_came_of():
-    steps = [step.what for step in read_back("10 11 22", "10", "11 23").steps]
-    assert steps[:2] == ["repeated START, memory (0x50 R)", "address acknowledged"]
-    assert steps[2].startswith("byte 1: 0x11 ACK, sent by memory from 0x0010, last written 0x11, ")
-    assert steps[3].startswith("byte 2: 0x22 NACK, not 0x23, sent by memory from 0x0011, last written 0x22, ")
-    assert len(steps) == 4
+NOTED = "memory: the write at 0x001f went beyond its page's end, 0x001f, on to 0x0000"
+WROTE_11, WROTE_22 = ", last written 0x11, 1000.847 us before", ", last written 0x22, 1000.847 us before"
 
 
-def test_a_page_overrun_that_the_memory_noted_is_the_cause():
-    found = read_back("1f 11 22", "1f", "11 22")
-    noted = "memory: the write at 0x001f went beyond its page's end, 0x001f, on to 0x0000"
-    assert found.steps[0].what == noted and found.steps[0].at < 0
-    assert str(found.blamed) == noted
-    assert found.steps[-1].what == "byte 2: 0xFF NACK, not 0x22, sent by memory from 0x0020"
-
-
-def test_the_word_that_an_overrun_went_round_to_is_told_as_written():
-    found = read_back("1f 11 22", "00", "ff ff")
-    assert "byte 1: 0x22 ACK, not 0xFF, sent by memory from 0x0000, last written 0x22" in "\n".join(
-        s.what for s in found.steps
-    )
-    assert str(found.blamed).startswith("memory: the write at 0x001f")
-
-
-def test_a_note_about_words_that_are_not_read_is_told_and_not_blamed():
-    found = read_back("1f 11 22", "40", "11 22")
-    assert found.steps[0].what.startswith("memory: the write at 0x001f") and found.blamed is None
+@pytest.mark.parametrize(
+    ("written", "word", "expect", "sent", "notes", "blamed"),
+    [
+        (
+            *("10 11 22", "10", "11 23"),
+            [f"0x11 ACK|0x0010{WROTE_11}", f"0x22 NACK, not 0x23|0x0011{WROTE_22}"],
+            *([], None),
+        ),
+        (  # a page begins at a multiple of its length: 0x50 lies in the one from 0x40 on
+            *("50 11 22", "50", "11 23"),
+            [f"0x11 ACK|0x0050{WROTE_11}", f"0x22 NACK, not 0x23|0x0051{WROTE_22}"],
+            *([], None),
+        ),
+        (
+            *("1f 11 22", "1f", "11 22"),
+            [f"0x11 ACK|0x001f{WROTE_11}", "0xFF NACK, not 0x22|0x0020"],
+            *([NOTED], NOTED),
+        ),
+        (  # the word that the write went round to
+            *("1f 11 22", "00", "ff ff"),
+            ["0x22 ACK, not 0xFF|0x0000, last written 0x22, 910.847 us before", "0xFF NACK|0x0001"],
+            *([NOTED], NOTED),
+        ),
+        (  # a note about words that are not read
+            *("1f 11 22", "40", "11 22"),
+            ["0xFF ACK, not 0x11|0x0040", "0xFF NACK, not 0x22|0x0041"],
+            *([NOTED], None),
+        ),
+    ],
+)
+def test_bytes_that_a_memory_sends_are_told_with_their_writes_and_its_note(
+    written: str, word: str, expect: str, sent: list[str], notes: list[str], blamed: str | None
+):
+    found = read_back(written, word, expect)
+    said = [f"byte {n}: {byte.replace('|', ', sent by memory from ')}" for n, byte in enumerate(sent, 1)]
+    told = [*notes, "repeated START, memory (0x50 R)", "address acknowledged", *said]
+    assert [step.what for step in found.steps] == told
+    assert (found.blamed and str(found.blamed)) == blamed
 
 
 def test_where_a_memory_is_read_without_a_word_address_before_the_bytes_are_told_without_it():
@@ -88,12 +105,6 @@ def test_where_a_memory_is_read_without_a_word_address_before_the_bytes_are_told
     asked = [{**REQUEST, "write": "10", "count": 2}, {"address": 0x50, "count": 1, "expect": "33"}]
     steps = chain("wrong bytes", ["50 W 00 10 Sr 50 R 2", "50 R 1"], asked).steps
     assert steps[-1].what == "byte 1: 0xFF NACK, not 0x33, sent by memory"
-
-
-def test_a_page_begins_at_a_multiple_of_its_length():
-    """Pages of 32 bytes: 0x50 lies in the one from 0x40 on."""
-    steps = [step.what for step in read_back("50 11 22", "50", "11 23").steps]
-    assert steps[2].startswith("byte 1: 0x11 ACK, sent by memory from 0x0050, last written 0x11, ")
 
 
 def test_a_low_phase_that_rounding_makes_longer_by_a_tick_is_not_held():

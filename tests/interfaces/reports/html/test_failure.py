@@ -48,34 +48,41 @@ def test_how_often_it_happens_is_told(numbers: list[int], count: str) -> None:
     assert told(LATE, None, *numbers).count == count
 
 
-def test_the_cause_is_the_place_that_the_chain_blames() -> None:
-    most = chain(Part("bus", "SCL low by the controller", 5 * US), Part("interrupt", "SCIRXINTA", 7 * US, 1, PLACE))
-    found = told(LATE, most)
-    assert (found.why, found.place) == (
-        "Most of that time, 7.000 us, went into SCIRXINTA at",
-        "imu_hil.py:98 (batch_read)",
-    )
-    less = chain(Part("bus", "bits", 7 * US), Part("wait", "AAS", 5 * US, 1, PLACE))
-    assert told(LATE, less).why == "The largest part of that time, 5.000 us, went into wait for AAS at"
-    extra = Part("span", "frame", 3 * US, 1, PLACE)
-    assert (
-        told(LATE, chain(Part("bus", "bits", 12 * US), more=(extra,))).why
-        == "3.000 us longer than in its least critical occurrence: span frame at"
-    )
-    blame = Part("code", "I2CDXR written", 0, 1, PLACE)
-    assert told(LATE, chain(blame=blame, length=0)).why == "Cause: I2CDXR written at"
+WHERE = "imu_hil.py:98 (batch_read)"
+HELD = Part("bus", "SCL low by the controller", 12 * US)
+EXTRA = Part("span", "frame", 3 * US, 1, PLACE)
+OVERRUN = "memory: the write at 0x001f went beyond its page's end"
 
 
-def test_a_cause_outside_of_the_firmware_is_told_without_a_place() -> None:
-    blame = Part("code", "memory: the write at 0x001f went beyond its page's end", 0)
-    found = told(LATE, chain(blame=blame, length=0))
-    assert (found.why, found.place) == ("Cause: memory: the write at 0x001f went beyond its page's end", "")
-
-
-def test_without_a_place_in_the_firmware_the_longest_part_is_told() -> None:
-    found = told(LATE, chain(Part("bus", "SCL low by the controller", 12 * US)))
-    assert (found.why, found.place) == ("Most of that time, 12.000 us, went into SCL low by the controller", "")
-    assert (told(LATE, chain()).why, told(LATE, chain()).place) == ("", "")
+@pytest.mark.parametrize(
+    ("of", "why", "place"),
+    [
+        (
+            chain(replace(HELD, length=5 * US), Part("interrupt", "SCIRXINTA", 7 * US, 1, PLACE)),
+            "Most of that time, 7.000 us, went into SCIRXINTA at",
+            WHERE,
+        ),
+        (
+            chain(replace(HELD, length=7 * US), Part("wait", "AAS", 5 * US, 1, PLACE)),
+            "The largest part of that time, 5.000 us, went into wait for AAS at",
+            WHERE,
+        ),
+        (
+            chain(HELD, more=(EXTRA,)),
+            "3.000 us longer than in its least critical occurrence: span frame at",
+            WHERE,
+        ),
+        (chain(blame=Part("code", "I2CDXR written", 0, 1, PLACE), length=0), "Cause: I2CDXR written at", WHERE),
+        (chain(blame=Part("code", OVERRUN, 0), length=0), f"Cause: {OVERRUN}", ""),
+        (chain(HELD), "Most of that time, 12.000 us, went into SCL low by the controller", ""),
+        (chain(), "", ""),
+    ],
+)
+def test_the_cause_is_what_the_chain_blames_with_its_place_in_the_firmware_or_the_longest_part(
+    of: Chain, why: str, place: str
+) -> None:
+    found = told(LATE, of)
+    assert (found.why, found.place) == (why, place)
 
 
 def test_a_budget_that_holds_has_no_sentence_and_a_known_break_has_one() -> None:

@@ -20,9 +20,15 @@ from typing import Any
 
 import pytest
 
+from ...processor.user_code import output_muted
 from ...proof.saved_paths import coverage_path
 from ...scene.case.discover import is_case
+from ...scene.case.load import load
+from ...scene.project import project_of
+from ..commands.command_frame import is_mistake
+from .figures import properties
 from .keys import CASES
+from .runs import Plan, Run, run_plan
 
 HANGS = "hangs nowhere"
 COVERAGE = "coverage"
@@ -42,12 +48,6 @@ class CaseFile(pytest.File):
 
     def collect(self) -> Iterable[pytest.Item]:
         """Yield the tests. Raise CollectError, whose message is one sentence, if the case cannot be built."""
-        from ...processor.user_code import output_muted
-        from ...scene.case.load import load
-        from ...scene.project import project_of
-        from ..commands.command_frame import is_mistake
-        from .runs import Plan
-
         try:
             self.settings = project_of(self.path.parent).settings
             self._plan = Plan(load(self.path))
@@ -57,22 +57,20 @@ class CaseFile(pytest.File):
             if not is_mistake(error):
                 raise
             raise self.CollectError(str(error)) from None
-        self._run: Any = None
+        self._run: Run | None = None
         self._failed: Exception | None = None
         yield CaseItem.from_parent(self, name=HANGS, number=None, line=1)
         for number, budget in enumerate(self._plan.case.budget):
             line = self._plan.case.line("budget", number)
             item = CaseItem.from_parent(self, name=budget.name, number=number, line=line)
-            if budget.name in getattr(self._plan.case, "breaks", ()):
+            if budget.name in self._plan.case.breaks:
                 item.add_marker(pytest.mark.xfail(reason=KNOWN, raises=AssertionError, strict=True))
             yield item
         if coverage_path(self.path).exists():
             yield CoverageItem.from_parent(self, name=COVERAGE, number=None, line=1)
 
-    def run(self) -> Any:
+    def run(self) -> Run:
         """Return the run of the case, which is made once for all tests. If it fails, every call raises the error."""
-        from .runs import run_plan
-
         if self._failed is not None:
             raise self._failed
         if self._run is None:
@@ -97,8 +95,6 @@ class CaseItem(pytest.Item):
         self._line = line
 
     def runtest(self) -> None:
-        from .figures import properties
-
         assert isinstance(self.parent, CaseFile)
         run = self.parent.run()
         if self._number is None:
@@ -113,8 +109,6 @@ class CaseItem(pytest.Item):
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *args: Any, **more: Any) -> Any:
         """Return the text of a failure: the broken budgets, the message of a user's error, or an internal traceback."""
-        from ..commands.command_frame import is_mistake
-
         if isinstance(excinfo.value, AssertionError) or is_mistake(excinfo.value):
             return f"{excinfo.value}\n\n{self.nodeid.partition('::')[0]}:{self._line}"
         return super().repr_failure(excinfo, *args, **more)

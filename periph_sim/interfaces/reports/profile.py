@@ -44,10 +44,6 @@ class Profiled(Struct, frozen=True):
     profiles: dict[str, Profile]
     coverage: dict[str, Coverage]
 
-    def place_of(self, unit: str, function: str) -> str:
-        """Return the source location at which a function of a unit's image begins."""
-        return self.programs[unit].place_of(function)
-
 
 def text(run: Profiled, every: bool = False) -> str:
     """Format a table of 80 columns for each unit. every: True to show all called functions, not only LONGEST_TEXT."""
@@ -65,7 +61,7 @@ def text(run: Profiled, every: bool = False) -> str:
                 _us(one.total / per_us),
                 _us(one.waits / per_us),
                 str(one.calls),
-                _begins_at(run.place_of(unit, one.name)),
+                _begins_at(run.programs[unit].place_of(one.name)),
             )
             for one in shown
         ]
@@ -111,7 +107,7 @@ def as_json(run: Profiled) -> dict[str, object]:
                     "total_s": one.total / per_second,
                     "waits_s": one.waits / per_second,
                 }
-                | _json_place(run.place_of(unit, one.name))
+                | _json_place(run.programs[unit].place_of(one.name))
                 for one in profile.functions()
             ]
             for unit, profile in run.profiles.items()
@@ -130,7 +126,7 @@ def speedscope(run: Profiled) -> dict[str, object]:
     frames: dict[Frame, int] = {}
 
     def number(unit: str, function: str) -> int:
-        place = run.place_of(unit, function)
+        place = run.programs[unit].place_of(function)
         return frames.setdefault((function, getattr(place, "path", ""), getattr(place, "line", 0)), len(frames))
 
     made: list[dict[str, object]] = []

@@ -6,7 +6,7 @@ worst value: phases, seed --[inputs]--> case file --run--> the same value
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -47,8 +47,10 @@ def witness_file(
         apply(tree, change)
     move_files(tree, case.parent, folder)
     name = f"{IN_FILES.sub('_', covered.case.name)}_{_part_of_name(covered, worst.name)}"
-    if "budget" in tree:
-        tree["budget"] = _covered(tree["budget"], {one.name for one in covered.case.budget})
+    if "budget" in tree:  # without percentiles, because a coverage judges only the worst value
+        names = {one.name for one in covered.case.budget}
+        kept = [budget for budget in tree["budget"] if budget["name"] in names]
+        tree["budget"] = [{key: value for key, value in one.items() if key not in PER_MILLE} for one in kept]
     tree["name"] = name
     tree["about"] = f"The worst value of {worst.name!r} that prove found for {covered.case.name}."
     tree["duration"], tree["seed"] = _seconds(covered, duration), seed
@@ -70,12 +72,6 @@ def _part_of_name(covered: CoveredCase, budget: str) -> str:
     if part and [*parts.values()].count(part) == 1:
         return part
     return f"{part}_{[*parts].index(budget)}".strip("_")
-
-
-def _covered(budgets: list[Tree], names: Collection[str]) -> list[Tree]:
-    """Return the budgets with these names, without percentiles, because a coverage judges only the worst value."""
-    kept = [budget for budget in budgets if budget["name"] in names]
-    return [{key: value for key, value in budget.items() if key not in PER_MILLE} for budget in kept]
 
 
 def input_texts(covered: CoveredCase, inputs: InputsTable) -> Tree:

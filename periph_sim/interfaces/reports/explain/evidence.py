@@ -324,14 +324,10 @@ class Evidence:
             assumed=self.window.assumed,
         )
 
-    def step(self, record: Record, what: str = "", length: int | None = None) -> Step:
-        """Convert a record to a Step.
-
-        what: the text of the step; "" for the text of the record.
-        length: the duration in ticks; None for an instant.
-        """
+    def step(self, record: Record, what: str = "") -> Step:
+        """Convert a record to a Step. what: the text of the step; "" for the text of the record."""
         place = place_of(record.text) if record.kind in (*IN_FIRMWARE, Kind.FLAG) else None
-        return self.say(record.tick, what or happened(record), length, place)
+        return self.say(record.tick, what or happened(record), None, place)
 
     def named(self, record: Record) -> str:
         """Return the text of a record without details. For a START, return the text of the phase that begins there."""

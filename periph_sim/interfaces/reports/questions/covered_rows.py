@@ -118,7 +118,10 @@ def _result(
     runs: dict[str, StartedRun],
 ) -> CoveredResult:
     """Return the result of runs. failed: the names of what failed, as in `Outcome`."""
-    verdicts = [worst.get(one.name) or _unmeasured(one.name, one.measure) for one in case.case.budget]
+    verdicts = [
+        worst.get(one.name) or Verdict(one.name, one.measure, "", None, 0, None, 0, NOT_JUDGED, None)
+        for one in case.case.budget
+    ]
     stuck = [reason for name, reason in reasons.items() if name in failed]
     passed = all(verdict.passed for verdict in verdicts) and not stuck
     return CoveredResult(
@@ -136,10 +139,6 @@ def _result(
         stuck=stuck,
         runs=runs,
     )
-
-
-def _unmeasured(name: str, measure: str) -> Verdict:
-    return Verdict(name, measure, "", None, 0, None, 0, NOT_JUDGED, None)
 
 
 def _texts(case: CoveredCase, inputs: InputsTable) -> list[str]:

@@ -1,6 +1,6 @@
 """One CPU, the program that it runs, and the modules of its chip.
 
-    kernel --wake-up--> Processor --run(until)--> Program      returns the reason why it stops
+    kernel --wake-up--> Processor --run(until)--> Program
                             |                       |
                             |   reach, rest, take_interrupt, iret: True if complete, False if the program must stop
                             |                       |

@@ -28,7 +28,6 @@ Source: SPRU430F section 3.4, Table 3-4 (context); SPRUFB0D sections 8.1 to 8.5,
 from __future__ import annotations
 
 from collections.abc import Sequence
-from enum import Enum
 from typing import NamedTuple, final
 
 from ..core.agent import Agent
@@ -57,14 +56,6 @@ NAME_OF = {address: name for name, address in VECTORS.items()}
 CODE_ADDRESS = 0x3F_FFFF  # mask of the bits of a vector that the CPU uses
 
 
-class Stop(Enum):
-    """Reason why a program has stopped. If it has not ended, the processor runs it again at the next wake-up."""
-
-    WAITS = "something else may act before the cycle that it has to reach"
-    SLEEPS = "it sleeps at an instruction boundary"
-    ENDED = "nothing is left to execute"
-
-
 class Awaited(NamedTuple):
     """A description of a wait in progress.
 
@@ -86,6 +77,7 @@ class Awaited(NamedTuple):
 class Program:
     """Base of the programs that a processor runs.
 
+    stops_itself: True if the program calls `Processor.stops` when it stops, because `run` does not return then.
     spin: the wait in progress; None if there is none.
     polls_skipped: the number of passes of waits that were skipped.
     returned_at: the cycle at which main has returned, or an image has executed ESTOP0; None before.
@@ -94,6 +86,7 @@ class Program:
     STATE = State("spin polls_skipped", cycles="returned_at", results="polls_skipped")
 
     def __init__(self) -> None:
+        self.stops_itself = False
         self.spin: Spin | None = None
         self.polls_skipped = 0
         self.returned_at: int | None = None
@@ -103,10 +96,8 @@ class Program:
         """True if main has returned, or an image has executed ESTOP0."""
         return self.returned_at is not None
 
-    def run(self, until: int) -> Stop | None:
-        """Continue the program until it stops, and return the reason.
-
-        Return None if the program has called `Processor.stops` itself.
+    def run(self, until: int) -> None:
+        """Continue the program until it stops. If it has not ended, it is run again at the next wake-up of the CPU.
 
         until: nothing else can act before this cycle, the end of the present lease. An access with an effect ends the
         lease (`CpuTime.lease`). If `Processor.reach`, `rest`, `take_interrupt` or `iret` returns False, the program
@@ -159,14 +150,13 @@ NONE, FETCHES, ENTERS, RETURNS = range(4)  # the pending step: none, fetch of th
 class Processor(Agent):
     """Processor of a unit.
 
-    stopped: the reason of the last stop of the program; None before the first stop.
     core: the masks, flags and timing of interrupts.
     taken: the name of the vector of the last interrupt that was taken.
     unrequested: True if no line of the interrupt's PIE group was flagged and enabled when its vector was fetched.
     """
 
     STATE = State(
-        "time notes bus core taken stopped _under_way _vector _number",
+        "time notes bus core taken _under_way _vector _number",
         cycles="_goal",
         records="_cause _causes",
         expires="_goal",
@@ -187,7 +177,6 @@ class Processor(Agent):
     ) -> None:
         self.name = name
         self.kernel = kernel
-        self.stopped: Stop | None = None
         self.time = CpuTime(kernel, clock, self)
         self.notes = FirmwareNotes(kernel, clock, recorder, name, strict, self.causing_statement)
         self.bus = Bus(name, self.time, clock, recorder, memory, core, self.notes, options, self._place)
@@ -253,18 +242,16 @@ class Processor(Agent):
         time, recorder = self.time, self._recorder
         time.arrive()
         self._outer, recorder.cause = recorder.cause, self._cause
-        why = self.stopped
         if (time.cycle >= self._goal or self.reach(self._goal)) and (not self._under_way or self._go_on()):
             assert self._program is not None
-            why = self._program.run(time.renew())
-            if why is None:
+            self._program.run(time.renew())
+            if self._program.stops_itself:
                 return
-        self.stops(why)
+        self.stops()
 
-    def stops(self, why: Stop | None) -> None:
-        """Store why the program stops, and restore the cause of records to that before the kernel called `act`."""
+    def stops(self) -> None:
+        """Restore the cause of records to that before the kernel called `act`, because the program stops."""
         recorder = self._recorder
-        self.stopped = why
         self._cause, recorder.cause = recorder.cause, self._outer
 
     # Steps that take time ------------------------------------------------------------

@@ -7,7 +7,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from periph_sim.core.chip import NEVER
-from periph_sim.processor.processor import Processor, Program, Stop
+from periph_sim.processor.processor import Processor, Program
 
 ST0, AL, PC_LOW, PC_HIGH = 0, 2, 12, 13  # words of the context
 
@@ -46,35 +46,35 @@ class ScriptedProgram(Program):
         self._processor = processor
         self._doing = BOUNDARY
 
-    def run(self, until: int) -> Stop:
-        stop = self._execute()
+    def run(self, until: int) -> None:
+        self._execute()
         self.runs.append((until, self._processor.time.cycle))
-        return stop
 
-    def _execute(self) -> Stop:
+    def _execute(self) -> None:
         processor, time = self._processor, self._processor.time
         while True:
             if self._doing == BOUNDARY:
                 number = processor.core.next_taken(time.cycle)
                 if number:
                     if not processor.take_interrupt(number):
-                        return Stop.WAITS
+                        return
                     continue
                 if self.pc not in self._code:
-                    return self._end()
+                    self._end()
+                    return
                 self._doing = ACCESS
                 if not processor.reach(self._access_at(self._code[self.pc])):
-                    return Stop.WAITS
+                    return
             if self._doing == ACCESS:
                 step = self._code[self.pc]
                 self._doing = END
                 if step.op is Op.IRET:
                     self._doing = BOUNDARY
                     if not processor.iret():
-                        return Stop.WAITS
+                        return
                     continue
                 if not processor.reach(time.cycle + self._make(step)):
-                    return Stop.WAITS
+                    return
             self.pc += 1
             self._doing = BOUNDARY
             processor.core.owes_instruction = False
@@ -99,14 +99,13 @@ class ScriptedProgram(Program):
             self.al = step.number
         return step.number if step.op is Op.WORK else 1
 
-    def _end(self) -> Stop:
+    def _end(self) -> None:
         """Nothing is left but what was posted."""
         time = self._processor.time
         while time.lands < NEVER:
             if not self._processor.reach(time.lands + 1):
-                return Stop.WAITS
+                return
         self.returned_at = time.cycle
-        return Stop.ENDED
 
     def place(self) -> None:
         """No statement of Python's."""

@@ -10,7 +10,7 @@ from periph_sim.core.kernel import CPU
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.f28335.descriptor import Frame
 from periph_sim.f28335.memory.memory_map import ModuleRange, NoSuchAddress
-from periph_sim.processor.processor import Program, Stop
+from periph_sim.processor.processor import Program
 from periph_sim.processor.user_code import FirmwareError
 from tests.processor.bench import Bench
 from tests.processor.scripted_program import Op, ScriptedProgram, Step
@@ -67,7 +67,7 @@ def test_an_interrupt_goes_through_the_table_and_the_stack_in_memory():
     assert program.seen == [(1, 115 + 2)]  # two wait states of frame 2
     #         SET and 139 cycles, entry, SET, load, store of PIEACK, IRET
     assert program.returned_at == 140 + 10 + 1 + 3 + 1 + 8
-    assert program.finished and bench.processor.stopped is Stop.ENDED
+    assert program.finished
 
 
 def test_it_is_run_up_to_where_something_else_acts_and_no_further():
@@ -244,7 +244,7 @@ def test_a_processor_without_a_program_says_so():
     with pytest.raises(RuntimeError, match=r"dsp has no program; give it one with Processor\.start"):
         processor.program  # noqa: B018
     processor.kill(SystemExit)
-    assert processor.causing_statement() is None and processor.stopped is None
+    assert processor.causing_statement() is None
 
 
 def test_a_program_that_is_none_says_what_is_missing():

@@ -27,7 +27,7 @@ from ..c28x.execution.cpu import WRITES, Operation
 from ..c28x.execution.registers import IllegalOperation
 from ..image_files.model import Image
 from ..polling import Spin
-from ..processor import Awaited, Processor, Stop
+from ..processor import Awaited, Processor
 from ..user_code import FirmwareLost, InterruptFault
 from .counting_loop import CountingLoop
 from .cpu import ImageCpu
@@ -117,22 +117,23 @@ class ImageProgram(LoadedImage):
 
     # Execution ----------------------------------------------------------------------
 
-    def run(self, until: int) -> Stop | None:
-        """Execute instructions until the program must stop. Return the reason; see `Program.run`."""
+    def run(self, until: int) -> None:
+        """Execute instructions until the program must stop."""
         try:
-            return self._run()
+            self._run()
         except (IllegalOperation, InterruptFault) as error:
             self._processor.time.meet()  # sets the kernel's time to the instant at which the run ends
             raise FirmwareLost(self.error_text(str(error).removeprefix(f"{self._processor.name}: "))) from None
 
-    def _run(self) -> Stop:
+    def _run(self) -> None:
         cpu, time, processor = self.cpu, self._processor.time, self._processor
         core, timing, polls = processor.core, cpu.timing, cpu.polls
         pipeline = timing.pipeline
         if polls.asleep and polls.skips:
             self._woken(time.cycle)
         if cpu.ended:
-            return self._ended()
+            self._end()
+            return
         f: Operation | None = None  # the last instruction that was begun in this call
         while True:
             if self._ready is not None:
@@ -143,12 +144,12 @@ class ImageProgram(LoadedImage):
                 if self._loop_due:
                     self._loop_due = False
                     if self._sleeps() and polls.skips:
-                        return Stop.SLEEPS
+                        return
                 if cpu.idling:
                     if not self._slept():
-                        return Stop.SLEEPS
+                        return
                     if core.ready > time.cycle and not processor.reach(core.ready):
-                        return Stop.WAITS
+                        return
                     continue
                 if not cpu.left and (core.ifr or core.next_wake <= time.cycle or core.owes_instruction):
                     if self._executed and core.owes_instruction:
@@ -157,7 +158,7 @@ class ImageProgram(LoadedImage):
                     if number:
                         cpu.hand_over()
                         if not processor.take_interrupt(number):
-                            return Stop.WAITS
+                            return
                         continue
                 self._at = cpu.pc
                 f = cpu.fetch() if f is None else cpu.after(f)
@@ -170,7 +171,7 @@ class ImageProgram(LoadedImage):
                 if at != time.cycle:
                     if at >= time.lease and not processor.reach(at):
                         self._ready = f
-                        return Stop.WAITS
+                        return
                     time.cycle = at
             cycles = cpu.finish(f)
             pipeline.issued(f, cycles)
@@ -209,12 +210,13 @@ class ImageProgram(LoadedImage):
                 cpu.hand_over()
                 self._executed = False
                 if not processor.iret():
-                    return Stop.WAITS
+                    return
                 continue
             if cpu.ended:
-                return self._ended()
+                self._end()
+                return
             if cycle >= time.lease and not processor.reach(cycle):
-                return Stop.WAITS
+                return
             time.cycle = cycle
 
     # Waits --------------------------------------------------------------------------
@@ -348,15 +350,14 @@ class ImageProgram(LoadedImage):
             self._calls.slept(self._clock.tick(time.cycle) - self._asleep_at)
         return True
 
-    def _ended(self) -> Stop:
-        """Return ENDED if all posted writes before ESTOP0 have taken effect; otherwise, return WAITS."""
+    def _end(self) -> None:
+        """Let the posted writes before ESTOP0 take effect, as far as time can pass in this call."""
         time = self._processor.time
         if self.returned_at is None:
             self.returned_at = time.cycle
         while time.lands < NEVER:
             if not self._processor.reach(time.lands + 1):
-                return Stop.WAITS
-        return Stop.ENDED
+                return
 
     def ending(self, at: Text) -> str:
         """Return the text of the note about the end of the program. at: the time of the end as text."""

@@ -27,12 +27,10 @@ from ..bus import Bus
 from ..cpu_time import CpuTime
 from ..operand import Operand
 from ..polling import Spin
-from ..processor import Processor, Stop
+from ..processor import Processor
 from ..source_location import SourceLocation
 from ..user_code import warn
 from .program import PythonProgram
-
-SLEEPS = Stop.SLEEPS
 
 MANY_READS = 1000  # after this number of reads without a write or a wait, it is checked whether a loop polls
 CYCLES_OF_A_PASS = 100  # a loop polls if less than MANY_READS times this has passed since the last check
@@ -217,7 +215,7 @@ class Cpu:
     def _rest_until(self, cycle: int) -> None:
         """Sleep until `cycle`, or until an earlier boundary at which an interrupt can be taken."""
         if not self.processor.rest(cycle):
-            self.program.yield_turn(SLEEPS)
+            self.program.yield_turn()
 
     def serve(self) -> None:
         """Take every interrupt that can be taken at this instruction boundary."""

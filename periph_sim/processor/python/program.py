@@ -28,7 +28,7 @@ from ...core.chip import NEVER
 from ...core.kernel import Kernel
 from ...f28335.pie.register_map import VECTORS
 from ...form.c_types import BigInt, Text
-from ..processor import Processor, Program, Stop
+from ..processor import Processor, Program
 from ..source_location import SourceLocation, SourceLocator
 from ..user_code import (
     FirmwareError,
@@ -92,6 +92,7 @@ class PythonProgram(Program):
     def __init__(self, processor: Processor) -> None:
         super().__init__()
         self.name = processor.name
+        self.stops_itself = True
         self.handlers: dict[str, Handler] = {}
         self.entered: Handler | None = None
         self.stall_limit: float = 0.0
@@ -161,13 +162,13 @@ class PythonProgram(Program):
         """End the turn of firmware that has returned or raised. If it was not killed, let the outer loop continue."""
         self._end_watch()
         if self._greenlet is not None:
-            self._processor.stops(Stop.ENDED)
+            self._processor.stops()
             self._greenlet.parent = self._outer_loop()
 
     # Turns -------------------------------------------------------------------
 
     def run(self, until: int) -> None:
-        """Continue this program. Return None, because `yield_turn` reports the stop to the processor.
+        """Continue this program. When it stops, `yield_turn` reports the stop to the processor.
 
         This call does not return when the program stops. It returns when the greenlet of its caller is resumed; another
         program may run before that.
@@ -194,15 +195,15 @@ class PythonProgram(Program):
             finally:
                 del fault
 
-    def yield_turn(self, why: Stop = Stop.WAITS) -> None:
-        """Stop the program, run due events from here, and return when the program is run again. why: the reason."""
+    def yield_turn(self) -> None:
+        """Stop the program, run due events from here, and return when the program is run again."""
         kernel, program = self._kernel, self._greenlet
         if program is None:  # the program was killed, so it never continues
             ender = getcurrent().parent
             assert ender is not None
             ender.switch()
             raise GreenletExit
-        self._processor.stops(why)
+        self._processor.stops()
         self._end_watch()
         try:
             goes_on = kernel.run_nested(self)

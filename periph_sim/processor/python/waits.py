@@ -35,7 +35,6 @@ from ...f28335.cpu import code_costs as cpu_costs
 from ..cpu_time import CpuTime
 from ..operand import Operand
 from ..polling import Lease, Poll, Spin
-from ..processor import Stop
 from ..source_location import SourceLocation
 from .cpu import Cpu
 from .program import PythonProgram
@@ -143,7 +142,6 @@ class Recogniser:
 
 
 NEITHER, READY, OVER = range(3)  # the condition that ended a wait
-SLEEPS = Stop.SLEEPS
 
 
 @final
@@ -266,7 +264,7 @@ class Waits:
             time.wake_at(first - (first - spin.ends) // period * period)  # the end of the pass that times out
         time.sleep(NEVER)
         try:
-            self._cpu.program.yield_turn(SLEEPS)
+            self._cpu.program.yield_turn()
         finally:  # if a reset ends the firmware during the sleep, the lease must end, too
             lease.end()
         woken = time.cycle

@@ -11,10 +11,9 @@ from __future__ import annotations
 
 import dataclasses
 import re
-import sys
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from types import NoneType
 from typing import (
@@ -32,7 +31,6 @@ from typing import (
 
 import msgspec
 
-from .class_annotations import own_annotations, resolved_annotation
 from .expected_value import UNIONS, expected, limits_of
 
 LIST_OF_TABLES = "expected a list of tables"
@@ -108,81 +106,60 @@ def convert(kind: type[T], tree: object) -> T:
     return made
 
 
+@dataclasses.dataclass
 class Key:
-    """A key of a table.
+    """A key of a table. name: the name of the field that gets the key's value. default: NOTHING for a required key."""
 
-    name: the name of the field that gets the key's value.
-    convert: the converter of the value, which is made at the first use.
-    """
-
-    def __init__(self, kind: type, name: str, default: object) -> None:
-        self._owner = next(base for base in kind.__mro__ if name in own_annotations(base))
-        # Names in the key's annotation are looked up in the module of the class that has the annotation.
-        self._names = vars(sys.modules[self._owner.__module__]) if self._owner.__module__ in sys.modules else {}
-        self.name = name
-        self.default = default
-        self._converter: Converter | None = None
+    name: str
+    annotation: Any
+    default: Any
 
     @property
     def is_required(self) -> bool:
         return self.default is NOTHING
 
-    @property
-    def annotation(self) -> Any:
-        return resolved_annotation(self._owner, self.name, self._names)
-
-    @property
+    @cached_property
     def convert(self) -> Converter:
-        if self._converter is None:
-            self._converter = converter_of(self.annotation)
-        return self._converter
+        """The converter of the value, which is made at the first use."""
+        return converter_of(self.annotation)
 
 
 @lru_cache(maxsize=256)  # bounded, because a firmware file that is loaded again has new classes
-def keys_of(kind: type) -> dict[str, Key]:
-    """Return the keys of a `Table` or a dataclass by their names in files, in the order of the fields."""
-    return _keys_of_dataclass(kind) if dataclasses.is_dataclass(kind) else _keys_of_struct(kind)
-
-
-def _keys_of_struct(kind: Any) -> dict[str, Key]:
-    names, defaults = kind.__struct_fields__, kind.__struct_defaults__
-    padded = (msgspec.NODEFAULT,) * (len(names) - len(defaults)) + defaults
+def keys_of(kind: Any) -> dict[str, Key]:
+    """Return the keys of a table by their names in files, in the order of the fields."""
+    hints = get_type_hints(kind, include_extras=True)
+    if is_typeddict(kind):
+        # If annotations are strings, `__required_keys__` also contains keys that are NotRequired.
+        required = {name for name in kind.__required_keys__ if get_origin(hints[name]) is not NotRequired}
+        return {name: Key(name, hint, NOTHING if name in required else None) for name, hint in hints.items()}
     found = {}
-    for field, name, default in zip(names, kind.__struct_encode_fields__, padded, strict=True):
-        if field.startswith("_") or field == getattr(kind, "OTHERS", ""):
-            continue
-        if default is msgspec.NODEFAULT:
-            default = NOTHING
-        elif hasattr(default, "factory"):  # msgspec stores the defaults {} and [] as factories
-            default = default.factory()
-        found[name] = Key(kind, field, default)
-    return found
-
-
-def _keys_of_dataclass(kind: Any) -> dict[str, Key]:
-    found = {}
-    for field in dataclasses.fields(kind):
-        if field.init:
-            has_none = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
-            found[field.name] = Key(kind, field.name, NOTHING if has_none else field.default)
+    if dataclasses.is_dataclass(kind):
+        for field in dataclasses.fields(kind):
+            if field.init:
+                has_none = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+                found[field.name] = Key(field.name, hints[field.name], NOTHING if has_none else field.default)
+        return found
+    for one in msgspec.structs.fields(kind):
+        if not one.name.startswith("_") and one.name != getattr(kind, "OTHERS", ""):
+            default = one.default if one.default_factory is msgspec.NODEFAULT else one.default_factory()
+            found[one.encode_name] = Key(one.name, hints[one.name], NOTHING if one.required else default)
     return found
 
 
 def is_table(kind: object) -> bool:
-    """Return True for a `Table`, another Struct or a dataclass, whose values are tables in a file.
-
-    Return False for other types, also for a TypedDict.
-    """
-    return isinstance(kind, type) and (issubclass(kind, msgspec.Struct) or dataclasses.is_dataclass(kind))
+    """Return True for a `Table`, another Struct, a dataclass or a TypedDict, whose values are tables in a file."""
+    is_class = isinstance(kind, type) and (issubclass(kind, msgspec.Struct) or dataclasses.is_dataclass(kind))
+    return is_class or is_typeddict(kind)
 
 
 @lru_cache(maxsize=256)
 def _table(kind: Any) -> Converter:
+    is_class = not is_typeddict(kind)
     others = getattr(kind, "OTHERS", "")
     check = getattr(kind, "check_together", None) if hasattr(kind, "OTHERS") else None
 
     def made(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
-        if isinstance(value, kind):
+        if is_class and isinstance(value, kind):
             return value
         if not isinstance(value, Mapping):
             mistakes.append(Mistake(place, "expected a table", value))
@@ -214,29 +191,8 @@ def _table(kind: Any) -> Converter:
     return made
 
 
-def _typed_dict(kind: Any) -> Converter:
-    """Return the converter from a table to a TypedDict, which is a dictionary with a type for each key."""
-    hints = get_type_hints(kind, include_extras=True)
-    named = {name: converter_of(hint) for name, hint in hints.items()}
-    # If annotations are strings, `__required_keys__` also contains keys that are NotRequired.
-    optional = {name for name, hint in hints.items() if get_origin(hint) is NotRequired}
-    required = [name for name in named if name in kind.__required_keys__ - optional]
-
-    def made(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
-        if not isinstance(value, Mapping):
-            mistakes.append(Mistake(place, "expected a table", value))
-            return None
-        mistakes += [Mistake((*place, name), is_missing=True) for name in required if name not in value]
-        mistakes += [Mistake((*place, name), known=tuple(named)) for name in value if name not in named]
-        return {name: named[name](one, (*place, name), mistakes) for name, one in value.items() if name in named}
-
-    return made
-
-
 def converter_of(annotation: Any) -> Converter:
     """Return the function that converts values to this type."""
-    if is_typeddict(annotation):
-        return _typed_dict(annotation)
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin in (Required, NotRequired):
         return converter_of(arguments[0])
@@ -259,8 +215,6 @@ def _is_plain(annotation: Any) -> bool:
     Return False also for Any, for object, and for a union with Fraction or Path.
     """
     origin, arguments = get_origin(annotation), get_args(annotation)
-    if is_typeddict(annotation):
-        return False
     if origin is Literal:
         return True
     if origin is Annotated:

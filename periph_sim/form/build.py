@@ -27,7 +27,7 @@ import shutil
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from contextlib import redirect_stderr
 from functools import cache
@@ -61,7 +61,6 @@ DIRECTIVES = {
 # Cython documents `trashcan` only for single classes. `generate` adds it to the options, so it applies to all classes.
 FOR_ALL_CLASSES = {"trashcan": True}
 NEVER_NONE = "self"  # this argument is never None, because its caller has already checked the object
-CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
 NOTHING_TO_DO = "all modules are built already"
 # Functions begin at cache lines. Code inside functions is not aligned, so that an event's code is in few cache lines.
 DENSE = ("-falign-functions=64", "-fno-align-jumps", "-fno-align-loops", "-fno-align-labels")
@@ -134,33 +133,37 @@ def shadow(package: Path, sources: Sources, modules: Sequence[str], folder: Path
     """Write the prepared sources that Cython compiles, and their .pxd files, into `folder`."""
     for module in modules:
         names = vars(import_module(f"{package.name}.{module}"))
-        pxd = declarations(sources[module])
         text = with_constants(prepared(sources[module]), names)
         copy = source_of(folder / package.name, module)
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_text(text, "utf-8")
-        copy.with_suffix(".pxd").write_text(declared(text, pxd), "utf-8")
+        copy.with_suffix(".pxd").write_text(declared(text, declarations(sources[module]).text), "utf-8")
     for room in [folder / package.name, *(path for path in (folder / package.name).rglob("*") if path.is_dir())]:
         (room / "__init__.py").touch()
 
 
 def compile_one(
-    module: str, package: str, cc: str, kind: BuildSettings = NORMAL, always_set: Sequence[tuple[str, str]] = ()
+    module: str,
+    used: Iterable[str],
+    package: str,
+    cc: str,
+    kind: BuildSettings = NORMAL,
+    always_set: Sequence[tuple[str, str]] = (),
 ) -> None:
     """Compile one module to an object file in the current directory.
 
+    used: the module and all modules whose types it uses.
     always_set: pairs (class, attribute) of attributes whose setters must reject None.
 
     Raise NoBuild with the output of Cython or of the compiler if it fails, or if the C code does not pass
     `require_directives` or the checks of `c_checks` cannot be added to it.
     """
     c_file = generate(module, package, kind)
-    types = types_of(module, Path(package))
-    require_directives(types[module], c_file)
+    require_directives(pxd_of(module, Path(package)), c_file)
     text = PROTOTYPE.sub(COLD, c_file.read_text("utf-8"), count=1)
     try:
         text = with_none_refused(text, always_set)
-        text = with_index_checks(text, arrays_of(types.values()))
+        text = with_index_checks(text, arrays_of(pxd_of(one, Path(package)) for one in used))
     except ValueError as why:
         raise NoBuild(f"{module} does not compile; {why}") from None
     c_file.write_text(text, "utf-8")
@@ -231,34 +234,22 @@ def link(modules: list[str], folder: Path, cc: str, kind: BuildSettings = NORMAL
     raise NoBuild(f"the compiled modules do not link; {command[0]} says:\n{done.stderr or done.stdout}")
 
 
-def types_of(module: str, folder: Path) -> dict[str, str]:
-    """Return the .pxd texts of a module and of all modules whose types it uses, by the names of the modules.
-
-    folder: the folder of the prepared sources and their .pxd files.
-    """
-    found: dict[str, str] = {}
-    waiting = [module]
-    while waiting:
-        one = waiting.pop()
-        if one not in found:
-            found[one] = source_of(folder, one).with_suffix(".pxd").read_text("utf-8")
-            for dots, name in CIMPORT.findall(found[one]):
-                waiting.append(".".join([*one.split(".")[: -len(dots)], name]))
-    return found
+def pxd_of(module: str, folder: Path) -> str:
+    """Return the text of a module's .pxd file. folder: the folder of the prepared sources and their .pxd files."""
+    return source_of(folder, module).with_suffix(".pxd").read_text("utf-8")
 
 
 def fingerprint(
-    module: str, folder: Path, cc: str, kind: BuildSettings = NORMAL, always_set: Sequence[tuple[str, str]] = ()
+    module: str, used: Iterable[str], folder: Path, cc: str, kind: BuildSettings, always_set: Sequence[tuple[str, str]]
 ) -> str:
     """Return a digest of everything that determines a module's object file: source, declarations, options and tools.
 
-    folder: the folder of the prepared sources.
+    used: the module and all modules whose types it uses. folder: the folder of the prepared sources.
     """
     source = source_of(folder, module).read_text("utf-8")
-    types = sorted(types_of(module, folder).items())
     made_of = [
         source,
-        types,
+        [(one, pxd_of(one, folder)) for one in sorted(used)],
         directives(source, kind),
         NEVER_NONE,
         (REFUSAL, always_set),
@@ -327,12 +318,13 @@ def build(
         folder = Path(name)
         shadow(package, sources, modules, folder)
         copied = folder / package.name
+        used = {module: used_by(sources, module) for module in modules}
         always_set = {module: never_none(sources[module]) for module in modules}
-        prints = {module: fingerprint(module, copied, cc, kind, always_set[module]) for module in modules}
+        prints = {one: fingerprint(one, used[one], copied, cc, kind, always_set[one]) for one in modules}
         anew = [module for module in modules if last.get(module) != prints[module]]
         for module in set(modules).difference(anew):
             shutil.copy(built / OBJECTS / f"{module}.o", folder)
-        done = [pool.submit(compile_one, module, package.name, cc, kind, always_set[module]) for module in anew]
+        done = [pool.submit(compile_one, one, used[one], package.name, cc, kind, always_set[one]) for one in anew]
         for number, (module, one) in enumerate(zip(anew, done, strict=True), 1):
             try:
                 one.result()

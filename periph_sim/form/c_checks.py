@@ -7,7 +7,7 @@ with a message instead of changing other memory. The C compiler removes the chec
 for example after a mask or in a loop with a constant bound.
 
     cdef public Kernel kernel    -->  `wire.kernel = None` and `del wire.kernel` are TypeErrors
-    cdef public Event following  -->  unchanged, because the source assigns None to it or declares `Event | None`
+    cdef public Event following  -->  unchanged, because the source declares `Event | None`
 
 By itself, Cython accepts None for any attribute whose type is a compiled class. Modules that are compiled without
 checks for None rely on these setters; mypy checks that the package's own code never assigns None.
@@ -15,12 +15,10 @@ checks for None rely on these setters; mypy checks that the package's own code n
 
 from __future__ import annotations
 
-import ast
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 
 from .sources import Source
-from .syntax import pairs, walked
 
 ARRAY = re.compile(r"^    cdef (?:public )?[\w ]+\[(\d+)\] (\w+)$", re.MULTILINE)
 CHECK = """\
@@ -95,9 +93,8 @@ REFUSAL = """\
 
 def never_none(source: Source) -> list[tuple[str, str]]:
     """Return pairs (class, attribute) of the attributes whose type is a compiled class and that are never None."""
-    optional = set(_optional(source.tree))
     typed = [(one.name, name, of) for one in source.classes.values() for name, of in one.attributes.items()]
-    return [(owner, name) for owner, name, of in typed if of.kind and name not in optional]
+    return [(owner, name) for owner, name, of in typed if of.kind and not of.optional]
 
 
 def with_none_refused(c_text: str, attributes: Iterable[tuple[str, str]]) -> str:
@@ -111,22 +108,3 @@ def with_none_refused(c_text: str, attributes: Iterable[tuple[str, str]]) -> str
         if found != 1:
             raise ValueError(f"{kind}.{name} has {found} setters in C; expected one")
     return c_text
-
-
-def _optional(tree: ast.Module) -> Iterator[str]:
-    """Yield the names of attributes that may be None in some class of the module."""
-    for node in walked(tree):
-        if isinstance(node, ast.FunctionDef):
-            arguments = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
-            given = {one.arg for one in arguments if one.annotation is not None and _says_none(one.annotation)}
-            assigned = (pair for one in walked(node) if isinstance(one, ast.Assign) for pair in pairs(one))
-            for target, value in assigned:
-                is_optional = isinstance(value, ast.Name) and value.id in given
-                if isinstance(target, ast.Attribute) and value is not None and (is_optional or _says_none(value)):
-                    yield target.attr
-        elif isinstance(node, ast.AnnAssign) and _says_none(node.annotation):
-            yield node.target.attr if isinstance(node.target, ast.Attribute) else ast.unparse(node.target)
-
-
-def _says_none(node: ast.expr) -> bool:
-    return any(isinstance(one, ast.Constant) and one.value is None for one in ast.walk(node))

@@ -9,10 +9,10 @@ def reschedule(self, event: Event, time: int) -> None:      @cython.locals(befor
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Iterator
+from functools import cache
 
-from .compiled_class import INTEGER, NUMBERS, OBJECT, VOID, Class, Function, Type
+from .compiled_class import INTEGER, VOID, Class, Function, Type
 from .sources import Source, Sources
 
 # LOCALS maps a C type to its name in the module `cython`.
@@ -30,9 +30,9 @@ cdef extern from *:
 '''  # PERIPH_SIM_RAISED is an improbable result; a caller that receives it asks Python if an exception was raised
 
 
-def declarations(source: Source) -> str:
-    """Return the text of the .pxd file of a module."""
-    return Writer(source).text()
+@cache
+def declarations(source: Source) -> Declarations:
+    return Declarations(source)
 
 
 def used_by(sources: Sources, module: str) -> set[str]:
@@ -43,23 +43,25 @@ def used_by(sources: Sources, module: str) -> set[str]:
         one = waiting.pop()
         if one not in found:
             found.add(one)
-            writer = Writer(sources[one])
-            writer.text()
-            waiting += writer.needed
+            waiting += declarations(sources[one]).needed
     return found
 
 
-class Writer:
-    """Writer of one module's declarations. needed: for each other module, the names to cimport from it."""
+class Declarations:
+    """The declarations of one module.
+
+    text: the text of the .pxd file.
+    needed: for each other module, the names to cimport from it.
+    """
 
     def __init__(self, source: Source) -> None:
         self.source = source
         self.needed: dict[str, set[str]] = {}
         self.defined: set[str] = set()
         self.forward: list[str] = []
+        self.text = self._text(source)
 
-    def text(self) -> str:
-        source = self.source
+    def _text(self, source: Source) -> str:
         lines: list[str] = []
         for kind in source.classes.values():
             self.defined.add(kind.name)
@@ -76,8 +78,6 @@ class Writer:
         head += [
             f"from {dots}{module} cimport {', '.join(sorted(names))}" for module, names in sorted(self.needed.items())
         ]
-        for name, types in source.fused.items():
-            head += ["", f"ctypedef fused {name}:", *(f"    {self._number(one)}" for one in types)]
         for name, types in source.pointers.items():
             head += [
                 "",
@@ -121,10 +121,6 @@ class Writer:
         result = self._spelled(function.result)
         tells = " noexcept" if "noexcept" in function.marks else RAISES.get(result, "")
         yield f"{indent}{function.kind} {result.replace(VOID, 'bint')} {name}({', '.join(arguments)}){tells}"
-
-    def _number(self, constraint: ast.expr) -> str:
-        found = self.source.type_of(constraint).c
-        return found if found in NUMBERS.values() else OBJECT
 
     def _spelled(self, kind: Type) -> str:
         """Return the spelling of a type in the .pxd file. Record its class, so that the file declares or imports it."""

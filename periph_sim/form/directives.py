@@ -50,7 +50,7 @@ def disobeyed(pxd: str, c_text: str) -> Iterator[str]:
             inside = inside if line.startswith(" ") else ""
             given = [one for text in decorators for one in text.removeprefix("@cython.locals(")[:-1].split(", ")]
             for variable, kind in (one.split("=") for one in given):
-                if not _declares(pxd, c_text, inside, function[1], variable, kind):
+                if not _declares(c_text, inside, function[1], variable, kind):
                     what = f"@cython.locals({variable}={kind}) of {function[1]}"
                     yield f"{what} declares no such variable in the C code"
         decorators.clear()
@@ -82,7 +82,7 @@ def _is_released_in_a_loop(c_text: str, name: str) -> bool:
     return "PyObject_GC_UnTrack(o)" not in body or "Py_CLEAR(p->" not in body or "__Pyx_TRASHCAN_BEGIN(o, " in body
 
 
-def _declares(pxd: str, c_text: str, inside: str, function: str, variable: str, kind: str) -> bool:
+def _declares(c_text: str, inside: str, function: str, variable: str, kind: str) -> bool:
     """Return True if the C function has a local variable or an argument with this name and type."""
     prefix = rf"{len(inside)}{inside}_" if inside else ""
     bodies = re.findall(rf"^static [^\n]*?__pyx_f_\w*?{prefix}{function}(\([^\n]*\) {{\n.*?^}})", c_text, _WHOLE)
@@ -90,8 +90,6 @@ def _declares(pxd: str, c_text: str, inside: str, function: str, variable: str, 
         wanted = re.escape(LOCALS[kind])
     elif kind in PYTHONS_OWN:
         wanted = r"PyObject \*"
-    elif f"ctypedef fused {kind}:" in pxd:
-        wanted = r"(?:PY_LONG_LONG |PyObject \*)"
     else:
         wanted = rf"struct __pyx_obj_\w*_{kind} \*"
     return any(re.search(rf"(?<!\w){wanted}__pyx_(?:\w*genexpr__pyx_)?v_{variable}\b", body) for body in bodies)

@@ -57,10 +57,7 @@ def prepared(source: Source) -> str:
     for statement in source.tree.body:
         if isinstance(statement, ast.ImportFrom) and statement.module != "__future__":
             _remove_names(statement, source.cimported, lines)
-        elif isinstance(statement, ast.Assign) and ast.unparse(statement.targets[0]) in {
-            **source.fused,
-            **source.pointers,
-        }:
+        elif isinstance(statement, ast.Assign) and ast.unparse(statement.targets[0]) in source.pointers:
             lines[statement.lineno - 1] = ""  # the .pxd file declares this type
     text = _look_up_spelled_out(source, "\n".join(lines))
     keeps = any(kind.marks for kind in source.classes.values())

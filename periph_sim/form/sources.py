@@ -177,24 +177,13 @@ class Source:
             return Type(NUMBERS.get(name, name))
         if kind := self.find_class(name):
             return Type(kind.name, kind)
-        if name in self.fused or name in self.pointers:
+        if name in self.pointers:
             return Type(name)
         value = self.assigned.get(name)
         if isinstance(value, ast.Name | ast.Subscript):
             return self.type_of(value)
         module, there = self.imports.get(name, ("", ""))
         return self.sources[module]._type_named(there) if module and module != "form.c_types" else Type(OBJECT)
-
-    @cached_property
-    def fused(self) -> dict[str, list[ast.expr]]:
-        """The constraints of each constrained type variable, by its name.
-
-        Cython compiles a function with such a type variable once for each constraint.
-        """
-        calls = {name: one for name, one in self.assigned.items() if isinstance(one, ast.Call)}
-        return {
-            name: one.args[1:] for name, one in calls.items() if ast.unparse(one.func) == "TypeVar" and one.args[1:]
-        }
 
     @cached_property
     def pointers(self) -> dict[str, list[ast.expr]]:

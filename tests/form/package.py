@@ -23,4 +23,4 @@ def classes() -> list[Class]:
 @cache
 def every_declaration() -> list[str]:
     """Return the text of each module's .pxd file."""
-    return [declarations(package()[module]) for module in package().compiled()]
+    return [declarations(package()[module]).text for module in package().compiled()]

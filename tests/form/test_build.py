@@ -204,7 +204,7 @@ def test_the_compiler_is_told_that_tracebacks_are_rare(tmp_path: Path, monkeypat
     (package / "one.py").write_text("def more(count):\n    return count + 1\n")
     (package / "one.pxd").write_text("")
     monkeypatch.chdir(tmp_path)
-    build.compile_one("one", "rooms", compiler_that(tmp_path, "cp one.c kept.c"))
+    build.compile_one("one", ["one"], "rooms", compiler_that(tmp_path, "cp one.c kept.c"))
     c_text = (tmp_path / "kept.c").read_text()
     assert c_text.count("__attribute__((cold)) static void __Pyx_AddTraceback(") == 1
 

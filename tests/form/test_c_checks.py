@@ -131,7 +131,7 @@ class Party:
 SETTER = "static int __pyx_setprop_4room_5Party_{}(PyObject *o, PyObject *v, CYTHON_UNUSED void *x) {{\n  if (v) {{\n"
 
 
-def test_attributes_that_the_source_sets_to_none_may_be_none(tmp_path: Path):
+def test_only_attributes_whose_type_includes_none_may_be_none(tmp_path: Path):
     assert never_none(Source(Sources(tmp_path), "room", PARTY)) == [("Party", "wire"), ("Party", "_spare")]
 
 

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.form.build import types_of
 from periph_sim.form.compiled_class import BadDeclaration
-from periph_sim.form.declarations import declarations
+from periph_sim.form.declarations import declarations, used_by
 from periph_sim.form.sources import Sources
 from tests.form.package import classes, every_declaration, package
 
@@ -44,7 +43,7 @@ def declared(tmp_path: Path, source: str) -> list[str]:
     """The lines of the .pxd file of a module beside `other`, without those that every file has."""
     (tmp_path / "other.py").write_text(OTHER)
     (tmp_path / "one.py").write_text(f"# core: compiled\n{source}")
-    text = declarations(Sources(tmp_path)["one"])
+    text = declarations(Sources(tmp_path)["one"]).text
     _, _, after = text.partition("const long long PERIPH_SIM_RAISED\n")
     return [line for line in after.split("\n") if line]
 
@@ -261,21 +260,6 @@ cpdef bint bind(str name) except -1
 cdef bint ADD(long long by) except -1
 """,
     ),
-    "a function of integers of any width": (
-        """
-I = TypeVar("I", int, "Ints")
-def cut(angle: I) -> I:
-    sign: I = angle >> 63
-    return sign
-""",
-        """
-ctypedef fused I:
-    long long
-    object
-@cython.locals(sign=I)
-cpdef I cut(I angle)
-""",
-    ),
     "a pointer to a C function": (
         """
 Run = CFunction[["A", int], None]
@@ -352,9 +336,7 @@ def test_a_module_is_built_anew_where_types_change_that_it_uses(tmp_path: Path):
         (tmp_path / "core" / f"{name}.py").write_text(f"# core: compiled\n{text}")
     package = Sources(tmp_path)
     assert package.compiled() == ["core.chip", "core.clock", "core.fifo", "core.time"]
-    for name in sources:
-        (tmp_path / "core" / f"{name}.pxd").write_text(declarations(package[f"core.{name}"]))
-    assert {name: set(types_of(f"core.{name}", tmp_path)) for name in sources} == {
+    assert {name: used_by(package, f"core.{name}") for name in sources} == {
         "chip": {"core.chip"},
         "time": {"core.time", "core.chip"},
         "clock": {"core.clock", "core.time", "core.chip"},

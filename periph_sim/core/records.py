@@ -121,25 +121,29 @@ class RecordSink:
 
 
 @final
-class _ListenerEntry:
-    """One entry in a topic's linked list of listeners. following: the next entry; None for the last entry."""
+class _Entry:
+    """One entry in a topic's linked list of listeners or of sinks. following: the next entry; None for the last entry.
 
-    __slots__ = ("following", "listener", "tag")
+    Only one of `listener` and `sink` is set.
+    """
+
+    __slots__ = ("following", "listener", "sink", "tag")
 
     listener: Listener
-    tag: int
-    following: _ListenerEntry | None
-
-
-@final
-class _SinkEntry:
-    """One entry in a topic's linked list of sinks. following: the next entry; None for the last entry."""
-
-    __slots__ = ("following", "sink", "tag")
-
     sink: RecordSink
     tag: int
-    following: _SinkEntry | None
+    following: _Entry | None
+
+
+def _appended(first: _Entry | None, entry: _Entry) -> _Entry:
+    """Append an entry to a linked list, and return the first entry of the list."""
+    if first is None:
+        return entry
+    last = first
+    while last.following is not None:
+        last = last.following
+    last.following = entry
+    return first
 
 
 _NO_CALLBACKS: list[Any] = []  # shared by all topics without callbacks, so it must stay empty
@@ -158,8 +162,6 @@ class Topic:
     __slots__ = (
         "_callbacks",
         "_kind",
-        "_last_listener",
-        "_last_sink",
         "_listeners",
         "_recorder",
         "_sinks",
@@ -178,38 +180,25 @@ class Topic:
         self._kind = kind
         self._where = where
         self._what = what
-        self._listeners: _ListenerEntry | None = None  # the first entry in the linked list of listeners
-        self._last_listener: _ListenerEntry | None = None
-        self._sinks: _SinkEntry | None = None
-        self._last_sink: _SinkEntry | None = None
+        self._listeners: _Entry | None = None  # the first entry in the linked list of listeners
+        self._sinks: _Entry | None = None
         self._step: int = 0 if kind in DERIVED else 1  # by how much `Recorder.number` increases with each record
         self._callbacks: list[RecordCallback] = _NO_CALLBACKS
 
     def add(self, party: Party) -> None:
         """Add a subscriber, unless its tag for this topic is UNWANTED."""
-        if isinstance(party, Listener):
-            subscriber = _ListenerEntry()
-            subscriber.listener, subscriber.following = party, None
-            subscriber.tag = party.tag_of(self._kind, self._where, self._what)
-            if subscriber.tag == UNWANTED:
+        if isinstance(party, Listener | RecordSink):
+            entry = _Entry()
+            entry.tag, entry.following = party.tag_of(self._kind, self._where, self._what), None
+            if entry.tag == UNWANTED:
                 return
-            if self._last_listener is None:
-                self._listeners = subscriber
+            if isinstance(party, Listener):
+                entry.listener = party
+                self._listeners = _appended(self._listeners, entry)
             else:
-                self._last_listener.following = subscriber
-            self._last_listener = subscriber
-        elif isinstance(party, RecordSink):
-            writer = _SinkEntry()
-            writer.sink, writer.following = party, None
-            writer.tag = party.tag_of(self._kind, self._where, self._what)
-            if writer.tag == UNWANTED:
-                return
-            if self._last_sink is None:
-                self._sinks = writer
-            else:
-                self._last_sink.following = writer
-            self._last_sink = writer
-            self.places = max(self.places, party.places(writer.tag))
+                entry.sink = party
+                self._sinks = _appended(self._sinks, entry)
+                self.places = max(self.places, party.places(entry.tag))
         else:
             self._callbacks = [*self._callbacks, party]
             self.places = EVERYWHERE
@@ -222,8 +211,7 @@ class Topic:
 
     def close(self) -> None:
         """Remove all subscribers."""
-        self._listeners = self._last_listener = None
-        self._sinks = self._last_sink = None
+        self._listeners = self._sinks = None
         self._callbacks = _NO_CALLBACKS
         self.has_subscribers = self.needs_details = False
         self.places = NOWHERE

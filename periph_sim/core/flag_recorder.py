@@ -19,7 +19,7 @@ MAX_INPUTS = 64  # maximum number of waiting inputs; if a chip never wakes, the 
 
 
 @final
-class Input:
+class Input:  # core: freelist 16
     """One input of a chip.
 
     cycle: the cycle in which the effect of the input begins.
@@ -31,9 +31,9 @@ class Input:
 
     __slots__ = ("cause", "cycle", "following")
 
-    def __init__(self) -> None:
-        self.cycle = self.cause = 0
-        self.following: Input | None = None
+    cycle: int
+    cause: int
+    following: Input | None
 
     def comes_before(self, other: Input) -> bool:
         """Return True if this input has an earlier cycle than `other`, or the same cycle and an earlier record."""
@@ -49,14 +49,13 @@ class WaitingInputs:
 
     STATE = State("_count _last", records="last_cause", chains="_first")
 
-    __slots__ = ("_count", "_first", "_last", "_spare", "last_cause")
+    __slots__ = ("_count", "_first", "_last", "last_cause")
 
     def __init__(self) -> None:
         self.last_cause = 0
         self._count = 0
         self._first: Input | None = None
         self._last: Input | None = None
-        self._spare: Input | None = None  # the first of a linked list of Input objects that can be used again
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
         """Return the values that are compared in place of attributes; see `proof.normal_state`.
@@ -74,13 +73,9 @@ class WaitingInputs:
 
     def add(self, cycle: int, cause: int) -> None:
         """Add an input that takes effect in `cycle`. cause: the number of its record; if it is 0, nothing is added."""
-        given = self._spare
         if not cause:
             return
-        if given is None:
-            given = Input()
-        else:
-            self._spare = given.following
+        given: Input = Input.__new__(Input)
         given.cycle, given.cause = cycle, cause
         before = self._last
         if before is not None and given.comes_before(before):  # rare, because most inputs are added in order
@@ -111,7 +106,6 @@ class WaitingInputs:
         self._first = first.following
         if first.following is None:
             self._last = None
-        first.following, self._spare = self._spare, first
         self._count -= 1
 
 

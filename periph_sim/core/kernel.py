@@ -211,7 +211,7 @@ class Kernel:
             self._notify_parties()
             steps += 1
             if steps > STORM:
-                self._stuck(f"wires did not settle at t={self.now} after {STORM} steps")
+                raise SimulationStuck(f"wires did not settle at t={self.now} after {STORM} steps")
 
     def _notify_parties(self) -> None:
         """Notify the listeners of all wires that have settled."""
@@ -220,9 +220,6 @@ class Kernel:
             self._notifying = wire.then
             wire.notify_parties(self.now)
             wire = self._notifying
-
-    def _stuck(self, why: str) -> None:
-        raise SimulationStuck(why)
 
     def run_until(self, time: int) -> None:
         """Run all events up to and including tick `time`.
@@ -294,7 +291,7 @@ class Kernel:
             self._in_this_tick += 1
             if self._in_this_tick > STORM:
                 last = describe(event.agent)
-                self._stuck(f"{STORM} events at t={self.now} without time passing; the last: {last}")
+                raise SimulationStuck(f"{STORM} events at t={self.now} without time passing; the last: {last}")
         self.now = self._at = time
         event.agent.act(event.tag)
         return True

@@ -66,8 +66,7 @@ class TextOption(Option):
 
     def assume(self, touched: set[str]) -> str:
         touched.add(self.name)
-        answer: str = self._answer
-        return answer
+        return self.unrecorded()
 
     def unrecorded(self) -> str:
         answer: str = self._answer
@@ -84,8 +83,7 @@ class IntOption(Option):
 
     def assume(self, touched: set[str]) -> int:
         touched.add(self.name)
-        answer: int = self._answer
-        return answer
+        return self.unrecorded()
 
     def unrecorded(self) -> int:
         answer: int = self._answer
@@ -98,8 +96,7 @@ class BoolOption(Option):
 
     def assume(self, touched: set[str]) -> bool:
         touched.add(self.name)
-        answer: bool = self._answer
-        return answer
+        return self.unrecorded()
 
     def unrecorded(self) -> bool:
         answer: bool = self._answer

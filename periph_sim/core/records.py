@@ -20,7 +20,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from enum import Enum
-from functools import partial
 from typing import Any, NamedTuple, TypeAlias, final
 
 from ..form.c_types import BigInt, Text
@@ -325,18 +324,6 @@ class Recorder:
                 if things is None or thing in things:
                     topic.add(party)
         return topic
-
-    def carried(self, action: Callable[[], None]) -> Callable[[], None]:
-        """Return a function that calls `action` while `cause` has the value that it has now.
-
-        If `cause` is 0 now, return `action` itself.
-        """
-        return partial(self._under, self.cause, action) if self.cause else action
-
-    def _under(self, cause: int, action: Callable[[], None]) -> None:
-        outer, self.cause = self.cause, cause
-        action()
-        self.cause = outer
 
     def emit(
         self, tick: int, kind: Kind, where: Text, what: Text, value: BigInt = 0, text: Text = "", field: Text = ""

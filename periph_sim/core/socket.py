@@ -230,10 +230,6 @@ class Socket(Agent):
             self.publish(cycle, changed)
             self._recorder.cause = outer
 
-    def later(self, tick: int, action: Callable[[], None]) -> None:
-        """Call `action()` at `tick`, as an effect of the present record."""
-        self._kernel.call_at(tick, self._recorder.carried(action))
-
     # Outputs -----------------------------------------------------------------
 
     def publish(self, cycle: int, changed: int = ANY_CHANGED) -> None:

@@ -54,10 +54,6 @@ class Table(Struct, frozen=True, kw_only=True):
             force_setattr(new, name, value)
         return new
 
-    def model_dump(self) -> dict[str, Any]:
-        """Return the values of the fields by their names, without fields whose names begin with _."""
-        return {name: getattr(self, name) for name in self.__struct_fields__ if name[0] != "_"}
-
 
 def separate(value: Any) -> Any:
     """Return a copy whose dicts and lists are not shared with the original.
@@ -76,13 +72,8 @@ def separate(value: Any) -> Any:
         return value if all(map(is_, several, value)) else tuple(several)
     if not issubclass(kind, Table):
         return value
-    changed = {}
-    for name in kind.__struct_fields__:
-        old = getattr(value, name)
-        if type(old) not in PLAIN:
-            new = separate(old)
-            if new is not old:
-                changed[name] = new
+    old = {name: getattr(value, name) for name in kind.__struct_fields__}
+    changed = {name: new for name, inner in old.items() if (new := separate(inner)) is not inner}
     return value.model_copy(update=changed) if changed else value
 
 

@@ -207,7 +207,7 @@ class Reaction:
                     return event.time
             clock: Clock = self._cpu_clocks[processor]
             return _tick_of(clock, processor.next_output(clock.cycle_at(event.time)))
-        elif isinstance(agent, Router) and event.tag == BETWEEN and not self._at_once:
+        elif isinstance(agent, Router) and event.tag & 1 == BETWEEN and not self._at_once:
             return self._answer(event.time)
         return event.time
 

@@ -29,7 +29,9 @@ from ..form.c_types import BigInt
 
 Port = tuple[Socket, int]  # a peripheral, and the index of one of its inputs or outputs
 
-BETWEEN, RECONNECT = range(2)  # tags of events that call `_between` and `_reconnect`
+# The lowest bit of an event's tag selects the call of `_between` or `_reconnect`. The other bits are the number of the
+# record that is the cause of the event; 0 if there is none.
+BETWEEN, RECONNECT = range(2)
 
 
 class Router(Agent):
@@ -115,10 +117,13 @@ class Router(Agent):
         self.look(clock.cycle_at(kernel.now))
 
     def act(self, tag: int) -> None:
-        if tag == RECONNECT:
+        if tag & 1 == RECONNECT:
             self._reconnect()
-        else:
-            self._between()
+            return
+        outer = self._recorder.cause
+        self._recorder.cause = tag >> 1 or outer
+        self._between()
+        self._recorder.cause = outer
 
     # Pads ----------------------------------------------------------------------
 
@@ -163,10 +168,7 @@ class Router(Agent):
     def _plan_between(self, begin: int) -> None:
         if begin != self._between_at:
             self._between_at = begin
-            if self._recorder.cause:
-                self._gpio_socket.later(begin, self._between)
-            else:
-                self._kernel.schedule(begin, self, BETWEEN)
+            self._kernel.schedule(begin, self, self._recorder.cause << 1 | BETWEEN)
 
     def _between(self) -> None:
         """Pass the levels just before this SYSCLKOUT edge to the peripherals, because the synchronisers sample them."""

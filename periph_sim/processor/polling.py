@@ -168,11 +168,8 @@ class Lease(ChipObserver):
         for place in range(spin.made):
             read: Poll = spin.reads[place]
             socket: Socket = read.operand.socket
-            if not self._sockets:
-                self._sockets = [socket]
-                socket.watch(self)
-            elif socket not in self._sockets:
-                self._sockets.append(socket)
+            if socket not in self._sockets:
+                self._sockets = [*self._sockets, socket]
                 socket.watch(self)
         return True
 

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from msgspec.structs import replace
+from msgspec.structs import asdict, replace
 
 from ..core.options import Answers
 from ..core.phrases import did_you_mean
@@ -104,7 +104,7 @@ def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
         stall_limit=float(case.stall_limit),
         pulled_down=pulled_down(case, name),
         part=part,
-        code=CodeCosts(**unit.code.model_dump()),
+        code=CodeCosts(**asdict(unit.code)),
         system=checked_options(case, SystemOptions, unit.options.get("system", {}), "unit", name, "options", "system"),
         options=options,
     )

@@ -114,10 +114,14 @@ def test_the_cause_of_an_edge_does_not_depend_on_the_order_of_calls(calls: list[
         pin.drive(1 - level)
     kernel.run_until(0)
     seen.clear()
-    for who, cause in calls:
+
+    def drive(who: int, cause: int) -> None:
         recorder.cause = cause
-        kernel.call_at(5, recorder.carried(partial(pins[who].drive, level)))
-    recorder.cause = 0
+        pins[who].drive(level)
+        recorder.cause = 0
+
+    for call in calls:
+        kernel.call_at(5, partial(drive, *call))
     kernel.run_until(5)
     assert [(edge.tick, edge.value, edge.cause) for edge in seen] == [(5, level, 3)]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from random import Random
 
 import pytest
+from msgspec.structs import asdict
 
 from periph_sim.api import make_case
 from periph_sim.outside import Session
@@ -13,7 +14,7 @@ from tests.outside.sessions import BUS, case
 
 
 def slave(**settings: object) -> Session:
-    given = case("register_slave").unit["dsp"].model_dump() | {"settings": settings}
+    given = asdict(case("register_slave").unit["dsp"]) | {"settings": settings}
     session = Session(
         make_case(
             name="mine", duration="1 s", unit={"dsp": {k: given[k] for k in ("firmware", "modules", "settings")}}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from msgspec.structs import asdict
 
 from periph_sim.interfaces.reports.baselines.files import path_for
 from periph_sim.scene.case.model import BadCase
@@ -56,7 +57,7 @@ def test_the_nearest_table_holds_and_its_paths_count_from_its_folder(repository:
     say(repository / "timing", TABLE + 'cases = ["deep"]\n')
     assert project_of(Path("timing/deep")).cases() == [Path("timing/deep")]
     assert not project_of(Path("timing")).settings.guaranteed
-    assert project_of(Path()).settings.model_dump() == {
+    assert asdict(project_of(Path()).settings) == {
         "cases": ["timing"],
         "baselines": None,
         "guaranteed": True,

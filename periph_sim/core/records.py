@@ -290,11 +290,6 @@ class Recorder:
             return bool(self._parties[kind])
         return kind in self._of_all or subject in self._subjects[kind]
 
-    @property
-    def names_things(self) -> bool:
-        """True if any subscriber has named the things that it needs (argument `things` of `subscribe`)."""
-        return any(things is not None for parties in self._parties.values() for _, things in parties)
-
     def named_things(self, kind: Kind) -> set[str]:
         """Return the things that subscribers named for this kind. A subscriber that needs all things has named none."""
         return {what for _, things in self._parties[kind] for named, what in things or () if named is kind}

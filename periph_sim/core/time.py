@@ -24,7 +24,6 @@ NO_TIME = -1
 LAST_TICK = NEVER - 1  # the last valid tick, also in recordings, whose ticks are int64
 DAY = 86_400
 LONGEST = 365_250 * DAY  # maximum length of time, in seconds, that a user can write: 1000 years
-MOST_TICKS = LAST_TICK  # maximum length of time in ticks
 MOST = NEVER  # maximum product that compiled code may compute, because its integers have 64 bits
 # If a nanosecond has more ticks than this, messages about times that are too long suggest a crystal of a round
 # frequency, because it makes ticks longer.
@@ -99,9 +98,9 @@ class Timebase:  # core: python
         return self.fitting(round_ratio(value * self.per_second, rounding))
 
     def fitting(self, ticks: int) -> int:
-        """Return a length of time in ticks unchanged. Raise TimeError if it is longer than MOST_TICKS."""
-        if abs(ticks) > MOST_TICKS:
-            length, most = days(self.seconds(ticks)), days(self.seconds(MOST_TICKS))
+        """Return a length of time in ticks unchanged. Raise TimeError if it is longer than LAST_TICK."""
+        if abs(ticks) > LAST_TICK:
+            length, most = days(self.seconds(ticks)), days(self.seconds(LAST_TICK))
             ticks_are = f"with ticks of 1/{self.per_second} s the longest is {most}{self._way_out}"
             raise TimeError(f"a time of {length} is too long: {ticks_are}")
         return ticks

@@ -17,7 +17,7 @@ from weakref import finalize, proxy
 
 from ..core.kernel import Kernel
 from ..core.phrases import did_you_mean
-from ..core.records import Recorder
+from ..core.records import Kind, Recorder
 from ..core.time import Timebase, TimeError
 from ..core.uncollected import uncollected
 from ..processor.user_code import FirmwareStalled
@@ -108,7 +108,8 @@ class Scene:
             serial = SerialSide(case, case.serial, scope, self.recorder)
         if subscribe is not None:
             subscribe(self.recorder, self.timebase)
-        self.derived = parts.derived_records.DerivedRecords(self.recorder) if self.recorder.names_things else None
+        has_named = any(map(self.recorder.named_things, Kind))
+        self.derived = parts.derived_records.DerivedRecords(self.recorder) if has_named else None
         self.kernel = Kernel(self.start)
         self.wires = self.WIRES(self.kernel, self.recorder)
         self.units: dict[str, Dsp] = {}

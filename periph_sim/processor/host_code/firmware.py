@@ -288,26 +288,6 @@ class Run:
             f"bytes into word {at // BYTES_A_WORD:#06x}; access a register by the member of its structure"
         )
 
-    def _load(self, place: Place) -> None:
-        """Read the register at a place, and store its value in the host's memory."""
-        cpu, core, word = self.dsp.cpu, self.dsp.core, place.word
-        if word in VECTORS:
-            return  # the host's memory contains the vector, as a pointer of the host
-        if word in (IER, IFR):
-            value = core.ier if word == IER else core.ifr
-        else:
-            try:
-                value = cpu.load(word, place.width)
-            except NoSuchAddress:
-                cpu.nop()
-                value = self.elsewhere.read(cpu.cycle, word)
-                if place.width > WORD:
-                    value |= self.elsewhere.read(cpu.cycle, word + 1) << WORD
-        if place.signed and value >> place.width - 1:
-            value -= 1 << place.width
-        value &= (1 << 8 * place.size) - 1
-        self.library.memory[place.at : place.at + place.size] = value.to_bytes(place.size, "little")
-
     def _vector(self, place: Place, pointer: int) -> int:
         """Return the code address for a function pointer that the C code stores in the vector table.
 
@@ -360,8 +340,25 @@ class Run:
 
         at, size: the bytes that the C code reads. All of them belong to these places.
         """
+        cpu, core = self.dsp.cpu, self.dsp.core
         for place in places:
-            self._load(place)
+            word = place.word
+            if word in VECTORS:
+                continue  # the host's memory contains the vector, as a pointer of the host
+            if word in (IER, IFR):
+                value = core.ier if word == IER else core.ifr
+            else:
+                try:
+                    value = cpu.load(word, place.width)
+                except NoSuchAddress:
+                    cpu.nop()
+                    value = self.elsewhere.read(cpu.cycle, word)
+                    if place.width > WORD:
+                        value |= self.elsewhere.read(cpu.cycle, word + 1) << WORD
+            if place.signed and value >> place.width - 1:
+                value -= 1 << place.width
+            value &= (1 << 8 * place.size) - 1
+            self.library.memory[place.at : place.at + place.size] = value.to_bytes(place.size, "little")
 
     def write_register(self, word: int, value: int, width: int) -> None:
         """Write a register. word: its address on the chip. width: 16 or 32 bits."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from typing import Any
 
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
@@ -15,6 +16,7 @@ from periph_sim.f28335.descriptor import Frame
 from periph_sim.f28335.memory.memory_map import AddressMap, ModuleRange
 from periph_sim.f28335.pie.module import Pie
 from periph_sim.f28335.system_options import SystemOptions
+from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.processor import Processor
 from periph_sim.processor.python.cpu import Cpu
 from periph_sim.processor.python.register_view import ModulePort
@@ -28,6 +30,12 @@ def recorder_of(*kinds: Kind) -> tuple[Recorder, list[Record]]:
     records: list[Record] = []
     recorder.subscribe(kinds, records.append)
     return recorder, records
+
+
+def unit(*modules: str, recorder: Recorder | None = None, **plan: Any) -> tuple[Dsp, Kernel]:
+    """Return a unit with these modules and no wires, and its kernel. plan: further values of its `DspPlan`."""
+    kernel = Kernel()
+    return Dsp(kernel, Timebase(150_000_000), recorder or Recorder(), DspPlan("dsp", modules, {}, **plan)), kernel
 
 
 class Bench:

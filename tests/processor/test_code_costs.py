@@ -60,33 +60,27 @@ def test_interrupt_cuts_in_between_two_accesses():
     assert bench.run(main, 400) == [("routine", 114), ("end", 201 + 10 + 8)]
 
 
+def polls(bench: Bench, pass_cycles: int | None = None) -> list[int]:
+    """Return the cycles at which a wait for the flag A has read it."""
+    found: list[int] = []
+
+    def condition() -> int:
+        value = bench.flags.STATUS.A
+        found.append(bench.cpu.cycle)
+        return value
+
+    bench.run(lambda: bench.waits.spin(condition, pass_cycles=pass_cycles), 600)
+    return found
+
+
 def test_passes_of_a_wait_do_not_pay_for_code_between_accesses():
-    def reads(**costs: int) -> list[int]:
-        bench = bench_with([(200, 1, -1)], skip_polls=False, **costs)
-        found: list[int] = []
-
-        def condition() -> int:
-            value = bench.flags.STATUS.A
-            found.append(bench.cpu.cycle)
-            return value
-
-        bench.run(lambda: bench.waits.spin(condition), 400)
-        return found
-
-    assert reads(between_accesses=9) == reads()
+    benches = [bench_with([(200, 1, -1)], skip_polls=False, between_accesses=cycles) for cycles in (0, 9)]
+    assert polls(benches[0]) == polls(benches[1])
 
 
 @pytest.mark.parametrize("loop", [7, 10, 21])
 def test_poll_pass_is_the_distance_of_two_polls(loop):
-    bench = bench_with([(500, 1, -1)], skip_polls=False, poll_pass=loop)
-    reads: list[int] = []
-
-    def condition() -> int:
-        value = bench.flags.STATUS.A
-        reads.append(bench.cpu.cycle)
-        return value
-
-    bench.run(lambda: bench.waits.spin(condition), 600)
+    reads = polls(bench_with([(500, 1, -1)], skip_polls=False, poll_pass=loop))
     assert {b - a for a, b in pairwise(reads)} == {loop}
 
 
@@ -94,15 +88,7 @@ def test_poll_pass_is_the_distance_of_two_polls(loop):
 @pytest.mark.parametrize("frame", [Frame.PF1, Frame.PF2])
 def test_a_wait_says_the_length_of_its_own_passes(length, took, frame):
     """Never less than its reads take: one of frame 1 or 2 takes 3 cycles."""
-    bench = Bench([(500, 1, -1)], code=CodeCosts(), skip_polls=False, frame=frame)
-    reads: list[int] = []
-
-    def condition() -> int:
-        value = bench.flags.STATUS.A
-        reads.append(bench.cpu.cycle)
-        return value
-
-    bench.run(lambda: bench.waits.spin(condition, pass_cycles=length), 600)
+    reads = polls(Bench([(500, 1, -1)], code=CodeCosts(), skip_polls=False, frame=frame), length)
     assert {b - a for a, b in pairwise(reads)} == {took}
 
 

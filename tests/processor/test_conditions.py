@@ -10,14 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
-from periph_sim.core.time import Timebase
 from periph_sim.f28335.cpu.code_costs import BARE
-from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.source_location import SourceLocation
 from periph_sim.processor.user_code import FirmwareError, Misuse
-from tests.processor.bench import Bench
+from tests.processor.bench import Bench, unit
 
 FORMS = ("function", "declared")
 flag_changes = st.lists(
@@ -132,10 +129,10 @@ def test_no_pass_of_a_declared_wait_calls_the_firmware():
 def test_a_field_in_the_upper_half_of_a_32_bit_register_and_a_half_of_a_pair():
     came: dict[str, list[int]] = {}
     for form in FORMS:
-        dsp = Dsp(Kernel(), Timebase(150_000_000), Recorder(), DspPlan("dsp", ("GPIO", "TIMER0"), {}))
+        dsp, kernel = unit("GPIO", "TIMER0")
         of, seen = either(form), came.setdefault(form, [])
 
-        def main(dsp: Dsp = dsp, of=of, seen=seen) -> None:
+        def main(dsp=dsp, of=of, seen=seen) -> None:
             gpio, timer = dsp.module("GPIO"), dsp.module("TIMER0")
             dsp.spin(of(lambda: gpio.GPADAT.GPIO28 == 1, gpio.GPADAT.when(GPIO28=1)))
             seen.append(dsp.cpu.cycle)
@@ -145,7 +142,7 @@ def test_a_field_in_the_upper_half_of_a_32_bit_register_and_a_half_of_a_pair():
             seen.append(dsp.cpu.cycle)
 
         dsp.start(main)
-        dsp._kernel.run_until(100_000)
+        kernel.run_until(100_000)
     assert came["declared"] == came["function"] and len(came["declared"]) == 2
 
 
@@ -209,7 +206,7 @@ def test_what_cannot_be_asked_is_told_with_the_statement(statement: str):
 
 
 def test_what_is_no_number_of_a_half_is_told():
-    dsp = Dsp(Kernel(), Timebase(150_000_000), Recorder(), DspPlan("dsp", ("TIMER0",), {}))
+    dsp, _ = unit("TIMER0")
     half = dsp.module("TIMER0").PRD.half
     with pytest.raises(AttributeError, match=r"TIMER0\.PRD\.half has no field 'all'"):
         half.when(mask=1, value=1)

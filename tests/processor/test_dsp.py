@@ -17,6 +17,7 @@ from periph_sim.f28335.sci.register_map import SCI_MAP
 from periph_sim.firmware import start_i2c, start_pie, start_sci
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.user_code import FirmwareError, Misuse
+from tests.processor import bench
 
 # First and last address of each module (the register maps of the manuals).
 FRAMES = """
@@ -96,8 +97,7 @@ def test_without_its_clock_a_module_reads_0(module: str, enable: str, register: 
 @pytest.mark.parametrize("skip", [False, True])
 def test_a_wait_sees_a_register_without_clock_as_a_read_does_and_a_debugger_sees_what_it_holds(skip: bool):
     """The timer's routine takes the clock away and gives it back; the wait is for what the register holds."""
-    kernel = Kernel()
-    dsp = Dsp(kernel, Timebase(150_000_000), Recorder(), DspPlan("dsp", ("SCI-A", "TIMER0"), {}, skip_polls=skip))
+    dsp, kernel = bench.unit("SCI-A", "TIMER0", skip_polls=skip)
     told: list[tuple[str, int]] = []
 
     def tick() -> None:
@@ -158,14 +158,18 @@ def test_start_pie_enables_an_interrupt_in_a_group_of_the_pie_or_outside_of_them
     dsp, kernel, _ = unit(timer)
     entered: list[int] = []
 
+    def served() -> None:
+        entered.append(dsp.cpu.cycle)
+        dsp.module("PIE").PIEACK.all = 1
+
     def main() -> None:
-        dsp.module(timer).PRD.all = 3000
-        start_pie(dsp, {name: lambda: entered.append(dsp.cpu.cycle)})
+        dsp.module(timer).PRD.all = 999
+        start_pie(dsp, {name: served})
         dsp.module(timer).TCR.all = 0x4020  # TIE, TRB
-        dsp.compute(4000)
+        dsp.compute(3500)
 
     run(dsp, kernel, main)
-    assert entered
+    assert [later - cycle for cycle, later in pairwise(entered)][:2] == [1000, 1000]
 
 
 def test_start_pie_refuses_an_interrupt_without_a_bit_in_ier():
@@ -245,26 +249,6 @@ def test_the_statement_of_a_lost_word_is_the_write_and_not_what_runs_when_it_lan
     assert (count, place.line - main.__code__.co_firstlineno) == (1, 9)
 
 
-@pytest.mark.parametrize(("timer", "number"), [("TIMER1", 13), ("TIMER2", 14)])
-def test_timers_1_and_2_interrupt_the_cpu_without_the_pie(timer: str, number: int):
-    dsp, kernel, _ = unit(timer)
-    served: list[int] = []
-
-    def main() -> None:
-        registers = dsp.module(timer)
-        registers.TCR.TSS = 1
-        registers.PRD.all = 999
-        registers.TCR.all = 1 << 14 | 1 << 5  # TIE, TRB, TSS = 0
-        dsp.handle(f"INT{number}", lambda: served.append(dsp.cpu.cycle))
-        dsp.module("PIE").PIECTRL.ENPIE = 1
-        dsp.enable_interrupt(number)
-        dsp.eint()
-        dsp.compute(3500)
-
-    run(dsp, kernel, main)
-    assert [later - cycle for cycle, later in pairwise(served)][:2] == [1000, 1000]
-
-
 def test_a_reset_takes_all_modules_at_once_so_that_none_sees_the_slower_clock_at_work():
     """I2CPSC = 14 suits 150 MHz; at the reset's 7.5 MHz it would be told to be wrong."""
     dsp, kernel, _ = unit("I2C-A", SDA=32, SCL=33)
@@ -314,8 +298,7 @@ def test_a_unit_whose_reset_pin_is_low_for_long_stays_in_reset_until_its_release
 
 def test_modules_count_from_the_release_of_the_reset_pin():
     """Main reads WDCNTR and TIM at once: SYSCLKOUT is 7.5 MHz, and WDCNTR counts each 512 periods of OSCCLK."""
-    kernel = Kernel()
-    dsp = Dsp(kernel, Timebase(150_000_000), Recorder(), DspPlan("dsp", ("TIMER0",), {}, from_boot=True))
+    dsp, kernel = bench.unit("TIMER0", from_boot=True)
     seen: list[tuple[int, bool]] = []
 
     def main() -> None:

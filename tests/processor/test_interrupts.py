@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.records import Kind
 from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.processor.user_code import FirmwareError
-from tests.processor.bench import Bench
+from tests.processor.bench import Bench, recorder_of
 
 
 def served(bench: Bench, cost: int = 20) -> None:
@@ -207,9 +207,7 @@ def test_what_instructions_about_interrupts_do_and_cost(call, cost, ier, intm, e
 
 def test_a_note_of_the_cpu_is_counted_and_recorded_each_time():
     """IRET with INTM = 0, in two routines."""
-    records: list[Record] = []
-    recorder = Recorder()
-    recorder.subscribe([Kind.NOTE], records.append)
+    recorder, records = recorder_of(Kind.NOTE)
     bench = Bench([(100, 0, 0), (300, 0, 0)], recorder=recorder)
     bench.enable()
 

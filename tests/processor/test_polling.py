@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 
 import pytest
@@ -86,16 +87,20 @@ def test_skipping_equals_polling_on_a_clock_that_does_not_divide(changes, lead, 
     assert skipped == polled
 
 
+def until(bench: Bench, condition: Callable[[], object]) -> Callable[[], None]:
+    """Firmware that waits for the condition, and notes when it was seen."""
+
+    def main() -> None:
+        bench.waits.spin(condition)
+        bench.note("seen")
+
+    return main
+
+
 @pytest.mark.parametrize("wait", [1_000, 1_000_000, 1_000_000_000])
 def test_a_wait_costs_the_same_number_of_events_however_long_it_is(wait):
     bench = Bench([(wait, 1, -1)])
-    flags = bench.flags
-
-    def main() -> None:
-        bench.waits.spin(lambda: flags.STATUS.A == 1)
-        bench.note("seen")
-
-    log = bench.run(main, wait + 100)
+    log = bench.run(until(bench, lambda: bench.flags.STATUS.A == 1), wait + 100)
     assert bench.kernel.events == 3  # the start, the flag, the resumption
     (_, cycle) = log[0]
     assert wait <= cycle - 5 <= wait + 10  # at most one pass late, then the read's end and the branch not taken
@@ -105,12 +110,7 @@ def test_polls_are_ten_cycles_apart_and_see_the_flag_at_the_read():
     """One pass: read 1 + 2 wait states, branch back 7. A flag of cycle f is seen by the first read at or after f."""
     for flag in range(5, 40):
         bench = Bench([(flag, 1, -1)])
-        flags = bench.flags
-
-        def main(bench: Bench = bench, flags=flags) -> None:
-            bench.waits.spin(lambda: flags.STATUS.A == 1)
-            bench.note("seen")
-
+        main = until(bench, lambda flags=bench.flags: flags.STATUS.A == 1)
         reads = [2 + 10 * k for k in range(10)]
         seen = next(r for r in reads if r >= flag)
         assert bench.run(main, 200) == [("seen", seen + 1 + 4)]
@@ -118,24 +118,12 @@ def test_polls_are_ten_cycles_apart_and_see_the_flag_at_the_read():
 
 def test_a_flag_that_is_gone_before_the_next_read_is_missed():
     bench = Bench([(14, 1, -1), (20, 0, -1)])
-    flags = bench.flags
-
-    def main() -> None:
-        bench.waits.spin(lambda: flags.STATUS.A == 1)
-        bench.note("seen")
-
-    assert bench.run(main, 500) == []
+    assert bench.run(until(bench, lambda: bench.flags.STATUS.A == 1), 500) == []
 
 
 def test_a_spin_on_a_register_that_a_read_changes_is_polled_for_real():
     bench = Bench([(50, 1, -1), (60, 1, -1)])
-    flags = bench.flags
-
-    def main() -> None:
-        bench.waits.spin(lambda: flags.COUNT.N == 2)
-        bench.note("seen")
-
-    bench.run(main, 300)
+    bench.run(until(bench, lambda: bench.flags.COUNT.N == 2), 300)
     assert bench.log == []  # every pass took what had come so far: never two at once
     assert bench.cpu.program.polls_skipped == 0
 
@@ -180,12 +168,7 @@ def test_a_wait_is_skipped_on_behind_an_interrupt_that_cut_into_it():
     bench = Bench([(100, 0, 0), (9000, 1, -1)], code=replace(BARE, poll_pass=6))
     bench.enable()
     bench.cpu.program.handle("SEQ1INT", lambda: bench.note("served"))
-
-    def main() -> None:
-        bench.waits.spin(lambda: bench.flags.STATUS.A == 1)
-        bench.note("seen")
-
-    assert bench.run(main, 10_000) == [("served", 115), ("seen", 9007)]
+    assert bench.run(until(bench, lambda: bench.flags.STATUS.A == 1), 10_000) == [("served", 115), ("seen", 9007)]
     assert bench.cpu.program.polls_skipped > 1490 and bench.kernel.events == 5
 
 
@@ -240,11 +223,7 @@ def asked(
         bench.cpu.compute(work)
         return bool(bench.flags.STATUS.A)
 
-    def main() -> None:
-        bench.waits.spin(condition)
-        bench.note("seen")
-
-    return bench.run(main, 600), len(asked)
+    return bench.run(until(bench, condition), 600), len(asked)
 
 
 def test_a_condition_is_asked_again_only_where_a_bit_that_it_read_differs():

@@ -7,12 +7,12 @@ from typing import Any
 import pytest
 
 from periph_sim.core.kernel import CPU
-from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.records import Kind, Record
 from periph_sim.f28335.descriptor import Frame
 from periph_sim.f28335.memory.memory_map import ModuleRange, NoSuchAddress
 from periph_sim.processor.processor import Program
 from periph_sim.processor.user_code import FirmwareError
-from tests.processor.bench import Bench
+from tests.processor.bench import Bench, recorder_of
 from tests.processor.scripted_program import Op, ScriptedProgram, Step
 
 TICKS = 20  # of a cycle
@@ -31,12 +31,6 @@ def scripted(bench: Bench, *main: Step, routine: tuple[Step, ...] = ()) -> Scrip
     bench.processor.bus.ram.put_word32(SEQ1INT, ROUTINE)
     bench.processor.start(program)
     return program
-
-
-def heard(*kinds: Kind) -> tuple[Recorder, list[Record]]:
-    recorder, found = Recorder(), []
-    recorder.subscribe(kinds, found.append)
-    return recorder, found
 
 
 def bare(records: list[Record]) -> list[tuple[Any, ...]]:
@@ -119,7 +113,7 @@ def test_it_makes_the_same_records_as_python_firmware_that_does_the_same(steps: 
             cpu.instruction(30)
         cpu.compute(150)
 
-    recorder, expected = heard(*kinds)
+    recorder, expected = recorder_of(*kinds)
     firmware = Bench(changes, recorder=recorder)
     firmware.enable()
 
@@ -129,7 +123,7 @@ def test_it_makes_the_same_records_as_python_firmware_that_does_the_same(steps: 
 
     firmware.cpu.program.handle("SEQ1INT", routine)
     firmware.run(lambda: accesses(firmware.cpu), 2000)
-    recorder, found = heard(*kinds)
+    recorder, found = recorder_of(*kinds)
     bench = Bench(changes, recorder=recorder)
     bench.enable()
     body = (Step(Op.LOAD, STATUS), Step(Op.STORE, STATUS, 4), Step(Op.LOAD, COUNT), work(30))
@@ -141,7 +135,7 @@ def test_it_makes_the_same_records_as_python_firmware_that_does_the_same(steps: 
 
 def test_it_runs_beside_python_firmware_that_reads_the_same_module():
     """COUNT is cleared by a read: who comes first has it, in the order of the cycles, whoever ran first."""
-    recorder, found = heard(Kind.ACCESS)
+    recorder, found = recorder_of(Kind.ACCESS)
     one = Bench([(10, 1, -1), (60, 0, -1)], recorder=recorder)
     two = Bench([], beside=one, name="iss")
     two.memory.places["SHARED"] = ModuleRange("SHARED", 0x7200, 2, Frame.PF2, one.socket)
@@ -228,7 +222,7 @@ def test_a_stack_that_is_no_memory_ends_the_run(sp: int, address: str):
 
 def test_a_vector_without_a_name_is_told_by_its_line():
     """Line 1.3 belongs to no module; firmware that sets its flag by itself takes it."""
-    recorder, found = heard(Kind.IRQ)
+    recorder, found = recorder_of(Kind.IRQ)
     bench = Bench([], recorder=recorder)
     bench.enable()
     program = scripted(bench, work(50), *[work(1)] * 100)

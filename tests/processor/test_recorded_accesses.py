@@ -6,14 +6,11 @@ import linecache
 from fractions import Fraction
 from pathlib import Path
 
-from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import OF_MODIFIES, RECORDED, Kind, Record, RecordSink
-from periph_sim.core.time import Timebase
-from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.source_location import SourceLocation
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from tests.processor.bench import Bench, recorder_of
+from tests.processor.bench import Bench, recorder_of, unit
 
 
 def test_a_recorded_read_has_the_value_that_the_firmware_got():
@@ -48,8 +45,7 @@ def test_the_field_that_firmware_named_is_recorded():
 
 def test_each_half_of_a_pair_is_recorded_in_its_place():
     recorder, accesses = recorder_of(Kind.ACCESS)
-    kernel = Kernel()
-    dsp = Dsp(kernel, Timebase(150_000_000), recorder, DspPlan("dsp", ("TIMER0",), {}))
+    dsp, kernel = unit("TIMER0", recorder=recorder)
     period = dsp.module("TIMER0").PRD
     got: list[int] = []
 

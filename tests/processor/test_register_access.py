@@ -19,7 +19,7 @@ from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.python import register_view
 from periph_sim.processor.python.cpu import Cpu
 from periph_sim.processor.user_code import FirmwareError
-from tests.processor.bench import Bench
+from tests.processor.bench import Bench, unit
 
 
 def cost_of(frame: Frame, access: str, options: SystemOptions | None = None, times: int = 1, base: int = 0x3000):
@@ -128,8 +128,7 @@ def test_a_read_after_a_write_of_the_same_register_sees_the_write():
 
 @pytest.mark.rule("SYS-046", "SYS-019", "I2C-004", "I2C-010", "SYS-123")
 def test_a_protected_write_counts_only_between_eallow_and_edis():
-    kernel = Kernel()
-    dsp = Dsp(kernel, Timebase(150_000_000), Recorder(), DspPlan("dsp", ("I2C-A",), {}))
+    dsp, kernel = unit("I2C-A")
     seen: list[int] = []
 
     def main() -> None:
@@ -297,55 +296,33 @@ def test_32_bit_load_of_two_pie_registers_reads_both():
 
 
 @pytest.mark.rule("SYS-057", "SYS-059")
-@pytest.mark.parametrize("how", ["store", "field"])
-def test_16_bit_write_of_half_a_port_leaves_the_other_half_alone(how):
-    """GPIO20's latch is 1 while its pad is held low from outside: bit-banging on GPIO5 must not copy the pad."""
-    board = Board(LOW=20)
+@pytest.mark.parametrize(("how", "pad", "level"), [("store", 20, 1), ("field", 20, 1), ("field", 4, 0)])
+def test_a_write_of_half_a_port_copies_the_pads_of_its_own_half_alone(how: str, pad: int, level: int):
+    """The pad's latch is 1 while the pad is held low from outside: bit-banging on GPIO5 copies GPIO4, not GPIO20."""
+    board = Board(LOW=pad)
     gpio = board.dsp.module("GPIO")
 
     def main() -> None:
-        gpio.GPASET.all = 1 << 20
+        gpio.GPASET.all = 1 << pad
         board.dsp.cpu.compute(10)
         if how == "store":
             board.dsp.cpu.store(0x6FC0, 1 << 5)
         else:
             gpio.GPADAT.GPIO5 = 1
         board.dsp.eallow()
-        gpio.GPADIR.all = 1 << 20 | 1 << 5
+        gpio.GPADIR.all = 1 << pad | 1 << 5
         board.dsp.edis()
 
-    board.hands[20].drive(0)
+    board.hands[pad].drive(0)
     board.run(main)
-    board.hands[20].drive(1)
+    board.hands[pad].drive(1)
     board.kernel.run_until(board.kernel.now + 1000)
-    assert board.pads[20].level == 1  # nobody pulls it now: the latch still holds the 1 that SET gave it
-
-
-@pytest.mark.rule("SYS-059")
-def test_bit_field_write_copies_the_pads_of_its_own_half():
-    board = Board(LOW=4)
-    gpio = board.dsp.module("GPIO")
-
-    def main() -> None:
-        gpio.GPASET.all = 1 << 4
-        board.dsp.cpu.compute(10)
-        gpio.GPADAT.GPIO5 = 1
-        board.dsp.eallow()
-        gpio.GPADIR.all = 1 << 4
-        board.dsp.edis()
-
-    board.hands[4].drive(0)
-    board.run(main)
-    board.hands[4].drive(1)
-    board.kernel.run_until(board.kernel.now + 1000)
-    assert board.pads[4].level == 0  # the latch took the pad's 0
+    assert board.pads[pad].level == level  # nobody pulls it now, so it shows the latch
 
 
 @pytest.mark.parametrize("strict", [True, False])
 def test_duty_that_the_cpu_notes_ends_a_strict_run_with_its_line_and_time(strict):
-    kernel = Kernel()
-    plan = DspPlan("dsp", (), {}, strict=strict, code=BARE)
-    dsp = Dsp(kernel, Timebase(150_000_000), Recorder(), plan)
+    dsp, kernel = unit(strict=strict, code=BARE)
     lines: list[int] = []
 
     def main() -> None:

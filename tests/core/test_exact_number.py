@@ -28,23 +28,19 @@ def test_exponents_up_to_a_billion_are_refused(exponent, letter):
         exact_number(f"1{letter}{exponent}")
 
 
-@pytest.mark.parametrize("text", ["1e0_0_9_9", "1e" + "9" * 5000, "1e-" + "9" * 5000])
-def test_other_ways_to_write_a_large_exponent(text):
-    with pytest.raises(ValueError, match="has an exponent beyond 40"):
-        exact_number(text)
-
-
-@pytest.mark.parametrize("text", ["9" * 41, "9" * 5000, "0." + "1" * 5000, f"1/{'7' * 5000}"])
-def test_more_than_forty_digits_are_refused_in_a_short_sentence(text):
-    with pytest.raises(ValueError, match="has more than 40 digits") as error:
-        exact_number(text)
-    assert len(str(error.value)) < 120
-
-
-@pytest.mark.parametrize("text", ["", " ", "one", "1/0", "1e", "e5", "1 2", "nan", "inf", "0x10"])
-def test_what_is_no_number_is_refused(text):
-    with pytest.raises(ValueError, match="is not a number"):
-        exact_number(text)
+@pytest.mark.parametrize(
+    ("said", "texts"),
+    [
+        ("has an exponent beyond 40", ["1e0_0_9_9", "1e" + "9" * 5000, "1e-" + "9" * 5000]),
+        ("has more than 40 digits", ["9" * 41, "9" * 5000, "0." + "1" * 5000, f"1/{'7' * 5000}"]),
+        ("is not a number", ["", " ", "one", "1/0", "1e", "e5", "1 2", "nan", "inf", "0x10"]),
+    ],
+)
+def test_other_texts_are_refused_in_a_short_sentence(said: str, texts: list[str]):
+    for text in texts:
+        with pytest.raises(ValueError, match=said) as error:
+            exact_number(text)
+        assert len(str(error.value)) < 120
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ import pytest
 
 from periph_sim import form
 from periph_sim.form import LIBRARY, PACKAGE, build
+from tests.form.package import written
 
 COMPARE = """
 from fractions import Fraction
@@ -76,21 +77,30 @@ def test_an_unknown_prefix_is_told(capsys):
     assert capsys.readouterr().err == said
 
 
-def test_a_folder_that_cannot_be_written_is_told(monkeypatch, capsys):
-    def unwritable(*given: object) -> None:
-        raise PermissionError(13, "Permission denied", "/site-packages/periph_sim/compiled")
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (
+            PermissionError(13, "Permission denied", "/site-packages/periph_sim/compiled"),
+            "[Errno 13] Permission denied: '/site-packages/periph_sim/compiled'",
+        ),
+        (BrokenProcessPool("A process in the process pool was terminated"), "A process in the process pool was term"),
+    ],
+    ids=["a folder that cannot be written", "a compiler that is killed"],
+)
+def test_an_error_that_the_system_causes_is_told(monkeypatch, capsys, error: Exception, said: str):
+    def fail(*given: object) -> None:
+        raise error
 
-    monkeypatch.setattr(build, "build", unwritable)
+    monkeypatch.setattr(build, "build", fail)
     assert build.main() == 1
-    assert capsys.readouterr().err.startswith("the core stays interpreted: [Errno 13] Permission denied: '/site-p")
+    assert capsys.readouterr().err.startswith(f"the core stays interpreted: {said}")
 
 
 @pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
 def test_what_does_not_compile_is_told_with_the_compilers_words_and_the_last_build_stays(tmp_path: Path, monkeypatch):
-    package, built = tmp_path / "own", tmp_path / "built"
-    package.mkdir()
-    (package / "__init__.py").touch()
-    (package / "one.py").write_text("# core: compiled\nclass One:\n    here: 'Annotated[list[One], 4]'\n")
+    built = tmp_path / "built"
+    package = written(tmp_path, "own", one="# core: compiled\nclass One:\n    here: 'Annotated[list[One], 4]'\n")
     built.mkdir()
     (built / "kept").touch()
     monkeypatch.syspath_prepend(tmp_path)
@@ -114,10 +124,7 @@ class Two:
 
 @pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
 def test_code_to_which_no_checks_can_be_added_is_told_in_a_line(tmp_path: Path, monkeypatch, capsys):
-    package = tmp_path / "arrays"
-    package.mkdir()
-    (package / "__init__.py").touch()
-    (package / "one.py").write_text(TWO_ARRAYS)
+    package = written(tmp_path, "arrays", one=TWO_ARRAYS)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(build, "compiler", lambda: "cc")
     assert build.status_of(lambda: build.build(package, tmp_path / "built", 1), "the core stays interpreted") == 1
@@ -198,10 +205,7 @@ def test_a_linker_that_cannot_sort_links_all_the_same(tmp_path: Path):
 @pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
 @pytest.mark.posix("a shell script as the compiler")
 def test_the_compiler_is_told_that_tracebacks_are_rare(tmp_path: Path, monkeypatch):
-    package = tmp_path / "rooms"
-    package.mkdir()
-    (package / "__init__.py").touch()
-    (package / "one.py").write_text("def more(count):\n    return count + 1\n")
+    package = written(tmp_path, "rooms", one="def more(count):\n    return count + 1\n")
     (package / "one.pxd").write_text("")
     monkeypatch.chdir(tmp_path)
     build.compile_one("one", ["one"], "rooms", compiler_that(tmp_path, "cp one.c kept.c"))
@@ -228,15 +232,6 @@ def test_what_does_not_link_is_told_with_the_linkers_words(tmp_path: Path):
     cc = compiler_that(tmp_path, "echo no space left >&2; exit 1")
     with pytest.raises(build.NoBuild, match=r"(?s)the compiled modules do not link; .*cc says:\nno space left"):
         build.link(["core.one"], tmp_path, cc)
-
-
-def test_a_compiler_that_is_killed_is_told(monkeypatch, capsys):
-    def killed(*given: object) -> None:
-        raise BrokenProcessPool("A process in the process pool was terminated abruptly")
-
-    monkeypatch.setattr(build, "build", killed)
-    assert build.main() == 1
-    assert capsys.readouterr().err.startswith("the core stays interpreted: A process in the process pool was term")
 
 
 @pytest.mark.long
@@ -273,11 +268,9 @@ def test_a_source_without_declarations_is_told_in_a_line(monkeypatch, capsys, tm
 @pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
 def test_ctrl_c_ends_a_build_without_the_modules_that_wait(tmp_path: Path):
     """Each process of the terminal's group receives the signal while the first of eight modules is compiled."""
-    package, built, calls = tmp_path / "rooms", tmp_path / "built", tmp_path / "calls.txt"
-    package.mkdir()
-    (package / "__init__.py").touch()
-    for number in range(8):
-        (package / f"m{number}.py").write_text("# core: compiled\n\n\nclass One:\n    pass\n")
+    built, calls = tmp_path / "built", tmp_path / "calls.txt"
+    modules = {f"m{number}": "# core: compiled\n\n\nclass One:\n    pass\n" for number in range(8)}
+    package = written(tmp_path, "rooms", **modules)
     compiler = tmp_path / "slow-cc"
     compiler.write_text('#!/bin/sh\necho called >> "$CALLS"\nexec sleep 1\n')
     compiler.chmod(0o755)

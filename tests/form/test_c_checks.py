@@ -21,7 +21,7 @@ from periph_sim.core.wire import Wire
 from periph_sim.form import build
 from periph_sim.form.c_checks import CHECK, arrays_of, never_none, with_index_checks, with_none_refused
 from periph_sim.form.sources import Source, Sources
-from tests.form.package import every_declaration
+from tests.form.package import every_declaration, written
 
 PXD = """
 cdef class Ring:
@@ -91,10 +91,7 @@ ring.put(int(sys.argv[1]), 1)
 def test_an_index_outside_of_its_array_ends_the_process_with_a_sentence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    package = tmp_path / "arrayed"
-    package.mkdir()
-    (package / "__init__.py").touch()
-    (package / "ring.py").write_text(SOURCE)
+    package = written(tmp_path, "arrayed", ring=SOURCE)
     monkeypatch.syspath_prepend(tmp_path)
     build.build(package, tmp_path / "built", 1)
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(form.PACKAGE.parent), *sys.path])}

@@ -9,6 +9,7 @@ import pytest
 
 from periph_sim.form import build
 from periph_sim.form.directives import disobeyed
+from tests.form.package import written
 
 SOURCE = """
 class Plain:
@@ -34,10 +35,7 @@ pytestmark = pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is m
 
 
 def c_code(folder: Path, pxd: str, monkeypatch: pytest.MonkeyPatch) -> str:
-    (folder / "directed").mkdir()
-    (folder / "directed" / "__init__.py").touch()
-    (folder / "directed" / "one.py").write_text(SOURCE)
-    (folder / "directed" / "one.pxd").write_text(pxd)
+    (written(folder, "directed", one=SOURCE) / "one.pxd").write_text(pxd)
     monkeypatch.chdir(folder)
     return build.generate("one", "directed").read_text("utf-8")
 

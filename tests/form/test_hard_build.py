@@ -6,12 +6,14 @@ import re
 from importlib.util import find_spec
 from pathlib import Path
 from shutil import which
+from types import SimpleNamespace
 
 import pytest
 
 from periph_sim.form import INTERPRETED, PACKAGE, VARIABLE, build
 from periph_sim.form.sources import UNCHECKED
 from tests import hard
+from tests.form.package import written
 
 pytestmark = [
     pytest.mark.long,  # a build with sanitizers
@@ -105,13 +107,13 @@ PLANTED = {
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("hard")
-    (made / "planted").mkdir()
-    (made / "planted" / "__init__.py").touch()
-    (made / "planted" / "faults.py").write_text(SOURCE)
+    planted = written(made, "planted", faults=SOURCE)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(build, "declarations", lambda source: TYPES)  # a function in C is planted, too
+        patch.setattr(
+            build, "declarations", lambda source: SimpleNamespace(text=TYPES)
+        )  # a function in C is planted, too
         patch.syspath_prepend(made)
-        build.build(made / "planted", made / "built", 1, build.HARD)
+        build.build(planted, made / "built", 1, build.HARD)
     return made
 
 

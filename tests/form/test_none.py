@@ -76,20 +76,12 @@ def test_no_call_with_none_ends_the_process():
         lambda kernel: kernel.moved(None),
         lambda kernel: kernel.request_sample(None),
         lambda kernel: kernel.replay(0, None, 0),
+        lambda kernel: setattr(kernel.schedule(5, Agent()), "agent", None),
     ],
-    ids=["schedule", "event", "reschedule", "cancel", "moved", "request_sample", "replay"],
+    ids=["schedule", "event", "reschedule", "cancel", "moved", "request_sample", "replay", "agent"],
 )
 def test_none_in_place_of_an_object_of_the_kernel_is_an_exception_at_the_latest_when_it_is_due(call):
     kernel = Kernel()
     with pytest.raises((TypeError, AttributeError)):
         call(kernel)
-        kernel.run_until(10)
-
-
-def test_an_event_without_an_agent_is_an_exception():
-    kernel = Kernel()
-    event = kernel.event(Agent())
-    kernel.reschedule(event, 5, 0)
-    with pytest.raises((TypeError, AttributeError)):
-        event.agent = None
         kernel.run_until(10)

@@ -9,6 +9,7 @@ from shutil import which
 import pytest
 
 from periph_sim.form import LIBRARY, build, profiled
+from tests.form.package import written
 
 with_gcc = pytest.mark.skipif(find_spec("Cython") is None or which("gcc") is None, reason="Cython or gcc is missing")
 
@@ -42,9 +43,7 @@ def run(number):
 @pytest.fixture
 def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the folder of a package with one compiled module, whose "cases" are numbers."""
-    package = tmp_path / "profiled_own"
-    package.mkdir()
-    (package / "work.py").write_text(WORK)
+    package = written(tmp_path, "profiled_own", work=WORK)
     (package / "__init__.py").write_text(RUN.format(modules=["work"]))
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
@@ -66,24 +65,23 @@ def test_the_module_is_compiled_with_the_counts_of_the_run(own: Path, capfd):
 
 
 @with_gcc
-def test_a_case_that_does_not_run_leaves_the_build(own: Path):
-    with pytest.raises(build.NoBuild, match=r"^once does not run, so nothing was counted; ValueError: .*'once'$"):
-        profiled.build_for(["once"], own, own / "compiled", 1)
-    assert not (own / "compiled").exists()
-
-
-@with_gcc
-def test_a_case_whose_process_is_killed_leaves_the_build(own: Path):
-    (own / "__init__.py").write_text("import os\n\ndef run(number):\n    os.kill(os.getpid(), 9)\n")
-    with pytest.raises(build.NoBuild, match=r"^27 does not run, so nothing was counted; exit status -9$"):
-        profiled.build_for(["27"], own, own / "compiled", 1)
-
-
-@with_gcc
-def test_runs_that_do_not_use_the_compiled_core_are_refused(own: Path):
-    (own / "__init__.py").write_text(RUN.format(modules=[]))
-    with pytest.raises(build.NoBuild, match="did not use the compiled core, so nothing was counted"):
-        profiled.build_for(["27"], own, own / "compiled", 1)
+@pytest.mark.parametrize(
+    ("text", "case", "said"),
+    [
+        (RUN.format(modules=["work"]), "once", r"^once does not run, so nothing was counted; ValueError: .*'once'$"),
+        (
+            "import os\n\ndef run(number):\n    os.kill(os.getpid(), 9)\n",
+            "27",
+            r"^27 does not run, so nothing was counted; exit status -9$",
+        ),
+        (RUN.format(modules=[]), "27", "did not use the compiled core, so nothing was counted"),
+    ],
+    ids=["a case that does not run", "a process that is killed", "a run without the compiled core"],
+)
+def test_without_counts_the_build_is_left(own: Path, text: str, case: str, said: str):
+    (own / "__init__.py").write_text(text)
+    with pytest.raises(build.NoBuild, match=said):
+        profiled.build_for([case], own, own / "compiled", 1)
     assert not (own / "compiled").exists()
 
 

@@ -92,13 +92,6 @@ print(Scene(load(Path(sys.argv[1]))).run().verdict)
 """
 
 
-def test_a_host_that_is_slow_to_begin_runs_it(folder: Path):
-    """The timer that finds empty loops ticks before the firmware's first call."""
-    command = [sys.executable, "-c", SLOW_TO_BEGIN, str(folder / "echo.toml")]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "pass\n", "")
-
-
 BESIDE_A_BUSY_THREAD = """
 import sys
 from pathlib import Path
@@ -115,11 +108,12 @@ print(*(Scene(load(Path(sys.argv[1]))).run().verdict for _ in range(3)))
 """
 
 
-def test_a_busy_thread_does_not_take_its_timer(folder: Path):
-    """The timer that finds empty loops counts CPU time of all threads, and its signal may be handled in any of them."""
-    command = [sys.executable, "-c", BESIDE_A_BUSY_THREAD, str(folder / "echo.toml")]
+@pytest.mark.parametrize(("program", "said"), [(SLOW_TO_BEGIN, "pass\n"), (BESIDE_A_BUSY_THREAD, "pass pass pass\n")])
+def test_the_timer_that_finds_empty_loops_disturbs_nothing_else(folder: Path, program: str, said: str):
+    """It ticks before the firmware's first call; and it counts CPU time of all threads, any of which gets its signal."""
+    command = [sys.executable, "-c", program, str(folder / "echo.toml")]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=100)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "pass pass pass\n", "")
+    assert (done.returncode, done.stdout, done.stderr) == (0, said, "")
 
 
 def test_no_output_replaces_a_header_wherever_it_is(folder: Path):
@@ -134,13 +128,11 @@ def test_no_output_replaces_a_header_wherever_it_is(folder: Path):
         assert is_input(below / "deeper.h")
 
 
-def fails_with(folder: Path, body: str, *changes: str) -> str:
-    """What a run says of a main of these statements, which fails in it; in a process of its own."""
-    (folder / "echo.c").write_text(MAIN.format(body))
-    command = [sys.executable, "-m", "periph_sim", "run", "echo.toml", *changes]
-    came = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert (came.returncode, came.stderr) == (1, ""), came.stderr
-    return next(line for line in came.stdout.splitlines() if line.startswith("stuck: "))
+def command(folder: Path, text: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run the case with this source, in a process of its own."""
+    (folder / "echo.c").write_text(text)
+    given = [sys.executable, *(arguments or ("-m", "periph_sim")), "run", "echo.toml"]
+    return subprocess.run(given, cwd=folder, capture_output=True, text=True, check=False)
 
 
 def test_an_echo_by_interrupt_answers_on_the_line(folder: Path):
@@ -207,7 +199,8 @@ def test_time_passes_in_loops_without_any_access(folder: Path):
     ],
 )
 def test_what_firmware_must_not_do_ends_the_run_with_its_place(folder: Path, body: str, sentence: str):
-    assert sentence in fails_with(folder, body)
+    came = command(folder, MAIN.format(body))
+    assert (came.returncode, came.stderr) == (1, "") and f"stuck: dsp: {sentence}" in came.stdout
 
 
 @pytest.mark.parametrize(
@@ -256,11 +249,10 @@ def test_a_header_is_found_whatever_the_case_of_its_letters(folder: Path):
 
 def test_ctrl_c_while_c_code_runs_ends_the_run(folder: Path):
     """The firmware sends the signal itself, so that it comes between two calls of Python."""
-    (folder / "echo.c").write_text("int raise(int);\n" + MAIN.format("raise(2); for (;;) SciaRegs.SCIRXST.all;"))
     # What starts the tests in the background has SIGINT ignored, and Python would leave it so.
     begin = "import signal, runpy; signal.signal(signal.SIGINT, signal.default_int_handler); "
-    command = [sys.executable, "-c", begin + "runpy.run_module('periph_sim', run_name='__main__')", "run", "echo.toml"]
-    came = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    text = "int raise(int);\n" + MAIN.format("raise(2); for (;;) SciaRegs.SCIRXST.all;")
+    came = command(folder, text, "-c", begin + "runpy.run_module('periph_sim', run_name='__main__')")
     assert (came.returncode, came.stdout, came.stderr.strip()) == (2, "", "stopped")
 
 
@@ -271,17 +263,13 @@ def test_a_source_that_is_no_text_is_one_sentence(folder: Path):
 
 
 def test_sources_without_main(folder: Path):
-    (folder / "echo.c").write_text("int f(void) { return 0; }\n")
-    command = [sys.executable, "-m", "periph_sim", "run", "echo.toml"]
-    came = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    came = command(folder, "int f(void) { return 0; }\n")
     assert came.returncode == 2 and "dsp: no source has a function main" in came.stderr
 
 
 def test_undefined_behaviour_is_told_on_standard_error(folder: Path):
-    text = MAIN.format("volatile int i = 0x7FFFFFFF; i = i + 1; for (;;);")
-    (folder / "echo.c").write_text(text)
-    command = [sys.executable, "-m", "periph_sim", "run", "echo.toml", "--set", "unit.dsp.compile.undefined=true"]
-    came = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    (folder / "echo.toml").write_text(CASE.replace('["."]', '["."]\nundefined = true'))
+    came = command(folder, MAIN.format("volatile int i = 0x7FFFFFFF; i = i + 1; for (;;);"))
     assert "echo.c:2:" in came.stderr and "signed integer overflow" in came.stderr
 
 

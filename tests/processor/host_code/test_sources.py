@@ -110,7 +110,7 @@ print(*(Scene(load(Path(sys.argv[1]))).run().verdict for _ in range(3)))
 
 @pytest.mark.parametrize(("program", "said"), [(SLOW_TO_BEGIN, "pass\n"), (BESIDE_A_BUSY_THREAD, "pass pass pass\n")])
 def test_the_timer_that_finds_empty_loops_disturbs_nothing_else(folder: Path, program: str, said: str):
-    """It ticks before the firmware's first call; and it counts CPU time of all threads, any of which gets its signal."""
+    """It ticks before the firmware's first call. It counts CPU time of all threads, and each may handle its signal."""
     command = [sys.executable, "-c", program, str(folder / "echo.toml")]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=100)
     assert (done.returncode, done.stdout, done.stderr) == (0, said, "")

@@ -17,8 +17,9 @@ import re
 import struct
 from dataclasses import dataclass
 from fractions import Fraction
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,31 +37,27 @@ NANOSECONDS = Fraction(10**9)
 # A change may be up to OFF_GRID samples away from a sample. Errors of float64 are far smaller; errors of a wrong rate
 # are far larger.
 OFF_GRID = 0.02
-BLOCK = 1 << 16  # number of times that are read at once
+ORDER = "begin, rising times, end"
 OR_SALVAGE = ", or read the intact part with --salvage"
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """A part of a channel without gaps.
+    """A part of a channel without gaps. Times are in seconds.
 
     initial: the level at the beginning of the chunk.
     rate: the number of samples per second; None in version 0.
-    begin, end: times in seconds.
-    place: the byte of the file at which the chunk begins.
-    at: the byte of the file at which the times of changes begin.
-    count: the number of these times in the file.
-    cut: True if the file ends too early, so that later times are missing.
+    begin, end: the stated times of the beginning and the end.
+    times: the times of the changes, up to the damage if the chunk is damaged.
+    damaged: True if later times are wrong, or missing because the file ends too early.
     """
 
     initial: int
     rate: float | None
     begin: float
     end: float
-    place: int
-    at: int
-    count: int
-    cut: bool = False
+    times: NDArray[np.float64]
+    damaged: bool
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -77,7 +74,7 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
         raise BadCapture(path, "the folder", "no digital_N.bin", "one file a channel", "export digital data as binary")
     notes: list[str] = []
     chunks = {index: _chunks(file, notes if salvage else None) for index, file in files.items()}
-    edges = sum(chunk.count for parts in chunks.values() for chunk in parts)
+    edges = sum(len(chunk.times) for parts in chunks.values() for chunk in parts)
     if edges > limits.MOST_EDGES:
         raise BadCapture(path, "its counts", f"{edges} edges", f"at most {limits.MOST_EDGES}", "export a shorter time")
     stated = {chunk.rate for parts in chunks.values() for chunk in parts}
@@ -86,70 +83,51 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
     begin = min(part.begin for parts in chunks.values() for part in parts)
     end = max(part.end for parts in chunks.values() for part in parts)
     grid = _Grid(begin, rate)
-    length = grid.nearest(path, end) + 1
-    channels = tuple(
-        _channel(file, grid, index, chunks[index], length, notes if salvage else None)
-        for index, file in sorted(files.items())
-    )
+    length = int(grid.places(path, np.array([end]))[0]) + 1
+    channels = tuple(_channel(file, grid, index, chunks[index], length) for index, file in files.items())
     return Capture(path, rate or NANOSECONDS, length, channels, rate is not None, tuple(notes))
 
 
-class _Grid:
-    """Conversion of seconds to positions counted from `begin`."""
+class _Grid(NamedTuple):
+    """Conversion of seconds to positions counted from `begin`. rate: samples per second; None if it is unknown."""
 
-    def __init__(self, begin: float, rate: Fraction | None) -> None:
-        self._begin = begin
-        self._rate = float(rate or NANOSECONDS)
-        self._strict = rate is not None
+    begin: float
+    rate: Fraction | None
 
-    def places(self, path: Path, times: NDArray[np.float64]) -> Positions:
-        """Return the positions of changes.
+    def places(self, path: Path, times: NDArray[np.float64], are_changes: bool = False) -> Positions:
+        """Return the position nearest to each time.
 
-        Raise BadCapture if the rate is known and a change is not on a sample, or if a position exceeds MOST_POSITION.
+        Raise BadCapture if a position exceeds MOST_POSITION.
+
+        are_changes: True to raise BadCapture, too, if the rate is known and a time is not on a sample.
         """
-        exact = self._exact(path, times)
-        near = np.rint(exact)
-        off = np.abs(exact - near) > OFF_GRID
-        if self._strict and off.any():
-            raise BadCapture(
-                path,
-                "its times",
-                f"a change at {times[off][0]} s",
-                f"the grid of {self._rate:g} Hz",
-                "state the right rate",
-            )
-        return near.astype(np.int64)
-
-    def nearest(self, path: Path, time: float) -> int:
-        """Return the position nearest to the start or end of a chunk, even if this time is between two samples."""
-        return round(float(self._exact(path, np.array([time]))[0]))
-
-    def _exact(self, path: Path, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        rate = float(self.rate or NANOSECONDS)
         with np.errstate(over="ignore"):  # values of more than 64 bits are rejected below
-            exact = (times - self._begin) * self._rate
+            exact = (times - self.begin) * rate
         if not np.all(np.abs(exact) < MOST_POSITION):
             raise BadCapture(path, "its times", "a time beyond 64 bits", "seconds", "export it again")
-        return exact
+        near = np.rint(exact)
+        off = np.abs(exact - near) > OFF_GRID
+        if are_changes and self.rate is not None and off.any():
+            found = f"a change at {times[off][0]} s"
+            raise BadCapture(path, "its times", found, f"the grid of {rate:g} Hz", "state the right rate")
+        return near.astype(np.int64)
 
 
-def _channel(path: Path, grid: _Grid, index: int, chunks: list[Chunk], length: int, notes: list[str] | None) -> Channel:
-    """Read the channel of one file.
-
-    If the file is damaged, add a note to `notes`; if `notes` is None, raise BadCapture.
-    """
+def _channel(path: Path, grid: _Grid, index: int, chunks: list[Chunk], length: int) -> Channel:
+    """Return the channel of one file. After a damaged place, its level is unknown."""
     parts: list[tuple[Positions, Levels]] = []  # for each chunk and gap: positions, and the state from each position on
     known_to = 0
-    with path.open("rb") as file:
-        for chunk in chunks:
-            begin = grid.nearest(path, chunk.begin)
-            if begin > known_to:
-                parts.append(_unknown_from(known_to))
-            changes, end = _changes(path, file, grid, chunk, notes)
-            at = np.concatenate([np.array([begin]), *changes])
-            parts.append((at, (np.arange(len(at)) + chunk.initial & 1).astype(np.uint8)))
-            known_to = grid.nearest(path, chunk.end if end is None else end) + 1
-            if end is not None:
-                break
+    for chunk in chunks:
+        known = chunk.end if not chunk.damaged else chunk.times[-1] if len(chunk.times) else chunk.begin
+        begin, end = grid.places(path, np.array([chunk.begin, known])).tolist()
+        if begin > known_to:
+            parts.append(_unknown_from(known_to))
+        at = np.append(begin, grid.places(path, chunk.times, are_changes=True))
+        parts.append((at, (np.arange(len(at)) + chunk.initial & 1).astype(np.uint8)))
+        known_to = end + 1
+        if chunk.damaged:
+            break
     if known_to < length:
         parts.append(_unknown_from(known_to))
     positions, states = (np.concatenate(columns) for columns in zip(*parts, strict=True))
@@ -158,33 +136,6 @@ def _channel(path: Path, grid: _Grid, index: int, chunks: list[Chunk], length: i
 
 def _unknown_from(position: int) -> tuple[Positions, Levels]:
     return np.array([position], np.int64), np.array([UNKNOWN], np.uint8)
-
-
-def _changes(
-    path: Path, file: BinaryIO, grid: _Grid, chunk: Chunk, notes: list[str] | None
-) -> tuple[list[Positions], float | None]:
-    """Read the changes of a chunk in blocks. Return their positions, and the last valid time if the chunk is damaged.
-
-    If the chunk is intact, return None in place of this time.
-    """
-    file.seek(chunk.at)
-    found: list[Positions] = []
-    last = chunk.begin
-    for done in range(0, chunk.count, BLOCK):
-        times = np.frombuffer(file.read(8 * min(BLOCK, chunk.count - done)), "<f8")
-        steps = np.concatenate(([last], times))
-        sound = np.isfinite(times) & (times >= steps[:-1]) & (times <= chunk.end)
-        good = len(times) if sound.all() else int(np.argmin(sound))
-        if good < len(times) and notes is None:
-            place, way_out = f"byte {chunk.place}", f"export it again{OR_SALVAGE}"
-            raise BadCapture(path, place, "times out of order", "begin, rising times, end", way_out)
-        found.append(grid.places(path, times[:good]))
-        last = float(steps[good])
-        if good < len(times) and notes is not None:
-            place = f"byte {chunk.at + 8 * (done + good)}"
-            notes.append(f"{path.name} has times out of order from {place} on: they are dropped")
-            return found, last
-    return found, last if chunk.cut else None
 
 
 def _files(folder: Path) -> dict[int, Path]:
@@ -198,10 +149,10 @@ def _number(path: Path) -> int | None:
 
 
 def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
-    """Read the heads of the chunks of a file. `_changes` reads the times of changes later.
+    """Read the chunks of a file.
 
-    If the file is damaged, leave out the chunks after the damage and add a note. Raise BadCapture instead if `notes` is
-    None, or if the first chunk or the head of the file is damaged.
+    If the file is damaged, leave out the rest and add a note. Raise BadCapture instead if `notes` is None, or if the
+    head of the file or of the first chunk is damaged.
     """
     try:
         opened = open_regular(path)
@@ -210,7 +161,8 @@ def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
             path, "the file", (error.strerror or "an error").lower(), "a file that can be read", "export it again"
         ) from None
     with opened as file:
-        cursor = _Cursor(path, file)
+        # The times are views of the mapped file, so a file with too many of them does not fill the memory.
+        cursor = _Cursor(path, mmap(file.fileno(), 0, access=ACCESS_READ) if file.seek(0, 2) else b"")
         if cursor.read("8s")[0] != MARK:
             raise BadCapture(path, "byte 0", "no <SALEAE> mark", "a Saleae binary export", "export it again")
         version, kind = cursor.read("ii")
@@ -248,54 +200,49 @@ def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
 
 
 def _chunk(cursor: _Cursor, version: int, notes: list[str] | None) -> Chunk:
-    place = cursor.at
+    path, place = cursor.path, f"byte {cursor.at}"
     (level,) = cursor.read("I")
     (rate,) = cursor.read("d") if version else (None,)
     begin, end, count = cursor.read("ddQ")
     if level > 1:
-        raise BadCapture(cursor.path, f"byte {place}", f"initial level {level}", "0 or 1", "export it again")
+        raise BadCapture(path, place, f"initial level {level}", "0 or 1", "export it again")
     if rate is not None and not 0 < rate < float("inf"):
-        raise BadCapture(cursor.path, f"byte {place}", f"sample rate {rate}", "more than 0", "export it again")
+        raise BadCapture(path, place, f"sample rate {rate}", "more than 0", "export it again")
     if not float("-inf") < begin <= end < float("inf"):
-        raise BadCapture(
-            cursor.path, f"byte {place}", "times out of order", "begin, rising times, end", "export it again"
-        )
-    at = cursor.at
-    if notes is not None and 8 * count > cursor.left:
-        whole = cursor.left // 8
-        notes.append(f"{cursor.path.name} ends after {whole} of {count} changes: the rest is dropped")
-        cursor.skip(8 * whole)
-        return Chunk(level, rate, begin, end, place, at, whole, cut=True)
-    cursor.skip(8 * count, OR_SALVAGE)
-    return Chunk(level, rate, begin, end, place, at, count)
+        raise BadCapture(path, place, "times out of order", ORDER, "export it again")
+    whole = count if notes is None else min(count, cursor.left // 8)
+    at = cursor.skip(8 * whole, OR_SALVAGE)
+    times = np.frombuffer(cursor.content, "<f8", whole, at)
+    sound = np.isfinite(times) & (np.diff(times, prepend=begin) >= 0) & (times <= end)
+    good = len(times) if sound.all() else int(np.argmin(sound))
+    if good < len(times) and notes is None:
+        raise BadCapture(path, place, "times out of order", ORDER, f"export it again{OR_SALVAGE}")
+    if whole < count and notes is not None:
+        notes.append(f"{path.name} ends after {whole} of {count} changes: the rest is dropped")
+    if good < len(times) and notes is not None:
+        notes.append(f"{path.name} has times out of order from byte {at + 8 * good} on: they are dropped")
+    return Chunk(level, rate, begin, end, times[:good], good < count)
 
 
 class _Cursor:
     """Sequential reader of the bytes of a file. `read` and `skip` raise BadCapture if the file ends too early."""
 
-    def __init__(self, path: Path, file: BinaryIO) -> None:
+    def __init__(self, path: Path, content: mmap | bytes) -> None:
         self.path = path
+        self.content = content
         self.at = 0
-        self._file = file
-        self._size = file.seek(0, 2)
 
     @property
     def left(self) -> int:
-        return self._size - self.at
+        return len(self.content) - self.at
 
     def read(self, layout: str) -> tuple[Any, ...]:
-        at = self.at
-        self.skip(struct.calcsize("<" + layout))
-        self._file.seek(at)
-        return struct.unpack("<" + layout, self._file.read(self.at - at))
+        return struct.unpack_from("<" + layout, self.content, self.skip(struct.calcsize("<" + layout)))
 
-    def skip(self, size: int, more: str = "") -> None:
+    def skip(self, size: int, more: str = "") -> int:
+        """Skip bytes, and return the place of the first of them."""
         if size > self.left:
-            raise BadCapture(
-                self.path,
-                f"byte {self.at}",
-                f"{self.left} bytes more",
-                f"{size}",
-                f"the file was cut, export it again{more}",
-            )
+            found, way_out = f"{self.left} bytes more", f"the file was cut, export it again{more}"
+            raise BadCapture(self.path, f"byte {self.at}", found, f"{size}", way_out)
         self.at += size
+        return self.at - size

@@ -202,11 +202,3 @@ def test_too_many_edges_are_refused_unread(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setattr(limits, "MOST_EDGES", 1)
     with pytest.raises(BadCapture, match="its counts: found 2 edges, expected at most 1; export a shorter time"):
         read(tmp_path, GOOD)
-
-
-@pytest.mark.parametrize("block", [1, 2, 3])
-def test_times_in_blocks_are_those_of_the_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, block: int):
-    content = version_0(0, 0.0, 1e-6, [1e-10, 100e-9, 100e-9, 300e-9, 300.1e-9, 300.2e-9, 400e-9])
-    monkeypatch.setattr(saleae_bin, "BLOCK", block)
-    (channel,) = read(tmp_path, content).channels
-    assert (channel.initial, channel.edges.tolist()) == (1, [300, 400])

@@ -16,7 +16,6 @@ import pytest
 
 from periph_sim.traces import formats
 from periph_sim.traces.decode import i2c, uart
-from periph_sim.traces.decode.i2c_table import i2c_table
 from periph_sim.traces.decode.uart import uart_table
 from periph_sim.traces.decode.uart_doubt import rate_doubt
 from periph_sim.traces.decode.uart_guess import guess
@@ -110,15 +109,12 @@ def test_i2c_events_are_the_oracles(name: str):
     given = options(name, "i2c")
     events = i2c.events(load(name), channel(name, given["scl"]), channel(name, given["sda"]))
     assert i2c_lines(plain(events)) == [(said.at, said.text) for said in oracle(name, "i2c")]
-    table = i2c_table(load(name), channel(name, given["scl"]), channel(name, given["sda"]))
-    assert i2c.events_of_table(table) == events
     assert sum(event.kind.name == "CUT" for event in events) == CUT_BYTES.get(name, 0)
 
 
 @needs_captures
 def test_i2c_events_of_a_million_edges_are_the_oracles():
     events = i2c.events(load(TOO_LARGE))
-    assert i2c.events_of_table(i2c_table(load(TOO_LARGE))) == events
     lines = i2c_lines(plain(events))
     first = [(said.at, said.text) for said in oracle(TOO_LARGE, "i2c")]
     assert lines[: len(first)] == first and len(first) == 200
@@ -166,7 +162,6 @@ def test_uart_frames_are_the_oracles(name: str):
     capture = load(name)
     wires = [channel(name, given[side]) for side in ("rx", "tx") if side in given]
     found = [uart.events(capture, wire, line) for wire in wires]
-    assert [uart.events_of_table(uart_table(capture, wire, line)) for wire in wires] == found
     ours = [uart_lines(events, line, late) for events in found]
     said = [
         (what.text, what.at if what.text in ("Start bit", "Break condition") else None) for what in oracle(name, "uart")

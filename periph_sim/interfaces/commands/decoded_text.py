@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...core.registers import NamedByte
-from ...traces.capture.sampling import nearest
+from ...traces.capture.sampling import rescaled
 from ...traces.decode.event_rows import DETAILS, EVENTS, Rows
 from ...traces.decode.table_columns import select
 from .bulk_text import BLANK, NONE, Column, Digits, Literal, Numbers, Sparse, Words, numbered, text
@@ -44,8 +44,8 @@ class Clock(NamedTuple):
         return Clock(period * 10**decimals, decimals)
 
     def units(self, positions: Numbers) -> Numbers:
-        """Convert positions to units of 10**-decimals s, rounded to the nearest unit. Results must fit in 63 bits."""
-        return nearest(positions, self.scale).astype(np.int64, copy=False)
+        """Convert positions to units of 10**-decimals s, rounded to the rescaled unit. Results must fit in 63 bits."""
+        return rescaled(positions, self.scale).astype(np.int64, copy=False)
 
 
 def seconds_of(positions: Numbers, clock: Clock | None) -> list[str]:

@@ -34,7 +34,7 @@ from ...traces.capture.sampling import resampled
 from ...traces.decode.i2c_table import I2cRowKind as Row
 from ...traces.decode.i2c_table import I2cTable, i2c_table
 from ...traces.formats import sigrok_sr, vcd
-from ...traces.formats.fst_ghw import TEXT, NoFstLibrary, Variable, fst_bytes, library
+from ...traces.formats.fst_ghw import TEXT, Variable, fst_bytes, library
 from ..record_text import on_the_bus
 from . import BadRecording, RecordingWriter
 
@@ -265,7 +265,7 @@ class FstWriter(WaveformWriter):
     def __init__(self, file: IO[bytes], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
         try:
             library()  # if the library is missing, the error is raised before the run
-        except NoFstLibrary as error:
+        except ImportError as error:
             raise BadRecording(str(error)) from None
         super().__init__(file, timebase, modules)
         self._said: dict[str, list[tuple[int, str]]] = {name: [(0, "-")] for name in SAID.values()}

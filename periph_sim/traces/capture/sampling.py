@@ -64,20 +64,12 @@ def rate_text(rate: Fraction) -> str:
 
 def _moved(channel: Channel, ratio: Fraction, length: int) -> tuple[Channel, int]:
     """Return the channel at the new rate and the number of lost pulses."""
-    at, changes = np.unique(_up(channel.edges, ratio), return_counts=True)
+    at, changes = np.unique(rescaled(channel.edges, ratio, up=True), return_counts=True)
     lost = int((changes // 2).sum())
     spans = ((ceil(hole.begin * ratio), min(ceil(hole.end * ratio), length)) for hole in channel.unknown)
     unknown = tuple(Span(begin, end) for begin, end in spans if begin < end)
     edges = at[changes & 1 == 1]
     return Channel(channel.name, channel.index, channel.initial, edges, unknown), lost
-
-
-def _up(positions: Positions, ratio: Fraction) -> Positions:
-    """Return the number of the first sample at or after each position. ratio: the number of samples per position."""
-    top, bottom = ratio.numerator, ratio.denominator
-    if len(positions) and int(positions[-1]) * top + bottom >= 1 << 63:
-        positions = positions.astype(object)
-    return (-(-positions * top // bottom)).astype(np.int64)
 
 
 def grid_of(channels: tuple[Channel, ...]) -> int:
@@ -231,15 +223,16 @@ def decimals_for(capture: Capture, least: int, rounded_to: int, otherwise: str =
     )
 
 
-def nearest(times: Positions, ratio: Fraction) -> Positions:
-    """Return each time multiplied by `ratio`, rounded to the nearest whole number. The calculation is exact.
+def rescaled(times: Positions, ratio: Fraction, up: bool = False) -> Positions:
+    """Return each time multiplied by `ratio`, rounded to the nearest whole number or, if `up` is True, up.
 
-    If the arithmetic does not fit 64 bits, the result is an array of objects, which are Python's integers.
+    The calculation is exact. If the arithmetic does not fit 64 bits, the result is an array of objects, which are
+    Python's integers.
     """
     top, bottom = ratio.numerator, ratio.denominator
     if len(times) and 2 * (int(abs(times).max()) * top + bottom) >= 1 << 63:
         times = times.astype(object)
-    return (2 * times * top + bottom) // (2 * bottom)
+    return (2 * times * top + (2 * bottom - 1 if up else bottom)) // (2 * bottom)
 
 
 def quantized(ticks: Positions, per_second: Fraction, rate: Fraction) -> Positions:
@@ -254,7 +247,7 @@ def quantized(ticks: Positions, per_second: Fraction, rate: Fraction) -> Positio
     rate: the number of samples per second.
     """
     period = per_second / rate  # ticks per sample
-    samples = nearest(ticks, 1 / period)
+    samples = rescaled(ticks, 1 / period)
     off = ticks.astype(samples.dtype) * period.denominator - samples * period.numerator
     beyond = np.flatnonzero(abs(off) > (0 if period.denominator == 1 else period.denominator))
     if len(beyond):

@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 from ..capture.capture import Capture
 from .i2c_stream import BITS
-from .i2c_table import I2cEdges, I2cRowKind, I2cTable, bit_counts, bits_of, i2c_edges, i2c_table
+from .i2c_table import I2cEdges, I2cRowKind, bit_counts, bits_of, i2c_edges, i2c_table
 
 
 class Party(Enum):
@@ -175,11 +175,7 @@ def events(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") -> 
 
     Raise LookupError if a channel is missing or ambiguous.
     """
-    return events_of_table(i2c_table(capture, scl, sda))
-
-
-def events_of_table(table: I2cTable) -> list[Event]:
-    """Return the rows of a table as events."""
+    table = i2c_table(capture, scl, sda)
     columns = (table.kind, table.at, table.last, table.value, table.bits, table.read)
     return [_event(I2cRowKind(kind), *rest) for kind, *rest in zip(*(c.tolist() for c in columns), strict=True)]
 

@@ -337,9 +337,5 @@ def events(capture: Capture, channel: str | int, line: Line, vote: bool = False)
     Raise LookupError if the channel is missing or ambiguous, and ValueError if the capture has no rate, or fewer than
     two positions per bit.
     """
-    return events_of_table(uart_table(capture, channel, line, vote=vote))
-
-
-def events_of_table(table: UartTable) -> list[Event]:
-    """Return the rows of a table as events."""
-    return [Event(UartRowKind(kind), *rest) for kind, *rest in zip(*(c.tolist() for c in table), strict=True)]
+    columns = (column.tolist() for column in uart_table(capture, channel, line, vote=vote))
+    return [Event(UartRowKind(kind), *rest) for kind, *rest in zip(*columns, strict=True)]

@@ -41,7 +41,8 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
 
     Raise BadCapture if zip, header or blocks are broken.
     """
-    with Archive(path, WHAT, salvage) as archive:
+    with path.open("rb") as file:
+        archive = Archive(path, file, WHAT, salvage)
         keys = _header(path, archive.text("header"))
         probes = {int(match[1]): name for key, name in keys.items() if (match := re.fullmatch(r"probe(\d{1,4})", key))}
         folders = _folders(path, archive, probes, keys)

@@ -42,7 +42,7 @@ from ..capture.capture import (
     changes,
     channel_of_states,
 )
-from ..capture.sampling import nearest, on_grid, refuse_beyond
+from ..capture.sampling import on_grid, refuse_beyond, rescaled
 from .vcd import OURS, STATES, channel_names, timescale_of
 
 NAME = "FST or GHW waveform"
@@ -170,18 +170,12 @@ class Variable(NamedTuple):
     changes: Iterable[tuple[int, str]]
 
 
-class NoFstLibrary(ImportError):
-    """`pylibfst` is not installed."""
-
-
 def library() -> Any:
-    """Return the module `pylibfst`. Raise NoFstLibrary, which says how to install the module, if it is missing."""
+    """Return the module `pylibfst`. Raise ImportError, which says how to install the module, if it is missing."""
     try:
         import pylibfst
     except ImportError:
-        raise NoFstLibrary(
-            "FST is written by pylibfst, which is not installed: pip install 'periph-sim[fst]'"
-        ) from None
+        raise ImportError("FST is written by pylibfst, which is not installed: pip install 'periph-sim[fst]'") from None
     return pylibfst
 
 
@@ -192,12 +186,12 @@ def write(capture: Capture, path: Path) -> tuple[str, ...]:
     """
     try:
         library()
-    except NoFstLibrary as error:
+    except ImportError as error:
         raise BadCapture(path, "its format", "no library for it", "one", str(error)) from None
     _, per_second, notes = timescale_of(capture)
     names, notes = channel_names(capture), list(notes)
     at, which, states = changes(capture)
-    times = nearest(np.append(at, capture.length), per_second / (capture.rate or per_second))
+    times = rescaled(np.append(at, capture.length), per_second / (capture.rate or per_second))
     variables = []
     for number, name in enumerate(names):
         rows = which == number

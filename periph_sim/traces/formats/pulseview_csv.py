@@ -29,7 +29,7 @@ import numpy as np
 
 from ..capture import size_limits as limits
 from ..capture.capture import MOST_POSITION, BadCapture, Capture, Positions, channel_of_states, rate_of
-from ..capture.sampling import DECIMAL, nearest
+from ..capture.sampling import DECIMAL, rescaled
 from .csv_rows import Rows
 
 NAME = "PulseView or DSView CSV"
@@ -101,7 +101,7 @@ def _read(path: Path, file: IO[str], rate: Fraction | None, salvage: bool) -> Ca
             raise BadCapture(path, bad.place, bad.found, bad.expected, way_out) from None
         notes.append(f"{bad.place} is {bad.found}: it and all later lines are dropped")
     if not rows.count:
-        raise _no_rows(path)
+        raise BadCapture(path, "the file", "no rows", "the levels of the samples", "export it again")
     try:
         at, positions_a_second = _positions(path, head, rows, rate)
     except OverflowError:
@@ -137,7 +137,7 @@ def _head(path: Path, lines: Iterator[Line]) -> tuple[Head, list[Line]]:
         elif text:
             is_header = _header(path, head, number, text)
             return head, [] if is_header else [(number, line)]
-    raise _no_rows(path)
+    return head, []
 
 
 def _add_rows(rows: Rows, timed: bool, lines: Iterator[Line]) -> None:
@@ -215,11 +215,7 @@ def _positions(path: Path, head: Head, rows: Rows, rate: Fraction | None) -> tup
         step = gcd(10**rows.decimals, *times.tolist())
         times, rate = times // step, per_second / step
     else:
-        times = nearest(times, rate / per_second)
+        times = rescaled(times, rate / per_second)
     if int(times[-1]) >= MOST_POSITION:
         raise OverflowError
     return times.astype(np.int64), rate
-
-
-def _no_rows(path: Path) -> BadCapture:
-    return BadCapture(path, "the file", "no rows", "the levels of the samples", "export it again")

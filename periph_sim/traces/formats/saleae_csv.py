@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from ..capture.capture import MOST_POSITION, UNKNOWN, BadCapture, Capture, Positions, changes, channel_of_states
-from ..capture.sampling import LEAST_DECIMALS, OffGrid, decimals_for, nearest, quantized, rate_text
+from ..capture.sampling import LEAST_DECIMALS, OffGrid, decimals_for, quantized, rate_text, rescaled
 from .csv_rows import Rows, numbered_rows
 
 NAME = "Saleae CSV"
@@ -57,7 +57,7 @@ def write(capture: Capture, path: Path) -> tuple[str, ...]:
     per_second = 10**decimals
     rate = capture.rate or Fraction(per_second)
     at, which, states = changes(capture)
-    *times, end = nearest(np.append(at, capture.length - 1), per_second / rate).tolist()
+    *times, end = rescaled(np.append(at, capture.length - 1), per_second / rate).tolist()
     with path.open("w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerow(["Time [s]", *(channel.name for channel in capture.channels)])
         now = ["X"] * len(capture.channels)

@@ -25,8 +25,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
-from types import TracebackType
-from typing import Self, cast
+from typing import BinaryIO, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,7 +75,7 @@ class Member:
 
 
 class Archive:
-    """An open zip archive; a context manager.
+    """A zip archive in an open file.
 
     what: the kind of file, for messages.
     members: a dictionary from names to members.
@@ -86,22 +85,12 @@ class Archive:
     lists a member that cannot be unpacked.
     """
 
-    def __init__(self, path: Path, what: str, salvage: bool = False) -> None:
+    def __init__(self, path: Path, file: BinaryIO, what: str, salvage: bool) -> None:
         self.path = path
         self.what = what
         self.notes: list[str] = []
-        self._file = path.open("rb")
-        try:
-            self.members = self._members(salvage)
-        except BaseException:
-            self._file.close()
-            raise
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self._file.close()
+        self._file = file
+        self.members = self._members(salvage)
 
     def text(self, name: str) -> str:
         """Read a member as UTF-8 text, in which invalid bytes are replaced.

@@ -64,7 +64,8 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
 
     Raise BadCapture if zip, metadata or samples are broken, or if there are no samples.
     """
-    with Archive(path, WHAT, salvage) as archive:
+    with path.open("rb") as file:
+        archive = Archive(path, file, WHAT, salvage)
         if (version := archive.text("version").strip()) not in ("1", "2"):
             raise BadCapture(path, "version", repr(version[:40]), "1 or 2", "save it with sigrok 0.7")
         meta = _metadata(path, archive.text("metadata"))

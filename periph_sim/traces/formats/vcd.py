@@ -33,7 +33,7 @@ from typing import IO, NoReturn
 import numpy as np
 
 from ..capture.capture import MOST_POSITION, STATE_LETTERS, UNKNOWN, BadCapture, Capture, changes, channel_of_states
-from ..capture.sampling import decimals_for, nearest, on_grid, rate_text
+from ..capture.sampling import decimals_for, on_grid, rate_text, rescaled
 from ..capture.size_limits import MOST_EDGES
 
 SECONDS = {"s": 0, "ms": 3, "us": 6, "ns": 9, "ps": 12, "fs": 15}  # number of decimals of a second for each unit
@@ -63,7 +63,7 @@ def write_to(file: IO[str], capture: Capture, scope: tuple[str, ...] = (SCOPE,))
     if renamed:
         notes.append(f"names that VCD cannot hold were changed: {', '.join(renamed)}")
     first = len(names)
-    times = nearest(np.append(at, capture.length), per_second / (capture.rate or per_second)).tolist()
+    times = rescaled(np.append(at, capture.length), per_second / (capture.rate or per_second)).tolist()
     if times[-1] > MOST_POSITION:
         raise BadCapture(
             Path(file.name), "its length", f"{times[-1]} ticks of {scale}", f"at most {MOST_POSITION}", "cut a window"

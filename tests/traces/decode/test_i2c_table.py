@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Capture
 from periph_sim.traces.decode import i2c
-from periph_sim.traces.decode.i2c import events_of_table
 from periph_sim.traces.decode.i2c_table import I2cRowKind, I2cTable, i2c_bits, i2c_table, impossible_rate
 from tests.profiles import examples
 from tests.traces.decode.drawing import drawn, of_bytes, plain
@@ -186,7 +185,7 @@ def test_bits_of_a_byte_cut_off_are_a_number():
 def test_glitches_on_both_lines_are_left_out():
     bus = wave(half=20, hold=6)
     read_registers(bus, 0x68, 0x1D, (0x55, 0xA0))
-    clean = events_of_table(i2c_table(of_wave(bus)))
+    clean = rows(i2c_table(of_wave(bus)))
     samples = bytearray(bus.samples)
     for place in range(15, len(samples) - 15, 37):
         near = {samples[n] for n in range(place - 4, place + 6)}
@@ -194,8 +193,8 @@ def test_glitches_on_both_lines_are_left_out():
             samples[place] ^= 1
             samples[place + 1] ^= 3
     spiked = of_bytes(bytes(samples), ("SCL", "SDA"))
-    assert events_of_table(i2c_table(spiked)) != clean
-    assert events_of_table(i2c_table(spiked, glitch=3)) == clean
+    assert rows(i2c_table(spiked)) != clean
+    assert rows(i2c_table(spiked, glitch=3)) == clean
 
 
 def test_a_stretch_is_a_long_low_of_its_bit():

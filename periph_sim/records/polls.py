@@ -36,16 +36,13 @@ FEW_GAPS = 3
 class Polls(NamedTuple):
     """The reconstructed polls next to changes in skipped waits.
 
-    before: for each change, the tick of the last skipped poll before it in the same gap; -1 if there is none.
-    after: for each change, the tick of the first skipped poll at or after it in the same gap; -1 if there is none.
-    changes: the rows of these changes.
+    ticks: the ticks of the polls, each once and in order: the last skipped poll before a change in the same gap, and
+        the first skipped poll at or after the change.
     unplaced: an entry for each gap in which a change occurred, and whose polls could not be reconstructed. The entry is
         the index, in the argument `reads` of `skipped_polls`, of the last read before the gap.
     """
 
-    before: Rows
-    after: Rows
-    changes: Rows
+    ticks: Rows
     unplaced: Rows
 
 
@@ -67,7 +64,7 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
     inside = waits[places]
     changes, places = changes[inside], places[inside]
     if not len(changes):
-        return Polls(changes, changes, changes, changes)
+        return Polls(changes, changes)
     best: tuple[int, int, NDBool] | None = None
     for in_pass in range(1, MOST_READS + 1):
         period = _period(begins, waits, gaps, in_pass)
@@ -79,8 +76,7 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
         if best is None or fits[places].sum() > best[2][places].sum():
             best = in_pass, period, fits
     if best is None or best[2][places].mean() < GAPS_AGREE:
-        none = changes[:0]
-        return Polls(none, none, none, np.unique(places[gaps[places] > 0]))
+        return Polls(changes[:0], np.unique(places[gaps[places] > 0]))
     in_pass, period, fits = best
     unplaced = np.unique(places[~fits[places] & (gaps[places] > period)])
     chosen = fits[places] & (gaps[places] > period // in_pass)
@@ -95,11 +91,8 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
         before = np.where(theirs & (last > anchor), np.maximum(before, last), before)
         after = np.where(theirs, np.minimum(after, last + period), after)
     after = np.where(after == ends, -1, after)
-    before, after = (
-        np.array([-1 if number < 0 else clock.tick(number) for number in numbers.tolist()], np.int64)
-        for numbers in (before, after)
-    )
-    return Polls(before, after, changes, unplaced)
+    numbers = np.unique(np.concatenate([before, after]))
+    return Polls(np.array([clock.tick(number) for number in numbers[numbers >= 0].tolist()], np.int64), unplaced)
 
 
 def _period(begins: Rows, waits: NDBool, gaps: Rows, in_pass: int) -> int:

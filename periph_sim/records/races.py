@@ -19,7 +19,7 @@ import numpy as np
 from ..core.records import Kind
 from ..core.registers import Field
 from ..processor.source_location import parsed
-from .polls import LONGEST_PASS, MOST_READS, NDBool, Polls, skipped_polls
+from .polls import LONGEST_PASS, MOST_READS, NDBool, skipped_polls
 from .read_modify_write import ReadModifyWrite, modifies_of, read_modify_writes
 from .run import Group, Rows, Run
 from .subject import groups_of
@@ -128,9 +128,9 @@ def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
         for place in _reads_by_place(run, group) if group.way == "R" else ():
             beside = _beside(run, group, f, place)
             unplaced += beside.unplaced
-            compared = beside.nearest < NEVER
-            at = beside.ticks[compared]
-            cycles.append(run.clock(group.unit).of_distances(beside.nearest[compared], at))
+            nearest = beside.nearest
+            at = beside.before.ticks[nearest < NEVER]
+            cycles.append(run.clock(group.unit).of_distances(nearest[nearest < NEVER], at))
             ticks.append(at)
     when = np.concatenate(ticks)
     order = np.argsort(when, kind="stable")
@@ -206,10 +206,7 @@ def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
 
 
 class _Side(NamedTuple):
-    """Reads and reconstructed polls, each paired with a change.
-
-    In `_Beside.before`, every read is paired with the next change; in `_Beside.after`, with the previous change. While
-    `_beside` collects `_Beside.nearest`, the distances are those to the nearest change, and `changes` is not used.
+    """Reads and reconstructed polls, each paired with a change: the next one, or the previous one.
 
     ticks: the tick of each read or poll.
     distances: the number of ticks between each read and its change; NEVER if there is no such change.
@@ -225,25 +222,24 @@ NONE = _Side(*(np.zeros(0, np.int64) for _ in range(3)))
 
 
 class _Beside(NamedTuple):
-    """The reads of a place, with the changes of the fields that they read.
+    """The reads of a place and its reconstructed polls, with the changes of the fields that they read.
 
-    before: each read with the next change after the read, and the reconstructed polls just before a change.
-    after: each read with the last change before the read, and the reconstructed polls just after a change.
-    ticks: the tick of each read or reconstructed poll.
-    nearest: the distance in ticks from each read or poll to the nearest change; NEVER if there is no change.
+    before: each read or poll with the next change.
+    after: the same reads and polls, each with the last change.
     reads: number of recorded reads.
-    polls: number of reconstructed polls.
     unplaced: number of waits during which a field that was read changed, and whose skipped polls could not be
         reconstructed.
     """
 
     before: _Side
     after: _Side
-    ticks: Rows
-    nearest: Rows
     reads: int
-    polls: int
     unplaced: int
+
+    @property
+    def nearest(self) -> Rows:
+        """The distance in ticks from each read or poll to the nearest change; NEVER if there is no change."""
+        return np.minimum(self.before.distances, self.after.distances)
 
 
 def _beside(run: Run, group: Group, f: Field | None, place: _Reads) -> _Beside:
@@ -251,8 +247,9 @@ def _beside(run: Run, group: Group, f: Field | None, place: _Reads) -> _Beside:
 
     f: the field to which reads and changes are limited; None for all fields.
     """
-    before, after, nearest, reads = [NONE], [NONE], [NONE], 0
+    before, after, reads = [NONE], [NONE], 0
     unplaced = np.zeros(0, np.int64)
+    tick = run.table.tick
     for code in sorted(set(place.looked_at.tolist())):
         name = run.table.names["field"][code] if code >= 0 else ""
         fields = (group.register[name],) if name in group.register else group.register.fields
@@ -261,47 +258,31 @@ def _beside(run: Run, group: Group, f: Field | None, place: _Reads) -> _Beside:
             continue
         changes, looking = _changes(run, group, fields), place.looked_at == code
         polls = skipped_polls(run, group.unit, place.rows, place.waits, changes, looking)
-        sides = _of_reads(run, place.rows[looking], changes)
-        before += [sides[0], _of_polls(run, polls, polls.before)]
-        after += [sides[1], _of_polls(run, polls, polls.after)]
-        closer = np.minimum(sides[0].distances, sides[1].distances)
-        nearest += [sides[0]._replace(distances=closer), _nearest_of_polls(run, polls, changes)]
-        reads += int(looking.sum())
+        rows = place.rows[looking]
+        for ticks, next_changes in (
+            (tick[rows], np.searchsorted(changes, rows)),
+            (polls.ticks, np.searchsorted(tick[changes], polls.ticks, "right")),
+        ):
+            sides = _sides(run, ticks, next_changes, changes)
+            before.append(sides[0])
+            after.append(sides[1])
+        reads += len(rows)
         unplaced = np.union1d(unplaced, polls.unplaced)
-    both = _joined(nearest)
-    made = len(both.ticks) - reads
-    return _Beside(_joined(before), _joined(after), both.ticks, both.distances, reads, made, len(unplaced))
+    return _Beside(_joined(before), _joined(after), reads, len(unplaced))
 
 
-def _of_reads(run: Run, reads: Rows, changes: Rows) -> tuple[_Side, _Side]:
-    """Return the reads with the next change after each, and the same reads with the last change before each."""
-    tick = run.table.tick[reads]
-    at, rows = np.searchsorted(changes, reads), np.append(changes, 0)
-    ends = run.table.tick[rows]
-    to_next = np.where(at < len(changes), ends[at] - tick, NEVER)
-    since = np.where(at > 0, tick - ends[at - 1], NEVER)
-    return _Side(tick, to_next, rows[at]), _Side(tick, since, rows[at - 1])
+def _sides(run: Run, ticks: Rows, at: Rows, changes: Rows) -> tuple[_Side, _Side]:
+    """Return reads or polls with the next change after each, and the same ones with the last change before each.
 
-
-def _of_polls(run: Run, polls: Polls, ticks: Rows) -> _Side:
-    """Return the reconstructed polls that are next to a change.
-
-    ticks: for each change, the tick of the poll next to this change; -1 if no poll was reconstructed there.
+    ticks: the ticks of the reads or polls.
+    at: for each of them, the index of the next change in `changes`.
+    changes: the rows of the changes, in order.
     """
-    there = ticks >= 0
-    changes, at = polls.changes[there], ticks[there]
-    return _Side(at, np.abs(run.table.tick[changes] - at), changes)
-
-
-def _nearest_of_polls(run: Run, polls: Polls, changes: Rows) -> _Side:
-    """Return each reconstructed poll once, with the distance to the nearest change. `_Side.changes` is not used."""
-    ticks = np.unique(np.concatenate([polls.before, polls.after]))
-    ticks = ticks[ticks >= 0]
-    of_changes = np.sort(run.table.tick[changes])
-    at = np.searchsorted(of_changes, ticks)
-    next_one, last_one = np.minimum(at, len(of_changes) - 1), np.maximum(at - 1, 0)
-    closer = np.minimum(np.abs(of_changes[next_one] - ticks), np.abs(of_changes[last_one] - ticks))
-    return _Side(ticks, closer, np.zeros_like(ticks))
+    rows = np.append(changes, 0)
+    ends = run.table.tick[rows]
+    to_next = np.where(at < len(changes), ends[at] - ticks, NEVER)
+    since = np.where(at > 0, ticks - ends[at - 1], NEVER)
+    return _Side(ticks, to_next, rows[at]), _Side(ticks, since, rows[at - 1])
 
 
 def _joined(sides: list[_Side]) -> _Side:
@@ -310,20 +291,20 @@ def _joined(sides: list[_Side]) -> _Side:
 
 def _judged(run: Run, group: Group, f: Field | None, place: _Reads) -> PlaceRaces:
     beside = _beside(run, group, f, place)
-    compared = beside.nearest < NEVER
-    cycles = run.clock(group.unit).of_distances(beside.nearest[compared], beside.ticks[compared])
+    nearest, ticks = beside.nearest, beside.before.ticks
+    cycles = run.clock(group.unit).of_distances(nearest[nearest < NEVER], ticks[nearest < NEVER])
     decades = np.minimum(np.searchsorted(10 ** np.arange(DECADES - 1), cycles, "right"), DECADES - 1)
     return PlaceRaces(
         group.unit,
         f"{group.module}.{group.register.name}",
         place.place,
         beside.reads,
-        beside.polls,
+        len(ticks) - beside.reads,
         beside.unplaced,
         _closest(run, group.unit, beside.before, 1),
         _closest(run, group.unit, beside.after, -1),
         tuple(np.bincount(decades, minlength=DECADES).tolist()),
-        int((beside.nearest == NEVER).sum()),
+        int((nearest == NEVER).sum()),
     )
 
 

@@ -201,7 +201,7 @@ def replay(
                 )
             with progress(case.name) as on_progress:
                 report = player.run(on_progress)
-            ended_at(player.kernel.now)
+            ended_at(player.kernel.now, player.scene.clocks())
         picture = None if svg is None else player.picture(report)
         if svg is not None and picture is not None:
             with atomic_write(svg) as unfinished:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, ClassVar, Literal, Protocol
+from typing import IO, TYPE_CHECKING, Any, ClassVar, Literal
 
 from ...core.discover import modules_with
 from ...core.phrases import did_you_mean
@@ -29,7 +29,6 @@ class RecordingWriter:
     write: the method that is called with each record.
     sink: a RecordSink, which receives the fields of each record of a run without a Record object. It replaces `write`,
         except in `rewrite`; None if `write` receives the records.
-    clocks: the history of SYSCLKOUT of each unit. It is set only just before `close` is called.
     """
 
     SUFFIX: ClassVar[str]
@@ -38,27 +37,26 @@ class RecordingWriter:
 
     write: Callable[[Record], None]
     sink: RecordSink | None = None
-    clocks: Clocks
 
     def __init__(self, file: IO[Any], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
         """modules: for each unit, the names of its modules, as in `I2C-A`, and of its named pins, as in `pin:MODEL`."""
         self._file = file
         self._per_second = timebase.per_second
 
-    def close(self, now: int) -> None:
-        """Write what has not been written yet. now: the last tick of the run."""
+    def close(self, now: int, clocks: Clocks) -> None:
+        """Write what has not been written yet.
+
+        now: the last tick of the run.
+        clocks: the history of SYSCLKOUT of each unit.
+        """
 
 
 class BadRecording(ValueError):
     """Error: the recording cannot be written. The message is one sentence."""
 
 
-NO_CLOCKS: Clocks = {}
 Subscribe = Callable[[Recorder, Timebase], None]
-
-
-class EndedAt(Protocol):
-    def __call__(self, tick: int, clocks: Clocks = ...) -> None: ...
+EndedAt = Callable[[int, "Clocks"], None]
 
 
 @cache
@@ -89,9 +87,9 @@ def recording(path: Path | None, modules: dict[str, tuple[str, ...]]) -> Iterato
     """
     writers: list[RecordingWriter] = []
 
-    def ended_at(tick: int, clocks: Clocks = NO_CLOCKS) -> None:
+    def ended_at(tick: int, clocks: Clocks) -> None:
         for writer in writers:
-            _close(writer, tick, clocks)
+            writer.close(tick, clocks)
 
     if path is None:
         yield lambda recorder, timebase: None, ended_at
@@ -124,12 +122,7 @@ def rewrite(table: RecordTable, path: Path) -> None:
         for record in table.records():
             if record.kind in wanted:
                 write(record)
-        _close(writer, table.end, table.clocks)
-
-
-def _close(writer: RecordingWriter, tick: int, clocks: Clocks) -> None:
-    writer.clocks = clocks
-    writer.close(tick)
+        writer.close(table.end, table.clocks)
 
 
 @contextmanager

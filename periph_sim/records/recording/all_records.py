@@ -10,7 +10,7 @@ from typing import IO
 from ...core.records import Kind, Record
 from ...core.time import Timebase
 from ...traces.formats.psr import write_table
-from ...traces.formats.record_table import Columns
+from ...traces.formats.record_table import Clocks, Columns
 from ..record_text import bus_byte, on_the_bus
 from . import RecordingWriter
 
@@ -32,9 +32,9 @@ class PsrWriter(RecordingWriter):
         self._columns = self.sink = Columns()
         self.write = self._columns.add
 
-    def close(self, now: int) -> None:
+    def close(self, now: int, clocks: Clocks) -> None:
         table = self._columns.table(Fraction(self._per_second), now, self._modules)
-        write_table(replace(table, clocks=self.clocks), self._file)
+        write_table(replace(table, clocks=clocks), self._file)
 
 
 class JsonlWriter(RecordingWriter):

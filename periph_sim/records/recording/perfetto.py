@@ -21,6 +21,7 @@ from typing import IO
 from ...core.records import Kind, Record
 from ...core.time import GHZ, Timebase
 from ...traces.decode import i2c
+from ...traces.formats.record_table import Clocks
 from ..record_text import BusByte, on_the_bus
 from . import RecordingWriter
 from .waveforms import Signal, capture_of
@@ -71,7 +72,7 @@ class PerfettoWriter(RecordingWriter):
             place, thread = (record.where, "notes") if kind is Kind.NOTE else ("bus", record.where)
             self._instant(self._track(place, thread), record)
 
-    def close(self, now: int) -> None:
+    def close(self, now: int, clocks: Clocks) -> None:
         for track in self._tracks.values():
             while track.open:
                 self._end(track, now)

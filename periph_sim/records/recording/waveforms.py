@@ -35,6 +35,7 @@ from ...traces.decode.i2c_table import I2cRowKind as Row
 from ...traces.decode.i2c_table import I2cTable, i2c_table
 from ...traces.formats import sigrok_sr, vcd
 from ...traces.formats.fst_ghw import TEXT, Variable, fst_bytes, library
+from ...traces.formats.record_table import Clocks
 from ..record_text import on_the_bus
 from . import BadRecording, RecordingWriter
 
@@ -83,12 +84,16 @@ class Signal:
         return changes_only(at, values)
 
 
-class RunSignals:
-    """The signals of a run. `write` adds a record to them; `signals`, `lines` and `bits` return them."""
+class WaveformWriter(RecordingWriter):
+    """Base of the waveform formats, which are written when the run is over.
 
-    def __init__(self, timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
-        """modules: for each unit the names of its modules, as `I2C-A`, and of its named pins, as `pin:MODEL`."""
-        self._per_second = timebase.per_second
+    `write` adds a record to the signals of the run; `signals`, `lines` and `bits` return the signals.
+    """
+
+    KINDS: ClassVar[Iterable[Kind]] = KINDS
+
+    def __init__(self, file: IO[Any], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
+        super().__init__(file, timebase, modules)
         self._signals: dict[str, Signal] = {}
         self._wires = {name: self._signal(f"wires.{name}", initial=1) for name in WIRES}
         # `_fields` maps (`Record.where`, `Record.what`) of a field's changes to the field's signal, the register's
@@ -198,17 +203,6 @@ def _while(name: str, table: I2cTable, rows: NDArray[np.bool_]) -> Signal:
     return signal
 
 
-class WaveformWriter(RecordingWriter):
-    """Base of the waveform formats, which are written when the run is over."""
-
-    KINDS: ClassVar[Iterable[Kind]] = KINDS
-
-    def __init__(self, file: IO[Any], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
-        super().__init__(file, timebase, modules)
-        self._run = RunSignals(timebase, modules)
-        self.write = self._run.write
-
-
 class VcdWriter(WaveformWriter):
     """VCD for GTKWave, Surfer, sigrok and scripts: wires, bus state, registers and their fields, interrupts, spans.
 
@@ -223,8 +217,8 @@ class VcdWriter(WaveformWriter):
 
     SUFFIX = ".vcd"
 
-    def close(self, now: int) -> None:
-        vcd.write_to(self._file, resampled(self._run.bits(now), Fraction(GHZ)), scope=())
+    def close(self, now: int, clocks: Clocks) -> None:
+        vcd.write_to(self._file, resampled(self.bits(now), Fraction(GHZ)), scope=())
 
 
 class SrWriter(WaveformWriter):
@@ -236,8 +230,8 @@ class SrWriter(WaveformWriter):
 
     SUFFIX, MODE = ".sr", "wb"
 
-    def close(self, now: int) -> None:
-        lines = self._run.lines(now)
+    def close(self, now: int, clocks: Clocks) -> None:
+        lines = self.lines(now)
         # The prefix "wires." is removed, because the decoders of sigrok find their channels by names such as "SCL".
         shown = [replace(c, name=c.name.removeprefix("wires.")) for c in lines.channels[: sigrok_sr.MOST_WIDE]]
         rate = rate_for(Fraction(lines.length, self._per_second))
@@ -269,16 +263,15 @@ class FstWriter(WaveformWriter):
             raise BadRecording(str(error)) from None
         super().__init__(file, timebase, modules)
         self._said: dict[str, list[tuple[int, str]]] = {name: [(0, "-")] for name in SAID.values()}
-        self.write = self._write
 
-    def _write(self, record: Record) -> None:
+    def write(self, record: Record) -> None:
         if record.kind not in SAID:
-            self._run.write(record)
+            super().write(record)
         elif record.kind is Kind.BUS or record.what == "byte":
             self._said[SAID[record.kind]].append((self._time(record.tick), on_the_bus(record)))
 
-    def close(self, now: int) -> None:
-        variables = [self._variable(signal) for signal in self._run.signals(now)]
+    def close(self, now: int, clocks: Clocks) -> None:
+        variables = [self._variable(signal) for signal in self.signals(now)]
         variables += [Variable(name, TEXT, said) for name, said in self._said.items()]
         self._file.write(fst_bytes(Fraction(PICOSECONDS), variables, self._time(now)))
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.traces.formats.psr import read_table
 from tests.interfaces.commands.conftest import Run
 from tests.replay.make_session import samples
 from tests.replay.slow import one_read, slow_case
@@ -120,8 +121,10 @@ def test_simulated_time_is_counted_from_the_start_of_the_case(periph_sim: Run, a
 
 
 def test_a_recording_of_the_replay(periph_sim: Run, tmp_path):
-    status, _, _ = periph_sim("replay", HOST_FRAMES, "--case", LOGGER, "--record", str(tmp_path / "run.jsonl"))
-    assert status == 0 and "SCIRXBUF" in (tmp_path / "run.jsonl").read_text()
+    status, _, _ = periph_sim("replay", HOST_FRAMES, "--case", LOGGER, "--record", str(tmp_path / "run.psr"))
+    table = read_table(tmp_path / "run.psr")
+    assert status == 0 and "R SCI-A.SCIRXBUF" in table.names["what"]
+    assert {unit: clock[-1][1] for unit, clock in table.clocks.items()} == {"dsp": 150_000_000}
 
 
 @pytest.mark.parametrize(

@@ -87,7 +87,7 @@ def test_what_a_short_run_looks_like(tmp_path: Path):
         recorder.emit(150 * NS, Kind.NOTE, "dsp.I2C-A", "duty", 1, "a note")
         recorder.emit(160 * NS, Kind.FRAME, "host", "byte", 0x55)
         recorder.emit(170 * NS, Kind.EDGE, "MODEL", "level", 0)
-        ended_at(1_234_567 * NS)
+        ended_at(1_234_567 * NS, {})
     events = events_of(tmp_path / "run.perfetto.json")
     shown = [(e["ph"], e["name"], e["ts"], e["args"]) for e in events if e["ph"] != "M"]
     assert shown == [
@@ -116,7 +116,7 @@ def test_a_stop_without_a_start_is_no_transfer(tmp_path: Path):
         subscribe(recorder, Timebase(150_000_000))
         for tick, (wire, level) in enumerate([("SCL", 0), ("SDA", 0), ("SCL", 1), ("SDA", 1)], 1):
             recorder.emit(tick * NS, Kind.EDGE, wire, "level", level)
-        ended_at(10 * NS)
+        ended_at(10 * NS, {})
     assert not by_track(events_of(tmp_path / "run.perfetto.json"))
 
 
@@ -154,7 +154,7 @@ def test_transfers_are_slices_around_their_bytes(tmp_path: Path, parts: list[Wir
             for wire, levels in (("SCL", scl), ("SDA", sda)):
                 if levels[at] != levels[at - 1]:
                     recorder.emit(at * 100 * NS, Kind.EDGE, wire, "level", int(levels[at] == "-"))
-        ended_at(len(scl) * 100 * NS)
+        ended_at(len(scl) * 100 * NS, {})
     events = by_track(events_of(path))["bus", "transfers"]
     begun: list[str] = []
     for event in events:

@@ -44,7 +44,7 @@ def record(path: Path) -> None:
         recorder.emit(170 * NS, Kind.FLAG, "dsp.SCI-A", "SCIFFRX.RXFFST", 5)
         recorder.emit(180 * NS, Kind.NOTE, "dsp.I2C-A", "duty", 1, "a note")
         recorder.emit(200 * NS, Kind.EDGE, "SDA", "level", 1)
-        ended_at(300 * NS)
+        ended_at(300 * NS, {})
 
 
 def test_jsonl_is_one_record_a_line_with_its_cause(tmp_path: Path):
@@ -134,7 +134,7 @@ def test_without_a_path_nothing_is_recorded():
     recorder = Recorder()
     with recording(None, {}) as (subscribe, ended_at):
         subscribe(recorder, Timebase())
-        ended_at(1000)
+        ended_at(1000, {})
     assert not any(recorder.wants(kind) for kind in Kind)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import sys
 from fractions import Fraction
+from io import StringIO
 from itertools import groupby
 from pathlib import Path
 
@@ -15,7 +16,7 @@ import pywellen
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.records.recording import BadRecording, recording
-from periph_sim.records.recording.waveforms import KINDS, RunSignals, rate_for
+from periph_sim.records.recording.waveforms import KINDS, WaveformWriter, rate_for
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.traces import formats
@@ -33,7 +34,7 @@ Others = list[tuple[int, Kind, str, str, int]]  # character, kind, where, what, 
 def check(lines: str, others: Others, shown: str) -> None:
     """What the signals show, where wires move as drawn and others happen at a character."""
     recorder = Recorder()
-    run = RunSignals(Timebase(150_000_000), MODULES)
+    run = WaveformWriter(StringIO(), Timebase(150_000_000), MODULES)
     recorder.subscribe(KINDS, run.write)
     wires = drawn(lines)
     edges = [
@@ -155,7 +156,7 @@ def test_interrupts_and_spans_are_bits_also_where_they_nest():
 
 
 def test_the_last_of_several_changes_in_one_tick_counts():
-    run = RunSignals(Timebase(150_000_000), MODULES)
+    run = WaveformWriter(StringIO(), Timebase(150_000_000), MODULES)
     recorder = Recorder()
     recorder.subscribe(KINDS, run.write)
     for tick, level in ((0, 0), (30, 1), (30, 0), (60, 1)):
@@ -165,7 +166,7 @@ def test_the_last_of_several_changes_in_one_tick_counts():
 
 
 def test_a_run_is_as_long_as_its_last_change_and_a_tick_at_least():
-    run = RunSignals(Timebase(150_000_000), {})
+    run = WaveformWriter(StringIO(), Timebase(150_000_000), {})
     recorder = Recorder()
     recorder.subscribe(KINDS, run.write)
     assert [run.lines(end).length for end in (0, 1, 2)] == [1, 1, 2]
@@ -189,7 +190,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
         with recording(folder / f"run.{suffix}", case.recorded_modules) as (subscribe, ended_at):
             scene = Scene(case, subscribe)
             scene.run()
-            ended_at(scene.kernel.now)
+            ended_at(scene.kernel.now, {})
     return folder
 
 
@@ -209,7 +210,7 @@ def test_a_vcd_is_exact_where_a_tick_is_whole_nanoseconds_and_rounded_up_elsewhe
         subscribe(recorder, Timebase(sysclkout))
         for tick, level in ((7, 0), (13, 1)):
             recorder.emit(tick, Kind.EDGE, "SDA", "level", level)
-        ended_at(30)
+        ended_at(30, {})
     found = formats.read(path)
     assert (found.rate, found.channels[0].edges.tolist()) == (10**9, expected)
 

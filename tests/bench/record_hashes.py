@@ -38,7 +38,7 @@ def recorded(name: str, case: Case, seconds: str) -> str:
             scene = Scene(case, subscribe)
             polled = any(unit.sources for unit in case.unit.values())  # which takes a minute for a simulated second
             result = scene.run(min(Fraction(seconds), Fraction(case.duration)) if polled else Fraction(seconds))
-            ended_at(scene.kernel.now)
+            ended_at(scene.kernel.now, {})
         records = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
     shown = {key: value for key, value in asdict(result).items() if key not in ("wall_s", "form")}
     told = hashlib.sha256(json.dumps(shown, sort_keys=True, default=str).encode()).hexdigest()[:16]

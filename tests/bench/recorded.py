@@ -69,7 +69,7 @@ def run(name: str, way: str, seconds: Fraction, folder: Path) -> tuple[float, in
 
         def all_of_it() -> None:
             scene.run(seconds)
-            ended_at(scene.kernel.now)
+            ended_at(scene.kernel.now, {})
 
         time = timed(all_of_it)[1]
     return time.cpu, 0 if path is None else path.stat().st_size

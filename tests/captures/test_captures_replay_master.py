@@ -17,6 +17,7 @@ from periph_sim.scene.case.load import load as load_case
 from tests.captures.test_captures_decode import load
 from tests.captures.test_captures_replay_i2c import CASE, FIRST, NAMES, lines
 from tests.captures.where import needs_captures
+from tests.refusals import refusal
 
 MASTER = CASE.with_name("captured_master.toml")
 FEW = 20  # of the million edges
@@ -71,6 +72,4 @@ def test_by_default_the_last_byte_of_a_read_is_refused(name: str):
 @needs_captures
 @pytest.mark.parametrize("name", NONE)
 def test_what_a_master_of_this_module_cannot_do_is_refused_with_the_reason(name: str):
-    with pytest.raises(BadReplay) as refused:
-        replayed(name)
-    assert str(refused.value).endswith(NONE[name])
+    assert refusal(BadReplay, replayed, name).endswith(NONE[name])

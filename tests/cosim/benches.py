@@ -117,6 +117,6 @@ def replayed(folder: Path, bench: str) -> bool:
     programs = {"dsp": PROGRAMS[bench]()} if bench in PROGRAMS else None
     with recording(again, of.recorded_modules) as (subscribe, ended_at):
         replay(of, folder / bench / "outside.jsonl", subscribe=subscribe, programs=programs)
-        ended_at(0)  # nothing in such a file depends on it
+        ended_at(0, {})  # nothing in such a file depends on it
     live = (folder / bench / "live.jsonl").read_bytes()
     return live.count(b"\n") > 200 and live == again.read_bytes()

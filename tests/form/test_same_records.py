@@ -37,7 +37,7 @@ for name in sys.argv[2:]:
     with recording(path, case.recorded_modules) as (subscribe, ended_at):
         scene = Scene(case, subscribe)
         result = scene.run()
-        ended_at(scene.kernel.now)
+        ended_at(scene.kernel.now, {})
     recorded = path.read_bytes()
     print(name, hashlib.sha256(recorded).hexdigest(), result.events, result.wire_bytes, result.verdict)
 """

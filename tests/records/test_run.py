@@ -21,6 +21,7 @@ from periph_sim.records.run import WAY_OUT, CycleLength, NotInRun, Run
 from periph_sim.traces import formats
 from periph_sim.traces.formats.record_table import Columns
 from tests.records.scenes import PER_SECOND, by_hand
+from tests.refusals import refusal
 from tests.traces.decode.drawing import drawn
 
 
@@ -201,7 +202,7 @@ def test_a_run_is_read_from_its_file_with_its_name(tmp_path: Path):
     with recording(path, {"dsp": ("I2C-A",)}) as (subscribe, ended_at):
         subscribe(recorder, Timebase(150_000_000))
         recorder.emit(40, Kind.NOTE, "dsp", "x", 7)
-        ended_at(100)
+        ended_at(100, {})
     run = Run.read(str(path), Fraction(75_000_000))
     assert (run.name, run.units, run.table.end) == (str(path), {"dsp": ("I2C-A", "SYS", "PIE")}, 100)
     assert [(one.tick, one.value) for one in run.table.records(run.rows(Kind.NOTE))] == [(40, 7)]
@@ -222,6 +223,4 @@ def test_a_file_that_is_no_run_is_refused_with_the_way_out(tmp_path: Path, name:
     for ending in ("jsonl", "vcd"):
         (tmp_path / f"run.{ending}").write_text("{}", encoding="utf-8")
     formats.write(drawn("SCL --_-"), tmp_path / "capture.psr")
-    with pytest.raises(NotInRun) as error:
-        Run.read(tmp_path / name)
-    assert str(error.value) == f"{tmp_path / name}: {sentence}; {WAY_OUT}"
+    assert refusal(NotInRun, Run.read, tmp_path / name) == f"{tmp_path / name}: {sentence}; {WAY_OUT}"

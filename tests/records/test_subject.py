@@ -12,6 +12,7 @@ from periph_sim.records.run import NotInRun, Run
 from periph_sim.records.subject import asked, groups_of, named, subjects
 from tests.records.cause_trace.test_causes import edge, flag
 from tests.records.scenes import CYCLE, by_hand
+from tests.refusals import refusal
 
 
 def span(cycle: int, name: str, value: int = 1) -> tuple[Any, ...]:
@@ -19,9 +20,7 @@ def span(cycle: int, name: str, value: int = 1) -> tuple[Any, ...]:
 
 
 def refused(run: Run, question: str) -> str:
-    with pytest.raises(NotInRun) as caught:
-        asked(run, question)
-    return str(caught.value)
+    return refusal(NotInRun, asked, run, question)
 
 
 def test_the_nearest_way_to_write_a_name_goes_first():
@@ -207,7 +206,6 @@ def test_a_name_means_a_register_of_all_units_or_of_one_or_a_field(name: str | N
     ],
 )
 def test_what_was_never_accessed_is_told_with_the_nearest_written_as_long(name: str, nearest: str):
-    with pytest.raises(NotInRun) as error:
-        groups_of(by_hand(access("dsp", "R I2C-A.I2CSTR")), name)
-    assert str(error.value).startswith(f"the run: the firmware never accessed {name!r}; ")
-    assert nearest in str(error.value)
+    said = refusal(NotInRun, groups_of, by_hand(access("dsp", "R I2C-A.I2CSTR")), name)
+    assert said.startswith(f"the run: the firmware never accessed {name!r}; ")
+    assert nearest in said

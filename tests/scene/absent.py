@@ -204,7 +204,7 @@ def run(tables: Mapping[str, Any], record: str = "") -> Any:
     with recording(Path(record), case.recorded_modules) as (subscribe, ended_at):
         scene = Scene(case, subscribe)
         scene.run(SECONDS)
-        ended_at(scene.kernel.now)
+        ended_at(scene.kernel.now, {})
     return scene
 
 

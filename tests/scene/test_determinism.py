@@ -25,7 +25,7 @@ def record(path: Path, *changes: str, name: str = "imu_hil_published") -> Path:
     with recording(path, case.recorded_modules) as (subscribe, ended_at):
         scene = Scene(case, subscribe)
         scene.run(SECONDS)
-        ended_at(scene.kernel.now)
+        ended_at(scene.kernel.now, {})
     return path
 
 
@@ -86,7 +86,7 @@ def test_recording_changes_nothing_that_is_measured(tmp_path: Path):
     with recording(tmp_path / "run.jsonl", case.recorded_modules) as (subscribe, ended_at):
         scene = Scene(case, subscribe)
         recorded = scene.run(SECONDS)
-        ended_at(scene.kernel.now)
+        ended_at(scene.kernel.now, {})
     assert recorded.budgets == plain.budgets
     assert recorded.counts == plain.counts
     assert recorded.unknowns == plain.unknowns

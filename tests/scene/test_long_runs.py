@@ -63,6 +63,6 @@ def test_a_run_of_decades_is_recorded_with_its_ticks(tmp_path: Path) -> None:
     with recording(path, one.recorded_modules) as (subscribe, ended_at):
         scene = Scene(one, subscribe, {"dsp": Firmware("rarely", rarely, None)})
         scene.run()
-        ended_at(scene.kernel.now)
+        ended_at(scene.kernel.now, {})
     ticks = Run.read(path).table.tick
     assert len(ticks) >= 18 and int(ticks[-1]) >= 17_000 * 86_400 * 3_000_000_000

@@ -106,7 +106,7 @@ def test_sigroks_decoder_of_eeproms_reads_the_same(tmp_path: Path):
     with recording(file, case.recorded_modules) as (subscribe, ended_at):
         scene = Scene(case, subscribe)
         scene.run(Fraction(8, 1000))
-        ended_at(scene.kernel.now)
+        ended_at(scene.kernel.now, {})
     decoder = "i2c:scl=SCL:sda=SDA,eeprom24xx:chip=microchip_24lc64"
     told = subprocess.run(
         [SIGROK, "-i", str(file), "-P", decoder, "-A", "eeprom24xx=ops"], capture_output=True, text=True, check=True

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from periph_sim.traces.capture.capture import BadCapture, Capture, Channel, Span, channel_of, gap_notes, gaps, rate_of
 from tests.profiles import examples
+from tests.refusals import refusal
 from tests.traces.decode.drawing import drawn
 from tests.traces.decode.random_lines import captures
 
@@ -86,9 +87,7 @@ def test_channels_by_name_last_part_of_a_name_index_and_digits():
 )
 def test_a_wrong_channel_names_the_right_ones(key: str | int, message: str):
     lines = capture(*(channel_of(name, n, [0], [1], 10) for n, name in enumerate(["SCL", "SDA", "dup", "dup"])))
-    with pytest.raises(LookupError) as caught:
-        lines.channel(key)
-    assert str(caught.value) == message
+    assert refusal(LookupError, lines.channel, key) == message
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from periph_sim.traces.decode import uart
 from periph_sim.traces.decode.uart import Event, Line, UartRowKind
 from tests.profiles import examples
+from tests.refusals import refusal
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.formats.writers import frame_bits, uart_wave
 
@@ -189,6 +190,4 @@ def test_any_byte_at_any_width_from_three_samples_and_any_phase(value: int, tent
     ],
 )
 def test_wrong_options_are_refused(options: dict[str, Any], message: str):
-    with pytest.raises(ValueError) as caught:
-        Line(**options)
-    assert str(caught.value) == message
+    assert refusal(ValueError, Line, **options) == message

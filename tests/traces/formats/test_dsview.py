@@ -14,6 +14,7 @@ from periph_sim.traces import formats
 from periph_sim.traces.capture import size_limits as limits
 from periph_sim.traces.formats import BadCapture, Capture, Span, session_archive
 from tests.profiles import examples
+from tests.refusals import refusal
 from tests.traces.formats.looks import edges, facts
 from tests.traces.formats.writers import dsl_bytes, zip_bytes
 
@@ -91,9 +92,7 @@ def test_without_a_samplerate_positions_have_no_time(tmp_path: Path):
     ],
 )
 def test_what_is_wrong_is_named(tmp_path: Path, content: bytes, message: str):
-    with pytest.raises(BadCapture) as caught:
-        read(tmp_path, content)
-    assert str(caught.value).startswith(f"{tmp_path}/x.dsl, {message}")
+    assert refusal(BadCapture, read, tmp_path, content).startswith(f"{tmp_path}/x.dsl, {message}")
 
 
 def test_too_many_edges_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.traces import formats
+from tests.refusals import refusal
 from tests.traces.formats.writers import sr_bytes
 
 KNOWN = ", ".join(reader.NAME for reader in formats.readers().values())
@@ -70,24 +71,24 @@ def test_the_content_decides_whatever_the_name(tmp_path: Path, suffix: str, cont
 )
 def test_formats_that_are_not_read_are_refused_by_name(tmp_path: Path, suffix: str, found: str, way_out: str):
     path = tmp_path / f"capture{suffix}"
-    with pytest.raises(formats.BadCapture) as caught:
-        formats.read(path)
-    assert str(caught.value) == f"{path}, its name: found {found}, expected {KNOWN}; {way_out}"
+    assert (
+        refusal(formats.BadCapture, formats.read, path)
+        == f"{path}, its name: found {found}, expected {KNOWN}; {way_out}"
+    )
 
 
 @pytest.mark.parametrize(("content", "found"), [(b"\x00\x01\x02", repr(b"\x00\x01\x02")), (b"", "nothing")])
 def test_unknown_bytes_are_shown(tmp_path: Path, content: bytes, found: str):
     path = tmp_path / "capture.csv"
     path.write_bytes(content)
-    with pytest.raises(formats.BadCapture) as caught:
-        formats.read(path)
-    assert str(caught.value) == f"{path}, its first bytes: found {found}, expected {KNOWN}; export one of these"
+    assert (
+        refusal(formats.BadCapture, formats.read, path)
+        == f"{path}, its first bytes: found {found}, expected {KNOWN}; export one of these"
+    )
 
 
 def test_a_file_that_is_not_there(tmp_path: Path):
-    with pytest.raises(formats.BadCapture) as caught:
-        formats.read(tmp_path / "none.sr")
-    assert str(caught.value) == (
+    assert refusal(formats.BadCapture, formats.read, tmp_path / "none.sr") == (
         f"{tmp_path}/none.sr, the file: found no such file or directory, expected a file that can be read; "
         "check its name"
     )

@@ -20,6 +20,7 @@ from periph_sim.traces.decode import i2c, uart
 from periph_sim.traces.formats import Capture, Span
 from tests.profiles import examples
 from tests.records.vcdvcd_reader import VCDVCD
+from tests.refusals import refusal
 from tests.traces.formats.looks import edges, facts
 from tests.traces.formats.strategies import captures
 
@@ -71,9 +72,7 @@ def test_psr_keeps_a_capture_without_rate_and_channels_of_one_name(tmp_path: Pat
 @pytest.mark.parametrize("suffix", [".vcd", ".csv"])
 def test_positions_without_a_time_are_refused(tmp_path: Path, suffix: str):
     capture = Capture(Path("x.sr"), None, 9, (channel_of("a", 0, [0, 2], [0, 1], 9),))
-    with pytest.raises(formats.BadCapture) as caught:
-        formats.write(capture, tmp_path / f"x{suffix}")
-    assert str(caught.value) == (
+    assert refusal(formats.BadCapture, formats.write, capture, tmp_path / f"x{suffix}") == (
         "x.sr, its rate: found none stated, expected positions with a time; state it with --rate"
     )
     assert list(tmp_path.iterdir()) == []
@@ -253,9 +252,10 @@ def test_a_long_window_is_refused(tmp_path: Path):
     sparse = channel_of("SCL", 0, [0, 3, 900_001], [0, 1, 0], 10**6)
     way_out = "state a shorter one, as --window '100 us..150 us'"
     for line, found in ((many, "4999 edges, expected at most 1000"), (sparse, "1000000 bricks of 1 positions")):
-        with pytest.raises(formats.BadCapture) as caught:
-            formats.write(Capture(Path("x.sr"), None, 10**6, (line,)), tmp_path / "x.wavedrom.json")
-        assert str(caught.value).startswith(f"x.sr, the window: found {found}") and str(caught.value).endswith(way_out)
+        said = refusal(
+            formats.BadCapture, formats.write, Capture(Path("x.sr"), None, 10**6, (line,)), tmp_path / "x.wavedrom.json"
+        )
+        assert said.startswith(f"x.sr, the window: found {found}") and said.endswith(way_out)
     with pytest.raises(formats.BadCapture, match="1000000 bricks of 1 positions"):
         formats.write(Capture(Path("x.sr"), None, 10**6, (far,)), tmp_path / "x.wavedrom.json")
     assert list(tmp_path.iterdir()) == []

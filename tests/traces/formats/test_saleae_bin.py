@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from periph_sim.traces import formats
 from periph_sim.traces.capture import size_limits as limits
 from periph_sim.traces.formats import BadCapture, Capture, Span, saleae_bin
+from tests.refusals import refusal
 from tests.traces.formats.looks import facts
 
 
@@ -148,9 +149,7 @@ SALVAGE = ", or read the intact part with --salvage"
     ],
 )
 def test_what_is_wrong_is_named_with_its_byte(tmp_path: Path, content: bytes, message: str):
-    with pytest.raises(BadCapture) as caught:
-        read(tmp_path, content)
-    assert str(caught.value) == f"{tmp_path}/digital_3.bin, {message}"
+    assert refusal(BadCapture, read, tmp_path, content) == f"{tmp_path}/digital_3.bin, {message}"
 
 
 def test_an_absurd_number_of_chunks_takes_no_time(tmp_path: Path):
@@ -160,9 +159,7 @@ def test_an_absurd_number_of_chunks_takes_no_time(tmp_path: Path):
 
 
 def test_a_folder_without_exports(tmp_path: Path):
-    with pytest.raises(BadCapture) as caught:
-        formats.read(tmp_path)
-    assert str(caught.value) == (
+    assert refusal(BadCapture, formats.read, tmp_path) == (
         f"{tmp_path}, the folder: found no digital_N.bin, expected one file a channel; export digital data as binary"
     )
 

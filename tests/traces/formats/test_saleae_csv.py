@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from periph_sim.traces.formats import BadCapture, Capture, Span, saleae_csv
 from tests.profiles import examples
+from tests.refusals import refusal
 from tests.traces.formats.looks import edges, facts
 
 
@@ -129,15 +130,11 @@ def test_a_row_need_not_be_a_change_and_may_be_several(tmp_path: Path):
     ],
 )
 def test_what_is_wrong_is_named_with_its_line(tmp_path: Path, text: str, message: str):
-    with pytest.raises(BadCapture) as caught:
-        read(tmp_path, text)
-    assert str(caught.value) == f"{tmp_path}/x.csv, {message}"
+    assert refusal(BadCapture, read, tmp_path, text) == f"{tmp_path}/x.csv, {message}"
 
 
 def test_a_wrong_rate_is_refused(tmp_path: Path):
-    with pytest.raises(BadCapture) as caught:
-        read(tmp_path, LOGIC2, 100_000_000 // 3)
-    assert str(caught.value) == (
+    assert refusal(BadCapture, read, tmp_path, LOGIC2, 100_000_000 // 3) == (
         f"{tmp_path}/x.csv, line 4: found a time between two samples, expected the grid of 33333333 Hz; "
         "state the right rate"
     )

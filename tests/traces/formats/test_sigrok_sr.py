@@ -21,6 +21,7 @@ from periph_sim.traces.capture import size_limits as limits
 from periph_sim.traces.capture.capture import Channel
 from periph_sim.traces.formats import BadCapture, Capture, Span, session_archive, sigrok_sr
 from tests.profiles import examples
+from tests.refusals import refusal
 from tests.traces.formats.looks import edges, facts
 from tests.traces.formats.make_traces import FOLDER
 from tests.traces.formats.sigrok import sigrok_says
@@ -47,10 +48,8 @@ def read(tmp_path: Path, content: bytes, rate: Fraction | None = None):
     return sigrok_sr.read(path, rate)
 
 
-def refusal(tmp_path: Path, content: bytes) -> str:
-    with pytest.raises(BadCapture) as caught:
-        read(tmp_path, content)
-    message = str(caught.value)
+def rejection(tmp_path: Path, content: bytes) -> str:
+    message = refusal(BadCapture, read, tmp_path, content)
     assert message.startswith(f"{tmp_path}/x.sr, ")
     return message.removeprefix(f"{tmp_path}/x.sr, ")
 
@@ -153,7 +152,7 @@ GOOD = sr_bytes(["a"], "1 MHz", b"\1\0" * 100)
 
 @pytest.mark.parametrize("cut", [0, 3, 40, len(GOOD) // 2, len(GOOD) - 1])
 def test_a_truncated_zip(tmp_path: Path, cut: int):
-    message = refusal(tmp_path, GOOD[:cut])
+    message = rejection(tmp_path, GOOD[:cut])
     assert message.startswith("the archive: found a broken zip (")
     salvage = ", or read the intact part with --salvage" if cut > 3 else ""
     assert message.endswith(f"), expected a whole sigrok session; copy or save it again{salvage}")
@@ -161,7 +160,7 @@ def test_a_truncated_zip(tmp_path: Path, cut: int):
 
 def test_a_zip_packed_otherwise_is_refused_by_name(tmp_path: Path):
     content = zip_bytes({"version": b"2"}, zipfile.ZIP_LZMA)
-    assert refusal(tmp_path, content) == (
+    assert rejection(tmp_path, content) == (
         "the archive: found a broken zip (member 'version' is packed by method 14, not by deflate), "
         "expected a whole sigrok session; copy or save it again, or read the intact part with --salvage"
     )
@@ -171,21 +170,21 @@ def test_a_directory_that_would_fill_the_memory_is_refused_unread(tmp_path: Path
     content = bytearray(GOOD)
     end = content.rindex(b"PK\5\6")
     content[end + 12 : end + 16] = (1 << 30).to_bytes(4, "little")
-    assert "found a broken zip (a directory of 1073741824 bytes, expected at most 16777216)" in refusal(
+    assert "found a broken zip (a directory of 1073741824 bytes, expected at most 16777216)" in rejection(
         tmp_path, bytes(content)
     )
 
 
 def test_damaged_samples(tmp_path: Path):
     damaged = GOOD.replace(b"\1\0" * 100, b"\1\0" * 99 + b"\0\0")
-    assert refusal(tmp_path, damaged) == (
+    assert rejection(tmp_path, damaged) == (
         "logic-1-1: found bytes that do not fit their CRC-32, expected a whole sigrok session; "
         "copy or save it again, or read the intact part with --salvage"
     )
 
 
 def test_no_zip(tmp_path: Path):
-    assert refusal(tmp_path, b"Time [s],a\n").startswith("the archive: found a broken zip (File is not a zip file)")
+    assert rejection(tmp_path, b"Time [s],a\n").startswith("the archive: found a broken zip (File is not a zip file)")
 
 
 HEAD = b"[device 1]\ncapturefile=logic-1\n"
@@ -237,7 +236,7 @@ HEAD = b"[device 1]\ncapturefile=logic-1\n"
     ],
 )
 def test_what_is_missing_or_wrong_is_named(tmp_path: Path, members: dict[str, bytes], message: str):
-    assert refusal(tmp_path, zip_bytes(members)) == message
+    assert rejection(tmp_path, zip_bytes(members)) == message
 
 
 def test_an_unreadable_rate_is_no_matter_where_one_is_stated(tmp_path: Path):
@@ -256,7 +255,7 @@ def packed(samples: bytes) -> bytes:
 def test_a_zip_that_unpacks_to_too_much_is_refused_unopened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(limits, "MOST_BYTES", 1 << 20)
     assert read(tmp_path, packed(bytes(1 << 20))).length == 1 << 20
-    assert refusal(tmp_path, packed(bytes((1 << 20) + 1))) == (
+    assert rejection(tmp_path, packed(bytes((1 << 20) + 1))) == (
         "logic-1: found 1048577 bytes unpacked, expected at most 1048576; cut it with sigrok-cli"
     )
 
@@ -264,14 +263,14 @@ def test_a_zip_that_unpacks_to_too_much_is_refused_unopened(tmp_path: Path, monk
 def test_a_zip_that_changes_too_often_is_refused_at_that_sample(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(limits, "MOST_EDGES", 5000)
     monkeypatch.setattr(session_archive, "BLOCK", 1000)
-    assert refusal(tmp_path, packed(b"\0\1" * 50_000)) == (
+    assert rejection(tmp_path, packed(b"\0\1" * 50_000)) == (
         "sample 6000: found over 5000 edges, expected fewer; cut the capture or drop its busy channels"
     )
 
 
 def test_metadata_of_a_megabyte_is_refused(tmp_path: Path):
     content = zip_bytes({"version": b"2", "metadata": bytes((1 << 20) + 1)}, zipfile.ZIP_DEFLATED)
-    assert refusal(tmp_path, content) == ("metadata: found 1048577 bytes, expected at most 1048576; save it again")
+    assert rejection(tmp_path, content) == ("metadata: found 1048577 bytes, expected at most 1048576; save it again")
 
 
 def test_memory_follows_the_edges_and_not_the_length(tmp_path: Path):
@@ -458,17 +457,14 @@ def test_unknown_stretches_are_told(tmp_path: Path):
     ],
 )
 def test_what_a_session_cannot_hold_is_refused(tmp_path: Path, capture: Capture, message: str):
-    with pytest.raises(BadCapture) as caught:
-        formats.write(capture, tmp_path / "y.sr")
-    assert str(caught.value) == f"{tmp_path}/y.sr, {message}"
+    assert refusal(BadCapture, formats.write, capture, tmp_path / "y.sr") == f"{tmp_path}/y.sr, {message}"
     assert not list(tmp_path.iterdir())
 
 
 def test_a_suffix_nobody_writes_is_refused_with_the_nearest(tmp_path: Path):
-    with pytest.raises(BadCapture) as caught:
-        formats.write(lines(9, [1]), tmp_path / "y.srr")
-    assert str(caught.value).startswith(f"{tmp_path}/y.srr, its name: found '.srr', expected one of ")
-    assert str(caught.value).endswith("; did you mean .sr or .psr?")
+    said = refusal(BadCapture, formats.write, lines(9, [1]), tmp_path / "y.srr")
+    assert said.startswith(f"{tmp_path}/y.srr, its name: found '.srr', expected one of ")
+    assert said.endswith("; did you mean .sr or .psr?")
 
 
 @pytest.mark.skipif(shutil.which("sigrok-cli") is None, reason="sigrok-cli is not installed")

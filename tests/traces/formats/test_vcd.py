@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.traces.formats import BadCapture, Capture, Span, vcd
+from tests.refusals import refusal
 from tests.traces.formats.looks import edges, facts
 
 
@@ -225,15 +226,11 @@ DECLARED = "$timescale 1 ns $end\n$var wire 1 ! a $end\n"
     ],
 )
 def test_what_is_wrong_is_named_with_its_line(tmp_path: Path, text: str, message: str):
-    with pytest.raises(BadCapture) as caught:
-        read(tmp_path, text)
-    assert str(caught.value) == f"{tmp_path}/x.vcd, {message}"
+    assert refusal(BadCapture, read, tmp_path, text) == f"{tmp_path}/x.vcd, {message}"
 
 
 def test_a_wrong_rate_is_refused(tmp_path: Path):
-    with pytest.raises(BadCapture) as caught:
-        read(tmp_path, SIGROK.replace("#2675", "#2680"), 4_000_000)
-    assert str(caught.value) == (
+    assert refusal(BadCapture, read, tmp_path, SIGROK.replace("#2675", "#2680"), 4_000_000) == (
         f"{tmp_path}/x.vcd, its times: found a change at #2680, expected times on the grid of 4000000 Hz; "
         "state the right rate or none"
     )
@@ -242,9 +239,7 @@ def test_a_wrong_rate_is_refused(tmp_path: Path):
 def test_a_time_beyond_64_bits_at_the_rate_is_refused(tmp_path: Path):
     text = "$timescale 100 s $end\n$var wire 1 ! a $end\n#0\n0!\n#4000000000000000000\n1!\n"
     assert edges(read(tmp_path, text)) == {"a": [0, 4 * 10**18]}
-    with pytest.raises(BadCapture) as caught:
-        read(tmp_path, text, 10**9)
-    assert str(caught.value) == (
+    assert refusal(BadCapture, read, tmp_path, text, 10**9) == (
         f"{tmp_path}/x.vcd, its times: found sample 4{'0' * 29} of 1 GHz, expected at most {1 << 62}; "
         "state the right rate or none"
     )

@@ -24,7 +24,7 @@ from periph_sim.traces.decode.event_rows import (
 )
 from periph_sim.traces.decode.i2c_table import I2cTable
 from periph_sim.traces.decode.uart import UartTable
-from tests.traces.decode.test_i2c_table import of_wave, wave
+from tests.traces.decode.test_i2c_table import of
 
 KINDS = [np.int64, np.int64, np.uint8, np.uint8, np.int32, np.uint8, np.uint8]
 
@@ -72,16 +72,8 @@ def test_of_i2c_whole_and_cut_bytes_say_who_was_asked_to_send_and_nothing_else_d
 
 
 def test_a_ten_bit_address_that_is_asked_to_send_is_whole_where_its_own_transfer_told_it():
-    bus = wave()
-    bus.start()
-    bus.byte(0b11110_10_0)
-    bus.byte(0x42)
-    for high in (0b10, 0b11):  # of another target the low byte is not known
-        bus.again()
-        bus.byte(0b11110_00_1 | high << 1)
-    bus.stop()
-    bus.transfer(0b11110_10_1)
-    found = [row[4:6] for row in told(i2c_rows(i2c_table.i2c_table(of_wave(bus)))) if row[3] == "address"]
+    bus = of("S F4+ 42+ Sr F5+ Sr F7+ P S F5+ P")  # of another target, F7, the low byte is not known
+    found = [row[4:6] for row in told(i2c_rows(i2c_table.i2c_table(bus))) if row[3] == "address"]
     assert found == [(0x7A, 8), (0x242, 10), (0x7B, 8), (0x7A, 8)]
 
 

@@ -10,22 +10,21 @@ from periph_sim.traces.decode import i2c
 from periph_sim.traces.decode.i2c import Party
 from tests.profiles import examples
 from tests.traces.decode.drawing import Plain, drawn, of_bytes, plain
-from tests.traces.formats.make_traces import read_registers
 from tests.traces.formats.writers import I2cWave
 
 C, T = Party.CONTROLLER, Party.TARGET
 
 
-def wave(half: int = 4, hold: int = 1) -> I2cWave:
-    return I2cWave(half, hold, idle=10)
+def wave(traffic: str, half: int = 4, hold: int = 1) -> I2cWave:
+    return I2cWave(half, hold, idle=10).play(traffic)
 
 
-def events(bus: I2cWave) -> list[Plain]:
-    return plain(i2c.events(of_bytes(bytes(bus.samples), ("SCL", "SDA"))))
+def events(traffic: str) -> list[Plain]:
+    return plain(i2c.events(wave(traffic).capture()))
 
 
-def transfers(bus: I2cWave) -> list[i2c.Transfer]:
-    return i2c.transfers(of_bytes(bytes(bus.samples), ("SCL", "SDA")))
+def transfers(traffic: str, half: int = 4, hold: int = 1) -> list[i2c.Transfer]:
+    return i2c.transfers(wave(traffic, half, hold).capture())
 
 
 # Events -----------------------------------------------------------------------
@@ -43,12 +42,7 @@ def test_an_address_that_is_acknowledged():
 
 
 def test_every_event_stands_where_analysers_put_it():
-    bus = wave()
-    bus.start()  # SDA falls at 10, SCL at 14, rises at 18, 26, ...
-    bus.byte(0x53 << 1)
-    bus.byte(0xA5, ack=False)
-    bus.stop()
-    assert events(bus) == [
+    assert events("S A6+ A5- P") == [  # SDA falls at 10, SCL at 14, rises at 18, 26, ...
         ("START", 10),
         ("ADDRESS", 18, 0x53, False, 18 + 7 * 8),
         ("ACK", 18 + 8 * 8),
@@ -59,12 +53,11 @@ def test_every_event_stands_where_analysers_put_it():
 
 
 def test_a_repeated_start_turns_the_direction():
-    bus = wave()
-    read_registers(bus, 0x1E, 0x03, (0x12, 0x34))
-    kinds = [event[0] for event in events(bus)]
+    found = events("S 3C+ 03+ Sr 3D+ 12+ 34- P")
+    kinds = [event[0] for event in found]
     first, second = ["START", "ADDRESS", "ACK", "DATA", "ACK"], ["REPEATED_START", "ADDRESS", "ACK", "DATA", "ACK"]
     assert kinds == [*first, *second, "DATA", "NACK", "STOP"]
-    assert [event for event in events(bus) if event[0] == "DATA"] == [
+    assert [event for event in found if event[0] == "DATA"] == [
         ("DATA", 90, 0x03, False),
         ("DATA", 246, 0x12, True),
         ("DATA", 318, 0x34, True),
@@ -72,9 +65,7 @@ def test_a_repeated_start_turns_the_direction():
 
 
 def test_the_address_is_seven_bits_and_ten_bit_addresses_are_not_joined():
-    bus = wave()
-    bus.transfer(0b11110110, 0x42)
-    found = events(bus)
+    found = events("S F6+ 42+ P")
     assert (found[1][0], found[1][2]) == ("ADDRESS", 0b1111011)
     assert (found[3][0], found[3][2]) == ("DATA", 0x42)
 
@@ -82,44 +73,24 @@ def test_the_address_is_seven_bits_and_ten_bit_addresses_are_not_joined():
 @given(st.lists(st.tuples(st.integers(0, 255), st.booleans()), min_size=1, max_size=4), st.integers(2, 9))
 @settings(max_examples=examples(40), deadline=None)
 def test_any_bytes_at_any_speed(content: list[tuple[int, bool]], half: int):
-    bus = wave(half)
-    bus.start()
-    for value, ack in content:
-        bus.byte(value, ack)
-    bus.stop()
-    (phase,) = transfers(bus)[0].phases
+    words = [f"{value:02X}{'-+'[ack]}" for value, ack in content]
+    (phase,) = transfers(" ".join(["S", *words, "P"]), half)[0].phases
     assert [(byte.value, byte.acked) for byte in phase.bytes] == content
     assert {bit.high for byte in phase.bytes for bit in byte.bits} == {half}
 
 
 def test_start_and_stop_are_seen_within_an_address_too():
-    bus = wave()
-    bus.start()
-    for bit in (1, 0, 1):
-        bus.bit(bit)
-    bus.stop()
-    assert events(bus) == [("START", 10), ("CUT", 18, (1, 0, 1)), ("STOP", 46)]
+    assert events("S 101: P") == [("START", 10), ("CUT", 18, (1, 0, 1)), ("STOP", 46)]
 
 
 def test_a_start_within_a_byte_leaves_it_cut():
-    bus = wave()
-    bus.start()
-    bus.byte(0xA0)
-    bus.bit(1)
-    bus.again()
-    bus.byte(0xA1)
-    bus.stop()
-    byte = ["ADDRESS", "ACK"]
-    assert [event[0] for event in events(bus)] == ["START", *byte, "CUT", "REPEATED_START", *byte, "STOP"]
+    kinds = [event[0] for event in events("S A0+ 1: Sr A1+ P")]
+    assert kinds == ["START", "ADDRESS", "ACK", "CUT", "REPEATED_START", "ADDRESS", "ACK", "STOP"]
 
 
 def test_an_acknowledge_counts_although_stop_comes_in_its_own_clock_pulse():
-    bus = wave()
-    bus.start()
-    for place in range(8):
-        bus.bit(0x51 >> (7 - place) & 1)
-    bus.stop()  # the only pulse after the byte
-    assert events(bus) == [("START", 10), ("ADDRESS", 18, 0x28, True, 74), ("ACK", 82), ("STOP", 86)]
+    found = events(f"S {0x51:08b}: P")  # the pulse of the STOP is the only one after the byte
+    assert found == [("START", 10), ("ADDRESS", 18, 0x28, True, 74), ("ACK", 82), ("STOP", 86)]
 
 
 # Both lines in one sample --------------------------------------------------------
@@ -149,29 +120,23 @@ def test_neither_start_nor_stop_is_made_of_edges_in_one_sample():
 
 
 def test_glitches_of_sda_under_low_scl_are_nothing():
-    bus = wave(half=6)
-    bus.start()
-    bus.byte(0x31)
-    clean = list(events(bus))
+    bus = wave("S 31+", half=6)
+    clean = i2c.events(bus.capture())
     samples = bytearray(bus.samples)
     for place, sample in enumerate(samples):
         low_around = all(not samples[n] & 1 for n in range(place - 1, min(place + 2, len(samples))))
         if place and low_around and place % 2:
             samples[place] = sample ^ 2
     assert samples != bus.samples
-    assert plain(i2c.events(of_bytes(bytes(samples), ("SCL", "SDA")))) == clean
+    assert i2c.events(of_bytes(bytes(samples), ("SCL", "SDA"))) == clean
 
 
 # The ends ---------------------------------------------------------------------
 
 
 def test_what_comes_before_the_first_start_is_a_lead_without_events():
-    bus = wave()
-    bus.transfer(0xA6)
-    bus.transfer(0xA7)
-    late = I2cWave()
-    late.samples = bus.samples[30:]  # two of nine bits are over
-    first, second = transfers(late)
+    late = wave("S A6+ P S A7+ P").samples[30:]  # two of nine bits are over
+    first, second = i2c.transfers(of_bytes(bytes(late), ("SCL", "SDA")))
     assert [bit.value for bit in first.lead] == [1, 0, 0, 1, 1, 0, 0, 0]  # and the pulse of the STOP
     assert first.stop is not None and not first.phases
     assert list(i2c.events_of(first)) == []
@@ -180,25 +145,17 @@ def test_what_comes_before_the_first_start_is_a_lead_without_events():
 
 
 def test_a_capture_that_ends_within_a_byte_gives_what_there_was():
-    bus = wave()
-    bus.start()
-    bus.byte(0xA6)
-    for bit in (1, 1, 0, 1):
-        bus.bit(bit)
-    (transfer,) = transfers(bus)
+    (transfer,) = transfers("S A6+ 1101:")
     assert transfer.stop is None
     last = transfer.phases[0].bytes[-1]
     assert last.value is None and last.acked is None and last.bits[-1].high is None
-    assert events(bus)[-1] == ("CUT", 90, (1, 1, 0, 1))
+    assert events("S A6+ 1101:")[-1] == ("CUT", 90, (1, 1, 0, 1))
 
 
 def test_a_capture_that_ends_before_the_ninth_bit_keeps_the_byte():
-    bus = wave()
-    bus.start()
-    for place in range(8):
-        bus.bit(0xA6 >> (7 - place) & 1)
-    assert events(bus) == [("START", 10), ("ADDRESS", 18, 0x53, False, 74)]
-    assert transfers(bus)[0].phases[0].bytes[0].acked is None
+    traffic = f"S {0xA6:08b}:"
+    assert events(traffic) == [("START", 10), ("ADDRESS", 18, 0x53, False, 74)]
+    assert transfers(traffic)[0].phases[0].bytes[0].acked is None
 
 
 def test_nothing_happens_on_an_idle_or_dead_bus():
@@ -207,9 +164,7 @@ def test_nothing_happens_on_an_idle_or_dead_bus():
 
 
 def test_nothing_is_decoded_across_a_gap():
-    bus = wave()
-    bus.transfer(0xA6, 0x00)
-    marks = ["".join("_-"[sample >> bit & 1] for sample in bus.samples) for bit in (0, 1)]
+    marks = ["".join("_-"[sample >> bit & 1] for sample in wave("S A6+ 00+ P").samples) for bit in (0, 1)]
     holed = [wave[:100] + "?" * 20 + wave[120:] for wave in marks]
     found = i2c.transfers(drawn(f"SCL {holed[0]}\nSDA {holed[1]}"))
     assert len(found) == 2
@@ -221,9 +176,7 @@ def test_nothing_is_decoded_across_a_gap():
 
 
 def test_each_bit_knows_its_clock_and_where_its_data_came():
-    bus = wave(half=5, hold=2)
-    bus.transfer(0b10000000)
-    bits = transfers(bus)[0].phases[0].bytes[0].bits
+    bits = transfers("S 80+ P", half=5, hold=2)[0].phases[0].bytes[0].bits
     fall = 15
     assert bits[0] == i2c.Bit(1, fall + 5, 5, 5, fall + 2, C)
     assert bits[1] == i2c.Bit(0, fall + 15, 5, 5, fall + 12, C)
@@ -231,19 +184,12 @@ def test_each_bit_knows_its_clock_and_where_its_data_came():
 
 
 def test_a_stretched_clock_is_a_long_low():
-    bus = wave(half=5, hold=2)
-    bus.start()
-    bus.bit(1)
-    bus.samples += bytes([0b10]) * 300  # SCL held low
-    bus.bit(0)
-    low = [bit.low for bit in transfers(bus)[0].phases[0].bytes[0].bits]
-    assert low == [5, 305]
+    bits = transfers("S 1: ~300 0:", half=5, hold=2)[0].phases[0].bytes[0].bits
+    assert [bit.low for bit in bits] == [5, 305]
 
 
 def test_drivers_by_direction():
-    bus = wave()
-    read_registers(bus, 0x68, 0x1D, (0x55, 0xAA))
-    write, read = transfers(bus)[0].phases
+    write, read = transfers("S D0+ 1D+ Sr D1+ 55+ AA- P")[0].phases
     drivers = [[bit.driver for bit in byte.bits] for byte in write.bytes + read.bytes]
     assert drivers == [[C] * 8 + [T]] * 3 + [[T] * 8 + [C]] * 2
     assert (write.address, write.read, write.data) == (0x68, False, (0x1D,))
@@ -251,11 +197,7 @@ def test_drivers_by_direction():
 
 
 def test_conditions_and_gaps():
-    bus = wave(half=4)
-    for _ in range(2):
-        read_registers(bus, 0x68, 0x1D, (0x55,))
-        bus.idle(30)
-    first, second = transfers(bus)
+    first, second = transfers(2 * "S D0+ 1D+ Sr D1+ 55- P .30 ")
     assert first.phases[0].start == i2c.Condition(10, None, None, 4)
     again = first.phases[1].start
     assert (again.low, again.high, again.hold) == (4, 4, 4)
@@ -274,11 +216,7 @@ def test_a_stop_right_behind_a_start():
 
 
 def test_a_second_stop_ends_nothing():
-    bus = wave()
-    bus.transfer(0xA6)
-    alone = events(bus)
-    bus.stop()
-    assert events(bus) == alone
+    assert events("S A6+ P P") == events("S A6+ P")
 
 
 def test_a_missing_channel_is_named():

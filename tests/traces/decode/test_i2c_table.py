@@ -10,23 +10,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.traces import formats
-from periph_sim.traces.capture.capture import Capture
+from periph_sim.traces.capture.capture import Capture, Span, within
 from periph_sim.traces.decode import i2c
 from periph_sim.traces.decode.i2c_table import I2cRowKind, I2cTable, i2c_bits, i2c_table, impossible_rate
 from tests.profiles import examples
 from tests.traces.decode.drawing import drawn, of_bytes, plain
 from tests.traces.decode.random_lines import captures
 from tests.traces.decode.test_i2c_stream import streamed
-from tests.traces.formats.make_traces import FOLDER, read_registers
+from tests.traces.formats.make_traces import FOLDER
 from tests.traces.formats.writers import I2cWave
 
 
-def of_wave(bus: I2cWave) -> Capture:
-    return of_bytes(bytes(bus.samples), ("SCL", "SDA"))
-
-
-def wave(half: int = 4, hold: int = 1) -> I2cWave:
-    return I2cWave(half, hold, idle=10)
+def of(traffic: str, half: int = 4, hold: int = 1) -> Capture:
+    return I2cWave(half, hold, idle=10).play(traffic).capture()
 
 
 def rows(table: I2cTable) -> list[tuple[str, int, int]]:
@@ -104,11 +100,7 @@ def test_any_transfer_with_every_phase_of_another_length_comes_back(content: lis
 
 
 def test_a_row_ends_where_scl_falls_behind_its_last_bit():
-    bus = wave()
-    bus.start()  # SDA falls at 10, SCL at 14, rises at 18, 26, ...
-    bus.byte(0xA6)
-    bus.stop()
-    table = i2c_table(of_wave(bus))
+    table = i2c_table(of("S A6+ P"))  # SDA falls at 10, SCL at 14, rises at 18, 26, ...
     assert rows(table) == [("START", 10, -1), ("ADDRESS", 18, 0x53), ("ACK", 82, -1), ("STOP", 94, -1)]
     assert table.last.tolist() == [10, 74, 82, 94]
     assert table.end.tolist() == [10, 78, 86, 94]
@@ -117,19 +109,7 @@ def test_a_row_ends_where_scl_falls_behind_its_last_bit():
 
 def test_an_ack_ends_at_the_condition_in_its_pulse():
     """A STOP, and a repeated START, in the ninth pulse of SCL: no row ends after the next one begins."""
-    bus = wave()
-    bus.start()
-    for bit in (1, 0, 1, 0, 0, 1, 1, 0):
-        bus.bit(bit)
-    bus.stop()  # its pulse is the ninth: SCL rises at 82, SDA at 86
-    bus.idle(100)
-    bus.start()
-    for bit in (1, 0, 1, 0, 0, 1, 1, 0):
-        bus.bit(bit)
-    bus.again()
-    bus.byte(0xA7)
-    bus.stop()
-    table = i2c_table(of_wave(bus))
+    table = i2c_table(of("S 10100110: P .100 S 10100110: Sr A7+ P"))  # in the first, SCL rises at 82, SDA at 86
     assert rows(table)[:4] == [("START", 10, -1), ("ADDRESS", 18, 0x53), ("ACK", 82, -1), ("STOP", 86, -1)]
     assert table.end[:4].tolist() == [10, 78, 86, 86]
     assert [name for name, *_ in rows(table)[4:8]] == ["START", "ADDRESS", "NACK", "REPEATED_START"]
@@ -139,53 +119,30 @@ def test_an_ack_ends_at_the_condition_in_its_pulse():
 @pytest.mark.parametrize(("kept", "ends"), [(82, [10, 78]), (86, [10, 78, 82]), (87, [10, 78, 86, 86])])
 def test_an_ack_ends_at_the_condition_in_its_pulse_also_if_scl_never_falls_again(kept: int, ends: list[int]):
     """SCL rises at 82, and SDA rises at 86, which is a STOP; the capture ends before, between or after these edges."""
-    bus = wave()
-    bus.start()
-    for bit in (1, 0, 1, 0, 0, 1, 1, 0):
-        bus.bit(bit)
-    bus.stop()
-    assert i2c_table(of_bytes(bytes(bus.samples[:kept]), ("SCL", "SDA"))).end.tolist() == ends
+    assert i2c_table(within(of("S 10100110: P"), Span(0, kept))).end.tolist() == ends
 
 
 def test_a_ten_bit_address_is_two_bytes_and_one_number():
-    bus = wave()
-    bus.start()
-    bus.byte(0b11110_10_0)
-    bus.byte(0x42)
-    bus.byte(0x99)
-    bus.again()
-    bus.byte(0b11110_10_1)
-    bus.byte(0x55, ack=False)
-    bus.stop()
-    found = [(kind, value) for kind, _, value in rows(i2c_table(of_wave(bus))) if value >= 0]
+    bus = of("S F4+ 42+ 99+ Sr F5+ 55- P")
+    found = [(kind, value) for kind, _, value in rows(i2c_table(bus)) if value >= 0]
     assert found == [("ADDRESS", 0x7A), ("ADDRESS_LOW", 0x242), ("DATA", 0x99), ("ADDRESS", 0x7A), ("DATA", 0x55)]
-    assert streamed(of_wave(bus)) == plain(i2c.events(of_wave(bus)))
+    assert streamed(bus) == plain(i2c.events(bus))
 
 
 def test_a_ten_bit_address_that_nobody_acknowledges_is_not_joined():
-    bus = wave()
-    bus.start()
-    bus.byte(0b11110_10_0, ack=False)
-    bus.byte(0x42)
-    bus.stop()
-    assert [kind for kind, _, _ in rows(i2c_table(of_wave(bus)))] == ["START", "ADDRESS", "NACK", "DATA", "ACK", "STOP"]
+    kinds = [kind for kind, _, _ in rows(i2c_table(of("S F4- 42+ P")))]
+    assert kinds == ["START", "ADDRESS", "NACK", "DATA", "ACK", "STOP"]
 
 
 def test_bits_of_a_byte_cut_off_are_a_number():
-    bus = wave()
-    bus.start()
-    for bit in (1, 0, 1):
-        bus.bit(bit)
-    bus.stop()
-    table = i2c_table(of_wave(bus))
+    table = i2c_table(of("S 101: P"))
     assert rows(table) == [("START", 10, -1), ("CUT", 18, 0b101), ("STOP", 46, -1)]
     assert table.bits.tolist() == [0, 3, 0]
 
 
 def test_glitches_on_both_lines_are_left_out():
-    bus = wave(half=20, hold=6)
-    read_registers(bus, 0x68, 0x1D, (0x55, 0xA0))
-    clean = rows(i2c_table(of_wave(bus)))
+    bus = I2cWave(half=20, hold=6, idle=10).play("S D0+ 1D+ Sr D1+ 55+ A0- P")
+    clean = rows(i2c_table(bus.capture()))
     samples = bytearray(bus.samples)
     for place in range(15, len(samples) - 15, 37):
         near = {samples[n] for n in range(place - 4, place + 6)}
@@ -198,12 +155,7 @@ def test_glitches_on_both_lines_are_left_out():
 
 
 def test_a_stretch_is_a_long_low_of_its_bit():
-    bus = wave(half=5, hold=2)
-    bus.start()
-    bus.bit(1)
-    bus.samples += bytes([0b10]) * 300  # SCL held low
-    bus.bit(0)
-    bits = i2c_bits(of_wave(bus))
+    bits = i2c_bits(of("S 1: ~300 0:", half=5, hold=2))
     assert bits.low.tolist() == [5, 305] and bits.high.tolist() == [5, -1]
 
 

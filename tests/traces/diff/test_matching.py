@@ -50,25 +50,9 @@ def test_of_all_ways_to_pair_the_one_with_most_likeness():
     assert similar_runs(a, []) == similar_runs([], a) == []
 
 
-def i2c(draw) -> list[list[tuple[str, str, int]]]:
-    wave = I2cWave(2, 1, idle=3)
-    draw(wave)
-    return [[*map(tuple, group)] for group in i2c_groups(of_bytes(bytes(wave.samples), ("SCL", "SDA")), "SCL", "SDA")]
-
-
 def test_transfers_are_groups_of_words():
-    def draw(wave: I2cWave) -> None:
-        wave.start()
-        wave.byte(0xA6)
-        wave.byte(0x0F)
-        wave.again()
-        wave.byte(0xA7, ack=False)
-        wave.stop()
-        wave.start()
-        for bit in (1, 0, 1):
-            wave.bit(bit)
-
-    first, second = i2c(draw)
+    capture = I2cWave(2, 1, idle=3).play("S A6+ 0F+ Sr A7- P S 101:").capture()
+    first, second = i2c_groups(capture, "SCL", "SDA")
     assert [word for _, word, _ in first] == [
         *("START", "address 53 W", "ACK", "byte 0F", "ACK"),
         *("repeated START", "address 53 R", "NACK", "STOP"),

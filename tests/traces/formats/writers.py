@@ -8,6 +8,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from math import ceil
 from pathlib import Path
+from typing import Self
+
+from periph_sim.traces.capture.capture import Capture
+from tests.traces.decode.drawing import of_bytes
 
 
 def zip_bytes(members: Mapping[str, bytes], compression: int = zipfile.ZIP_STORED) -> bytes:
@@ -116,6 +120,33 @@ class I2cWave:
         for place, value in enumerate(values, 1):
             self.byte(value, ack=not nack_last or place < len(values))
         self.stop()
+
+    def play(self, traffic: str) -> Self:
+        """Add traffic that is given in words, and return the wave: `S A0+ 12- P .400 S 101:`
+
+        S, Sr, P    START, repeated START, STOP
+        A0+, A0-    a byte with ACK, or with NACK
+        101:        three bits
+        .400        both lines are high for 400 samples
+        ~400        SCL is low for 400 samples
+        """
+        conditions = {"S": self.start, "Sr": self.again, "P": self.stop}
+        for word in traffic.split():
+            if word in conditions:
+                conditions[word]()
+            elif word[0] == ".":
+                self.idle(int(word[1:]))
+            elif word[0] == "~":
+                self._put(0, self._sda, int(word[1:]))
+            elif word[-1] == ":":
+                for bit in word[:-1]:
+                    self.bit(int(bit))
+            else:
+                self.byte(int(word[:-1], 16), ack=word[-1] == "+")
+        return self
+
+    def capture(self, rate: int = 1_000_000) -> Capture:
+        return of_bytes(bytes(self.samples), ("SCL", "SDA"), rate)
 
     def saved(self, folder: Path) -> str:
         """Write the samples at 4 MHz as a .sr file; return its path."""

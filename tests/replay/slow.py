@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from periph_sim.traces.formats import Capture
-from tests.traces.decode.drawing import of_bytes
 from tests.traces.formats.writers import I2cWave
 
 FIRMWARE = """
@@ -53,11 +52,4 @@ def slow_case(folder: Path, modules: str = '"I2C-A"', more: str = "") -> Path:
 
 def one_read(stretched: int = 0, byte: int = 0xA7) -> Capture:
     """A read of one byte from 0x50 at 100 kHz, 4 MHz samples; SCL is low for `stretched` more before the byte."""
-    wave = I2cWave(20, 4, idle=400)
-    wave.start()
-    wave.byte(0xA1)
-    wave.samples += bytes([0b00]) * stretched
-    wave.byte(byte, ack=False)
-    wave.stop()
-    wave.idle(400)
-    return of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000)
+    return I2cWave(20, 4, idle=400).play(f"S A1+ ~{stretched} {byte:02X}- P .400").capture(4_000_000)

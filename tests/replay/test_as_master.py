@@ -10,39 +10,20 @@ from firmware.python.captured_master import TransferPart, parts
 from periph_sim.replay import i2c_script as reasons
 from periph_sim.replay.i2c_script import as_master
 from periph_sim.replay.setup import played
-from tests.traces.decode.drawing import of_bytes
 from tests.traces.formats.writers import I2cWave
 
 
 def wave_of(text: str, half: int = 20) -> I2cWave:
-    """`S A0+ 00+ P`: a byte with + is acknowledged, with - it is not; of `0:` there is one bit, 0; `~` holds SCL low
-    for 400 samples first.
+    """The traffic of `I2cWave.play`, with 200 samples of silence behind each STOP, and 40 more behind the last one.
 
     Without P at its end the capture ends there.
     """
-    wave = I2cWave(half, half // 5, idle=400)
-    for word in text.split():
-        if word == "S":
-            wave.start()
-        elif word == "Sr":
-            wave.again()
-        elif word == "P":
-            wave.stop()
-            wave.idle(200)
-        elif word == "~":
-            wave.samples += bytes([0b00]) * 400
-        elif word == "0:":
-            wave.bit(0)
-        else:
-            wave.byte(int(word[:2], 16), ack=word[2] == "+")
-    if text.endswith("P"):
-        wave.idle(40)
-    return wave
+    end = " .40" if text.endswith("P") else ""
+    return I2cWave(half, half // 5, idle=400).play(text.replace("P", "P .200") + end)
 
 
 def told(text: str) -> reasons.AsMaster:
-    capture = of_bytes(bytes(wave_of(text).samples), ("SCL", "SDA"), 4_000_000)
-    part = played(capture, "SCL", "SDA")
+    part = played(wave_of(text).capture(4_000_000), "SCL", "SDA")
     return as_master(part.transfers, part.long_low, Fraction(10))
 
 
@@ -81,7 +62,7 @@ def test_what_a_master_of_this_module_cannot_do_is_left_out_with_the_reason(wave
 
 def test_long_low_phases_are_the_targets_stretches_in_ticks():
     """A bit is 20 low, 20 high; a position is 10 ticks. Before an address nobody stretches."""
-    found = told("S A1+ ~ 12+ 34- P S ~ A0+ ~ 07+ P")
+    found = told("S A1+ ~400 12+ 34- P S ~400 A0+ ~400 07+ P")
     first, second = found.answers[0x50]
     assert first.data == b"\x12\x34"
     ((byte, bit, ticks),) = first.stretches

@@ -96,8 +96,6 @@ def test_the_map_to_give_has_the_serial_line_too():
 
 
 def test_a_cut_transfer_and_silent_lines_are_not_taken_for_swapped_ones():
-    wave = I2cWave(20, 4, idle=20)
-    wave.start()
-    wave.bit(1)
+    wave = I2cWave(20, 4, idle=20).play("S 1:")
     for samples in (bytes(wave.samples), b"\x03", b"\x02\x03"):
         assert channel_map(of_bytes(samples, ("SCL", "SDA")), "scl=SDA,sda=SCL") == {"scl": "SDA", "sda": "SCL"}

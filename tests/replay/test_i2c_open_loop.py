@@ -21,7 +21,6 @@ from periph_sim.traces.decode import i2c
 from periph_sim.traces.formats import Capture
 from tests.replay.slow import one_read, slow_case
 from tests.replay.test_agents import reads
-from tests.traces.decode.drawing import of_bytes
 from tests.traces.formats.make_traces import FOLDER, ROUND
 from tests.traces.formats.writers import I2cWave
 
@@ -160,18 +159,12 @@ def test_what_a_closed_loop_made_is_what_an_open_loop_would_make(tmp_path_factor
 def test_a_capture_that_begins_with_sda_low_is_no_start_to_the_chip():
     wave = I2cWave(20, 4)
     wave.samples += bytes([0b01]) * 400  # SCL high, SDA low; then a STOP
-    wave.idle(400)
-    wave.transfer(0xA1, 0x42, nack_last=True)
-    wave.idle(400)
-    assert replay(of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000)).verdict == "pass"
+    assert replay(wave.play(".400 S A1+ 42- P .400").capture(4_000_000)).verdict == "pass"
 
 
 def test_edges_of_both_lines_in_one_sample_are_no_condition():
-    wave = I2cWave(20, 0)  # SDA changes with SCL's fall
-    wave.idle(400)
-    wave.transfer(0xA1, 0x42, nack_last=True)
-    wave.idle(400)
-    report = replay(of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000))
+    wave = I2cWave(20, 0, idle=400)  # SDA changes with SCL's fall
+    report = replay(wave.play("S A1+ 42- P .400").capture(4_000_000))
     assert report.verdict == "pass" and any("edge of both lines" in note for note in report.notes)
 
 
@@ -199,9 +192,7 @@ def simultaneous() -> Capture:
     wave = I2cWave(20, 0)
     wave.idle(401)  # an edge beside the others, and
     wave.samples[7] ^= 2  # one of a spike: all are 250 ns apart, and not 5 us
-    wave.transfer(0xA1, 0x42, nack_last=True)
-    wave.idle(400)
-    return of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000)
+    return wave.play("S A1+ 42- P .400").capture(4_000_000)
 
 
 @pytest.mark.parametrize("suffix", [".sr", ".vcd", ".csv"])
@@ -222,10 +213,8 @@ def test_one_verdict_whether_the_rate_is_stated_or_inferred_from_time_stamps(tmp
 
 def test_the_bus_s_own_raster_is_no_sampling_grid(tmp_path: Path):
     """Ideal edges, all of them 5 us apart: they are told by the tick, so that a late answer is still late."""
-    wave = I2cWave(20, 0, idle=400)
-    wave.transfer(0xA1, 0x42, nack_last=True)
-    wave.idle(400)
-    formats.write(of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000), tmp_path / "ideal.vcd")
+    wave = I2cWave(20, 0, idle=400).play("S A1+ 42- P .400")
+    formats.write(wave.capture(4_000_000), tmp_path / "ideal.vcd")
     report = replay(formats.read(tmp_path / "ideal.vcd"))
     assert report.verdict == "pass" and report.tolerance_us < 0.3
 

@@ -37,21 +37,21 @@ def replay(capture: Capture | str, *changes: str, case: Path = RESPONDER, **opti
 
 def ask(wave: I2cWave, address: int, data: bytes, stretched: int = 0) -> None:
     """A read of `data`; SCL stays low for `stretched` more samples before the first byte."""
-    wave.start()
-    wave.byte(address << 1 | 1)
-    wave.samples += bytes([0b00]) * stretched
-    for place, byte in enumerate(data):
-        wave.byte(byte, ack=place + 1 < len(data))
-    wave.stop()
+    *others, last = (f"{byte:02X}" for byte in data)
+    wave.play(f"S {address << 1 | 1:02X}+ ~{stretched} {''.join(f'{byte}+ ' for byte in others)}{last}- P")
 
 
 def captured(wave: I2cWave, rate: int = 4_000_000) -> Capture:
-    wave.idle(40)
-    return of_bytes(bytes(wave.samples), ("SCL", "SDA"), rate)
+    return wave.play(".40").capture(rate)
 
 
 def new_wave(half: int = 20) -> I2cWave:
     return I2cWave(half, half // 5, idle=400)
+
+
+def traffic(words: str) -> Capture:
+    """At 100 kHz; see `I2cWave.play`."""
+    return captured(new_wave().play(words))
 
 
 # Agreement ----------------------------------------------------------------------
@@ -115,29 +115,14 @@ def test_refusals_before_the_first_answer_find_the_firmware_out_of_reach(style):
 
 @pytest.mark.parametrize("style", ["polled", "interrupt"])
 def test_refusals_after_a_write_find_the_firmware_busy(style):
-    wave = new_wave()
-    for acked in (True, False, False, True):
-        wave.start()
-        wave.byte(0x50 << 1, ack=acked)
-        if acked:
-            wave.byte(0xA5)
-        wave.stop()
-        wave.idle(200)
-    ask(wave, 0x50, b"\x12")
-    report = replay(captured(wave), f"unit.dsp.settings.style={style}")
+    capture = traffic("S A0+ A5+ P .200 S A0- P .200 S A0- P .200 S A0+ A5+ P .200 S A1+ 12- P")
+    report = replay(capture, f"unit.dsp.settings.style={style}")
     assert report.verdict == "pass" and report.nacks == 3
 
 
 def test_refusals_that_no_setting_can_imitate_are_told():
     """Behind a read, or behind a write that a repeated START ended, nothing says how long the target was busy."""
-    wave = new_wave()
-    ask(wave, 0x50, b"\x12")
-    for acked in (False, False, True):
-        wave.idle(200)
-        wave.start()
-        wave.byte(0x50 << 1, ack=acked)
-        wave.stop()
-    report = replay(captured(wave))
+    report = replay(traffic("S A1+ 12- P .200 S A0- P .200 S A0- P .200 S A0+ P"))
     assert report.notes == [
         "refusals of 50 that follow neither a write that a STOP ended nor the start, "
         "which the firmware cannot be set to repeat: 2"
@@ -170,11 +155,7 @@ def test_an_address_that_the_capture_does_not_ask_proves_nothing():
 
 def refused(times: int) -> Capture:
     """A controller that asks for 0x50 again and again, and nobody is there."""
-    wave = new_wave()
-    for _ in range(times):
-        wave.transfer(0x50 << 1, nack_last=True)
-        wave.idle(100)
-    return captured(wave)
+    return traffic(times * "S A0- P .100 ")
 
 
 def test_a_capture_of_refusals_only_proves_nothing():
@@ -336,15 +317,8 @@ def test_patience_sets_how_long_a_stretch_may_be(slow):
 )
 def test_a_capture_that_is_cut_in_its_last_transfer_says_so(slow, bits: int, note: str):
     """A write that ends with the capture, or with its STOP."""
-    wave = new_wave()
-    wave.start()
-    wave.byte(0xA0)
-    for bit in (1, 0, 1, 0, 0, 1, 1, 1, 0)[:bits]:
-        wave.bit(bit)
-    if not bits:
-        wave.stop()
-        wave.idle(40)
-    report = replay(of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000), case=slow)
+    end = f"{'101001110'[:bits]}:" if bits else "P .40"
+    report = replay(new_wave().play(f"S A0+ {end}").capture(4_000_000), case=slow)
     said = f"the capture ends {note}: the rest of its last transfer is not compared"
     assert (said in report.notes) == bool(note) and any("the capture ends" in one for one in report.notes) == bool(note)
 
@@ -357,8 +331,5 @@ def test_what_cannot_be_replayed_is_refused_in_one_sentence():
         replay("imu_round.sr", addresses=[0x53, 0x68])
     with pytest.raises(InputError, match="a replay needs a time base and the file states no rate"):
         replay(dataclasses.replace(one_read(), rate=None))
-    cut = new_wave()
-    cut.start()
-    cut.bit(1)
     with pytest.raises(BadReplay, match="no whole address byte; the capture may be cut or its lines swapped"):
-        replay(captured(cut))
+        replay(traffic("S 1:"))

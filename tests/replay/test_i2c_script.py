@@ -25,15 +25,15 @@ from periph_sim.traces.decode import i2c
 from periph_sim.traces.decode.i2c import Transfer
 from periph_sim.traces.formats import Capture
 from tests.replay.bus import both_halves
-from tests.traces.decode.drawing import drawn, of_bytes
-from tests.traces.formats.make_traces import FOLDER, read_registers
+from tests.traces.decode.drawing import drawn
+from tests.traces.formats.make_traces import FOLDER
 from tests.traces.formats.writers import I2cWave
 
 SCL, SDA = True, False
 
 
-def capture_of(wave: I2cWave) -> Capture:
-    return of_bytes(bytes(wave.samples), ("SCL", "SDA"))
+def traffic(words: str) -> Capture:
+    return I2cWave(4, 1, idle=10).play(words).capture()
 
 
 def edges_of(capture: Capture, hold: Fraction = Fraction(1)) -> list[tuple[float, str]]:
@@ -128,11 +128,7 @@ def test_low_phases_that_are_longer_by_a_sample_stay_so_that_nothing_adds_up():
 
 
 def test_the_targets_half_is_a_turn_for_each_address():
-    wave = I2cWave(4, 1, idle=10)
-    read_registers(wave, 0x53, 0x32, (0xFB, 0xFF))
-    wave.idle(10)
-    wave.transfer(0x68 << 1, nack_last=True)
-    found = i2c.transfers(capture_of(wave))
+    found = i2c.transfers(traffic("S A6+ 32+ Sr A7+ FB+ FF- P .10 S D0- P"))
     written, read, refused = turns(found)
     assert written == Turn(0x53, False, Answer(True, acks=(True,)), 10, 10 + 4 + 8 * 8 + 4, None)
     stops = [transfer.stop.at for transfer in found if transfer.stop is not None]
@@ -145,27 +141,17 @@ def test_the_targets_half_is_a_turn_for_each_address():
 
 
 def test_a_byte_the_capture_cut_off_is_answered_with_its_first_bits_and_ones():
-    wave = I2cWave(4, 1, idle=10)
-    wave.start()
-    wave.byte(0x53 << 1 | 1)
-    for bit in (0, 1, 0):
-        wave.bit(bit)
-    (turn,) = turns(i2c.transfers(capture_of(wave)))
+    (turn,) = turns(i2c.transfers(traffic("S A7+ 010:")))
     assert turn.answer.data == bytes([0b01011111]) and turn.stop is None
 
 
 def test_the_usual_hold_is_the_controllers_median_and_half_a_position_where_it_never_moved():
-    wave = I2cWave(20, 7, idle=10)
-    read_registers(wave, 0x53, 0x32, (0xFB,))
-    assert usual_hold(i2c.transfers(capture_of(wave))) == 7
+    wave = I2cWave(20, 7, idle=10).play("S A6+ 32+ Sr A7+ FB- P")
+    assert usual_hold(i2c.transfers(wave.capture())) == 7
     assert usual_hold([]) == Fraction(1, 2)
-    wave = I2cWave(20, 7, idle=10)
-    wave.start()
-    wave.byte(0xA7)
+    wave = I2cWave(20, 7, idle=10).play("S A7+")
     wave.hold = 11
-    for _ in range(3):
-        wave.byte(0x55)
-    assert usual_hold(i2c.transfers(capture_of(wave))) == 7, "what targets send has another hold"
+    assert usual_hold(i2c.transfers(wave.play("55+ 55+ 55+").capture())) == 7, "what targets send has another hold"
 
 
 # Both halves ----------------------------------------------------------------------
@@ -185,39 +171,18 @@ def test_both_halves_together_are_the_capture(name: str):
 
 def test_both_halves_of_unusual_endings():
     """A repeated START after one bit of a byte; a read whose last byte is acknowledged; STOP in the ninth pulse."""
-    wave = I2cWave(4, 1, idle=10)
-    wave.start()
-    wave.byte(0x50 << 1, ack=False)
-    wave.bit(0)
-    wave.again()
-    wave.byte(0x50 << 1 | 1)
-    wave.byte(0xFF, ack=True)
-    wave.samples += bytes([0b11]) * 8  # SDA rises while SCL is still high
-    wave.start()
-    wave.stop()
-    again(capture_of(wave))
+    again(traffic("S A0- 0: Sr A1+ FF+ .8 S P"))  # SDA rises while SCL is still high
 
 
 def test_both_halves_of_a_capture_that_ends_within_a_byte():
-    for ending in (1, 6):  # with SCL low, and with SCL high
-        wave = I2cWave(4, 1, idle=10)
-        wave.start()
-        wave.byte(0x50 << 1)
-        wave.bit(1)
-        wave.bit(0)
-        wave.samples += bytes([0b00]) * ending
-        again(capture_of(wave))
+    for ending in ("~1", "~6"):  # with SCL low, and with SCL high
+        again(traffic(f"S A0+ 10: {ending}"))
 
 
-@pytest.mark.parametrize(("ending", "last"), [([0b00], (54, "scl 0")), ([], (50, "scl 1"))])
-def test_the_last_fall_of_scl_is_an_edge_where_the_capture_shows_it(ending: list[int], last: tuple[int, str]):
+@pytest.mark.parametrize(("ending", "last"), [("~1", (54, "scl 0")), ("", (50, "scl 1"))])
+def test_the_last_fall_of_scl_is_an_edge_where_the_capture_shows_it(ending: str, last: tuple[int, str]):
     """START at 10, SCL falls at 14, and rises at 18 and every 8 positions from there; five bits."""
-    wave = I2cWave(4, 1, idle=10)
-    wave.start()
-    for bit in (0, 1, 0, 1, 0):
-        wave.bit(bit)
-    wave.samples += bytes(ending)
-    found = [edge for edge in edges_of(capture_of(wave)) if edge[1].startswith("scl")]
+    found = [edge for edge in edges_of(traffic(f"S 01010: {ending}")) if edge[1].startswith("scl")]
     assert found[-1] == last
 
 
@@ -232,22 +197,15 @@ def test_the_last_fall_of_scl_is_an_edge_where_the_capture_shows_it(ending: list
     ),
 )
 def test_both_halves_of_any_traffic_are_that_traffic(half, data, turns_):
-    wave = I2cWave(half, data.draw(st.integers(0, half - 1)), idle=3)
-    wave.start()
+    wave = I2cWave(half, data.draw(st.integers(0, half - 1)), idle=3).play("S")
     for number, (address, read, content, acked, restart) in enumerate(turns_):
         wave.byte(address << 1 | read, ack=acked)
         for place, byte in enumerate(content if acked else b""):
             wave.byte(byte, ack=not read or place + 1 < len(content))
         if number + 1 < len(turns_):
-            if restart:
-                wave.again()
-            else:
-                wave.stop()
-                wave.idle(5)
-                wave.start()
-    wave.stop()
-    wave.idle(1)
-    again(capture_of(wave))
+            wave.play("Sr" if restart else "P .5 S")
+    wave.play("P .1")
+    again(wave.capture())
 
 
 END = 10_000

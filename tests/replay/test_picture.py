@@ -23,7 +23,6 @@ from periph_sim.traces.decode.uart import Line
 from periph_sim.traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick
 from tests.replay.slow import one_read, slow_case
 from tests.replay.test_report import happened
-from tests.traces.decode.drawing import of_bytes
 from tests.traces.formats.make_traces import FOLDER
 from tests.traces.formats.writers import I2cWave
 
@@ -135,10 +134,7 @@ def test_window_marks_and_axis_count_from_the_last_agreed_event_of_each_side(
 
 def read_of_12() -> formats.Capture:
     """53 read: 12, not acknowledged; a position is a quarter of a second, and so of a bit."""
-    wave = I2cWave(2, 1, idle=8)
-    wave.transfer(0xA7, 0x12, nack_last=True)
-    wave.idle(4)
-    return of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4)
+    return I2cWave(2, 1, idle=8).play("S A7+ 12- P .4").capture(4)
 
 
 def test_the_lanes_show_bytes_edges_flags_and_accesses_of_the_window(monkeypatch):

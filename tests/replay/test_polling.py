@@ -15,7 +15,7 @@ from periph_sim.traces.decode.i2c import events, transfers
 from periph_sim.traces.decode.uart import Line
 from periph_sim.traces.formats import Capture
 from tests.replay.slow import firmware_case
-from tests.replay.test_i2c_replay import CASES, ask, captured, new_wave, replay
+from tests.replay.test_i2c_replay import CASES, ask, captured, new_wave, replay, traffic
 from tests.traces.decode.drawing import of_bytes
 
 MEMORY = 0x50
@@ -72,23 +72,11 @@ def stored_and_read(refused: int, *, wait_us: int = 200, again: bool = False, wr
 
     again: polls follow by a repeated START instead of STOP and START.
     """
+    wait = f".{wait_us * RATE // 10**6}"
+    polls = refused * f"A0- {'Sr' if again else f'P {wait} S'} "
     wave = new_wave()
     for number in range(writes):
-        wave.transfer(MEMORY << 1, 0x10, 0x20 + number)
-        wave.idle(wait_us * RATE // 10**6)
-        wave.start()
-        for _ in range(refused):
-            wave.byte(MEMORY << 1, ack=False)
-            if again:
-                wave.again()
-            else:
-                wave.stop()
-                wave.idle(wait_us * RATE // 10**6)
-                wave.start()
-        wave.byte(MEMORY << 1)
-        wave.byte(0x10)
-        wave.stop()
-        wave.idle(400)
+        wave.play(f"S A0+ 10+ {0x20 + number:02X}+ P {wait} S {polls} A0+ 10+ P .400")
     ask(wave, MEMORY, bytes([0x20 + writes - 1]))
     return captured(wave)
 
@@ -137,27 +125,10 @@ def test_a_wrong_byte_is_found_at_its_time_in_the_capture_however_long_the_firmw
 def polled_at_first(again: bool) -> Capture:
     """Three writes, polled once after 200 us and once after 500 us, then not at all, and a read of the last byte."""
     wave = new_wave()
-    for number, wait in enumerate((800, 2000, 0)):
-        wave.transfer(MEMORY << 1, 0x10, 0x40 + number)
-        wave.idle(400)
-        if wait:
-            wave.start()
-            wave.byte(MEMORY << 1, ack=False)
-            if again:
-                wave.samples += bytes([0b00]) * wait
-                wave.again()
-            else:
-                wave.stop()
-                wave.idle(wait)
-                wave.start()
-            wave.byte(MEMORY << 1)
-            wave.byte(0x10)
-            wave.stop()
-            wave.idle(400)
-    wave.transfer(MEMORY << 1, 0x10)
-    wave.idle(400)
-    ask(wave, MEMORY, b"\x42")
-    return captured(wave)
+    for number, wait in enumerate((800, 2000)):
+        poll = f"A0- ~{wait} Sr" if again else f"A0- P .{wait} S"
+        wave.play(f"S A0+ 10+ {0x40 + number:02X}+ P .400 S {poll} A0+ 10+ P .400")
+    return captured(wave.play("S A0+ 10+ 42+ P .400 S A0+ 10+ P .400 S A1+ 42- P"))
 
 
 @pytest.mark.parametrize("again", [False, True])
@@ -174,15 +145,8 @@ def test_a_controller_that_polled_elsewhere_polls_here_as_it_did_last(memory: Pa
 
 
 def test_an_address_that_was_never_polled_is_not_polled(memory: Path):
-    wave = new_wave()
-    for refused in (1, 0):
-        wave.transfer(MEMORY << 1, 0x10, 0x33)
-        for _ in range(refused):
-            wave.idle(400)
-            wave.transfer(MEMORY << 1, nack_last=True)
-        wave.idle(400)
-    ask(wave, MEMORY, b"\x33")
-    report = played(memory, captured(wave), 2000)
+    capture = traffic("S A0+ 10+ 33+ P .400 S A0- P .400 S A0+ 10+ 33+ P .400 S A1+ 33- P")
+    report = played(memory, capture, 2000)
     assert report.verdict == "fail" and report.divergences[0].found == "NACK" and report.refusals > 3
 
 
@@ -195,63 +159,36 @@ def test_a_memory_that_never_answers_ends_the_replay_after_patience(memory: Path
     )
 
 
-def test_polls_of_other_targets_and_polls_without_a_write_are_played_as_captured(memory: Path):
-    wave = new_wave()
-    for acked in (False, True):
-        wave.transfer(MEMORY << 1, *[0x10] * acked, nack_last=not acked)
-        wave.idle(400)
-    report = played(memory, captured(wave), 0)
-    assert report.verdict == "fail" and report.divergences[0].found == "ACK", "not busy at the start"
-    wave = new_wave()
-    wave.transfer(MEMORY << 1, 0x10, 0x33)
-    for address, acked in ((MEMORY, False), (0x51, False), (0x51, True), (MEMORY, True)):
-        wave.idle(400)
-        wave.transfer(address << 1, *[0x10] * acked, nack_last=not acked)
-    report = played(memory, captured(wave), 0)
-    assert report.verdict == "fail" and report.divergences[0].found == "ACK", "another target is addressed in between"
-    assert played(memory, captured(wave), 400).verdict == "pass"
-
-
-def test_only_a_write_to_the_polled_target_itself_makes_it_busy(memory: Path):
-    """Another target's write makes nothing busy, and its read ends nothing."""
-    wave = new_wave()
-    wave.transfer(0x51 << 1, 0x10, 0x33)
-    for acked in (False, True):
-        wave.idle(400)
-        wave.transfer(MEMORY << 1, *[0x10] * acked, nack_last=not acked)
-    report = played(memory, captured(wave), 0)
+@pytest.mark.parametrize(
+    "words",
+    [
+        "S A0- P .400 S A0+ 10+ P",  # not busy at the start
+        "S A0+ 10+ 33+ P .400 S A0- P .400 S A2- P .400 S A2+ 10+ P .400 S A0+ 10+ P",  # another target in between
+        "S A2+ 10+ 33+ P .400 S A0- P .400 S A0+ 10+ P",  # another target's write makes nothing busy
+        "S A1+ FF- P .400 S A0- P .400 S A0+ 10+ P",  # behind a read
+        "S A0+ 10+ 33+ P .400 S A0- P .400 S A0- 10- P",  # a refusal with data, at the end
+    ],
+)
+def test_what_is_no_poll_of_a_busy_target_is_played_as_captured(memory: Path, words: str):
+    report = played(memory, traffic(words), 0)
     assert report.verdict == "fail" and report.divergences[0].found == "ACK"
-    wave = new_wave()
-    wave.transfer(MEMORY << 1, 0x10, 0x33)
-    wave.idle(400)
-    ask(wave, 0x51, b"\xff")
-    for acked in (False, True):
-        wave.idle(400)
-        wave.transfer(MEMORY << 1, *[0x10] * acked, nack_last=not acked)
+
+
+def test_polls_of_another_target_in_between_are_played_as_captured(memory: Path):
+    words = "S A0+ 10+ 33+ P .400 S A0- P .400 S A2- P .400 S A2+ 10+ P .400 S A0+ 10+ P"
+    assert played(memory, traffic(words), 400).verdict == "pass"
+
+
+def test_a_read_of_another_target_does_not_end_the_time_in_which_a_target_may_be_busy(memory: Path):
+    capture = traffic("S A0+ 10+ 33+ P .400 S A3+ FF- P .400 S A0- P .400 S A0+ 10+ P")
     for busy, polls in ((0, 0), (1000, 3)):
-        report = played(memory, captured(wave), busy)
+        report = played(memory, capture, busy)
         assert report.verdict == "pass" and (report.captured_refusals, report.refusals) == (1, polls)
 
 
-def test_a_refusal_after_a_read_is_no_poll(memory: Path):
-    wave = new_wave()
-    ask(wave, MEMORY, b"\xff")
-    for acked in (False, True):
-        wave.idle(400)
-        wave.transfer(MEMORY << 1, *[0x10] * acked, nack_last=not acked)
-    report = played(memory, captured(wave), 0)
-    assert report.verdict == "fail" and report.divergences[0].found == "ACK"
-
-
 def test_polls_are_added_before_the_first_captured_poll(memory: Path):
-    wave = new_wave()
-    for refused in (0, 1):
-        wave.transfer(MEMORY << 1, 0x10, 0x33)
-        for acked in (*[False] * refused, True):
-            wave.idle(800)
-            wave.transfer(MEMORY << 1, *[0x10] * acked, nack_last=not acked)
-        wave.idle(400)
-    report = played(memory, captured(wave), 800)
+    capture = traffic("S A0+ 10+ 33+ P .800 S A0+ 10+ P .400 S A0+ 10+ 33+ P .800 S A0- P .800 S A0+ 10+ P .400")
+    report = played(memory, capture, 800)
     assert report.verdict == "pass" and (report.refusals, report.captured_refusals) == (4, 1)
 
 
@@ -290,24 +227,9 @@ def test_what_longest_low_removes_beside_polls_makes_up_for_a_stretch(memory, bu
     The pauses removed before each played poll make up for the stretch in the same transfer. The next transfer is late
     by the rest.
     """
-    wave = new_wave()
-    wave.transfer(MEMORY << 1, 0x10, 0x33)
-    wave.idle(800)
-    wave.start()
-    for _ in range(2):
-        wave.byte(MEMORY << 1, ack=False)
-        wave.samples += bytes([0b00]) * 800
-        wave.again()
-    wave.byte(MEMORY << 1)
-    wave.byte(0x10)
-    wave.again()
-    wave.byte(MEMORY << 1 | 1)
-    wave.byte(0x33, ack=False)
-    wave.stop()
-    wave.idle(400)
-    wave.transfer(MEMORY << 1, 0x10)
+    capture = traffic("S A0+ 10+ 33+ P .800 S A0- ~800 Sr A0- ~800 Sr A0+ 10+ Sr A1+ 33- P .400 S A0+ 10+ P")
     changes = (f"unit.dsp.settings.busy_us={busy}", f"unit.dsp.settings.stretch_us={stretch}")
-    played_ = I2cReplay(load(memory, changes), captured(wave), "SCL", "SDA", addresses=[MEMORY], longest_low=20 * US)
+    played_ = I2cReplay(load(memory, changes), capture, "SCL", "SDA", addresses=[MEMORY], longest_low=20 * US)
     report = played_.run()
     assert (report.verdict, report.refusals) == ("pass", polls)
     wires = played_.log.capture(played_.timebase, played_.kernel.now)
@@ -326,24 +248,11 @@ def unanswered(refused: int, *, again: bool = False, bits: int | None = None) ->
     again: polls follow by a repeated START instead of STOP and START.
     bits: the capture ends after this number of bits of a further poll; None to end it after the last whole poll.
     """
-    wave = new_wave()
-    wave.transfer(MEMORY << 1, 0x10, 0x20)
-    for number in range(refused + (bits is not None)):
-        if again and number:
-            wave.again()
-        else:
-            wave.idle(200 * RATE // 10**6)
-            wave.start()
-        if number == refused:
-            for place in range(bits or 0):
-                wave.bit((MEMORY << 1) >> (7 - place) & 1)
-            return of_bytes(bytes(wave.samples), ("SCL", "SDA"), RATE)
-        wave.byte(MEMORY << 1, ack=False)
-        if not again:
-            wave.stop()
-    if again:
-        wave.stop()
-    return captured(wave)
+    between = " Sr " if again else " P .800 S "
+    wave = new_wave().play(f"S A0+ 10+ 20+ P .800 S {between.join(refused * ['A0-'])}")
+    if bits is None:
+        return captured(wave.play("P"))
+    return wave.play(between + (f"{MEMORY << 1:08b}"[:bits] + ":" if bits else "")).capture(RATE)
 
 
 @pytest.mark.parametrize("bits", [None, 0, 3, 8], ids=str)
@@ -366,17 +275,3 @@ def test_firmware_that_is_still_busy_where_the_capture_ends_agrees_with_it(memor
     report = played(memory, unanswered(4, again=again), 10**5)
     assert report.verdict == "pass" and report.refusals == 4 and report.agreed == report.events
     assert not any("answers" in note for note in report.notes)
-
-
-def test_an_access_that_the_captured_target_refuses_with_data_is_no_poll_at_the_end(memory: Path):
-    wave = new_wave()
-    wave.transfer(MEMORY << 1, 0x10, 0x33)
-    for data in (False, True):
-        wave.idle(400)
-        wave.start()
-        wave.byte(MEMORY << 1, ack=False)
-        if data:
-            wave.byte(0x10, ack=False)
-        wave.stop()
-    report = played(memory, captured(wave), 0)
-    assert report.verdict == "fail" and report.divergences[0].found == "ACK"

@@ -177,8 +177,8 @@ def test_an_open_loop(tmp_path: Path):
 def test_a_master():
     """Its own script asks as the capture does but for a byte; a transfer that it cannot make is left out."""
     progress: list[float] = []
-    wave = wave_of("S A0+ ~ 00+ P S A1+ P S A0+ 11+ Sr A1+ 33- P S A2- P")
-    capture = of_bytes(bytes(wave.samples), ("SCL", "SDA"), 4_000_000)
+    wave = wave_of("S A0+ ~400 00+ P S A1+ P S A0+ 11+ Sr A1+ 33- P S A2- P")
+    capture = wave.capture(4_000_000)
     case = load(TIMING / "captured_master.toml", ["unit.dsp.settings.script=['50 W 01', '50 W 11 Sr 50 R 1']"])
     report = I2cMasterReplay(case, capture, "SCL", "SDA", first=3).run(progress.append)
     assert progress == [1.0]

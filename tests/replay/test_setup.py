@@ -23,7 +23,7 @@ from tests.traces.formats.make_traces import FOLDER
 
 
 def part(text: str, half: int = 20, first: int | None = None) -> Played:
-    capture = of_bytes(bytes(wave_of(text, half).samples), ("SCL", "SDA"), 4_000_000)
+    capture = wave_of(text, half).capture(4_000_000)
     return played(capture, "SCL", "SDA", first)
 
 
@@ -31,7 +31,7 @@ def part(text: str, half: int = 20, first: int | None = None) -> Played:
     ("wave", "half", "figures"),
     [
         ("S A0+ 07+ P", 20, (20, 20, 30, 0)),
-        ("S A0+ ~ 07+ P", 20, (20, 20, 30, 400)),  # low for 420 samples once
+        ("S A0+ ~400 07+ P", 20, (20, 20, 30, 400)),  # low for 420 samples once
         ("S A0+ 07+ P", 4, (4, 4, 6, 0)),
         ("S A0+ 07+ P", 3, (3, 3, 5, 0)),  # two samples more than usual, where that is more than half as much again
     ],

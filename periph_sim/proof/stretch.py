@@ -9,14 +9,15 @@ limits of counts that are above 0.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
 
 from msgspec import Struct
 
 from ..core.kernel import SimulationStuck
-from ..core.records import Kind, Listener
+from ..core.records import Kind, Listener, Recorder
+from ..core.time import Timebase
 from ..f28335.memory.memory_map import NoSuchAddress
 from ..processor.user_code import FirmwareError
 from ..scene.case.inputs_table import InputsTable
@@ -34,6 +35,7 @@ from .measures_at_rest import events_of, round_events
 from .phases import ROUNDS, Phases
 
 DUE = frozenset({"due", "missed", "refused"})  # records at the due time of a round, without jitter
+Subscribe = Callable[[Recorder, Timebase], None]
 STUCK = "stuck"  # the name of a failure in which firmware waits for ever, or a line stays low
 PERCENTILE = "a percentile describes all occurrences of a run"
 ENDED = "ended by an error"  # the name of the failure of a run that was ended by one of RUN_ERRORS
@@ -108,6 +110,11 @@ class CoveredCase:
     def case(self) -> Case:
         return self._plan.case
 
+    def time(self, tick: int) -> tuple[float, str]:
+        """Return the time of a tick from the start of the run: in seconds, and as text."""
+        ticks = self._plan.ticks
+        return float(ticks.timebase.seconds(tick - ticks.start)), ticks.timebase.show(tick - ticks.start)
+
     def leave_out(self, name: str, reason: str) -> None:
         """Leave out a further budget. Raise BadCase if no budget is left."""
         case = self.case
@@ -121,12 +128,12 @@ class CoveredCase:
         """Return a scene, not yet run, in which the moved starts have these phases."""
         return self.scene_of(*self.phases.inputs(phases), seed)
 
-    def scene_of(self, inputs: InputsTable, duration: Fraction, seed: int) -> Scene:
-        """Return a scene, not yet run, with these starts and this duration in seconds."""
+    def scene_of(self, inputs: InputsTable, duration: Fraction, seed: int, subscribe: Subscribe | None = None) -> Scene:
+        """Return a scene, not yet run, with these starts and this duration in seconds. subscribe: as for `Scene`."""
         costs = {} if self.case.inputs is None else self.case.inputs.costs
         inputs = inputs.model_copy(update={"costs": costs})
         case = self.case.model_copy(update={"inputs": inputs, "duration": duration, "seed": seed})
-        return Scene(ScenePlan(case, self._plan))
+        return Scene(ScenePlan(case, self._plan), subscribe)
 
     def free_scene(self, listener: Listener, keep_values: bool) -> Scene:
         """Return a scene, not yet run, in which no start that can move is scheduled.
@@ -179,10 +186,20 @@ class CoveredCase:
         pairs = zip(self.case.budget, self._plan.limits, strict=True)
         return {budget.name: max(0, plan.not_before - start) for budget, plan in pairs}
 
-    def run(self, phases: Sequence[int], seed: int) -> Outcome:
-        """Run the case with these phases and return the outcome. seed: the seed of all random values."""
+    def run(
+        self, phases: Sequence[int], seed: int, subscribe: Subscribe | None = None, before: int | None = None
+    ) -> Outcome:
+        """Run the case with these phases and return the outcome.
+
+        seed: the seed of all random values.
+        subscribe: as for `Scene`.
+        before: the run ends before this tick; None for the usual end.
+        """
         self.runs += 1
-        scene = self.scene(phases, seed)
+        inputs, duration = self.phases.inputs(phases)
+        if before is not None:
+            duration = Fraction(before - 1 - self._plan.ticks.start, self.phases.ticks_per_second)
+        scene = self.scene_of(inputs, duration, seed, subscribe)
         try:
             result = scene.run()
         except RUN_ERRORS as error:

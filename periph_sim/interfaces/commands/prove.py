@@ -13,6 +13,7 @@ import click
 from click.core import ParameterSource
 
 from ...core.phrases import counted
+from ...core.text_table import paragraph, together
 from ...proof.phases import ROUNDS
 from ...timing.verdict import BROKEN, NOT_JUDGED, figure, limit
 from .command_frame import command, print_json, print_table, progress, running_user_code, say, time_given
@@ -21,6 +22,7 @@ from .watch import note_inputs
 
 if TYPE_CHECKING:
     from ...proof.cover import Window, Worst
+    from ..reports.certain_failure import CertainFailure
     from ..reports.coverage import Coverage
 
 HELD = "held"  # the word for a budget that no run broke
@@ -123,6 +125,7 @@ def prove(
     from ...proof import coverage_file
     from ...proof.saved_paths import coverage_path, proof_path
     from ...proof.stretch import Job
+    from ..reports.certain_failure import certain_failures
     from ..reports.coverage import choose, run_coverage
 
     if save and changes:
@@ -161,13 +164,14 @@ def prove(
         # `choose` regards all imported modules as dependencies of the coverage, so Dask is imported after it.
         with workers as executor, progress(found.case.case.name) as on_progress:
             run_coverage(found, jobs or os.cpu_count() or 1, on_progress, path, executor)
+        certain = [] if found.stopped else certain_failures(found)
         files, failed = ([], "") if folder is None else _write_witnesses(found, case, changes, folder)
         files += [] if path is None else [path]
-        files += [] if svg is None else [_draw(found, svg)]
+        files += [] if svg is None else _draw(found, certain, svg)
     if as_json:
-        print_json("prove", _object(found, files))
+        print_json("prove", _object(found, certain, files))
     else:
-        _show(found, files)
+        _show(found, certain, files)
     for reason in filter(None, (found.stopped, failed)):
         click.echo(f"Error: {reason}", err=True)
     if found.stopped or failed:
@@ -201,14 +205,17 @@ def _refuse_others(option: str, effective: Sequence[str]) -> None:
             raise click.UsageError(f"{parameter.opts[0]} has no effect with {option}; remove it")
 
 
-def _draw(found: Coverage, place: Path) -> Path:
-    """Draw the windows (ranges of phases in which a budget breaks) to a file, and return its path."""
+def _draw(found: Coverage, certain: Sequence[CertainFailure], place: Path) -> list[Path]:
+    """Draw the windows to a file; in a folder, draw the shares of runs that fail, too. Return the files."""
     from ..reports.baselines.files import write_all
-    from ..reports.phase_picture import picture
+    from ..reports.phase_picture import picture, picture_of_shares
 
-    file = diagram_file(place, f"{found.case.case.name}_phases")
-    write_all({file: picture(found)})
-    return file
+    name = found.case.case.name
+    pictures = {diagram_file(place, f"{name}_phases"): picture(found)}
+    if certain and place.is_dir():
+        pictures[place / f"{name}_certain.svg"] = picture_of_shares(found, certain)
+    write_all(pictures)
+    return [*pictures]
 
 
 def _check_writable(path: Path) -> None:
@@ -256,7 +263,7 @@ def _words(found: Coverage) -> dict[str, str]:
 # Text ---------------------------------------------------------------------------
 
 
-def _show(found: Coverage, files: Sequence[Path]) -> None:
+def _show(found: Coverage, certain: Sequence[CertainFailure], files: Sequence[Path]) -> None:
     phases = found.case.phases
     words = _words(found)
     numbers = Counter(words.values())
@@ -270,7 +277,7 @@ def _show(found: Coverage, files: Sequence[Path]) -> None:
         shown = ("-", "-", "-") if worst is None else _cells(found, worst)
         rows.append(((name, *shown, word), "red" if word == BROKEN else ""))
     print_table(("budget", "worst", "limit", "at phase", ""), rows, right=(1, 2, 3), whole=(1, 2, 3, 4))
-    for line in _lines(found):
+    for line in _lines(found, certain):
         say(line)
     for file in files:
         say(f"written: {file}")
@@ -282,12 +289,16 @@ def _cells(found: Coverage, worst: Worst) -> tuple[str, str, str]:
     return figure(verdict.worst, verdict.unit), limit(verdict.limit, verdict.unit, verdict.which), at
 
 
-def _lines(found: Coverage) -> list[str]:
+def _lines(found: Coverage, certain: Sequence[CertainFailure]) -> list[str]:
     phases, step, lines = found.case.phases, found.choice.step, []
     moved = phases.moved.removesuffix("s")
     for name in dict.fromkeys(window.name for window in found.windows):
         windows = [window for window in found.windows if window.name == name]
-        lines += [_window_text(found, window) for window in windows[:MOST_LISTED]]
+        for window in windows[:MOST_LISTED]:
+            lines.append(_window_text(found, window))
+            ends = [one for one in certain if one.name == name and one.phase in (window.first, window.last)]
+            texts = ["\n".join(_certain_text(found, window, one)) for one in ends]
+            lines += [text for text in texts if text not in lines]  # two failures can have the same cause
         widths = [_width(found, window) for window in windows[MOST_LISTED:]]
         if widths:
             lines.append(f"  {counted(len(widths), 'more window')} of {min(widths):,} to {max(widths):,} phases")
@@ -305,6 +316,8 @@ def _lines(found: Coverage) -> list[str]:
     near = f"{found.choice.near:,} phases near a write, else " if found.choice.near else ""
     lines.append(f"chosen: {near}{each}; fewer within windows")
     lines.append(f"held: {_held_in(found)}")
+    if certain:
+        lines.append("certain: all runs that did the same up to then fail, of at most 16 near this end")
     lines += [f"not covered: {name}: {reason}" for name, reason in found.case.left_out.items()]
     return lines
 
@@ -333,10 +346,27 @@ def _window_text(found: Coverage, window: Window) -> str:
     return f"{window.name}: broken from {ends}\n  {_width(found, window):,} phases, {window.run:,} of them run; {sides}"
 
 
+def _certain_text(found: Coverage, window: Window, one: CertainFailure) -> list[str]:
+    which = "first" if one.phase == window.first else "last"
+    held = f"at {found.choice.time(one.held)}, which held"
+    if one.event is not None:
+        lines = paragraph(f"{which} phase: certain from {one.event.at} on: {_unbroken(one.event.text)}", "  ", "    ")
+    elif one.instead is not None:
+        lines = [f"  {which} phase: certain when nothing further happens"]
+    else:
+        return paragraph(f"{which} phase: the firmware does the same as {held}, only at other times", "  ", "    ")
+    instead = "nothing" if one.instead is None else _unbroken(one.instead.text)
+    return lines + paragraph(f"{held}: {instead}", "    ", "      ")
+
+
+def _unbroken(text: str) -> str:
+    return text.replace(" = ", together(" = "))
+
+
 # JSON and files -----------------------------------------------------------------
 
 
-def _object(found: Coverage, files: Sequence[Path]) -> dict[str, object]:
+def _object(found: Coverage, certain: Sequence[CertainFailure], files: Sequence[Path]) -> dict[str, object]:
     phases, words = found.case.phases, _words(found)
     return {
         "case": found.case.case.name,
@@ -363,6 +393,7 @@ def _object(found: Coverage, files: Sequence[Path]) -> dict[str, object]:
             }
             for one in found.windows
         ],
+        "certain": [one._asdict() for one in certain],
         "drifting": [
             {"names": sorted(one.names), "first": one.first, "last": one.last} for one in found.found.drifting
         ],

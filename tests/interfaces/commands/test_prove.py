@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -46,6 +47,9 @@ def test_a_broken_budget_has_its_window_and_exit_status_1(periph_sim: Run) -> No
     assert came.status == 1
     assert "budgets: 1 broken, 2 held" in came.out
     assert "both neighbours held" in came.out and "bad: broken from 0.00416" in came.out
+    assert came.out.count("first phase: certain from 2380.940 us on: dsp: GPIO.GPBSET written") == 1
+    assert came.out.count("last phase: certain from ") == 1 and came.out.count(", which held: dsp: ") == 2
+    assert all(len(line) <= 80 for line in came.out.splitlines())
 
 
 def test_a_budget_that_no_run_judges_is_named_and_exit_status_is_1(periph_sim: Run) -> None:
@@ -341,3 +345,19 @@ def test_worst_names_all_phases_of_a_run_that_has_the_worst_value(periph_sim: Ru
     saved.write_text(json.dumps(file), encoding="utf-8")
     came = periph_sim("worst", "listener.toml", "late")
     assert came.out.startswith("at phases 0.0000000 to 0.0000133 ms, the worst of coverage/listener.json:\n")
+
+
+def test_a_folder_also_gets_the_shares_of_runs_that_fail(periph_sim: Run) -> None:
+    Path("out").mkdir()
+    came = periph_sim(*HERE, *sets(*BAD), "--phases", "4 us to 5 us", "--step", "10", "--jobs", "1", "--svg", "out")
+    assert came.out.splitlines()[-1] == "written: out/listener_certain.svg"
+    drawn = Path("out/listener_certain.svg").read_text(encoding="utf-8")
+    (first, last) = re.findall(r">(\d+) of \1<", drawn)
+    assert int(first) > 0 and int(last) > 0 and "0.0041" in drawn
+
+
+def test_without_a_failure_no_shares_are_drawn(periph_sim: Run) -> None:
+    Path("out").mkdir()
+    came = periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--svg", "out")
+    assert came.out.splitlines()[-1] == "written: out/listener_phases.svg"
+    assert [path.name for path in Path("out").iterdir()] == ["listener_phases.svg"]

@@ -14,7 +14,6 @@ participant of the bus: a module, a device or a controller.
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import final
 
 from ..bus.i2c.bit_skip import SKIPPED_BITS, BitParty, BitSkip, CycleTimes
@@ -38,12 +37,6 @@ class I2cModuleParty(BitParty):
         self._socket = socket
         self._chip = chip
         self._clock = clock
-        self._calm = False  # the last result of the timing check in `ready`
-        # The inputs of the last timing check. If one of them changes, the check is repeated.
-        self._low = self._high = self._hold = -1
-        self._each = False
-        self._width = self._module_clock = 0
-        self._hz: Fraction = clock.hz
         self._asking = False  # True while the module, as the master, tries to skip bits
         self._release_cause = 0  # the record that caused the release of SCL for the first skipped bit
 
@@ -87,25 +80,14 @@ class I2cModuleParty(BitParty):
         if not chip.waits_for_byte(self._asking) or not self._socket.shows_output():
             return False
         width, module_clock = chip.filter_width, chip.state.tm
-        if (
-            low != self._low
-            or high != self._high
-            or hold != self._hold
-            or each != self._each
-            or width != self._width
-            or module_clock != self._module_clock
-            or self._clock.hz is not self._hz
-        ):
-            self._low, self._high, self._hold, self._each = low, high, hold, each
-            self._width, self._module_clock, self._hz = width, module_clock, self._clock.hz
-            # Each level must last longer than the width of the noise filter.
-            # SDA must not change together with SCL, whether another party or this module drives SDA.
-            apart = max(width, module_clock) + MARGIN
-            low, high, hold = self._cycles(low), self._cycles(high), self._cycles(hold)
-            own = width + self._socket.out_delay + MARGIN
-            filtered: bool = width > 0 and (each or hold >= module_clock + MARGIN)
-            self._calm = filtered and min(high, low - hold, low - own) >= apart
-        return self._calm
+        if not width:
+            return False
+        # Each level must last longer than the width of the noise filter.
+        # SDA must not change together with SCL, whether another party or this module drives SDA.
+        apart = max(width, module_clock) + MARGIN
+        low, high, hold = self._cycles(low), self._cycles(high), self._cycles(hold)
+        own = width + self._socket.out_delay + MARGIN
+        return (each or hold >= module_clock + MARGIN) and min(high, low - hold, low - own) >= apart
 
     def _cycles(self, ticks: int) -> int:
         """Return the largest number of cycles that is less than a time in ticks."""

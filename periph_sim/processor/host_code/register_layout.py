@@ -103,7 +103,6 @@ class RegisterLayout:
         """Raise BadLayout if the place of a member on the chip is not certain."""
         self._numbers: dict[tuple[int, int], Place] = {}  # maps (offset, size) to a place that is no bit field
         self._fields: dict[int, Place] = {}  # maps the offset of a byte in a bit field to the place of the field
-        self._read: dict[tuple[int, int], tuple[Place, ...]] = {}  # results of `read`, by offset and size
         # Maps the offset of adjacent bit fields to their total size in bytes. gcc announces a write of one of these
         # fields as a write of all.
         self._announced: dict[int, int] = {}
@@ -124,13 +123,10 @@ class RegisterLayout:
 
     def read(self, at: int, size: int) -> tuple[Place, ...]:
         """Return the places that a read of these bytes reads; an empty tuple if the bytes are no member."""
-        places = self._read.get((at, size))
-        if places is None:
-            number = self._numbers.get((at, size))
-            fields = all(byte in self._fields for byte in range(at, at + size))
-            places = (number,) if number is not None else self._words(at, size) if fields else ()
-            self._read[at, size] = places
-        return places
+        number = self._numbers.get((at, size))
+        if number is not None:
+            return (number,)
+        return self._words(at, size) if all(byte in self._fields for byte in range(at, at + size)) else ()
 
     def may_write(self, at: int, size: int) -> bool:
         """Return True if a write that gcc has announced for these bytes can be a write to a member."""

@@ -47,7 +47,9 @@ class Completion:
         self.name = name
         self._pipe = pipe
         self._stdout = sys.stdout
-        self._copy = _duplicate(1)
+        self._copy: int | None = None
+        with suppress(OSError):
+            self._copy = os.dup(1)
 
     def flaw(self) -> str:
         """Return the reason why output may be missing on the original standard output; "" if there is none."""
@@ -241,13 +243,6 @@ def _end_with(caller: int) -> None:
         if os.getppid() != caller:
             # The waiting process had ended before `prctl` was called, so Linux will not send the signal.
             os._exit(NO_VERDICT)
-
-
-def _duplicate(descriptor: int) -> int | None:
-    try:
-        return os.dup(descriptor)
-    except OSError:
-        return None
 
 
 def _numbers(names: tuple[str, ...]) -> list[signal.Signals]:

@@ -326,11 +326,9 @@ class Socket(Agent):
         """Return the number of the record whose effects the simulation runs now."""
         return self._recorder.cause
 
-    def repeat_output(self, index: int, cause: int) -> None:
-        """Release the pins of an output that a PinReleaseGate has kept low, as an effect of the record `cause`."""
-        outer, self._recorder.cause = self._recorder.cause, cause
-        self._set_pins(index, 1)
-        self._recorder.cause = outer
+    def repeat_release(self, cause: int) -> None:
+        """Release the pins of output 0, which a PinReleaseGate has kept low, as an effect of the record `cause`."""
+        self.act(cause << RECORD | 0b11)
 
     def watch(self, watcher: ChipObserver) -> None:
         """Call `watcher.look` after each input that may have changed readable values, as a polling CPU needs."""

@@ -1,6 +1,6 @@
 """One CPU, the program that it runs, and the modules of its chip.
 
-    kernel --wake-up--> Processor --run(until)--> Program
+    kernel --wake-up--> Processor --run--> Program
                             |                       |
                             |   reach, rest, take_interrupt, iret: True if complete, False if the program must stop
                             |                       |

@@ -85,15 +85,6 @@ class CpuTime:
         self.cycle = cycle
         return True
 
-    def renew(self) -> int:
-        """Begin a new lease and return the cycle at which it ends.
-
-        The lease ends when something else may act, or one cycle after the next posted write lands, if that is earlier.
-        """
-        quiet = self._clock.cycle_at(self._kernel.quiet_until())
-        self.lease = lease = quiet if quiet <= self.lands else self.lands + 1
-        return lease
-
     def rest(self, cycle: int) -> bool:
         """Set the times of the CPU and the kernel to `cycle` and return True, or sleep and return False.
 

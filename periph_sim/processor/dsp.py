@@ -16,7 +16,6 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING
 
-from greenlet import GreenletExit
 from msgspec import Struct, field
 
 from ..core.chip import Chip, Note
@@ -351,7 +350,7 @@ class Dsp(FirmwareView):
         self.resets += 1
         for callback in self.on_reset:
             callback()
-        self.processor.kill(GreenletExit)
+        self.processor.kill()
         self._reset_modules()
 
     def _reset_modules(self) -> None:

@@ -25,7 +25,6 @@ from ..f28335.i2c.module import I2c
 from ..f28335.i2c.register_map import SCL
 
 MARGIN = 2  # cycles added to each required time, since an edge between two cycles is sampled at the later cycle
-SCL_INDEX = 0  # index of SCL among the outputs of the module
 
 
 @final
@@ -43,7 +42,7 @@ class I2cModuleParty(BitParty):
     def act(self, tag: int) -> None:
         """End the skip: repeat the release of SCL for the first bit. The byte is then transferred edge by edge."""
         self._socket.reclock()
-        self._socket.repeat_output(SCL_INDEX, self._release_cause)
+        self._socket.repeat_release(self._release_cause)
 
     # Methods of a party -----------------------------------------------------------
 

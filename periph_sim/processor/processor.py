@@ -96,12 +96,11 @@ class Program:
         """True if main has returned, or an image has executed ESTOP0."""
         return self.returned_at is not None
 
-    def run(self, until: int) -> None:
+    def run(self) -> None:
         """Continue the program until it stops. If it has not ended, it is run again at the next wake-up of the CPU.
 
-        until: nothing else can act before this cycle, the end of the present lease. An access with an effect ends the
-        lease (`CpuTime.lease`). If `Processor.reach`, `rest`, `take_interrupt` or `iret` returns False, the program
-        must stop; the step is complete when the program is run again.
+        If `Processor.reach`, `rest`, `take_interrupt` or `iret` returns False, the program must stop; the step is
+        complete when the program is run again.
         """
         raise NotImplementedError
 
@@ -138,8 +137,8 @@ class Program:
     def release(self) -> None:
         """Free the resources of the program, which is not run again."""
 
-    def kill(self, how: type[BaseException]) -> None:
-        """End the program at its present position. how: the exception to raise in Python firmware."""
+    def kill(self) -> None:
+        """End the program at its present position."""
         self.spin = None
 
 
@@ -212,11 +211,11 @@ class Processor(Agent):
         self._cause = 0
         self.time.begin(delay)
 
-    def kill(self, how: type[BaseException]) -> None:
-        """End the program at its present position, and drop its posted writes. how: see `Program.kill`."""
+    def kill(self) -> None:
+        """End the program at its present position, and drop its posted writes."""
         self._forget()
         if self._program is not None:
-            self._program.kill(how)
+            self._program.kill()
             self._forget()  # again, because the program may have made accesses while it ended
 
     def _forget(self) -> None:
@@ -244,7 +243,7 @@ class Processor(Agent):
         self._outer, recorder.cause = recorder.cause, self._cause
         if (time.cycle >= self._goal or self.reach(self._goal)) and (not self._under_way or self._go_on()):
             assert self._program is not None
-            self._program.run(time.renew())
+            self._program.run()
             if self._program.stops_itself:
                 return
         self.stops()

@@ -41,14 +41,14 @@ class ScriptedProgram(Program):
         self.al = self.st0 = 0
         self.seen: list[tuple[int, int]] = []
         self.entered: list[tuple[int, int]] = []
-        self.runs: list[tuple[int, int]] = []  # until, and the cycle in which it stopped
+        self.runs: list[int] = []  # the cycles in which it stopped
         self._code = {begin + i: step for begin, steps in code.items() for i, step in enumerate(steps)}
         self._processor = processor
         self._doing = BOUNDARY
 
-    def run(self, until: int) -> None:
+    def run(self) -> None:
         self._execute()
-        self.runs.append((until, self._processor.time.cycle))
+        self.runs.append(self._processor.time.cycle)
 
     def _execute(self) -> None:
         processor, time = self._processor, self._processor.time

@@ -6,7 +6,6 @@ import sys
 from fractions import Fraction
 
 import pytest
-from greenlet import GreenletExit
 
 from periph_sim.core.chip import NEVER
 from periph_sim.f28335.cpu.interrupts import NMI
@@ -87,7 +86,7 @@ def test_firmware_that_is_ended_runs_its_finally_and_lands_no_write():
 
     bench.cpu.start(main, delay=5)
     bench.kernel.run_until(16 * TICKS)
-    bench.processor.kill(GreenletExit)
+    bench.processor.kill()
     bench.processor.time.reclock()  # of a CPU that waits for nothing
     assert bench.log == [("ended", 16)]
     bench.kernel.run_until(2000 * TICKS)
@@ -99,7 +98,7 @@ def test_firmware_that_is_ended_in_its_sleep_is_not_woken_by_an_interrupt():
     bench = Bench([])
     bench.cpu.start(lambda: bench.cpu.compute(1000))
     bench.kernel.run_until(10 * TICKS)
-    bench.processor.kill(GreenletExit)
+    bench.processor.kill()
     bench.processor.request(20, NMI)
     assert bench.kernel.next_time() == NEVER
 
@@ -108,28 +107,10 @@ def test_firmware_can_be_started_again():
     bench = Bench([])
     bench.cpu.start(lambda: (bench.cpu.compute(49), bench.flags.STATUS.__setattr__("all", 4), bench.cpu.compute(100)))
     bench.kernel.run_until(50 * TICKS)  # a write is on its way
-    bench.processor.kill(GreenletExit)
+    bench.processor.kill()
     bench.cpu.start(lambda: (bench.cpu.compute(30), bench.note("end")), delay=7)
     bench.kernel.run_until(1000 * TICKS)
     assert bench.log == [("end", 50 + 7 + 30)] and bench.cpu.program.finished
-
-
-def test_firmware_is_ended_by_the_exception_that_was_asked_for():
-    class Ended(BaseException):
-        pass
-
-    bench = Bench([])
-
-    def main() -> None:
-        try:
-            bench.cpu.compute(1000)
-        except Ended:
-            bench.note("ended")
-
-    bench.cpu.start(main)
-    bench.kernel.run_until(10 * TICKS)
-    bench.processor.kill(Ended)
-    assert bench.log == [("ended", 0)]
 
 
 def test_what_a_read_sets_off_cuts_into_the_computation_behind_it():

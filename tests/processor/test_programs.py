@@ -70,7 +70,7 @@ def test_it_is_run_up_to_where_something_else_acts_and_no_further():
     program = scripted(bench, work(47), Step(Op.LOAD, STATUS), Step(Op.LOAD, STATUS))
     bench.kernel.run_until(200 * TICKS)
     assert program.seen == [(0, 49), (3, 52)]
-    assert program.runs[0] == (50, 49)  # it may go on to before 50; the first load ends at 50
+    assert program.runs[0] == 49  # it may go on to before 50; the first load ends at 50
 
 
 def test_an_interrupt_meanwhile_waits_for_the_boundary():
@@ -237,7 +237,7 @@ def test_a_processor_without_a_program_says_so():
     processor = Bench([]).processor
     with pytest.raises(RuntimeError, match=r"dsp has no program; give it one with Processor\.start"):
         processor.program  # noqa: B018
-    processor.kill(SystemExit)
+    processor.kill()
     assert processor.causing_statement() is None
 
 
@@ -245,6 +245,6 @@ def test_a_program_that_is_none_says_what_is_missing():
     class Nothing(Program):
         pass
 
-    for call in (lambda p: p.run(0), lambda p: p.place(), lambda p: p.enter(0)):
+    for call in (lambda p: p.run(), lambda p: p.place(), lambda p: p.enter(0)):
         with pytest.raises(NotImplementedError):
             call(Nothing())

@@ -69,14 +69,10 @@ def test_endless_loop_is_stopped_with_its_line(tmp_path: Path, loop: str):
     ]
 
 
-def test_command_ends_with_status_1(periph_sim: Run, tmp_path: Path):
-    came = periph_sim("run", str(case_file(tmp_path, "while True:\n        pass")))
+def test_the_command_tells_it_once_and_ends_with_status_1(periph_sim: Run, tmp_path: Path):
+    came = periph_sim("run", str(case_file(tmp_path, "dsp.compute(1000)\n    while True:\n        pass")))
     assert (came.status, came.err) == (1, "") and "of busy.py" in came.out
-
-
-def test_it_is_told_once(periph_sim: Run, tmp_path: Path):
-    path = case_file(tmp_path, "dsp.compute(1000)\n    while True:\n        pass")
-    lines = periph_sim("run", str(path)).out.splitlines()
+    lines = came.out.splitlines()
     place = next(i for i, line in enumerate(lines) if "simulated; " in line)
     assert lines[place].startswith("6.667 us simulated; 0 I2C bytes, 0 SCI bytes, ")
     assert lines[place + 1].startswith("stuck: dsp let no simulated time pass")

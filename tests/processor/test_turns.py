@@ -181,7 +181,7 @@ def test_a_unit_is_ended_and_begun_again_while_another_waits():
             two.note("ended")
 
     def begin_again() -> None:
-        two.processor.kill(greenlet.GreenletExit)
+        two.processor.kill()
         two.cpu.start(lambda: (two.cpu.compute(10), two.note("again")), delay=5)
 
     one.cpu.start(waits(one, 4))
@@ -204,7 +204,7 @@ def test_firmware_that_is_ended_and_refuses_to_never_goes_on():
             bench.note("never")
 
     bench.cpu.start(firmware)
-    bench.kernel.call_at(20 * TICKS, lambda: bench.processor.kill(greenlet.GreenletExit))
+    bench.kernel.call_at(20 * TICKS, lambda: bench.processor.kill())
     Acts(bench, 30, lambda: bench.note("somebody else"))
     bench.kernel.run_until(1000 * TICKS)
     bench.cpu.start(lambda: bench.note("again"))
@@ -220,6 +220,7 @@ def test_a_run_may_end_in_the_middle_of_a_wait_and_go_on(cycles: int):
     for end in range(cycles, 2000, cycles):
         bench.kernel.run_until(end * TICKS)
         ends.append(bench.kernel.now)
+        assert bench.kernel.nested_owner is None
     whole = Bench(toggles(10))
     whole.run(waits(whole, 10), 2000)
     assert bench.log == whole.log and ends == [end * TICKS for end in range(cycles, 2000, cycles)]
@@ -254,7 +255,7 @@ def test_units_are_ended_from_outside_in_the_middle_of_two_waits():
     two.cpu.start(run(two, "two"))
     one.kernel.run_until(2000 * TICKS)
     for bench in (one, two):
-        bench.processor.kill(greenlet.GreenletExit)
+        bench.processor.kill()
     assert ended == ["one", "two"]
 
 
@@ -311,11 +312,3 @@ def test_a_program_that_is_to_go_on_in_what_it_began_itself_is_told():
     bench.kernel.schedule(10 * TICKS, Replays())
     with pytest.raises(RuntimeError, match="dsp cannot continue inside an event that it started itself"):
         bench.kernel.run_until(200 * TICKS)
-
-
-def test_nobody_helps_once_the_run_is_over():
-    bench = Bench(toggles(2))
-    bench.cpu.start(waits(bench, 2))
-    for cycle in (20, 130, 1000):
-        bench.kernel.run_until(cycle * TICKS)
-        assert bench.kernel.nested_owner is None and bench.kernel.now == cycle * TICKS

@@ -19,8 +19,6 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from greenlet import GreenletExit
-
 from ...core.restore import NotRestorable
 from ...f28335.memory.address_space import full_name
 from ..dsp import Dsp
@@ -217,5 +215,5 @@ def re_execute(firmware: HostFirmware, log: AccessLog, rest: tuple[int, int]) ->
 def restart(firmware: HostFirmware) -> None:
     """Start a program from its beginning, after `re_execute` has failed."""
     firmware.make_run = LoggedRun
-    firmware.dsp.processor.kill(GreenletExit)
+    firmware.dsp.processor.kill()
     firmware.dsp.cpu.start(firmware.main)

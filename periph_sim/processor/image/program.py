@@ -98,12 +98,12 @@ class ImageProgram(LoadedImage):
         if self._calls is not None:
             self._calls.began(self._entry, self._processor.time.cycle)
 
-    def kill(self, how: type[BaseException]) -> None:
+    def kill(self) -> None:
         """End the program, and its sleep if it sleeps, so that a later reset of registers does not wake it.
 
         how: not used.
         """
-        LoadedImage.kill(self, how)
+        LoadedImage.kill(self)
         time = self._processor.time
         now = self._clock.cycle_at(time.instant()[1])
         polls, loop = self.cpu.polls, self._counting
@@ -117,7 +117,7 @@ class ImageProgram(LoadedImage):
 
     # Execution ----------------------------------------------------------------------
 
-    def run(self, until: int) -> None:
+    def run(self) -> None:
         """Execute instructions until the program must stop."""
         try:
             self._run()

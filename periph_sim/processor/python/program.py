@@ -167,7 +167,7 @@ class PythonProgram(Program):
 
     # Turns -------------------------------------------------------------------
 
-    def run(self, until: int) -> None:
+    def run(self) -> None:
         """Continue this program. When it stops, `yield_turn` reports the stop to the processor.
 
         This call does not return when the program stops. It returns when the greenlet of its caller is resumed; another
@@ -227,15 +227,15 @@ class PythonProgram(Program):
         if self.stall_limit and self._stops:
             watch.leave(self._watched)
 
-    def kill(self, how: type[BaseException]) -> None:
-        """End the program: raise `how` in the firmware, so that its `finally` blocks run."""
-        Program.kill(self, how)
+    def kill(self) -> None:
+        """End the program: raise GreenletExit in the firmware, so that its `finally` blocks run."""
+        Program.kill(self)
         dying, self._greenlet = self._greenlet, None
         if dying is not None and not dying.dead:
             dying.parent = getcurrent()  # `throw` returns here when the firmware has ended, or has to wait
             self.thread = self._watched
             try:
-                dying.throw(how)
+                dying.throw(GreenletExit)
             finally:
                 self._end_watch()
 
@@ -252,7 +252,7 @@ class PythonProgram(Program):
 
     def end_quietly(self) -> None:
         with suppress(Exception, NoProgress), output_aside():
-            self.kill(GreenletExit)
+            self.kill()
 
     def instant(self) -> tuple[int, int]:
         """Return two numbers. At least one of them changes whenever simulated time passes."""

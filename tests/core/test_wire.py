@@ -23,6 +23,13 @@ def wired(*who: str):
     return kernel, wire, [wire.attach(name) for name in who], told
 
 
+def recorded(*kinds: Kind) -> tuple[Kernel, Recorder, Wire, list[Record]]:
+    """A wire, and the list of its records of these kinds."""
+    kernel, recorder, seen = Kernel(), Recorder(), list[Record]()
+    recorder.subscribe(kinds, seen.append)
+    return kernel, recorder, Wire(kernel, "SDA", recorder), seen
+
+
 def test_low_wins_and_the_last_to_let_go_raises_the_line():
     kernel, wire, (a, b), told = wired("controller", "target")
     for tick, pin, level in ((1, a, 0), (2, b, 0), (3, a, 1), (4, b, 1)):
@@ -106,9 +113,7 @@ def test_watching_nothing_is_a_mistake():
 @given(st.permutations([(0, 1), (1, 2), (2, 3)]), st.integers(0, 1))
 def test_the_cause_of_an_edge_does_not_depend_on_the_order_of_calls(calls: list[tuple[int, int]], level: int):
     """It is the last record under which anybody pulled, for a fall, or let go, for a rise."""
-    kernel, recorder, seen = Kernel(), Recorder(), list[Record]()
-    recorder.subscribe([Kind.EDGE], seen.append)
-    wire = Wire(kernel, "SDA", recorder)
+    kernel, recorder, wire, seen = recorded(Kind.EDGE)
     pins = [wire.attach(name) for name in "abc"]
     for pin in pins:
         pin.drive(1 - level)
@@ -177,9 +182,7 @@ def test_the_level_is_the_and_of_all_parties(moves):
 
 
 def test_an_edge_is_recorded_with_who_pulls_and_is_the_cause_of_what_follows():
-    kernel, recorder, seen = Kernel(), Recorder(), []
-    recorder.subscribe([Kind.EDGE, Kind.NOTE], seen.append)
-    wire = Wire(kernel, "SDA", recorder)
+    kernel, recorder, wire, seen = recorded(Kind.EDGE, Kind.NOTE)
     pin = wire.attach("target")
     watch([wire], lambda tick, level: recorder.emit(tick, Kind.NOTE, "watcher", "heard", level))
     kernel.call_at(4, lambda: pin.drive(0))
@@ -202,9 +205,7 @@ def test_who_holds_a_low_is_recorded_when_it_changes():
     c                  \\__/       at the instant at which b lets go: a hand-over
     EDGE  a            HOLD: "a, b", "b", then "c", and the rise
     """
-    kernel, recorder, seen = Kernel(), Recorder(), []
-    recorder.subscribe([Kind.EDGE, Kind.HOLD], seen.append)
-    wire = Wire(kernel, "SCL", recorder)
+    kernel, _, wire, seen = recorded(Kind.EDGE, Kind.HOLD)
     a, b, c = (wire.attach(name) for name in "abc")
     moves = {1: [(a, 0)], 3: [(b, 0)], 4: [(a, 1), (a, 1)], 6: [(b, 1), (c, 0)], 8: [(c, 1)]}
     for tick, moved in moves.items():
@@ -221,9 +222,7 @@ def test_who_holds_a_low_is_recorded_when_it_changes():
 
 
 def test_who_joins_in_holding_a_line_is_the_effect_of_what_it_was_made_under():
-    kernel, recorder, seen = Kernel(), Recorder(), []
-    recorder.subscribe([Kind.EDGE, Kind.HOLD], seen.append)
-    wire = Wire(kernel, "SCL", recorder)
+    kernel, _, wire, seen = recorded(Kind.EDGE, Kind.HOLD)
     a, b = wire.attach("a"), wire.attach("b")
     watch([wire], lambda tick, level: b.drive(0))
     kernel.call_at(1, lambda: a.drive(0))

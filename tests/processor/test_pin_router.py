@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import partial
 
-from periph_sim.core.wire import Pin
 from periph_sim.processor.dsp import Dsp
 from tests.processor.test_dsp import run, unit
 
@@ -22,13 +21,9 @@ def sci_on_gpio28(dsp: Dsp) -> None:
     dsp.module("SCI-A").SCICTL1.all = 0x21
 
 
-def held_low(pin: Pin) -> None:
-    pin.drive(0)
-
-
 def test_a_pad_that_is_low_when_the_multiplexer_gives_it_to_the_sci_begins_a_start_bit_then():
     dsp, kernel, wires = unit("GPIO", "SCI-A", RXD=28)
-    held_low(wires["RXD"].attach("hand"))
+    wires["RXD"].attach("hand").drive(0)
     cycles: list[int] = []
 
     def main() -> None:

@@ -22,15 +22,10 @@ from periph_sim.processor.user_code import FirmwareError
 from tests.processor.bench import Bench, unit
 
 
-def cost_of(frame: Frame, access: str, options: SystemOptions | None = None, times: int = 1, base: int = 0x3000):
-    """Cycles of `times` accesses in a row to a module outside of the protected block."""
-    return cost_and_options_of(frame, access, options, times, base)[0]
-
-
 def cost_and_options_of(
     frame: Frame, access: str, options: SystemOptions | None = None, times: int = 1, base: int = 0x3000
 ) -> tuple[int, set[str]]:
-    """The same, and the options that the run depended on."""
+    """Cycles of `times` accesses in a row to a module outside of the protected block, and the options assumed."""
     bench = Bench([], frame=frame, options=options, base=base)
 
     def main() -> None:
@@ -47,8 +42,8 @@ def cost_and_options_of(
 @pytest.mark.rule("SYS-034", "SYS-035", "SYS-037", "I2C-006")
 @pytest.mark.parametrize(("frame", "read", "write"), [(Frame.PF0, 2, 1), (Frame.PF1, 3, 1), (Frame.PF2, 3, 1)])
 def test_an_access_costs_one_cycle_and_its_frames_wait_states(frame, read, write):
-    assert cost_of(frame, "read") == read
-    assert cost_of(frame, "write") == write
+    assert cost_and_options_of(frame, "read")[0] == read
+    assert cost_and_options_of(frame, "write")[0] == write
 
 
 @pytest.mark.rule("SYS-037")
@@ -71,7 +66,7 @@ def test_open_pf1_back_to_back_write(extra):
     cost, listed = cost_and_options_of(Frame.PF1, "write", options, times=3)
     assert (cost, listed) == (3 + 2 * extra, {"pf1_back_to_back_write", "write_lands"})
     assert cost_and_options_of(Frame.PF1, "write", options) == (1, {"write_lands"})
-    assert cost_of(Frame.PF2, "write", options, times=3) == 3
+    assert cost_and_options_of(Frame.PF2, "write", options, times=3)[0] == 3
 
 
 @pytest.mark.rule("SYS-036")

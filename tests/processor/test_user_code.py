@@ -55,11 +55,6 @@ def test_a_hook_that_never_returns_is_stopped_with_its_line(tmp_path: Path, hook
     assert told in [f"device mine did not return within 0.3 s of CPU time at line {line} of mine.py" for line in lines]
 
 
-def test_the_command_ends_with_status_1(periph_sim: Run, tmp_path: Path):
-    came = periph_sim("run", str(case_of(tmp_path, on_read=LOOP)))
-    assert (came.status, came.err) == (1, "") and "stuck: device mine did not return" in came.out
-
-
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [("class Device:", "while True: pass\nclass Device:", 1), ("self.bus = bus", LOOP, 3)],

@@ -20,10 +20,8 @@ FUNCTION = re.compile(r" *cp?def .*?(\w+)\([^()]*\)")
 # LOCALS maps the type of a local variable to its spelling in C. Python's own types and compiled classes are left out.
 LOCALS = {
     "cython.bint": "int ",
-    "cython.double": "double ",
     "cython.int": "int ",
     "cython.longlong": "PY_LONG_LONG ",
-    "cython.Py_ssize_t": "Py_ssize_t ",
     "cython.uint": "unsigned int ",
 }
 PYTHONS_OWN = ("bytearray", "bytes", "dict", "list", "object", "set", "str", "tuple")  # all are `PyObject *` in C

@@ -11,11 +11,12 @@ from __future__ import annotations
 
 import dataclasses
 import re
+import sys
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from pathlib import Path
-from types import NoneType
+from types import NoneType, SimpleNamespace
 from typing import (
     Annotated,
     Any,
@@ -108,15 +109,28 @@ def convert(kind: type[T], tree: object) -> T:
 
 @dataclasses.dataclass
 class Key:
-    """A key of a table. name: the name of the field that gets the key's value. default: NOTHING for a required key."""
+    """A key of a table.
+
+    name: the name of the field that gets the key's value.
+    default: the default of the field; NOTHING for a required key.
+    said: the annotation of the field, which may be text.
+    names: the names of the module of the class that has the annotation.
+    """
 
     name: str
-    annotation: Any
     default: Any
+    said: Any
+    names: dict[str, Any]
 
     @property
     def is_required(self) -> bool:
         return self.default is NOTHING
+
+    @cached_property
+    def annotation(self) -> Any:
+        """The annotation of the field. Names are looked up at the first use, because a file may not use the key."""
+        alone: Any = SimpleNamespace(__annotations__={self.name: self.said})
+        return get_type_hints(alone, self.names, include_extras=True)[self.name]
 
     @cached_property
     def convert(self) -> Converter:
@@ -124,25 +138,47 @@ class Key:
         return converter_of(self.annotation)
 
 
+def own_annotations(kind: type) -> Mapping[str, Any]:
+    """Return the annotations of a class without those of its bases; types may still be text.
+
+    In Python 3.14, a class stores a function that returns its annotations, instead of the annotations themselves.
+    """
+    if sys.version_info >= (3, 14):
+        from annotationlib import Format, get_annotations
+
+        return get_annotations(kind, format=Format.FORWARDREF)
+    found: Mapping[str, Any] = vars(kind).get("__annotations__", {})
+    return found
+
+
+def _key(kind: Any, name: str, default: object) -> Key:
+    owner = next(base for base in kind.__mro__ if name in own_annotations(base))
+    module = sys.modules.get(owner.__module__)
+    return Key(name, default, own_annotations(owner)[name], {} if module is None else vars(module))
+
+
 @lru_cache(maxsize=256)  # bounded, because a firmware file that is loaded again has new classes
 def keys_of(kind: Any) -> dict[str, Key]:
     """Return the keys of a table by their names in files, in the order of the fields."""
-    hints = get_type_hints(kind, include_extras=True)
     if is_typeddict(kind):
+        hints = get_type_hints(kind, include_extras=True)
         # If annotations are strings, `__required_keys__` also contains keys that are NotRequired.
         required = {name for name in kind.__required_keys__ if get_origin(hints[name]) is not NotRequired}
-        return {name: Key(name, hint, NOTHING if name in required else None) for name, hint in hints.items()}
+        return {name: _key(kind, name, NOTHING if name in required else None) for name in hints}
     found = {}
     if dataclasses.is_dataclass(kind):
         for field in dataclasses.fields(kind):
             if field.init:
                 has_none = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
-                found[field.name] = Key(field.name, hints[field.name], NOTHING if has_none else field.default)
+                found[field.name] = _key(kind, field.name, NOTHING if has_none else field.default)
         return found
-    for one in msgspec.structs.fields(kind):
-        if not one.name.startswith("_") and one.name != getattr(kind, "OTHERS", ""):
-            default = one.default if one.default_factory is msgspec.NODEFAULT else one.default_factory()
-            found[one.encode_name] = Key(one.name, hints[one.name], NOTHING if one.required else default)
+    names, defaults = kind.__struct_fields__, kind.__struct_defaults__
+    padded = (msgspec.NODEFAULT,) * (len(names) - len(defaults)) + defaults
+    for name, said, default in zip(names, kind.__struct_encode_fields__, padded, strict=True):
+        if not name.startswith("_") and name != getattr(kind, "OTHERS", ""):
+            # msgspec stores the defaults {} and [] as factories.
+            value = default.factory() if hasattr(default, "factory") else default
+            found[said] = _key(kind, name, NOTHING if value is msgspec.NODEFAULT else value)
     return found
 
 

@@ -170,6 +170,16 @@ def test_keys_that_contradict_each_other_are_told_of_the_table():
         assert [(one.place, one.what) for one in caught.value.mistakes] == [((), what)]
 
 
+@dataclass
+class WithCache:
+    gain: int = 1
+    cache: OnlyForTypeCheckers | None = field(init=False, default=None)  # noqa: F821
+
+
+def test_the_type_of_a_field_that_is_no_key_is_not_looked_up():
+    assert convert(WithCache, {"gain": 3}) == WithCache(3)
+
+
 def test_a_dataclass_inside_refuses_a_key_that_it_has_not():
     with pytest.raises(BadTable, match=r"costs\.egde: there is no such key"):
         convert(Settings, {"costs": {"egde": "5 ms"}})

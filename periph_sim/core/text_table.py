@@ -126,8 +126,5 @@ def _longest(cell: str) -> int:
 
 def _longest_word(cell: str) -> int:
     """Return the length of the longest word of a cell with the indentation of its line."""
-    found = 0
-    for line in cell.split("\n"):
-        start = len(line) - len(line.lstrip())
-        found = max([found, *(start + len(word) for word in line.split())])
-    return found
+    lines = [(len(line) - len(line.lstrip()), line.split()) for line in cell.split("\n")]
+    return max((start + len(word) for start, words in lines for word in words), default=0)

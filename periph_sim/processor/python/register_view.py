@@ -257,11 +257,9 @@ def register_port(cpu: Cpu, place: ModuleRange, register: Register) -> RegisterP
 
 
 def _ports_of(where: str, register: Register) -> Ports:
-    named: list[tuple[str, int, Field | None]] = []
-    for f in register.fields:
-        named.append((f.name, (LOW if f.mask & 0xFFFF else 0) | (HIGH if f.mask >> 16 else 0), f))
-    named.append(("all", BOTH if register.width == 32 or register.upper else LOW, None))
-    fields = _fields(where, register, named)
+    words_of = {f.name: (LOW if f.mask & 0xFFFF else 0) | (HIGH if f.mask >> 16 else 0) for f in register.fields}
+    named = [(f.name, words_of[f.name], f) for f in register.fields]
+    fields = _fields(where, register, [*named, ("all", BOTH if register.width == 32 or register.upper else LOW, None)])
     names = tuple(f.name for f in register.fields)
     if not register.upper:
         return register, _class(where, names, fields), fields

@@ -18,7 +18,6 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from threading import get_ident, local
-from types import CodeType
 from typing import final
 from weakref import WeakSet
 
@@ -85,6 +84,7 @@ class PythonProgram(Program):
     stall_limit: seconds of CPU time that the firmware may take at one instant of simulated time; 0 if unlimited.
     placed: returns the present statement of firmware that is not written in Python; None for Python firmware.
     thread: the id of the thread that executes the firmware now; 0 if none does.
+    places: the statements of the firmware that is written in Python.
     """
 
     __weakref__: object
@@ -101,7 +101,7 @@ class PythonProgram(Program):
         self._kernel: Kernel = processor.kernel
         self._processor = processor
         self._code: dict[int, Handler] = {}  # maps a code address to the service routine
-        self._places = SourceLocator()
+        self.places = SourceLocator()
         self._greenlet: greenlet | None = None
         self._leftovers: list[PythonProgram] = []  # `leftovers` of the thread that has begun this program
         self._watched: BigInt = 0  # the id of the thread that has begun the firmware
@@ -270,11 +270,7 @@ class PythonProgram(Program):
         running = self._greenlet
         if running is None or running.dead:
             return None
-        return self._places.of_frame(sys._getframe() if getcurrent() is running else running.gr_frame)
-
-    def place_in(self, code: CodeType, line: int) -> SourceLocation | None:
-        """Return what `place` returns while this line of a code object is executed; None if that is unknown."""
-        return None if self.placed is not None else self._places.of_line(code, line)
+        return self.places.of_frame(sys._getframe() if getcurrent() is running else running.gr_frame)
 
     def handle(self, vector: Text, routine: Handler) -> None:
         """Make `routine` the service routine of a vector: store its code address in the vector table of the PIE.
@@ -306,4 +302,4 @@ class PythonProgram(Program):
                 f"no handler; it has {', '.join(self.handlers) or 'none'}. {advice}"
             )
         self.entered = routine
-        return self._places.of_routine(routine) or ""
+        return self.places.of_routine(routine) or ""

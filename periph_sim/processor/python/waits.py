@@ -131,7 +131,9 @@ class Recogniser:
             query.known = True
             query.found = found = None if sys.gettrace() is not None else comparison_of(code)
             if found is not None:
-                query.place, query.where = found[0], self._program.place_in(code, found[-1])
+                program = self._program
+                query.place = found[0]
+                query.where = None if program.placed is not None else program.places.of_line(code, found[-1])
         if query.place < 0:
             return None
         try:

@@ -93,11 +93,9 @@ class Kernel:
         self._ranks += 1
         return self._ranks
 
-    def call_at(self, time: int, action: Action, phase: int = TIMER) -> Event:
-        """Schedule a call of `action` at `time` (ticks) and return the event. Raise ValueError if `time` is past."""
-        event = self.schedule(time, Call(action), 0, phase)
-        event.plain = True
-        return event
+    def call_at(self, time: int, action: Action, phase: int = TIMER) -> None:
+        """Schedule a call of `action` at `time` (ticks). Raise ValueError if `time` is past."""
+        self.schedule(time, Call(action), 0, phase).plain = True
 
     def schedule(self, time: int, agent: Agent, tag: int = 0, phase: int = TIMER) -> Event:
         """Schedule `agent.act(tag)` at `time` (ticks) and return the event. Raise ValueError if `time` is past."""

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, cast
 
+from ..timing.measures.measure import MeasuredScene
 from . import parts
 
 if TYPE_CHECKING:
-    from ..core.wire import Wire
     from ..devices.watchers import WireWatcher
     from ..f28335.i2c.options import I2cOptions
     from ..processor.dsp import Dsp
@@ -19,53 +19,35 @@ if TYPE_CHECKING:
     from .serial.side import SerialSide
 
 
-class MeasuredParts:
-    """The parts of a scene that measures use; see `timing.measures.measure.MeasuredScene`."""
+def measured_scene(
+    context: SceneContext,
+    wires: SceneWires,
+    units: Mapping[str, Dsp],
+    bus: BusSide,
+    serial: SerialSide | None,
+) -> MeasuredScene:
+    """Return the values and functions of a scene that measures use. A function is called only when a measure needs it."""
 
-    def __init__(
-        self,
-        context: SceneContext,
-        wires: SceneWires,
-        units: Mapping[str, Dsp],
-        bus: BusSide,
-        serial: SerialSide | None,
-    ) -> None:
-        self._context = context
-        self._wires = wires
-        self._units = units
-        self._bus = bus
-        self._serial = serial
+    def on_reply(reply: Reply) -> tuple[Expected, Callable[[], str]]:
+        assert serial is not None
+        return serial.on_reply(reply)
 
-    def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        assert self._serial is not None
-        return self._serial.on_reply(reply)
+    def on_unsolicited(measure: Unsolicited) -> tuple[Callable[[tuple[int, ...]], str], Callable[[], str]]:
+        assert serial is not None
+        return serial.on_unsolicited(measure)
 
-    def on_unsolicited(self, measure: Unsolicited) -> tuple[Callable[[tuple[int, ...]], str], Callable[[], str]]:
-        assert self._serial is not None
-        return self._serial.on_unsolicited(measure)
+    def watcher(measure: WatchedWire) -> WireWatcher:
+        return parts.watch.watcher_of(context.case, wires, context.timebase, context.start, measure)
 
-    def watcher(self, measure: WatchedWire) -> WireWatcher:
-        context = self._context
-        return parts.watch.watcher_of(context.case, self._wires, context.timebase, context.start, measure)
-
-    def rounds_at_start(self) -> Callable[[], bool]:
-        return self._bus.rounds.at_start
-
-    def began(self) -> int:
-        return self._context.start
-
-    def wire(self, name: str) -> Wire:
-        return self._wires.wire(name)
-
-    def value_of(self, place: str, name: str) -> int:
+    def value_of(place: str, name: str) -> int:
         unit, _, module = place.partition(".")
-        if module not in self._units[unit].sockets:
-            return parts.image_watching.variable_value(self._units[unit], name)
-        socket = self._units[unit].sockets[module]
+        if module not in units[unit].sockets:
+            return parts.image_watching.variable_value(units[unit], name)
+        socket = units[unit].sockets[module]
         chip = socket.chip
         register_name, _, field_name = name.partition(".")
         register = chip.MAP[register_name]
-        cycle = self._units[unit].clock.cycle_at(self._context.kernel.now)
+        cycle = units[unit].clock.cycle_at(context.kernel.now)
         touched = frozenset(chip.touched)
         value = socket.peek(cycle, register.offset)
         if register.width == 32:
@@ -73,15 +55,25 @@ class MeasuredParts:
         chip.touched.intersection_update(touched)  # a read by a measure does not count as a use of an option
         return register[field_name].extract(value)
 
-    def ticks_per_second(self) -> int:
-        return self._context.timebase.per_second
+    def clock_history(unit: str) -> list[tuple[int, Fraction]]:
+        return units[unit or next(iter(units))].clock_history
 
-    def clock_history(self, unit: str) -> list[tuple[int, Fraction]]:
-        return self._units[unit or next(iter(self._units))].clock_history
-
-    def i2c_release_delay(self, unit: str) -> Callable[[int], int]:
-        dsp = self._units[unit]
+    def i2c_release_delay(unit: str) -> Callable[[int], int]:
+        dsp = units[unit]
         i2c = cast("I2cOptions", dsp.plan.options["i2c"])
         return parts.release_delay.ReleaseDelay(
-            self._context.kernel, dsp.clock, dsp.sockets["I2C-A"], i2c, dsp.plan.system
+            context.kernel, dsp.clock, dsp.sockets["I2C-A"], i2c, dsp.plan.system
         ).ticks
+
+    return MeasuredScene(
+        began=context.start,
+        ticks_per_second=context.timebase.per_second,
+        wire=wires.wire,
+        value_of=value_of,
+        clock_history=clock_history,
+        i2c_release_delay=i2c_release_delay,
+        rounds_at_start=lambda: bus.rounds.at_start,
+        watcher=watcher,
+        on_reply=on_reply,
+        on_unsolicited=on_unsolicited,
+    )

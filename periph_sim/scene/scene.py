@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from functools import partial
+from functools import cached_property, partial
 from time import perf_counter
 from typing import TYPE_CHECKING
 from weakref import finalize, proxy
@@ -25,7 +25,6 @@ from . import parts
 from .bus_side import SPIKE, BusSide
 from .case.model import Case
 from .context import SceneContext, SceneWires
-from .measured_parts import MeasuredParts
 from .plan import ScenePlan
 from .result import Result, result_of
 from .stuck_lines import StuckLines, doing
@@ -46,6 +45,7 @@ if TYPE_CHECKING:
     from ..devices.truth import Truth
     from ..processor.dsp import Dsp
     from ..timing.budgets import BudgetJudge
+    from ..timing.measures.measure import MeasuredScene
     from ..timing.verdict import Verdict
     from .devices import DeviceOnBus, NoteLog
     from .firmware_loader import Firmware
@@ -139,7 +139,7 @@ class Scene:
         self._wall = 0.0  # seconds of real time that the run has taken
         wire = self.wires.wire
         context = SceneContext(case, self.timebase, self.start, self.kernel, self.recorder, wire, wiring)
-        self.measured = MeasuredParts(context, self.wires, self.units, self.bus, serial)
+        self._context, self._serial = context, serial
         for name in case.unit:
             program = (programs or {}).get(name)
             self.units[name], self.firmware[name], model = parts.unit.build_unit(
@@ -181,7 +181,8 @@ class Scene:
             self.wires.wire(transceiver.pair)
         if case.fault:
             self.faults = parts.faults.build_faults(context, self.wires, self.units)
-        self.uart = UartSide(context, self.wires, self.units, self.host_agent, serial, self.measured)
+        measured = None if serial is None else self.measured
+        self.uart = UartSide(context, self.wires, self.units, self.host_agent, serial, measured)
         self._there = {  # for each part that measures may need: True if this scene has it
             "": True,
             "controller": self.head is not None,
@@ -231,9 +232,11 @@ class Scene:
             if isinstance(judged, Reply | Unsolicited) and judged.name and judged.name not in expected:
                 what = f"{what.format(judged.name)}; {did_you_mean(judged.name, expected)}"
                 raise self.case.mistake(what, "budget", entry, "measure")
-        if self.truth is None and needs == "host" and limit.measure.unit == "LSB":
-            what = f"{limit.budget.measure!r} of sensor models needs a motion to compare with; give [host.motion]"
-            raise self.case.mistake(what, "budget", entry, "measure")
+
+    @cached_property
+    def measured(self) -> MeasuredScene:
+        """The values and functions of this scene that measures use. Without measures, their modules are not loaded."""
+        return parts.measured_parts.measured_scene(self._context, self.wires, self.units, self.bus, self._serial)
 
     def wire(self, name: str) -> Wire:
         return self.wires.wire(name)

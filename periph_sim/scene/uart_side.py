@@ -38,7 +38,10 @@ LARGEST_DIFFERENCE = Fraction(1, 20)  # maximum relative difference of two rates
 
 
 class UartSide:
-    """The serial lines of a scene. host: the host on RX, or None. serial: the parties in [serial], or None."""
+    """The serial lines of a scene.
+
+    host: the host on RX, or None. serial: the parties in [serial], or None. measured: for `serial`, what events use.
+    """
 
     def __init__(
         self,
@@ -47,7 +50,7 @@ class UartSide:
         units: Mapping[str, Dsp],
         host: HostAgent | None,
         serial: SerialSide | None,
-        events: MeasuredScene,
+        measured: MeasuredScene | None,
     ) -> None:
         self._units = units
         self._serial = serial
@@ -78,9 +81,9 @@ class UartSide:
             from .pairs import Pairs
 
             self._pairs = Pairs(context, lambda unit, module: lines[unit, module])
-        if serial is not None and self._pairs is not None:
+        if serial is not None and self._pairs is not None and measured is not None:
             serial.attach(context, self._pairs)
-            serial.listen(events)
+            serial.listen(measured)
             self._lines |= serial.lines()
         if self._pairs is not None:
             self._lines |= self._pairs.lines()

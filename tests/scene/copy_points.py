@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from periph_sim.scene.case.model import Case
-from periph_sim.scene.scene import Scene
+from periph_sim import Case, Scene
 
 DATA = "11 22 33 44 55 66"
 POINTS = ("any_ack_fall9", "ack_fall9", "ack_rise9", "eager", "eager_if_trx", "eager_reloaded_at_address")

@@ -6,10 +6,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
 
-from periph_sim.scene.case.load import load
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.result import Result
-from periph_sim.scene.scene import Scene
+from periph_sim import Firmware, Result, Scene, load
 from tests.firmware_mutants.trials import compiled
 from tests.scene.runs import TIMING
 

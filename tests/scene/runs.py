@@ -8,14 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from periph_sim import Case, Result, Scene, load
 from periph_sim.bus.i2c.transfer import Transfer
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.records.recording import Subscribe
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import Case
-from periph_sim.scene.result import Result
-from periph_sim.scene.scene import Scene
 from periph_sim.traces.capture.capture import Capture, Channel
 
 TIMING = Path(__file__).parents[2] / "timing"

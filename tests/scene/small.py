@@ -7,11 +7,8 @@ from typing import Any
 
 import pytest
 
-from periph_sim.processor.dsp import Dsp
+from periph_sim import Case, Dsp, Firmware, Scene
 from periph_sim.scene import unit as unit_module
-from periph_sim.scene.case.model import Case
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.scene import Scene
 
 
 def case(duration: str = "10 ms", **more: Any) -> Case:

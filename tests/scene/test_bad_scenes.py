@@ -7,11 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.processor.user_code import FirmwareError
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase
+from periph_sim import BadCase, FirmwareError, Scene, load
 from periph_sim.scene.firmware_loader import BadFirmware, load_firmware
-from periph_sim.scene.scene import Scene
 from periph_sim.timing.language.language import FORMS
 from periph_sim.timing.measures.registry import MEASURES
 from tests.scene.small import case

@@ -16,15 +16,10 @@ from random import Random
 
 import pytest
 
+from periph_sim import Case, Dsp, Firmware, Result, Scene, load
 from periph_sim.core.records import RECORDED, Kind, Record
-from periph_sim.processor.dsp import Dsp
 from periph_sim.records.races import races
 from periph_sim.records.run import Run as RecordedRun
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import Case
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.result import Result
-from periph_sim.scene.scene import Scene
 from periph_sim.traces.formats.record_table import Columns
 from tests.profiles import explores
 from tests.scene import small

@@ -12,11 +12,8 @@ from random import Random
 
 import pytest
 
+from periph_sim import Dsp, Firmware, Scene, load
 from periph_sim.core.records import RECORDED, Record
-from periph_sim.processor.dsp import Dsp
-from periph_sim.scene.case.load import load
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.scene import Scene
 from tests.profiles import explores
 from tests.scene import small
 from tests.scene.runs import TIMING

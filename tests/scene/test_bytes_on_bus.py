@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import Scene, load
 from periph_sim.bus.i2c.line_observers import BusRecorder
-from periph_sim.scene.case.load import load
-from periph_sim.scene.scene import Scene
 
 TIMING = Path(__file__).parents[2] / "timing"
 

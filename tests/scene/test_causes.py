@@ -10,14 +10,10 @@ from fractions import Fraction
 
 import pytest
 
+from periph_sim import Case, Dsp, Firmware, Scene, load
 from periph_sim.core.records import RECORDED, Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.firmware import start_i2c
-from periph_sim.processor.dsp import Dsp
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import Case
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.scene import Scene
 from tests.scene.runs import TIMING
 from tests.scene.small import case
 

@@ -9,14 +9,10 @@ from typing import Any
 
 import pytest
 
+from periph_sim import Dsp, Firmware, Result, Scene, load
 from periph_sim.core.phrases import counted
 from periph_sim.firmware import sci_fifo_receiver, start_i2c, start_pin
-from periph_sim.processor.dsp import Dsp
 from periph_sim.scene import unit as unit_module
-from periph_sim.scene.case.load import load
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.result import Result
-from periph_sim.scene.scene import Scene
 from tests.interfaces.commands.conftest import Run, desk, periph_sim
 from tests.scene.runs import TIMING
 from tests.scene.small import case, scene_with
@@ -197,9 +193,13 @@ def test_a_running_timer_whose_interrupt_may_help_keeps_the_wait_alive(monkeypat
 
 
 def test_firmware_that_sleeps_is_said_to_sleep(monkeypatch: pytest.MonkeyPatch):
-    scene = scene_with(monkeypatch, lambda dsp: dsp.cpu.idle(), [])
+    def sleeps(dsp: Dsp) -> None:
+        dsp.cpu.idle()
+
+    scene = scene_with(monkeypatch, sleeps, [])
     scene.run()
-    assert scene.doing(scene.units["dsp"]) == "waits in IDLE for an interrupt at line 200 of test_deadlock.py"
+    line = sleeps.__code__.co_firstlineno + 1
+    assert scene.doing(scene.units["dsp"]) == f"waits in IDLE for an interrupt at line {line} of test_deadlock.py"
 
 
 # The bus held ------------------------------------------------------------------

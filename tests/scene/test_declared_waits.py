@@ -6,11 +6,9 @@ from typing import Any
 
 import pytest
 
+from periph_sim import FirmwareError, Result, load
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.processor.user_code import FirmwareError
-from periph_sim.scene.case.load import load
-from periph_sim.scene.result import Result
 from tests.scene.runs import TIMING, run_case
 
 WRITES = (

@@ -10,13 +10,10 @@ from typing import Any
 
 import pytest
 
+from periph_sim import BadCase, Case, Dsp, Scene, load
 from periph_sim.core.time import NO_TIME
 from periph_sim.devices.host_frames import host_frames
-from periph_sim.processor.dsp import Dsp
 from periph_sim.scene import derived_records
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase, Case
-from periph_sim.scene.scene import Scene
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.derived import error_records
 from periph_sim.timing.derived.origins import FrameOrigins, Origin

@@ -9,10 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import Case, Scene, load
 from periph_sim.records.recording import recording
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import Case
-from periph_sim.scene.scene import Scene
 from periph_sim.traces import formats
 from tests.scene.runs import TIMING
 

@@ -6,14 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import timing
+from periph_sim import BadCase, Scene, load, timing
 from periph_sim.core.records import RECORDED, Kind
 from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.f28335.pie.register_map import LINES
 from periph_sim.processor.interrupts import pie_lines
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.scene import Scene
 from periph_sim.scene.scope import scope_of_case
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.language.scope import MAPS, VECTORS

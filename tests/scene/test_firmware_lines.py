@@ -18,10 +18,8 @@ from pathlib import Path
 from types import CodeType, FrameType
 from typing import Any
 
-from periph_sim import form
+from periph_sim import Scene, form, load
 from periph_sim.interfaces.reports.profile import covered_files, profiled
-from periph_sim.scene.case.load import load
-from periph_sim.scene.scene import Scene
 from tests.scene.runs import TIMING
 
 FIRMWARE = TIMING.parent / "firmware" / "python"

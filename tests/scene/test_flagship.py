@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 import pytest
 
-from periph_sim.scene.case.load import load
+from periph_sim import Scene, load
 from periph_sim.scene.firmware_loader import load_firmware
-from periph_sim.scene.scene import Scene
 from tests.profiles import explores
 from tests.scene.late_code import SOURCES, WRITE, changed, cycle, kept, late
 from tests.scene.runs import TIMING, run_file

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.scene.case.load import load
-from periph_sim.scene.scene import Scene
+from periph_sim import Scene, load
 from tests.scene.late_code import SOURCES, changed
 from tests.scene.runs import TIMING
 

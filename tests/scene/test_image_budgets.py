@@ -6,13 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import BadCase, Scene, load
 from periph_sim.core.records import Kind, Record
 from periph_sim.processor.image_files.assemble import assemble
 from periph_sim.processor.image_files.coff2 import write
 from periph_sim.records.cause_trace.why import text, why
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.scene import Scene
 from tests.interfaces.reports.explain.made import explain
 from tests.records.scenes import recorded
 

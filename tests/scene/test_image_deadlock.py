@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.scene.result import Result
-from periph_sim.scene.scene import Scene
+from periph_sim import Result, Scene
 from tests.scene.small import case
 
 PROGRAM = """

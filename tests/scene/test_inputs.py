@@ -15,13 +15,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim import BadCase, Dsp, FirmwareError, Scene, load, make_case
+from periph_sim import BadCase, Case, Dsp, Firmware, FirmwareError, Scene, load, make_case
 from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.table import Spread
 from periph_sim.core.time import NO_TIME, Timebase
-from periph_sim.scene.case.model import Case
-from periph_sim.scene.firmware_loader import Firmware, settings_for
+from periph_sim.scene.firmware_loader import settings_for
 from periph_sim.timing.rounds import BusRounds, MasterSchedule
 from tests.scene.runs import TIMING
 

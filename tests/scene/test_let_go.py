@@ -14,13 +14,10 @@ from weakref import ref
 
 import pytest
 
+from periph_sim import Dsp, Firmware, Scene, load
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.sampler import watch
-from periph_sim.processor.dsp import Dsp
 from periph_sim.processor.image.program import ImageProgram
-from periph_sim.scene.case.load import load
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.scene import Scene
 from tests.scene.runs import TIMING
 from tests.scene.small import case
 

@@ -7,12 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import BadCase, Case, Firmware, Run, Scene
 from periph_sim.core.records import Kind
 from periph_sim.records.recording import recording
-from periph_sim.records.run import Run
-from periph_sim.scene.case.model import BadCase, Case
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.scene import Scene
 
 HOURS = 3
 

@@ -10,12 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import Dsp, Scene, load
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_i2c
-from periph_sim.processor.dsp import Dsp
 from periph_sim.records.recording import recording
-from periph_sim.scene.case.load import load
-from periph_sim.scene.scene import Scene
 from tests.scene.runs import TIMING, run_case, run_file
 from tests.scene.small import scene_with
 

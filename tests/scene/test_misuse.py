@@ -7,11 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from periph_sim import BadCase, Case, FirmwareError, Scene, load
 from periph_sim.core.time import seconds
-from periph_sim.processor.user_code import FirmwareError
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase, Case
-from periph_sim.scene.scene import Scene
 
 CASE = """\
 name = "small"

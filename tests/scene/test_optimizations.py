@@ -10,12 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import Result, Scene, load
 from periph_sim.core.records import Kind, Record
-from periph_sim.scene.case.load import load
 from periph_sim.scene.case.optimizations import ALL, BITS, DECODING, OPTIMIZATIONS, POLLS
 from periph_sim.scene.plan import ScenePlan
-from periph_sim.scene.result import Result
-from periph_sim.scene.scene import Scene
 from tests.scene.runs import TIMING
 from tests.scene.test_bit_skip import BUT_EDGES, Disable, figures, run
 

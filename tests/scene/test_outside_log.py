@@ -8,16 +8,14 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import BadCase, Case, Scene, load
 from periph_sim.core.input_files import inputs_of_one_command, is_input
 from periph_sim.core.phrases import did_you_mean
 from periph_sim.interfaces.commands.live_case import files_of
 from periph_sim.outside import Session, replay
 from periph_sim.outside.live.case_for_line import case_for_line
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase, Case
 from periph_sim.scene.case.party_tables import OutsideTable
 from periph_sim.scene.outside_log import BadLog, LogReader
-from periph_sim.scene.scene import Scene
 from tests.outside.live.echo import written
 from tests.outside.sessions import Records, case
 

@@ -8,15 +8,12 @@ from typing import Any
 
 import pytest
 
+from periph_sim import BadCase, Case, Result, Scene, load
 from periph_sim.interfaces.commands.live_case import files_of
 from periph_sim.outside import Session, replay
 from periph_sim.outside.drivers import I2C, I2cDriverPort
 from periph_sim.outside.live.case_for_line import case_for_bus, case_for_line
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase, Case
 from periph_sim.scene.outside_parties import with_outside
-from periph_sim.scene.result import Result
-from periph_sim.scene.scene import Scene
 from tests.outside.sessions import BUS, case
 from tests.scene.runs import TIMING
 

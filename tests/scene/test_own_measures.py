@@ -6,9 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.scene import Scene
+from periph_sim import BadCase, Scene, load
 
 CASE = """\
 name = "own"

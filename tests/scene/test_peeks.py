@@ -8,14 +8,11 @@ from random import Random
 
 import pytest
 
+from periph_sim import Case, Dsp, Scene, load
 from periph_sim.core.kernel import CHIP, PROBE, TIMER
 from periph_sim.core.records import RECORDED, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.cosim.registers import peek
-from periph_sim.processor.dsp import Dsp
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import Case
-from periph_sim.scene.scene import Scene
 from tests.scene import small
 from tests.scene.runs import TIMING
 

@@ -9,10 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.processor.user_code import FirmwareError
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.scene import Scene
+from periph_sim import BadCase, FirmwareError, Scene, load
 
 PROJECT = '[tool.periph-sim]\nplugins = ["barometer.py"]\n'
 BAROMETER = '''\

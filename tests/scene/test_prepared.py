@@ -17,13 +17,11 @@ from typing import Any
 
 import pytest
 
-from periph_sim import BadCase, BadRecording, FirmwareError, PreparedScene, Scene, load, make_case, run
+from periph_sim import BadCase, BadRecording, Dsp, Firmware, FirmwareError, PreparedScene, Scene, load, make_case, run
 from periph_sim.core.examples import EXAMPLES
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.processor.dsp import Dsp
 from periph_sim.records.recording import Subscribe
-from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.plan import ScenePlan
 from tests.scene import schema_keys
 from tests.scene.runs import TIMING

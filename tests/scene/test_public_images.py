@@ -14,10 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import form
+from periph_sim import Scene, form, load
 from periph_sim.core.records import Kind, Record
-from periph_sim.scene.case.load import load
-from periph_sim.scene.scene import Scene
 from tests.interfaces.commands.conftest import Run, periph_sim  # noqa: F401
 from tests.processor.image_files.public_images import public_image
 

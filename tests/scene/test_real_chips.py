@@ -7,12 +7,10 @@ from typing import Any
 
 import pytest
 
+from periph_sim import BadCase, Scene, load
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.imu.sensors import SENSORS as CHIPS
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.scene import Scene
 from tests.scene.runs import TIMING, run_case, run_file
 from tests.scene.small import case
 

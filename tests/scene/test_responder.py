@@ -9,9 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from firmware.python import responder as firmware
-from periph_sim.processor.dsp import Dsp
+from periph_sim import Dsp, Firmware
 from periph_sim.scene import unit as unit_module
-from periph_sim.scene.firmware_loader import Firmware
 from tests.profiles import examples
 from tests.scene.runs import Ran, run_case
 from tests.scene.small import case

@@ -7,13 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import Dsp, Firmware, Result, Scene, load
 from periph_sim.core.chip import Note
 from periph_sim.firmware import sci_fifo_receiver, start_sci
-from periph_sim.processor.dsp import Dsp
-from periph_sim.scene.case.load import load
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.result import Result
-from periph_sim.scene.scene import Scene
 from tests.scene.runs import TIMING
 from tests.scene.serial.programs import scene, unit
 from tests.scene.small import case, scene_with

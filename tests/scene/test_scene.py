@@ -7,15 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import Case, Dsp, Scene
 from periph_sim.core.chip import NEVER
 from periph_sim.f28335.gpio.module import Gpio
 from periph_sim.f28335.i2c.module import I2c
 from periph_sim.f28335.sci.module import Sci
 from periph_sim.firmware.sci import start_sci
-from periph_sim.processor.dsp import Dsp
-from periph_sim.scene.case.model import Case
 from periph_sim.scene.case.origin import Source
-from periph_sim.scene.scene import Scene
 from tests.scene.small import case, scene_with
 
 ALWAYS = {"SYS", "PIE"}

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from periph_sim import PreparedScene, Scene, load
 from periph_sim.core.convert import keys_of
 from periph_sim.core.options import _defaults
 from periph_sim.core.records import RECORDED, Record, Recorder
@@ -17,10 +18,8 @@ from periph_sim.core.time import Timebase
 from periph_sim.imu.host_frames import encoding_of
 from periph_sim.imu.model_codes import model_codes
 from periph_sim.processor.python.waits import comparison_of
-from periph_sim.scene.case.load import _loaded, load
+from periph_sim.scene.case.load import _loaded
 from periph_sim.scene.firmware_loader import BadSetting, load_firmware, settings_for
-from periph_sim.scene.prepared import PreparedScene
-from periph_sim.scene.scene import Scene
 from periph_sim.timing.budget_plan import _nearest_tick
 from periph_sim.timing.language.events import event_of
 from periph_sim.timing.language.language import measure_of

@@ -9,15 +9,14 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import Scene, load
 from periph_sim.core.convert import keys_of
 from periph_sim.f28335.gpio.settings import pin_settings_of
 from periph_sim.imu import model_codes, near_gaussian
 from periph_sim.imu.models import counts
 from periph_sim.scene import firmware_loader
 from periph_sim.scene.case import toml_file
-from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import KEPT, shared
-from periph_sim.scene.scene import Scene
 from periph_sim.timing.language.language import measure_of
 
 SHARED = {

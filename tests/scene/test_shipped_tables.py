@@ -10,10 +10,9 @@ from pathlib import Path
 import pytest
 
 import periph_sim
+from periph_sim import Scene, load
 from periph_sim.imu import parameter_sets
 from periph_sim.processor.c28x.encodings import read_table
-from periph_sim.scene.case.load import load
-from periph_sim.scene.scene import Scene
 
 PACKAGE = Path(periph_sim.__file__).parent
 HEADER = re.compile(r"^\[.*\]$", re.MULTILINE)

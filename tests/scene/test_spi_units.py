@@ -6,11 +6,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from periph_sim.processor.dsp import Dsp
+from periph_sim import Dsp, Firmware, Scene
 from periph_sim.processor.python.register_view import ModulePort
 from periph_sim.scene import unit as unit_module
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.scene import Scene
 from tests.scene.small import case
 
 SENT = (0x1234, 0xFFFF, 0x8001)

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from periph_sim import Dsp, Firmware, Scene
 from periph_sim.core.table import spread
-from periph_sim.processor.dsp import Dsp
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.scene import Scene
 from tests.scene.small import case
 
 CYCLE = 20  # ticks at 150 MHz

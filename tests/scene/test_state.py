@@ -8,14 +8,11 @@ from typing import Any
 
 import pytest
 
-from periph_sim import make_case
+from periph_sim import Case, Scene, load, make_case
 from periph_sim.core.records import RECORDED, Record
 from periph_sim.core.restore import NotRestorable, restore
 from periph_sim.core.snapshot import Absent, Foreign, Made, Snapshot, class_name
 from periph_sim.processor.image.counting_loop import CountingLoop
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import Case
-from periph_sim.scene.scene import Scene
 from periph_sim.scene.state import modules_of
 from tests.scene.runs import TIMING
 

@@ -9,13 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import Dsp, Firmware, FirmwareError, Scene, load
 from periph_sim.core.chip import Note, joined
-from periph_sim.processor.dsp import Dsp
-from periph_sim.processor.user_code import FirmwareError
-from periph_sim.scene.case.load import load
-from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.result import notes_of
-from periph_sim.scene.scene import Scene
 from tests.scene import small
 from tests.scene.small import case, scene_with
 

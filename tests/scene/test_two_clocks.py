@@ -7,12 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import Dsp, Scene, load
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.processor.dsp import Dsp, DspPlan
-from periph_sim.scene.case.load import load
-from periph_sim.scene.scene import Scene
+from periph_sim.processor.dsp import DspPlan
 
 FIRMWARE = """
 def main(dsp, settings):

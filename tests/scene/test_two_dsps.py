@@ -7,13 +7,9 @@ from itertools import count
 
 import pytest
 
+from periph_sim import Firmware, Result, Scene, Verdict, load
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.scene.case.load import load
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.result import Result
-from periph_sim.scene.scene import Scene
-from periph_sim.timing.verdict import Verdict
 from periph_sim.traces.decode import i2c
 from tests.scene.late_code import SOURCES, WRITE, changed
 from tests.scene.runs import TIMING, Edges

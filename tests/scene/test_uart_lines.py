@@ -7,11 +7,9 @@ from typing import Any
 
 import pytest
 
-from periph_sim.api import make_case
+from periph_sim import Dsp, Firmware, make_case
 from periph_sim.firmware import start_sci
 from periph_sim.outside import Change, Session
-from periph_sim.processor.dsp import Dsp
-from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.uart_lines import line_of
 from periph_sim.scene.uart_side import UartSide
 from periph_sim.traces.decode.uart_line import Line

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import count
+from types import SimpleNamespace
 
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.timing.language.scope import Scope
 from periph_sim.timing.measures.factory import measure_named
-from periph_sim.timing.measures.measure import Measure
+from periph_sim.timing.measures.measure import Measure, MeasuredScene
 from periph_sim.traces.formats.record_table import Columns, RecordTable
 
 MODULES = ("I2C-A", "SCI-A", "GPIO")
@@ -48,6 +50,45 @@ def tell(measure: Measure, of: list[Record]) -> Measure:
     for record in of:
         recorder.emit(record.tick, record.kind, record.where, record.what, record.value, record.text, record.field)
     return measure
+
+
+def scene_of(transfers: int = 1, level: int = 1, value: int = 0, **there: object) -> MeasuredScene:
+    """What a scene offers to measures: rounds of so many transfers; wires of this level; fields of this value."""
+    starts = count()
+    offered: dict[str, object] = dict.fromkeys(MeasuredScene.__struct_fields__) | {
+        "began": 0,
+        "ticks_per_second": 10**9,
+        "wire": lambda name: SimpleNamespace(level=level),
+        "value_of": lambda place, name: value,
+        "rounds_at_start": lambda: lambda: next(starts) % transfers == 0,
+    }
+    return MeasuredScene(**(offered | there))  # type: ignore[arg-type]
+
+
+def played(
+    text: str,
+    of: str | list[Record] = "",
+    now: int | None = None,
+    *,
+    scope: Scope = ONE,
+    keep: bool = False,
+    **there: object,
+) -> Measure:
+    """The measure of a text after these records in such a scene (`scene_of`); its run ends at `now`, if it does."""
+    measure = measure_named(text, scope)
+    measure.listen(scene_of(**there))  # type: ignore[arg-type]
+    if keep:
+        measure.keep()
+    tell(measure, records(of) if isinstance(of, str) else of)
+    if now is not None:
+        measure.finish(now)
+    return measure
+
+
+def pairs(measure: Measure) -> list[tuple[int, int]]:
+    """(value, when) of each that was kept, in the order of their instants."""
+    values, at = measure.all_kept()
+    return sorted(zip(values.tolist(), at.tolist(), strict=True), key=lambda pair: pair[1])
 
 
 def came(measure: Measure) -> tuple[int, int, int, int]:

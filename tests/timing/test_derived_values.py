@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -16,24 +14,8 @@ from periph_sim.timing.derived.error_records import RECENT, ErrorRecords
 from periph_sim.timing.derived.transfer_records import begin_of
 from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.measure import MILLIONTHS
-from periph_sim.timing.measures.states import TimeIn
-from tests.timing.events_by_hand import ONE, make, records, tell
+from tests.timing.events_by_hand import ONE, make, played, records, scene_of, tell
 from tests.timing.measures.hand_made_run import GYRO, OTHER, HandMadeRun, read, wrote
-
-HIGH, LOW = SimpleNamespace(level=1), SimpleNamespace(level=0)
-
-
-class Scene:
-    """Answers whatever a measure asks."""
-
-    def __init__(self, **there: object) -> None:
-        self.there = there
-
-    def __getattr__(self, name: str):
-        if name in self.there:
-            return lambda *_: self.there[name]
-        raise AttributeError(name)
-
 
 # Transfers ------------------------------------------------------------------------------------------------------------
 
@@ -134,11 +116,11 @@ def test_a_span_that_is_not_over_counts_with_what_it_has_lasted_unit_by_unit():
 @pytest.mark.parametrize(
     ("text", "there", "holds"),
     [
-        ("wire SCL high", {"wire": HIGH}, True),
-        ("wire SCL high", {"wire": LOW}, False),
-        ("wire SCL low", {"wire": LOW}, True),
-        ("flag I2C-A.I2CSTR.AAS = 1", {"value_of": 1}, True),
-        ("flag I2C-A.I2CSTR.AAS = 1", {"value_of": 0}, False),
+        ("wire SCL high", {"level": 1}, True),
+        ("wire SCL high", {"level": 0}, False),
+        ("wire SCL low", {"level": 0}, True),
+        ("flag I2C-A.I2CSTR.AAS = 1", {"value": 1}, True),
+        ("flag I2C-A.I2CSTR.AAS = 1", {"value": 0}, False),
         ("bus busy", {}, False),
         ("bus free", {}, True),
         ("interrupt SCIRXINTA", {}, False),
@@ -146,16 +128,11 @@ def test_a_span_that_is_not_over_counts_with_what_it_has_lasted_unit_by_unit():
     ],
 )
 def test_which_states_hold_before_anything_has_happened(text: str, there: dict[str, object], holds: bool):
-    measure = measure_named(f"time in {text}", ONE)
-    assert isinstance(measure, TimeIn)
-    assert measure.state.holds(Scene(**there)) == holds  # type: ignore[arg-type]
+    assert measure_named(f"time in {text}", ONE).state.holds(scene_of(**there)) == holds
 
 
 def test_a_sum_is_one_number_and_begins_where_the_state_did_first():
-    told = measure_named("time in wire SCL low", ONE)
-    told.listen(Scene(wire=HIGH, began=0))  # type: ignore[arg-type]
-    tell(told, records("10 edge SCL level 0\n16 edge SCL level 1\n20 edge SCL level 0"))
-    told.finish(25)
+    told = played("time in wire SCL low", "10 edge SCL level 0\n16 edge SCL level 1\n20 edge SCL level 0", 25)
     told.finish(90)  # it is over once
     assert not told.series and (told.worst, told.worst_at, told.least, told.least_at, told.count) == (11, 10, 11, 10, 2)
 
@@ -164,9 +141,8 @@ def test_a_sum_is_one_number_and_begins_where_the_state_did_first():
 
 
 def test_what_may_not_be_guessed_is_told_with_times_from_the_begin_of_the_run():
-    told = measure_named("from edge SCL rise to edge SDA rise", ONE)
-    told.listen(Scene(began=50, ticks_per_second=1000))  # type: ignore[arg-type]
-    tell(told, records("100 edge SCL level 1\n350 edge SCL level 1\n360 edge SCL level 1\n400 edge SDA level 1"))
+    of = "100 edge SCL level 1\n350 edge SCL level 1\n360 edge SCL level 1\n400 edge SDA level 1"
+    told = played("from edge SCL rise to edge SDA rise", of, began=50, ticks_per_second=1000)
     assert told.missing() == (
         "'edge SCL rise' came at 0.050000 s and again at 0.300000 s before 'edge SDA rise'; "
         "add after a comma which belong together: in order, next or last"
@@ -176,8 +152,7 @@ def test_what_may_not_be_guessed_is_told_with_times_from_the_begin_of_the_run():
 @pytest.mark.parametrize(("not_before", "measured", "occasions"), [(0, 2, 3), (11, 2, 3), (12, 1, 2), (52, 0, 0)])
 def test_transfers_are_counted_from_the_time_asked_for(not_before: int, measured: int, occasions: int):
     told = measure_named("from edge SCL rise to edge SDA rise, same transfer", ONE)
-    scene = Scene(began=0, ticks_per_second=1)
-    told.listen(scene)  # type: ignore[arg-type]
+    told.listen(scene_of())
     told.not_before = not_before
     of = "10 bus c START 0\n11 edge SCL level 1\n12 edge SDA level 1\n15 bus c STOP 0\n"
     of += "30 bus c START 0\n31 edge SCL level 1\n35 bus c STOP 0\n"
@@ -268,9 +243,6 @@ def test_which_reads_have_a_value():
 
 
 def test_a_record_of_another_unit_is_no_wait_of_this_cpu():
-    load = measure_named("cpu load of dsp", ONE)
-    load.listen(Scene(began=0, ticks_per_second=1000))  # type: ignore[arg-type]
     came = [(10, "imu", Kind.WAIT, 1), (20, "dsp", Kind.WAIT, 1), (30, "imu", Kind.IRQ, 1), (40, "dsp", Kind.WAIT, 0)]
-    tell(load, [Record(0, tick, kind, where, "x", value, "", 0) for tick, where, kind, value in came])
-    load.finish(100)
-    assert load.worst == 80 * MILLIONTHS // 100
+    of = [Record(0, tick, kind, where, "x", value, "", 0) for tick, where, kind, value in came]
+    assert played("cpu load of dsp", of, 100).worst == 80 * MILLIONTHS // 100

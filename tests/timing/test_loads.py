@@ -7,28 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind, Record
-from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.measure import MILLIONTHS, Measure
 from tests.scene.runs import run_file
-from tests.timing.events_by_hand import ONE, came, records, tell
+from tests.timing.events_by_hand import came, played
 
 
-class Second:
-    """A scene that begins at tick 1000, with 1000 ticks a second."""
-
-    def began(self) -> int:
-        return 1000
-
-    def ticks_per_second(self) -> int:
-        return 1000
-
-
-def load(text: str, drawn: str, now: int) -> Measure:
-    made = measure_named(text, ONE)
-    made.listen(Second())
-    tell(made, records(drawn))
-    made.finish(now)
-    return made
+def load(text: str, of: str | list[Record], now: int) -> Measure:
+    """Of a run that begins at tick 1000, with 1000 ticks a second."""
+    return played(text, of, now, began=1000, ticks_per_second=1000)
 
 
 STARTS = "1000 bus c START 0\n1050 bus c repeated_START 0\n1100 bus c STOP 0\n1400 bus c START 0"
@@ -87,10 +73,7 @@ def test_the_busiest_window_is_what_a_count_tick_by_tick_gives(lengths: list[int
         now += length
     busy += [len(lengths) % 2 == 1] * tail
     now += tail
-    told = measure_named(f"bus load per {window} ms", ONE)
-    told.listen(Second())
-    tell(told, of)
-    told.finish(now)
+    told = load(f"bus load per {window} ms", of, now)
     sums = [sum(busy[i : i + window]) for i in range(len(busy) - window + 1)]
     assert told.silent == (not sums)
     if sums:

@@ -7,12 +7,10 @@ from fractions import Fraction
 
 import pytest
 
+from periph_sim import Dsp, Scene, load
 from periph_sim.core.records import RECORDED, Kind, Record, Recorder
 from periph_sim.core.time import NO_TIME, Timebase
 from periph_sim.firmware import start_i2c
-from periph_sim.processor.dsp import Dsp
-from periph_sim.scene.case.load import load
-from periph_sim.scene.scene import Scene
 from periph_sim.timing.language.scope import BadEvent
 from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.margin import Margin

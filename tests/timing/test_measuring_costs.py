@@ -6,10 +6,9 @@ from collections import Counter
 
 import pytest
 
+from periph_sim import Scene, load
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.scene.case.load import load
-from periph_sim.scene.scene import Scene
 from periph_sim.timing.measures.event import EventMeasure
 from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.registry import MEASURES, PHRASES

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.scene import Scene
-from periph_sim.timing.verdict import Verdict
+from periph_sim import BadCase, Scene, Verdict, load
 from tests.imu.moving.subjects import TWO_ANGLES
 from tests.interfaces.reports.explain.made import explain
 from tests.scene.runs import TIMING, run_file
@@ -95,7 +92,24 @@ def test_a_gyroscope_as_built_is_wrong_where_two_angles_move_and_a_corrected_one
     assert judged("imu_moving", "1.5", TWO_ANGLES, budget, corrected)["gyroscope"].verdict == "pass"
 
 
-def test_values_of_models_without_a_motion_have_no_truth():
-    budget = 'budget=[{name = "value", measure = "value error", max = 1}]'
-    with pytest.raises(BadCase, match=r"'value error' of sensor models needs a motion to compare with; give \[host"):
-        run_file("imu_models", "0.1", budget)
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (
+            "budget=[{name='v', measure='value error', max=1}]",
+            r"budget\.v\.measure: 'value error' of sensor models needs ",
+        ),
+        (
+            "budget=[{name='f', measure='count of frame RX error', max=1}, "
+            "{name='v', measure='count of record data value error', max=1}]",
+            r"budget\.v\.measure: 'count of record data value error' of sensor models",
+        ),
+        (
+            "serial.expect=[{name='e', from='SCI-A', text='x', within='9 ms', after='record data value error'}]",
+            r"host: a value error of sensor models needs a motion to compare with; give \[host\.motion\]",
+        ),
+    ],
+)
+def test_values_of_models_without_a_motion_have_no_truth(change: str, sentence: str):
+    with pytest.raises(BadCase, match=sentence):
+        run_file("imu_models", "0.1", change)

@@ -8,17 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from periph_sim import Dsp, Verdict
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import sci_fifo_receiver
-from periph_sim.processor.dsp import Dsp
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.measures.factory import measure_named
-from periph_sim.timing.verdict import Verdict
 from tests.scene.runs import run_file
 from tests.scene.small import scene_with
-from tests.timing.events_by_hand import ONE, came, records, tell
+from tests.timing.events_by_hand import ONE, came, pairs, played, records, scene_of, tell
 from tests.timing.judges import judge
-from tests.timing.measures.test_event import Rounds, between, pairs
 
 RISES = "from edge SCL rise to edge SDA rise"
 
@@ -43,38 +40,29 @@ def test_where_two_wait_the_rule_says_which_belongs_to_which(rule: str, found: l
         "| |     |    ",
         "     |    |  |",
     )
-    told = between(f"{RISES}{rule}")
-    tell(told, of)
-    assert pairs(told) == found
+    assert pairs(played(f"{RISES}{rule}", of, keep=True)) == found
 
 
 def test_without_a_rule_it_is_refused_to_guess():
-    told = between(RISES)
-    tell(told, drawn("|   |  |  ", "  |      |"))
+    told = played(RISES, drawn("|   |  |  ", "  |      |"))
     assert told.silent and told.missing() == (
         "'edge SCL rise' came at 0.000000 s and again at 0.000000 s before 'edge SDA rise'; "
         "add after a comma which belong together: in order, next or last"
     )
-    clear = between(RISES)
-    tell(clear, drawn("|   |  ", "  |   |"))
+    clear = played(RISES, drawn("|   |  ", "  |   |"), keep=True)
     assert not clear.silent and pairs(clear) == [(2, 0), (2, 4)]
 
 
 def test_what_waits_counts_with_what_it_has_waited_if_that_is_most():
-    told = between(f"{RISES}, in order")
-    tell(told, drawn("| | |  ", " |     "))
-    told.finish(20)
+    told = played(f"{RISES}, in order", drawn("| | |  ", " |     "), 20)
     assert told.close(20) == "'edge SCL rise' still waited for 'edge SDA rise' when the run ended"
     assert came(told) == (18, 2, 1, 3) and told.cut_off == 2
-    short = between(RISES)
-    tell(short, drawn("|     |", "    |  "))
-    short.finish(9)
+    short = played(RISES, drawn("|     |", "    |  "), 9)
     assert (short.close(9), came(short)) == ("", (4, 0, 4, 1))
 
 
 @given(st.lists(st.tuples(st.integers(0, 3), st.sampled_from("AB")), max_size=30))
 def test_in_order_is_a_queue(events: list[tuple[int, str]]):
-    told = between(f"{RISES}, in order")
     tick, of = 0, []
     queue: list[int] = []
     wanted = []
@@ -86,8 +74,7 @@ def test_in_order_is_a_queue(events: list[tuple[int, str]]):
         elif queue:
             began = queue.pop(0)
             wanted.append((tick - began, began))
-    tell(told, of)
-    assert pairs(told) == wanted
+    assert pairs(played(f"{RISES}, in order", of, keep=True)) == wanted
 
 
 HUNG = """
@@ -101,13 +88,9 @@ HUNG = """
 
 
 def test_in_a_transfer_that_goes_on_a_first_one_still_waits_and_behind_its_stop_it_does_not():
-    told = between(f"{RISES}, same transfer", transfers=1)
-    tell(told, records(HUNG))
-    told.finish(90)
+    told = played(f"{RISES}, same transfer", HUNG, 90)
     assert told.close(90) != "" and (told.worst, told.count, told.measured, told.occasions) == (58, 2, 1, 1)
-    over = between(f"{RISES}, same transfer", transfers=1)
-    tell(over, records(HUNG + "40 bus controller STOP 0"))
-    over.finish(90)
+    over = played(f"{RISES}, same transfer", HUNG + "40 bus controller STOP 0", 90)
     assert over.close(90) == "" and (over.worst, over.count, over.measured, over.occasions) == (3, 1, 1, 2)
 
 
@@ -117,7 +100,7 @@ def test_transfers_whose_first_one_had_no_second_are_occasions():
     )
     budget = Budget(name="b", measure=f"{RISES}, same transfer", max="1 s")
     limit = judge(budget, ONE)
-    limit.measure.listen(Rounds(1))
+    limit.measure.listen(scene_of())
     tell(limit.measure, records(of.replace("12 ", "12 ") + "84 edge SDA level 1"))
     limit.finish(999)
     verdict = limit.verdict()
@@ -133,26 +116,21 @@ def test_a_count_between_two_events():
         "|    |    ",
         "   |     |",
     ) + records("1 irq dsp SCIRXINTA 1\n2 irq dsp SCIRXINTA 1\n4 irq dsp SCIRXINTA 1\n8 irq dsp SCIRXINTA 1")
-    told = measure_named("count of interrupt SCIRXINTA enter from edge SCL rise to edge SDA rise", ONE)
-    told.listen(Rounds(1))
-    tell(told, sorted(of, key=lambda record: record.tick))
+    of.sort(key=lambda record: record.tick)
+    told = played("count of interrupt SCIRXINTA enter from edge SCL rise to edge SDA rise", of)
     assert (came(told), told.unit) == ((2, 0, 1, 2), "count")
 
 
 @given(st.lists(st.sampled_from("ABX"), max_size=30))
 def test_a_count_between_is_what_a_walk_over_the_records_gives(events: list[str]):
-    told = measure_named("count of frame TX from edge SCL rise to edge SDA rise, next", ONE)
-    told.listen(Rounds(1))
-    told.keep()
     wires = {"A": (Kind.EDGE, "SCL", "level"), "B": (Kind.EDGE, "SDA", "level"), "X": (Kind.FRAME, "TX", "begin")}
-    tell(told, [Record(i, i, *wires[e], int(e != "X"), "", 0) for i, e in enumerate(events)])
+    of = [Record(i, i, *wires[e], int(e != "X"), "", 0) for i, e in enumerate(events)]
     wanted = []
     for at, what in enumerate(events):
         end = next((i for i, other in enumerate(events) if i > at and other == "B"), None)
         if what == "A" and end is not None:
             wanted.append((events[at:end].count("X"), at))
-    values, at_ticks = told.all_kept()
-    assert sorted(zip(values.tolist(), at_ticks.tolist(), strict=True), key=lambda v: v[1]) == wanted
+    assert pairs(played("count of frame TX from edge SCL rise to edge SDA rise, next", of, keep=True)) == wanted
 
 
 # Echoes -----------------------------------------------------------------------------------------------------------

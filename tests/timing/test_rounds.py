@@ -9,13 +9,11 @@ from functools import cache
 
 import pytest
 
+from periph_sim import BadCase, Scene, load
 from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.records import RECORDED, Kind, Record, Recorder
 from periph_sim.core.time import NO_TIME, Timebase
 from periph_sim.devices.sensor_rounds import Request, Round
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.scene import Scene
 from periph_sim.timing.rounds import BusRounds, MasterSchedule
 from tests.scene.runs import TIMING
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from periph_sim.scene.case.load import load
-from periph_sim.scene.scene import Scene
+from periph_sim import Scene, load
 from tests.interfaces.reports.html.made import CASE
 
 

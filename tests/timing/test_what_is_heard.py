@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import chain, cycle
-from types import SimpleNamespace
 
 import pytest
 
 from periph_sim.core.records import Kind
-from periph_sim.core.time import NO_TIME
 from periph_sim.timing.language.events import matcher
 from periph_sim.timing.measures.event import subjects_of
 from periph_sim.timing.measures.factory import measure_named
-from tests.timing.events_by_hand import ONE, came, records, tell
-from tests.timing.measures.test_event import Rounds
+from tests.timing.events_by_hand import ONE, came, played, records, tell
 
 CAME = "10 edge SCL level 1\n20 edge SCL level 0\n25 edge SCL level 1\n60 edge SCL level 1"
 
 
 def test_a_period_is_told_with_where_it_began_and_what_is_not_over_counts():
-    period = tell(measure_named("period of edge SCL rise", ONE), records(CAME))
+    period = played("period of edge SCL rise", CAME)
     assert came(period) == (35, 25, 15, 2)
     assert period.unfinished(70) == [(10, 60)] and period.close(70) == ""
     assert period.close(96) == "'edge SCL rise' did not come again before the run ended" and period.worst == 36
@@ -62,21 +59,25 @@ def test_a_period_is_told_with_where_it_began_and_what_is_not_over_counts():
         ),
         ("level of SCI-A.SCIFFRX.RXFFST at edge SCL rise", "", "no event matched 'edge SCL rise'"),
         ("time in modle", "", "no event matched 'span modle begin'; the run had no span"),
+        ("time in modle", "1 span dsp model 1", "no event matched 'span modle begin'; did you mean model?"),
+        (
+            "from span modle begin to span modle end",
+            "1 span dsp model 1",
+            "no event matched 'span modle begin' and 'span modle end'; did you mean model?",
+        ),
+        ("count of span modle end", "1 span dsp model 1", "no event matched 'span modle end'; did you mean model?"),
+        ("level of SCI-A.SCIFFRX.RXFFST", "", "no event matched 'flag SCI-A.SCIFFRX.RXFFST change'"),
+        (
+            "interrupt latency SCIRXINTA",
+            "",
+            "no event matched 'flag PIE.PIEIFR9.INTx1 rise' and 'interrupt SCIRXINTA enter'",
+        ),
+        ("slack", "", "no round was completed"),
         ("each time in wire SCL low", "", "'wire SCL low' was never entered and left"),
     ],
 )
 def test_why_nothing_was_measured(text: str, of: str, missing: str):
-    class Scene:
-        began = lambda self: 0  # noqa: E731
-        wire = lambda self, name: SimpleNamespace(level=0)  # noqa: E731
-        ticks_per_second = lambda self: 1  # noqa: E731
-        value_of = lambda self, *_: 0  # noqa: E731
-
-    measure = measure_named(text, ONE)
-    measure.listen(Scene())  # type: ignore[arg-type]
-    tell(measure, records(of))
-    measure.finish(9)
-    assert measure.missing() == missing
+    assert played(text, of, 99, level=0).missing() == missing
 
 
 def test_a_jitter_of_one_value_has_none_and_of_none_says_why():
@@ -121,14 +122,6 @@ def test_an_event_of_a_group_needs_its_begin_and_end_as_well():
 # Groups ---------------------------------------------------------------------------------------------------------------
 
 
-class Startup(Rounds):
-    """Rounds of two transfers behind three of the start-up."""
-
-    def rounds_at_start(self) -> Callable[[], bool]:
-        begins = chain([False] * 3, cycle([True, False]))
-        return lambda: next(begins)
-
-
 STARTS = "\n".join(
     f"{at} bus c START 0\n{at + 1} edge SCL level 1\n{at + 2} edge SCL level 1" for at in range(0, 80, 10)
 )
@@ -148,11 +141,10 @@ STARTS = "\n".join(
     ],
 )
 def test_rounds_begin_behind_the_transfers_of_the_start_up(event: str, at: list[int]):
-    period = measure_named(f"period of {event}", ONE)
-    period.listen(Startup(2))
-    period.keep()
-    tell(period, records(STARTS))
-    period.finish(99)
+    def rounds_of_two_behind_three_transfers() -> Callable[[], bool]:
+        return chain([False] * 3, cycle([True, False])).__next__
+
+    period = played(f"period of {event}", STARTS, 99, keep=True, rounds_at_start=rounds_of_two_behind_three_transfers)
     assert period.all_kept()[1].tolist() == at[:-1]
     assert period.first_seen == len(at) and period.seen(0) == period.seen(1) == bool(at)
 
@@ -166,18 +158,12 @@ def test_the_latency_to_the_first_access_is_that_of_its_own_unit():
         40 irq    dsp     SCIRXINTA     1
         44 access dsp     R_SCI-A.SCIRXBUF 1
     """
-    told = measure_named("interrupt latency SCIRXINTA to first access", ONE)
-    tell(told, records(of))
+    told = played("interrupt latency SCIRXINTA to first access", of)
     assert came(told) == (21, 10, 21, 1) and told.unfinished(99) == []  # the second entry had no request
-    assert made_empty().unfinished(99) == [] and made_empty().worst_at == NO_TIME
 
 
 def test_an_access_before_the_routine_is_entered_is_not_its_first():
     of = "10 flag dsp.PIE PIEIFR9.INTx1 1\n20 irq dsp SCIRXINTA 1\n31 access dsp R_SCI-A.SCIRXBUF 1\n"
     of += "70 flag dsp.PIE PIEIFR9.INTx1 1\n72 access dsp W_I2C-A.I2CDXR 1\n75 irq dsp SCIRXINTA 1\n"
-    told = tell(made_empty(), records(f"{of}80 access dsp R_SCI-A.SCIRXBUF 1"))
+    told = played("interrupt latency SCIRXINTA to first access", f"{of}80 access dsp R_SCI-A.SCIRXBUF 1")
     assert came(told) == (21, 10, 10, 2)
-
-
-def made_empty():
-    return measure_named("interrupt latency SCIRXINTA to first access", ONE)

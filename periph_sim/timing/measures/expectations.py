@@ -96,7 +96,7 @@ class Reply(Measure):
         return self._judged
 
     def listen(self, scene: MeasuredScene) -> None:
-        self._began, self._per_second = scene.began(), scene.ticks_per_second()
+        self._began, self._per_second = scene.began, scene.ticks_per_second
         self._expected, self._why_never = scene.on_reply(self)
 
     # Events from the scene ----------------------------------------------------
@@ -280,7 +280,7 @@ class Unsolicited(Measure):
         return self.measured
 
     def listen(self, scene: MeasuredScene) -> None:
-        self._began, self._per_second = scene.began(), scene.ticks_per_second()
+        self._began, self._per_second = scene.began, scene.ticks_per_second
         self._show, self._why_never = scene.on_unsolicited(self)
 
     # Events from the scene ----------------------------------------------------

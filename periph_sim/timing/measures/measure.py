@@ -12,7 +12,9 @@ from __future__ import annotations
 from array import array
 from collections.abc import Callable
 from fractions import Fraction
-from typing import TYPE_CHECKING, Protocol, final
+from typing import TYPE_CHECKING, final
+
+from msgspec import Struct
 
 from ...core.records import UNWANTED, Kind, Listener, Recorder, Subjects
 from ...core.state import State
@@ -310,46 +312,34 @@ class Measure(Listener):
             self.least, self.least_at = least, least_at
 
 
-class MeasuredScene(Protocol):
-    """Interface of a scene for measures. It provides information that records do not contain."""
+class MeasuredScene(Struct, frozen=True):
+    """Values and functions of a scene. With them, measures get information that records do not contain.
 
-    def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        """Begin to report to `reply` its requests, and what is sent to and by the SCI that should reply.
+    began: the tick at which the run begins.
+    wire: returns the wire with a given name.
+    value_of: returns the present value of a field, given its place and name, such as "dsp.I2C-A" and "I2CSTR.XRDY".
+    clock_history: returns pairs (tick, SYSCLKOUT in Hz from then on) of a unit, up to now; of the first unit for "".
+    i2c_release_delay: returns, for a unit, a function from the tick of a write of I2CDXR to the delay of the release of
+        SCL after it, in ticks. The module has held SCL low until this write. The delay is that of the module's present
+        settings.
+    rounds_at_start: returns a function for measures to call at a START. It returns True if this START may begin a
+        round.
+    watcher: builds the wire watcher that the table [watch.NAME] describes, where NAME is the name of the measure. The
+        watcher passes its results to the measure.
+    on_reply: begins to report to a measure its requests, and what is sent to and by the SCI that should reply. It
+        returns the expected reply, and a function that returns why the reply was never requested.
+    on_unsolicited: begins to report to a measure the characters that belong to no expected reply. If the measure names
+        a send, an entry of [[serial.send]], it reports also when this send begins and ends. It returns a function that
+        returns characters as text, and a function that returns why this send never began.
+    """
 
-        Return the expected reply, and a function that returns why the reply was never requested.
-        """
-
-    def on_unsolicited(self, measure: Unsolicited) -> tuple[Callable[[tuple[int, ...]], str], Callable[[], str]]:
-        """Begin to report to the measure the characters that belong to no expected reply.
-
-        If the measure names a send, an entry of [[serial.send]], report also when this send begins and ends. Return a
-        function that returns characters as text, and a function that returns why this send never began.
-        """
-
-    def watcher(self, measure: WatchedWire) -> WireWatcher:
-        """Build the wire watcher that the table [watch.NAME] describes, where NAME is the name of the measure.
-
-        The watcher passes its results to the measure.
-        """
-
-    def rounds_at_start(self) -> Callable[[], bool]:
-        """Return a function for measures to call at a START. It returns True if this START may begin a round."""
-
-    def began(self) -> int:
-        """Return the tick at which the run begins."""
-
-    def wire(self, name: str) -> Wire: ...
-
-    def value_of(self, place: str, name: str) -> int:
-        """Return the present value of a field. place, name: such as "dsp.I2C-A" and "I2CSTR.XRDY"."""
-
-    def ticks_per_second(self) -> int: ...
-
-    def clock_history(self, unit: str) -> list[tuple[int, Fraction]]:
-        """Return pairs (tick, SYSCLKOUT in Hz from then on) of a unit, up to now; of the first unit if `unit` is ""."""
-
-    def i2c_release_delay(self, unit: str) -> Callable[[int], int]:
-        """Return a function from the tick of a write of I2CDXR to the delay of the release of SCL after it, in ticks.
-
-        The module has held SCL low until this write. The delay is that of the module's present settings.
-        """
+    began: int
+    ticks_per_second: int
+    wire: Callable[[str], Wire]
+    value_of: Callable[[str, str], int]
+    clock_history: Callable[[str], list[tuple[int, Fraction]]]
+    i2c_release_delay: Callable[[str], Callable[[int], int]]
+    rounds_at_start: Callable[[], Callable[[], bool]]
+    watcher: Callable[[WatchedWire], WireWatcher]
+    on_reply: Callable[[Reply], tuple[Expected, Callable[[], str]]]
+    on_unsolicited: Callable[[Unsolicited], tuple[Callable[[tuple[int, ...]], str], Callable[[], str]]]

@@ -303,7 +303,7 @@ class LostFlags(Measure):
         return {Kind.FLAG: [f"{unit}.{register}" for unit in watched.units for register in CLEARABLE]}
 
     def listen(self, scene: MeasuredScene) -> None:
-        self.modifies.set_clocks(scene.ticks_per_second(), scene.clock_history(self.watched.unit))
+        self.modifies.set_clocks(scene.ticks_per_second, scene.clock_history(self.watched.unit))
 
     def subscribe(self, recorder: Recorder) -> None:
         recorder.subscribe((Kind.ACCESS,), self.modifies)

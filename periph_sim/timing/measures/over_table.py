@@ -162,7 +162,7 @@ class Race(Measure):
         return not self.count or self._unplaced > 0
 
     def listen(self, scene: MeasuredScene) -> None:
-        self._per_second = scene.ticks_per_second()
+        self._per_second = scene.ticks_per_second
         self._clocks = {self.watched.unit: scene.clock_history(self.watched.unit)}
 
     def subscribe(self, recorder: Recorder) -> None:

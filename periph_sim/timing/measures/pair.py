@@ -131,8 +131,8 @@ class Between(EventMeasure):
 
     def listen(self, scene: MeasuredScene) -> None:
         super().listen(scene)
-        self._began_at = scene.began()
-        self._per_second = scene.ticks_per_second()
+        self._began_at = scene.began
+        self._per_second = scene.ticks_per_second
         if self._rule is not None:
             self._rule.listen(scene)
 

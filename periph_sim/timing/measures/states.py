@@ -171,9 +171,9 @@ class TimeIn(EventMeasure):
         return not self.count and (self.series or self._is_share or self.state.free)
 
     def listen(self, scene: MeasuredScene) -> None:
-        self._began = scene.began()
+        self._began = scene.began
         if self._seconds is not None:
-            self._windows = BusiestWindow(round(self._seconds * scene.ticks_per_second()), self._began)
+            self._windows = BusiestWindow(round(self._seconds * scene.ticks_per_second), self._began)
         if self.state.holds(scene):
             self._begins(self._began, False)
 

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase
+from periph_sim import BadCase, load
 
 UNIT = "name = 'x'\nduration = '1 s'\n[unit.dsp]\nmodules = []"
 GOOD = """\

@@ -10,10 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import BadCase, Scene, load
 from periph_sim.interfaces.commands.command_frame import MISTAKES
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.scene import Scene
 
 TIMING = Path(__file__).parents[3] / "timing"
 TIMES = ("0 s", "1 ns", "1e-30 s", "365 d", "17000 d", "365250 d", "-1 us", "1e40 d", "1e999999999 s", "1e-999999999 s")

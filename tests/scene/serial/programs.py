@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from periph_sim import Dsp, Firmware, Scene
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.firmware import start_sci
-from periph_sim.processor.dsp import Dsp
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.scene import Scene
 from tests.scene.small import case
 
 Program = Callable[[Dsp], None]

@@ -6,13 +6,12 @@ from typing import Any
 
 import pytest
 
+from periph_sim import BadCase, Verdict
 from periph_sim.bus.uart.reader import LineFrame
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.interfaces.commands.result_text import legend
-from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.serial.send_schedule import TextTrigger
-from periph_sim.timing.verdict import Verdict
 from tests.scene.serial.programs import answers, says, scene, send, unit
 
 CHARACTER = 10 / 0.1152  # us at 115200 baud

@@ -7,12 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim import BadCase, Case, Scene, load
 from periph_sim.cli import run_command as main
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase, Case
 from periph_sim.scene.case.origin import Source
 from periph_sim.scene.case.serial import SendTable, content_of, show_characters
-from periph_sim.scene.scene import Scene
 
 TEXT = """\
 name = "small"

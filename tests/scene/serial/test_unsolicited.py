@@ -6,11 +6,10 @@ from typing import Any
 
 import pytest
 
+from periph_sim import Dsp, Result
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.interfaces.commands.result_text import legend
-from periph_sim.processor.dsp import Dsp
-from periph_sim.scene.result import Result
 from tests.scene.serial.programs import answers, scene, send, unit
 from tests.scene.serial.test_expect import answers_late
 

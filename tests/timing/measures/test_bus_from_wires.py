@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
 
 from periph_sim.core.kernel import Kernel
@@ -15,7 +13,7 @@ from periph_sim.timing.measures.bus_from_wires import BusFromWires
 from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.margin import Margin
 from periph_sim.timing.measures.measure import Measure
-from tests.timing.events_by_hand import ONE
+from tests.timing.events_by_hand import ONE, pairs, scene_of
 
 HEAD, DSP = "controller", "dsp.GPIO33"
 LOW, HIGH = 10, 10  # ticks of SCL
@@ -249,30 +247,6 @@ def test_who_holds_a_low_line():
 # Margins ------------------------------------------------------------------------------------------------------------
 
 
-class Scene(Played):
-    def __init__(self, empty: int = 1) -> None:
-        super().__init__()
-        self._empty = empty
-
-    def run(self, measure: Measure, of: list[Record]) -> None:
-        recorder = Recorder()
-        measure.keep()
-        measure.listen(self)  # type: ignore[arg-type]
-        measure.subscribe(recorder)
-        for one in of:
-            if one.kind in (Kind.EDGE, Kind.HOLD):
-                self.play(one)
-            else:
-                recorder.emit(one.tick, one.kind, one.where, one.what, one.value)
-
-    def value_of(self, place: str, name: str) -> int:
-        assert (place, name) == ("dsp.I2C-A", "I2CSTR.XRDY")
-        return self._empty
-
-    def i2c_release_delay(self, unit: str) -> Callable[[int], int]:
-        return lambda written: RELEASE
-
-
 def writes(bus: Drawn, at: int | None = None) -> None:
     now, bus.now = bus.now, bus.now if at is None else at
     bus.add(Kind.ACCESS, "dsp", "W I2C-A.I2CDXR", 7)
@@ -283,12 +257,18 @@ def xrdy(bus: Drawn, value: int) -> None:
     bus.add(Kind.FLAG, "dsp.I2C-A", "I2CSTR.XRDY", value)
 
 
-def margins(bus: Drawn, end: int | None = None, empty: int = 1) -> tuple[Margin, list[tuple[int, int]]]:
-    measure = Margin("dsp")
-    Scene(empty).run(measure, bus.records)
+def margins(bus: Drawn, end: int | None = None) -> tuple[Margin, list[tuple[int, int]]]:
+    measure, wires, recorder = Margin("dsp"), Played(), Recorder()
+    measure.keep()
+    measure.listen(scene_of(wire=wires.wire, value=1, i2c_release_delay=lambda unit: lambda written: RELEASE))
+    measure.subscribe(recorder)
+    for one in bus.records:
+        if one.kind in (Kind.EDGE, Kind.HOLD):
+            wires.play(one)
+        else:
+            recorder.emit(one.tick, one.kind, one.where, one.what, one.value)
     measure.finish(bus.now if end is None else end)
-    values, at = measure.all_kept()
-    return measure, list(zip(values.tolist(), at.tolist(), strict=True))
+    return measure, pairs(measure)
 
 
 def addressed(read: bool = True, acked_by: str = DSP) -> Drawn:

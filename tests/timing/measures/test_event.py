@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,9 +13,7 @@ from periph_sim.core.time import NO_TIME
 from periph_sim.timing.language.language import FORMS
 from periph_sim.timing.language.scope import BadEvent, Scope
 from periph_sim.timing.measures.factory import measure_named
-from periph_sim.timing.measures.pair import Between
-from tests.timing.events_by_hand import BARE, NO_BUS, ONE, TWO, came, records, table, tell
-from tests.timing.measures.hand_made_run import HandMadeRun
+from tests.timing.events_by_hand import BARE, NO_BUS, ONE, TWO, came, pairs, played, records, table
 
 WRITES = "from flag I2C-A.I2CSTR.XRDY rise to access W I2C-A.I2CDXR"
 
@@ -39,45 +35,6 @@ BUS = """
 """
 
 
-def measure(text: str, scope=ONE):
-    return measure_named(text, scope)
-
-
-class Rounds:
-    """A scene whose rounds have so many transfers."""
-
-    def __init__(self, transfers: int) -> None:
-        self._transfers = transfers
-        self._starts = 0
-
-    def rounds_at_start(self) -> Callable[[], bool]:
-        return self._begins
-
-    def _begins(self) -> bool:
-        self._starts += 1
-        return (self._starts - 1) % self._transfers == 0
-
-    def began(self) -> int:
-        return 0
-
-    def ticks_per_second(self) -> int:
-        return 10**9
-
-
-def between(text: str, transfers: int = 2) -> Between:
-    made = measure(text)
-    assert isinstance(made, Between)
-    made.listen(Rounds(transfers))
-    made.keep()
-    return made
-
-
-def pairs(told: Between) -> list[tuple[int, int]]:
-    """(duration, begin) of each, in the order of their begins."""
-    values, at = told.all_kept()
-    return sorted(zip(values.tolist(), at.tolist(), strict=True), key=lambda pair: pair[1])
-
-
 @pytest.mark.parametrize(
     ("rule", "durations"),
     [
@@ -91,8 +48,7 @@ def pairs(told: Between) -> list[tuple[int, int]]:
 )
 def test_from_each_event_to_the_next_under_each_rule(rule: str, durations: list[tuple[int, int]]):
     of = records(BUS)
-    told = between(f"{WRITES}, {rule}")
-    tell(told, of)
+    told = played(f"{WRITES}, {rule}", of, keep=True, transfers=2)
     worst = max(durations, key=lambda pair: pair[0])
     assert came(told) == (worst[0], worst[1], min(durations)[0], len(durations)) and pairs(told) == durations
     found = timing.between(
@@ -130,19 +86,15 @@ def test_as_the_run_goes_on_and_over_the_table_it_is_the_same(
         tick += step
         of.append(Record(len(of) + 1, tick, kind, where, what, value, "", 0))
     rules = ", ".join(filter(None, (pairing, same)))
-    told = between(f"from {begin} to {end}, {rules}".removesuffix(", "), transfers)
-    tell(told, of)
+    told = played(f"from {begin} to {end}, {rules}".removesuffix(", "), of, keep=True, transfers=transfers)
     if told.missing().endswith("in order, next or last"):
         with pytest.raises(BadEvent, match="it is not known which belong together"):
             timing.between(table(of), begin, end, rule=rules, transfers_in_round=transfers)
     else:
         found = timing.between(table(of), begin, end, rule=rules, transfers_in_round=transfers)
         assert pairs(told) == list(zip(found.duration.tolist(), found.start.tolist(), strict=True))
-    period = measure(f"period of {begin}")
-    period.keep()
-    tell(period, of)
-    assert period._kept is not None
-    assert [c.tolist() for c in period._kept] == [c.tolist() for c in timing.periods(table(of), begin)]
+    period = played(f"period of {begin}", of, keep=True)
+    assert [c.tolist() for c in period.all_kept()] == [c.tolist() for c in timing.periods(table(of), begin)]
 
 
 def test_over_a_table_a_rule_that_is_none_and_a_round_without_its_size_are_refused():
@@ -157,22 +109,22 @@ def test_over_a_table_a_rule_that_is_none_and_a_round_without_its_size_are_refus
 
 def test_an_event_of_the_same_instant_counts_if_it_was_recorded_later():
     of = "10 edge SCL level 1\n10 edge SCL level 0\n20 edge SCL level 0\n20 edge SCL level 1\n25 edge SCL level 0"
-    assert came(tell(measure("from edge SCL rise to edge SCL fall"), records(of))) == (5, 20, 0, 2)
+    assert came(played("from edge SCL rise to edge SCL fall", of)) == (5, 20, 0, 2)
 
 
 EDGES = "100 edge SCL level 1\n200 edge SCL level 1\n330 edge SCL level 1\n400 edge SCL level 1"
 
 
 def test_period_and_jitter():
-    assert came(tell(measure("period of edge SCL rise"), records(EDGES))) == (130, 200, 70, 3)
-    assert came(tell(measure("jitter of edge SCL rise"), records(EDGES))) == (60, 330, 30, 2)
+    assert came(played("period of edge SCL rise", EDGES)) == (130, 200, 70, 3)
+    assert came(played("jitter of edge SCL rise", EDGES)) == (60, 330, 30, 2)
 
 
 def test_counts():
-    assert came(tell(measure("count of edge SCL rise"), records(EDGES))) == (4, 100, 4, 4)
-    none = measure("count of edge SCL fall")
+    assert came(played("count of edge SCL rise", EDGES)) == (4, 100, 4, 4)
+    none = played("count of edge SCL fall", EDGES)
     assert (came(none), none.silent) == ((0, NO_TIME, 0, 0), False)
-    assert measure("count of span modle begin").silent
+    assert played("count of span modle begin").silent
 
 
 NACKED = """
@@ -199,25 +151,13 @@ NACKED = """
 )
 @pytest.mark.parametrize("form", ["from bus START to bus STOP", "count of bus START"])
 def test_a_clause_that_leaves_a_budget_not_judged_is_the_reason(form: str, clauses: str, missing: str, not_judged: str):
-    of = measure(f"{form}, {clauses}")
-    of.listen(Rounds(2))
-    tell(of, records(NACKED))
-    of.finish(100)
+    of = played(f"{form}, {clauses}", NACKED, 100, transfers=2)
     assert (of.silent, of.missing() if of.silent else "", of.not_judged) == (missing != "", missing, not_judged)
 
 
 def test_levels():
     of = "10 flag dsp.SCI-A SCIFFRX.RXFFST 3\n20 flag dsp.SCI-A SCIFFRX.RXFFST 9\n30 flag dsp.SCI-A SCIFFRX.RXFFIL 20"
-    assert came(tell(measure("level of SCI-A.SCIFFRX.RXFFST"), records(of))) == (9, 20, 3, 2)
-
-
-SPANS = "10 span dsp model 1\n30 span dsp model 0\n40 span dsp other 1\n60 span dsp model 1"
-
-
-def test_time_in_a_span_is_a_sum_with_what_is_not_over_yet():
-    told = tell(measure("time in model"), records(SPANS))
-    told.finish(100)
-    assert came(told) == (60, 10, 60, 2)
+    assert came(played("level of SCI-A.SCIFFRX.RXFFST", of)) == (9, 20, 3, 2)
 
 
 def test_interrupt_latency_is_from_its_flag_in_the_pie_to_its_routine():
@@ -230,73 +170,7 @@ def test_interrupt_latency_is_from_its_flag_in_the_pie_to_its_routine():
         60 flag dsp.PIE PIEIFR9.INTx1 1
         70 irq  dsp     SCIRXINTA     1
     """
-    assert came(tell(measure("interrupt latency SCIRXINTA"), records(of))) == (16, 10, 10, 2)
-
-
-class Loaded:
-    """A run that begins at tick 1000."""
-
-    def began(self) -> int:
-        return 1000
-
-
-def test_bus_load_is_from_start_to_stop():
-    load = measure("bus load")
-    load.listen(Loaded())
-    of = "1000 bus controller START 0\n1050 bus controller repeated_START 0\n1100 bus controller STOP 0"
-    tell(load, records(of + "\n1400 bus controller START 0"))
-    load.finish(1500)
-    assert came(load) == (400_000, 1500, 400_000, 1)
-
-
-def test_slack_is_to_the_next_round_due_and_negative_when_that_is_over():
-    run = HandMadeRun(measure("slack"), period=500)
-    run.round(1000, 1300, start=1010)
-    run.round(1500, 2100)
-    assert came(run.measure) == (200, 1300, -100, 2)
-
-
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ("from frame to edge RX rise", "no event matched 'frame' and 'edge RX rise'"),
-        ("from edge SCL rise to edge RX rise", "no event matched 'edge RX rise'"),
-        ("from edge SCL change to bus START, same transfer", "no event matched 'bus START'"),
-        ("period of edge RX rise", "no event matched 'edge RX rise'"),
-        ("jitter of edge SCL fall", "there was one value, which has none before it"),
-        ("level of SCI-A.SCIFFRX.RXFFST", "no event matched 'flag SCI-A.SCIFFRX.RXFFST change'"),
-        ("interrupt latency SCIRXINTA", "no event matched 'flag PIE.PIEIFR9.INTx1 rise' and 'interrupt SCIRXINTA e"),
-        ("time in modle", "no event matched 'span modle begin'"),
-        ("count of span modle begin", "no event matched 'span modle begin'"),
-        ("slack", "no round was completed"),
-    ],
-)
-def test_what_never_matched_is_named(text: str, sentence: str):
-    told = tell(measure(text), records("10 edge SCL level 1\n20 edge SCL level 0\n30 edge SCL level 0"))
-    assert told.silent and told.missing().startswith(sentence)
-
-
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        (
-            "from span modle begin to span modle end",
-            "no event matched 'span modle begin' and 'span modle end'; did you mean model?",
-        ),
-        ("period of span xyz begin", "no event matched 'span xyz begin'; the run had spans model, other"),
-        ("count of span modle end", "no event matched 'span modle end'; did you mean model?"),
-        ("time in modle", "no event matched 'span modle begin'; did you mean model?"),
-    ],
-)
-def test_a_misspelt_span_gets_the_names_that_the_run_had(text: str, sentence: str):
-    assert tell(measure(text), records(SPANS)).missing() == sentence
-    assert tell(measure(text), []).missing() == f"{sentence.split(';')[0]}; the run had no span"
-
-
-def test_events_that_never_share_a_transfer_are_told():
-    of = "1 bus controller START 0\n2 edge SCL level 1\n3 bus controller START 0\n4 edge SCL level 0"
-    told = tell(measure("from edge SCL rise to edge SCL fall, same transfer"), records(of))
-    assert told.missing() == "no 'edge SCL rise' was followed by 'edge SCL fall' in the same transfer"
+    assert came(played("interrupt latency SCIRXINTA", of)) == (16, 10, 10, 2)
 
 
 @pytest.mark.parametrize(
@@ -329,7 +203,7 @@ def test_events_that_never_share_a_transfer_are_told():
 )
 def test_what_the_scene_cannot_show_is_refused(text: str, scope, sentence: str):
     with pytest.raises(BadEvent) as caught:
-        measure(text, scope)
+        measure_named(text, scope)
     assert str(caught.value).startswith(sentence)
 
 
@@ -353,7 +227,7 @@ EXAMPLES += ["model age of magnetometer", "value error of gyroscope"]
 
 @pytest.mark.parametrize(("form", "text"), list(zip(FORMS, EXAMPLES, strict=True)))
 def test_every_form_makes_a_measure_that_says_what_it_is_and_begins_empty(form: str, text: str):
-    made = measure(text, IMAGE)
+    made = measure_named(text, IMAGE)
     assert (made.__doc__ or "").strip()
     assert came(made) == (0, NO_TIME, 0, 0)
     assert made.unit in ("time", "count", "value", "%", "cycles", "flags", "LSB")

@@ -3,26 +3,9 @@
 from __future__ import annotations
 
 from periph_sim.timing.measures.expectations import Expected, Reply
-from tests.timing.events_by_hand import came
+from tests.timing.events_by_hand import came, scene_of
 
 WITHIN = 100
-
-
-class Line:
-    """What a scene is to a measure of a reply: it expects a text, and began at tick 0."""
-
-    def __init__(self, text: str, anywhere: bool = False) -> None:
-        shown = lambda came: "".join(chr(character & 0xFF) for character in came)  # noqa: E731
-        self._expected = Expected(tuple(map(ord, text)), shown, "SCI-A", WITHIN, anywhere)
-
-    def began(self) -> int:
-        return 0
-
-    def ticks_per_second(self) -> int:
-        return 1000
-
-    def on_reply(self, reply: Reply):
-        return self._expected, lambda: "it was never asked for"
 
 
 def heard(drawn: str, end: int, text: str = "OK", anywhere: bool = False) -> Reply:
@@ -30,8 +13,9 @@ def heard(drawn: str, end: int, text: str = "OK", anywhere: bool = False) -> Rep
 
     `sent 50`: a send begins.
     """
+    expected = Expected(tuple(map(ord, text)), lambda came: "".join(map(chr, came)), "SCI-A", WITHIN, anywhere)
     reply = Reply("told")
-    reply.listen(Line(text, anywhere))  # type: ignore[arg-type]
+    reply.listen(scene_of(ticks_per_second=1000, on_reply=lambda reply: (expected, lambda: "it was never asked for")))
     for what, at in (event.split() for event in drawn.split(", ") if event):
         begin, _, over = at.partition("-")
         if what == "else":

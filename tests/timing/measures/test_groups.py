@@ -9,11 +9,9 @@ from hypothesis import strategies as st
 from periph_sim.core.records import Kind, Record
 from periph_sim.timing.language.scope import BadEvent
 from periph_sim.timing.measures.factory import measure_named
-from periph_sim.timing.measures.measure import Measure
 from tests.scene.runs import run_file
-from tests.timing.events_by_hand import ONE, came, records, tell
+from tests.timing.events_by_hand import ONE, came, played, records
 from tests.timing.measures.hand_made_run import GYRO, HandMadeRun, read
-from tests.timing.measures.test_event import Rounds
 
 TRANSFERS = """
     10 bus c START 0
@@ -34,17 +32,8 @@ TRANSFERS = """
 
 def counted(event: str, transfers: int = 1) -> list[int]:
     """The ticks at which it happened, by a measure that keeps them."""
-    told = measure_named(f"level of SCI-A.SCIFFRX.RXFFST at {event}", ONE)
-    told.listen(Levels(transfers))
-    told.keep()
-    tell(told, records(TRANSFERS))
-    told.finish(99)
+    told = played(f"level of SCI-A.SCIFFRX.RXFFST at {event}", TRANSFERS, 99, keep=True, transfers=transfers)
     return told.all_kept()[1].tolist()
-
-
-class Levels(Rounds):
-    def value_of(self, place: str, name: str) -> int:
-        return 3
 
 
 @pytest.mark.parametrize(
@@ -72,10 +61,8 @@ def test_which_one_of_a_transfer_or_round_counts(event: str, transfers: int, tic
     st.integers(1, 3),
 )
 def test_it_is_what_a_walk_over_the_records_gives(whats: list[str], which: str, transfers: int):
-    told = measure_named(f"count of {which} bus byte of round", ONE)
-    told.listen(Rounds(transfers))
-    tell(told, [Record(i, i, Kind.BUS, "c", what, 0, "", 0) for i, what in enumerate(whats)])
-    told.finish(99)
+    of = [Record(i, i, Kind.BUS, "c", what, 0, "", 0) for i, what in enumerate(whats)]
+    told = played(f"count of {which} bus byte of round", of, 99, transfers=transfers)
     rounds: list[list[int]] = []
     starts = 0
     for at, what in enumerate(whats):
@@ -100,14 +87,10 @@ FRAMES = "".join(
 )
 def test_a_pause_of_two_characters_ends_a_burst(which: str, ticks: list[int]):
     """Characters of ten ticks; pauses of 0, 5, 65, 20 (no end, just as long: one more) and so on."""
-    told = measure_named(f"level of SCI-A.SCIFFRX.RXFFST at {which} frame RX of burst", ONE)
-    told.listen(Levels(1))
-    told.keep()
     of = sorted(
         records(FRAMES.replace("230 frame", "231 frame")), key=lambda record: (record.tick, record.what == "begin")
     )
-    tell(told, of)
-    told.finish(999)
+    told = played(f"level of SCI-A.SCIFFRX.RXFFST at {which} frame RX of burst", of, 999, keep=True)
     assert [at - (at == 231) for at in told.all_kept()[1].tolist()] == ticks
 
 
@@ -131,12 +114,8 @@ def test_the_level_at_an_event_is_that_of_the_last_change_before_it():
         30 irq  dsp SCIRXINTA 0
         40 irq  dsp SCIRXINTA 1
     """
-    told = measure_named("level of SCI-A.SCIFFRX.RXFFST at interrupt SCIRXINTA enter", ONE)
-    told.listen(Levels(1))
-    assert came(tell(told, records(of))) == (8, 40, 7, 2)
-    first = measure_named("level of SCI-A.SCIFFRX.RXFFST at bus START", ONE)
-    first.listen(Levels(1))
-    assert came(tell(first, records("5 bus c START 0"))) == (3, 5, 3, 1)
+    assert came(played("level of SCI-A.SCIFFRX.RXFFST at interrupt SCIRXINTA enter", of)) == (8, 40, 7, 2)
+    assert came(played("level of SCI-A.SCIFFRX.RXFFST at bus START", "5 bus c START 0", value=3)) == (3, 5, 3, 1)
 
 
 def test_the_fifo_at_service_routine_entry():
@@ -196,11 +175,8 @@ def test_an_access_counts_in_the_service_routine_only():
         44 access dsp W_I2C-A.I2CDXR 1
         45 access dsp W_I2C-A.I2CDXR 1
     """
-    first = measure_named("count of first access W I2C-A.I2CDXR of interrupt dsp:SCIRXINTA", ONE)
-    assert came(tell(first, records(of))) == (1, 44, 1, 1)
-    last = tell(measure_named("count of last access by dsp of interrupt SCIRXINTA", ONE), records(of))
-    last.finish(99)
-    assert came(last) == (1, 45, 1, 1)
+    assert came(played("count of first access W I2C-A.I2CDXR of interrupt dsp:SCIRXINTA", of)) == (1, 44, 1, 1)
+    assert came(played("count of last access by dsp of interrupt SCIRXINTA", of, 99)) == (1, 45, 1, 1)
 
 
 # Latency to the first access ---------------------------------------------------------------------------------------
@@ -218,7 +194,6 @@ def test_the_first_access_of_a_service_routine_ends_its_latency():
         70 flag   dsp.PIE PIEIFR9.INTx1 1
         75 irq    dsp     SCIRXINTA     1
     """
-    told: Measure = measure_named("interrupt latency SCIRXINTA to first access", ONE)
-    tell(told, records(of))
+    told = played("interrupt latency SCIRXINTA to first access", of)
     assert came(told) == (21, 10, 21, 1)
     assert told.close(99).startswith("'flag PIE.PIEIFR9.INTx1 rise' still waited for an access") and told.worst == 29

@@ -8,22 +8,14 @@ from typing import Any
 
 import pytest
 
-from periph_sim import timing
+from periph_sim import BadCase, Dsp, Firmware, NotInRun, Scene, Verdict, load, timing
 from periph_sim.firmware import start_i2c
-from periph_sim.processor.dsp import Dsp
 from periph_sim.records.races import races
-from periph_sim.records.run import NotInRun
-from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.firmware_loader import Firmware
-from periph_sim.scene.scene import Scene
 from periph_sim.timing.budget_schema import Budget
-from periph_sim.timing.measures.factory import measure_named
-from periph_sim.timing.verdict import Verdict
 from tests.records.scenes import ADDRESS, asks, ran
 from tests.scene.runs import TIMING, run_case
 from tests.scene.small import case
-from tests.timing.events_by_hand import ONE, records, tell
+from tests.timing.events_by_hand import played
 
 STR = "I2C-A.I2CSTR"
 
@@ -114,26 +106,14 @@ def test_a_plain_write_loses_no_flag_and_is_judged():
         assert (seen.worst, seen.count, seen.verdict) == (0, 1, "pass")
 
 
-class Clocked:
-    """A scene to a measure: its clocks."""
-
-    def ticks_per_second(self) -> int:
-        return 3_000_000_000
-
-    def clock_history(self, unit: str) -> list[tuple[int, Fraction]]:
-        return [(0, Fraction(150_000_000))]
-
-
 @pytest.mark.parametrize(("second_poll", "silent"), [(0, True), (1010, False)])
 def test_polls_that_cannot_be_told_prove_nothing(second_poll: int, silent: bool):
     """A wait of which only the first and the last poll are there does not say how long its passes are."""
-    made = measure_named(f"race {STR}.RRDY", ONE)
-    made.listen(Clocked())
     of = "20000 access dsp R_I2C-A.I2CSTR 0"
     of += f"\n{20 * second_poll} access dsp R_I2C-A.I2CSTR 0" * bool(second_poll)
     of += "\n30140 flag dsp.I2C-A I2CSTR.RRDY 1\n30200 access dsp R_I2C-A.I2CSTR 8"
-    tell(made, records(of))
-    made.finish(40_000)
+    clocks = [(0, Fraction(150_000_000))]
+    made = played(f"race {STR}.RRDY", of, 40_000, ticks_per_second=3_000_000_000, clock_history=lambda unit: clocks)
     assert made.silent == silent
     assert ("skip_polls = false" in made.missing()) == silent
     assert silent or made.least == 3

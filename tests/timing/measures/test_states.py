@@ -8,37 +8,18 @@ from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
-from periph_sim.timing.language.scope import BadEvent, Scope
+from periph_sim.timing.language.scope import BadEvent
 from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.measure import Measure
 from tests.scene.runs import run_file
-from tests.timing.events_by_hand import BARE, NO_BUS, ONE, came, records, tell
+from tests.timing.events_by_hand import BARE, NO_BUS, came, played
 
 SCL = "10 edge SCL level 0\n16 edge SCL level 1\n20 edge SCL level 0\n23 edge SCL level 1\n40 edge SCL level 0"
 
 
-class Scene:
-    """What a scene shows before anything happens."""
-
-    def __init__(self, level: int = 1, value: int = 0) -> None:
-        self.level, self.value = level, value
-
-    def wire(self, name: str) -> Scene:
-        return self
-
-    def value_of(self, place: str, name: str) -> int:
-        return self.value
-
-    def began(self) -> int:
-        return 4
-
-
-def told(text: str, of: str, now: int = 50, scope: Scope = ONE, **shows: int) -> Measure:
-    measure = measure_named(text, scope)
-    measure.listen(Scene(**shows))
-    tell(measure, records(of))
-    measure.finish(now)
-    return measure
+def told(text: str, of: str | list[Record], now: int = 50, **there: object) -> Measure:
+    """A run from tick 4 on."""
+    return played(text, of, now, began=4, **there)
 
 
 def test_a_wire():
@@ -100,10 +81,7 @@ def test_a_sum_is_what_a_count_tick_by_tick_gives(drawn: list[tuple[int, int]], 
     for step, value in drawn:
         tick += step
         of.append(Record(len(of) + 1, tick, Kind.FLAG, "dsp.SCI-A", "SCIFFRX.RXFFST", value, "", 0))
-    measure = measure_named(f"time in flag SCI-A.SCIFFRX.RXFFST = {wanted}", ONE)
-    measure.listen(Scene(value=first))
-    tell(measure, of)
-    measure.finish(tick + 7)
+    measure = told(f"time in flag SCI-A.SCIFFRX.RXFFST = {wanted}", of, tick + 7, value=first)
     value_at = {record.tick: record.value for record in of}
     value, count = first, 0
     for now in range(4, tick + 7):

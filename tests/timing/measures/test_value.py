@@ -10,12 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from periph_sim import BadCase, Verdict
 from periph_sim.imu.host_frames import ramp
 from periph_sim.imu.sensors import SENSORS as CHIPS
-from periph_sim.scene.case.model import BadCase
 from periph_sim.timing.budgets import combine
 from periph_sim.timing.measures.measure import Measure
-from periph_sim.timing.verdict import Verdict
 from tests.scene.runs import Ran, run_file
 from tests.timing.events_by_hand import make
 

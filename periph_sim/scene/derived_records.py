@@ -10,6 +10,7 @@ Only the records that a subscriber needs are derived.
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from ..core.records import Kind, Recorder
@@ -29,6 +30,7 @@ OF_UNITS = {"held alone", "unfinished"}  # the names (`what`) of the records tha
 OF_BYTES = {"bytes asked", "bytes compared", "wrong bytes", "expected byte", "zeros", "unknown bytes"}
 OF_AGES = {"chip read", "age", "unknown age", "model age", "model run"}
 OF_ERRORS = {"sample", "value error", "value error at frame", "unknown error"}
+ERROR = re.compile("value error|unknown error")  # in the text of a measure that needs the true values
 OF_MODELS = {"model age", "model run"}  # the names of the records that `AgeRecords` derives from spans of firmware
 OF_ORIGINS = {"age", "unknown age"}  # the names of the records for which `AgeRecords` needs `Origins`
 
@@ -167,11 +169,15 @@ def _origins_of(scene: Scene) -> Origins:
 
 
 def _no_truth(scene: Scene) -> BadCase:
-    """Return an error about the first budget on errors of sensor models, in a scene without true values."""
-    texts = ((entry, part.plan.text) for entry, limit in enumerate(scene.limits) for part in limit.parts)
-    entry = next(entry for entry, text in texts if "error" in text)
-    what = f"{scene.case.budget[entry].measure!r} of sensor models needs a motion to compare with; give [host.motion]"
-    return scene.case.mistake(what, "budget", entry, "measure")
+    """Return an error about the first budget on errors of sensor models, in a scene without true values.
+
+    If there is none, an event of [serial] names such an error, and the returned error is about [host].
+    """
+    of = [(entry, part) for entry, limit in enumerate(scene.limits) for part in limit.parts]
+    found = [(entry, part.budget.measure) for entry, part in of if ERROR.search(part.plan.text)]
+    place = ("budget", found[0][0], "measure") if found else ("host",)
+    what = repr(found[0][1]) if found else "a value error"
+    return scene.case.mistake(f"{what} of sensor models needs a motion to compare with; give [host.motion]", *place)
 
 
 def _mistake(case: Case, what: str) -> BadCase:

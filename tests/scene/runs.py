@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from periph_sim import Case, Result, Scene, load
+from periph_sim import Case, Firmware, Result, Scene, load
 from periph_sim.bus.i2c.transfer import Transfer
-from periph_sim.core.records import Kind, Record, Recorder
+from periph_sim.core.records import RECORDED, Kind, Record, Recorder, Subjects
 from periph_sim.core.time import Timebase
 from periph_sim.records.recording import Subscribe
 from periph_sim.traces.capture.capture import Capture, Channel
@@ -51,6 +52,25 @@ def run_case(case: Case, seconds: str, subscribe: Subscribe | None = None) -> Ra
         scene.head.on_round.append(lambda over: rounds.append(transfers[-over.transfers :]))
     result = scene.run(Fraction(seconds))
     return Ran(result, rounds, scene, transfers)
+
+
+def recorded(
+    case: Case,
+    kinds: Iterable[Kind] = RECORDED,
+    programs: Mapping[str, Firmware] | None = None,
+    subjects: Subjects | None = None,
+    *,
+    keep_values: bool = False,
+) -> tuple[Scene, list[Record]]:
+    """A scene that has not run yet, and the list that its records go to."""
+    records: list[Record] = []
+    scene = Scene(
+        case,
+        lambda recorder, _: recorder.subscribe(kinds, records.append, subjects),
+        programs,
+        keep_values=keep_values,
+    )
+    return scene, records
 
 
 class Edges:

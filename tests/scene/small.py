@@ -23,3 +23,11 @@ def scene_with(
     program = Firmware("under test", lambda dsp, settings: firmware(dsp), None)
     monkeypatch.setattr(unit_module, "load_firmware", lambda name: program)
     return Scene(case(unit={"dsp": {"firmware": "under test", "modules": modules}}, **more))
+
+
+def sentence_of(error: type[Exception], refused: Callable[[], object]) -> str:
+    """What an error of this kind says, in one line; the call raises it."""
+    with pytest.raises(error) as caught:
+        refused()
+    assert "\n" not in str(caught.value)
+    return str(caught.value)

@@ -9,10 +9,12 @@ Firmware, hosts and faults may read the lines or change the module in the middle
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict, replace
 from fractions import Fraction
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import pytest
 
@@ -23,7 +25,7 @@ from periph_sim.records.run import Run as RecordedRun
 from periph_sim.traces.formats.record_table import Columns
 from tests.profiles import explores
 from tests.scene import small
-from tests.scene.runs import TIMING
+from tests.scene.runs import TIMING, recorded
 
 BUT_EDGES = tuple(kind for kind in Kind if kind not in (Kind.EDGE, Kind.HOLD))
 Disable = tuple[str, ...]
@@ -36,9 +38,7 @@ WHOLLY = ("imu_chips", "imu_hil", "imu_hil_400k", "imu_hil_lost_byte", "imu_movi
 
 def run(case: Case, disable: Disable, kinds: tuple[Kind, ...], seconds: str, programs: Programs | None = None):
     """Return (result, records) of a case."""
-    records: list[Record] = []
-    made = case.model_copy(update={"disable": disable})
-    scene = Scene(made, lambda recorder, _: recorder.subscribe(kinds, records.append), programs)
+    scene, records = recorded(case.model_copy(update={"disable": disable}), kinds, programs)
     return scene.run(Fraction(seconds)), records
 
 
@@ -59,11 +59,7 @@ def test_bits_of_every_byte_are_skipped_where_nothing_acts_in_mid_byte(name: str
 
 @pytest.mark.parametrize("wire", ["SCL", "SDA"])
 def test_a_bus_of_which_edges_are_recorded_passes_edge_by_edge(wire: str):
-    records: list[Record] = []
-    scene = Scene(
-        load(TIMING / "responder.toml"),
-        lambda recorder, _: recorder.subscribe([Kind.EDGE], records.append, {Kind.EDGE: (wire,)}),
-    )
+    scene, records = recorded(load(TIMING / "responder.toml"), [Kind.EDGE], subjects={Kind.EDGE: (wire,)})
     result = scene.run(Fraction("0.05"))
     assert result.bytes_skipped == 0 and result.wire_bytes > 40
     assert {record.where for record in records} == {wire} and len(records) > 300
@@ -156,15 +152,20 @@ def meddled(seed: int, disable: Disable):
     return *run(small.case(unit=unit, controller=table), disable, BUT_EDGES, "0.02", program), meddler.seen
 
 
+def same_by_edges(meddling: Callable[[int, Disable], tuple[Any, ...]], seed: int) -> Result:
+    """Return the result that skips bits. What was seen, the records and the figures are those of edges."""
+    by_edges, skipping = meddling(seed, BY_EDGES), meddling(seed, SKIPPING)
+    assert skipping[1:] == by_edges[1:]
+    assert figures(skipping[0]) == figures(by_edges[0])
+    return skipping[0]
+
+
 SEEDS = range(200) if explores() else [*range(26), 95]
 
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_meddling_in_the_middle_of_a_byte_gives_what_edges_give(seed: int):
-    by_edges, skipping = meddled(seed, BY_EDGES), meddled(seed, SKIPPING)
-    assert skipping[2] == by_edges[2]
-    assert skipping[1] == by_edges[1]
-    assert figures(skipping[0]) == figures(by_edges[0])
+    same_by_edges(meddled, seed)
 
 
 class OwnRate(Meddler):
@@ -212,10 +213,7 @@ def near_the_filter(seed: int, disable: Disable):
 
 @pytest.mark.parametrize("seed", range(200) if explores() else [*range(22), 39])
 def test_times_that_the_noise_filter_just_sees_give_what_edges_give(seed: int):
-    by_edges, skipping = near_the_filter(seed, BY_EDGES), near_the_filter(seed, SKIPPING)
-    assert skipping[2] == by_edges[2]
-    assert skipping[1] == by_edges[1]
-    assert figures(skipping[0]) == figures(by_edges[0])
+    same_by_edges(near_the_filter, seed)
 
 
 def beside_devices(seed: int, disable: Disable):
@@ -248,11 +246,7 @@ def beside_devices(seed: int, disable: Disable):
 
 @pytest.mark.parametrize("seed", range(200) if explores() else [*range(15), 134])
 def test_devices_that_stretch_refuse_and_lose_their_power_give_what_edges_give(seed: int):
-    by_edges, skipping = beside_devices(seed, BY_EDGES), beside_devices(seed, SKIPPING)
-    assert skipping[2] == by_edges[2]
-    assert skipping[1] == by_edges[1]
-    assert figures(skipping[0]) == figures(by_edges[0])
-    assert skipping[0].bytes_skipped > 0
+    assert same_by_edges(beside_devices, seed).bytes_skipped > 0
 
 
 def test_the_meddling_is_seen_in_the_middle_of_bytes_that_had_passed(monkeypatch: pytest.MonkeyPatch):
@@ -313,9 +307,7 @@ RECORDED_BUT_EDGES = tuple(kind for kind in RECORDED if kind not in (Kind.EDGE, 
 
 
 def image_run(*changes: str) -> tuple[Result, list[Record]]:
-    records: list[Record] = []
-    case = load(TIMING / "imu_hil_image.toml", [*TO_ONE_ROUND, *changes])
-    scene = Scene(case, lambda recorder, _: recorder.subscribe(RECORDED_BUT_EDGES, records.append))
+    scene, records = recorded(load(TIMING / "imu_hil_image.toml", [*TO_ONE_ROUND, *changes]), RECORDED_BUT_EDGES)
     return scene.run(), records
 
 

@@ -12,12 +12,12 @@ from random import Random
 
 import pytest
 
-from periph_sim import Dsp, Firmware, Scene, load
-from periph_sim.core.records import RECORDED, Record
+from periph_sim import Dsp, Firmware, load
+from periph_sim.core.records import Record
 from tests.profiles import explores
 from tests.scene import small
-from tests.scene.runs import TIMING
-from tests.scene.test_bit_skip import BUT_EDGES, BY_EDGES, SKIPPING, Disable, figures, run
+from tests.scene.runs import TIMING, recorded
+from tests.scene.test_bit_skip import BUT_EDGES, BY_EDGES, SKIPPING, Disable, figures, run, same_by_edges
 
 
 class MeddlingMaster:
@@ -126,10 +126,7 @@ def meddled(seed: int, disable: Disable):
 
 @pytest.mark.parametrize("seed", range(200) if explores() else range(20))
 def test_masters_that_meddle_give_what_edges_give(seed: int):
-    by_edges, skipping = meddled(seed, BY_EDGES), meddled(seed, SKIPPING)
-    assert skipping[2] == by_edges[2]
-    assert skipping[1] == by_edges[1]
-    assert figures(skipping[0]) == figures(by_edges[0])
+    same_by_edges(meddled, seed)
 
 
 def test_bytes_of_the_masters_above_have_passed_at_once():
@@ -168,7 +165,6 @@ def test_a_line_that_stays_low_is_reported_at_the_same_tick():
 
     came: list[list[Record]] = []
     for disable in (BY_EDGES, SKIPPING):
-        records: list[Record] = []
         case = small.case(
             unit={name: {"firmware": name, "modules": ["I2C-A"]} for name in ("head", "imu")},
             rounds={"period": "10 ms", "stuck_after": "2 ms", "request": [{"address": 0x51, "count": 1}]},
@@ -176,7 +172,7 @@ def test_a_line_that_stays_low_is_reported_at_the_same_tick():
             disable=disable,
         )
         programs = {"head": Firmware("head", firmware, None), "imu": Firmware("imu", silent, None)}
-        scene = Scene(case, lambda recorder, _, to=records: recorder.subscribe(BUT_EDGES, to.append), programs)
+        scene, records = recorded(case, BUT_EDGES, programs)
         scene.run()
         came.append(records)
     assert came[0] == came[1]
@@ -201,12 +197,12 @@ def test_a_reset_as_scl_is_let_go_for_the_eighth_bit_leaves_nobody_deaf():
                 dsp.compute(wait)
                 i2c.I2CMDR.all = 0
 
-        records: list[Record] = []
         options = {"i2c": {"stt_while_busy": "always_repeated_start"}}  # a reset leaves BB set
         unit = {"dsp": {"firmware": "resetting", "modules": ["I2C-A", "GPIO"], "options": options}}
         case = small.case(unit=unit, disable=disable, duration="1 ms")
         programs = {"dsp": Firmware("resetting", firmware, None)}
-        Scene(case, lambda recorder, _: recorder.subscribe(RECORDED, records.append), programs).run()
+        scene, records = recorded(case, programs=programs)
+        scene.run()
         return records
 
     def rises(records: list[Record]) -> list[int]:

@@ -10,10 +10,10 @@ from fractions import Fraction
 
 import pytest
 
-from periph_sim import Case, Dsp, Firmware, Scene, load
-from periph_sim.core.records import RECORDED, Kind, Record, Recorder
-from periph_sim.core.time import Timebase
+from periph_sim import Case, Dsp, Firmware, load
+from periph_sim.core.records import RECORDED, Kind, Record
 from periph_sim.firmware import start_i2c
+from tests.scene import runs
 from tests.scene.runs import TIMING
 from tests.scene.small import case
 
@@ -36,12 +36,8 @@ class Causes:
 def recorded(
     table: Case, seconds: str, programs: dict[str, Firmware] | None = None, kinds: frozenset[Kind] = frozenset(RECORDED)
 ) -> Causes:
-    records: list[Record] = []
-
-    def subscribe(recorder: Recorder, timebase: Timebase) -> None:
-        recorder.subscribe(kinds, records.append)
-
-    Scene(table, subscribe, programs).run(Fraction(seconds))
+    scene, records = runs.recorded(table, kinds, programs)
+    scene.run(Fraction(seconds))
     return Causes(records)
 
 

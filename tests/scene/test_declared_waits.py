@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Any
 
 import pytest
 
 from periph_sim import FirmwareError, Result, load
-from periph_sim.core.records import Kind, Record, Recorder
-from periph_sim.core.time import Timebase
-from tests.scene.runs import TIMING, run_case
+from periph_sim.core.records import Kind
+from tests.scene.runs import TIMING, recorded
 
 WRITES = (
     "controller.request.0.count=3",
@@ -20,17 +20,10 @@ WRITES = (
 
 def ran(firmware: str, disable: str, kinds: tuple[Kind, ...], *changes: str) -> tuple[Result, list[tuple[Any, ...]]]:
     """The case with this firmware; its records without the places, which lie in two files."""
-    found: list[tuple[Any, ...]] = []
-
-    def hear(r: Record) -> None:
-        found.append((r.tick, r.kind, r.where, r.what, r.value, r.cause))
-
-    def subscribe(recorder: Recorder, timebase: Timebase) -> None:
-        if kinds:
-            recorder.subscribe(kinds, hear)
-
     case = load(TIMING / "responder.toml", [f"unit.dsp.firmware={firmware}", f"disable={disable}", *changes])
-    return run_case(case, "0.03", subscribe).result, found
+    scene, records = recorded(case, kinds)
+    result = scene.run(Fraction("0.03"))
+    return result, [(r.tick, r.kind, r.where, r.what, r.value, r.cause) for r in records]
 
 
 @pytest.mark.parametrize("disable", ["bits", "[]"])

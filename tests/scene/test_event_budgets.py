@@ -16,6 +16,7 @@ from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.language.scope import MAPS, VECTORS
 from periph_sim.traces.formats.record_table import Columns
 from tests.scene.runs import TIMING, run_case
+from tests.scene.small import sentence_of
 
 XRDY, DXR = "flag I2C-A.I2CSTR.XRDY rise", "access W I2C-A.I2CDXR"
 
@@ -135,9 +136,7 @@ BASE = (TIMING / "imu_hil_published.toml").read_text(encoding="utf-8").split("[[
 def test_a_mistake_is_told_with_its_line(tmp_path: Path, text: str, sentence: str):
     path = tmp_path / "a.toml"
     path.write_text(f'{BASE}[[budget]]\nname = "b"\n{text}\n', encoding="utf-8")
-    with pytest.raises(BadCase) as caught:
-        Scene(load(path))
-    assert str(caught.value) == f"{path}, {sentence}"
+    assert sentence_of(BadCase, lambda: Scene(load(path))) == f"{path}, {sentence}"
 
 
 def test_what_events_can_name_is_what_scenes_are_built_of():

@@ -9,6 +9,7 @@ import pytest
 
 from periph_sim import BadCase, Scene, load
 from tests.scene.runs import Ran, run_file
+from tests.scene.small import sentence_of
 
 CASE = "imu_hil_published"
 
@@ -122,9 +123,8 @@ def test_a_unit_without_i2c_has_no_module_to_reset():
     ],
 )
 def test_a_fault_that_cannot_be_is_told_with_its_place(fault: str, place: str, sentence: str):
-    with pytest.raises(BadCase) as caught:
-        faulty(fault)
-    assert f": {place}: " in str(caught.value) and sentence in str(caught.value)
+    said = sentence_of(BadCase, lambda: faulty(fault))
+    assert f": {place}: " in said and sentence in said
 
 
 def test_a_fault_of_a_file_is_told_with_its_line(tmp_path: Path):
@@ -134,9 +134,10 @@ def test_a_fault_of_a_file_is_told_with_its_line(tmp_path: Path):
         '[[fault]]\nkind = "spike"\nat = "1 ms"\nwire = "SCL"\nwidth = "0 us"\n',
         encoding="utf-8",
     )
-    with pytest.raises(BadCase) as caught:
-        Scene(load(path, []))
-    assert str(caught.value) == f"{path}, line 9: fault.0.width: it must be longer than 0, but it is '0 us'"
+    assert (
+        sentence_of(BadCase, lambda: Scene(load(path, [])))
+        == f"{path}, line 9: fault.0.width: it must be longer than 0, but it is '0 us'"
+    )
 
 
 @pytest.mark.parametrize(("at", "noted"), [("205.13 s", True), ("50 ms", False)])

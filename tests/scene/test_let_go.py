@@ -18,20 +18,20 @@ from periph_sim import Dsp, Firmware, Scene, load
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.sampler import watch
 from periph_sim.processor.image.program import ImageProgram
-from tests.scene.runs import TIMING
+from tests.scene.runs import TIMING, recorded
 from tests.scene.small import case
 
 CASES = sorted(path.name for path in TIMING.glob("*.toml"))
 SOON = Fraction(1, 1000)
 
 
-def scene_of(firmware: Callable[[Dsp, Any], None], heard: list[Record] | None = None, **more: Any) -> Scene:
-    def subscribe(recorder: Any, _: object) -> None:
-        if heard is not None:
-            recorder.subscribe([Kind.SPAN, Kind.WAIT], heard.append)
+def scene_of(firmware: Callable[[Dsp, Any], None], **more: Any) -> Scene:
+    return heard_of(firmware, **more)[0]
 
+
+def heard_of(firmware: Callable[[Dsp, Any], None], **more: Any) -> tuple[Scene, list[Record]]:
     small = case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}}, **more)
-    return Scene(small, subscribe, {"dsp": Firmware("given", firmware, None)})
+    return recorded(small, [Kind.SPAN, Kind.WAIT], {"dsp": Firmware("given", firmware, None)})
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -49,7 +49,6 @@ def test_what_a_case_builds_does_not_hold_its_scene(name: str) -> None:
 
 def test_its_firmware_ends_where_it_waits_and_nobody_hears_of_it() -> None:
     ended: list[int] = []
-    heard: list[Record] = []
 
     def waiting(dsp: Dsp, settings: object) -> None:
         try:
@@ -60,7 +59,7 @@ def test_its_firmware_ends_where_it_waits_and_nobody_hears_of_it() -> None:
             dsp.compute(1000)  # no time passes any more
             ended.append(-1)
 
-    scene = scene_of(waiting, heard)
+    scene, heard = heard_of(waiting)
     scene.run(SOON)
     told = len(heard)
     assert told and not ended

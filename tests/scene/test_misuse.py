@@ -9,6 +9,7 @@ import pytest
 
 from periph_sim import BadCase, Case, FirmwareError, Scene, load
 from periph_sim.core.time import seconds
+from tests.scene.small import sentence_of
 
 CASE = """\
 name = "small"
@@ -55,9 +56,8 @@ STATEMENTS = {
 @pytest.mark.parametrize("statement", STATEMENTS)
 def test_wrong_use_is_told_with_file_and_line(tmp_path: Path, statement: str):
     text = f"def main(dsp, settings):\n    i2c = dsp.module('I2C-A')\n    {statement}\n"
-    with pytest.raises(FirmwareError) as caught:
-        scene_of(tmp_path, text).run()
-    assert str(caught.value).startswith("dsp, line 3 of wrong.py: ") and STATEMENTS[statement] in str(caught.value)
+    said = sentence_of(FirmwareError, lambda: scene_of(tmp_path, text).run())
+    assert said.startswith("dsp, line 3 of wrong.py: ") and STATEMENTS[statement] in said
 
 
 def test_whole_numbers_of_other_kinds_are_taken(tmp_path: Path):
@@ -81,10 +81,9 @@ MAINS = {
 
 @pytest.mark.parametrize("text", MAINS)
 def test_main_that_cannot_be_called_is_told_before_anything_runs(tmp_path: Path, text: str):
-    with pytest.raises(BadCase) as caught:
-        scene_of(tmp_path, text)
-    assert "line 5: unit.dsp.firmware: " in str(caught.value)
-    assert "wrong.py', line 1 of wrong.py: " in str(caught.value) and MAINS[text] in str(caught.value)
+    said = sentence_of(BadCase, lambda: scene_of(tmp_path, text))
+    assert "line 5: unit.dsp.firmware: " in said
+    assert "wrong.py', line 1 of wrong.py: " in said and MAINS[text] in said
 
 
 @pytest.mark.parametrize("how", ["async def irq():\n    pass\n", "def irq():\n    yield\n"])

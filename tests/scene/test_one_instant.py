@@ -20,8 +20,8 @@ from periph_sim.bus.i2c.line_observers import BusRecorder
 from periph_sim.bus.i2c.monitor import I2cMonitor
 from periph_sim.bus.i2c.replayed_sides import Answer, ScriptedTarget
 from periph_sim.bus.i2c.transfer import BusTiming, Transfer
-from periph_sim.core.records import RECORDED, Kind, Record
-from periph_sim.scene.scene import Scene
+from periph_sim.core.records import Kind
+from tests.scene.runs import recorded
 from tests.scene.small import case
 
 CYCLE = 20  # ticks
@@ -73,11 +73,8 @@ class Bus:
         self, shuffled: Shuffle, late: Callable[[], int], modules: tuple[str, ...], alone: bool = False
     ) -> None:
         unit = {"firmware": "responder", "modules": modules, "settings": {"replies": ["5a c3", "81"]}}
-        self.records: list[Record] = []
         both = {"one": unit, "two": unit | {"settings": {"replies": ["42"], "address": 0x51}}}
-        self.scene = Scene(
-            case(unit=both), lambda recorder, timebase: recorder.subscribe(RECORDED, self.records.append)
-        )
+        self.scene, self.records = recorded(case(unit=both))
         kernel, recorder = self.scene.kernel, self.scene.recorder
         scl, sda = self.scene.wire("SCL"), self.scene.wire("SDA")
         self.transfers: list[Transfer] = []

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import Result, Scene, load
+from periph_sim import Result, load
 from periph_sim.core.records import Kind, Record
 from periph_sim.scene.case.optimizations import ALL, BITS, DECODING, OPTIMIZATIONS, POLLS
 from periph_sim.scene.plan import ScenePlan
-from tests.scene.runs import TIMING
+from tests.scene.runs import TIMING, recorded
 from tests.scene.test_bit_skip import BUT_EDGES, Disable, figures, run
 
 # The cases of timing/trade act in the middle of bytes and frames: resets, clock gates, spikes, reads of pads.
@@ -93,10 +93,9 @@ COMPARED = (Kind.WAIT, Kind.FLAG, Kind.BUS, Kind.IRQ)
 
 def run_polled(path: Path, skip: bool, seconds: str, *changes: str) -> tuple[Result, list[Record], int]:
     """Return the result, the records without their order, and the number of skipped passes."""
-    records: list[Record] = []
     skips = [f"unit.{unit}.skip_polls={str(skip).lower()}" for unit in load(path).unit]
     case = load(path, [f"duration={seconds} s", *changes, *skips])
-    scene = Scene(case, lambda recorder, _: recorder.subscribe(COMPARED, records.append))
+    scene, records = recorded(case, COMPARED)
     result = scene.run()
     without_numbers = [record._replace(number=0, cause=0) for record in records]
     return result, sorted(without_numbers, key=str), sum(dsp.program.polls_skipped for dsp in scene.units.values())

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim import BadCase, Scene, load
+from tests.scene.small import sentence_of
 
 CASE = """\
 name = "own"
@@ -167,9 +168,7 @@ def test_an_edit_of_the_shared_file_counts_for_the_next_scene(case_file: Path):
 def test_a_line_that_is_no_measure_is_one_sentence_with_its_place(case_file: Path, line: str, by: str, said: str):
     assert line in CASE
     case_file.write_text(CASE.replace(line, by, 1), encoding="utf-8")
-    with pytest.raises(BadCase) as caught:
-        Scene(load(case_file))
-    assert str(caught.value) == said
+    assert sentence_of(BadCase, lambda: Scene(load(case_file))) == said
 
 
 @pytest.mark.parametrize(
@@ -190,6 +189,4 @@ def test_a_line_that_is_no_measure_is_one_sentence_with_its_place(case_file: Pat
 )
 def test_a_line_of_the_shared_file_is_told_with_its_place(case_file: Path, text: str, said: str):
     Path("shared.toml").write_text(text, encoding="utf-8")
-    with pytest.raises(BadCase) as caught:
-        Scene(load(case_file))
-    assert str(caught.value) == said
+    assert sentence_of(BadCase, lambda: Scene(load(case_file))) == said

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim import BadCase, FirmwareError, Scene, load
+from tests.scene.small import sentence_of
 
 PROJECT = '[tool.periph-sim]\nplugins = ["barometer.py"]\n'
 BAROMETER = '''\
@@ -73,10 +74,7 @@ def project(tmp_path: Path) -> Path:
 
 
 def refusal(project: Path) -> str:
-    with pytest.raises(BadCase) as error:
-        Scene(load(project / "case.toml"))
-    assert "\n" not in str(error.value)
-    return str(error.value)
+    return sentence_of(BadCase, lambda: Scene(load(project / "case.toml")))
 
 
 def read_of(scene: Scene) -> list[tuple[str, bytes]]:

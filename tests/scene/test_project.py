@@ -10,6 +10,7 @@ from msgspec.structs import asdict
 from periph_sim.interfaces.reports.baselines.files import path_for
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.project import Project, project_of
+from tests.scene.small import sentence_of
 
 TABLE = "[tool.periph-sim]\n"
 
@@ -122,9 +123,10 @@ def test_two_cases_never_share_a_baseline(repository: Path, cases: str):
 )
 def test_a_mistake_is_told_with_file_line_and_key(repository: Path, text: str, sentence: str):
     say(repository, TABLE + text)
-    with pytest.raises(BadCase) as error:
-        project_of(Path())
-    assert str(error.value) in (f"pyproject.toml, {sentence}", f"pyproject.toml: {sentence}")
+    assert sentence_of(BadCase, lambda: project_of(Path())) in (
+        f"pyproject.toml, {sentence}",
+        f"pyproject.toml: {sentence}",
+    )
 
 
 def test_a_folder_of_cases_that_is_not_there(repository: Path):

@@ -14,10 +14,11 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import Scene, form, load
-from periph_sim.core.records import Kind, Record
+from periph_sim import form, load
+from periph_sim.core.records import Kind
 from tests.interfaces.commands.conftest import Run, periph_sim  # noqa: F401
 from tests.processor.image_files.public_images import public_image
+from tests.scene import runs
 
 CONSOLE, CONSOLE_C, CONSOLE_B, EEPROM, CLOCK, LEDS, ECHO, SENDER = "S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8"
 LAB, OVERCLOCKED, KEYPAD, MONITOR = "S9f", "S10", "S11", "S14"
@@ -246,9 +247,8 @@ def test_a_senders_other_build_sets_300_mhz_so_that_all_of_it_is_twice_as_fast(p
 
 def first_send(image: str, folder: Path, module: str, more: str) -> Fraction:
     """When the first character is written to SCITXBUF, or the first START is asked for, in seconds."""
-    accesses: list[Record] = []
     (folder / "case.toml").write_text(CASE.format(duration="5 ms", image=public_image(image), module=module) + more)
-    scene = Scene(load(folder / "case.toml"), lambda to, _: to.subscribe({Kind.ACCESS}, accesses.append))
+    scene, accesses = runs.recorded(load(folder / "case.toml"), {Kind.ACCESS})
     scene.run(Fraction("0.005"))
     sends = (
         one.tick

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,8 +12,7 @@ import pytest
 from periph_sim import PreparedScene, Scene, load
 from periph_sim.core.convert import keys_of
 from periph_sim.core.options import _defaults
-from periph_sim.core.records import RECORDED, Record, Recorder
-from periph_sim.core.time import Timebase
+from periph_sim.core.records import Record
 from periph_sim.imu.host_frames import encoding_of
 from periph_sim.imu.model_codes import model_codes
 from periph_sim.processor.python.waits import comparison_of
@@ -23,20 +21,15 @@ from periph_sim.scene.firmware_loader import BadSetting, load_firmware, settings
 from periph_sim.timing.budget_plan import _nearest_tick
 from periph_sim.timing.language.events import event_of
 from periph_sim.timing.language.language import measure_of
+from tests.scene.runs import TIMING, recorded
 
-TIMING = Path(__file__).parents[2] / "timing"
 LENGTH = Fraction(1, 100)
 SHARED = {"cases": _loaded, "settings": keys_of, "models": model_codes, "options": _defaults}
 OF_TEXTS = {"measures": measure_of, "events": event_of, "limits": _nearest_tick}
 
 
 def recorded_scene(changes: list[str]) -> tuple[Scene, list[Record]]:
-    records: list[Record] = []
-
-    def subscribe(recorder: Recorder, _: Timebase) -> None:
-        recorder.subscribe(RECORDED, records.append)
-
-    return Scene(load(TIMING / "imu_hil.toml", changes), subscribe), records
+    return recorded(load(TIMING / "imu_hil.toml", changes))
 
 
 def works_nothing_out(make: Callable[[], object], shared: Mapping[str, Any]) -> None:

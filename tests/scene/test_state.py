@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 
 from periph_sim import Case, Scene, load, make_case
-from periph_sim.core.records import RECORDED, Record
 from periph_sim.core.restore import NotRestorable, restore
 from periph_sim.core.snapshot import Absent, Foreign, Made, Snapshot, class_name
 from periph_sim.processor.image.counting_loop import CountingLoop
 from periph_sim.scene.state import modules_of
-from tests.scene.runs import TIMING
+from tests.scene.runs import TIMING, recorded
+from tests.scene.small import sentence_of
 
 CASES = sorted(path.stem for path in TIMING.glob("*.toml"))
 # Images, how often they are restored, and ms within which: 200 times in all. A wait of the EEPROM's is 5 ms long.
@@ -32,12 +32,6 @@ BLINK = Path(__file__).parents[2] / "firmware" / "c28x" / "blink.asm"
 
 def case_of(name: str, *changes: str) -> Case:
     return load(TIMING / f"{name}.toml", list(changes))
-
-
-def recorded(case: Case) -> tuple[Scene, list[Record]]:
-    """Return a scene and the list that its records go to."""
-    records: list[Record] = []
-    return Scene(case, lambda recorder, _: recorder.subscribe(RECORDED, records.append)), records
 
 
 def ms(scene: Scene, count: float) -> int:
@@ -271,9 +265,7 @@ def test_a_state_that_no_run_leads_to_is_refused():
     scene.advance(ms(scene, 2))
     ram = scene.units["dsp"].processor.bus.ram
     ram.put(0x400, ram.word(0x400) ^ 1)
-    with pytest.raises(NotRestorable) as error:
-        Scene(case_of("responder")).restore(scene.state())
-    assert str(error.value) == (
+    assert sentence_of(NotRestorable, lambda: Scene(case_of("responder")).restore(scene.state())) == (
         "the scene was run to 2000.000 us, where dsp.processor.bus.ram._low[1024] is 0 instead of 1; "
         "its firmware or a device depends on more than the case, or the snapshot was changed"
     )
@@ -285,11 +277,9 @@ def test_a_state_that_no_run_leads_to_is_refused():
 def refused(scene: Scene, snapshot: Snapshot) -> str:
     """Return why the snapshot is refused, having changed nothing in the scene."""
     before = scene.state()
-    with pytest.raises(NotRestorable) as error:
-        scene.restore(snapshot)
+    said = sentence_of(NotRestorable, lambda: scene.restore(snapshot))
     assert before.differences(scene.state()) == {} and before.tick == scene.kernel.now
-    assert "\n" not in str(error.value)
-    return str(error.value)
+    return said
 
 
 @pytest.fixture

@@ -12,6 +12,7 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.processor.dsp import DspPlan
+from tests.scene.runs import recorded
 
 FIRMWARE = """
 def main(dsp, settings):
@@ -24,12 +25,11 @@ QUICK = '[unit.quick]\nfirmware = "work.py"\nmodules = []\n'
 SLOW = '[unit.slow]\nfirmware = "work.py"\nmodules = []\noscclk = "14 MHz"\npll = 7\n'
 
 
-def scene(folder: Path, units: str, kept: list[Record] | None = None) -> Scene:
+def scene(folder: Path, units: str) -> tuple[Scene, list[Record]]:
     (folder / "work.py").write_text(FIRMWARE)
     case = folder / "two.toml"
     case.write_text(f'name = "two"\nduration = "100 us"\n{units}')
-    records = [] if kept is None else kept
-    return Scene(load(case, []), lambda recorder, _: recorder.subscribe((Kind.SPAN,), records.append))
+    return recorded(load(case), (Kind.SPAN,))
 
 
 #            0      2.000   2.467   4.467 us
@@ -37,8 +37,7 @@ def scene(folder: Path, units: str, kept: list[Record] | None = None) -> Scene:
 # slow       |‾work‾‾‾‾‾‾|____________|‾again‾‾|   49 MHz: 6.122, 7.551, 13.673 us
 @pytest.mark.parametrize("units", [QUICK + SLOW, SLOW + QUICK], ids=["quick first", "slow first"])
 def test_each_unit_counts_its_own_cycles(tmp_path: Path, units: str):
-    kept: list[Record] = []
-    made = scene(tmp_path, units, kept)
+    made, kept = scene(tmp_path, units)
     made.run()
     for unit, mhz in (("quick", 150), ("slow", 49)):
         ticks = [record.tick for record in kept if record.where == unit]
@@ -47,7 +46,7 @@ def test_each_unit_counts_its_own_cycles(tmp_path: Path, units: str):
 
 
 def test_a_wait_says_since_when_in_the_time_of_its_own_clock(tmp_path: Path):
-    made = scene(tmp_path, QUICK + SLOW)
+    made, _ = scene(tmp_path, QUICK + SLOW)
     made.kernel.run_until(made.timebase.ticks(Fraction(20, 10**6)))
     since = {name: made.doing(dsp).rpartition(" ")[0].rpartition(" ")[2] for name, dsp in made.units.items()}
     assert since == {"quick": "4.467", "slow": "13.673"}

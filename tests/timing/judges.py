@@ -10,6 +10,7 @@ from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BudgetJudge
 from periph_sim.timing.language.scope import Scope
 from periph_sim.timing.verdict import Verdict
+from tests.timing.events_by_hand import ONE
 
 TIMEBASE = Timebase(150_000_000)
 US = 3000  # ticks, with SYSCLKOUT at 150 MHz
@@ -18,6 +19,11 @@ US = 3000  # ticks, with SYSCLKOUT at 150 MHz
 def judge(budget: Budget, scope: Scope | None = None, start: int = 0) -> BudgetJudge:
     """BadBudget where it cannot be judged."""
     return BudgetJudge(budget, TIMEBASE, plan_of(budget, TIMEBASE, scope, start))
+
+
+def limit(measure: str, scope: Scope = ONE, start: int = 0, **limits: str | int) -> BudgetJudge:
+    """BadBudget where these limits do not fit the measure."""
+    return judge(Budget(name="b", measure=measure, **limits), scope, start)
 
 
 def judges(budgets: Sequence[Budget], scope: Scope) -> list[BudgetJudge]:

@@ -1,26 +1,30 @@
-"""Limits besides max and min: exactly, percentiles, parts of the time; which go together, and what still waits."""
+"""Limits on measures: what passes and what fails, which go together, what is refused, and what still waits."""
 
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from periph_sim.timing.budget_plan import PER_MILLE, BadBudget
+from periph_sim.timing.budget_plan import BadBudget
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BudgetJudge
+from periph_sim.timing.language.scope import Scope
 from periph_sim.timing.measures.registry import MEASURES
-from tests.timing.events_by_hand import ONE, make, records, tell
-from tests.timing.judges import judge, judged
-
-
-def limit(measure: str, **limits: str | int) -> BudgetJudge:
-    return judge(Budget(name="b", measure=measure, **limits), ONE)
+from tests.timing.events_by_hand import make, records, tell
+from tests.timing.judges import US, judged, judges, limit
 
 
 @pytest.mark.parametrize(
     ("limits", "values", "verdict", "worst", "margin", "at_s", "which"),
     [
+        ({"max": "60 us"}, (20.0, 50.0, 30.0), "pass", 50.0, 10.0, 1.0, "max"),
+        ({"max": "60 us"}, (60.0,), "pass", 60.0, 0.0, 0.0, "max"),
+        ({"max": "60 us"}, (20.0, 60.5), "fail", 60.5, -0.5, 1.0, "max"),
+        ({"min": "10 us"}, (20.0, 12.0, 30.0), "pass", 12.0, 2.0, 1.0, "min"),
+        ({"min": "10 us"}, (20.0, 9.0), "fail", 9.0, -1.0, 1.0, "min"),
+        ({"min": "10 us", "max": "60 us"}, (19.0, 50.0), "pass", 19.0, 9.0, 0.0, "min"),
+        ({"min": "10 us", "max": "60 us"}, (20.0, 55.0), "pass", 55.0, 5.0, 1.0, "max"),
+        ({"min": "10 us", "max": "60 us"}, (9.0, 65.0), "fail", 65.0, -5.0, 1.0, "max"),
+        ({"min": "10 us", "max": "10 us"}, (10.0,), "pass", 10.0, 0.0, 0.0, "max"),
         ({"exactly": "250 us"}, (250.0, 250.0), "pass", 250.0, 0.0, 0.0, "exactly"),
         ({"exactly": "250 us"}, (250.0, 251.0, 249.5), "fail", 251.0, -1.0, 1.0, "exactly"),
         ({"exactly": "250 us"}, (250.0, 251.0, 248.0), "fail", 248.0, -2.0, 2.0, "exactly"),
@@ -40,22 +44,7 @@ def limit(measure: str, **limits: str | int) -> BudgetJudge:
 def test_the_nearest_limit_counts(limits, values, verdict, worst, margin, at_s, which):
     v = judged(limit("response", **limits), *values)
     assert (v.verdict, v.worst, v.margin, v.at_s, v.which) == (verdict, worst, margin, at_s, which)
-    assert v.count == len(values)
-
-
-@given(st.lists(st.integers(0, 50), min_size=1, max_size=60), st.sampled_from(list(PER_MILLE)))
-def test_a_percentile_is_the_least_value_that_so_many_do_not_exceed(values: list[int], key: str):
-    of = limit("response", **{key: "1 us"})
-    for at, value in enumerate(values):
-        of.measure.take(value, at)
-    assert of.measure.tally is not None
-    found, at = of.measure.tally.percentile(PER_MILLE[key])
-    assert values[at] == found
-
-    def enough(level: int) -> bool:
-        return 1000 * sum(v <= level for v in values) >= PER_MILLE[key] * len(values)
-
-    assert enough(found) and not enough(found - 1)
+    assert (v.unit, v.count) == ("us", len(values))
 
 
 def test_values_are_counted_only_where_a_percentile_is_asked_for():
@@ -96,6 +85,36 @@ def test_a_part_of_the_time_is_judged_and_shown_in_percent():
 @pytest.mark.parametrize(
     ("measure", "limits", "key", "sentence"),
     [
+        ("respons", {"max": "1 us"}, "measure", "there is no measure 'respons'; did you mean response?"),
+        (
+            "nackd rounds",
+            {"max": 0},
+            "measure",
+            "there is no measure 'nackd rounds'; did you mean nacked rounds or missed rounds?",
+        ),
+        ("response", {"max": 60}, "max", '60 has no unit; write for instance "60 ms"'),
+        ("response", {"min": "60"}, "min", "'60' has no unit; write for instance 60 ms (ns, us, ms, s, min, h, d)"),
+        ("response", {"max": "-1 us"}, "max", "'-1 us' is negative; a duration is 0 or more"),
+        ("nacked", {"max": "3"}, "max", "'3', but 'nacked' is a number; write a whole number"),
+        ("nacked", {"max": "3 us"}, "max", "'3 us', but 'nacked' is a number; write a whole number"),
+        (
+            "fifo high-water",
+            {"max": "1 ms"},
+            "max",
+            "'1 ms', but 'fifo high-water' is a number of words; write a whole number",
+        ),
+        (
+            "response",
+            {"max": "10 us", "min": "11 us"},
+            "min",
+            "min 11 us is above max 10 us, so no run can keep both; raise max or lower min",
+        ),
+        (
+            "nacked",
+            {"max": 1, "min": 2},
+            "min",
+            "min 2 is above max 1, so no run can keep both; raise max or lower min",
+        ),
         (
             "response",
             {"exactly": "1 us", "max": "2 us"},
@@ -211,3 +230,84 @@ def test_what_still_waits_at_the_end_and_has_waited_too_long_is_broken(limits, e
     assert (v.verdict, v.worst, v.count) == (verdict, worst, count)
     said = "'edge SCL rise' still waited for 'edge SCL fall' when the run ended"
     assert v.found == (said if count == 2 else "")
+
+
+# Of one scene, and of nothing measured --------------------------------------------------------------------------------
+
+TEXT = "from edge SCL fall to edge SCL rise"
+
+
+def alike(one: dict[str, str | int], other: dict[str, str | int]) -> tuple[BudgetJudge, BudgetJudge]:
+    """Two budgets of one scene, on time of the same."""
+    budgets = [Budget(name=name, measure=TEXT, **limits) for name, limits in (("a", one), ("b", other))]
+    first, second = judges(budgets, Scope(wires=("SCL",)))
+    return first, second
+
+
+def test_budgets_on_the_same_have_one_measure_and_each_its_verdict():
+    first, second = alike({"max": "3 us"}, {"p50": "1 us"})
+    assert second.measure is first.measure and first.own_measures and not second.own_measures
+    for n, value in enumerate((1, 2, 2)):
+        first.measure.take(value * US, n * US)
+    for of in (first, second):
+        of.finish(10 * US)
+    assert [(v.verdict, v.worst, v.count) for v in (first.verdict(), second.verdict())] == [
+        ("pass", 2.0, 3),
+        ("fail", 2.0, 3),
+    ]
+
+
+def test_what_the_end_cut_off_counts_once_for_budgets_on_the_same():
+    first, second = alike({"max": "3 us"}, {"max": "9 us"})
+    first.measure.happened(0, US, 0)
+    for of in (first, second):
+        of.finish(6 * US)
+    assert [(v.verdict, v.worst, v.count) for v in (first.verdict(), second.verdict())] == [
+        ("fail", 5.0, 1),
+        ("pass", 5.0, 1),
+    ]
+    assert first.verdict().found == second.verdict().found != ""
+
+
+@pytest.mark.parametrize(
+    "other", [{"max": "9 us", "after": "1 ms"}, {"max": "9 us", "measure": "period of edge SCL fall"}]
+)
+def test_budgets_on_other_things_have_their_own_measures(other):
+    budget = Budget(**{"name": "b", "measure": TEXT, **other})
+    first, second = judges([Budget(name="a", measure=TEXT, max="3 us"), budget], Scope(wires=("SCL",)))
+    assert second.measure is not first.measure and second.own_measures == [second.measure]
+
+
+def test_a_duration_that_was_never_measured_is_not_judged():
+    v = limit("response", max="60 us").verdict()
+    assert (v.verdict, v.worst, v.margin, v.count, v.at_s) == ("not judged", None, None, 0, None)
+
+
+def test_a_fifo_that_nothing_ever_entered_is_not_judged_either():
+    assert limit("fifo high-water", max=16).verdict().verdict == "not judged"
+
+
+def test_zero_of_something_counted_is_a_value():
+    v = limit("nacked", max=0).verdict()
+    assert (v.verdict, v.worst, v.limit, v.margin, v.count, v.at_s) == ("pass", 0, 0, 0, 0, None)
+
+
+def test_counts_are_judged_whole():
+    of = limit("nacked", max=1)
+    of.measure.happened(0, 3 * US, 0)
+    assert of.verdict().verdict == "pass"
+    of.measure.happened(0, 6_000_000 * US, 0)
+    v = of.verdict()
+    assert (v.verdict, v.worst, v.limit, v.margin, v.unit, v.at_s) == ("fail", 2, 1, -1, "count", 3e-06)
+
+
+def test_a_minimum_of_a_count():
+    of = limit("nacked", min=1)
+    assert of.verdict().verdict == "fail"
+    of.measure.happened(0, 0, 0)
+    assert of.verdict().verdict == "pass"
+
+
+def test_limits_between_two_ticks_are_rounded_to_the_nearest():
+    assert judged(limit("response", max="100.1 ns"), 0.1).verdict == "pass"
+    assert limit("response", max="1/6 ns").verdict().limit == 0.0003  # one tick of 1/3 ns, shown in us

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from fractions import Fraction
 
 import pytest
 
-from periph_sim import Dsp, Scene, load
-from periph_sim.core.records import RECORDED, Kind, Record, Recorder
-from periph_sim.core.time import NO_TIME, Timebase
+from periph_sim import Dsp
+from periph_sim.core.records import Kind
+from periph_sim.core.time import NO_TIME
 from periph_sim.firmware import start_i2c
 from periph_sim.timing.language.scope import BadEvent
 from periph_sim.timing.measures.factory import measure_named
-from periph_sim.timing.measures.margin import Margin
-from tests.scene.runs import TIMING, run_file
-from tests.scene.small import scene_with
+from tests.scene.runs import run_file
+from tests.scene.small import scene_with, sentence_of
+from tests.timing import test_rounds
 from tests.timing.events_by_hand import BARE, ONE
 
 BUDGETS = (
@@ -24,21 +23,12 @@ BUDGETS = (
 LATE = ("unit.dsp.settings.frame_cost=110 us",)  # longer than the byte that I2CDXR holds in advance
 
 
-class Ran:
+class Ran(test_rounds.Ran):
     """A run with all its records; margins by the tick of the write."""
 
     def __init__(self, name: str, seconds: str, *changes: str) -> None:
-        self.records: list[Record] = []
-
-        def subscribe(recorder: Recorder, timebase: Timebase) -> None:
-            recorder.subscribe(RECORDED, self.records.append)
-
-        self.scene = Scene(load(TIMING / f"{name}.toml", [BUDGETS, *changes]), subscribe, keep_values=True)
-        self.result = self.scene.run(Fraction(seconds))
-        measure = self.scene.limits[0].measure
-        assert isinstance(measure, Margin)
-        values, at = measure.all_kept()
-        self.margins = dict(zip(at.tolist(), values.tolist(), strict=True))
+        super().__init__(name, seconds, BUDGETS, *changes)
+        self.margins = {at: value for value, at in self.values("m")}
         self.held = self.scene.limits[1].measure
 
 
@@ -128,9 +118,7 @@ def test_a_bus_that_is_held_to_the_end_counts():
     ],
 )
 def test_what_has_no_margin_is_refused(text: str, sentence: str):
-    with pytest.raises(BadEvent) as caught:
-        measure_named(text, ONE)
-    assert str(caught.value).startswith(sentence)
+    assert sentence_of(BadEvent, lambda: measure_named(text, ONE)).startswith(sentence)
     assert measure_named("margin of dsp:I2CDXR", BARE).series
 
 

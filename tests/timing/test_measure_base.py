@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from periph_sim.core.time import NO_TIME
 from periph_sim.timing.measures.measure import Measure, Tally
@@ -83,15 +81,6 @@ def test_what_is_not_over_counts_where_it_has_come_to_more_than_all_that_is(
     assert of.close(99) == said
     assert ((of.worst, of.worst_at), (of.least, of.least_at)) == (worst, least)
     assert (of.count, of.cut_off) == (count, cut_off)
-
-
-@given(st.lists(st.integers(-3, 9), min_size=1, max_size=60), st.sampled_from([1, 500, 950, 990, 999, 1000]))
-def test_a_percentile_is_the_least_value_that_so_many_of_a_thousand_do_not_exceed(values: list[int], per_mille: int):
-    of = Measure()
-    of.tally = Tally()
-    took(of, *((value, 10 * place) for place, value in enumerate(values)))
-    enough = [v for v in values if 1000 * sum(other <= v for other in values) >= per_mille * len(values)]
-    assert of.tally.percentile(per_mille) == (min(enough), 10 * values.index(min(enough)))
 
 
 def test_only_some_of_the_kept_values():

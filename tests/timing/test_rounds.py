@@ -11,11 +11,13 @@ import pytest
 
 from periph_sim import BadCase, Scene, load
 from periph_sim.bus.i2c.transfer import Phase, Transfer
-from periph_sim.core.records import RECORDED, Kind, Record, Recorder
-from periph_sim.core.time import NO_TIME, Timebase
+from periph_sim.core.records import Kind, Record
+from periph_sim.core.time import NO_TIME
 from periph_sim.devices.sensor_rounds import Request, Round
 from periph_sim.timing.rounds import BusRounds, MasterSchedule
-from tests.scene.runs import TIMING
+from tests.scene.runs import TIMING, recorded
+from tests.scene.small import sentence_of
+from tests.timing.events_by_hand import pairs
 
 A, B, C = 0x10, 0x20, 0x30
 ONE = tuple(t for address in (A, B) for t in Request(f"{address:#x}", address, 0x05, 2).transfers(by_stop=False))
@@ -154,12 +156,8 @@ class Ran:
     """A run with all its records, and what the controller says itself."""
 
     def __init__(self, name: str, seconds: str, *changes: str) -> None:
-        self.records: list[Record] = []
-
-        def subscribe(recorder: Recorder, timebase: Timebase) -> None:
-            recorder.subscribe(RECORDED, self.records.append)
-
-        self.scene = scene = Scene(load(TIMING / f"{name}.toml", list(changes)), subscribe, keep_values=True)
+        case = load(TIMING / f"{name}.toml", list(changes))
+        self.scene, self.records = scene, _ = recorded(case, keep_values=True)
         self.rounds: list[Round] = []
         self.transfers: list[Transfer] = []
         self.missed: list[int] = []
@@ -177,9 +175,7 @@ class Ran:
 
     def values(self, name: str) -> list[tuple[int, int]]:
         """(value, when) of each that a budget took."""
-        measure = next(limit.measure for limit in self.scene.limits if limit.budget.name == name)
-        values, at = measure.all_kept()
-        return list(zip(values.tolist(), at.tolist(), strict=True))
+        return pairs(next(limit.measure for limit in self.scene.limits if limit.budget.name == name))
 
 
 BUDGETS = """budget=[
@@ -359,6 +355,4 @@ def test_a_slave_that_holds_scl_is_measured_against_a_firmware_too():
 )
 def test_rounds_that_cannot_be_are_refused(changes: tuple[str, ...], said: str):
     name, *given = changes
-    with pytest.raises(BadCase) as caught:
-        Scene(load(TIMING / f"{name}.toml", list(given)))
-    assert said in str(caught.value)
+    assert said in sentence_of(BadCase, lambda: Scene(load(TIMING / f"{name}.toml", list(given))))

@@ -12,6 +12,7 @@ import pytest
 
 from periph_sim import BadCase, Scene, load
 from periph_sim.interfaces.commands.command_frame import MISTAKES
+from tests.scene.small import sentence_of
 
 TIMING = Path(__file__).parents[3] / "timing"
 TIMES = ("0 s", "1 ns", "1e-30 s", "365 d", "17000 d", "365250 d", "-1 us", "1e40 d", "1e999999999 s", "1e-999999999 s")
@@ -71,9 +72,7 @@ def small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def refusal(path: Path, *changes: str) -> str:
-    with pytest.raises(BadCase) as caught:
-        load(path, list(changes))
-    return str(caught.value)
+    return sentence_of(BadCase, lambda: load(path, list(changes)))
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from periph_sim import BadCase, Case, Scene, load
 from periph_sim.cli import run_command as main
 from periph_sim.scene.case.origin import Source
 from periph_sim.scene.case.serial import SendTable, content_of, show_characters
+from tests.scene.small import sentence_of
 
 TEXT = """\
 name = "small"
@@ -210,9 +211,7 @@ def small(tmp_path: Path) -> Path:
 def test_one_sentence_with_file_and_line(small: Path, old: str, new: str, said: str):
     assert not old or old in TEXT
     small.write_text(TEXT.replace(old, new, 1) if old else TEXT + new, encoding="utf-8")
-    with pytest.raises(BadCase) as caught:
-        Scene(load(small))
-    assert str(caught.value).removeprefix(f"{small}, ") == said
+    assert sentence_of(BadCase, lambda: Scene(load(small))).removeprefix(f"{small}, ") == said
 
 
 def test_status_2_without_a_traceback(small: Path, capsys, monkeypatch):
@@ -250,9 +249,7 @@ def test_a_file_without_end_is_not_read_into_memory(small: Path, file: str, told
     with (small.parent / "long.bin").open("wb") as long:
         long.truncate(16 * 1024 * 1024 + 1)  # a hole: it takes no room
     small.write_text(TEXT.replace('text = "ask"', f'file = "{file}"'))
-    with pytest.raises(BadCase) as caught:
-        Scene(load(small))
-    assert str(caught.value) == f"{small}, line 11: serial.send.ask.file: {told}"
+    assert sentence_of(BadCase, lambda: Scene(load(small))) == f"{small}, line 11: serial.send.ask.file: {told}"
 
 
 def content(folder: Path, bits: int = 8, **given: object) -> bytes:
@@ -288,9 +285,7 @@ def test_what_cannot_be_sent(given: dict[str, str], bits: int, said: str, tmp_pa
     (tmp_path / "high.bin").write_bytes(b"\xff")
     with open(tmp_path / "large.bin", "wb") as file:
         file.truncate((1 << 24) + 1)
-    with pytest.raises(BadCase) as caught:
-        content(tmp_path, bits, **given)
-    assert said in str(caught.value)
+    assert said in sentence_of(BadCase, lambda: content(tmp_path, bits, **given))
 
 
 @pytest.mark.parametrize(

@@ -10,14 +10,12 @@ from periph_sim.scene.scope import scope_of_case
 from periph_sim.timing.language.scope import BadEvent, Scope, scope_of_table
 from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.watched_register import Watched, clearing, losing, raced
-from tests.scene.small import case
+from tests.scene.small import case, sentence_of
 from tests.timing.events_by_hand import BARE, MODULES, NO_BUS, ONE, TWO, records, table
 
 
 def sentence(call, *arguments: object) -> str:
-    with pytest.raises(BadEvent) as caught:
-        call(*arguments)
-    return str(caught.value)
+    return sentence_of(BadEvent, lambda: call(*arguments))
 
 
 def test_units_that_are_named_and_the_only_one():

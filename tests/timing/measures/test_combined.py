@@ -11,9 +11,8 @@ from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BudgetJudge, combine
 from periph_sim.timing.measures.measure import Measure
 from tests.timing.events_by_hand import ONE, records, tell
-from tests.timing.judges import judge
+from tests.timing.judges import US, judge, limit
 
-US = 3000  # ticks, with SYSCLKOUT at 150 MHz
 START = 7_000_000_000
 
 
@@ -109,16 +108,12 @@ def test_a_mistake_in_a_joined_condition_has_its_place():
 # The other end -------------------------------------------------------------------------------------------------------
 
 
-def limit(measure: str, **limits: str | int) -> BudgetJudge:
-    return judge(Budget(name="b", measure=measure, **limits), ONE, START)
-
-
 @pytest.mark.parametrize(
     ("limits", "worst", "at_us"),
     [({"max": "9 us"}, 2.0, 1), ({"min": "1 us"}, 5.0, 2), ({"exactly": "5 us"}, 2.0, 1), ({"p50": "5 us"}, 2.0, 1)],
 )
 def test_the_typical_value_is_that_furthest_from_its_limit(limits: dict[str, str], worst: float, at_us: int):
-    of = limit("stretch", **limits)
+    of = limit("stretch", start=START, **limits)
     for place, value in enumerate((3, 2, 5)):
         of.measure.take(value * US, START + place * US)
         of.measure.occasion(START)
@@ -127,13 +122,13 @@ def test_the_typical_value_is_that_furthest_from_its_limit(limits: dict[str, str
 
 
 def test_of_one_value_or_none_or_one_number_a_run_there_is_no_typical_one():
-    of = limit("stretch", max="9 us")
+    of = limit("stretch", start=START, max="9 us")
     assert of.typical(START) is None
     of.measure.take(US, START)
     assert of.typical(START) is None
     of.measure.take(US, START)
     assert of.typical(START) is not None
-    count = limit("overruns", max=9)
+    count = limit("overruns", start=START, max=9)
     for at in (1, 2):
         count.measure.happened(0, START + at, 0)
     assert count.typical(START) is None
@@ -162,7 +157,7 @@ WAITS = f"{START} edge SCL level 1"
 def test_of_the_only_value_the_end_of_the_run_says_only_when_it_is_too_much(
     limits: dict[str, str], waited_us: int, verdict: str
 ):
-    of = limit("from edge SCL rise to edge SCL fall", **limits)
+    of = limit("from edge SCL rise to edge SCL fall", start=START, **limits)
     tell(of.measure, records(WAITS))
     of.finish(START + waited_us * US)
     found = of.verdict(START)
@@ -172,12 +167,12 @@ def test_of_the_only_value_the_end_of_the_run_says_only_when_it_is_too_much(
 
 @pytest.mark.parametrize(("at", "counts"), [(START + 3 * US - 1, 0), (START + 3 * US, 1), (START + 3 * US + 1, 1)])
 def test_after_leaves_out_what_came_before_it_from_the_begin_of_the_run(at: int, counts: int):
-    of = limit("response", max="9 us", after="3 us")
+    of = limit("response", start=START, max="9 us", after="3 us")
     of.measure.take(US, at)
     assert of.measure.count == counts
 
 
 def test_one_number_a_run_has_nothing_to_leave_out():
     with pytest.raises(BadBudget, match="'bus load' is one number a run, so none of it can be left out") as caught:
-        limit("bus load", max="9 %", after="3 us")
+        limit("bus load", start=START, max="9 %", after="3 us")
     assert caught.value.place[-1] == "after"

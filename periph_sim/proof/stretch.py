@@ -157,34 +157,35 @@ class CoveredCase:
         transfer only.
         """
         found: dict[str, set[str]] = {}
-        for budget, plan in zip(self.case.budget, self._plan.limits, strict=True):
-            plans = [(budget, plan), *plan.joined]
-            found[budget.name] = {
-                "this transfer" if self.case.host is None and one.measure == "wrong bytes" else each.make().looks_back
-                for one, each in plans
+        for plan in self._plan.limits:
+            parts = (plan, *plan.joined)
+            ranges = found[plan.budget.name] = {
+                "this transfer"
+                if self.case.host is None and part.budget.measure == "wrong bytes"
+                else part.make().looks_back
+                for part in parts
             }
-            events = set[str]().union(*(round_events(each.make()) for _, each in plans))
+            events = set[str]().union(*(round_events(part.make()) for part in parts))
             if "next" in events:
-                found[budget.name].add("the start of the next round")
+                ranges.add("the start of the next round")
             if events & DUE and self.phases.has_jitter:
-                found[budget.name].add("the jitter of the round")
+                ranges.add("the jitter of the round")
         return found
 
     def events(self) -> dict[str, list[Matcher] | None]:
         """Return a dictionary from each covered budget to its events; None if it does not consist of events."""
         found: dict[str, list[Matcher] | None] = {}
-        for budget, plan in zip(self.case.budget, self._plan.limits, strict=True):
-            measures = [each.make() for _, each in [(budget, plan), *plan.joined]]
+        for plan in self._plan.limits:
+            measures = [part.make() for part in (plan, *plan.joined)]
             of_events = [measure for measure in measures if isinstance(measure, EventMeasure)]
             each = [one for measure in of_events for one in events_of(measure)]
-            found[budget.name] = each if len(of_events) == len(measures) else None
+            found[plan.budget.name] = each if len(of_events) == len(measures) else None
         return found
 
     def not_before(self) -> dict[str, int]:
         """Return, for each covered budget, the tick from which it is judged, counted from the start of the run."""
         start = self._plan.ticks.start
-        pairs = zip(self.case.budget, self._plan.limits, strict=True)
-        return {budget.name: max(0, plan.not_before - start) for budget, plan in pairs}
+        return {plan.budget.name: max(0, plan.not_before - start) for plan in self._plan.limits}
 
     def run(
         self, phases: Sequence[int], seed: int, subscribe: Subscribe | None = None, before: int | None = None

@@ -10,7 +10,7 @@ from msgspec import Struct
 
 from ..core.kernel import Kernel
 from ..core.records import Recorder
-from ..core.time import Timebase, TimeError
+from ..core.time import Timebase, TimeError, round_ratio
 from ..core.wire import Wire
 from .case.model import Case
 from .case.optimizations import ALL
@@ -36,8 +36,7 @@ class CaseTicks(Struct, frozen=True):
         If the number of ticks is too large, raise BadCase, which names the key of the case with this length. If no key
         has this length, raise TimeError.
         """
-        count, parts = self._ticks(length, ppm)
-        return self._fitting((2 * count + parts) // (2 * parts), length)
+        return self._fitting(round_ratio(self._exact(length, ppm), "nearest"), length)
 
     def starts(self, name: Literal["rounds", "frames"]) -> tuple[int, ...] | None:
         """Return the ticks of the starts in the list `name` of [inputs]; None if [inputs] has no such list."""
@@ -55,7 +54,7 @@ class CaseTicks(Struct, frozen=True):
 
         Raise the same errors as `ticks`.
         """
-        exact = Fraction(*self._ticks(length, ppm))
+        exact = self._exact(length, ppm)
         self._fitting(int(exact), length)
         return exact
 
@@ -68,10 +67,8 @@ class CaseTicks(Struct, frozen=True):
                 raise
             raise self.case.mistake(str(error), *place) from None
 
-    def _ticks(self, length: Fraction, ppm: Fraction) -> tuple[int, int]:
-        """Return a length in seconds as a number of ticks: the numerator and the denominator of the exact fraction."""
-        clock = 1_000_000 * ppm.denominator
-        return length.numerator * self.timebase.per_second * clock, length.denominator * (clock + ppm.numerator)
+    def _exact(self, length: Fraction, ppm: Fraction) -> Fraction:
+        return length * self.timebase.per_second / (1 + ppm / 1_000_000)
 
 
 class SceneContext(CaseTicks, frozen=True):

@@ -26,7 +26,7 @@ def measured_scene(
     bus: BusSide,
     serial: SerialSide | None,
 ) -> MeasuredScene:
-    """Return the values and functions of a scene that measures use. A function is called only when a measure needs it."""
+    """Return the values and functions of a scene that measures use. Measures call the functions."""
 
     def on_reply(reply: Reply) -> tuple[Expected, Callable[[], str]]:
         assert serial is not None

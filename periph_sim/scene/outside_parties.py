@@ -19,8 +19,7 @@ from collections.abc import Iterator, Mapping
 from ..core.phrases import did_you_mean
 from ..core.time import Timebase
 from ..core.wire import Wire
-from ..timing.budget_plan import BadBudget, BudgetPlan, plan_of
-from ..timing.measures.measure import Measure
+from ..timing.budget_plan import BadBudget, plan_of
 from .case.model import BadCase, Case
 from .case.party_tables import OutsideTable
 from .context import CaseTicks
@@ -112,14 +111,8 @@ def _judged(case: Case, driven: Case) -> Iterator[bool]:
         except BadBudget:
             yield False
         else:
-            needs_host = any(measure.needs == "host" for measure in _measures(plan))
+            needs_host = any(part.make().needs == "host" for part in (plan, *plan.joined))
             yield not (lost and (needs_host or (compares and budget.measure == "wrong bytes")))
-
-
-def _measures(plan: BudgetPlan) -> Iterator[Measure]:
-    yield plan.make()
-    for _, part in plan.joined:
-        yield from _measures(part)
 
 
 def check_outside(case: Case, wires: Mapping[str, Wire]) -> None:

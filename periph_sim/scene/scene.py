@@ -94,8 +94,8 @@ class Scene:
         if case.budget:
             from ..timing.budgets import BudgetJudge
 
-            for budget, limit_plan in zip(case.budget, plan.limits, strict=True):
-                self.limits.append(BudgetJudge(budget, self.timebase, limit_plan, self.limits))
+            for limit_plan in plan.limits:
+                self.limits.append(BudgetJudge(limit_plan, self.timebase, self.limits))
         for limit in self.limits:
             if keep_values and limit.measure.series:
                 limit.measure.keep()

@@ -2,22 +2,10 @@
 
 from __future__ import annotations
 
-import re
-from functools import cached_property
-from pathlib import Path
-from typing import TYPE_CHECKING
-
-from ..core.phrases import did_you_mean
-from ..timing.language.scope import MAPS, BadEvent, Scope
+from ..timing.language.scope import MAPS, BadEvent, ImageNames, Scope
 from .case.model import BadCase, Case
 from .case.origin import Source
 from .case.wiring import Wiring, wiring_of
-
-if TYPE_CHECKING:
-    from ..processor.image_files.model import Image
-    from ..processor.image_files.variables import Variable, Variables
-
-ADDRESS = re.compile(r"0x[0-9a-f]{6}")
 
 
 def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
@@ -42,7 +30,7 @@ def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
         rounds,
         tuple(dict.fromkeys(lines)),
         pairs,
-        {name: _ImageNames(unit.image) for name, unit in case.unit.items() if unit.image},
+        {name: ImageNames(unit.image) for name, unit in case.unit.items() if unit.image},
         next((name for name, unit in case.unit.items() if not unit.firmware), ""),
         _own_measures(case) if case.measures or case.measures_from else {},
     )
@@ -84,40 +72,3 @@ def _mistake(case: Case, source: Source, name: str, what: str) -> BadCase:
     if name in case.measures:
         return case.mistake(what, "measures", name)
     return BadCase(f"{source.where((name,))}: {name}: {what}")
-
-
-class _ImageNames:
-    """The names in an image. The image is read at the first query. A query for an unknown name raises ValueError."""
-
-    def __init__(self, path: str) -> None:
-        self._path = path
-
-    @cached_property
-    def _image(self) -> Image:
-        from ..processor.image_files.program_file import program_in
-
-        return program_in(Path(self._path))
-
-    @cached_property
-    def _variables(self) -> Variables:
-        from ..processor.image_files.variables import Variables
-
-        return Variables(self._image)
-
-    @cached_property
-    def _functions(self) -> tuple[str, ...]:
-        from ..processor.image_files.debug_info import FunctionMap
-
-        return tuple(function.name for function in FunctionMap(self._image).functions)
-
-    def variable(self, name: str) -> Variable:
-        return self._variables.find(name)
-
-    def function(self, name: str) -> str:
-        """Return `name` unchanged if it names a function, or is an address such as "0x3ff4a2".
-
-        An address names code that belongs to no function, such as code in ROM. Raise ValueError for any other name.
-        """
-        if name not in self._functions and not ADDRESS.fullmatch(name):
-            raise ValueError(f"the image has no function {name!r}; {did_you_mean(name, self._functions)}")
-        return name

@@ -8,7 +8,6 @@ A run does not change a plan, so all scenes of one case share it. `make` returns
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from fractions import Fraction
 from functools import lru_cache
 from itertools import combinations
 
@@ -43,24 +42,21 @@ class BudgetPlan(Struct, frozen=True):
     """Plan for measuring and judging one budget in a scene.
 
     text: the text of the measure, in which the names of other measures are replaced by their texts.
-    after: the key `after` of the budget, in seconds from the start of the run; None if it is not given. Occurrences
-        that began earlier are left out.
     make: a function that returns a new measure.
-    given: the limits as they are written in the table of the budget.
-    limits: the same limits in ticks, millionths or counts.
-    not_before: `after` as a tick; NO_TIME if no occurrence is left out.
-    joined: the conditions under the key `and`, each as a pair of a budget and its plan.
-    same_as: the index of the first earlier budget that has the same measure and `after`; -1 if there is none. A budget
-        with joined conditions is the same as no other.
+    limits: the limits of the budget in ticks, millionths or counts.
+    not_before: the tick of the key `after` of the budget. Occurrences that began earlier are left out. NO_TIME if no
+        occurrence is left out.
+    joined: the plans of the conditions under the key `and`.
+    same_as: the index of the first earlier budget that has the same measure and the same `not_before`; -1 if there is
+        none. A budget with joined conditions is the same as no other.
     """
 
+    budget: Budget
     text: str
-    after: Fraction | None
     make: Callable[[], Measure]
-    given: dict[str, str | int]
     limits: dict[str, int]
     not_before: int
-    joined: tuple[tuple[Budget, BudgetPlan], ...]
+    joined: tuple[BudgetPlan, ...]
     same_as: int
 
 
@@ -85,9 +81,8 @@ def plan_of(
     except BadEvent as error:
         raise BadBudget(str(error), "measure") from None
     measure = make()
-    given = budget.limits()
-    limits = {key: _limit(budget, measure, timebase, key, limit) for key, limit in given.items()}
-    _check(budget, measure, limits, given)
+    limits = {key: _limit(budget, measure, timebase, key, limit) for key, limit in budget.limits().items()}
+    _check(budget, measure, limits)
     not_before = NO_TIME
     if budget.after is not None:
         if not measure.series:
@@ -100,15 +95,15 @@ def plan_of(
     same = (  # a budget with joined conditions never shares its measure
         place
         for place, other in enumerate(others)
-        if other.same_as < 0 and (other.text, other.after) == (text, budget.after) and not (joined or other.joined)
+        if other.same_as < 0 and (other.text, other.not_before) == (text, not_before) and not (joined or other.joined)
     )
-    return BudgetPlan(text, budget.after, make, given, limits, not_before, joined, next(same, -1))
+    return BudgetPlan(budget, text, make, limits, not_before, joined, next(same, -1))
 
 
 def _joined(
     budget: Budget, measure: Measure, entry: int, timebase: Timebase, scope: Scope | None, start: int
-) -> tuple[Budget, BudgetPlan]:
-    """Return a condition under the budget's key `and` as a budget of its own, with its plan.
+) -> BudgetPlan:
+    """Return the plan of a condition under the budget's key `and`, as that of a budget of its own.
 
     measure: the measure of the budget. entry: the index of the condition.
 
@@ -116,10 +111,9 @@ def _joined(
     addressed phase (`Measure.occurrence`).
     """
     given = budget.also[entry]
+    table = {"name": f"{budget.name} and {given.measure}", "measure": given.measure, **given.limits()}
+    condition = Budget.model_validate(table)
     try:
-        name = f"{budget.name} and {given.measure}"
-        table = {"name": name, "measure": given.measure, **given.limits()}
-        condition = Budget.model_validate(table)
         part = plan_of(condition, timebase, scope, start)
     except BadBudget as error:
         raise BadBudget(str(error), "and", entry, *error.place) from None
@@ -128,7 +122,7 @@ def _joined(
         if not each.occurrence or each.occurrence != measure.occurrence:
             what = f"{of.measure!r} is not measured read by read, so nothing can be joined to it; "
             raise BadBudget(f"{what}age, model age, stretch and value error are", *place)
-    return condition, part
+    return part
 
 
 def _limit(budget: Budget, measure: Measure, timebase: Timebase, which: str, given: str | int) -> int:
@@ -161,8 +155,9 @@ def _limit(budget: Budget, measure: Measure, timebase: Timebase, which: str, giv
     raise BadBudget(f"{given!r}, but {budget.measure!r} is {WANTED.get(unit, wanted)}", which)
 
 
-def _check(budget: Budget, measure: Measure, limits: dict[str, int], given: dict[str, str | int]) -> None:
+def _check(budget: Budget, measure: Measure, limits: dict[str, int]) -> None:
     """Raise BadBudget for limits that do not fit the measure, that no run can keep, or that are redundant."""
+    given = budget.limits()
     others = [key for key in limits if key != "exactly"]
     if "exactly" in limits and others:
         raise BadBudget(f"exactly says all that {' and '.join(others)} could; leave one of them out", "exactly")

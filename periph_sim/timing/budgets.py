@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from operator import attrgetter
+from operator import itemgetter
 from typing import TYPE_CHECKING, final
 
 from msgspec import Struct
@@ -23,22 +23,6 @@ from .verdict import FAIL, NOT_JUDGED, PASS, Verdict
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-
-
-class _ComparedLimit(Struct, frozen=True):
-    """A limit, and the measured value that is compared with it.
-
-    which: the key of the limit, such as "max" or "p99".
-    limit, value, slack: in the unit of the measure. slack: the distance from the value to the limit; negative if the
-        limit is broken.
-    at: the tick of the value.
-    """
-
-    which: str
-    limit: int
-    value: int
-    at: int
-    slack: int
 
 
 class Values(Struct, frozen=True, eq=False):
@@ -69,10 +53,8 @@ class BudgetJudge:
     own_measures: the measures that this judge and its joined conditions add to the run; empty if `same_as` is not None.
     """
 
-    def __init__(
-        self, budget: Budget, timebase: Timebase, plan: BudgetPlan, others: Sequence[BudgetJudge] = ()
-    ) -> None:
-        self.budget = budget
+    def __init__(self, plan: BudgetPlan, timebase: Timebase, others: Sequence[BudgetJudge] = ()) -> None:
+        self.budget: Budget = plan.budget
         self._timebase = timebase
         self.plan: BudgetPlan = plan
         self._found = ""
@@ -81,7 +63,7 @@ class BudgetJudge:
         self.measure.not_before = plan.not_before
         if PER_MILLE.keys() & plan.limits.keys() and self.measure.tally is None:
             self.measure.tally = Tally()
-        self.joined = [BudgetJudge(condition, timebase, part) for condition, part in plan.joined]
+        self.joined = [BudgetJudge(part, timebase) for part in plan.joined]
         if self.joined:
             for part in self.parts:
                 part.measure.keep()
@@ -160,26 +142,27 @@ class BudgetJudge:
             percent = f"{float(100 * coverage):g} %"
             found = f"measured {measure.measured} of {measure.occasions} {measure.asked}, less than {percent}"
         if silent:
-            key, limit = next(iter(self.plan.limits.items()))
-            nearest = _ComparedLimit(key, limit, 0, NO_TIME, 0)
+            which, limit = next(iter(self.plan.limits.items()))
+            slack, value, at = 0, 0, NO_TIME
         else:
-            nearest = min([self._compared(key, limit) for key, limit in limits], key=attrgetter("slack"))
-        at = NO_TIME if silent else nearest.at
+            slack, value, at, which, limit = min(
+                [(*self._compared(key, limit), key, limit) for key, limit in limits], key=itemgetter(0)
+            )
         until = measure.worst_until
-        if measure.refuted and nearest.slack >= 0:
+        if measure.refuted and slack >= 0:
             at, until = measure.refuted_at, measure.refuted_until
         return Verdict(
             name=self.budget.name,
             measure=self.plan.text,
             unit="us" if measure.unit == "time" else measure.unit,
-            worst=None if silent else self.show(nearest.value),
-            limit=self.show(nearest.limit),
-            margin=None if silent else self.show(nearest.slack),
+            worst=None if silent else self.show(value),
+            limit=self.show(limit),
+            margin=None if silent else self.show(slack),
             count=measure.counted,
-            verdict=FAIL if nearest.slack < 0 or measure.refuted else PASS if judged else NOT_JUDGED,
+            verdict=FAIL if slack < 0 or measure.refuted else PASS if judged else NOT_JUDGED,
             at_s=None if at < 0 else (at - start) / self._timebase.per_second,
             why=self.budget.why,
-            which=nearest.which,
+            which=which,
             found=found,
             measured=measure.measured,
             occasions=measure.occasions,
@@ -229,23 +212,27 @@ class BudgetJudge:
         if verdict.unit == "us" and verdict.worst is not None:
             value = self._timebase.show(round(verdict.worst * self._timebase.per_second / 1_000_000))
         at = "" if verdict.at_s is None else f" at {verdict.at_s:.6f} s"
-        return f"{self.budget.measure} {value}{at} ({verdict.which} {self.plan.given[verdict.which]})"
+        return f"{self.budget.measure} {value}{at} ({verdict.which} {self.budget.limits()[verdict.which]})"
 
-    def _compared(self, which: str, limit: BigInt) -> _ComparedLimit:
-        """Compare a limit with the value that is most critical for it. which: the key of the limit."""
+    def _compared(self, which: str, limit: BigInt) -> tuple[BigInt, BigInt, int]:
+        """Compare a limit with the value that is most critical for it. which: the key of the limit.
+
+        Return the distance from the value to the limit, which is negative if the limit is broken, the value, and the
+        tick of the value.
+        """
         measure = self.measure
         if which == "max":
-            return _ComparedLimit(which, limit, measure.worst, measure.worst_at, limit - measure.worst)
+            return limit - measure.worst, measure.worst, measure.worst_at
         if which == "min":
-            return _ComparedLimit(which, limit, measure.least, measure.least_at, measure.least - limit)
+            return measure.least - limit, measure.least, measure.least_at
         if which == "exactly":
             over, under = measure.worst - limit, limit - measure.least
             if over >= under:
-                return _ComparedLimit(which, limit, measure.worst, measure.worst_at, -abs(over))
-            return _ComparedLimit(which, limit, measure.least, measure.least_at, -abs(under))
+                return -abs(over), measure.worst, measure.worst_at
+            return -abs(under), measure.least, measure.least_at
         assert measure.tally is not None
         value, at = measure.tally.percentile(PER_MILLE[which])
-        return _ComparedLimit(which, limit, value, at, limit - value)
+        return limit - value, value, at
 
     def show(self, value: BigInt) -> float | int:
         """Convert a value of the measure to the unit of verdicts, for example ticks to microseconds."""

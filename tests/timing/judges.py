@@ -18,7 +18,7 @@ US = 3000  # ticks, with SYSCLKOUT at 150 MHz
 
 def judge(budget: Budget, scope: Scope | None = None, start: int = 0) -> BudgetJudge:
     """BadBudget where it cannot be judged."""
-    return BudgetJudge(budget, TIMEBASE, plan_of(budget, TIMEBASE, scope, start))
+    return BudgetJudge(plan_of(budget, TIMEBASE, scope, start), TIMEBASE)
 
 
 def limit(measure: str, scope: Scope = ONE, start: int = 0, **limits: str | int) -> BudgetJudge:
@@ -31,7 +31,7 @@ def judges(budgets: Sequence[Budget], scope: Scope) -> list[BudgetJudge]:
     plans, found = [], []
     for budget in budgets:
         plans.append(plan_of(budget, TIMEBASE, scope, 0, plans))
-        found.append(BudgetJudge(budget, TIMEBASE, plans[-1], found))
+        found.append(BudgetJudge(plans[-1], TIMEBASE, found))
     return found
 
 

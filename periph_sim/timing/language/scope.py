@@ -12,8 +12,11 @@ their ticks and values.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 from msgspec import Struct
 
@@ -23,6 +26,8 @@ from ...core.registers import Field, Register, RegisterMap
 from ...f28335.parts.f28335 import PART
 
 if TYPE_CHECKING:
+    from ...processor.image_files.model import Image
+    from ...processor.image_files.variables import Variable, Variables
     from ...traces.formats.record_table import RecordTable
 
 
@@ -70,6 +75,7 @@ RECORDS: dict[str, dict[str, Thing]] = {
 }
 
 
+ADDRESS = re.compile(r"0x[0-9a-f]{6}")  # in place of the name of a function
 MAPS: dict[str, RegisterMap] = {module.name: module.registers for module in PART.modules}
 LINES = tuple(wire for module in PART.modules if module.plain for wire in module.wires)
 WIRES = {module.name: tuple(module.wires) for module in PART.modules if module.bus or module.plain}
@@ -87,11 +93,41 @@ class BadEvent(ValueError):
     """
 
 
-class ImageNames(Protocol):
-    """The names in an image. The methods raise ValueError, with one sentence, if the image does not have the name."""
+class ImageNames:
+    """The names in an image. The image is read at the first query. A query for an unknown name raises ValueError."""
 
-    def variable(self, name: str) -> object: ...
-    def function(self, name: str) -> object: ...
+    def __init__(self, path: str) -> None:
+        self._path = path
+
+    @cached_property
+    def _image(self) -> Image:
+        from ...processor.image_files.program_file import program_in
+
+        return program_in(Path(self._path))
+
+    @cached_property
+    def _variables(self) -> Variables:
+        from ...processor.image_files.variables import Variables
+
+        return Variables(self._image)
+
+    @cached_property
+    def _functions(self) -> tuple[str, ...]:
+        from ...processor.image_files.debug_info import FunctionMap
+
+        return tuple(function.name for function in FunctionMap(self._image).functions)
+
+    def variable(self, name: str) -> Variable:
+        return self._variables.find(name)
+
+    def function(self, name: str) -> str:
+        """Return `name` unchanged if it names a function, or is an address such as "0x3ff4a2".
+
+        An address names code that belongs to no function, such as code in ROM. Raise ValueError for any other name.
+        """
+        if name not in self._functions and not ADDRESS.fullmatch(name):
+            raise ValueError(f"the image has no function {name!r}; {did_you_mean(name, self._functions)}")
+        return name
 
 
 class Scope(Struct):

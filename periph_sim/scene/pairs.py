@@ -16,8 +16,6 @@ from ..core.phrases import counted
 from .case.wiring import OnPair, on_pairs
 from .context import SceneContext
 
-FirstAndTimes = tuple[int, int]
-
 
 class Pairs:
     """The RS-485 pairs of a scene.
@@ -32,7 +30,7 @@ class Pairs:
         self._context = context
         self._pairs: dict[str, Rs485Pair] = {}
         self._transceivers: dict[tuple[str, str], Transceiver] = {}
-        self._notes: dict[str, FirstAndTimes] = {}
+        self._notes: dict[str, tuple[int, int]] = {}  # maps a text to its first tick and its number of occurrences
         for one in on_pairs(context.case):
             self._add(one, sci_line(one.sci.unit, one.sci.module))
 

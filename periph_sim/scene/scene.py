@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING
 from weakref import finalize, proxy
 
 from ..core.kernel import Kernel
-from ..core.phrases import did_you_mean
 from ..core.records import Kind, Recorder
 from ..core.time import Timebase, TimeError
 from ..core.uncollected import uncollected
 from ..processor.user_code import FirmwareStalled
+from ..timing.language.scope import BadEvent
 from . import parts
 from .bus_side import SPIKE, BusSide
 from .case.model import Case
@@ -127,8 +127,8 @@ class Scene:
         self.truth: Truth | None = None
         self.model: FirmwareModel | None = None  # the model with which firmware computes the data of chips
         self.frames: FrameSource | None = None  # source of the host's frames; None if the host has no motion
-        # `_counter` counts the bytes on the wires. It is None if there is no bus, or if there is a controller agent and
-        # no outside party drives the bus. In the latter case, `bus` counts the bytes of the controller agent.
+        # `_counter` counts the bytes on the wires. It is None without a bus, or if only the controller agent drives the
+        # bus as a master; then, `bus` counts the bytes of the agent.
         self._counter: BusRecorder | None = None
         self.bus = BusSide(case, self.wires, self.timebase.ticks(SPIKE, "nearest"))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
@@ -158,11 +158,10 @@ class Scene:
             self.head.controller.beside_others = shared
             if not shared:
                 self.head.on_transfer.append(self.bus.count)
-            if parts.controller.skips_bits(context):
-                self.bus.bit_skip = parts.controller.bit_skip_of(context, self.head.controller, self.units)
         has_bus = "SCL" in self.wires and "SDA" in self.wires
-        if has_bus and self.head is None and parts.controller.skips_bits(context):
-            self.bus.bit_skip = parts.controller.bit_skip_of(context, None, self.units)
+        if has_bus and parts.controller.skips_bits(context):
+            agent = None if self.head is None else self.head.controller
+            self.bus.bit_skip = parts.controller.bit_skip_of(context, agent, self.units)
         if has_bus and (self.head is None or shared):
             from ..bus.i2c.line_observers import BusRecorder
 
@@ -197,9 +196,12 @@ class Scene:
                 self._check_needs(entry, part)
         if self.derived is not None:
             self.derived.attach(proxy(self))
-        for limit in self.limits:
+        for entry, limit in enumerate(self.limits):
             for measure in limit.own_measures:
-                measure.listen(self.measured)
+                try:
+                    measure.listen(self.measured)
+                except BadEvent as error:
+                    raise case.mistake(str(error), "budget", entry, "measure") from None
         if outside is not None:
             parts.outside_parties.check_outside(case, self.wires)
             self.uart.count(outside.wires)
@@ -220,18 +222,6 @@ class Scene:
             measure = limit.budget.measure
             what = f"{measure!r} needs {NEEDS.get(needs, needs)} in the scene, which has none"
             raise self.case.mistake(what, "budget", entry, "measure")
-        if needs == "serial" and self.case.serial is not None:
-            from ..timing.measures.expectations import Reply, Unsolicited
-
-            serial, judged = self.case.serial, limit.measure
-            expected = [one.name for one in serial.expect]
-            what = "no reply {!r} is expected"
-            if isinstance(judged, Unsolicited):
-                expected = [one.name or "" for one in serial.send if one.expect is not None]
-                what = 'no send {!r} has expect = "nothing"'
-            if isinstance(judged, Reply | Unsolicited) and judged.name and judged.name not in expected:
-                what = f"{what.format(judged.name)}; {did_you_mean(judged.name, expected)}"
-                raise self.case.mistake(what, "budget", entry, "measure")
 
     @cached_property
     def measured(self) -> MeasuredScene:

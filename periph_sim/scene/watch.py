@@ -15,6 +15,7 @@ from ..core.sampler import watch
 from ..core.time import Timebase
 from ..core.wire import Wire
 from ..devices.watchers import WatchContext, WireWatcher, watchers
+from ..timing.language.scope import BadEvent
 from ..timing.measures.expectations import WatchedWire
 from . import plugins
 from .case.error_text import own_settings
@@ -24,12 +25,13 @@ from .case.model import Case
 def watcher_of(
     case: Case, wires: Mapping[str, Wire], timebase: Timebase, start: int, measure: WatchedWire
 ) -> WireWatcher:
-    """Return a measure's watcher, connected to its wire. Raise BadCase if its [watch.NAME] is missing or invalid."""
+    """Return a measure's watcher, connected to its wire.
+
+    Raise BadEvent if there is no [watch.NAME] with the name of the measure, and BadCase if the table is invalid.
+    """
     name = measure.name
     if name not in case.watch:
-        entry = next(n for n, budget in enumerate(case.budget) if budget.measure.endswith(f":{name}"))
-        what = f"there is no [watch.{name}]; {did_you_mean(name, case.watch)}"
-        raise case.mistake(what, "budget", entry, "measure")
+        raise BadEvent(f"there is no [watch.{name}]; {did_you_mean(name, case.watch)}")
     table = case.watch[name]
     kinds = plugins.known(case.folder, "KIND", watchers(), [table.kind])
     if table.kind not in kinds:

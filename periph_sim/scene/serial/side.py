@@ -14,7 +14,7 @@ from ...bus.uart.burst_sender import Burst, BurstSender, Character
 from ...bus.uart.frame_format import UartFormat
 from ...bus.uart.reader import Line, LineFrame, UartReader
 from ...bus.uart.rs485 import Driver
-from ...core.phrases import counted
+from ...core.phrases import counted, did_you_mean
 from ...core.records import Recorder
 from ...timing.language.events import matcher
 from ...timing.language.scope import BadEvent, Scope
@@ -98,11 +98,13 @@ class SerialSide:
         return {wire: self._line_of(sender) for wire, sender in self._senders.items()}
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        """Add the measure of a reply.
+        """Add the measure of a reply. Raise BadEvent if the case does not expect this reply.
 
         Return the expected reply, and a function that returns why the reply was never due.
         """
         names = [expect.name for expect in self._table.expect]
+        if reply.name not in names:
+            raise BadEvent(f"no reply {reply.name!r} is expected; {did_you_mean(reply.name, names)}")
         number = names.index(reply.name)
         self._replies[number].append(reply)
         return self._expected(number), partial(self._why_never, number)
@@ -114,9 +116,15 @@ class SerialSide:
         without a name counts the characters of all SCIs in [serial]. The measure for notes, `_unasked`, counts only
         characters of SCIs from which replies of one rate and format are expected.
 
+        Raise BadEvent if the measure names a send that does not have `expect = "nothing"`.
+
         Return two functions. The first one formats characters as text. The second one returns the reason why the send
         with the name of the measure never began.
         """
+        silences = [send.name or "" for send in self._table.send if send.expect is not None]
+        if measure.name and measure.name not in silences:
+            hint = did_you_mean(measure.name, silences)
+            raise BadEvent(f'no send {measure.name!r} has expect = "nothing"; {hint}')
         self._is_judged |= not measure.name
         table, named = self._table, partial(sci_named, self._case)
         expected = {named(one.from_): one for one in reversed(table.expect)}

@@ -120,7 +120,10 @@ def measure_of(text: str) -> ParsedMeasure:
 
 def _parsed(words: Words) -> ParsedMeasure:
     form = words.one_of(list(FORMS))
-    return replace(_MEASURES[form][1](words), form=form)
+    _, fixed, parse = _MEASURES[form]
+    for word in fixed.split():
+        words.one_of([word])
+    return replace(parse(words), form=form)
 
 
 def _from(words: Words) -> ParsedMeasure:
@@ -149,13 +152,15 @@ def _clauses(words: Words) -> tuple[tuple[str, Event], ...]:
     return tuple(found)
 
 
-def _of_event(words: Words, clauses: bool = True) -> ParsedMeasure:
-    words.one_of(["of"])
-    return ParsedMeasure(events=(read_event(words),), clauses=_clauses(words) if clauses else ())
+def _event(words: Words) -> ParsedMeasure:
+    return ParsedMeasure(events=(read_event(words),))
+
+
+def _sum(words: Words) -> ParsedMeasure:
+    return replace(_event(words), clauses=_clauses(words))
 
 
 def _count(words: Words) -> ParsedMeasure:
-    words.one_of(["of"])
     counted = read_event(words)
     if not words.took("from"):
         return ParsedMeasure(events=(counted,), clauses=_clauses(words))
@@ -164,10 +169,9 @@ def _count(words: Words) -> ParsedMeasure:
 
 
 def _jitter(words: Words) -> ParsedMeasure:
-    words.one_of(["of"])
     form = words.next
     if form in EVENTS and words.following not in ("latency", "load"):
-        return ParsedMeasure(events=(read_event(words),))
+        return _event(words)
     if form not in FORMS:
         words.take("a measure or an event")
         return ParsedMeasure(name=" ".join(filter(None, (form, words.rest()))))
@@ -175,7 +179,6 @@ def _jitter(words: Words) -> ParsedMeasure:
 
 
 def _level(words: Words) -> ParsedMeasure:
-    words.one_of(["of"])
     kind = "variable" if words.took("variable") else "flag"
     begin = words.place
     unit, name = words.name("a variable of an image" if kind == "variable" else "a field")
@@ -185,29 +188,22 @@ def _level(words: Words) -> ParsedMeasure:
 
 
 def _calls(words: Words) -> ParsedMeasure:
-    words.one_of(["of"])
     return ParsedMeasure(events=read_span(words)[:1])
 
 
 def _latency(words: Words) -> ParsedMeasure:
-    said = _phrase(words, "latency", "an interrupt's name")
-    if words.took("to"):
-        _phrase(words, "first access")
-        return replace(said, access=True)
-    return said
+    unit, name = words.name("an interrupt's name")
+    to_access = words.took("to")
+    for word in ("first", "access") if to_access else ():
+        words.one_of([word])
+    return ParsedMeasure(unit=unit, name=name, access=to_access)
 
 
 def _time(words: Words) -> ParsedMeasure:
     return ParsedMeasure(state=read_state(words))
 
 
-def _each(words: Words) -> ParsedMeasure:
-    words.one_of(["time"])
-    return _time(words)
-
-
 def _share(words: Words) -> ParsedMeasure:
-    words.one_of(["of"])
     if words.one_of(["time", "any"]) == "time":
         return _time(words)
     length = []
@@ -218,7 +214,6 @@ def _share(words: Words) -> ParsedMeasure:
 
 
 def _busy(words: Words) -> ParsedMeasure:
-    _phrase(words, "time of")
     address = words.next
     if words.number(0x7F) is None:
         raise BadEvent(f"{words.text!r}: the address of a memory is expected after of; write for instance 0x50")
@@ -226,7 +221,6 @@ def _busy(words: Words) -> ParsedMeasure:
 
 
 def _margin(words: Words) -> ParsedMeasure:
-    words.one_of(["of"])
     unit, name = words.name("I2CDXR")
     if name.removeprefix("I2C-A.") != "I2CDXR":
         raise BadEvent(f"{words.text!r}: only I2CDXR has a margin; write margin of I2CDXR")
@@ -234,7 +228,6 @@ def _margin(words: Words) -> ParsedMeasure:
 
 
 def _load(words: Words, of_unit: bool) -> ParsedMeasure:
-    words.one_of(["load"])
     unit = words.take("a unit") if of_unit and words.took("of") else ""
     return ParsedMeasure(unit=unit, window=_checked_window(words, words.rest()) if words.took("per") else "")
 
@@ -253,13 +246,10 @@ def _checked_window(words: Words, given: str) -> str:
 
 
 def _lost(words: Words) -> ParsedMeasure:
-    words.one_of(["flags"])
-    unit, name = words.name("a register") if words.next else ("", "")
-    return ParsedMeasure(unit=unit, name=name)
+    return _named(words, "a register") if words.next else ParsedMeasure()
 
 
-def _model_age(words: Words) -> ParsedMeasure:
-    words.one_of(["age"])
+def _age(words: Words) -> ParsedMeasure:
     return ParsedMeasure(name=_chip(words))
 
 
@@ -268,8 +258,8 @@ def _chip(words: Words) -> str:
 
 
 def _value(words: Words) -> ParsedMeasure:
-    if words.next == "of":
-        return _of_event(words)
+    if words.took("of"):
+        return _sum(words)
     words.one_of(["error"])
     chip = _chip(words)
     instant = "first bit"
@@ -280,45 +270,44 @@ def _value(words: Words) -> ParsedMeasure:
     return ParsedMeasure(instant=instant, name=chip)
 
 
-def _phrase(words: Words, fixed: str = "", name: str = "", unit: str = "") -> ParsedMeasure:
-    """Read the words `fixed`, then a name and a unit.
-
-    name: a description of the name for messages; "" for no name. unit: the word before the unit; "" for no unit.
-    """
-    for word in fixed.split():
-        words.one_of([word])
-    whose, found = words.name(name) if name else ("", "")
-    if unit and words.took(unit):
-        whose = words.take("a unit")
-    return ParsedMeasure(unit=whose, name=found)
+def _named(words: Words, expected: str) -> ParsedMeasure:
+    unit, name = words.name(expected)
+    return ParsedMeasure(unit=unit, name=name)
 
 
-_MEASURES: dict[str, tuple[str, Callable[[Words], ParsedMeasure]]] = {
-    "from": ("from EVENT to EVENT", _from),
-    "period": ("period of EVENT", lambda words: _of_event(words, clauses=False)),
-    "jitter": ("jitter of EVENT", _jitter),
-    "count": ("count of EVENT", _count),
-    "sum": ("sum of EVENT", _of_event),
-    "level": ("level of MODULE.REGISTER.FIELD", _level),
-    "calls": ("calls of FUNCTION", _calls),
-    "stack": ("stack high-water", lambda words: _phrase(words, "high-water", unit="of")),
-    "interrupt": ("interrupt latency NAME", _latency),
-    "reaction": ("reaction", lambda words: _phrase(words, unit="of")),
-    "busy": ("busy time of ADDRESS", _busy),
-    "gap": ("gap between rounds", lambda words: _phrase(words, "between rounds")),
-    "margin": ("margin of I2CDXR", _margin),
-    "SCL": ("SCL held per transfer", lambda words: _phrase(words, "held per transfer", unit="by")),
-    "time": ("time in STATE", _time),
-    "each": ("each time in STATE", _each),
-    "share": ("share of time in STATE", _share),
-    "cpu": ("cpu load", lambda words: _load(words, of_unit=True)),
-    "bus": ("bus load", lambda words: _load(words, of_unit=False)),
-    "slack": ("slack", lambda words: _phrase(words)),
-    "race": ("race MODULE.REGISTER.FIELD", lambda words: _phrase(words, name="a field or a register")),
-    "lost": ("lost flags", _lost),
-    "cleared": ("cleared along MODULE.REGISTER.FIELD", lambda words: _phrase(words, "along", "a field")),
-    "age": ("age of CHIP", lambda words: ParsedMeasure(name=_chip(words))),
-    "model": ("model age of CHIP", _model_age),
-    "value": ("value error of CHIP", _value),
+def _unit(words: Words, before: str = "of") -> ParsedMeasure:
+    """Read an optional unit, after the word `before`."""
+    return ParsedMeasure(unit=words.take("a unit") if words.took(before) else "")
+
+
+# _MEASURES maps the first word of a form to the form for messages, the words that must follow the first word, and the
+# parser of the remaining words.
+_MEASURES: dict[str, tuple[str, str, Callable[[Words], ParsedMeasure]]] = {
+    "from": ("from EVENT to EVENT", "", _from),
+    "period": ("period of EVENT", "of", _event),
+    "jitter": ("jitter of EVENT", "of", _jitter),
+    "count": ("count of EVENT", "of", _count),
+    "sum": ("sum of EVENT", "of", _sum),
+    "level": ("level of MODULE.REGISTER.FIELD", "of", _level),
+    "calls": ("calls of FUNCTION", "of", _calls),
+    "stack": ("stack high-water", "high-water", _unit),
+    "interrupt": ("interrupt latency NAME", "latency", _latency),
+    "reaction": ("reaction", "", _unit),
+    "busy": ("busy time of ADDRESS", "time of", _busy),
+    "gap": ("gap between rounds", "between rounds", lambda words: ParsedMeasure()),
+    "margin": ("margin of I2CDXR", "of", _margin),
+    "SCL": ("SCL held per transfer", "held per transfer", lambda words: _unit(words, "by")),
+    "time": ("time in STATE", "", _time),
+    "each": ("each time in STATE", "time", _time),
+    "share": ("share of time in STATE", "of", _share),
+    "cpu": ("cpu load", "load", lambda words: _load(words, of_unit=True)),
+    "bus": ("bus load", "load", lambda words: _load(words, of_unit=False)),
+    "slack": ("slack", "", lambda words: ParsedMeasure()),
+    "race": ("race MODULE.REGISTER.FIELD", "", lambda words: _named(words, "a field or a register")),
+    "lost": ("lost flags", "flags", _lost),
+    "cleared": ("cleared along MODULE.REGISTER.FIELD", "along", lambda words: _named(words, "a field")),
+    "age": ("age of CHIP", "", _age),
+    "model": ("model age of CHIP", "age", _age),
+    "value": ("value error of CHIP", "", _value),
 }
-FORMS = {form: shown for form, (shown, _) in _MEASURES.items()}
+FORMS = {form: shown for form, (shown, _, _) in _MEASURES.items()}

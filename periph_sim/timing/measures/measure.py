@@ -216,7 +216,10 @@ class Measure(Listener):
         return self.unfinished_text() if self.cut_off else ""
 
     def listen(self, scene: MeasuredScene) -> None:  # core: python
-        """Get from the scene what this measure needs in addition to records."""
+        """Get from the scene what this measure needs in addition to records.
+
+        Raise BadEvent if the case does not describe the reply, silence or watched wire that the measure names.
+        """
 
     def subscribe(self, recorder: Recorder) -> None:
         """Subscribe to the records that this measure needs, so that they are made."""

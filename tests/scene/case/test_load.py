@@ -13,7 +13,6 @@ from periph_sim.core.input_files import inputs_of_one_command, is_input
 from periph_sim.core.table import Spread, duration, frequency, hex_bytes, spread
 from periph_sim.scene.case.load import apply, load
 from periph_sim.scene.case.model import Case
-from periph_sim.scene.case.origin import line_of
 
 TIMING = Path(__file__).parents[3] / "timing"
 CASES = sorted(TIMING.glob("*.toml"))
@@ -159,48 +158,6 @@ def test_bytes_are_hexadecimal_or_numbers(given: object, data: bytes):
 def test_what_are_no_bytes_is_refused(given: object):
     with pytest.raises(ValueError, match="is not a sequence of bytes; write for instance"):
         hex_bytes(given)
-
-
-TEXT = """\
-name = "x"
-[unit.dsp] # the first
-modules = []
-[unit.dsp.options.i2c]
-answer = 1
-[unit."other one"]
-modules = []
-[controller]
-[[controller.request]]
-address = 1
-[[controller.request]]
-address = 2
-[[budget]]
-name = "a"
-[[budget]]
-name = "b"
-"""
-
-
-@pytest.mark.parametrize(
-    ("place", "line"),
-    [
-        (("name",), 1),
-        (("unit", "dsp"), 2),
-        (("unit", "dsp", "modules"), 3),
-        (("unit", "dsp", "modules", 0), 3),
-        (("unit", "dsp", "pll"), 2),
-        (("unit", "dsp", "options", "i2c", "answer"), 5),
-        (("unit", "other one", "modules"), 7),
-        (("controller", "rate"), 8),
-        (("controller", "request", 0, "address"), 10),
-        (("controller", "request", 1, "address"), 12),
-        (("budget", 1, "name"), 16),
-        (("budget", 0, "max"), 13),
-        (("host",), 0),
-    ],
-)
-def test_the_line_of_a_place(place: tuple[str | int, ...], line: int):
-    assert line_of(TEXT, place) == line
 
 
 @pytest.mark.parametrize("text", ["20 us", "20 \u00b5s", "20 \u03bcs", "20\u00b5s", "20\u03bcs", " 20 us "])

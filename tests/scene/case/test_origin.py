@@ -28,6 +28,13 @@ max = 2
 deep = 1
 [[fault]]
 kind = "hold"
+[unit."other one"]
+modules = []
+[controller]
+[[controller.request]]
+address = 1
+[[controller.request]]
+address = 2
 """
 
 
@@ -49,6 +56,10 @@ kind = "hold"
         (("budget", 2, "max"), 0),
         (("fault", 0, "kind"), 19),
         (("nothing",), 0),
+        (("unit", "other one", "modules"), 21),
+        (("controller", "rate"), 22),
+        (("controller", "request", 0, "address"), 24),
+        (("controller", "request", 1, "address"), 26),
     ],
 )
 def test_the_line_of_a_key_or_of_its_table(place: Place, line: int):

@@ -50,20 +50,26 @@ def says(module: str, data: bytes, **started: int) -> Program:
     return main
 
 
+def receive(dsp: Dsp, module: str, words: list[int]) -> None:
+    """Keep every word of SCIRXBUF, of an SCI that was started."""
+    sci = dsp.module(module)
+    while True:
+        dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
+        words.append(sci.SCIRXBUF.all)
+
+
 def hears(module: str, words: list[int], **started: int) -> Program:
     """Keeps every word of SCIRXBUF."""
 
     def main(dsp: Dsp) -> None:
-        sci = start_sci(dsp, module, **started)
-        while True:
-            dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
-            words.append(sci.SCIRXBUF.all)
+        start_sci(dsp, module, **started)
+        receive(dsp, module, words)
 
     return main
 
 
-def answers(module: str, replies: dict[bytes, bytes], **started: int) -> Program:
-    """Sends the reply that belongs to what it has received."""
+def answers(module: str, replies: dict[bytes, bytes], delay: int = 0, **started: int) -> Program:
+    """Sends the reply that belongs to what it has received. delay: cycles before each reply."""
 
     def main(dsp: Dsp) -> None:
         sci = start_sci(dsp, module, **started)
@@ -72,6 +78,7 @@ def answers(module: str, replies: dict[bytes, bytes], **started: int) -> Program
             dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
             got += bytes([sci.SCIRXBUF.all & 0xFF])
             if got in replies:
+                dsp.compute(delay)
                 send(dsp, module, replies[got])
                 got = b""
 

@@ -7,7 +7,7 @@ import pytest
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.scene.case.model import BadCase
-from tests.scene.serial.programs import answers, hears, says, scene, unit
+from tests.scene.serial.programs import answers, receive, says, scene, unit
 from tests.scene.small import sentence_of
 
 BOTH_WAYS = [{"from": "left.SCI-A.TX", "to": "right.SCI-B.RX"}, {"from": "right.SCI-B.TX", "to": "left.SCI-A.RX"}]
@@ -19,10 +19,7 @@ def asks_and_hears(words: list[int]):
 
     def main(dsp):
         says("SCI-A", b"ask")(dsp)
-        sci = dsp.module("SCI-A")
-        while True:
-            dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
-            words.append(sci.SCIRXBUF.all)
+        receive(dsp, "SCI-A", words)
 
     return main
 
@@ -81,17 +78,13 @@ def test_a_gpio_of_one_unit_is_seen_by_the_other():
 def test_sci_c_on_its_own_pins_hears_what_sci_b_sends():
     words: list[int] = []
     wires = [{"from": "dsp.SCI-B.TX", "to": "dsp.SCI-C.RX"}]
-    hear = hears("SCI-C", words)
 
     def main(dsp):
-        says("SCI-B", b"\x5a")(dsp)
-        hear(dsp)
-
-    def early(dsp):
         start_sci(dsp, "SCI-C")
-        main(dsp)
+        says("SCI-B", b"\x5a")(dsp)
+        receive(dsp, "SCI-C", words)
 
-    scene({"dsp": early}, unit={"dsp": unit("SCI-B", "SCI-C", "GPIO")}, cable=wires, duration="1 ms").run()
+    scene({"dsp": main}, unit={"dsp": unit("SCI-B", "SCI-C", "GPIO")}, cable=wires, duration="1 ms").run()
     assert words == [0x5A]
 
 

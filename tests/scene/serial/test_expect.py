@@ -7,11 +7,9 @@ from typing import Any
 import pytest
 
 from periph_sim import BadCase, Verdict
-from periph_sim.bus.uart.reader import LineFrame
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.interfaces.commands.result_text import legend
-from periph_sim.scene.serial.send_schedule import TextTrigger
 from tests.scene.serial.programs import answers, says, scene, send, unit
 
 CHARACTER = 10 / 0.1152  # us at 115200 baud
@@ -27,28 +25,19 @@ def judged(
     **more: Any,
 ) -> list[Verdict]:
     """The verdicts of what a firmware with these replies answers. delay: cycles before each reply."""
-    program = answers("SCI-A", replies) if not delay else answers_late(replies, delay)
     table = {
         "send": [{"to": "SCI-A", "name": "ask", "at": "100 us", **one} for one in sends],
         "expect": [{"name": "told", "from": "SCI-A", "after_send": "ask", "within": "1 ms", **one} for one in expects],
     }
-    run = scene({"dsp": program}, seen, unit={"dsp": unit("SCI-A")}, serial=table, duration=duration, **more)
+    run = scene(
+        {"dsp": answers("SCI-A", replies, delay)},
+        seen,
+        unit={"dsp": unit("SCI-A")},
+        serial=table,
+        duration=duration,
+        **more,
+    )
     return run.run().budgets
-
-
-def answers_late(replies: dict[bytes, bytes], cycles: int):
-    def main(dsp):
-        sci = start_sci(dsp, "SCI-A")
-        got = b""
-        while True:
-            dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
-            got += bytes([sci.SCIRXBUF.all & 0xFF])
-            if got in replies:
-                dsp.compute(cycles)
-                send(dsp, "SCI-A", replies[got])
-                got = b""
-
-    return main
 
 
 ASK = [{"text": "ask\n"}]
@@ -241,11 +230,3 @@ def test_frames_of_address_bit_mode_are_read_with_their_address_bit():
     program = says("SCI-A", b"12", sciccr=0x0F)
     result = scene({"dsp": program}, unit={"dsp": unit("SCI-A")}, budget=budget, duration="1 ms").run()
     assert [v.verdict for v in result.budgets] == ["pass", "pass"]
-
-
-def test_a_bad_character_is_no_part_of_a_text():
-    happened: list[int] = []
-    trigger = TextTrigger(b"OK", happened.append)
-    for number, (value, good) in enumerate([(0x4F, True), (0x4B, False), (0x4B, True), (0x4F, True), (0x4B, True)]):
-        trigger.character(LineFrame(number, number, value, good, 0))
-    assert happened == [4]

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import pytest
 
 from periph_sim import BadCase, Case, Scene, load
-from periph_sim.cli import run_command as main
 from periph_sim.scene.case.origin import Source
 from periph_sim.scene.case.serial import SendTable, content_of, show_characters
 from tests.scene.small import sentence_of
@@ -42,6 +40,7 @@ CABLE = '\n[[cable]]\nfrom = "dsp.SCI-A.TX"\nto = "dsp.SCI-A.RX"\n'
 def small(tmp_path: Path) -> Path:
     (tmp_path / "idle.py").write_text("def main(dsp, settings):\n    pass\n")
     (tmp_path / "empty.bin").write_bytes(b"")
+    (tmp_path / "high.bin").write_bytes(b"\xff")
     return tmp_path / "small.toml"
 
 
@@ -131,6 +130,16 @@ def small(tmp_path: Path) -> Path:
             "line 11: serial.send.ask.bytes: 0x80 does not fit a character of 7 bits; give other content, or more bits",
         ),
         (
+            'text = "ask"',
+            'text = "a"\nbits = 6',
+            "line 11: serial.send.ask.text: 0x61 does not fit a character of 6 bits; give other content, or more bits",
+        ),
+        (
+            'text = "ask"',
+            'file = "high.bin"\nbits = 7',
+            "line 11: serial.send.ask.file: 0xff does not fit a character of 7 bits; give other content, or more bits",
+        ),
+        (
             'at = "100 us"',
             "",
             "line 8: serial.send.ask: a send needs one of at, after, after_text and after_bytes",
@@ -214,17 +223,6 @@ def test_one_sentence_with_file_and_line(small: Path, old: str, new: str, said: 
     assert sentence_of(BadCase, lambda: Scene(load(small))).removeprefix(f"{small}, ") == said
 
 
-def test_status_2_without_a_traceback(small: Path, capsys, monkeypatch):
-    small.write_text(TEXT.replace("dsp.SCI-A", "dsp.SCI-B"), encoding="utf-8")
-    monkeypatch.setattr(sys, "argv", ["periph-sim", "run", str(small)])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    assert ended.value.code == 2
-    said = capsys.readouterr().err
-    assert said.endswith("line 10: serial.send.ask.to: unit dsp has no SCI-B; add it to its modules\n")
-    assert "Traceback" not in said
-
-
 def test_a_reply_needs_a_serial_table(small: Path):
     text = TEXT.split("[[serial.send]]")[0] + '[[budget]]\nname = "b"\nmeasure = "reply:told"\nmax = "1 ms"\n'
     small.write_text(text, encoding="utf-8")
@@ -252,10 +250,10 @@ def test_a_file_without_end_is_not_read_into_memory(small: Path, file: str, told
     assert sentence_of(BadCase, lambda: Scene(load(small))) == f"{small}, line 11: serial.send.ask.file: {told}"
 
 
-def content(folder: Path, bits: int = 8, **given: object) -> bytes:
+def content(folder: Path, **given: object) -> bytes:
     case = Case.model_validate({"name": "x", "duration": "1 s"}).from_source(Source(folder / "case.toml", ""))
     entry = SendTable.model_validate({"to": "dsp.SCI-A", "at": "1 ms", **given})
-    return content_of(case, entry, bits, "serial", "send", 0)
+    return content_of(case, entry, 8, "serial", "send", 0)
 
 
 def test_a_text_bytes_or_a_file(tmp_path: Path):
@@ -266,26 +264,6 @@ def test_a_text_bytes_or_a_file(tmp_path: Path):
     assert content(tmp_path, bytes="55 aa") == b"\x55\xaa"
     assert content(tmp_path, file="page.bin") == b"\x00\xff"
     assert content(tmp_path, **{"break": "1 ms"}) == b""
-
-
-@pytest.mark.parametrize(
-    ("given", "bits", "said"),
-    [
-        ({"text": "aµ"}, 8, "'µ' cannot be encoded in ascii; give another encoding, or bytes instead of text"),
-        ({"bytes": "7f 80"}, 7, "0x80 does not fit a character of 7 bits; give other content, or more bits"),
-        ({"text": "a"}, 6, "0x61 does not fit a character of 6 bits"),
-        ({"file": "empty.bin"}, 8, "empty.bin is empty; it needs at least one character"),
-        ({"file": "no.bin"}, 8, "no.bin cannot be read (No such file or directory); a path counts from the folder"),
-        ({"file": "high.bin"}, 7, "0xff does not fit a character of 7 bits"),
-        ({"file": "large.bin"}, 8, "large.bin cannot be read ("),
-    ],
-)
-def test_what_cannot_be_sent(given: dict[str, str], bits: int, said: str, tmp_path: Path):
-    (tmp_path / "empty.bin").touch()
-    (tmp_path / "high.bin").write_bytes(b"\xff")
-    with open(tmp_path / "large.bin", "wb") as file:
-        file.truncate((1 << 24) + 1)
-    assert said in sentence_of(BadCase, lambda: content(tmp_path, bits, **given))
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_pin, start_sci
 from periph_sim.records.record_text import happened
 from periph_sim.scene.case.model import BadCase
-from tests.scene.serial.programs import answers, hears, scene, unit
+from tests.scene.serial.programs import answers, hears, receive, scene, unit
 
 PIN = 34
 ON = {"on": "dsp.SCI-A", "de": "dsp.GPIO34"}
@@ -176,9 +176,7 @@ def test_two_units_share_a_pair():
         sci.SCITXBUF.all = ord("?")
         dsp.spin(lambda: sci.SCICTL2.TXEMPTY == 1)
         dsp.clear_pin(PIN)
-        while True:
-            dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
-            words.append(sci.SCIRXBUF.all)
+        receive(dsp, "SCI-A", words)
 
     def told(dsp):
         start_pin(dsp, 5)

@@ -10,7 +10,7 @@ from periph_sim.bus.uart.reader import LineFrame
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.scene.serial.send_schedule import TextTrigger
-from tests.scene.serial.programs import Program, answers, hears, scene, send, unit
+from tests.scene.serial.programs import Program, answers, hears, receive, scene, send, unit
 
 BIT = 26_240  # ticks of a bit of the SCI with BRR = 40, 3 GHz
 FE, PE = 1 << 15, 1 << 14
@@ -227,11 +227,9 @@ def test_what_a_unit_sends_and_what_is_sent_to_it_do_not_meet():
     words: list[int] = []
 
     def main(dsp):
-        sci = start_sci(dsp, "SCI-C")
+        start_sci(dsp, "SCI-C")
         send(dsp, "SCI-C", bytes(16))
-        while True:
-            dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
-            words.append(sci.SCIRXBUF.all)
+        receive(dsp, "SCI-C", words)
 
     table = {"send": [{"to": "SCI-C", "at": "100 us", "bytes": "10 20 30"}]}
     scene({"dsp": main}, unit={"dsp": unit("SCI-C")}, serial=table, duration="2 ms").run()

@@ -11,7 +11,6 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.interfaces.commands.result_text import legend
 from tests.scene.serial.programs import answers, scene, send, unit
-from tests.scene.serial.test_expect import answers_late
 
 GOOD = {"name": "good", "text": "ask\n", "at": "100 us"}
 BAD = {"name": "bad CRC", "text": "asc\n", "at": "2 ms", "expect": "nothing", "within": "1 ms"}
@@ -30,7 +29,7 @@ def ran(
 ) -> Result:
     """delay: cycles before each reply."""
     table = {"send": [{"to": "SCI-A", **one} for one in sends], "expect": list(expects)}
-    program = answers_late(replies, delay) if delay else answers("SCI-A", replies)
+    program = answers("SCI-A", replies, delay)
     return scene({"dsp": program}, seen, unit={"dsp": unit("SCI-A")}, serial=table, duration=duration, **more).run()
 
 

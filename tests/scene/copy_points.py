@@ -33,7 +33,6 @@ def read(point: str, *, wait: bool, pointer_by: str, others: dict[str, object] |
             if transfer.name == "gyroscope" and phase.read:
                 seen.append(phase.got.hex(" ") if phase.got else "no answer")
 
-    assert scene.head is not None
     scene.head.on_transfer.append(keep)
     scene.run(Fraction(90, 1000))
     return seen[:ROUNDS]

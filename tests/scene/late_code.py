@@ -20,18 +20,24 @@ def always() -> bool:
 
 def delayed(statement: str, cycles: int, when: Callable[[], bool] = always) -> Firmware:
     """The published firmware with so many cycles before a statement, each time that `when` says so."""
-    source = (SOURCES / "imu_hil.py").read_text(encoding="utf-8")
-    (line,) = (line for line in source.splitlines() if line.strip() == statement)
-    indent = line[: len(line) - len(line.lstrip())]
-    text = source.replace(line, f"{indent}if is_late(): dsp.compute({cycles})\n{line}") if cycles else source
-    return changed(text, is_late=when)
+    inserted = f"is_late() and dsp.compute({cycles}); " if cycles else ""
+    return replaced("imu_hil", statement, inserted + statement, is_late=when)
 
 
-def changed(source: str, **names: object) -> Firmware:
-    """The program of a changed source. names: what it finds under names that are not its own."""
-    module = compiled(source, "changed")
+def replaced(firmware: str, old: str, new: str, **names: object) -> Firmware:
+    """The program of a shipped source in which one text is another. names: what it finds that it does not define."""
+    source = (SOURCES / f"{firmware}.py").read_text(encoding="utf-8")
+    assert source.count(old) == 1 or not old
+    module = compiled(source.replace(old, new), "changed")
     vars(module).update(names)
     return Firmware("changed", module.main, module.Settings)
+
+
+def broken(case: str, old: str = "", new: str = "", *changes: str) -> dict[str, str]:
+    """The budgets that fail or are not judged, with one text of the firmware replaced or with changes of the case."""
+    loaded = load(TIMING / f"{case}.toml", list(changes))
+    result = Scene(loaded, programs={"dsp": replaced(loaded.unit["dsp"].firmware, old, new)}).run()
+    return {verdict.name: verdict.verdict for verdict in result.budgets if not verdict.passed}
 
 
 def late(

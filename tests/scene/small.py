@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import pytest
 
 from periph_sim import Case, Dsp, Firmware, Scene
-from periph_sim.scene import unit as unit_module
+from periph_sim.firmware import start_i2c
 
 
 def case(duration: str = "10 ms", **more: Any) -> Case:
@@ -16,13 +16,36 @@ def case(duration: str = "10 ms", **more: Any) -> Case:
     return Case.model_validate({"name": "small", "duration": duration, "unit": {}, **more})
 
 
-def scene_with(
-    monkeypatch: pytest.MonkeyPatch, firmware: Callable[[Dsp], None], modules: list[str], **more: Any
-) -> Scene:
-    """A scene whose unit "dsp" runs `firmware`, built from a case as every other scene is."""
-    program = Firmware("under test", lambda dsp, settings: firmware(dsp), None)
-    monkeypatch.setattr(unit_module, "load_firmware", lambda name: program)
-    return Scene(case(unit={"dsp": {"firmware": "under test", "modules": modules}}, **more))
+def unit(*modules: str, **more: Any) -> dict[str, Any]:
+    """The table of a unit that runs one of the programs `given`."""
+    return {"firmware": "given", "modules": list(modules), **more}
+
+
+def started_i2c(dsp: Dsp, own_address: int = 0) -> Any:
+    """The I2C module of a unit, out of reset."""
+    start_i2c(dsp, own_address)
+    i2c = dsp.module("I2C-A")
+    i2c.I2CMDR.IRS = 1
+    return i2c
+
+
+def command(i2c: Any, address: int, count: int, mode: int = 0x6E20, first: int | None = None) -> None:
+    """A transfer as the bus master; mode: I2CMDR, here a write with STOP; first: its first byte."""
+    i2c.I2CSAR.all = address
+    i2c.I2CCNT.all = count
+    if first is not None:
+        i2c.I2CDXR.all = first
+    i2c.I2CMDR.all = mode
+
+
+def given(**programs: Callable[[Dsp], None]) -> dict[str, Firmware]:
+    """What these units run, each a function of its DSP."""
+    return {unit: Firmware("given", lambda dsp, settings, run=run: run(dsp), None) for unit, run in programs.items()}
+
+
+def scene_with(firmware: Callable[[Dsp], None], modules: list[str], dsp: Mapping[str, Any] = {}, **more: Any) -> Scene:
+    """A scene whose unit "dsp" runs `firmware`. dsp: further keys of the unit; more: further tables of the case."""
+    return Scene(case(unit={"dsp": unit(*modules, **dsp)}, **more), programs=given(dsp=firmware))
 
 
 def sentence_of(error: type[Exception], refused: Callable[[], object]) -> str:

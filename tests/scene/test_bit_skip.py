@@ -81,7 +81,7 @@ class Meddler:
         self.random = Random(seed)
         self.seen: list[tuple[str, int, int]] = []  # what was done, at which cycle, what was seen
 
-    def __call__(self, dsp: Dsp, settings: object) -> None:
+    def __call__(self, dsp: Dsp) -> None:
         i2c, gpio, system = dsp.module("I2C-A"), dsp.module("GPIO"), dsp.module("SYS")
         self.start(dsp)
         doings = {
@@ -146,10 +146,9 @@ class Meddler:
 def meddled(seed: int, disable: Disable):
     request = [{"address": 0x50, "count": 6}, {"address": 0x50, "pointer": 3, "count": 2}]
     table = {"rate": "100 kHz", "first": "1 ms", "period": "2 ms", "request": request, "on_nack": "give up"}
-    unit = {"dsp": {"firmware": "meddler", "modules": ["I2C-A", "GPIO"]}}
     meddler = Meddler(seed)
-    program = {"dsp": Firmware("meddler", meddler, None)}
-    return *run(small.case(unit=unit, controller=table), disable, BUT_EDGES, "0.02", program), meddler.seen
+    made = small.case(unit={"dsp": small.unit("I2C-A", "GPIO")}, controller=table)
+    return *run(made, disable, BUT_EDGES, "0.02", small.given(dsp=meddler)), meddler.seen
 
 
 def same_by_edges(meddling: Callable[[int, Disable], tuple[Any, ...]], seed: int) -> Result:
@@ -205,10 +204,10 @@ def near_the_filter(seed: int, disable: Disable):
     request = [{"address": 0x50, "count": 6}, {"address": 0x50, "pointer": 3, "count": 2}]
     table = {**times, "first": "300 us", "period": "700 us", "request": request, "on_nack": "give up"}
     options = {"noise_filter_cycles": width, "unequal_arrival": random.choice(("in_order", "one_sample"))}
-    unit = {"firmware": "meddler", "modules": ["I2C-A", "GPIO"], "ppm": random.choice((0, 37, -61))}
+    unit = small.unit("I2C-A", "GPIO", ppm=random.choice((0, 37, -61)), options={"i2c": options})
     meddler = OwnRate(seed, prescaler)
-    made = small.case(unit={"dsp": {**unit, "options": {"i2c": options}}}, controller=table)
-    return *run(made, disable, BUT_EDGES, "0.006", {"dsp": Firmware("meddler", meddler, None)}), meddler.seen
+    made = small.case(unit={"dsp": unit}, controller=table)
+    return *run(made, disable, BUT_EDGES, "0.006", small.given(dsp=meddler)), meddler.seen
 
 
 @pytest.mark.parametrize("seed", range(200) if explores() else [*range(22), 39])
@@ -238,10 +237,9 @@ def beside_devices(seed: int, disable: Disable):
         {"address": 0x48, "pointer": 0, "count": 8},
     ]
     table = {"rate": random.choice(["100 kHz", "400 kHz"]), "first": "1 ms", "period": "2 ms", "request": requests}
-    unit = {"dsp": {"firmware": "meddler", "modules": ["I2C-A", "GPIO"]}}
     meddler = Meddler(seed)
-    made = small.case(unit=unit, controller=table, device=devices, seed=seed)
-    return *run(made, disable, BUT_EDGES, "0.02", {"dsp": Firmware("meddler", meddler, None)}), meddler.seen
+    made = small.case(unit={"dsp": small.unit("I2C-A", "GPIO")}, controller=table, device=devices, seed=seed)
+    return *run(made, disable, BUT_EDGES, "0.02", small.given(dsp=meddler)), meddler.seen
 
 
 @pytest.mark.parametrize("seed", range(200) if explores() else [*range(15), 134])
@@ -288,7 +286,7 @@ def test_a_device_that_holds_scl_in_the_middle_of_a_byte_gives_what_edges_give(t
     by_edges, skipping = (run(made, disable, BUT_EDGES, "0.01") for disable in (BY_EDGES, SKIPPING))
     assert skipping[1] == by_edges[1] and figures(skipping[0]) == figures(by_edges[0])
     (stretch,) = skipping[0].budgets
-    assert stretch.worst is not None and stretch.worst > 30
+    assert stretch.worst > 30
 
 
 def test_a_run_that_ends_in_the_middle_of_a_byte_leaves_the_lines_as_they_are(tmp_path: Path):

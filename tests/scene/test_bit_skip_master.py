@@ -12,7 +12,7 @@ from random import Random
 
 import pytest
 
-from periph_sim import Dsp, Firmware, load
+from periph_sim import Dsp, load
 from periph_sim.core.records import Record
 from tests.profiles import explores
 from tests.scene import small
@@ -28,7 +28,7 @@ class MeddlingMaster:
         self.pads, self.own, self.master = pads, own, master
         self.seen: list[tuple[str, int, int]] = []  # what was done, at which cycle, what was seen
 
-    def __call__(self, dsp: Dsp, settings: object) -> None:
+    def __call__(self, dsp: Dsp) -> None:
         i2c, draw = dsp.module("I2C-A"), self.random
         self.start(dsp)
         doings = {
@@ -55,10 +55,9 @@ class MeddlingMaster:
     def command(self, dsp: Dsp) -> int:
         """Bytes to somebody, or from there."""
         i2c, draw = dsp.module("I2C-A"), self.random
-        i2c.I2CSAR.all = draw.choice((0x50, 0x51, 0x51, 0x52, 0x31))
-        i2c.I2CCNT.all = draw.randrange(1, 6)
-        i2c.I2CDXR.all = draw.randrange(256)
-        i2c.I2CMDR.all = mdr = draw.choice((0x6E20, 0x6E20, 0x6C20, 0x6C20, 0x6620, 0x6EA0))
+        address, count = draw.choice((0x50, 0x51, 0x51, 0x52, 0x31)), draw.randrange(1, 6)
+        first, mdr = draw.randrange(256), draw.choice((0x6E20, 0x6E20, 0x6C20, 0x6C20, 0x6620, 0x6EA0))
+        small.command(i2c, address, count, mdr, first)
         got = 0
         for _ in range(draw.randrange(8)):
             dsp.compute(13_500 + draw.randrange(3_000))
@@ -111,17 +110,17 @@ class MeddlingMaster:
 
 def meddled(seed: int, disable: Disable):
     random = Random(seed)
-    units, programs, meddlers = {}, {}, []
+    units, meddlers = {}, {}
     for name, own, master in (("head", 0x50, 0.7), ("imu", 0x51, random.choice((0.0, 0.2)))):
         pads = random.random() < 0.5
         modules = ["I2C-A", "GPIO"] if pads else ["I2C-A"]
-        units[name] = {"firmware": name, "modules": modules, "ppm": random.choice((0, 0, 50, -50, 20))}
-        meddler = MeddlingMaster(f"{name} {seed}", pads, own, master)
-        meddlers.append(meddler)
-        programs[name] = Firmware(name, meddler, None)
+        units[name] = small.unit(*modules, ppm=random.choice((0, 0, 50, -50, 20)))
+        meddlers[name] = MeddlingMaster(f"{name} {seed}", pads, own, master)
     eeprom = {"model": "24lc64", "address": 0x52, "write_time": "100 us to 2 ms"}
     made = small.case(unit=units, device={"eeprom": eeprom}, seed=seed)
-    return *run(made, disable, BUT_EDGES, "0.03", programs), [meddler.seen for meddler in meddlers]
+    return *run(made, disable, BUT_EDGES, "0.03", small.given(**meddlers)), [
+        meddler.seen for meddler in meddlers.values()
+    ]
 
 
 @pytest.mark.parametrize("seed", range(200) if explores() else range(20))
@@ -150,29 +149,25 @@ def test_bytes_of_shipped_masters_pass_at_once(name: str):
 def test_a_line_that_stays_low_is_reported_at_the_same_tick():
     """SCL is held after a byte whose edges the watch has not seen."""
 
-    def firmware(dsp: Dsp, settings: object) -> None:
+    def firmware(dsp: Dsp) -> None:
         master = MeddlingMaster("", False, 0x50, 0)
         master.start(dsp)
         i2c = dsp.module("I2C-A")
-        i2c.I2CSAR.all = 0x51
-        i2c.I2CCNT.all = 3
-        i2c.I2CDXR.all = 0xA0
-        i2c.I2CMDR.all = 0x6E20
+        small.command(i2c, 0x51, 3, first=0xA0)
         dsp.compute(Fraction(12, 1000))  # the second byte is never written: SCL is held low
 
-    def silent(dsp: Dsp, settings: object) -> None:
+    def silent(dsp: Dsp) -> None:
         MeddlingMaster("", False, 0x51, 0).start(dsp)
 
     came: list[list[Record]] = []
     for disable in (BY_EDGES, SKIPPING):
         case = small.case(
-            unit={name: {"firmware": name, "modules": ["I2C-A"]} for name in ("head", "imu")},
+            unit={"head": small.unit("I2C-A"), "imu": small.unit("I2C-A")},
             rounds={"period": "10 ms", "stuck_after": "2 ms", "request": [{"address": 0x51, "count": 1}]},
             budget=[{"name": "stuck", "measure": "stuck", "max": 9}],
             disable=disable,
         )
-        programs = {"head": Firmware("head", firmware, None), "imu": Firmware("imu", silent, None)}
-        scene, records = recorded(case, BUT_EDGES, programs)
+        scene, records = recorded(case, BUT_EDGES, small.given(head=firmware, imu=silent))
         scene.run()
         came.append(records)
     assert came[0] == came[1]
@@ -183,25 +178,21 @@ def test_a_reset_as_scl_is_let_go_for_the_eighth_bit_leaves_nobody_deaf():
     """Between output and pin: the bits have passed, and SCL never rises for the one that is due."""
 
     def resetting(delay: int, disable: Disable) -> list[Record]:
-        def firmware(dsp: Dsp, settings: object) -> None:
+        def firmware(dsp: Dsp) -> None:
             master = MeddlingMaster("", True, 0x50, 0)
             master.start(dsp)
             i2c = dsp.module("I2C-A")
             for wait in (delay, 40_000):
                 master.off_and_on(dsp)
                 dsp.compute(Fraction(100, 10**6))
-                i2c.I2CSAR.all = 0x51
-                i2c.I2CCNT.all = 1
-                i2c.I2CDXR.all = 0xA5
-                i2c.I2CMDR.all = 0x6E20
+                small.command(i2c, 0x51, 1, first=0xA5)
                 dsp.compute(wait)
                 i2c.I2CMDR.all = 0
 
         options = {"i2c": {"stt_while_busy": "always_repeated_start"}}  # a reset leaves BB set
-        unit = {"dsp": {"firmware": "resetting", "modules": ["I2C-A", "GPIO"], "options": options}}
-        case = small.case(unit=unit, disable=disable, duration="1 ms")
-        programs = {"dsp": Firmware("resetting", firmware, None)}
-        scene, records = recorded(case, programs=programs)
+        unit = small.unit("I2C-A", "GPIO", options=options)
+        case = small.case(unit={"dsp": unit}, disable=disable, duration="1 ms")
+        scene, records = recorded(case, programs=small.given(dsp=firmware))
         scene.run()
         return records
 
@@ -223,23 +214,20 @@ def test_a_reset_as_scl_is_let_go_for_the_eighth_bit_leaves_nobody_deaf():
 def test_bits_that_a_slave_s_noise_filter_swallows_are_not_skipped_after_bits_that_pass_it():
     """The master's next byte has a low time that is shorter, and a high time that is longer in the ratio 3 : 2."""
 
-    def master(dsp: Dsp, settings: object) -> None:
+    def master(dsp: Dsp) -> None:
         MeddlingMaster("", False, 0x50, 0).start(dsp)
         i2c = dsp.module("I2C-A")
         i2c.I2CMDR.all = 0
         i2c.I2CPSC.all = 0
         i2c.I2CCLKL.all, i2c.I2CCLKH.all = 37, 20
         i2c.I2CMDR.all = 0x4020
-        i2c.I2CSAR.all = 0x51
-        i2c.I2CCNT.all = 2
-        i2c.I2CDXR.all = 0xA5
-        i2c.I2CMDR.all = 0x6E20
+        small.command(i2c, 0x51, 2, first=0xA5)
         dsp.compute(5_000)
         i2c.I2CCLKL.all, i2c.I2CCLKH.all = 7, 40  # SCL is low for 14 cycles, and the filter takes 15
         i2c.I2CDXR.all = 0x5A
         dsp.compute(5_000)
 
-    def slave(dsp: Dsp, settings: object) -> None:
+    def slave(dsp: Dsp) -> None:
         MeddlingMaster("", False, 0x51, 0).start(dsp)
         i2c = dsp.module("I2C-A")
         i2c.I2CMDR.all = 0
@@ -250,10 +238,9 @@ def test_bits_that_a_slave_s_noise_filter_swallows_are_not_skipped_after_bits_th
             if i2c.I2CSTR.RRDY:
                 i2c.I2CDRR.all  # noqa: B018
 
-    units = {name: {"firmware": name, "modules": ["I2C-A"]} for name in ("head", "imu")}
-    units["imu"]["options"] = {"i2c": {"noise_filter_cycles": 15}}
-    case = small.case(unit=units)
-    programs = {"head": Firmware("head", master, None), "imu": Firmware("imu", slave, None)}
+    imu = small.unit("I2C-A", options={"i2c": {"noise_filter_cycles": 15}})
+    case = small.case(unit={"head": small.unit("I2C-A"), "imu": imu})
+    programs = small.given(head=master, imu=slave)
     by_edges, skipping = (run(case, disable, BUT_EDGES, "0.0001", programs) for disable in (BY_EDGES, SKIPPING))
     assert skipping[1] == by_edges[1]
     assert skipping[0].bytes_skipped == 2  # the address and the first byte

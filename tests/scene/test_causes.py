@@ -12,10 +12,9 @@ import pytest
 
 from periph_sim import Case, Dsp, Firmware, load
 from periph_sim.core.records import RECORDED, Kind, Record
-from periph_sim.firmware import start_i2c
 from tests.scene import runs
 from tests.scene.runs import TIMING
-from tests.scene.small import case
+from tests.scene.small import case, given, started_i2c, unit
 
 CYCLE = 20  # ticks
 FILTER = 15  # cycles: one module clock, IPSC = 14
@@ -70,19 +69,18 @@ def test_a_flag_names_the_edge_that_came_through_the_filter_in_its_cycle(causes,
     found = [pair for pair in causes.of(Kind.FLAG, f"I2CSTR.{flag}") if pair[0].value == value]
     assert len(found) >= 15
     for record, cause in found:
-        assert cause is not None and (cause.kind, cause.where, cause.value) == (Kind.EDGE, wire, level)
+        assert (cause.kind, cause.where, cause.value) == (Kind.EDGE, wire, level)
         assert record.tick - cause.tick == pytest.approx(FILTER * CYCLE, abs=CYCLE)  # edges fall between cycles
 
 
 def test_a_flag_that_a_write_changes_names_the_write(causes):
     for record, cause in causes.of(Kind.FLAG, "I2CCNT.ICDC"):
-        assert cause is not None and (cause.what, cause.tick) == ("W I2C-A.I2CCNT", record.tick)
+        assert (cause.what, cause.tick) == ("W I2C-A.I2CCNT", record.tick)
 
 
 def test_a_pin_names_the_write_that_moved_it_a_cycle_before(causes):
     whys = defaultdict(set)
     for edge, cause in causes.of(Kind.EDGE, "level", "MODEL")[1:]:
-        assert cause is not None
         whys[edge.value].add((cause.what, (edge.tick - cause.tick) // CYCLE))
     assert whys == {1: {("W GPIO.GPBSET", 1)}, 0: {("W GPIO.GPBCLEAR", 1)}}
 
@@ -98,18 +96,14 @@ def test_the_bits_that_the_module_sends_name_the_falling_clock(causes):
 @pytest.mark.parametrize("data", [0x5A, 0xA5])
 def test_a_stretch_ends_with_the_write_of_i2cdxr(data: int):
     def slow(dsp: Dsp) -> None:
-        start_i2c(dsp, own_address=0x68)
-        i2c = dsp.module("I2C-A")
-        i2c.I2CMDR.IRS = 1
+        i2c = started_i2c(dsp, own_address=0x68)
         dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
         dsp.compute(45_000)  # 300 us
         i2c.I2CDXR.all = data
         dsp.spin(lambda: i2c.I2CSTR.NACK == 1)
 
     head = {"first": "1 ms", "rounds": 1, "request": [{"address": 0x68, "count": 1}]}
-    unit = {"dsp": {"firmware": "slow", "modules": ["I2C-A"]}}
-    program = {"dsp": Firmware("slow", lambda dsp, settings: slow(dsp), None)}
-    causes = recorded(case(unit=unit, controller=head), "0.01", program)
+    causes = recorded(case(unit={"dsp": unit("I2C-A")}, controller=head), "0.01", given(dsp=slow))
     (let_go,) = [c for e, c in causes.of(Kind.EDGE, "level", "SCL") if e.value == 1 and c is not None]
     if data >> 7 == 0:  # the first bit moves SDA, and is out before SCL is let go
         assert (let_go.where, let_go.value, let_go.text) == ("SDA", 0, "dsp.SDAA")

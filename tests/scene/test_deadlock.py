@@ -9,13 +9,12 @@ from typing import Any
 
 import pytest
 
-from periph_sim import Dsp, Firmware, Result, Scene, load
+from periph_sim import Dsp, Result, Scene, load
 from periph_sim.core.phrases import counted
 from periph_sim.firmware import sci_fifo_receiver, start_i2c, start_pin
-from periph_sim.scene import unit as unit_module
 from tests.interfaces.commands.conftest import Run, desk, periph_sim
 from tests.scene.runs import TIMING
-from tests.scene.small import case, scene_with
+from tests.scene.small import case, command, given, scene_with, started_i2c, unit
 
 __all__ = ["desk", "periph_sim"]
 
@@ -23,9 +22,7 @@ HEAD = {"order": ["gyroscope"], "first": "1 ms", "period": "10 ms"}
 
 
 def waits_for_aas(dsp: Dsp) -> None:
-    start_i2c(dsp, own_address=0x68)
-    i2c = dsp.module("I2C-A")
-    i2c.I2CMDR.IRS = 1
+    i2c = started_i2c(dsp, own_address=0x68)
     dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
 
 
@@ -35,8 +32,8 @@ def waits_for_a_word(dsp: Dsp) -> None:
     dsp.spin_either(lambda: sci.SCIFFRX.RXFFST == 12, lambda: sci.SCIRXST.BRKDT == 1)
 
 
-def test_alone_on_the_bus(monkeypatch: pytest.MonkeyPatch):
-    result = scene_with(monkeypatch, waits_for_aas, ["I2C-A"]).run()
+def test_alone_on_the_bus():
+    result = scene_with(waits_for_aas, ["I2C-A"]).run()
     assert result.verdict == "fail"
     assert result.stuck == [
         "dsp waits for I2C-A.I2CSTR.AAS since 0.360 us and would for ever: "
@@ -44,26 +41,26 @@ def test_alone_on_the_bus(monkeypatch: pytest.MonkeyPatch):
     ]
 
 
-def test_every_register_that_is_polled_is_named(monkeypatch: pytest.MonkeyPatch):
-    (sentence,) = scene_with(monkeypatch, waits_for_a_word, ["SCI-A"]).run().stuck
+def test_every_register_that_is_polled_is_named():
+    (sentence,) = scene_with(waits_for_a_word, ["SCI-A"]).run().stuck
     assert "waits for SCI-A.SCIFFRX.RXFFST and SCI-A.SCIRXST.BRKDT since" in sentence
     assert sentence.endswith("SCI-A has nothing due and no party will change RX")
 
 
-def test_traffic_elsewhere_does_not_hide_it(monkeypatch: pytest.MonkeyPatch):
+def test_traffic_elsewhere_does_not_hide_it():
     """The bus is busy for ever; but what the firmware waits for comes by the UART, where nobody is."""
-    result = scene_with(monkeypatch, waits_for_a_word, ["I2C-A", "SCI-A"], controller=HEAD).run()
+    result = scene_with(waits_for_a_word, ["I2C-A", "SCI-A"], controller=HEAD).run()
     assert len(result.stuck) == 1 and result.verdict == "fail"
 
 
-def test_the_wait_for_a_frame_of_a_host_is_no_deadlock(monkeypatch: pytest.MonkeyPatch):
-    scene = scene_with(monkeypatch, waits_for_a_word, ["I2C-A", "SCI-A"], controller=HEAD, host={"first": "5 s"})
+def test_the_wait_for_a_frame_of_a_host_is_no_deadlock():
+    scene = scene_with(waits_for_a_word, ["I2C-A", "SCI-A"], controller=HEAD, host={"first": "5 s"})
     assert scene.run().stuck == []
 
 
-def test_who_waits_for_more_of_an_agent_that_has_done_all_is_idle(monkeypatch: pytest.MonkeyPatch):
+def test_who_waits_for_more_of_an_agent_that_has_done_all_is_idle():
     short = HEAD | {"order": ["accelerometer"], "rounds": 1}
-    result = scene_with(monkeypatch, waits_for_aas, ["I2C-A"], controller=short).run()
+    result = scene_with(waits_for_aas, ["I2C-A"], controller=short).run()
     assert result.counts["rounds"] == 1
     assert (result.verdict, result.stuck) == ("not judged", [])  # it has no budgets
 
@@ -87,24 +84,24 @@ def test_two_units_that_wait_for_each_other():
 
 def two_units(one: Callable[[Dsp], None], other: Callable[[Dsp], None], *modules: str, **more: Any) -> list[str]:
     """The units that are stuck at the end. modules: of `one`; the other one has an I2C-A."""
-    units = {name: {"firmware": "made here", "modules": ["I2C-A"]} for name in ("one", "other")}
-    units["one"]["modules"] = ["I2C-A", *modules]
-    made = case(unit=units, **more)
-    programs = {
-        "one": Firmware("made here", lambda dsp, settings: one(dsp), None),
-        "other": Firmware("made here", lambda dsp, settings: other(dsp), None),
-    }
-    return [sentence.split(" ")[0] for sentence in Scene(made, programs=programs).run().stuck]
+    made = case(unit={"one": unit("I2C-A", *modules), "other": unit("I2C-A")}, **more)
+    result = Scene(made, programs=given(one=one, other=other)).run()
+    return [sentence.split(" ")[0] for sentence in result.stuck]
+
+
+def long_timer(dsp: Dsp, tcr: int, name: str = "TIMER0") -> Any:
+    """A timer that expires after a run, with this TCR."""
+    timer = dsp.module(name)
+    timer.PRD.all = timer.PRDH.all = 0xFFFF
+    timer.TCR.all = tcr
+    return timer
 
 
 def writes_a_byte(dsp: Dsp) -> None:
     """As the bus master, to address 0x68; then it ends."""
     start_i2c(dsp)
     i2c = dsp.module("I2C-A")
-    i2c.I2CSAR.all = 0x68
-    i2c.I2CCNT.all = 1
-    i2c.I2CDXR.all = 0x5A
-    i2c.I2CMDR.all = 0x6E20
+    command(i2c, 0x68, 1, first=0x5A)
     dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
 
 
@@ -117,9 +114,7 @@ def hangs_after_a_byte(dsp: Dsp) -> None:
 
 def reads_bytes(dsp: Dsp) -> None:
     """As a slave at 0x68, for ever."""
-    start_i2c(dsp, own_address=0x68)
-    i2c = dsp.module("I2C-A")
-    i2c.I2CMDR.IRS = 1
+    i2c = started_i2c(dsp, own_address=0x68)
     while True:
         dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
         assert i2c.I2CDRR.all == 0x5A
@@ -137,10 +132,7 @@ def test_a_master_that_computes_or_waits_for_a_timer_may_go_on():
 
     def waits(dsp: Dsp) -> None:
         writes_a_byte(dsp)
-        timer = dsp.module("TIMER0")
-        timer.PRD.all = 0xFFFF
-        timer.PRDH.all = 0xFFFF
-        timer.TCR.all = 0x20
+        timer = long_timer(dsp, 0x20)
         dsp.spin(lambda: timer.TCR.TIF == 1)
 
     assert two_units(computes, reads_bytes) == []
@@ -159,26 +151,23 @@ def test_frames_elsewhere_and_a_chip_that_only_answers_do_not_hide_a_wait():
     assert two_units(hangs, waits_for_aas, "SCI-A", chip=chip, host={"period": "2 ms"}) == ["one", "other"]
 
 
-def test_a_timer_that_is_stopped_never_comes_and_one_that_runs_does(monkeypatch: pytest.MonkeyPatch):
+def test_a_timer_that_is_stopped_never_comes_and_one_that_runs_does():
     def waits_for_tif(dsp: Dsp, stop: int) -> None:
         timer = dsp.module("TIMER0")
         timer.PRD.all = 1000
         timer.TCR.all = 0x20 | stop << 4
         dsp.spin(lambda: timer.TCR.TIF == 1)
 
-    stopped = scene_with(monkeypatch, lambda dsp: waits_for_tif(dsp, 1), ["TIMER0"]).run()
+    stopped = scene_with(lambda dsp: waits_for_tif(dsp, 1), ["TIMER0"]).run()
     (sentence,) = stopped.stuck
     assert sentence.endswith("TIMER0 has nothing due and no wire leads there")
-    running = scene_with(monkeypatch, lambda dsp: waits_for_tif(dsp, 0), ["TIMER0"]).run()
+    running = scene_with(lambda dsp: waits_for_tif(dsp, 0), ["TIMER0"]).run()
     assert running.stuck == []
 
 
-def test_a_running_timer_whose_interrupt_may_help_keeps_the_wait_alive(monkeypatch: pytest.MonkeyPatch):
+def test_a_running_timer_whose_interrupt_may_help_keeps_the_wait_alive():
     def helped(dsp: Dsp, eint: bool) -> None:
-        timer = dsp.module("TIMER0")
-        timer.PRD.all = 0xFFFF
-        timer.PRDH.all = 0xFFFF
-        timer.TCR.all = 0x4020
+        long_timer(dsp, 0x4020)
         dsp.handle("TINT0", lambda: None)
         dsp.module("PIE").PIECTRL.ENPIE = 1
         dsp.module("PIE").PIEIER1.INTx7 = 1
@@ -188,15 +177,15 @@ def test_a_running_timer_whose_interrupt_may_help_keeps_the_wait_alive(monkeypat
         waits_for_aas(dsp)
 
     modules = ["I2C-A", "TIMER0"]
-    assert scene_with(monkeypatch, lambda dsp: helped(dsp, True), modules).run().stuck == []
-    assert len(scene_with(monkeypatch, lambda dsp: helped(dsp, False), modules).run().stuck) == 1
+    assert scene_with(lambda dsp: helped(dsp, True), modules).run().stuck == []
+    assert len(scene_with(lambda dsp: helped(dsp, False), modules).run().stuck) == 1
 
 
-def test_firmware_that_sleeps_is_said_to_sleep(monkeypatch: pytest.MonkeyPatch):
+def test_firmware_that_sleeps_is_said_to_sleep():
     def sleeps(dsp: Dsp) -> None:
         dsp.cpu.idle()
 
-    scene = scene_with(monkeypatch, sleeps, [])
+    scene = scene_with(sleeps, [])
     scene.run()
     line = sleeps.__code__.co_firstlineno + 1
     assert scene.doing(scene.units["dsp"]) == f"waits in IDLE for an interrupt at line {line} of test_deadlock.py"
@@ -212,15 +201,15 @@ def never_writes(dsp: Dsp) -> None:
     dsp.spin(lambda: i2c.I2CSTR.RSFULL == 1)
 
 
-def held(monkeypatch: pytest.MonkeyPatch, **more: object) -> tuple[Scene, Result]:
+def held(**more: object) -> tuple[Scene, Result]:
     request = {"address": 0x68, "count": 6}
     head = {"first": "1 ms", "period": "10 ms", "stuck_after": "5 ms", "request": [request], **more}
-    scene = scene_with(monkeypatch, never_writes, ["I2C-A"], duration="50 ms", controller=head)
+    scene = scene_with(never_writes, ["I2C-A"], duration="50 ms", controller=head)
     return scene, scene.run()
 
 
-def test_a_slave_that_stretches_for_ever_is_told_with_who_holds_scl(monkeypatch: pytest.MonkeyPatch):
-    scene, result = held(monkeypatch)
+def test_a_slave_that_stretches_for_ever_is_told_with_who_holds_scl():
+    scene, result = held()
     (sentence,) = result.stuck
     assert sentence.startswith("SCL is held low by dsp.SCLA at ")
     assert "dsp waits for I2C-A.I2CSTR.RSFULL since " in sentence
@@ -229,13 +218,13 @@ def test_a_slave_that_stretches_for_ever_is_told_with_who_holds_scl(monkeypatch:
     assert result.verdict == "fail"
 
 
-def test_it_is_a_deadlock_when_the_controller_has_nothing_else_to_do(monkeypatch: pytest.MonkeyPatch):
-    _, result = held(monkeypatch, rounds=1)
+def test_it_is_a_deadlock_when_the_controller_has_nothing_else_to_do():
+    _, result = held(rounds=1)
     assert len(result.stuck) == 2 and result.verdict == "fail"
     assert result.stuck[1].endswith("I2C-A has nothing due and no party will change SDA or SCL")
 
 
-def test_a_long_stretch_that_ends_is_told_but_fails_only_by_budget(monkeypatch: pytest.MonkeyPatch):
+def test_a_long_stretch_that_ends_is_told_but_fails_only_by_budget():
     def slow(dsp: Dsp) -> None:
         waits_for_aas(dsp)
         dsp.compute(1_500_000)  # 10 ms
@@ -244,7 +233,7 @@ def test_a_long_stretch_that_ends_is_told_but_fails_only_by_budget(monkeypatch: 
         dsp.spin(lambda: i2c.I2CSTR.NACK == 1)
 
     head = {"first": "1 ms", "stuck_after": "5 ms", "rounds": 1, "request": [{"address": 0x68, "count": 1}]}
-    result = scene_with(monkeypatch, slow, ["I2C-A"], duration="50 ms", controller=head).run()
+    result = scene_with(slow, ["I2C-A"], duration="50 ms", controller=head).run()
     assert (result.counts["stuck"], result.counts["rounds"]) == (1, 1)
     assert result.verdict == "not judged"  # it has no budgets
 
@@ -269,14 +258,14 @@ def test_the_command_ends_with_1_and_says_it(periph_sim: Run, desk: Path):
     ) in came.out
 
 
-def test_a_module_without_clock_sees_no_traffic(monkeypatch: pytest.MonkeyPatch):
+def test_a_module_without_clock_sees_no_traffic():
     def forgot_pclkcr(dsp: Dsp) -> None:
         i2c = dsp.module("I2C-A")
         i2c.I2COAR.all = 0x68
         i2c.I2CMDR.IRS = 1
         dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
 
-    result = scene_with(monkeypatch, forgot_pclkcr, ["I2C-A"], controller=HEAD).run()
+    result = scene_with(forgot_pclkcr, ["I2C-A"], controller=HEAD).run()
     (sentence,) = result.stuck
     assert sentence.endswith("PCLKCR gives I2C-A no clock")
     assert result.counts["nacked"] == result.counts["rounds"] == 1
@@ -285,25 +274,20 @@ def test_a_module_without_clock_sees_no_traffic(monkeypatch: pytest.MonkeyPatch)
 # Watchdog ----------------------------------------------------------------------
 
 
-def scene_from_boot(
-    monkeypatch: pytest.MonkeyPatch, firmware: Callable[[Dsp], None], duration: str, *modules: str
-) -> Scene:
+def scene_from_boot(firmware: Callable[[Dsp], None], duration: str, *modules: str) -> Scene:
     """Boot leaves the watchdog on and the PLL off: SYSCLKOUT 7.5 MHz, WDCNTR overflows after 512 * 256 OSCCLK."""
-    program = Firmware("under test", lambda dsp, settings: firmware(dsp), None)
-    monkeypatch.setattr(unit_module, "load_firmware", lambda name: program)
-    unit = {"firmware": "under test", "modules": list(modules), "from_boot": True}
-    return Scene(case(duration, unit={"dsp": unit}))
+    return scene_with(firmware, list(modules), {"from_boot": True}, duration=duration)
 
 
 @pytest.mark.parametrize(("duration", "resets"), [("4.3 ms", 0), ("4.4 ms", 1), ("8.8 ms", 2), ("44 ms", 10)])
-def test_firmware_that_does_not_service_the_watchdog_begins_anew(monkeypatch, duration: str, resets: int):
+def test_firmware_that_does_not_service_the_watchdog_begins_anew(duration: str, resets: int):
     began: list[int] = []
 
     def forgets(dsp: Dsp) -> None:
         began.append(dsp.cpu.cycle)
         dsp.compute(10**9)
 
-    result = scene_from_boot(monkeypatch, forgets, duration).run()
+    result = scene_from_boot(forgets, duration).run()
     assert result.counts["resets"] == resets
     assert len(began) == resets + 1
     line = forgets.__code__.co_firstlineno + 2
@@ -311,7 +295,7 @@ def test_firmware_that_does_not_service_the_watchdog_begins_anew(monkeypatch, du
     assert [note for note in result.notes if "watchdog" in note] == [told] * (resets > 0)
 
 
-def test_a_reset_also_ends_a_spin_that_nothing_else_would(monkeypatch):
+def test_a_reset_also_ends_a_spin_that_nothing_else_would():
     began: list[int] = []
 
     def waits(dsp: Dsp) -> None:
@@ -319,7 +303,7 @@ def test_a_reset_also_ends_a_spin_that_nothing_else_would(monkeypatch):
         pie = dsp.module("PIE")
         dsp.spin(lambda: pie.PIECTRL.ENPIE == 1)
 
-    result = scene_from_boot(monkeypatch, waits, "9 ms").run()
+    result = scene_from_boot(waits, "9 ms").run()
     assert result.counts["resets"] == 2 and len(began) == 3
     assert result.stuck == []  # the watchdog is due
 
@@ -331,18 +315,18 @@ def turns_on_the_sci(dsp: Dsp) -> None:
 
 
 @pytest.mark.parametrize("clock", [True, False])
-def test_a_reset_also_ends_a_poll_of_a_module(monkeypatch: pytest.MonkeyPatch, clock: bool):
+def test_a_reset_also_ends_a_poll_of_a_module(clock: bool):
     def waits(dsp: Dsp) -> None:
         if clock:
             turns_on_the_sci(dsp)
         sci = dsp.module("SCI-A")
         dsp.spin(lambda: sci.SCIRXST.RXRDY == 1)
 
-    result = scene_from_boot(monkeypatch, waits, "9 ms", "SCI-A").run()
+    result = scene_from_boot(waits, "9 ms", "SCI-A").run()
     assert (result.counts["resets"], result.stuck) == (2, [])
 
 
-def test_a_serviced_watchdog_never_resets(monkeypatch):
+def test_a_serviced_watchdog_never_resets():
     def careful(dsp: Dsp) -> None:
         system = dsp.module("SYS")
         while True:
@@ -352,7 +336,7 @@ def test_a_serviced_watchdog_never_resets(monkeypatch):
             system.WDKEY.all = 0xAA
             dsp.edis()
 
-    assert scene_from_boot(monkeypatch, careful, "50 ms").run().counts["resets"] == 0
+    assert scene_from_boot(careful, "50 ms").run().counts["resets"] == 0
 
 
 MEMORY = {"memory": {"model": "24lc64"}}
@@ -366,8 +350,8 @@ ADC = {
 }
 
 
-def test_a_device_that_only_answers_moves_no_line(monkeypatch: pytest.MonkeyPatch):
-    (sentence,) = scene_with(monkeypatch, waits_for_aas, ["I2C-A"], device=MEMORY).run().stuck
+def test_a_device_that_only_answers_moves_no_line():
+    (sentence,) = scene_with(waits_for_aas, ["I2C-A"], device=MEMORY).run().stuck
     assert sentence.endswith("I2C-A has nothing due and no party will change SDA or SCL")
 
 
@@ -380,55 +364,41 @@ def test_the_wait_for_a_devices_interrupt_pin_is_no_deadlock(tmp_path: Path):
     assert result.stuck == [] and result.verdict != "fail"
 
 
-def test_an_address_that_nobody_acknowledged_is_told_and_an_output_of_the_unit_is_not(monkeypatch: pytest.MonkeyPatch):
+def test_an_address_that_nobody_acknowledged_is_told_and_an_output_of_the_unit_is_not():
     """The module holds the bus behind the NACK, and no STOP comes that nobody asks for."""
 
     def ignores_nack(dsp: Dsp) -> None:
-        start_i2c(dsp)
+        i2c = started_i2c(dsp)
         start_pin(dsp, 34)
-        i2c = dsp.module("I2C-A")
-        i2c.I2CMDR.IRS = 1
-        i2c.I2CSAR.all = 0x51
-        i2c.I2CCNT.all = 2
-        i2c.I2CDXR.all = 0x10
-        i2c.I2CMDR.all = 0x6620  # STT, MST, TRX, IRS
+        command(i2c, 0x51, 2, 0x6620, first=0x10)  # STT, MST, TRX, IRS
         dsp.spin(lambda: i2c.I2CSTR.ARDY == 1)
         dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
 
-    unit = {"firmware": "under test", "modules": ["I2C-A", "GPIO"], "pins": {"GOOD": 34}}
-    program = Firmware("under test", lambda dsp, settings: ignores_nack(dsp), None)
-    (sentence,) = Scene(case("1 ms", unit={"dsp": unit}), programs={"dsp": program}).run().stuck
+    (sentence,) = scene_with(ignores_nack, ["I2C-A", "GPIO"], {"pins": {"GOOD": 34}}, duration="1 ms").run().stuck
     head, _, told = sentence.partition("no party will change ")
     assert "waits for I2C-A.I2CSTR.SCD since" in head
     assert re.fullmatch(r"SDA or SCL; I2CSTR.NACK is set since (\d+\.\d+) us: address 0x51 was not acknowledged", told)
 
 
 @pytest.mark.parametrize(("module", "vector", "line"), [("TIMER1", "INT13", 13), ("TIMER2", "INT14", 14)])
-def test_a_timer_without_the_pie_may_wake_a_unit_if_it_runs(
-    monkeypatch: pytest.MonkeyPatch, module: str, vector: str, line: int
-):
+def test_a_timer_without_the_pie_may_wake_a_unit_if_it_runs(module: str, vector: str, line: int):
     def sleeps(dsp: Dsp, stop: int) -> None:
-        timer = dsp.module(module)
-        timer.PRD.all = 0xFFFF
-        timer.PRDH.all = 0xFFFF
-        timer.TCR.all = 0x4020 | stop << 4
+        long_timer(dsp, 0x4020 | stop << 4, module)
         dsp.handle(vector, lambda: None)
         dsp.enable_interrupt(line)
         dsp.eint()
         dsp.cpu.idle()
 
-    assert scene_with(monkeypatch, lambda dsp: sleeps(dsp, 0), [module]).run().stuck == []
-    (sentence,) = scene_with(monkeypatch, lambda dsp: sleeps(dsp, 1), [module]).run().stuck
+    assert scene_with(lambda dsp: sleeps(dsp, 0), [module]).run().stuck == []
+    (sentence,) = scene_with(lambda dsp: sleeps(dsp, 1), [module]).run().stuck
     assert sentence.endswith(f"{module} has nothing due and no wire leads there")
 
 
 @pytest.mark.parametrize("disable", [[], ["polls"]])
-def test_a_wait_with_a_time_out_is_no_deadlock_while_it_lasts(monkeypatch: pytest.MonkeyPatch, disable: list[str]):
+def test_a_wait_with_a_time_out_is_no_deadlock_while_it_lasts(disable: list[str]):
     def waits_20_ms_at_most(dsp: Dsp) -> None:
-        start_i2c(dsp, own_address=0x68)
-        i2c = dsp.module("I2C-A")
-        i2c.I2CMDR.IRS = 1
+        i2c = started_i2c(dsp, own_address=0x68)
         dsp.spin(lambda: i2c.I2CSTR.AAS == 1, timeout=20 * 150_000)
 
-    result = scene_with(monkeypatch, waits_20_ms_at_most, ["I2C-A"], disable=disable).run()
+    result = scene_with(waits_20_ms_at_most, ["I2C-A"], disable=disable).run()
     assert result.stuck == [] and result.verdict == "not judged"

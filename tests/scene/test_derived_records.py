@@ -76,32 +76,32 @@ def idle(dsp: Dsp) -> None:
     pass
 
 
-def ran(monkeypatch: pytest.MonkeyPatch, length: str, budgets: list[dict[str, Any]], **more: Any):
+def ran(length: str, budgets: list[dict[str, Any]], **more: Any):
     fault = [HELD | {"length": length}]
-    scene = scene_with(monkeypatch, idle, ["I2C-A"], fault=fault, budget=budgets, duration="100 ms", **more)
+    scene = scene_with(idle, ["I2C-A"], fault=fault, budget=budgets, duration="100 ms", **more)
     return scene.run(Fraction(1, 10))
 
 
 @pytest.mark.parametrize(("length", "count"), [("24.9 ms", 0), ("25.1 ms", 1), ("60 ms", 1)])
-def test_a_held_line_is_an_event_without_a_controller(monkeypatch, length: str, count: int):
-    (stuck,) = ran(monkeypatch, length, [COUNT]).budgets
+def test_a_held_line_is_an_event_without_a_controller(length: str, count: int):
+    (stuck,) = ran(length, [COUNT]).budgets
     assert stuck.worst == count
 
 
-def test_the_event_has_the_instant_at_which_the_line_has_been_low_too_long(monkeypatch):
-    (to_stuck,) = ran(monkeypatch, "60 ms", [TO_STUCK]).budgets
+def test_the_event_has_the_instant_at_which_the_line_has_been_low_too_long():
+    (to_stuck,) = ran("60 ms", [TO_STUCK]).budgets
     assert (to_stuck.worst, to_stuck.at_s) == (25000.0, pytest.approx(0.001))
 
 
-def test_rounds_of_a_master_say_how_long_a_line_may_be_low(monkeypatch):
+def test_rounds_of_a_master_say_how_long_a_line_may_be_low():
     request = {"name": "read", "address": 0x50, "count": 1}
     rounds = {"period": "20 ms", "stuck_after": "5 ms", "request": [request]}
-    (to_stuck,) = ran(monkeypatch, "10 ms", [TO_STUCK], rounds=rounds).budgets
+    (to_stuck,) = ran("10 ms", [TO_STUCK], rounds=rounds).budgets
     assert to_stuck.worst == 5000.0
 
 
-def test_the_event_and_the_measure_count_the_same(monkeypatch):
-    event, measure = ran(monkeypatch, "60 ms", [COUNT, {"name": "measure", "measure": "stuck", "max": 0}]).budgets
+def test_the_event_and_the_measure_count_the_same():
+    event, measure = ran("60 ms", [COUNT, {"name": "measure", "measure": "stuck", "max": 0}]).budgets
     assert event.worst == measure.worst == 1
 
 

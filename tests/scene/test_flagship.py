@@ -11,7 +11,7 @@ import pytest
 from periph_sim import Scene, load
 from periph_sim.scene.firmware_loader import load_firmware
 from tests.profiles import explores
-from tests.scene.late_code import SOURCES, WRITE, changed, cycle, kept, late
+from tests.scene.late_code import WRITE, broken, cycle, kept, late
 from tests.scene.runs import TIMING, run_file
 
 PUBLISHED, ROBUST = "unit.dsp.firmware=imu_hil", "unit.dsp.firmware=imu_hil_robust"
@@ -38,7 +38,6 @@ def test_the_hosts_frames_drift_through_all_phases_of_the_rounds():
     case = load(TIMING / "imu_hil.toml", [])
     scene = Scene(case.model_copy(update={"unit": {}, "controller": None, "budget": ()}))
     ends: list[Fraction] = []
-    assert scene.host is not None
     scene.host.sent.append(lambda number, values, tick: ends.append(scene.timebase.seconds(tick)))
     scene.run()
     phases = [(end * 1000 / (1 + Fraction(30, 10**6)) - 5) % 20 for end in ends]
@@ -102,7 +101,7 @@ class Break(NamedTuple):
     told: str
     old: str = ""
     new: str = ""
-    setting: str = ""
+    settings: tuple[str, ...] = ()
 
 
 def before(statement: str, inserted: str) -> Break:
@@ -110,13 +109,14 @@ def before(statement: str, inserted: str) -> Break:
 
 
 def setting(change: str) -> Break:
-    return Break(f"`--set {change}`", setting=change.replace("'", ""))
+    return Break(f"`--set {change}`", settings=(change.replace("'", ""),))
 
 
 def without(statement: str) -> Break:
     return Break(f"without `{statement}`", statement, "pass")
 
 
+SHORT = "duration=300 ms"
 PAGE = (TIMING.parent / "docs" / "flagship.md").read_text(encoding="utf-8")
 BREAKS = {
     "reaction": before(WRITE, "dsp.compute(300)"),
@@ -145,13 +145,8 @@ def test_one_line_breaks_each_budget_as_the_page_says(budget: str):
     change = BREAKS[budget]
     (row,) = (line for line in PAGE.splitlines() if line.startswith(f"| {budget} |"))
     assert row.endswith(f"| {change.told} |")
-    source = (SOURCES / "imu_hil.py").read_text(encoding="utf-8")
-    assert source.count(change.old) == 1 or not change.old
-    program = changed(source.replace(change.old, change.new) if change.old else source)
-    scene = Scene(load(TIMING / "imu_hil.toml", [change.setting][: bool(change.setting)]), programs={"dsp": program})
-    result = scene.run(Fraction("0.3"))
-    (verdict,) = (verdict for verdict in result.budgets if verdict.name == budget)
-    assert verdict.verdict == ("not judged" if budget == "own address" else "fail")
+    found = broken("imu_hil", change.old, change.new, *change.settings, SHORT)
+    assert found[budget] == ("not judged" if budget == "own address" else "fail")
 
 
 NOT_RAN = "            if not ran:\n                self.model()\n"
@@ -171,13 +166,8 @@ BY_FRAME_BREAKS = {
 @pytest.mark.parametrize("budget", ["", *BY_FRAME_BREAKS])
 def test_one_line_breaks_each_budget_of_the_models_by_frame(budget: str):
     change = BY_FRAME_BREAKS.get(budget, Break(""))
-    source = (SOURCES / "imu_hil.py").read_text(encoding="utf-8")
-    assert source.count(change.old) == 1 or not change.old
-    program = changed(source.replace(change.old, change.new) if change.old else source)
-    case = load(TIMING / "imu_hil_by_frame.toml", [SOONER, *([change.setting] if change.setting else [])])
-    result = Scene(case, programs={"dsp": program}).run(Fraction("0.3"))
-    broken = {verdict.name for verdict in result.budgets if not verdict.passed}
-    assert budget in broken if budget else not broken
+    found = broken("imu_hil_by_frame", change.old, change.new, *change.settings, SHORT, SOONER)
+    assert budget in found if budget else not found
 
 
 def test_every_budget_of_the_bench_has_such_a_line_but_for_those_that_are_inputs():

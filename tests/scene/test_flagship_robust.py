@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim import Scene, load
-from tests.scene.late_code import SOURCES, changed
+from periph_sim import load
+from tests.scene.late_code import broken
 from tests.scene.runs import TIMING
 
-SOURCE = (SOURCES / "imu_hil_robust.py").read_text(encoding="utf-8")
+CASE = "imu_hil_robust"
 SEND, OWN = "self.i2c.I2CDXR.all = byte", "i2c.I2COAR.all = address"
 MODEL_AT_START = "self.model()\n        while True:"
 # With such a patience nothing else empties the FIFO before the next frame.
@@ -38,31 +38,23 @@ RARELY_SEEN = {  # mistakes that the cases of faults let pass
 }
 
 
-def broken(old: str = "", new: str = "", *changes: str) -> set[str]:
-    """Return the budgets that fail or are not judged, with one text of the firmware changed, or the case."""
-    assert not old or SOURCE.count(old) == 1
-    case = load(TIMING / "imu_hil_robust.toml", list(changes))
-    result = Scene(case, programs={"dsp": changed(SOURCE.replace(old, new) if old else SOURCE)}).run(case.duration)
-    return {verdict.name for verdict in result.budgets if not verdict.passed}
-
-
 @pytest.mark.parametrize("first", ["72.7 ms", "81.1 ms", "88.8 ms"])
 def test_every_budget_holds_wherever_frames_end_between_two_rounds(first: str):
-    assert broken("", "", f"controller.first={first}") == set()
+    assert broken(CASE, "", "", f"controller.first={first}") == {}
 
 
 @pytest.mark.parametrize("budget", BREAKS)
 def test_one_line_breaks_each_budget_of_the_robust_firmware(budget: str):
-    assert budget in broken(*BREAKS[budget])
+    assert budget in broken(CASE, *BREAKS[budget])
 
 
 @pytest.mark.parametrize("mistake", RARELY_SEEN)
 def test_mistakes_that_other_cases_let_pass_break_a_budget(mistake: str):
     old, new, budget = RARELY_SEEN[mistake]
-    assert budget in broken(old, new)
+    assert budget in broken(CASE, old, new)
 
 
 def test_every_budget_has_such_a_line_and_says_why_it_is_there():
-    budgets = load(TIMING / "imu_hil_robust.toml", []).budget
+    budgets = load(TIMING / f"{CASE}.toml", []).budget
     assert {budget.name for budget in budgets} == BREAKS.keys()
     assert all(budget.why for budget in budgets)

@@ -99,7 +99,6 @@ def test_a_listed_frame_number_is_that_of_its_start():
     """The host's frame n is then due at the start of entry n, for the age and the true value of its data."""
     seen = Observed(case(host={}, inputs={"frames": ["1 ms", "12 ms"]}), idle)
     host, per_ms = seen.scene.host, seen.scene.timebase.per_second // 1000
-    assert host is not None
     assert [host.due(number) for number in (0, 1)] == [per_ms, 12 * per_ms]
     assert host.frame_at(12 * per_ms + per_ms) == 1 + Fraction(1, 20)  # by the period of 20 ms
 
@@ -129,7 +128,6 @@ def test_the_last_round_is_missed_if_it_starts_within_another():
     for late in ("0 s", "1 ms"):  # jitter does not apply
         tables = {"controller": {**REQUEST, "jitter": late}, "inputs": {"rounds": ["5 ms", "5.05 ms"]}}
         seen = Observed(case(**tables, budget=[budget]), idle)
-        assert seen.scene.head is not None
         assert (seen.result.budgets[0].worst, seen.scene.head.missed) == (1, 1)
         (note,) = (one for one in Observed(case(**tables), idle).result.notes if one.startswith("controller"))
         assert note.startswith("controller: 1 round did not begin when due, because the one before was still running")
@@ -156,7 +154,7 @@ def test_rounds_of_another_master_are_due_when_they_begin_after_the_list():
 def test_a_frame_that_starts_within_another_is_not_sent():
     seen = Observed(case(host={}, inputs={"frames": ["1 ms", "1.5 ms", "4 ms"]}), idle)
     assert len(seen.frames) == 2
-    assert seen.scene.host is not None and seen.scene.host.late == 1
+    assert seen.scene.host.late == 1
 
 
 def test_costs_are_the_listed_ones_and_then_drawn():
@@ -220,7 +218,6 @@ def test_the_flagship_judges_its_own_inputs_as_before():
     before = Observed(load(path), None, seconds)
     firmware, given_settings = before.scene.firmware["dsp"], before.scene.case.unit["dsp"].settings
     estimated = settings_for(firmware, given_settings).run_cost
-    assert isinstance(estimated, Spread)
     random, least, most = Random("1 dsp computations"), estimated.least / ONE_CYCLE, estimated.most / ONE_CYCLE
     costs = [random.randint(-(-least // 1), -(-most // 1)) * ONE_CYCLE for _ in range(20)]
     lists = {"rounds": before.rounds, "frames": before.frames}
@@ -245,7 +242,6 @@ def test_rounds_and_frames_start_at_any_listed_cycles(rounds: list[int], frames:
     """Every listed start begins a round or a frame, unless it lies within the one before."""
     lists = {"rounds": [f"{one} us" for one in rounds], "frames": [f"{one} us" for one in frames]}
     seen = Observed(case(controller={**REQUEST, "gap": "0 s"}, host={}, inputs=lists), idle)
-    assert seen.scene.head is not None and seen.scene.host is not None
     assert set(seen.rounds) <= {one * US for one in rounds}
     assert len(seen.rounds) + seen.scene.head.missed == len(rounds)
     assert seen.scene.host.frames + seen.scene.host.late == len(frames)

@@ -14,24 +14,34 @@ from weakref import ref
 
 import pytest
 
-from periph_sim import Dsp, Firmware, Scene, load
-from periph_sim.core.records import Kind, Record
+from periph_sim import Dsp, Scene, load
+from periph_sim.core.records import Kind
 from periph_sim.core.sampler import watch
 from periph_sim.processor.image.program import ImageProgram
 from tests.scene.runs import TIMING, recorded
-from tests.scene.small import case
+from tests.scene.small import case, given, scene_with, unit
 
 CASES = sorted(path.name for path in TIMING.glob("*.toml"))
 SOON = Fraction(1, 1000)
 
 
-def scene_of(firmware: Callable[[Dsp, Any], None], **more: Any) -> Scene:
-    return heard_of(firmware, **more)[0]
+def run(firmware: Callable[[Dsp], None], **more: Any) -> Scene:
+    """A scene that has run a little."""
+    scene = scene_with(firmware, ["I2C-A"], **more)
+    scene.run(SOON)
+    return scene
 
 
-def heard_of(firmware: Callable[[Dsp, Any], None], **more: Any) -> tuple[Scene, list[Record]]:
-    small = case(unit={"dsp": {"firmware": "given", "modules": ["I2C-A"]}}, **more)
-    return recorded(small, [Kind.SPAN, Kind.WAIT], {"dsp": Firmware("given", firmware, None)})
+def waiting(at_end: Callable[[], object]) -> Callable[[Dsp], None]:
+    """Firmware that waits for ever, and does something as it is ended."""
+
+    def main(dsp: Dsp) -> None:
+        try:
+            dsp.spin(lambda: False)
+        finally:
+            at_end()
+
+    return main
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -50,7 +60,7 @@ def test_what_a_case_builds_does_not_hold_its_scene(name: str) -> None:
 def test_its_firmware_ends_where_it_waits_and_nobody_hears_of_it() -> None:
     ended: list[int] = []
 
-    def waiting(dsp: Dsp, settings: object) -> None:
+    def works(dsp: Dsp) -> None:
         try:
             with dsp.span("work"):
                 dsp.spin(lambda: False)
@@ -59,7 +69,7 @@ def test_its_firmware_ends_where_it_waits_and_nobody_hears_of_it() -> None:
             dsp.compute(1000)  # no time passes any more
             ended.append(-1)
 
-    scene, heard = heard_of(waiting)
+    scene, heard = recorded(case(unit={"dsp": unit("I2C-A")}), [Kind.SPAN, Kind.WAIT], given(dsp=works))
     scene.run(SOON)
     told = len(heard)
     assert told and not ended
@@ -72,7 +82,7 @@ def test_its_firmware_ends_where_it_waits_and_nobody_hears_of_it() -> None:
 def test_firmware_that_will_not_end_is_left_behind() -> None:
     tried: list[int] = []
 
-    def stubborn(dsp: Dsp, settings: object) -> None:
+    def stubborn(dsp: Dsp) -> None:
         while True:
             try:
                 dsp.spin(lambda: False)
@@ -81,8 +91,7 @@ def test_firmware_that_will_not_end_is_left_behind() -> None:
                 if len(tried) > 3:
                     raise
 
-    scene = scene_of(stubborn)
-    scene.run(SOON)
+    scene = run(stubborn)
     del scene  # comes back
     assert tried
 
@@ -90,21 +99,14 @@ def test_firmware_that_will_not_end_is_left_behind() -> None:
 def test_it_may_be_let_go_of_in_the_middle_of_another_ones_run() -> None:
     ended: list[str] = []
 
-    def waiting(dsp: Dsp, settings: object) -> None:
-        try:
-            dsp.spin(lambda: False)
-        finally:
-            ended.append("first")
-
-    def dropping(dsp: Dsp, settings: object) -> None:
+    def dropping(dsp: Dsp) -> None:
         dsp.compute(1000)
         held.clear()
         dsp.compute(1000)
         ended.append("second")
 
-    held = [scene_of(waiting)]
-    held[0].run(SOON)
-    scene_of(dropping).run(SOON)
+    held = [run(waiting(lambda: ended.append("first")))]
+    run(dropping)
     assert ended == ["first", "second"]
 
 
@@ -116,36 +118,21 @@ def in_its_own_thread(work: Callable[[], object]) -> None:
 
 def test_firmware_of_a_scene_freed_in_another_thread_ends_as_its_own_thread_begins_the_next() -> None:
     ended: list[int] = []
-
-    def waiting(dsp: Dsp, settings: object) -> None:
-        try:
-            dsp.spin(lambda: False)
-        finally:
-            ended.append(get_ident())
-
-    held: list[Scene] = [scene_of(waiting)]
-    held[0].run(SOON)
+    firmware = waiting(lambda: ended.append(get_ident()))
+    held = [run(firmware)]
     in_its_own_thread(held.clear)
     assert not held and not ended
-    held.append(scene_of(waiting))
+    held.append(scene_with(firmware, ["I2C-A"]))
     assert ended == [get_ident()]
 
 
 def test_firmware_ends_with_the_thread_that_runs_it_whoever_frees_its_scene_and_when() -> None:
     ended: list[int] = []
-
-    def waiting(dsp: Dsp, settings: object) -> None:
-        try:
-            dsp.spin(lambda: False)
-        finally:
-            ended.append(1)
-
     held: list[Scene] = []
 
     def build() -> None:
         for _ in range(3):
-            held.append(scene_of(waiting))
-            held[-1].run(SOON)
+            held.append(run(waiting(lambda: ended.append(1))))
         in_its_own_thread(held.pop)
 
     in_its_own_thread(build)
@@ -155,16 +142,12 @@ def test_firmware_ends_with_the_thread_that_runs_it_whoever_frees_its_scene_and_
 def test_a_finally_that_never_ends_is_stopped_as_the_scene_is_deleted() -> None:
     begun: list[int] = []
 
-    def endless(dsp: Dsp, settings: object) -> None:
-        try:
-            dsp.spin(lambda: False)
-        finally:
-            begun.append(1)
-            while True:
-                pass
+    def endless() -> None:
+        begun.append(1)
+        while True:
+            pass
 
-    scene = scene_of(endless, stall_limit="100 ms")
-    scene.run(SOON)
+    scene = run(waiting(endless), stall_limit="100 ms")
     del scene
     assert begun
 

@@ -12,10 +12,9 @@ import pytest
 
 from periph_sim import Dsp, Scene, load
 from periph_sim.core.records import Kind, Record
-from periph_sim.firmware import start_i2c
 from periph_sim.records.recording import recording
 from tests.scene.runs import TIMING, run_case, run_file
-from tests.scene.small import scene_with
+from tests.scene.small import command, scene_with, started_i2c
 
 LOG = "eeprom_log"
 QUICK = ("unit.dsp.settings.period=8 ms", "rounds.period=8 ms", "device.eeprom.write_time=300 us")
@@ -89,7 +88,7 @@ def test_refused_ack_polls_are_no_occasions_of_stretch():
     stretch = run_file(LOG, "0.016", *counted, "budget.stored.measure=stretch").result.budgets[2]
     nacked = ("budget.stored.measure=nacked", "budget.stored.max=0")
     refused = run_file(LOG, "0.016", *counted, *nacked).result.budgets[2].count
-    assert refused and stretch.occasions is not None and stretch.occasions >= stretch.measured + refused
+    assert refused and stretch.occasions >= stretch.measured + refused
 
 
 SIGROK = shutil.which("sigrok-cli")
@@ -98,7 +97,6 @@ SIGROK = shutil.which("sigrok-cli")
 @pytest.mark.skipif(SIGROK is None, reason="sigrok-cli is not installed")
 def test_sigroks_decoder_of_eeproms_reads_the_same(tmp_path: Path):
     """eeprom24xx of libsigrokdecode shares no code with us, and knows the 24LC64's pages by itself."""
-    assert SIGROK is not None
     case = load(TIMING / f"{LOG}.toml", list(QUICK))
     file = tmp_path / "run.sr"
     with recording(file, case.recorded_modules) as (subscribe, ended_at):
@@ -116,19 +114,13 @@ def test_sigroks_decoder_of_eeproms_reads_the_same(tmp_path: Path):
 
 
 @pytest.mark.parametrize("disable", ["bits", ()])
-def test_a_refused_address_counts_though_the_master_hangs_without_a_stop(
-    monkeypatch: pytest.MonkeyPatch, disable: object
-):
+def test_a_refused_address_counts_though_the_master_hangs_without_a_stop(disable: object):
     def reads_where_nobody_is(dsp: Dsp) -> None:
-        start_i2c(dsp)
-        i2c = dsp.module("I2C-A")
-        i2c.I2CMDR.IRS = 1
-        i2c.I2CSAR.all = 0x50
-        i2c.I2CCNT.all = 2
-        i2c.I2CMDR.all = 0x6420  # FREE, STT, MST, IRS: no STOP by itself
+        i2c = started_i2c(dsp)
+        command(i2c, 0x50, 2, 0x6420)  # FREE, STT, MST, IRS: no STOP by itself
         dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
 
     budget = [{"name": "there", "measure": "nacked", "max": 0}]
-    scene = scene_with(monkeypatch, reads_where_nobody_is, ["I2C-A"], duration="1 ms", budget=budget, disable=disable)
+    scene = scene_with(reads_where_nobody_is, ["I2C-A"], duration="1 ms", budget=budget, disable=disable)
     (there,) = scene.run().budgets
     assert (there.word, there.worst, there.count) == ("broken", 1, 1)

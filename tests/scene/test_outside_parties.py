@@ -90,7 +90,7 @@ def test_a_driver_of_the_bus() -> None:
 def test_a_driver_with_a_port_of_its_own() -> None:
     with I2cDriverPort(asked(), BUS) as port:
         pass
-    assert port.result is not None and port.result.notes[0] == REPLACED
+    assert port.result.notes[0] == REPLACED
 
 
 def test_a_served_bus_and_the_case_that_new_makes_of_it(tmp_path: Path) -> None:
@@ -116,7 +116,7 @@ def test_a_served_line_replaces_the_host_with_the_budgets_that_need_its_frames()
         "RX is driven from outside, in place of [host]; left out, since nothing else can judge them: "
         "'wrong bytes', 'data age'"
     )
-    assert served.host is None and served.controller is not None and served.controller.check == "expect"
+    assert served.host is None and served.controller.check == "expect"
     session = Session(served)
     line = session.serial("scia")
     line.write(bytes(12))

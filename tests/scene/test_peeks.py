@@ -56,7 +56,7 @@ def test_peeks_at_and_beside_each_record_change_none(name: str, seconds: str, ph
     assert records(case, seconds, phase, peeks) == plain
 
 
-def test_a_value_that_a_budget_asks_for_depends_on_no_open_question(monkeypatch: pytest.MonkeyPatch):
+def test_a_value_that_a_budget_asks_for_depends_on_no_open_question():
     """What I2COAR reads without a clock is an open question. GPIO28 is in the upper half of a register of 32 bits."""
 
     def main(dsp: Dsp) -> None:
@@ -64,7 +64,7 @@ def test_a_value_that_a_budget_asks_for_depends_on_no_open_question(monkeypatch:
         dsp.module("GPIO").GPAMUX2.GPIO28 = 1
         dsp.compute(1000)
 
-    scene = small.scene_with(monkeypatch, main, ["I2C-A", "GPIO"])
+    scene = small.scene_with(main, ["I2C-A", "GPIO"])
     scene.run()
     assert scene.measured.value_of("dsp.I2C-A", "I2COAR.OAR") == 0
     assert scene.measured.value_of("dsp.GPIO", "GPAMUX2.GPIO28") == 1

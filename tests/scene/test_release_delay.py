@@ -26,9 +26,7 @@ CYCLE = 20  # ticks
         (14, 0, 0, 0, 15 + 1 + 0),
     ],
 )
-def test_the_time_to_the_release_of_scl(
-    monkeypatch: pytest.MonkeyPatch, prescaler: int, bcm: int, setup: int, pin: int, cycles: int
-):
+def test_the_time_to_the_release_of_scl(prescaler: int, bcm: int, setup: int, pin: int, cycles: int):
     def main(dsp: Dsp) -> None:
         dsp.eallow()
         dsp.module("SYS").PCLKCR0.I2CAENCLK = 1
@@ -37,10 +35,8 @@ def test_the_time_to_the_release_of_scl(
         i2c.I2CEMDR.BCM = bcm
         dsp.compute(1000)
 
-    scene = small.scene_with(monkeypatch, main, ["I2C-A"])
     options = {"i2c": {"sda_setup_before_scl_release": setup}, "system": {"gpio_out_delay": pin}}
-    unit = {"dsp": {"firmware": "under test", "modules": ["I2C-A"], "options": options}}
-    scene = type(scene)(small.case(unit=unit))
+    scene = small.scene_with(main, ["I2C-A"], {"options": options})
     scene.run()
     delay = scene.measured.i2c_release_delay("dsp")
     chip = scene.units["dsp"].sockets["I2C-A"].chip
@@ -49,11 +45,11 @@ def test_the_time_to_the_release_of_scl(
     assert chip.touched == depended
 
 
-def test_a_look_at_the_registers_depends_on_no_open_question(monkeypatch: pytest.MonkeyPatch):
+def test_a_look_at_the_registers_depends_on_no_open_question():
     def main(dsp: Dsp) -> None:
         dsp.compute(1000)
 
-    scene = small.scene_with(monkeypatch, main, ["I2C-A"])
+    scene = small.scene_with(main, ["I2C-A"])
     scene.run()
     assert scene.measured.i2c_release_delay("dsp")(scene.kernel.now) > 0
     assert not scene.units["dsp"].sockets["I2C-A"].chip.touched

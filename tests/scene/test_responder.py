@@ -24,12 +24,10 @@ class Kept:
     """The responder of the last scene, so that a test sees what it received."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.responder: firmware.Responder | None = None
         program = Firmware("responder", self._main, firmware.Settings)
         monkeypatch.setattr(unit_module, "load_firmware", lambda name: program)
 
-    def _main(self, dsp: Dsp, chosen: object) -> None:
-        assert isinstance(chosen, firmware.Settings)
+    def _main(self, dsp: Dsp, chosen: firmware.Settings) -> None:
         self.responder = firmware.Responder(dsp, chosen)
         self.responder.run()
 
@@ -46,7 +44,6 @@ class Kept:
 
     @property
     def received(self) -> list[bytes]:
-        assert self.responder is not None
         return [bytes(taken) for taken in self.responder.received]
 
 

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import Dsp, Firmware, Result, Scene, load
+from periph_sim import Dsp, Result, Scene, load
 from periph_sim.core.chip import Note
 from periph_sim.firmware import sci_fifo_receiver, start_sci
 from tests.scene.runs import TIMING
-from tests.scene.serial.programs import scene, unit
-from tests.scene.small import case, scene_with
+from tests.scene.serial.programs import scene
+from tests.scene.small import case, scene_with, unit
 
 STUCK = {"name": "stuck", "measure": "stuck", "max": 5}
 
@@ -48,10 +48,8 @@ def test_times_of_notes_count_from_the_begin_of_the_run():
     """A duty of a module and of a device, an overflow, the end of main and a line that is held low."""
 
     def told(start: str) -> tuple[list[str], list[str]]:
-        unit = {"dsp": {"firmware": "under test", "modules": ["I2C-A"]}}
-        made = case(unit=unit, start=start, device={"it": {"model": "24lc64"}}, budget=[STUCK])
-        program = Firmware("under test", lambda dsp, settings: breaks_duties(dsp), None)
-        scene = Scene(made, programs={"dsp": program})
+        eeprom = {"it": {"model": "24lc64"}}
+        scene = scene_with(breaks_duties, ["I2C-A"], start=start, device=eeprom, budget=[STUCK])
         later = scene.start + scene.timebase.ticks(Fraction(3, 1000))
         scene.kernel.call_at(later, lambda: scene.devices["it"].log.take(Note("duty", "too soon", "the sheet")))
         scene.wires["SDA"].attach("somebody").drive(0)
@@ -72,8 +70,8 @@ def receives_on_gpio36(dsp: Dsp) -> None:
     dsp.compute(10)
 
 
-def test_an_input_on_another_pin_than_the_wire_is_noted_with_the_key_to_add(monkeypatch: pytest.MonkeyPatch):
-    result = scene_with(monkeypatch, receives_on_gpio36, ["SCI-A", "GPIO"], host={}).run()
+def test_an_input_on_another_pin_than_the_wire_is_noted_with_the_key_to_add():
+    result = scene_with(receives_on_gpio36, ["SCI-A", "GPIO"], host={}).run()
     notes = [note for note in result.notes if "has no wire" in note]
     assert notes == [
         "dsp: SCI-A has RX on GPIO36, where the case has no wire; add pins = { RX = 36 } to the unit",
@@ -82,14 +80,12 @@ def test_an_input_on_another_pin_than_the_wire_is_noted_with_the_key_to_add(monk
 
 @pytest.mark.parametrize(("wire", "key"), [("my-line_2", "my-line_2"), ("my line", '"my line"'), ("ü", '"ü"')])
 def test_the_key_to_add_is_in_quotes_where_toml_needs_them(wire: str, key: str):
-    table = {"firmware": "under test", "modules": ["SCI-A", "GPIO"], "pins": {wire: 28}}
-    program = Firmware("under test", lambda dsp, settings: receives_on_gpio36(dsp), None)
-    (note, _) = Scene(case(unit={"dsp": table}), programs={"dsp": program}).run().notes
+    (note, _) = scene_with(receives_on_gpio36, ["SCI-A", "GPIO"], {"pins": {wire: 28}}).run().notes
     assert note.endswith(f"add pins = {{ {key} = 36 }} to the unit")
 
 
-def test_a_module_without_pins_is_not_noted(monkeypatch: pytest.MonkeyPatch):
-    result = scene_with(monkeypatch, lambda dsp: dsp.compute(10), ["SCI-A", "GPIO"], host={}).run()
+def test_a_module_without_pins_is_not_noted():
+    result = scene_with(lambda dsp: dsp.compute(10), ["SCI-A", "GPIO"], host={}).run()
     assert [note for note in result.notes if "has no wire" in note] == []
 
 

@@ -34,8 +34,8 @@ def idle(dsp: Dsp) -> None:
         (["TIMER0"], set()),
     ],
 )
-def test_sockets_and_wires_are_those_of_the_modules_named(monkeypatch, modules: list[str], wires: set[str]):
-    scene = scene_with(monkeypatch, idle, modules)
+def test_sockets_and_wires_are_those_of_the_modules_named(modules: list[str], wires: set[str]):
+    scene = scene_with(idle, modules)
     assert set(scene.units["dsp"].sockets) == ALWAYS | set(modules)
     assert set(scene.wires) == wires
     assert scene.head is None and scene.host is None
@@ -49,16 +49,16 @@ def modules() -> list[object]:
 @pytest.mark.parametrize(
     ("named", "made"), [([], []), (["I2C-A"], ["I2c"]), (["SCI-A", "SCI-C", "GPIO"], ["Gpio", "Sci", "Sci"])]
 )
-def test_no_module_is_made_that_is_not_named(monkeypatch, named: list[str], made: list[str]):
+def test_no_module_is_made_that_is_not_named(named: list[str], made: list[str]):
     gc.collect()
     before = modules()
-    scene = scene_with(monkeypatch, idle, named)
+    scene = scene_with(idle, named)
     assert sorted(type(one).__name__ for one in modules() if all(one is not old for old in before)) == made
     assert set(scene.units["dsp"].sockets) == ALWAYS | set(named)
 
 
-def test_a_scene_without_agents_costs_one_event_for_each_unit(monkeypatch):
-    result = scene_with(monkeypatch, idle, ["I2C-A", "SCI-A", "GPIO"]).run()
+def test_a_scene_without_agents_costs_one_event_for_each_unit():
+    result = scene_with(idle, ["I2C-A", "SCI-A", "GPIO"]).run()
     firmware_starts, routes_settle = 1, 1
     assert result.events == firmware_starts + routes_settle
 
@@ -72,8 +72,8 @@ def test_an_agent_on_wires_alone_costs_its_own_events():
     assert silent.events <= 1
 
 
-def test_a_host_in_a_scene_without_sci_talks_to_nobody(monkeypatch):
-    scene = scene_with(monkeypatch, idle, ["I2C-A"], host={"frames": 1})
+def test_a_host_in_a_scene_without_sci_talks_to_nobody():
+    scene = scene_with(idle, ["I2C-A"], host={"frames": 1})
     assert set(scene.wires) == {"SDA", "SCL", "RX"}
     assert scene.run().sci_bytes == 12
 
@@ -87,11 +87,11 @@ def sends_ten(dsp: Dsp) -> None:
 
 
 @pytest.mark.parametrize("disable", ["bits", ()])
-def test_characters_count_in_both_directions(monkeypatch: pytest.MonkeyPatch, disable: object):
+def test_characters_count_in_both_directions(disable: object):
     """What units send, and what others send to them, whether the frames go edge by edge or at once."""
-    result = scene_with(monkeypatch, sends_ten, ["SCI-A"], host={"frames": 1}, disable=disable, duration="40 ms").run()
+    result = scene_with(sends_ten, ["SCI-A"], host={"frames": 1}, disable=disable, duration="40 ms").run()
     assert (result.sci_bytes, result.sci_bytes_sent) == (12, 10)
-    silent = scene_with(monkeypatch, idle, ["SCI-A"], host={"frames": 1}, disable=disable).run()
+    silent = scene_with(idle, ["SCI-A"], host={"frames": 1}, disable=disable).run()
     assert (silent.sci_bytes, silent.sci_bytes_sent) == (12, 0)
 
 
@@ -105,8 +105,8 @@ def test_two_units_share_the_wires():
     assert scene.units["b"].clock.hz == scene.units["a"].clock.hz * 1_000_050 / 1_000_000
 
 
-def test_firmware_that_returns_is_said_to_have_returned(monkeypatch):
-    scene = scene_with(monkeypatch, idle, [])
+def test_firmware_that_returns_is_said_to_have_returned():
+    scene = scene_with(idle, [])
     scene.run()
     assert scene.doing(scene.units["dsp"]) == "has returned from main"
     assert scene.deadlocks() == []
@@ -122,7 +122,6 @@ def test_progress_goes_from_nothing_to_one():
 def test_a_run_starts_where_the_case_says():
     scene = Scene(case(start="30 d", controller={"order": ["gyroscope"], "rounds": 1, "first": "1 ms"}))
     starts: list[int] = []
-    assert scene.head is not None
     scene.head.on_round.append(lambda over: starts.append(over.start))
     scene.run()
     assert starts == [scene.timebase.ticks("30 d") + scene.timebase.ticks("1 ms")]

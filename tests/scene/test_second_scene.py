@@ -1,30 +1,49 @@
-"""Scenes of one case share what is the same for all of them, and nothing that a run changes."""
+"""Scenes of one case share what is the same for all of them, and nothing that a run changes; a changed file is seen."""
 
 from __future__ import annotations
 
+import os
 import sys
+import weakref
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
+from itertools import count
+from pathlib import Path
 from typing import Any
-
-import pytest
 
 from periph_sim import PreparedScene, Scene, load
 from periph_sim.core.convert import keys_of
 from periph_sim.core.options import _defaults
 from periph_sim.core.records import Record
-from periph_sim.imu.host_frames import encoding_of
-from periph_sim.imu.model_codes import model_codes
+from periph_sim.f28335.gpio.settings import pin_settings_of
+from periph_sim.imu import model_codes
 from periph_sim.processor.python.waits import comparison_of
+from periph_sim.scene import firmware_loader
 from periph_sim.scene.case.load import _loaded
-from periph_sim.scene.firmware_loader import BadSetting, load_firmware, settings_for
+from periph_sim.scene.firmware_loader import KEPT, load_firmware, settings_for, shared
 from periph_sim.timing.budget_plan import _nearest_tick
 from periph_sim.timing.language.events import event_of
 from periph_sim.timing.language.language import measure_of
 from tests.scene.runs import TIMING, recorded
 
 LENGTH = Fraction(1, 100)
-SHARED = {"cases": _loaded, "settings": keys_of, "models": model_codes, "options": _defaults}
+SHARED = {
+    "cases": _loaded,
+    "settings": keys_of,
+    "routes": pin_settings_of,
+    "models": model_codes.model_codes,
+    "options": _defaults,
+    "waits": comparison_of,
+}
+CASE = """
+name = "one"
+duration = "1 ms"
+[unit.dsp]
+firmware = "mine.py"
+modules = ["SCI-A"]
+"""
+FIRMWARE = "def main(dsp, settings):\n    dsp.compute({cycles})\n"
 OF_TEXTS = {"measures": measure_of, "events": event_of, "limits": _nearest_tick}
 
 
@@ -34,6 +53,7 @@ def recorded_scene(changes: list[str]) -> tuple[Scene, list[Record]]:
 
 def works_nothing_out(make: Callable[[], object], shared: Mapping[str, Any]) -> None:
     """All of it was there before."""
+    make()
     before = {name: one.cache_info() for name, one in shared.items()}
     make()
     for name, one in shared.items():
@@ -42,9 +62,16 @@ def works_nothing_out(make: Callable[[], object], shared: Mapping[str, Any]) -> 
         assert after.misses == before[name].misses, name
 
 
-def test_a_second_scene_parses_and_works_out_nothing_anew():
-    recorded_scene([])
-    works_nothing_out(lambda: recorded_scene([]), SHARED)
+def test_a_second_scene_makes_nothing_anew():
+    def scenes() -> None:
+        for case in ("imu_hil", "responder", "two_dsps"):
+            Scene(load(TIMING / f"{case}.toml")).run(LENGTH)
+
+    traced = sys.gettrace() is not None  # waits are evaluated then, and not taken apart
+    works_nothing_out(scenes, {name: one for name, one in SHARED.items() if name != "waits" or not traced})
+
+
+def test_budgets_of_scenes_with_other_settings_share_their_plans_and_not_their_measures():
     prepared = PreparedScene(TIMING / "imu_hil.toml")
     first, second = prepared.scene(), prepared.scene(["seed=5"])  # another case with the same budgets
     for one, other in zip(first.limits, second.limits, strict=True):
@@ -53,19 +80,8 @@ def test_a_second_scene_parses_and_works_out_nothing_anew():
 
 
 def test_a_case_with_other_budgets_shares_what_their_texts_say():
-    recorded_scene([])
-    works_nothing_out(lambda: recorded_scene(["budget.response.why=another reason"]), OF_TEXTS)
-
-
-def test_a_second_run_takes_no_wait_of_the_firmware_apart():
-    if sys.gettrace() is not None:
-        pytest.skip("where lines are counted or a debugger runs, waits are evaluated and not taken apart")
-
-    def run() -> None:
-        Scene(load(TIMING / "imu_hil.toml")).run(LENGTH)
-
-    run()
-    works_nothing_out(run, {"waits": comparison_of})
+    reasons = count()
+    works_nothing_out(lambda: recorded_scene([f"budget.response.why=reason {next(reasons)}"]), OF_TEXTS)
 
 
 def test_who_changes_a_case_changes_it_for_nobody_else():
@@ -79,11 +95,19 @@ def test_who_changes_a_case_changes_it_for_nobody_else():
     assert other == load(path) != one
 
 
-def test_settings_of_a_host_are_read_once_for_all_scenes_that_say_the_same():
-    encoding = encoding_of({"phi": "0.2 mrad"})
-    assert encoding is encoding_of({"phi": "0.2 mrad"}) and encoding is not encoding_of({"phi": "0.3 mrad"})
-    with pytest.raises(BadSetting):
-        encoding_of({"phi": True})
+@dataclass(frozen=True)
+class Settings:
+    value: int
+
+
+def test_settings_are_made_once_for_scenes_that_say_the_same_and_kept_for_so_many_only():
+    made = shared(Settings, {"value": 0}, "it")
+    assert shared(Settings, {"value": 0}, "it") is made is not shared(Settings, {"value": -1}, "it")
+    kept = weakref.ref(made)
+    del made
+    for value in range(1, KEPT + 1):
+        shared(Settings, {"value": value}, "it")
+    assert kept() is None
 
 
 def test_what_firmware_may_change_is_made_anew():
@@ -117,3 +141,47 @@ def test_scenes_that_run_alternately_make_the_records_of_each_alone():
         for scene, _ in both:
             scene.advance(scene.start + int(step * part))
     assert [records for _, records in both] == [records_alone, records_alone] != [[], []]
+
+
+def test_two_cases_of_one_file_share_no_table(tmp_path: Path):
+    file = tmp_path / "case.toml"
+    file.write_text(CASE, encoding="utf-8")
+    changed = load(file, ["unit.dsp.ppm=30", "unit.dsp.modules.0=TIMER0"])
+    plain = load(file)
+    assert (changed.unit["dsp"].ppm, changed.unit["dsp"].modules) == (30, ("TIMER0",))
+    assert (plain.unit["dsp"].ppm, plain.unit["dsp"].modules) == (0, ("SCI-A",))
+
+
+def test_a_changed_case_is_seen_though_size_and_time_are_the_same(tmp_path: Path):
+    file = tmp_path / "case.toml"
+    for name in ("one", "two"):
+        file.write_text(CASE.replace("one", name), encoding="utf-8")
+        os.utime(file, ns=(1, 1))
+        assert load(file).name == name
+
+
+def test_changed_firmware_is_seen_and_unchanged_firmware_is_compiled_once(tmp_path: Path):
+    file = tmp_path / "case.toml"
+    file.write_text(CASE, encoding="utf-8")
+    program = tmp_path / "mine.py"
+    ended, compiled = [], []
+    for cycles in (1000, 1000, 3000):
+        program.write_text(FIRMWARE.format(cycles=cycles), encoding="utf-8")
+        before = firmware_loader._code_of.cache_info().misses
+        scene = Scene(load(file))
+        scene.run()
+        ended.append(scene.units["dsp"].program.returned_at)
+        compiled.append(firmware_loader._code_of.cache_info().misses - before)
+    assert ended[0] == ended[1]
+    assert ended[2] - ended[1] == 2000
+    assert compiled == [1, 0, 1]
+
+
+def test_module_variables_of_a_firmware_file_begin_anew_in_each_scene(tmp_path: Path):
+    (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
+    counting = "seen = []\n\n\ndef main(dsp, settings):\n    seen.append(1)\n    dsp.compute(1000 * len(seen))\n"
+    (tmp_path / "mine.py").write_text(counting, encoding="utf-8")
+    scenes = [Scene(load(tmp_path / "case.toml")) for _ in range(2)]
+    for scene in scenes:
+        scene.run()
+    assert scenes[0].units["dsp"].program.returned_at == scenes[1].units["dsp"].program.returned_at

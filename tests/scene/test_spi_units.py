@@ -6,10 +6,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from periph_sim import Dsp, Firmware, Scene
+from periph_sim import Dsp, Scene
 from periph_sim.processor.python.register_view import ModulePort
-from periph_sim.scene import unit as unit_module
-from tests.scene.small import case
+from tests.scene.small import case, given, scene_with, unit
 
 SENT = (0x1234, 0xFFFF, 0x8001)
 CABLES = [{"from": f"left.SPI-A.{signal}", "to": f"right.SPI-A.{signal}"} for signal in ("SIMO", "SOMI", "CLK", "STE")]
@@ -69,18 +68,13 @@ class Exchange:
 
 
 @pytest.mark.parametrize("modules", [["SPI-A"], ["SPI-A", "GPIO"]], ids=["usual pins", "multiplexed pins"])
-def test_a_master_and_a_slave_exchange_words(monkeypatch: pytest.MonkeyPatch, modules: list[str]) -> None:
+def test_a_master_and_a_slave_exchange_words(modules: list[str]) -> None:
     """A cable's wire has the name of its first end; a budget names the interrupt."""
     exchange = Exchange()
-    programs = {"left": exchange.master, "right": exchange.slave}
-
-    def loaded(name: str) -> Firmware:
-        return Firmware(name, lambda dsp, settings: programs[name](dsp), None)
-
-    monkeypatch.setattr(unit_module, "load_firmware", loaded)
+    programs = given(left=exchange.master, right=exchange.slave)
     budget = {"name": "a word is taken in time", "measure": "interrupt latency right: SPIRXINTA", "max": "1 us"}
-    units = {name: {"firmware": name, "modules": modules} for name in programs}
-    scene = Scene(case("1 ms", unit=units, cable=CABLES, budget=[budget]))
+    units = {name: unit(*modules) for name in programs}
+    scene = Scene(case("1 ms", unit=units, cable=CABLES, budget=[budget]), programs=programs)
     result = scene.run()
     assert exchange.by_slave == [*SENT]
     assert exchange.by_master == [0xA5A5, 0x0001, 0xFFFE]
@@ -92,19 +86,14 @@ PINS = {"SPI-A.SIMO": 16, "SPI-A.SOMI": 17, "SPI-A.CLK": 18, "SPI-A.STE": 19}
 
 
 @pytest.mark.parametrize("pins", [{}, PINS], ids=["usual pins", "named pins"])
-def test_pins_without_a_wire_are_noted_with_the_keys_to_add(
-    monkeypatch: pytest.MonkeyPatch, pins: dict[str, int]
-) -> None:
+def test_pins_without_a_wire_are_noted_with_the_keys_to_add(pins: dict[str, int]) -> None:
     def main(dsp: Dsp) -> None:
         gpio = dsp.module("GPIO")
         dsp.eallow()
         for pin in PINS.values():
             setattr(gpio.GPAMUX2, f"GPIO{pin}", 1)
 
-    program = Firmware("under test", lambda dsp, settings: main(dsp), None)
-    monkeypatch.setattr(unit_module, "load_firmware", lambda name: program)
-    unit = {"firmware": "under test", "modules": ["SPI-A", "GPIO"], "pins": pins}
-    notes = Scene(case("1 ms", unit={"dsp": unit})).run().notes
+    notes = scene_with(main, ["SPI-A", "GPIO"], {"pins": pins}, duration="1 ms").run().notes
     expected = (
         "dsp: SPI-A has SIMO on GPIO16 and SOMI on GPIO17 and CLK on GPIO18 and STE on GPIO19, where the case has no "
         'wire; add pins = { "SPI-A.SIMO" = 16, "SPI-A.SOMI" = 17, "SPI-A.CLK" = 18, "SPI-A.STE" = 19 } to the unit'

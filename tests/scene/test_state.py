@@ -13,6 +13,7 @@ from periph_sim.core.restore import NotRestorable, restore
 from periph_sim.core.snapshot import Absent, Foreign, Made, Snapshot, class_name
 from periph_sim.processor.image.counting_loop import CountingLoop
 from periph_sim.scene.state import modules_of
+from tests.scene import small
 from tests.scene.runs import TIMING, recorded
 from tests.scene.small import sentence_of
 
@@ -37,6 +38,13 @@ def case_of(name: str, *changes: str) -> Case:
 def ms(scene: Scene, count: float) -> int:
     """Return the tick so many milliseconds behind the start."""
     return scene.start + int(count * scene.timebase.per_second) // 1000
+
+
+def advanced(case: Case, count: float) -> Scene:
+    """A scene that has run for so many milliseconds."""
+    scene = Scene(case)
+    scene.advance(ms(scene, count))
+    return scene
 
 
 def differing(one: Snapshot, other: Snapshot) -> dict[str, tuple[object, object]]:
@@ -67,20 +75,15 @@ def test_two_runs_of_a_case_have_equal_states(name: str):
 @pytest.mark.parametrize("name", ["imu_hil", "eeprom_log", "imu_chips", "two_dsps", "uart_logger", "imu_hil_spikes"])
 def test_the_state_does_not_depend_on_when_a_run_begins(name: str):
     """Instants are counted from now. Those that have not come yet stay where the scene put them, before its start."""
-    states = []
-    for start in ("0 ms", "7 ms"):
-        scene = Scene(case_of(name, f"start={start}"))
-        scene.advance(ms(scene, 28.3))
-        states.append(scene.state())
+    states = [advanced(case_of(name, f"start={start}"), 28.3).state() for start in ("0 ms", "7 ms")]
     later = states[1].tick - states[0].tick
     for here, there in states[0].differences(states[1]).values():
-        assert isinstance(here, int) and isinstance(there, int) and here - there == later
+        assert here - there == later
         assert here + states[0].tick <= 0
 
 
 def test_a_changed_byte_is_a_difference_by_name():
-    scene = Scene(case_of("imu_hil_image"))
-    scene.advance(ms(scene, 9))
+    scene = advanced(case_of("imu_hil_image"), 9)
     before, ram = scene.state(), scene.units["dsp"].processor.bus.ram
     was = ram.word(0x412)
     ram.put(0x412, was ^ 0x5A)
@@ -195,8 +198,7 @@ def test_an_image_with_a_stack_budget_is_restored_while_a_loop_is_traced(tmp_pat
 
 def test_every_image_case_can_be_restored_whole():
     for name in IMAGES:
-        scene = Scene(case_of(name))
-        scene.advance(ms(scene, 10))
+        scene = advanced(case_of(name), 10)
         foreign = [one for one, value in scene.state().values.items() if isinstance(value, Foreign)]
         assert foreign == []
 
@@ -232,12 +234,8 @@ def test_a_snapshot_of_firmware_that_was_edited_is_refused(tmp_path: Path):
     text = "def main(dsp, settings):\n    dsp.compute(1_000_000)\n    dsp.compute(100)\n"
     source = tmp_path / "mine.py"
     source.write_text(text)
-    case = Case.model_validate(
-        {"name": "x", "duration": "1 ms", "unit": {"dsp": {"firmware": str(source), "modules": ["GPIO"]}}}
-    )
-    scene = Scene(case)
-    scene.advance(ms(scene, 1))
-    snapshot = scene.state()
+    case = small.case(unit={"dsp": {"firmware": str(source), "modules": ["GPIO"]}})
+    snapshot = advanced(case, 1).state()
     Scene(case).restore(snapshot)
     source.write_text(text.replace("100)", "200)"))
     assert refused(Scene(case), snapshot) == "the snapshot was taken of a scene with another program in unit dsp"
@@ -261,8 +259,7 @@ def test_a_chip_with_the_name_of_another_part_hides_no_state(name: str):
 
 def test_a_state_that_no_run_leads_to_is_refused():
     """Here the test has changed a word of RAM."""
-    scene = Scene(case_of("responder"))
-    scene.advance(ms(scene, 2))
+    scene = advanced(case_of("responder"), 2)
     ram = scene.units["dsp"].processor.bus.ram
     ram.put(0x400, ram.word(0x400) ^ 1)
     assert sentence_of(NotRestorable, lambda: Scene(case_of("responder")).restore(scene.state())) == (
@@ -284,9 +281,7 @@ def refused(scene: Scene, snapshot: Snapshot) -> str:
 
 @pytest.fixture
 def flagship() -> Snapshot:
-    scene = Scene(case_of("imu_hil_image"))
-    scene.advance(ms(scene, 9))
-    return scene.state()
+    return advanced(case_of("imu_hil_image"), 9).state()
 
 
 def test_a_snapshot_of_another_case(flagship: Snapshot):
@@ -317,8 +312,7 @@ def test_a_snapshot_of_another_version(flagship: Snapshot):
 
 def test_a_snapshot_of_another_program(tmp_path: Path):
     source = tmp_path / "program.asm"
-    tables = {"dsp": {"image": str(source), "modules": ["GPIO"]}}
-    case = Case.model_validate({"name": "x", "duration": "1 ms", "unit": tables})
+    case = small.case(unit={"dsp": {"image": str(source), "modules": ["GPIO"]}})
     source.write_text(BLINK.read_text())
     snapshot = Scene(case).state()
     source.write_text(BLINK.read_text().replace("75000", "75300"))
@@ -331,8 +325,7 @@ def test_a_snapshot_of_a_scene_with_other_records(flagship: Snapshot):
 
 
 def test_a_scene_that_has_run(flagship: Snapshot):
-    scene = Scene(case_of("imu_hil_image"))
-    scene.advance(ms(scene, 1))
+    scene = advanced(case_of("imu_hil_image"), 1)
     assert refused(scene, flagship).startswith("the scene has run already")
 
 

@@ -9,10 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim import Dsp, Firmware, FirmwareError, Scene, load
+from periph_sim import Dsp, FirmwareError, Scene, load
 from periph_sim.core.chip import Note, joined
 from periph_sim.scene.result import notes_of
-from tests.scene import small
 from tests.scene.small import case, scene_with, sentence_of
 
 CASE = """\
@@ -60,19 +59,13 @@ def test_broken_duty_of_any_module_ends_a_strict_run_with_its_line(tmp_path: Pat
     assert any(note.code == "duty" for _, note in scene.units["dsp"].sockets[module].notes)
 
 
-def waits(dsp: Dsp, settings: object) -> None:
-    dsp.compute(100_000)
-
-
 @pytest.mark.parametrize("strict", [True, False])
 def test_a_broken_duty_of_a_device_or_a_sensor_chip_ends_a_strict_run(strict: bool):
     for name, table in {
         "it": {"device": {"it": {"model": "24lc64"}}},
         "chip": {"chip": {"chip": {"model": "itg3200", "values": {"fixed": [0, 0, 0]}}}},
     }.items():
-        program = Firmware("waits", waits, None)
-        unit = {"dsp": {"firmware": "waits", "modules": ["I2C-A"]}}
-        scene = Scene(small.case(unit=unit, strict=strict, **table), programs={"dsp": program})
+        scene = scene_with(lambda dsp: dsp.compute(100_000), ["I2C-A"], strict=strict, **table)
         tick = scene.start + scene.timebase.ticks(Fraction(2, 10**6))
         breaks = partial(scene.note_logs()[name].take, Note("duty", "too soon", "the sheet"))
         scene.kernel.call_at(tick, breaks)
@@ -164,10 +157,10 @@ def test_the_run_of_an_image_ends_at_the_instant_of_the_broken_duty(tmp_path: Pa
     assert scene.timebase.show(scene.kernel.now - scene.start) == f"{at} us"
 
 
-def test_of_python_firmware_file_and_line(monkeypatch: pytest.MonkeyPatch):
+def test_of_python_firmware_file_and_line():
     def careless(dsp: Dsp) -> None:
         dsp.module("SYS").LOSPCP.all = 2
 
-    [note] = [note for note in scene_with(monkeypatch, careless, []).run().notes if "LOSPCP" in note]
+    [note] = [note for note in scene_with(careless, []).run().notes if "LOSPCP" in note]
     line = careless.__code__.co_firstlineno + 1
     assert note.endswith(f"(1 time, at line {line} of test_strict.py)")

@@ -57,12 +57,12 @@ def test_counting_characters_moves_no_edge_whatever_falls_together(monkeypatch: 
         (0x00, 0, Line(Fraction(37_500_000, 16), 1, "none", 1)),  # with BRR = 0 a bit has 16 cycles
     ],
 )
-def test_the_line_that_an_sci_is_set_to(monkeypatch: pytest.MonkeyPatch, sciccr: int, brr: int, line: Line) -> None:
+def test_the_line_that_an_sci_is_set_to(sciccr: int, brr: int, line: Line) -> None:
     def main(dsp: Dsp) -> None:
         sci = start_sci(dsp, "SCI-A")
         sci.SCICCR.all, sci.SCIHBAUD.all, sci.SCILBAUD.all = sciccr, brr >> 8, brr & 0xFF
         dsp.compute(1000)
 
-    scene = small.scene_with(monkeypatch, main, ["SCI-A"])
+    scene = small.scene_with(main, ["SCI-A"])
     scene.run()
     assert line_of(scene.units["dsp"]) == line

@@ -145,7 +145,7 @@ def test_a_host_that_dies_is_no_pass(frames: int):
 def test_a_lost_byte_that_the_firmware_never_recovers_from_is_no_pass(place: int):
     _, age = age_of(f"host.lose=[[3, {place}]]")
     assert age.broken and age.count == age.occasions == 75
-    assert age.worst is not None and age.worst > 400_000
+    assert age.worst > 400_000
 
 
 def test_every_read_of_every_chip_counts():
@@ -162,7 +162,7 @@ def test_right_firmware_passes_however_many_frames_come_in_a_round(period: str):
     verdicts = {verdict.name: verdict for verdict in ran.result.budgets}
     assert (verdicts["wrong bytes"].worst, verdicts["wrong bytes"].count) == (0, 180)
     age = verdicts["data age"].worst
-    assert age is not None and 17_000 < age < 25_000  # from a frame before the models to the next round
+    assert 17_000 < age < 25_000  # from a frame before the models to the next round
 
 
 def test_chips_that_stay_at_zero_are_not_judged_and_their_data_gets_old():

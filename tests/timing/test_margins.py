@@ -9,11 +9,10 @@ import pytest
 from periph_sim import Dsp
 from periph_sim.core.records import Kind
 from periph_sim.core.time import NO_TIME
-from periph_sim.firmware import start_i2c
 from periph_sim.timing.language.scope import BadEvent
 from periph_sim.timing.measures.factory import measure_named
 from tests.scene.runs import run_file
-from tests.scene.small import scene_with, sentence_of
+from tests.scene.small import scene_with, sentence_of, started_i2c
 from tests.timing import test_rounds
 from tests.timing.events_by_hand import BARE, ONE
 
@@ -88,7 +87,7 @@ def test_it_is_the_same_however_late_the_measure_is_notified():
 def test_where_scl_is_held_it_is_negative_and_just_as_long():
     ran = Ran("imu_hil_drift", "0.47", *LATE)
     margin, held = ran.result.budgets
-    assert margin.broken and margin.worst is not None and held.worst == -margin.worst > 50
+    assert margin.broken and held.worst == -margin.worst > 50
     assert sum(value < 0 for value in ran.margins.values()) == sum(held > 0 for held in ran.held.all_kept()[0].tolist())
 
 
@@ -103,8 +102,7 @@ def test_a_bus_that_is_held_to_the_end_counts():
     ran = Ran("imu_hil_drift", "0.47", "unit.dsp.settings.frame_cost=200 us")
     assert ran.scene.stuck.hangs() or ran.scene.held_since() != NO_TIME
     margin, held = ran.result.budgets
-    assert margin.broken and held.worst is not None and margin.worst is not None
-    assert held.worst >= -margin.worst > 1000
+    assert margin.broken and held.worst >= -margin.worst > 1000
 
 
 @pytest.mark.parametrize(
@@ -126,9 +124,7 @@ def answers(delay: int) -> Callable[[Dsp], None]:
     """Serves one read of four bytes; `delay` cycles before each write."""
 
     def main(dsp: Dsp) -> None:
-        start_i2c(dsp, 0x50)
-        i2c = dsp.module("I2C-A")
-        i2c.I2CMDR.IRS = 1
+        i2c = started_i2c(dsp, 0x50)
         dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
         i2c.I2CMDR.TRX = 1
         for byte in range(4):
@@ -140,15 +136,13 @@ def answers(delay: int) -> Callable[[Dsp], None]:
     return main
 
 
-def test_twenty_cycles_before_each_write_are_twenty_cycles_less_of_margin(monkeypatch: pytest.MonkeyPatch):
+def test_twenty_cycles_before_each_write_are_twenty_cycles_less_of_margin():
     """The second byte may be written as soon as the first has moved on: it waits for both delays."""
 
     def margins(delay: int) -> list[int]:
         request = {"address": 0x50, "count": 4, "expect": "00 01 02 03"}
         budget = {"name": "m", "measure": "margin of I2CDXR", "min": "0 s"}
-        scene = scene_with(
-            monkeypatch, answers(delay), ["I2C-A"], controller={"rounds": 1, "request": [request]}, budget=[budget]
-        )
+        scene = scene_with(answers(delay), ["I2C-A"], controller={"rounds": 1, "request": [request]}, budget=[budget])
         scene.limits[0].measure.keep()
         scene.run()
         return [int(value) // 20 for value in scene.limits[0].measure.all_kept()[0]]  # cycles

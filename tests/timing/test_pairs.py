@@ -148,18 +148,15 @@ def echo(dsp: Dsp) -> None:
         sci.SCITXBUF.all = byte
 
 
-def echoed(monkeypatch: pytest.MonkeyPatch, *measures: str) -> list[Verdict]:
+def echoed(*measures: str) -> list[Verdict]:
     budgets: list[dict[str, Any]] = [{"name": m, "measure": m, "max": "1 ms"} for m in measures]
-    scene = scene_with(
-        monkeypatch, echo, ["SCI-A", "GPIO"], duration="15 ms", host={"baud": 115200, "frames": 1}, budget=budgets
-    )
+    scene = scene_with(echo, ["SCI-A", "GPIO"], duration="15 ms", host={"baud": 115200, "frames": 1}, budget=budgets)
     return scene.run().budgets
 
 
-def test_an_echo_of_500_us_a_byte_with_twelve_waiting_gives_the_true_worst(monkeypatch: pytest.MonkeyPatch):
+def test_an_echo_of_500_us_a_byte_with_twelve_waiting_gives_the_true_worst():
     """The n-th byte begins n * 86.8 us behind the first one and is back 500 us behind the one before."""
     in_order, unsaid, next_one = echoed(
-        monkeypatch,
         "from frame RX to frame TX, in order",
         "from frame RX to frame TX",
         "from frame RX to frame TX, next",
@@ -167,7 +164,7 @@ def test_an_echo_of_500_us_a_byte_with_twelve_waiting_gives_the_true_worst(monke
     assert in_order.broken and in_order.count == 12
     assert in_order.worst == pytest.approx(12 * 500 + 85 - 11 * 86.8, abs=12)
     assert (unsaid.verdict, unsaid.worst) == ("not judged", None) and "add after a comma" in unsaid.found
-    assert next_one.worst is not None and next_one.worst < 600
+    assert next_one.worst < 600
 
 
 def test_a_bus_that_is_held_to_the_end_breaks_stretch():
@@ -176,5 +173,5 @@ def test_a_bus_that_is_held_to_the_end_breaks_stretch():
     late = ("unit.dsp.settings.frame_cost=200 us", "controller.stuck_after=9 s")
     ran = run_file("imu_hil_drift", "0.47", budget, *late)
     stretch = ran.result.budgets[0]
-    assert stretch.broken and stretch.worst is not None and stretch.worst > 5000
+    assert stretch.broken and stretch.worst > 5000
     assert stretch.found == "SCL was still held low when the run ended"

@@ -22,8 +22,8 @@ def test_values_are_kept_on_request_and_agree_with_the_verdicts(tmp_path: Path) 
             assert (one.values.max(), one.values.min()) == (limit.measure.worst, limit.measure.least)
             assert one.at[one.values.argmax()] == limit.measure.worst_at - scene.start
             assert (one.at >= 0).all()
-    assert kept[0] is not None and kept[0].unit == "time" and kept[0].limits == {"max": 180_000}
-    assert kept[3] is not None and kept[3].unit == "words" and kept[3].limits == {"max": 13}
+    assert kept[0].unit == "time" and kept[0].limits == {"max": 180_000}
+    assert kept[3].unit == "words" and kept[3].limits == {"max": 13}
 
 
 def test_without_the_request_nothing_keeps_values(tmp_path: Path) -> None:

@@ -5,17 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from periph_sim import Dsp, Firmware, Scene
+from periph_sim import Dsp, Scene
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.firmware import start_sci
-from tests.scene.small import case
+from tests.scene.small import case, given
 
 Program = Callable[[Dsp], None]
-
-
-def unit(*modules: str, **more: Any) -> dict[str, Any]:
-    return {"firmware": "given", "modules": list(modules), **more}
 
 
 def scene(
@@ -26,10 +22,9 @@ def scene(
     **tables: Any,
 ) -> Scene:
     """A scene of the given programs by unit; `seen` gets the records of `kinds`, unless `subscribe` is given."""
-    firmware = {name: Firmware(name, lambda dsp, settings, run=run: run(dsp), None) for name, run in programs.items()}
     if seen is not None and subscribe is None:
         subscribe = lambda recorder, timebase: recorder.subscribe(list(kinds), seen.append)  # noqa: E731
-    return Scene(case(**tables), subscribe, firmware)
+    return Scene(case(**tables), subscribe, given(**programs))
 
 
 def send(dsp: Dsp, module: str, data: bytes) -> None:

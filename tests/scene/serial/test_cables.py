@@ -7,8 +7,8 @@ import pytest
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.scene.case.model import BadCase
-from tests.scene.serial.programs import answers, receive, says, scene, unit
-from tests.scene.small import sentence_of
+from tests.scene.serial.programs import answers, receive, says, scene
+from tests.scene.small import sentence_of, unit
 
 BOTH_WAYS = [{"from": "left.SCI-A.TX", "to": "right.SCI-B.RX"}, {"from": "right.SCI-B.TX", "to": "left.SCI-A.RX"}]
 UNITS = {"left": unit("SCI-A", "GPIO"), "right": unit("SCI-B")}

@@ -13,7 +13,8 @@ import pytest
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.processor.dsp import Dsp
-from tests.scene.serial.programs import Program, says, scene, unit
+from tests.scene.serial.programs import Program, says, scene
+from tests.scene.small import unit
 
 
 def causes(program: Program, duration: str = "1 ms") -> list[tuple[int, int]]:

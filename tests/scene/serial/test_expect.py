@@ -10,7 +10,8 @@ from periph_sim import BadCase, Verdict
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.interfaces.commands.result_text import legend
-from tests.scene.serial.programs import answers, says, scene, send, unit
+from tests.scene.serial.programs import answers, says, scene, send
+from tests.scene.small import unit
 
 CHARACTER = 10 / 0.1152  # us at 115200 baud
 

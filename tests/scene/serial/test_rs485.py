@@ -15,7 +15,8 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_pin, start_sci
 from periph_sim.records.record_text import happened
 from periph_sim.scene.case.model import BadCase
-from tests.scene.serial.programs import answers, hears, receive, scene, unit
+from tests.scene.serial.programs import answers, hears, receive, scene
+from tests.scene.small import unit
 
 PIN = 34
 ON = {"on": "dsp.SCI-A", "de": "dsp.GPIO34"}

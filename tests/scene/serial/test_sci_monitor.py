@@ -12,7 +12,8 @@ from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.firmware import start_sci
 from periph_sim.processor.dsp import Dsp
-from tests.scene.serial.programs import scene, unit
+from tests.scene.serial.programs import scene
+from tests.scene.small import unit
 
 
 class Heard:

@@ -10,7 +10,8 @@ from periph_sim.bus.uart.reader import LineFrame
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.scene.serial.send_schedule import TextTrigger
-from tests.scene.serial.programs import Program, answers, hears, receive, scene, send, unit
+from tests.scene.serial.programs import Program, answers, hears, receive, scene, send
+from tests.scene.small import unit
 
 BIT = 26_240  # ticks of a bit of the SCI with BRR = 40, 3 GHz
 FE, PE = 1 << 15, 1 << 14

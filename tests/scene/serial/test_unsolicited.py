@@ -10,7 +10,8 @@ from periph_sim import Dsp, Result
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.interfaces.commands.result_text import legend
-from tests.scene.serial.programs import answers, scene, send, unit
+from tests.scene.serial.programs import answers, scene, send
+from tests.scene.small import unit
 
 GOOD = {"name": "good", "text": "ask\n", "at": "100 us"}
 BAD = {"name": "bad CRC", "text": "asc\n", "at": "2 ms", "expect": "nothing", "within": "1 ms"}

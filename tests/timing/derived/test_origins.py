@@ -95,7 +95,7 @@ def test_equal_numbers_are_those_of_the_youngest_frame():
     for number in (1, 2, 3):
         bus.frame(number, (7,) * 6)
     found = bus.read(ACCELEROMETER, bytes.fromhex("0700 0700 0700"))
-    assert found is not None and (found.frame, found.ended) == (3, 300)
+    assert (found.frame, found.ended) == (3, 300)
 
 
 def test_the_bytes_of_a_frame_are_worked_out_once_for_each_chip():
@@ -128,7 +128,7 @@ def test_every_read_of_computed_sensors_leads_to_the_frame_that_the_models_took(
         models.run(moved(taken) if taken != BEFORE_ANY else None)
         for address in [MAGNETOMETER] if is_first else random.sample(CHIPS, random.randrange(1, 4)):
             found = bus.read(address, models.data[address])
-            assert found is not None and (found.frame, found.wanted) == (taken, models.data[address])
+            assert (found.frame, found.wanted) == (taken, models.data[address])
 
 
 @pytest.mark.parametrize("address", CHIPS)
@@ -138,7 +138,6 @@ def test_models_that_took_what_no_host_sent_are_found_out_and_found_again(addres
         bus.frame(number, moved(number))
         models.run((9000, number, -9000, 800, number, 600) if 5 <= number < 9 else moved(number))
         found = bus.read(address, models.data[address])
-        assert found is not None
         if 5 <= number < 9:
             assert found.frame is None and found.wanted != models.data[address]
         elif number >= 9 + 2:  # rates are of two attitudes, accelerations of three
@@ -156,7 +155,7 @@ def test_a_read_that_began_before_the_models_were_over_carries_what_they_made_be
     models.run(moved(3))
     for data, frame in ((before, 2), (models.data[GYROSCOPE], 3)):
         found = bus.read(GYROSCOPE, data)
-        assert found is not None and found.frame == frame
+        assert found.frame == frame
 
 
 def test_after_a_reset_the_models_begin_at_rest_with_the_first_sample_of_noise():
@@ -169,7 +168,7 @@ def test_after_a_reset_the_models_begin_at_rest_with_the_first_sample_of_noise()
             bus.frame(number, moved(number))
             models.run(moved(number))
             found = bus.read(MAGNETOMETER, models.data[MAGNETOMETER])
-            assert found is not None and found.frame == number
+            assert found.frame == number
 
 
 @pytest.mark.parametrize(("frames", "taken"), [(4, 0), (5, 0), (40, 0), (40, 39), (KEPT, 0)])
@@ -179,7 +178,7 @@ def test_a_run_may_pass_over_any_number_of_frames_that_are_kept(frames: int, tak
         bus.frame(number, moved(number))
     models.run(moved(taken))
     found = bus.read(MAGNETOMETER, models.data[MAGNETOMETER])
-    assert found is not None and (found.frame, found.known, found.judged) == (taken, True, True)
+    assert (found.frame, found.known, found.judged) == (taken, True, True)
 
 
 def test_bytes_of_no_frame_are_not_judged_once_frames_or_chains_were_left_out():
@@ -191,11 +190,11 @@ def test_bytes_of_no_frame_are_not_judged_once_frames_or_chains_were_left_out():
         for _ in range(runs):
             models.run(moved(frames - 1))
         found = bus.read(MAGNETOMETER, b"no one")
-        assert found is not None and (found.frame, found.judged) == (None, judged)
+        assert (found.frame, found.judged) == (None, judged)
         found = bus.read(MAGNETOMETER, models.data[MAGNETOMETER])
-        assert found is not None and (found.frame, found.judged) == (frames - 1, True)
+        assert (found.frame, found.judged) == (frames - 1, True)
         found = bus.read(MAGNETOMETER, b"no one")
-        assert found is not None and found.judged  # the read before has told which chain is the true one
+        assert found.judged  # the read before has told which chain is the true one
 
 
 def test_a_model_that_goes_on_with_a_frame_that_is_no_longer_kept_is_followed():
@@ -205,7 +204,7 @@ def test_a_model_that_goes_on_with_a_frame_that_is_no_longer_kept_is_followed():
         if number % KEPT == 0:
             models.run(moved(0))
             found = bus.read(MAGNETOMETER, models.data[MAGNETOMETER])
-            assert found is not None and found.frame == 0
+            assert found.frame == 0
 
 
 def test_two_runs_without_a_read_between_them_may_each_have_taken_any_frame():
@@ -218,7 +217,7 @@ def test_two_runs_without_a_read_between_them_may_each_have_taken_any_frame():
             for taken in (0, second, third):
                 models.run(moved(taken))
             found = bus.read(ACCELEROMETER, models.data[ACCELEROMETER])
-            assert found is not None and (found.frame, found.judged) == (third, True)
+            assert (found.frame, found.judged) == (third, True)
 
 
 @pytest.mark.parametrize("passed", [RECENT, 40, 700])
@@ -230,7 +229,7 @@ def test_a_chip_may_show_a_frame_after_any_number_of_others_but_never_go_back(pa
     for got in (second, second[:5]):
         assert bus.read(GYROSCOPE, got) == Origin(1, 100, second)
     gone_back = bus.read(GYROSCOPE, first)
-    assert gone_back is not None and (gone_back.frame, gone_back.judged) == (None, True)
+    assert (gone_back.frame, gone_back.judged) == (None, True)
 
 
 def test_zeros_of_a_chip_that_has_shown_no_frame_are_right_at_first_and_later_not_judged():
@@ -242,7 +241,7 @@ def test_zeros_of_a_chip_that_has_shown_no_frame_are_right_at_first_and_later_no
     assert bus.read(GYROSCOPE, bytes(6)) == Origin(BEFORE_ANY, NO_TIME, bytes(6), judged=False)
     assert bus.read(GYROSCOPE, register_bytes(CHIP_DATA["gyroscope"], shown(moved(1))["gyroscope"]))
     wrong = bus.read(GYROSCOPE, bytes(6))
-    assert wrong is not None and (wrong.frame, wrong.judged) == (None, True)
+    assert (wrong.frame, wrong.judged) == (None, True)
 
 
 def test_a_chain_never_goes_back_to_an_older_frame():
@@ -253,7 +252,7 @@ def test_a_chain_never_goes_back_to_an_older_frame():
         assert bus.read(GYROSCOPE, models.data[GYROSCOPE]) is not None
     models.run(moved(1))
     found = bus.read(GYROSCOPE, models.data[GYROSCOPE])
-    assert found is not None and found.frame is None
+    assert found.frame is None
 
 
 def test_of_bytes_that_are_no_frames_the_wanted_ones_agree_in_the_most():
@@ -270,4 +269,4 @@ def test_of_bytes_that_are_no_frames_the_wanted_ones_agree_in_the_most():
         found = bus.read(GYROSCOPE, bytes.fromhex(got))
         assert found == Origin(None, NO_TIME, bytes.fromhex(wanted)), got
     part = bus.read(GYROSCOPE, bytes.fromhex("0001 0002"))  # a read cut short
-    assert part is not None and (part.frame, part.wanted) == (1, bytes.fromhex("000100020003"))
+    assert (part.frame, part.wanted) == (1, bytes.fromhex("000100020003"))

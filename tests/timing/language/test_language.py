@@ -181,7 +181,7 @@ def test_one_event_or_another():
 def test_a_state_is_what_begins_and_what_ends_it(text: str, enters: list[str], leaves: list[str]):
     for form in ("time", "each time"):
         state = measure_of(f"{form} in {text}").state
-        assert state is not None and state.text == text
+        assert state.text == text
         assert [event.text for event in state.enters] == enters
         assert [event.text for event in state.leaves] == leaves
         for event in (*state.enters, *state.leaves):
@@ -191,7 +191,6 @@ def test_a_state_is_what_begins_and_what_ends_it(text: str, enters: list[str], l
 @pytest.mark.parametrize("name", ["wait to send", "read or write", "end of frame", "load, run"])
 def test_all_words_after_in_are_the_name_of_a_span(name: str):
     state = measure_of(f"time in {name}").state
-    assert state is not None
     begin, end = (*state.enters, *state.leaves)
     called = measure_of(f"calls of span {name}").events
     assert (begin.name, begin.how, end.name, end.how) == (name.replace(",", " ,"), "begin", begin.name, "end")
@@ -357,7 +356,7 @@ def test_the_largest_number(text: str, most: int, shown: str):
 
 def test_the_largest_number_of_a_state():
     state = measure_of("time in flag A.B.C = 0xFFFFFFFF").state
-    assert state is not None and state.enters[0].number == 0xFFFF_FFFF
+    assert state.enters[0].number == 0xFFFF_FFFF
     with pytest.raises(BadEvent, match="0x100000000 is more than it can be"):
         measure_of("time in flag A.B.C = 0x100000000")
 

@@ -30,7 +30,6 @@ def test_a_mistyped_state_is_not_taken_for_a_span(text: str, sentence: str) -> N
 )
 def test_a_span_may_resemble_a_state(span: str) -> None:
     state = measure_of(f"each time in {span}").state
-    assert state is not None
     assert [event.kind for event in (*state.enters, *state.leaves)] == ["span", "span"]
 
 

@@ -118,7 +118,7 @@ def test_the_typical_value_is_that_furthest_from_its_limit(limits: dict[str, str
         of.measure.take(value * US, START + place * US)
         of.measure.occasion(START)
     found = of.typical(START)
-    assert found is not None and (found.worst, found.at_s, found.margin) == (worst, pytest.approx(at_us * 1e-6), None)
+    assert (found.worst, found.at_s, found.margin) == (worst, pytest.approx(at_us * 1e-6), None)
 
 
 def test_of_one_value_or_none_or_one_number_a_run_there_is_no_typical_one():

@@ -8,31 +8,25 @@ from typing import Any
 
 import pytest
 
-from periph_sim import BadCase, Dsp, Firmware, NotInRun, Scene, Verdict, load, timing
+from periph_sim import BadCase, Dsp, NotInRun, Verdict, load, timing
 from periph_sim.firmware import start_i2c
 from periph_sim.records.races import races
 from periph_sim.timing.budget_schema import Budget
 from tests.records.scenes import ADDRESS, asks, ran
 from tests.scene.runs import TIMING, run_case
-from tests.scene.small import case, sentence_of
+from tests.scene.small import scene_with, sentence_of, started_i2c
 from tests.timing.events_by_hand import played
 
 STR = "I2C-A.I2CSTR"
 
 
 def judged(firmware, *budgets: dict[str, Any], **more: Any) -> list[Verdict]:
-    program = Firmware("under test", lambda dsp, settings: firmware(dsp), None)
-    unit = {"dsp": {"firmware": "under test", "modules": ["I2C-A"]}}
     named = [{"name": f"{i}", **budget} for i, budget in enumerate(budgets)]
-    scene = Scene(case(unit=unit, budget=named, **more), programs={"dsp": program})
-    return scene.run().budgets
+    return scene_with(firmware, ["I2C-A"], budget=named, **more).run().budgets
 
 
 def polls(dsp: Dsp) -> None:
-    start_i2c(dsp)
-    i2c = dsp.module("I2C-A")
-    i2c.I2COAR.all = ADDRESS
-    i2c.I2CMDR.IRS = 1
+    i2c = started_i2c(dsp, ADDRESS)
     for _ in range(3):
         dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
         dsp.compute(77)
@@ -60,7 +54,6 @@ def test_a_field_that_nobody_looked_at_is_not_judged():
 def test_the_limit_is_in_cycles(monkeypatch: pytest.MonkeyPatch):
     writes = asks(write="010203", count=0)
     closest = races(ran(monkeypatch, polls, **writes), f"{STR}.RRDY").closest
-    assert closest is not None
     kept, broken = judged(
         polls, *({"measure": f"race {STR}.RRDY", "min": least} for least in (closest, closest + 1)), **writes
     )
@@ -69,10 +62,7 @@ def test_the_limit_is_in_cycles(monkeypatch: pytest.MonkeyPatch):
 
 def drops(wait: bool):
     def main(dsp: Dsp) -> None:
-        start_i2c(dsp)
-        i2c = dsp.module("I2C-A")
-        i2c.I2COAR.all = ADDRESS
-        i2c.I2CMDR.IRS = 1
+        i2c = started_i2c(dsp, ADDRESS)
         dsp.compute(180_000)  # 1.2 ms: the first byte is in, the STOP is not
         if wait:
             dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)

@@ -58,7 +58,7 @@ def test_at_the_frame_only_what_the_firmware_made_of_it_is_left():
     assert judged(error(measure="value error at frame", max=0, after="30 ms"))[0].verdict == "pass"
     fixed = ('unit.dsp.settings.table={"0x68"="00 64 00 64 00 64"}',)
     (wrong,) = judged(error(measure="value error of gyroscope at frame", max=0, after="30 ms"), changes=fixed)
-    assert (wrong.verdict, wrong.unit) == ("fail", "LSB") and wrong.worst is not None and wrong.worst > 900
+    assert (wrong.verdict, wrong.unit) == ("fail", "LSB") and wrong.worst > 900
 
 
 @pytest.mark.parametrize("period", ["2.5 ms", "1.1 ms"])
@@ -162,4 +162,4 @@ def test_what_the_worst_is_compared_with_and_all_values_are_of_the_condition_tha
     )
     assert verdict.measure == usual.measure == "value error of gyroscope"
     assert usual.worst is not None and verdict.worst is not None and 0 <= usual.worst <= verdict.worst == 5.82375
-    assert values is not None and (values.unit, values.limits) == ("LSB", {"max": 2_000_000})
+    assert (values.unit, values.limits) == ("LSB", {"max": 2_000_000})

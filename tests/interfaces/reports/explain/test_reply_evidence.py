@@ -17,8 +17,8 @@ from periph_sim.interfaces.reports.explain.picture import text_picture
 from periph_sim.interfaces.reports.html.failure import failure
 from periph_sim.processor.dsp import Dsp
 from tests.interfaces.reports.explain.made import run_and_explain, steps_of
-from tests.scene.serial.programs import Program, answers, says, unit
-from tests.scene.small import case
+from tests.scene.serial.programs import Program, answers, says
+from tests.scene.small import case, unit
 
 
 def explained(

@@ -6,9 +6,10 @@ SCL, SDA <--> TargetSide <--> DisturbedTarget (only if the table has stretches, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from random import Random
+from typing import Literal
 
 from ..bus.faults import HeldLine
 from ..bus.i2c.disturbed_target import DisturbedTarget, Rule, When, cut_power, flip, replaced, stretch
@@ -21,6 +22,7 @@ from ..devices.targets import BadDevice, Target, TargetContext, families
 from . import plugins
 from .case.device_tables import BusParty, DeviceTable, FaultTrigger
 from .case.error_text import own_settings
+from .case.model import Case
 from .context import SceneContext
 
 ACCESS = {"read": 1, "write": 0, "any": None}
@@ -139,27 +141,40 @@ def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Target
     return side
 
 
-def build_devices(context: SceneContext, known: Mapping[str, Wire], taken: Mapping[int, str]) -> dict[str, DeviceOnBus]:
+def check_name(case: Case, kind: Literal["chip", "device"], name: str) -> None:
+    """Raise BadCase for a chip or device with the name of another party."""
+    if name in case.unit or name in OTHERS or (kind == "device" and name in case.chip):
+        what = f"{name!r} is another party on the wires already; give the {kind} another name"
+        raise case.mistake(what, kind, name)
+
+
+def take_addresses(
+    case: Case, kind: Literal["chip", "device"], name: str, addresses: Iterable[int], taken: dict[int, str]
+) -> None:
+    """Add the addresses of a chip or device to `taken`. Raise BadCase if one of them is there already.
+
+    taken: a dictionary from an address to the name of the party that has it.
+    """
+    for address in addresses:
+        if address in taken:
+            raise case.mistake(f"{taken[address]} has the address {address:#04x} too", kind, name, "address")
+        taken[address] = name
+
+
+def build_devices(context: SceneContext, known: Mapping[str, Wire], taken: dict[int, str]) -> dict[str, DeviceOnBus]:
     """Return the devices by name.
 
     known: a dictionary from names to wires of the scene.
-    taken: a dictionary from the address of a sensor chip to its name.
+    taken: see `take_addresses`.
 
     Raise BadCase for an invalid device, or for one whose name or address another party has. Raise FirmwareStalled as
     `device_of_file` does.
     """
-    case = context.case
     devices: dict[str, DeviceOnBus] = {}
-    who = dict(taken)
-    for name in case.device:
-        if name in case.unit or name in case.chip or name in OTHERS:
-            what = f"{name!r} is another party on the wires already; give the device another name"
-            raise case.mistake(what, "device", name)
+    for name in context.case.device:
+        check_name(context.case, "device", name)
         devices[name] = DeviceOnBus(context, name, known)
-        for address in devices[name].target.addresses:
-            if address in who:
-                raise case.mistake(f"{who[address]} has the address {address:#04x} too", "device", name, "address")
-            who[address] = name
+        take_addresses(context.case, "device", name, devices[name].target.addresses, taken)
     return devices
 
 

@@ -233,11 +233,11 @@ class Scene:
 
     def _build_targets(self, context: SceneContext, sources: Mapping[str, Source]) -> None:
         """Build the sensor chips and the other devices on SCL and SDA."""
+        taken: dict[int, str] = {}  # maps an address to its chip or device
         for name, table in self.case.chip.items():
-            chip = self.chips[name] = parts.sensor_chips.build_chip(context, name, sources.get(name))
+            chip = self.chips[name] = parts.sensor_chips.build_chip(context, name, sources.get(name), taken)
             parts.devices.put_on_bus(context, name, table, chip)
         if self.case.device:
-            taken = {address: name for name, chip in self.chips.items() for address in chip.addresses}
             try:
                 self.devices = parts.devices.build_devices(context, self.wires, taken)
             except FirmwareStalled as stalled:  # the code of a user's device did not return, so nothing can run

@@ -19,10 +19,9 @@ from ..devices.register_pointer import RegisterPointer
 from ..processor.user_code import UserCode
 from . import plugins
 from .case.error_text import checked_options
-from .case.model import Case
-from .case.party_tables import ChipTable, ValueTable
+from .case.party_tables import ValueTable
 from .context import SceneContext
-from .devices import OTHERS, NoteLog
+from .devices import NoteLog, check_name, take_addresses
 
 
 class ChipOnBus:
@@ -67,26 +66,26 @@ class ChipOnBus:
             self.log.take(note)
 
 
-def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipOnBus:
+def build_chip(context: SceneContext, name: str, source: Source | None, taken: dict[int, str]) -> ChipOnBus:
     """Return the chip of `[chip.NAME]`, which is not connected to wires yet.
 
-    source: the input of the chip; None if the key `values` in the case is the input.
+    source: the input of the chip; None if the key `values` in the case is the input. taken: see `take_addresses`.
 
     Raise BadCase for an invalid chip, or for one whose name or address another party has.
     """
     case, timebase = context.case, context.timebase
     table = case.chip[name]
     place = ("chip", name)
-    kind = _kind(case, name)
-    if name in case.unit or name in OTHERS:
-        raise case.mistake(f"{name!r} is another party on the wires already; give the chip another name", *place)
+    models = plugins.known(case.folder, "CHIP", chip_models(), [table.model])
+    if table.model not in models:
+        raise case.unknown("chip", table.model, models, *place, "model")
+    kind: type[Any] = models[table.model]
+    check_name(case, "chip", name)
     address = kind.ADDRESSES[0] if table.address is None else table.address
     if address not in kind.ADDRESSES:
         can = " or ".join(f"{a:#04x}" for a in kind.ADDRESSES)
         raise case.mistake(f"{table.model} has no address {address:#04x}; it can have {can}", *place, "address")
-    others = [other for other, chip in case.chip.items() if other != name and _address(case, other, chip) == address]
-    if others:
-        raise case.mistake(f"{others[0]} has the address {address:#04x} too", *place, "address")
+    take_addresses(case, "chip", name, [address], taken)
     answers = checked_options(case, kind.OPTIONS, table.options, *place, "options")
     guard = UserCode(f"chip {name}", float(case.stall_limit))
     sensed: Source  # assigned below, because the source depends on the scale that `registers` sets
@@ -114,18 +113,6 @@ def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipO
         raise case.mistake(str(error), *place, "values") from None
     on_bus.take_notes()
     return on_bus
-
-
-def _kind(case: Case, name: str) -> type[Any]:
-    model = case.chip[name].model
-    models = plugins.known(case.folder, "CHIP", chip_models(), [model])
-    if model not in models:
-        raise case.unknown("chip", model, models, "chip", name, "model")
-    return models[model]
-
-
-def _address(case: Case, name: str, table: ChipTable) -> int:
-    return _kind(case, name).ADDRESSES[0] if table.address is None else table.address
 
 
 def _source(table: ValueTable, lsb_per_unit: Fraction, start: int, ticks: Callable[[Fraction], int]) -> Source:

@@ -252,16 +252,6 @@ def test_an_error_in_a_property_of_the_settings_is_one_of_the_firmware(case_file
         Scene(load(case_file, ["unit.dsp.firmware=own.py", "unit.dsp.settings={}"]))
 
 
-def test_an_edit_of_firmware_counts_at_once_and_nothing_is_left_beside_it(tmp_path: Path):
-    file = tmp_path / "mine.py"
-    names = []
-    for name in ("one", "two"):  # same length, and mostly within the same second
-        file.write_text(f"NAME = '{name}'\n\n\ndef main(dsp, settings):\n    pass\n", encoding="utf-8")
-        names.append(load_firmware(str(file)).main.__globals__["NAME"])
-    assert names == ["one", "two"]
-    assert list(tmp_path.iterdir()) == [file]
-
-
 def test_more_wires_at_a_unit_than_are_possible():
     pins = {f"P{pin}": pin for pin in range(60)}
     made = case(unit={"dsp": {"firmware": "imu_hil", "modules": ["GPIO", "SCI-C"], "pins": pins}})

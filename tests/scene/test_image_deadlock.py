@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -68,10 +69,8 @@ def test_a_sleep_that_no_interrupt_can_end(tmp_path: Path, before: str, why: str
 
 RUNS, STOPPED = (f"MOVW DP,#TIMER0PRD >> 6\n MOV @TIMER0TCR,#{tcr}\n" for tcr in (0x4020, 0x4030))
 TINT0 = PIE + "OR IER,#1\n MOV @PIEIER1,#0x40\n"
-
-
-def test_a_sleep_that_a_running_timer_may_end_is_none(tmp_path: Path):
-    assert ran(tmp_path, "IDLE", RUNS + TINT0).stuck == []
+SERVED = "CLRC INTM\n MOVW DP,#_flag >> 6\n "
+STUB = {"register": "ADC.ADCST", "value": 4}
 
 
 @pytest.mark.parametrize(
@@ -103,10 +102,6 @@ UNMODELLED = "MOVW DP,#0x7100 >> 6\n MOV AL,@0x19\n ANDB AL,#4\n SB again,EQ"  #
 def test_a_poll_of_what_nothing_models_is_told_whatever_else_runs(tmp_path: Path, before: str):
     (told,) = ran(tmp_path, UNMODELLED, before + "\n NOP").stuck
     assert "and would for ever: it is not modelled; answer it by [[unit.dsp.stub]] with register = " in told
-
-
-def test_a_poll_of_what_nothing_models_is_none_where_the_watchdog_ends_it(tmp_path: Path):
-    assert ran(tmp_path, UNMODELLED, wdcr=ENABLED).stuck == []
 
 
 TICKS = """EALLOW
@@ -155,18 +150,13 @@ def test_a_poll_of_what_nothing_models_is_told_in_the_middle_of_service_routines
 
 @pytest.mark.parametrize("us", range(500, 550, 10))
 def test_a_poll_that_a_stub_has_answered_is_over_in_the_middle_of_service_routines(tmp_path: Path, us: int):
-    stub = [{"register": "ADC.ADCST", "value": 4, "after": "0.4 ms"}]
+    stub = [STUB | {"after": "0.4 ms"}]
     loop = f"{UNMODELLED}\nends: MOV @0x19,#0\n SB ends,UNC\n{ROUTINE.format(restart='')}"
     assert ran(tmp_path, loop, TICKS, us=us, stub=stub).stuck == []
 
 
-def test_a_poll_that_a_stub_will_answer_is_none(tmp_path: Path):
-    stub = [{"register": "ADC.ADCST", "value": 4, "after": "0.6 ms"}]
-    assert ran(tmp_path, UNMODELLED, stub=stub).stuck == []
-
-
 def test_a_poll_that_a_stub_does_not_end_is_told_with_its_answer(tmp_path: Path):
-    (told,) = ran(tmp_path, UNMODELLED, stub=[{"register": "ADC.ADCST", "value": 3}]).stuck
+    (told,) = ran(tmp_path, UNMODELLED, stub=[STUB | {"value": 3}]).stuck
     assert told.endswith(
         "and would for ever: its [[unit.dsp.stub]] answers 0x0003; give a value that ends the wait, "
         "or a later one by a further stub with after"
@@ -193,24 +183,9 @@ def test_a_poll_that_restarts_the_watchdog_itself_hangs(tmp_path: Path, wdcr: in
     assert result.counts["resets"] == 0
 
 
-def test_a_loop_that_restarts_the_watchdog_and_does_more_is_no_poll(tmp_path: Path):
-    more = "MOVW DP,#_flag >> 6\n INC @_flag\n "
-    assert ran(tmp_path, f"{RESTART}\n {more}{UNMODELLED}", us=2000).stuck == []
-
-
-def test_a_poll_that_restarts_the_watchdog_and_reads_a_running_timer_may_end(tmp_path: Path):
-    timer = "MOVW DP,#TIMER0TCR >> 6\n MOV AH,@TIMER0TCR\n"
-    assert ran(tmp_path, f"{RESTART}\n {timer} {UNMODELLED}", RUNS, us=2000).stuck == []
-
-
 def test_a_loop_that_counts_and_restarts_the_watchdog_makes_each_pass(tmp_path: Path):
     result = ran(tmp_path, f"MOVL XAR2,#9999\nspend: {RESTART}\n BANZ spend,AR2--", wdcr=ENABLED, us=6000)
     assert result.counts["resets"] == 0
-
-
-def test_a_poll_that_restarts_the_watchdog_is_over_once_a_stub_answers(tmp_path: Path):
-    stub = [{"register": "ADC.ADCST", "value": 4, "after": "0.4 ms"}]
-    assert ran(tmp_path, f"{RESTART}\n {UNMODELLED}\nends: SB ends,UNC", stub=stub).stuck == []
 
 
 def test_a_loop_over_memory_that_an_unmodelled_module_was_to_end(tmp_path: Path):
@@ -226,11 +201,6 @@ def test_a_running_timer_whose_interrupt_is_not_enabled_does_not_hide_a_wait(tmp
     on = PIE + "OR IER,#1\n MOV @PIEIER1,#0x20\n CLRC INTM\n MOVW DP,#_flag >> 6\n "
     (told,) = ran(tmp_path, FLAG, RUNS + on).stuck
     assert "waits for _flag+1 at " in told
-
-
-def test_a_sleep_that_the_watchdog_ends_is_none(tmp_path: Path):
-    assert ran(tmp_path, "IDLE", wdcr=ENABLED).stuck == []
-    assert ran(tmp_path, FLAG, wdcr=ENABLED).stuck == []
 
 
 @pytest.mark.parametrize(("us", "resets"), [(500, 0), (12_000, 2)])
@@ -264,15 +234,37 @@ def test_a_loop_over_memory_that_no_interrupt_can_change(tmp_path: Path, loop: s
 
 
 def test_a_loop_over_memory_that_a_service_routine_may_change(tmp_path: Path):
-    on = PIE + "OR IER,#1\n MOV @PIEIER1,#0x40\n CLRC INTM\n MOVW DP,#_flag >> 6\n "
-    runs = "MOVW DP,#TIMER0PRD >> 6\n MOV @TIMER0TCR,#0x4020\n"
-    assert ran(tmp_path, FLAG, runs + on).stuck == []
-    (told,) = ran(tmp_path, FLAG, "MOVW DP,#TIMER0PRD >> 6\n MOV @TIMER0TCR,#0x4030\n" + on).stuck
+    assert ran(tmp_path, FLAG, RUNS + TINT0 + SERVED).stuck == []
+    (told,) = ran(tmp_path, FLAG, STOPPED + TINT0 + SERVED).stuck
     assert "waits for _flag+1 at _c_int00 (waits.asm:" in told and "nothing due" in told
 
 
-def test_an_endless_loop_without_a_way_out_is_how_programs_end(tmp_path: Path):
-    assert ran(tmp_path, ENDLESS).stuck == []
+NOT_STUCK: dict[str, tuple[str, dict[str, Any]]] = {
+    "an endless loop without a way out, as programs end": (ENDLESS, {}),
+    "a sleep that a running timer may end": ("IDLE", {"before": RUNS + TINT0}),
+    "a sleep that the watchdog ends": ("IDLE", {"wdcr": ENABLED}),
+    "a loop over memory that the watchdog ends": (FLAG, {"wdcr": ENABLED}),
+    "a poll of what nothing models that the watchdog ends": (UNMODELLED, {"wdcr": ENABLED}),
+    "a poll that a stub will answer": (UNMODELLED, {"stub": [STUB | {"after": "0.6 ms"}]}),
+    "a poll that restarts the watchdog until a stub answers": (
+        f"{RESTART}\n {UNMODELLED}\nends: SB ends,UNC",
+        {"stub": [STUB | {"after": "0.4 ms"}]},
+    ),
+    "a loop that restarts the watchdog and counts": (
+        f"{RESTART}\n MOVW DP,#_flag >> 6\n INC @_flag\n {UNMODELLED}",
+        {"us": 2000},
+    ),
+    "a poll that restarts the watchdog and reads a running timer": (
+        f"{RESTART}\n MOVW DP,#TIMER0TCR >> 6\n MOV AH,@TIMER0TCR\n {UNMODELLED}",
+        {"before": RUNS, "us": 2000},
+    ),
+}
+
+
+@pytest.mark.parametrize("what", NOT_STUCK)
+def test_what_may_go_on_or_has_ended_is_not_stuck(tmp_path: Path, what: str):
+    loop, more = NOT_STUCK[what]
+    assert ran(tmp_path, loop, **more).stuck == []
 
 
 @pytest.mark.parametrize(
@@ -281,7 +273,7 @@ def test_an_endless_loop_without_a_way_out_is_how_programs_end(tmp_path: Path):
         ("NOP", ENDLESS, r"is in an endless loop at _c_int00 \(waits.asm:15, 0x.*\) since .*"),
         (RUNS + TINT0, "IDLE", r"waits in IDLE for an interrupt at _c_int00 \(waits.asm:\d+, 0x.*\)"),
         (
-            RUNS + TINT0 + "CLRC INTM\n MOVW DP,#_flag >> 6",
+            RUNS + TINT0 + SERVED,
             FLAG,
             r"waits for _flag\+1 at _c_int00 \(waits.asm:\d+, 0x.*\) since .*",
         ),

@@ -35,6 +35,11 @@ def asked(**controller: Any) -> Case:
     return case(controller=CONTROLLER | controller, budget=BUDGETS)
 
 
+def ended(session: Session, at: str) -> Result:
+    session.advance(session.ticks(at))
+    return session.finish()
+
+
 def three_rounds(session: Session) -> None:
     """Each a millisecond after the one before, as a driver makes them."""
     for number in range(1, 4):
@@ -83,8 +88,7 @@ def test_a_driver_of_the_bus() -> None:
             session.advance(session.ticks(f"{number} ms"))
             bus.writeto_then_readfrom(0x50, b"\x00", got)
             assert got == b"\x01\x02\x03\x04"
-        session.advance(session.ticks("4.2 ms"))
-        check(session.finish())
+        check(ended(session, "4.2 ms"))
 
 
 def test_a_driver_with_a_port_of_its_own() -> None:
@@ -100,8 +104,7 @@ def test_a_served_bus_and_the_case_that_new_makes_of_it(tmp_path: Path) -> None:
     session = Session(case_for_bus(path), log=log)
     session.advance(session.ticks("1 ms"))
     session.i2c.transfer(0x50, b"\x00", 16)
-    session.advance(session.ticks("5 ms"))
-    live = session.finish()
+    live = ended(session, "5 ms")
     files, target = files_of(log, str(tmp_path / "again"))
     target.write_text(files[target])
     again = Scene(load(target)).run()
@@ -120,8 +123,7 @@ def test_a_served_line_replaces_the_host_with_the_budgets_that_need_its_frames()
     session = Session(served)
     line = session.serial("scia")
     line.write(bytes(12))
-    session.advance(session.ticks("2 ms"))
-    result = session.finish()
+    result = ended(session, "2 ms")
     assert (result.notes[0], result.sci_bytes) == (sentence, 12)
     assert {one.name for one in result.budgets}.isdisjoint({"wrong bytes", "data age"})
 
@@ -140,12 +142,10 @@ def test_a_mistake_is_told_with_its_line_in_the_file_whatever_was_left_out(tmp_p
 def test_rounds_are_due_as_often_as_the_controller_asks() -> None:
     session = Session(asked(rounds=3), BUS)
     three_rounds(session)
-    session.advance(session.ticks("40 ms"))
-    assert session.finish().counts["missed"] == 0
+    assert ended(session, "40 ms").counts["missed"] == 0
     session = Session(asked(), BUS)
     three_rounds(session)
-    session.advance(session.ticks("40 ms"))
-    assert session.finish().counts["missed"] == 36
+    assert ended(session, "40 ms").counts["missed"] == 36
 
 
 def test_requests_that_nobody_acknowledges_are_counted_on_the_wires() -> None:
@@ -162,17 +162,14 @@ def test_both_are_on_the_bus_where_the_case_says_so() -> None:
     session.advance(session.ticks("3 ms"))  # its round is over
     assert session.i2c.transfer(0x50, b"\x00", 4) == b"\x01\x02\x03\x04"
     assert session.i2c.transfer(0x22, b"\x00", 4) is None
-    session.advance(session.ticks("4 ms"))
-    result = session.finish()
+    result = ended(session, "4 ms")
     assert result.notes[0] == "SDA and SCL are driven from outside, beside [controller]"
     assert result.wire_bytes == 7 + 7 + 1  # bytes of both, as the wires have them
     assert result.counts["nacked"] == 1
 
 
 def test_one_of_the_two_lines_alone_replaces_nobody() -> None:
-    session = Session(asked(), ("SDA",))
-    session.advance(session.ticks("3.9 ms"))
-    result = session.finish()
+    result = ended(Session(asked(), ("SDA",)), "3.9 ms")
     assert result.counts["rounds"] == 2 and not any("outside" in note for note in result.notes)
 
 

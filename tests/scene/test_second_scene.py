@@ -175,6 +175,7 @@ def test_changed_firmware_is_seen_and_unchanged_firmware_is_compiled_once(tmp_pa
     assert ended[0] == ended[1]
     assert ended[2] - ended[1] == 2000
     assert compiled == [1, 0, 1]
+    assert set(tmp_path.iterdir()) == {file, program}
 
 
 def test_module_variables_of_a_firmware_file_begin_anew_in_each_scene(tmp_path: Path):

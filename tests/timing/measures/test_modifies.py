@@ -66,6 +66,16 @@ class Both:
     def access(self, what: str, value: int, place: str, field: str) -> int:
         return self.recorder.emit(self.now, Kind.ACCESS, "dsp", what, value, place, field)
 
+    def modify(self, read: int, wrote: int, field: str = "", routine: int = 0) -> int:
+        """A read and, 100 cycles after what was before, its write at the same place; return the number of the write."""
+        self.now += 100 * CYCLE
+        self.access("R I2C-A.I2CSTR", read, "f:1", field)
+        self.now += 2 * CYCLE
+        self.recorder.cause = routine
+        number = self.access("W I2C-A.I2CSTR", wrote, "f:1", field)
+        self.recorder.cause = 0
+        return number
+
     def accesses(self, of: list[tuple[int, str, str, str, int]], step: int) -> None:
         for later, what, place, field, value in of:
             self.now += later * step
@@ -160,13 +170,7 @@ def along(routine: int = 0, field: str = "") -> Both:
     """SCD is cleared by writing back all that was read; NACK rose before, and nobody has looked at it."""
     both = Both()
     both.flag("NACK", 1)
-    both.now += 100 * CYCLE
-    both.access("R I2C-A.I2CSTR", 0x22, "f:1", field)
-    both.now += 2 * CYCLE
-    both.recorder.cause = routine
-    wrote = both.access("W I2C-A.I2CSTR", 0x22, "f:1", field)
-    both.recorder.cause = 0
-    both.flag("NACK", 0, wrote)
+    both.flag("NACK", 0, both.modify(0x22, 0x22, field, routine))
     return both
 
 
@@ -181,16 +185,9 @@ def test_a_flag_that_goes_along_with_the_one_that_was_named_is_lost_and_the_one_
 def test_the_read_of_a_write_at_the_same_place_is_no_look_at_a_flag_and_that_of_another_is():
     both = along()
     both.flag("NACK", 1)
-    for place in ("f:1", "f:1"):  # the first does not clear it, and has read it
-        both.now += 100 * CYCLE
-        both.access("R I2C-A.I2CSTR", 0x22, place, "")
-        both.now += 2 * CYCLE
-        wrote = both.access("W I2C-A.I2CSTR", 0x20, place, "")
-    both.flag("NACK", 0, wrote)
-    both.now += 100 * CYCLE
-    both.access("R I2C-A.I2CSTR", 0x00, "f:1", "")
-    both.now += 2 * CYCLE
-    both.access("W I2C-A.I2CSTR", 0x20, "f:1", "")  # SCD alone is what this place means
+    both.modify(0x22, 0x20)  # it does not clear the flag, and has read it
+    both.flag("NACK", 0, both.modify(0x22, 0x20))
+    both.modify(0x00, 0x20)  # SCD alone is what this place means
     both.made.finish()
     assert both.lost() == [102 * CYCLE, 306 * CYCLE] and told(both.made.cleared()) == (2, 102 * CYCLE)
 

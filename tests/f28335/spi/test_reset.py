@@ -108,34 +108,6 @@ def test_after_a_system_reset_the_spi_is_a_silent_slave_without_fifos():
     assert rig.edges[-1][1] == 0b1111
 
 
-def test_a_reset_module_does_what_a_new_one_does():
-    used = SpiRig(fifo=True, SPILBK=1, CLK_PHASE=1, TXFFIL=3, RXFFIL=1, SPIPRI=0x20)
-    for word in range(9):
-        used.write("SPITXBUF", 0xFFFF - word)
-    used.wait(20.5)
-    used.chip.suspend(used.now, True)
-    used.chip.reset(used.now)
-    used.look()
-    new = SpiRig({}, {})
-    new.run_until(used.now)
-    begin = used.now
-    shown = []
-    for rig in (used, new):
-        rig.chip.gate(begin, True)
-        rig.asked = {"RXINT": [], "TXINT": []}
-        for name, value in {**MASTER, **FIFO, "SPIINTENA": 1, "TXFFIENA": 1, "SPISWRESET": 1}.items():
-            rig.write(name, value) if name == "SPIBRR" else rig.set(**{name: value})
-        for word in (0x1234, 0x5678):
-            rig.write("SPITXBUF", word)
-        states = []
-        for _ in range(100):
-            rig.wait(cycles=5)
-            registers = [rig.chip.peek(rig.now, register.offset) for register in rig.chip.MAP]
-            states.append((rig.chip.out, rig.chip.driven, registers))
-        shown.append((states, rig.asked))
-    assert shown[0] == shown[1]
-
-
 def test_a_master_that_is_made_a_slave_drops_its_character():
     SpiRig().check("""
         > SPITXBUF      .  0  . . . . . . . . . .

@@ -1,9 +1,10 @@
-"""A chip's future depends on its declared state alone: it is moved into a chip that has another past and another time.
+"""What holds for each chip whatever firmware and its pins do: two chips that are driven alike at random show the same.
 
     chip, driven at random --take--> snapshot --restore--> another chip, driven otherwise before, whole cycles later
               '----------------- both are driven alike from here on ------------------'
 
 So every attribute that is not declared has another value in the second chip, and every declared instant another cycle.
+Likewise a chip that was reset is compared with a new one.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from periph_sim.f28335.cpu_timer.register_map import PRD, TCR
 from periph_sim.f28335.gpio.module import Gpio
 from periph_sim.f28335.i2c import register_map as at
 from periph_sim.f28335.i2c.module import I2c
+from periph_sim.f28335.i2c.options import I2cOptions
 from periph_sim.f28335.i2c.register_map import MDR_IRS, MDR_MST, MDR_STP, MDR_STT, MDR_TRX
 from periph_sim.f28335.pie.module import Pie
 from periph_sim.f28335.sci.module import Sci
@@ -83,13 +85,18 @@ class Driver:
     def pins(self, levels: int) -> None:
         self.chip.pins(self.begin + self.now, levels)
 
+    def idle(self) -> None:
+        """The levels of the pins as a new chip takes them to be."""
+        if self.chip.INPUTS:
+            self.pins(NEW_PINS.get(type(self.chip), 0))
+
     def seldom(self, now: int) -> None:
         random = self.random
         what = random.randrange(6)
         if not what:
             self.chip.reset(now)
         elif what < 3:
-            self.chip.set_lspclk(now, random.choice((1, 2, 4, 6)), random.randrange(8))
+            self.chip.set_lspclk(now, random.choice((1, 2, 4, 6)), self.begin + random.randrange(8))
         else:
             self.chip.gate(now, what > 3)
 
@@ -98,9 +105,12 @@ class Driver:
         to = self.now + cycles
         while self.chip.next_wake < self.begin + to:
             self.now = max(self.now, self.chip.next_wake - self.begin)
-            self.chip.wake(self.begin + self.now)
+            self.wake()
             self._look()
         self.now = to
+
+    def wake(self) -> None:
+        self.chip.wake(self.begin + self.now)
 
     def _look(self) -> None:
         """Log all that the chip's owner can see, and take what it takes."""
@@ -116,9 +126,18 @@ class Driver:
 
 
 class I2cDriver(Driver):
-    """Is another master on the bus, and every slave that acknowledges."""
+    """Is another master on the bus, and every slave that acknowledges. others: the levels without the chip."""
 
     PAUSES = (1, 20, 60, 200, 700)
+    others = 3
+
+    def pins(self, levels: int) -> None:
+        self.others = levels
+        super().pins(levels & self.chip.out)
+
+    def wake(self) -> None:
+        super().wake()
+        self.pins(self.others)
 
     def stimulate(self) -> None:
         random = self.random
@@ -154,7 +173,7 @@ class I2cDriver(Driver):
 
     def _lines(self, levels: tuple[int, ...]) -> None:
         for level in levels:
-            self.pins(level & self.chip.out)
+            self.pins(level)
             self._look()
             self._wait(self.random.choice((20, 45)))
 
@@ -230,6 +249,11 @@ class GpioDriver(Driver):
             self.chip.watch_xints(now, random.getrandbits(7))
             self.log.append(self.chip.xint_levels(now))
 
+    def idle(self) -> None:
+        self.chip.watch_xints(self.begin + self.now, 0)
+        self.chip.edges(self.begin + self.now, Gpio(SYSTEM).pads)
+        self._wait(2)
+
     def seen(self) -> list[object]:
         changed, self.chip.changed = self.chip.changed, []
         now = self.begin + self.now
@@ -275,10 +299,14 @@ class SystemDriver(Driver):
             self.chip.reset(self.begin + self.now)
 
 
-def clocked(chip: Any) -> Any:
+def clocked(chip: Any, now: int = 0) -> Any:
     """The chip with its clock on, without which hardly anything happens in it."""
-    chip.gate(0, True)
+    chip.gate(now, True)
     return chip
+
+
+RUNNING = (CpuTimer, Gpio, SystemControl)  # those whose clock a reset leaves on
+NEW_PINS = {I2c: 3, Sci: 1, Spi: 15}  # levels of the inputs of a new chip
 
 
 def wired_gpio() -> Gpio:
@@ -288,7 +316,7 @@ def wired_gpio() -> Gpio:
 
 
 CHIPS: dict[str, tuple[Callable[[], Any], type[Driver]]] = {
-    "I2C": (lambda: clocked(I2c()), I2cDriver),
+    "I2C": (lambda: clocked(I2c(I2cOptions(int_line="level", oar_latch="at_irs"))), I2cDriver),
     "SCI": (lambda: clocked(Sci()), SciDriver),
     "SPI": (lambda: clocked(Spi()), SpiDriver),
     "GPIO": (wired_gpio, GpioDriver),
@@ -297,6 +325,40 @@ CHIPS: dict[str, tuple[Callable[[], Any], type[Driver]]] = {
     "timer": (lambda: CpuTimer(SYSTEM), TimerDriver),
     "SYS": (lambda: SystemControl(30_000_000, SYSTEM), SystemDriver),
 }
+
+
+def as_new(driver: Driver, pins_first: bool) -> None:
+    """XRS, and behind it or also before it the pins as a new chip takes them to be; then its clock is on again."""
+    chip = driver.chip
+    chip.set_lspclk(driver.now, 4, driver.now)
+    if pins_first:
+        driver.idle()
+        driver._wait(8)
+    if isinstance(driver, SystemDriver):
+        chip.reset_requested = False  # WDFLAG shows a reset by the watchdog, later
+    chip.reset(driver.now)
+    assert (chip.held, chip.requests) == (0, 0)
+    assert chip.next_wake == NEVER or isinstance(chip, RUNNING), "it has no clock"
+    if not pins_first or isinstance(driver, I2cDriver):
+        driver.idle()
+    driver._look()
+    chip.loaded = 0
+    clocked(chip, driver.now)
+
+
+@pytest.mark.parametrize("name", CHIPS)
+def test_after_xrs_a_chip_does_what_a_new_one_does(name: str):
+    make, kind = CHIPS[name]
+    for seed in range(2 * MOMENTS):
+        used = kind(make(), 0, f"{seed} used")
+        for _ in range(STEPS):
+            used.step()
+        as_new(used, pins_first=seed % 2 == 0)
+        drivers = [kind(used.chip, used.now, f"{seed}"), kind(make(), 0, f"{seed}")]
+        for driver in drivers:
+            for _ in range(STEPS):
+                driver.step()
+        assert drivers[0].log == drivers[1].log
 
 
 @pytest.mark.parametrize("name", CHIPS)

@@ -513,7 +513,7 @@ def mdr(names: str, bc: int = 0) -> int:
 class Bench(Bus):
     """`m`: the module under test, enabled with TI's clock setting and I2CSAR = 0x50.
 
-    second: options of a second module `s`, or None for none.
+    second: options of a second module `s`, or None for none. own: I2COAR of `m`.
     """
 
     def __init__(
@@ -525,6 +525,7 @@ class Bench(Bus):
         psc: int = 14,
         clkl: int = 10,
         clkh: int = 5,
+        own: int = 0,
         enable: bool = True,
     ) -> None:
         self.m = I2c(options or I2cOptions())
@@ -539,6 +540,7 @@ class Bench(Bus):
             self.w("I2CCLKL", clkl, chip)
             self.w("I2CCLKH", clkh, chip)
             self.w("I2CSAR", 0x50, chip)
+            self.w("I2COAR", own * (chip is self.m), chip)
             if enable:
                 self.w("I2CMDR", MDR["IRS"], chip)
         self.run(2 * SLOT)
@@ -557,10 +559,14 @@ class Bench(Bus):
     def peek(self, register: str, chip: I2c | None = None) -> int:
         return (chip or self.m).peek(self.now, OFFSET[register])
 
-    def mode(self, names: str, bc: int = 0, chip: I2c | None = None, count: int | None = None) -> None:
-        """Writes I2CMDR with these bits set, IRS always among them. count: of I2CCNT, written before."""
+    def mode(
+        self, names: str, bc: int = 0, chip: I2c | None = None, count: int | None = None, data: int | None = None
+    ) -> None:
+        """Writes I2CMDR with these bits set, IRS always among them. count, data: to I2CCNT and I2CDXR before."""
         if count is not None:
             self.w("I2CCNT", count, chip)
+        if data is not None:
+            self.w("I2CDXR", data, chip)
         self.w("I2CMDR", mdr(names, bc), chip)
 
     def set(self, names: str, chip: I2c | None = None) -> None:
@@ -599,12 +605,15 @@ class Bench(Bus):
             got.append(self.r("I2CDRR", chip))
         return got
 
-    def send(self, data: Iterable[int], extra: str = "STP", bc: int = 0, count: int | None = None) -> None:
-        """START, address in I2CSAR, the bytes; `extra` are further bits of I2CMDR."""
+    def send(
+        self, data: Iterable[int], extra: str = "STP", bc: int = 0, count: int | None = None, until: str = ""
+    ) -> None:
+        """START, address in I2CSAR, the bytes; `extra` are further bits of I2CMDR. until: runs until this flag is 1."""
         data = list(data)
-        self.w("I2CCNT", len(data) if count is None else count)
-        self.mode(f"MST TRX STT {extra}", bc)
+        self.mode(f"MST TRX STT {extra}", bc, count=len(data) if count is None else count)
         self.feed(data)
+        if until:
+            self.until(lambda: self.flag(until))
 
     def stopped(self, cycles: int = 400 * SLOT) -> int:
         """Runs until the module has sent its STOP and the bus is free; the cycle."""
@@ -615,10 +624,15 @@ class Bench(Bus):
         self.set("STP")
         self.stopped()
 
-    def after(self, flag: str) -> None:
-        """Runs until a flag is 1, and one clock of SCL more."""
+    def after(self, flag: str, clocks: int = 1) -> None:
+        """Runs until a flag is 1, and so many clocks of SCL more."""
         self.until(lambda: self.flag(flag))
-        self.run(SLOT)
+        self.run(clocks * SLOT)
+
+    def suspend(self, on: bool) -> None:
+        """A breakpoint is met, or the debugger lets the CPU run on."""
+        self.m.suspend(self.now, on)
+        self.settle()
 
     def write_all(self, data: Iterable[int], extra: str = "STP", bc: int = 0) -> str:
         """A whole transfer; what was said."""

@@ -16,9 +16,7 @@ rule = pytest.mark.rule
 
 def go(b: Bench, data: list[int], extra: str = "STP") -> None:
     """The module under test starts; the partners made with at=None start with it."""
-    b.w("I2CCNT", len(data))
-    b.w("I2CDXR", data[0])
-    b.mode("MST TRX STT " + extra)
+    b.mode("MST TRX STT " + extra, count=len(data), data=data[0])
 
 
 def lost(b: Bench) -> Bench:
@@ -106,8 +104,7 @@ def test_a_write_wins_over_a_read_of_the_same_address():
 @pytest.mark.parametrize("own", [0x48, 0x49])
 def test_the_loser_is_a_slave_receiver_and_answers_its_address(own: int):
     foreign = Foreign("S 48W 77 P", at=None)
-    b = Bench(foreign)
-    b.w("I2COAR", own)
+    b = Bench(foreign, own=own)
     lost(b)
     assert b.flags("SDIR MST") == ""
     b.run(40 * SLOT)
@@ -122,8 +119,7 @@ def test_the_loser_is_a_slave_receiver_and_answers_its_address(own: int):
 @rule("I2C-261")
 def test_the_loser_of_a_data_byte_is_a_slave_receiver_that_nobody_has_addressed():
     foreign = Foreign("S 50W 12 34 P", at=None)
-    b = Bench(Target(0x50), foreign)
-    b.w("I2COAR", 0x48)
+    b = Bench(Target(0x50), foreign, own=0x48)
     go(b, [0x13])
     b.run(50 * SLOT)
     assert b.said() == "S 50W A 12 A 34 A P"

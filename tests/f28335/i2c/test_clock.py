@@ -25,8 +25,7 @@ def lows_and_highs(b: Bench) -> tuple[set[int], set[int]]:
 
 
 def one_byte(b: Bench) -> None:
-    b.w("I2CDXR", 0x5A)
-    b.mode("MST TRX STT STP", count=1)
+    b.mode("MST TRX STT STP", count=1, data=0x5A)
     b.stopped()
     assert b.said() == "S 50W A 5a A P"
 
@@ -50,8 +49,7 @@ def one_byte(b: Bench) -> None:
 )
 def test_low_and_high_time(psc: int, clkl: int, clkh: int, low: int, high: int):
     b = Bench(Target(), psc=psc, clkl=clkl, clkh=clkh)
-    b.w("I2CDXR", 0x5A)
-    b.mode("MST TRX STT STP", count=1)
+    b.mode("MST TRX STT STP", count=1, data=0x5A)
     b.until(lambda: b.flag("SCD"), 100 * (low + high))
     lows, highs = lows_and_highs(b)
     assert (lows, highs) == ({low}, {high})
@@ -64,8 +62,7 @@ def test_low_and_high_time(psc: int, clkl: int, clkh: int, low: int, high: int):
 @given(st.integers(1, 200), st.integers(1, 200), st.integers(12, 20))
 def test_low_and_high_time_of_any_divisors(clkl: int, clkh: int, psc: int):
     b = Bench(Target(), psc=psc, clkl=clkl, clkh=clkh)
-    b.w("I2CDXR", 0x00)
-    b.mode("MST TRX STT STP", count=1)
+    b.mode("MST TRX STT STP", count=1, data=0x00)
     b.until(lambda: b.flag("SCD"), 10**7)
     assert lows_and_highs(b) == ({(psc + 1) * (clkl + 5)}, {(psc + 1) * (clkh + 5)})
 
@@ -156,9 +153,7 @@ def test_ipsc_must_be_written_with_irs_0():
 @pytest.mark.parametrize("clkl, clkh, name", [(0, 5, "CLKL"), (10, 0, "CLKH")])
 def test_iccl_and_icch_must_not_be_0(clkl: int, clkh: int, name: str):
     b = Bench(Target(), clkl=clkl, clkh=clkh)
-    b.w("I2CCNT", 1)
-    b.w("I2CDXR", 0)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1, data=0)
     b.run(4 * SLOT)
     assert any(name in n.text for n in b.duties())
 
@@ -168,9 +163,7 @@ def rate_notes(sysclk: int, psc: int, clkl: int, clkh: int) -> list[str]:
     b = Bench(Target(), psc=psc, clkl=clkl, clkh=clkh, enable=False)
     b.m.set_sysclk(b.now, Fraction(sysclk * MHZ))
     b.set("IRS")
-    b.w("I2CCNT", 1)
-    b.w("I2CDXR", 0)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1, data=0)
     b.edge(SCL, 0)
     return [note.text for note in b.duties()]
 
@@ -237,8 +230,7 @@ def test_a_stretch_shorter_than_the_own_low_period_changes_nothing():
 @pytest.mark.parametrize("after", [30, 75, 120])
 def test_a_fall_of_scl_made_by_another_device_starts_the_low_period(after: int):
     b = Bench(Target())
-    b.w("I2CDXR", 0x5A)
-    b.mode("MST TRX STT STP", count=1)
+    b.mode("MST TRX STT STP", count=1, data=0x5A)
     rise = b.edge(SCL, 1, 3)
     b.run(after)
     b.pulse(SCL, 60)
@@ -255,8 +247,7 @@ def test_a_fall_of_scl_made_by_another_device_starts_the_low_period(after: int):
 def test_two_generators_longest_low_shortest_high(low: int, high: int, seen_low: int, seen_high: int):
     foreign = Foreign("S 50W 5A P", at=None, low=low, high=high)
     b = Bench(Target(), foreign)
-    b.w("I2CDXR", 0x5A)
-    b.mode("MST TRX STT STP", count=1)
+    b.mode("MST TRX STT STP", count=1, data=0x5A)
     first = b.edge(SCL, 0)
     b.edge(SCL, 0, 17)
     edges = [e for e in b.edges if e.line == SCL and e.time >= first]
@@ -323,8 +314,7 @@ def test_a_spike_on_a_stretched_scl_is_not_its_end(width: int, said: str):
 @pytest.mark.parametrize("first", ["04W", "05R", "07R", "01W"])
 def test_master_codes_and_cbus_are_just_foreign_addresses(first: str):
     foreign = Foreign(f"S {first} P")
-    b = Bench(foreign)
-    b.w("I2COAR", 0x50)
+    b = Bench(foreign, own=0x50)
     b.run(20 * SLOT)
     assert foreign.done and foreign.heard == "N"
     assert b.flags("AAS AD0 SDIR RRDY") == ""

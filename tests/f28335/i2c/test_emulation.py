@@ -12,8 +12,7 @@ rule = pytest.mark.rule
 def start(b: Bench, way: str, free: str = "") -> None:
     b.w("I2CCNT", 1)
     if way == "transmitter":
-        b.w("I2CDXR", 0x5A)
-        b.mode("MST TRX STT STP " + free)
+        b.mode("MST TRX STT STP " + free, data=0x5A)
     else:
         b.mode("MST STT STP " + free)
 
@@ -33,11 +32,9 @@ def test_breakpoint_with_scl_low_keeps_it_low(way: str, pulse: int):
     start(b, way)
     b.edge(SCL, 0, pulse)
     b.run(60)
-    b.m.suspend(b.now, True)
-    b.settle()
+    b.suspend(True)
     assert b.held(50 * SLOT)
-    b.m.suspend(b.now, False)
-    b.settle()
+    b.suspend(False)
     finish(b, way)
 
 
@@ -49,12 +46,10 @@ def test_breakpoint_with_scl_high_runs_until_it_is_low(way: str, pulse: int):
     start(b, way)
     rise = b.edge(SCL, 1, pulse)
     b.run(60)
-    b.m.suspend(b.now, True)
-    b.settle()
+    b.suspend(True)
     assert b.edge(SCL, 0) == rise + 150
     assert b.held(50 * SLOT)
-    b.m.suspend(b.now, False)
-    b.settle()
+    b.suspend(False)
     finish(b, way)
 
 
@@ -66,7 +61,7 @@ def test_with_free_a_breakpoint_changes_nothing(way: str):
         b = Bench(Target(gives=[0x3C]))
         start(b, way, "FREE")
         b.edge(SCL, 0, 4)
-        b.m.suspend(b.now, stop)
+        b.suspend(stop)
         finish(b, way)
         edges.append(b.edges)
     assert edges[0] == edges[1]
@@ -79,9 +74,9 @@ def test_a_breakpoint_that_is_over_before_scl_falls_changes_nothing():
         b = Bench(Target())
         start(b, "transmitter")
         b.edge(SCL, 1, 4)
-        b.m.suspend(b.now, stop)
+        b.suspend(stop)
         b.run(60)
-        b.m.suspend(b.now, False)
+        b.suspend(False)
         finish(b, "transmitter")
         edges.append(b.edges)
     assert edges[0] == edges[1]
@@ -90,11 +85,10 @@ def test_a_breakpoint_that_is_over_before_scl_falls_changes_nothing():
 @rule("I2C-325")
 def test_with_free_a_slave_goes_on():
     foreign = Foreign("S 50W 12 34 P")
-    b = Bench(foreign)
-    b.w("I2COAR", 0x50)
+    b = Bench(foreign, own=0x50)
     b.mode("FREE")
     b.edge(SCL, 0, 4)
-    b.m.suspend(b.now, True)
+    b.suspend(True)
     assert b.drain(2) == [0x12, 0x34]
     b.run(4 * SLOT)
     assert foreign.heard == "AAA"
@@ -118,9 +112,7 @@ def test_a_debugger_read_of_i2cisrc_leaves_the_code_and_its_flag(name: str, code
     partners = {"AL": [Target(0x48), Foreign("S 48W 77 P", at=None)], "NACK": [], "SCD": [Target()]}[name]
     b = Bench(*partners)
     b.w("I2CIER", 1 << code - 1)
-    b.w("I2CCNT", 1)
-    b.w("I2CDXR", 1)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1, data=1)
     b.until(lambda: b.flag(name))
     b.run(50)
     assert [b.peek("I2CISRC"), b.peek("I2CISRC")] == [code, code]

@@ -51,8 +51,7 @@ def test_the_first_byte_has_bc_bits_too(bc: int):
 @pytest.mark.parametrize("own", [0x00, 0x50])
 def test_a_slave_with_trx_0_takes_every_transfer_whatever_its_address(own: int):
     foreign = Foreign("S 77 12 P", at=2000)
-    b = Bench(foreign)
-    b.w("I2COAR", own)
+    b = Bench(foreign, own=own)
     b.mode("FDF")
     assert b.drain(2) == [0x77, 0x12]
     b.run(4 * SLOT)
@@ -97,8 +96,7 @@ def test_without_fdf_the_format_is_given_by_xa(xa: str, said: str):
 def test_i2csar_0_is_no_general_call_in_the_free_data_format():
     b = Bench(Target(free="r"))
     b.w("I2CSAR", 0)
-    b.send([0x12], extra="FDF")
-    b.until(lambda: b.flag("ARDY"))
+    b.send([0x12], extra="FDF", until="ARDY")
     assert not b.flag("NACK")
 
 
@@ -106,9 +104,7 @@ def test_i2csar_0_is_no_general_call_in_the_free_data_format():
 def test_the_format_is_that_of_the_write_that_sets_stt(before: str, behind: str, said: str):
     """I2CMDR is written anew while the START is on the wires."""
     b = Bench(Target(free="r") if before else Target())
-    b.w("I2CCNT", 1)
-    b.w("I2CDXR", 0x5A)
-    b.mode(f"FREE MST TRX STT STP {before}")
+    b.mode(f"FREE MST TRX STT STP {before}", count=1, data=0x5A)
     b.edge(SDA, 0)
     b.mode(f"FREE MST TRX STP {behind}")
     b.stopped()

@@ -16,8 +16,7 @@ OWN = 0x2A
 def loop(b: Bench, data: list[int], extra: str = "STP") -> list[int]:
     """Sends the bytes to itself; those that came back."""
     b.w("I2COAR", OWN)
-    b.w("I2CCNT", len(data))
-    b.mode("FREE MST TRX STT DLB " + extra)
+    b.mode("FREE MST TRX STT DLB " + extra, count=len(data))
     got, left = [], list(data)
     while len(got) < len(data):
         b.until(lambda: b.flag("RRDY") or (left and b.flag("XRDY")))
@@ -61,8 +60,7 @@ def test_the_pins_show_the_transfer_to_the_own_address():
 
 @rule("I2C-312")
 def test_without_dlb_the_address_is_i2csar():
-    b = Bench(Target(0x50))
-    b.w("I2COAR", OWN)
+    b = Bench(Target(0x50), own=OWN)
     assert b.write_all([0x5C]) == "S 50W A 5c A P"
 
 
@@ -84,9 +82,7 @@ def test_a_level_forced_on_the_scl_pin_does_not_stop_the_clock():
 @rule("I2C-306")
 def test_without_dlb_the_module_waits_for_the_scl_pin():
     b = Bench(Target(0x50))
-    b.w("I2CCNT", 1)
-    b.w("I2CDXR", 0x5C)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1, data=0x5C)
     b.edge(SCL, 0, 3)
     b.pull(SCL)
     assert b.held(30 * SLOT)
@@ -97,8 +93,7 @@ def test_without_dlb_the_module_waits_for_the_scl_pin():
 
 @rule("I2C-306")
 def test_without_dlb_nothing_comes_back():
-    b = Bench(Target(0x50))
-    b.w("I2COAR", OWN)
+    b = Bench(Target(0x50), own=OWN)
     b.write_all([0x5C])
     assert b.flags("RRDY") == "" and b.peek("I2CDRR") == 0
 
@@ -130,8 +125,7 @@ def test_loopback_in_the_free_data_format_is_not_supported():
 @rule("I2C-309", "I2C-310")
 def test_a_foreign_transfer_on_the_pins_is_not_heard():
     foreign = Foreign("S 2AW 12 P")
-    b = Bench(foreign)
-    b.w("I2COAR", OWN)
+    b = Bench(foreign, own=OWN)
     b.mode("MST TRX DLB")
     b.run(30 * SLOT)
     assert foreign.done and foreign.heard == "NN"

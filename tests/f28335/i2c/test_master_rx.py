@@ -31,8 +31,7 @@ def test_any_bytes_from_any_address(address: int, data: list[int]):
 def test_nothing_is_received_when_the_read_address_is_refused():
     b = Bench()
     b.mode("MST STT", count=2)
-    b.until(lambda: b.flag("NACK"))
-    b.run(20 * SLOT)
+    b.after("NACK", 20)
     assert b.said() == "S 50R N"
     assert b.flags("RRDY RSFULL") == ""
 
@@ -54,8 +53,7 @@ def test_two_unread_bytes_stop_the_clock_low_until_i2cdrr_is_read():
     data = [0x11, 0x22, 0x33, 0x44]
     b = Bench(Target(gives=data))
     b.mode("MST STT STP", count=4)
-    b.until(lambda: b.flag("RSFULL"))
-    b.run(2 * SLOT)
+    b.after("RSFULL", 2)
     assert b.held(40 * SLOT)
     assert len(b.times(SCL, 0)) in (1 + 9 + 9 + 8, 1 + 9 + 9 + 9)
     assert b.r("I2CDRR") == 0x11
@@ -148,8 +146,7 @@ def test_nackmod_counts_from_the_rise_of_the_last_data_bit(late: bool, answers: 
 def test_nackmod_left_from_transmitting_does_not_refuse_an_address():
     """As a transmitter the module clocks acknowledge slots of others; NACKMOD only speaks for a receiver."""
     b = Bench(Target())
-    b.send([1, 2], extra="NACKMOD")
-    b.until(lambda: b.flag("ARDY"))
+    b.send([1, 2], extra="NACKMOD", until="ARDY")
     assert b.said() == "S 50W A 01 A 02 A"
     assert b.flags("NACKSNT") == ""
 
@@ -193,8 +190,7 @@ def test_the_count_makes_the_last_nack_and_forces_the_stop():
 @rule("I2C-152", "I2C-139")
 def test_write_then_read_of_a_register_with_a_repeated_start():
     b = Bench(Target(gives=[0xE5, 0x00]))
-    b.send([0x32], extra="")
-    b.until(lambda: b.flag("ARDY"))
+    b.send([0x32], extra="", until="ARDY")
     assert b.read_all(2) == [0xE5, 0x00]
     assert b.said() == "S 50W A 32 A S 50R A e5 A 00 N P"
 

@@ -34,9 +34,7 @@ def test_any_bytes_to_any_address(address: int, data: list[int]):
 @rule("I2C-131", "I2C-133", "I2C-136", "I2C-235", "I2C-237", "I2C-243")
 def test_flags_along_a_transfer_of_two_bytes_one_column_a_clock_pulse():
     b = Bench(Target())
-    b.w("I2CCNT", 2)
-    b.w("I2CDXR", 0x5)
-    b.mode("MST TRX STT")
+    b.mode("MST TRX STT", count=2, data=0x5)
     start = b.edge(SCL, 0)
     b.check(
         """
@@ -131,11 +129,8 @@ def test_ten_bit_address_takes_two_acknowledged_bytes_and_data_follow(address: i
 def test_the_second_address_byte_must_be_acknowledged_too():
     b = Bench(Target(0x234))
     b.w("I2CSAR", 0x235)
-    b.w("I2CCNT", 1)
-    b.w("I2CDXR", 0x12)
-    b.mode("MST TRX STT XA")
-    b.until(lambda: b.flag("NACK"))
-    b.run(4 * SLOT)
+    b.mode("MST TRX STT XA", count=1, data=0x12)
+    b.after("NACK", 4)
     assert b.said() == "S 7aW A 35 N"
 
 
@@ -154,9 +149,7 @@ def test_i2csar_written_during_a_transfer_acts_at_the_next_start():
 @rule("I2C-088")
 def test_i2csar_written_while_the_address_is_on_the_bus_does_not_change_it():
     b = Bench(Target(0x50))
-    b.w("I2CCNT", 1)
-    b.w("I2CDXR", 1)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1, data=1)
     b.edge(SCL, 0, 3)
     b.w("I2CSAR", 0x7F)
     b.stopped()
@@ -179,17 +172,14 @@ def test_i2csar_0_is_a_general_call_and_nack_is_1_although_it_is_acknowledged():
 @rule("I2C-089")
 def test_an_address_other_than_0_is_no_general_call():
     b = Bench(Target())
-    b.send([0x12], extra="")
-    b.until(lambda: b.flag("ARDY"))
+    b.send([0x12], extra="", until="ARDY")
     assert b.flags("NACK") == ""
 
 
 @rule("I2C-092", "I2C-131")
 def test_a_byte_in_i2cdxr_waits_there_while_the_address_is_shifted_out():
     b = Bench(Target())
-    b.w("I2CCNT", 1)
-    b.w("I2CDXR", 0x77)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1, data=0x77)
     b.edge(SCL, 0)
     for _ in range(8):
         assert b.flags("XRDY") == ""
@@ -358,8 +348,7 @@ def test_with_stp_the_end_of_the_count_leaves_ardy():
 @pytest.mark.parametrize("how", ["write 1", "IRS", "write 0"])
 def test_ardy_is_cleared_by_writing_1_and_by_reset(how: str):
     b = Bench(Target())
-    b.send([1], extra="")
-    b.until(lambda: b.flag("ARDY"))
+    b.send([1], extra="", until="ARDY")
     if how == "IRS":
         b.w("I2CMDR", 0)
     else:
@@ -370,8 +359,7 @@ def test_ardy_is_cleared_by_writing_1_and_by_reset(how: str):
 @rule("I2C-246")
 def test_ardy_is_never_set_in_slave_mode():
     foreign = Foreign("S 50W 01 02 P +400 S 50R ?A ?N P")
-    b = Bench(foreign)
-    b.w("I2COAR", 0x50)
+    b = Bench(foreign, own=0x50)
     b.w("I2CCNT", 1)
     b.w("I2CDXR", 0x77)
     seen, got = [], []
@@ -393,9 +381,7 @@ def test_ardy_is_never_set_in_slave_mode():
 def test_an_absent_slave_leaves_the_status_that_users_saw_on_a_sibling():
     """I2CSTR = 0x1406 with I2CDXR loaded before STT: BB, XSMT, ARDY, NACK; the byte still waits (XRDY = 0)."""
     b = Bench()
-    b.w("I2CCNT", 1)
-    b.w("I2CDXR", 0x12)
-    b.mode("MST TRX STT")
+    b.mode("MST TRX STT", count=1, data=0x12)
     b.after("NACK")
     assert b.peek("I2CSTR") == 0x1406
     assert b.held(20 * SLOT)
@@ -409,8 +395,7 @@ def test_a_refused_data_byte_sets_nack_and_no_further_byte_goes_out(number: int)
     b = Bench(Target(nack=[number]))
     b.send([1, 2, 3][: number + 1], extra="", count=3)
     assert not b.flag("NACK")
-    b.until(lambda: b.flag("NACK"))
-    b.run(20 * SLOT)
+    b.after("NACK", 20)
     assert b.said() == ["S 50W A 01 N", "S 50W A 01 A 02 N"][number]
     b.stop()
     assert b.said().endswith("N P")

@@ -27,8 +27,7 @@ def scene(name: str) -> Bench:
     elif name == "slow rise":
         b = Bench(Target(), rise=45)
     else:
-        b = Bench()
-        b.w("I2COAR", 0x2A)
+        b = Bench(own=0x2A)
     b.w("I2CIER", 0x7F)
     b.w("I2CCNT", 2)
     way = "" if name == "receive" else "TRX"

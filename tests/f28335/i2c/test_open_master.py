@@ -51,8 +51,7 @@ def test_the_choices_below_are_all_there_are():
 def test_open_hold_scl_after_nack(hold: bool):
     b = Bench(options=with_(hold_scl_after_nack=hold))
     b.send([], extra="", count=1)
-    b.until(lambda: b.flag("NACK"))
-    b.run(2 * SLOT)
+    b.after("NACK", 2)
     assert b.level == [int(not hold), 1]
     assert b.quiet(50 * SLOT)
     b.set("STP")
@@ -66,8 +65,7 @@ def test_open_hold_scl_after_nack(hold: bool):
 def test_open_ardy_on_nack(ardy: bool):
     b = Bench(options=with_(ardy_on_nack=ardy))
     b.send([], extra="", count=1)
-    b.until(lambda: b.flag("NACK"))
-    b.run(2 * SLOT)
+    b.after("NACK", 2)
     assert b.flag("ARDY") == ardy
 
 
@@ -87,8 +85,7 @@ def test_open_stop_without_data(how: str, said: str):
 @pytest.mark.parametrize("how, said", [("address_counts", "S 33W N P"), ("waits_for_data", "S 33W N")])
 def test_open_stop_without_data_counts_the_bytes_since_the_last_start(how: str, said: str):
     b = Bench(Target(), options=with_(stop_without_data=how))
-    b.send([1], extra="")
-    b.until(lambda: b.flag("ARDY"))
+    b.send([1], extra="", until="ARDY")
     b.w("I2CSAR", 0x33)
     b.send([], extra="", count=1)
     b.after("NACK")
@@ -202,9 +199,7 @@ def test_open_stt_while_busy(how: str):
     foreign = Foreign("S 48W 77 P")
     b = Bench(Target(0x48), Target(0x50), foreign, options=with_(stt_while_busy=how))
     b.edge(SCL, 0, 12)
-    b.w("I2CCNT", 1)
-    b.w("I2CDXR", 0x12)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1, data=0x12)
     b.run(60 * SLOT)
     if how == "foreign_al":
         assert b.said() == "S 48W A 77 A P"
@@ -226,9 +221,7 @@ FOREIGN = ["unnoticed", "loses_arbitration"]
 def test_open_foreign_start_stop_a_start_against_a_one(how: str):
     """SDA falls in the high phase of the third data bit, after it was sampled 1."""
     b = Bench(Target(), options=with_(foreign_start_stop=how))
-    b.w("I2CCNT", 2)
-    b.w("I2CDXR", 0xFF)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=2, data=0xFF)
     b.edge(SCL, 1, 9 + 3)
     b.run(HIGH // 2)
     b.pull(SDA)
@@ -264,8 +257,7 @@ def test_open_foreign_start_stop_a_stop_against_a_zero(how: str):
 @pytest.mark.parametrize("how", FOREIGN)
 def test_open_foreign_start_stop_does_not_matter_where_the_conditions_are_its_own(how: str):
     b = Bench(Target(gives=[0x77]), options=with_(foreign_start_stop=how))
-    b.send([0x00], extra="")
-    b.until(lambda: b.flag("ARDY"))
+    b.send([0x00], extra="", until="ARDY")
     b.mode("MST STT STP", count=1)
     assert b.drain(1) == [0x77]
     b.stopped()
@@ -306,8 +298,7 @@ def test_a_start_waits_until_nobody_holds_scl():
 @pytest.mark.parametrize("how", ["foreign_al", "foreign_waits", "always_repeated_start"])
 def test_open_stt_while_busy_does_not_matter_on_the_own_bus(how: str):
     b = Bench(Target(), options=with_(stt_while_busy=how))
-    b.send([1], extra="")
-    b.until(lambda: b.flag("ARDY"))
+    b.send([1], extra="", until="ARDY")
     b.send([2])
     b.stopped()
     assert b.said() == "S 50W A 01 A S 50W A 02 A P"
@@ -416,8 +407,7 @@ def test_open_psc_write_irs1(how: str, tmod: int):
 def test_open_sda_setup_before_scl_release(role: str, setup: int):
     """A transmitter that was late: first its bit goes out, then SCL is released."""
     partner = Target() if role == "master" else Foreign("S 50R ?N P")
-    b = Bench(partner, options=with_(sda_setup_before_scl_release=setup))
-    b.w("I2COAR", 0x50)
+    b = Bench(partner, options=with_(sda_setup_before_scl_release=setup), own=0x50)
     if role == "master":
         b.send([], count=1)
     b.until(lambda: not b.flag("XSMT"))
@@ -433,8 +423,7 @@ def test_open_sda_setup_before_scl_release(role: str, setup: int):
 
 def test_open_sda_setup_before_scl_release_leaves_bits_that_were_not_held():
     b = Bench(Target(), options=with_(sda_setup_before_scl_release=255))
-    b.w("I2CDXR", 0x12)
-    b.mode("MST TRX STT STP", count=1)
+    b.mode("MST TRX STT STP", count=1, data=0x12)
     b.stopped()
     assert {y.time - x.time for x, y in _scl_pairs(b)} == {LOW, HIGH}
 
@@ -447,8 +436,7 @@ def test_open_sda_setup_before_scl_release_leaves_bits_that_were_not_held():
 @pytest.mark.parametrize("how", ["after_last_bit", "after_dxr_write"])
 def test_open_dlb_delay(how: str, psc: int):
     """n = 8 (IPSC + 1) cycles from the rise of the last data bit, or from the write that ended an underflow."""
-    b = Bench(options=with_(dlb_delay=how), psc=psc)
-    b.w("I2COAR", 0x2A)
+    b = Bench(options=with_(dlb_delay=how), psc=psc, own=0x2A)
     b.mode("FREE MST TRX STT STP DLB", count=1)
     b.until(lambda: not b.flag("XSMT"))
     b.run(3 * SLOT)
@@ -472,18 +460,15 @@ def test_open_dlb_delay(how: str, psc: int):
 def test_open_free_slave_unit(how: str):
     """A breakpoint in the first of two data bytes, with FREE = 0."""
     foreign = Foreign("S 50W 12 34 P")
-    b = Bench(foreign, options=with_(free_slave_unit=how))
-    b.w("I2COAR", 0x50)
+    b = Bench(foreign, options=with_(free_slave_unit=how), own=0x50)
     b.edge(SCL, 0, 10 + 4)
-    b.m.suspend(b.now, True)
-    b.settle()
+    b.suspend(True)
     b.until(lambda: b.flag("RRDY"))
     assert b.r("I2CDRR") == 0x12
     b.run(30 * SLOT)
     assert b.flag("RRDY") == (how == "whole_transfer")
     assert (foreign.heard, foreign.done) == (("AA", False) if how == "byte" else ("AAA", True))
-    b.m.suspend(b.now, False)
-    b.settle()
+    b.suspend(False)
     assert b.drain(1) == [0x34]
     b.run(10 * SLOT)
     assert (b.said(), foreign.heard) == ("S 50W A 12 A 34 A P", "AAA")

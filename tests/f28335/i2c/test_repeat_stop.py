@@ -13,8 +13,7 @@ def begun() -> tuple[Bench, Target]:
     b = Bench(target)
     b.mode("MST TRX RM STT")
     b.w("I2CDXR", 0x11)
-    b.until(lambda: b.flag("XRDY"))
-    b.run(4 * SLOT)
+    b.after("XRDY", 4)
     return b, target
 
 

@@ -32,9 +32,7 @@ def test_a_write_with_irs_0_cannot_set_the_bit(name: str):
 @pytest.mark.parametrize("names", ["STT", "STP", "STT STP TRX"])
 def test_without_mst_stt_and_stp_do_nothing_on_the_bus(names: str):
     b = Bench(Target())
-    b.w("I2CCNT", 1)
-    b.w("I2CDXR", 0x12)
-    b.mode(names)
+    b.mode(names, count=1, data=0x12)
     assert b.quiet()
     assert not b.flag("BB")
 
@@ -42,8 +40,7 @@ def test_without_mst_stt_and_stp_do_nothing_on_the_bus(names: str):
 @rule("I2C-036")
 def test_stp_of_an_addressed_slave_does_nothing_on_the_bus():
     foreign = Foreign("S 50W 12 34 P")
-    b = Bench(foreign)
-    b.w("I2COAR", 0x50)
+    b = Bench(foreign, own=0x50)
     b.until(lambda: b.flag("AAS"))
     b.set("STP")
     assert b.drain(2) == [0x12, 0x34]
@@ -68,9 +65,7 @@ def test_mst_and_stt_make_a_start_and_stt_clears_itself():
 @rule("I2C-038", "I2C-147", "I2C-206", "I2C-075", "I2C-133")
 def test_one_byte_with_stop_as_it_looks_on_the_wires():
     b = Bench(Target(0x50))
-    b.w("I2CCNT", 1)
-    b.w("I2CDXR", 0x3A)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1, data=0x3A)
     start = b.edge(SCL, 0)
     b.check(
         """
@@ -156,9 +151,7 @@ def test_stp_alone_ends_a_kept_repeat_mode_transfer_with_a_stop():
 @pytest.mark.parametrize("names", ["MST TRX", "MST", "MST TRX RM", "MST RM", "MST TRX RM STT STP"])
 def test_combinations_without_bus_activity(names: str):
     b = Bench(Target())
-    b.w("I2CCNT", 1)
-    b.w("I2CDXR", 0x12)
-    b.mode(names)
+    b.mode(names, count=1, data=0x12)
     assert b.quiet()
     assert not b.flag("BB")
 
@@ -236,8 +229,7 @@ def test_stt_ends_a_repeat_mode_transfer_with_a_repeated_start():
 @rule("I2C-152", "I2C-340")
 def test_bb_stays_1_through_a_repeated_start():
     b = Bench(Target())
-    b.send([1], extra="")
-    b.until(lambda: b.flag("ARDY"))
+    b.send([1], extra="", until="ARDY")
     b.send([2], extra="STP")
     while not b.flag("SCD"):
         assert b.flag("BB")
@@ -251,8 +243,7 @@ def test_repeated_start_with_ten_bit_addresses_changes_the_direction(how: str):
     """Once the whole address was sent the header alone does, whatever `ten_bit_read` says about a read from idle."""
     b = Bench(Target(0x234, [0x99]), options=with_(ten_bit_read=how))
     b.w("I2CSAR", 0x234)
-    b.send([0x11], extra="XA")
-    b.until(lambda: b.flag("ARDY"))
+    b.send([0x11], extra="XA", until="ARDY")
     b.mode("MST STT STP XA", count=1)
     assert b.drain(1) == [0x99]
     b.stopped()
@@ -262,8 +253,7 @@ def test_repeated_start_with_ten_bit_addresses_changes_the_direction(how: str):
 @rule("I2C-153")
 def test_repeated_start_in_the_free_data_format():
     b = Bench(Target(free="r"))
-    b.send([0x11], extra="FDF")
-    b.until(lambda: b.flag("ARDY"))
+    b.send([0x11], extra="FDF", until="ARDY")
     b.send([0x22], extra="FDF STP")
     b.stopped()
     assert b.said(free=True) == "S 11 A S 22 A P"
@@ -302,8 +292,7 @@ def test_without_stb_the_address_follows_the_start():
 @pytest.mark.parametrize("stb", ["", "STB"])
 def test_stb_has_no_effect_on_a_slave(stb: str):
     foreign = Foreign("S 50W 12 P")
-    b = Bench(foreign)
-    b.w("I2COAR", 0x50)
+    b = Bench(foreign, own=0x50)
     b.mode(stb)
     assert b.drain(1) == [0x12]
     b.run(4 * SLOT)
@@ -376,8 +365,7 @@ def test_stp_set_while_a_repeat_mode_transfer_waits_for_data_ends_it_at_once():
 @example("start byte", 3540)  # in the high phase of a repeated START
 def test_irs_0_at_any_moment_lets_go_and_the_next_transfer_is_a_clean_one(what: str, after: int):
     target = Target(gives=[0x12, 0x34, 0x56, 0x78])
-    b = Bench(target)
-    b.w("I2COAR", 0x2A)
+    b = Bench(target, own=0x2A)
     b.w("I2CCNT", 2)
     b.w("I2CDXR", 0x77)
     if what == "refused":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.f28335.spi_rig import FIFO, HALF, MASTER, SLAVE, SpiRig
+from tests.f28335.spi_rig import HALF, MASTER, SLAVE, SpiRig
 
 
 @pytest.mark.rule("SPI-054")

@@ -9,7 +9,7 @@ for timing diagrams the rig has drive, run_until and show (tests/waves.py).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Self
 
 from periph_sim.core.options import Value, options_from
@@ -198,12 +198,16 @@ class Rig(Bus):
         self.put(sda=0)
         self.fall()
 
-    def restart(self) -> None:
-        """Repeated START; SCL has just fallen. Ends at the fall of SCL that follows."""
+    def restart(self, first: int | None = None) -> bool:
+        """Repeated START; SCL has just fallen. Ends at the fall of SCL that follows, or at fall 9 of its first byte.
+
+        Returns whether that byte was acknowledged.
+        """
         self.rise(1)
         self.wait(self.bit // 4)
         self.put(sda=0)
         self.fall()
+        return first is not None and self.send(first)
 
     def stop(self) -> None:
         """STOP; SCL has just fallen. Ends at the rise of SDA."""
@@ -243,6 +247,22 @@ class Rig(Bus):
         """START and the address byte; whether it was acknowledged. Ends at fall 9."""
         self.start()
         return self.send(address << 1 | read)
+
+    def receive(self, *data: int, address: int = OWN) -> None:
+        """START, address byte and bytes to the chip, whatever it answers. Ends at fall 9."""
+        self.address(address)
+        for byte in data:
+            self.send(byte)
+
+    def deliver(self, byte: int) -> int:
+        """A byte to the chip, which acknowledges it: what its CPU reads."""
+        assert self.send(byte), f"{byte:#x} is refused"
+        return self.read("I2CDRR")
+
+    def give(self, byte: int, ack: bool = True) -> int:
+        """A byte from the chip, whose CPU writes it now, answered with ACK or NACK: what the master reads."""
+        self.write("I2CDXR", byte)
+        return self.take(ack)
 
     def ask(self) -> None:
         """START and the address byte of a read, but for its ninth pulse."""
@@ -285,10 +305,13 @@ class Rig(Bus):
         raise ValueError(f"no signal {signal}")
 
 
-def addressed(read: int = 0, *, mode: int = 0, first: int | None = None, **options: Value) -> Rig:
-    """A rig whose chip has just been addressed by its own address: fall 9 of the address byte.
+def addressed(
+    read: int = 0, *, mode: int = 0, first: int | None = None, sent: Iterable[int] = (), **options: Value
+) -> Rig:
+    """A rig whose chip has just been addressed by its own address: fall 9 of the address byte, or of the last one sent.
 
     first: written to I2CDXR in the first half of the acknowledge slot, so that there is no underflow.
+    sent: bytes to the chip, whatever it answers.
     """
     rig = Rig(bit=BIT, **options)
     rig.begin(mode)
@@ -297,4 +320,6 @@ def addressed(read: int = 0, *, mode: int = 0, first: int | None = None, **optio
     if first is not None:
         rig.write("I2CDXR", first)
     assert rig.acked()
+    for byte in sent:
+        rig.send(byte)
     return rig

@@ -36,17 +36,14 @@ def nothing(rig: Rig) -> None:
 
 
 def traffic_for_others(rig: Rig) -> None:
-    rig.address(OTHER)
-    rig.send(0x12)
-    rig.restart()
-    rig.send(OTHER << 1 | 1)
+    rig.receive(0x12, address=OTHER)
+    rig.restart(OTHER << 1 | 1)
     rig.send(0xFF)
     rig.stop()
 
 
 def written_to(rig: Rig) -> None:
-    rig.address(OWN)
-    rig.send(0x12)
+    rig.receive(0x12)
     rig.read("I2CDRR")
     rig.stop()
 

@@ -88,9 +88,7 @@ def test_without_fifo_mode_the_registers_are_single():
     rig.write("I2CDXR", 0x11)
     rig.write("I2CDXR", 0x22)
     assert (count(rig, "TX"), raised(rig, "TX"), raised(rig, "RX")) == (0, 0, 0)
-    rig.address()
-    rig.send(0x33)
-    rig.send(0x44)
+    rig.receive(0x33, 0x44)
     assert rig.flag("RSFULL")
     assert count(rig, "RX") == 0
     assert rig.asked() & INT2 == 0
@@ -115,9 +113,7 @@ def test_txffrst_0_empties_the_transmit_fifo_and_keeps_it_empty():
 @pytest.mark.rule("I2C-298")
 def test_rxffrst_0_empties_the_receive_fifo_and_keeps_it_empty():
     rig = fifos()
-    rig.address()
-    rig.send(1)
-    rig.send(2)
+    rig.receive(1, 2)
     assert count(rig, "RX") == 2
     rig.write("I2CFFRX", 0)
     assert count(rig, "RX") == 0
@@ -134,9 +130,7 @@ def test_rxffrst_0_empties_the_receive_fifo_and_keeps_it_empty():
 @pytest.mark.parametrize("cleared", ["by a read of I2CDRR", "by writing 1"])
 def test_rxffrst_0_leaves_rrdy_which_a_read_of_i2cdrr_clears_even_with_the_fifo_empty(cleared: str):
     rig = fifos()
-    rig.address()
-    rig.send(1)
-    rig.send(2)
+    rig.receive(1, 2)
     rig.write("I2CFFRX", 0)
     rig.write("I2CFFRX", FFRST)
     assert (count(rig, "RX"), rig.flag("RRDY")) == (0, 1)
@@ -216,8 +210,7 @@ def test_rxffint_comes_when_the_count_comes_up_to_the_level(level):
 @pytest.mark.rule("I2C-300", "I2C-303")
 def test_rxffint_stays_when_the_fifo_is_emptied():
     rig = fifos(0, 1)
-    rig.address()
-    rig.send(0x11)
+    rig.receive(0x11)
     rig.read("I2CDRR")
     assert raised(rig, "RX")
 
@@ -255,9 +248,7 @@ def test_a_level_written_before_or_with_the_enable_avoids_that(before, irs_first
 @pytest.mark.rule("I2C-303")
 def test_rxffintclr_clears_with_1_and_not_with_0_and_reads_0():
     rig = fifos(0, 2)
-    rig.address()
-    rig.send(1)
-    rig.send(2)
+    rig.receive(1, 2)
     rig.read("I2CDRR")
     assert raised(rig, "RX")
     rig.write("I2CFFRX", FFRST | 2)
@@ -300,8 +291,7 @@ def test_both_fifos_share_the_line_and_tell_by_their_flags():
     assert (raised(rig, "TX"), raised(rig, "RX")) == (1, 0)
     rig.write("I2CDXR", 0x55)
     rig.write("I2CFFTX", FFEN | FFRST | FFINTCLR | FFIENA)
-    rig.address()
-    rig.send(0x11)
+    rig.receive(0x11)
     rig.wait(SOON)
     assert rig.asked() == INT2
     assert (raised(rig, "TX"), raised(rig, "RX")) == (raised(rig, "TX"), 1)

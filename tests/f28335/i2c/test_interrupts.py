@@ -210,8 +210,7 @@ def test_the_seven_requests_never_use_the_fifo_line():
 @pytest.mark.rule("I2C-279", "I2C-280", "I2C-281", "I2C-282")
 def test_reading_a_code_brings_the_next_one_and_a_new_pulse():
     """RRDY, SCD and AAS pend at once (AAS through a second address); AAS and RRDY go with their flags."""
-    rig = addressed()
-    rig.send(0x11)
+    rig = addressed(sent=[0x11])
     rig.stop()
     rig.wait(SOON)
     assert rig.status(RRDY | SCD | AAS) == RRDY | SCD

@@ -323,8 +323,7 @@ def test_open_xsmt_on_final_nack(what):
 def test_open_nackint_in_slave_tx(asks):
     rig = addressed(read=1, nackint_in_slave_tx=asks)
     rig.write("I2CIER", IE_NACK)
-    rig.write("I2CDXR", 0x5A)
-    rig.take(ack=False)
+    rig.give(0x5A, ack=False)
     rig.wait(SOON)
     assert rig.flag("NACK")
     assert rig.peek("I2CISRC") == (2 if asks else 0)
@@ -402,8 +401,7 @@ def test_open_rrdy_point(point):
 @pytest.mark.rule("I2C-098", "I2C-100", "I2C-103", "I2C-188")
 @pytest.mark.parametrize("policy", ["stretch_after_second_byte", "nack", "overwrite"])
 def test_open_rx_overrun_policy(policy):
-    rig = addressed(rx_overrun_policy=policy)
-    rig.send(0x11)
+    rig = addressed(rx_overrun_policy=policy, sent=[0x11])
     assert rig.send(0x22) == (policy != "nack")
     assert rig.flag("RSFULL")
     assert rig.stretching == (policy == "stretch_after_second_byte")
@@ -416,8 +414,7 @@ def test_open_rx_overrun_policy(policy):
 @pytest.mark.rule("I2C-100")
 @pytest.mark.parametrize("point", ["after_fall9", "before_ack"])
 def test_open_rsfull_stretch_point(point):
-    rig = addressed(rsfull_stretch_point=point)
-    rig.send(0x11)
+    rig = addressed(rsfull_stretch_point=point, sent=[0x11])
     rig.send_bits(0x22)
     rig.wait(BIT)
     assert rig.stretching == (point == "before_ack")
@@ -524,8 +521,7 @@ def test_open_oar_zero(what):
     assert rig.send(0x01) == (what == "own_address_too")
     assert rig.status(AAS | SDIR) == (AAS | SDIR if what == "own_address_too" else 0)
     if what == "own_address_too":
-        rig.write("I2CDXR", 0x5A)
-        assert rig.take(ack=False) == 0x5A
+        assert rig.give(0x5A, ack=False) == 0x5A
     rig.stop()
     assert rig.address(0)
 
@@ -629,8 +625,7 @@ def test_open_event_to_isrc_delay(delay):
 @pytest.mark.rule("I2C-280")
 @pytest.mark.parametrize("order, codes", [("ascending", [4, 6]), ("descending", [6, 4])])
 def test_open_int_priority(order, codes):
-    rig = addressed(int_priority=order)
-    rig.send(0x11)
+    rig = addressed(int_priority=order, sent=[0x11])
     rig.stop()
     rig.write("I2CIER", IE_RRDY | IE_SCD)
     rig.wait(SOON)
@@ -650,10 +645,8 @@ def test_open_isrc_preempt(rule, shown):
     rig.send(0x11)
     rig.wait(SOON)
     assert rig.peek("I2CISRC") == 4
-    rig.restart()
-    rig.send(OWN << 1 | 1)
-    rig.write("I2CDXR", 0x22)
-    rig.take(ack=False)
+    rig.restart(OWN << 1 | 1)
+    rig.give(0x22, ack=False)
     rig.wait(SOON)
     assert rig.read("I2CISRC") == shown
     rig.wait(SOON)
@@ -766,8 +759,7 @@ def test_open_fifo_int_mode(mode):
     rig = Rig(fifo_int_mode=mode)
     rig.set_fifos(FFEN | FFRST, FFRST | 1)
     rig.begin()
-    rig.address()
-    rig.send(0x11)
+    rig.receive(0x11)
 
     def flags() -> list[int]:
         rig.wait(SOON)
@@ -820,8 +812,7 @@ def test_open_txfifo_reset_flushes_xsr(flushes):
     assert rig.peek("I2CFFTX") >> 8 & 31 == 0
     rig.write("I2CFFTX", FFEN)
     rig.write("I2CFFTX", FFEN | FFRST)
-    rig.restart()
-    rig.send(OWN << 1 | 1)
+    rig.restart(OWN << 1 | 1)
     rig.wait(BIT)
     assert rig.stretching == flushes
     if flushes:
@@ -870,8 +861,7 @@ def test_open_irs_clears_fifo(clears):
     rig.begin()
     for byte in (0x11, 0x12, 0x13):
         rig.write("I2CDXR", byte)
-    rig.address()
-    rig.send(0x22)
+    rig.receive(0x22)
     rig.write("I2CMDR", 0)
     left = [rig.peek(name) >> 8 & 31 for name in ("I2CFFTX", "I2CFFRX")]
     assert left == ([0, 0] if clears else [1, 1])

@@ -200,8 +200,7 @@ def test_a_7_bit_master_must_write_the_upper_bits_of_sar_0(sar, xa, broken):
 @pytest.mark.rule("I2C-003")
 def test_no_address_shows_the_receive_shift_register():
     """0x5A waits in I2CRSR because 0xA5 was not fetched from I2CDRR."""
-    rig = addressed()
-    rig.send(0xA5)
+    rig = addressed(sent=[0xA5])
     rig.send_bits(0x5A)
     seen = {offset: rig.chip.read(rig.now, offset) & 0xFF for offset in range(0x40) if offset != OFFSET["I2CDRR"]}
     assert 0x5A not in seen.values()

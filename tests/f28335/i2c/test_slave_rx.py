@@ -56,8 +56,7 @@ def test_i2ccnt_does_not_limit_a_slave_receiver(count):
     rig.begin()
     rig.address()
     for byte in range(5):
-        assert rig.send(byte)
-        assert rig.read("I2CDRR") == byte
+        assert rig.deliver(byte) == byte
     assert rig.read("I2CCNT") == count
 
 
@@ -87,14 +86,12 @@ def test_a_second_unread_byte_holds_scl_until_drr_is_read():
     assert rig.status(RRDY | RSFULL) == RRDY
     assert rig.read("I2CDRR") == 0x22
     assert rig.status(RRDY | RSFULL) == 0
-    assert rig.send(0x33)
-    assert rig.read("I2CDRR") == 0x33
+    assert rig.deliver(0x33) == 0x33
 
 
 @pytest.mark.rule("I2C-101", "I2C-210")
 def test_rsfull_comes_with_the_second_unread_byte_and_not_before():
-    rig = addressed()
-    rig.send(0x11)
+    rig = addressed(sent=[0x11])
     assert rig.status(RSFULL | RRDY) == RRDY
     rig.send_bits(0x22 >> 1, 7)
     assert rig.flag("RSFULL") == 0
@@ -127,9 +124,7 @@ def test_nack_an_overrun_is_refused():
 @pytest.mark.rule("I2C-100")
 def test_a_late_handler_leaves_what_a_sibling_chip_was_seen_with():
     """0x1E18 = BB, RSFULL, XSMT, AAS, XRDY, RRDY (E2E, DM355 slave, same module)."""
-    rig = addressed()
-    rig.send(1)
-    rig.send(2)
+    rig = addressed(sent=[1, 2])
     assert rig.read("I2CSTR") == 0x1E18
 
 
@@ -193,10 +188,8 @@ def test_nackmod_means_nothing_to_a_transmitter():
     plain, nackmod = addressed(read=1), addressed(read=1)
     nackmod.write("I2CMDR", IRS | NACKMOD)
     for rig in (plain, nackmod):
-        rig.write("I2CDXR", 0x81)
-        assert rig.take() == 0x81
-        rig.write("I2CDXR", 0x18)
-        assert rig.take(ack=False) == 0x18
+        assert rig.give(0x81) == 0x81
+        assert rig.give(0x18, ack=False) == 0x18
     assert plain.status() == nackmod.status()
     assert nackmod.flag("NACKSNT") == 0
 
@@ -313,14 +306,11 @@ def test_nothing_moves_between_inputs_and_due_wakes(noise, fifo):
     rig.begin()
     rig.start()
     assert rig.send(OWN << 1)
-    assert rig.send(0x5A)
-    assert rig.read("I2CDRR") == 0x5A
-    rig.restart()
-    assert rig.send(OWN << 1 | 1)
+    assert rig.deliver(0x5A) == 0x5A
+    assert rig.restart(OWN << 1 | 1)
     assert rig.status(AAS | SDIR) == AAS | SDIR
     rig.wait(100)
-    rig.write("I2CDXR", 0x96)
-    assert rig.take(ack=False) == 0x96
+    assert rig.give(0x96, ack=False) == 0x96
     rig.stop()
     rig.wait(128)
     assert not rig.stretching

@@ -118,8 +118,7 @@ def test_a_transfer_that_was_broken_off_asks_for_no_more_data(repeated):
     rig.acked()
     rig.take_bits(2)
     if repeated:
-        rig.restart()
-        rig.send(OTHER << 1)
+        rig.restart(OTHER << 1)
     rig.stop()
     rig.write("I2CIER", 0)
     rig.wait(SOON)
@@ -188,20 +187,16 @@ def test_only_the_own_address_with_r_makes_a_slave_transmitter(address, read, be
 @pytest.mark.rule("I2C-105")
 def test_from_receiver_to_transmitter_and_back():
     rig = addressed()
-    assert rig.send(0x01)
-    assert rig.read("I2CDRR") == 0x01
+    assert rig.deliver(0x01) == 0x01
     assert rig.flag("SDIR") == 0
-    rig.restart()
-    rig.send(OWN << 1 | 1)
+    rig.restart(OWN << 1 | 1)
     assert rig.flag("SDIR")
-    rig.write("I2CDXR", 0xEE)
-    assert rig.take(ack=False) == 0xEE
+    assert rig.give(0xEE, ack=False) == 0xEE
     assert rig.flag("RRDY") == 0
     rig.restart()
     assert rig.flag("SDIR") == 0
     assert rig.send(OWN << 1)
-    assert rig.send(0x02)
-    assert rig.read("I2CDRR") == 0x02
+    assert rig.deliver(0x02) == 0x02
 
 
 @pytest.mark.rule("I2C-107", "I2C-078", "I2C-075")

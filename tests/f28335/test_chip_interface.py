@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import pytest
@@ -25,30 +27,53 @@ SPI_PINS = ("SIMO", "SOMI", "CLK", "STE")
 XINTS = ("XINT1", "XINT2", "XINT3", "XINT4", "XINT5", "XINT6", "XINT7")
 
 # chip: inputs, outputs, cycles from an input to its effect, levels of the outputs, first wake-up
-CHIPS: list[tuple[Any, tuple[str, ...], tuple[str, ...], int, int, int]] = [
-    (I2c(), ("SCL", "SDA"), ("SCL", "SDA"), 1, 3, NEVER),
-    (Sci(), ("RXD",), ("TXD",), 2, 1, NEVER),
-    (Spi(), SPI_PINS, SPI_PINS, 0, 15, NEVER),
-    (Gpio(SYSTEM), PINS, PINS, 0, 0, NEVER),
-    (Xint(), XINTS, (), 0, 0, NEVER),
-    (Pie(SYSTEM), (), (), 0, 0, NEVER),
-    (CpuTimer(SYSTEM), (), (), 0, 0, 0x10000),
-    (SystemControl(30_000_000, SYSTEM), (), (), 0, 0, 256 * 512 // 4),
+CHIPS: list[tuple[Callable[[], Any], tuple[str, ...], tuple[str, ...], int, int, int]] = [
+    (I2c, ("SCL", "SDA"), ("SCL", "SDA"), 1, 3, NEVER),
+    (Sci, ("RXD",), ("TXD",), 2, 1, NEVER),
+    (Spi, SPI_PINS, SPI_PINS, 0, 15, NEVER),
+    (partial(Gpio, SYSTEM), PINS, PINS, 0, 0, NEVER),
+    (Xint, XINTS, (), 0, 0, NEVER),
+    (partial(Pie, SYSTEM), (), (), 0, 0, NEVER),
+    (partial(CpuTimer, SYSTEM), (), (), 0, 0, 0x10000),
+    (partial(SystemControl, 30_000_000, SYSTEM), (), (), 0, 0, 256 * 512 // 4),
 ]
 
 
-@pytest.mark.parametrize(("chip", "inputs", "outputs", "width", "out", "wake"), CHIPS)
+@pytest.mark.parametrize(("make", "inputs", "outputs", "width", "out", "wake"), CHIPS)
 def test_new_chip(
-    chip: Any,
+    make: Callable[[], Any],
     inputs: tuple[str, ...],
     outputs: tuple[str, ...],
     width: int,
     out: int,
     wake: int,
 ):
+    chip = make()
     assert (inputs, outputs) == (chip.INPUTS, chip.OUTPUTS)
     assert (chip.filter_width, chip.out, chip.next_wake) == (width, out, wake)
     assert (chip.requests, chip.held, chip.notes, chip.touched - {"pll_lock_clock"}) == (0, 0, [], set())
+
+
+@pytest.mark.parametrize("make", [row[0] for row in CHIPS])
+def test_words_without_a_register_and_bits_without_a_field_read_0_and_take_no_write(make: Callable[[], Any]):
+    chip = make()
+    chip.gate(0, True)
+    words = {r.offset + half: (r, half) for r in chip.MAP for half in range(r.width // 16)}
+    before = [chip.peek(1, offset) for offset in words]
+    for hole in set(range(max(words))) - words.keys():
+        chip.write(1, hole, 0xFFFF)
+        assert (hole, chip.read(1, hole)) == (hole, 0)
+    assert [chip.peek(1, offset) for offset in words] == before
+    for offset, (register, half) in words.items():
+        chip.write(1, offset, 0xFFFF)
+        named = sum(field.mask for field in register.fields) >> 16 * half
+        assert (register.name, chip.peek(1, offset) & ~named) == (register.name, 0)
+
+
+@pytest.mark.parametrize("make", [row[0] for row in CHIPS if not row[1]])
+def test_a_chip_without_inputs_refuses_levels(make: Callable[[], Any]):
+    with pytest.raises(ValueError, match="no input pins"):
+        make().pins(0, 1)
 
 
 @pytest.mark.parametrize("chip", [Xint(), Pie(SYSTEM)])

@@ -242,18 +242,6 @@ def test_register_map(module: str):
     assert [printed(register) for register in MAPS[module]] == lines(MANUAL[module])
 
 
-BASES = """
-    PIE 0CE0   TIMER0 0C00   TIMER1 0C08   TIMER2 0C10   GPIO 6F80    SYS 7010   XINT 7070
-    SCI-A 7050 SCI-B 7750    SCI-C 7770    I2C-A 7900    SPI-A 7040
-"""
-
-
-def test_base_addresses():
-    found = {one.name: one.base for one in PART.modules}
-    words = BASES.split()
-    assert {name: f"{base:04X}" for name, base in found.items()} == dict(zip(words[::2], words[1::2], strict=True))
-
-
 # SPRUFB0D Table 111: the lines of each group, "-" where none is.
 GROUPS = """
     SEQ1INT      SEQ2INT      -            XINT1        XINT2        ADCINT       TINT0       WAKEINT

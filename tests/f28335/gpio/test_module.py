@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from periph_sim.core.chip import NEVER
 from periph_sim.f28335.gpio.module import CONFIGURATION_DELAY, Gpio
-from periph_sim.f28335.gpio.register_map import BASE, GPIO, PORT_OF
+from periph_sim.f28335.gpio.register_map import GPIO, PORT_OF
 from periph_sim.f28335.gpio.settings import ALL, INPUTS, OUTPUTS
 from periph_sim.f28335.system_options import SystemOptions
 from tests.waves import play, tidy
@@ -143,13 +143,6 @@ def test_the_cpu_sees_all_that_a_control_register_stores():
         if not register.name.endswith(("DAT", "SET", "CLEAR", "TOGGLE")):
             stored, _ = register.write(0, 0xFFFF_FFFF)
             assert register.read(stored) == (stored, stored) and register.read(register.reset)[0] == register.reset
-
-
-def test_words_no_register_has_read_0_and_ignore_writes():
-    rig = Rig()
-    for offset in (0x0E, 0x20, 0x58, 0x70):
-        rig.gpio.write(0, offset, 0xFFFF)
-        assert rig.gpio.read(0, offset) == 0
 
 
 # Reset -----------------------------------------------------------------------

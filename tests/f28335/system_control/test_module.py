@@ -44,6 +44,14 @@ def system(oscclk_hz: int = 30 * MHZ, **options: str) -> SystemControl:
     return chip
 
 
+def locking(div: int = 5, bits: int = MCLKOFF, **options: str) -> SystemControl:
+    """The PLL begins to lock in cycle 0. bits: of PLLSTS."""
+    chip = system(**options)
+    chip.write(0, PLLSTS.offset, bits)
+    chip.write(0, PLLCR.offset, div)
+    return chip
+
+
 def ratio(chip: SystemControl) -> tuple[int, int]:
     return (chip.sysclk_hz / chip.oscclk_hz).as_integer_ratio()
 
@@ -150,9 +158,7 @@ def test_pllcr_write_starts_a_lock_of_131072_oscclk():
 @pytest.mark.rule("SYS-007")
 @pytest.mark.parametrize(("clock", "expected"), [("osc_div_4", (1, 4)), ("osc_div_2", (1, 2))])
 def test_open_pll_lock_clock(clock, expected):
-    chip = system(pll_lock_clock=clock)
-    chip.write(0, PLLSTS.offset, MCLKOFF)
-    chip.write(0, PLLCR.offset, 10)
+    chip = locking(10, pll_lock_clock=clock)
     assert ratio(chip) == expected
     locked = 131072 * expected[0] // expected[1]
     assert chip.next_wake == locked
@@ -164,17 +170,13 @@ def test_open_pll_lock_clock(clock, expected):
 @pytest.mark.rule("SYS-008")
 @pytest.mark.parametrize("sel", [1, 2])
 def test_pllcr_with_divsel_not_0_is_reported(sel):
-    chip = system()
-    chip.write(0, PLLSTS.offset, divsel(sel) | MCLKOFF)
-    chip.write(1, PLLCR.offset, 5)
+    chip = locking(bits=divsel(sel) | MCLKOFF)
     assert [note.text for note in chip.notes] == [f"PLLCR was written with PLLSTS.DIVSEL = {sel}; it must be 0 first"]
 
 
 @pytest.mark.rule("SYS-008")
 def test_divsel_changed_while_locking_is_reported():
-    chip = system()
-    chip.write(0, PLLSTS.offset, MCLKOFF)
-    chip.write(1, PLLCR.offset, 5)
+    chip = locking()
     chip.write(2, PLLSTS.offset, MCLKOFF)  # DIVSEL as it was: nothing to say
     assert not chip.notes
     chip.write(3, PLLSTS.offset, divsel(2))
@@ -186,9 +188,7 @@ def test_divsel_changed_while_locking_is_reported():
     ("pllsts", "said"), [(0, "MCLKOFF = 0"), (MCLKOFF | 4, "PLLOFF = 1")], ids=["MCLKOFF", "PLLOFF"]
 )
 def test_other_duties_of_a_pllcr_write(pllsts, said):
-    chip = system()
-    chip.write(0, PLLSTS.offset, pllsts)
-    chip.write(0, PLLCR.offset, 5)
+    chip = locking(bits=pllsts)
     assert len(chip.notes) == 1
     assert said in chip.notes[0].text
 
@@ -389,14 +389,6 @@ def test_every_register_here_needs_eallow_to_be_written():
     assert len(addresses) == len(list(MAP))
 
 
-MANUAL = {"PLLSTS": 1, "HISPCP": 1, "LOSPCP": 2, "PCLKCR3": 0x2700, "LPMCR0": 0xFC, "SCSR": 5}
-
-
-def test_reset_values_as_printed():
-    chip = SystemControl(30 * MHZ, SystemOptions())
-    assert {r.name: chip.peek(0, r.offset) for r in MAP if chip.peek(0, r.offset)} == MANUAL
-
-
 # OSCCLK through changes of the ratio ------------------------------------------------
 
 
@@ -417,33 +409,12 @@ def test_oscclk_positions_are_exact_through_any_changes(changes):
 
 
 def test_a_pll_lock_is_counted_in_oscclk_through_a_change_of_divsel():
-    chip = system()
-    chip.write(0, PLLSTS.offset, MCLKOFF)
-    chip.write(0, PLLCR.offset, 10)
+    chip = locking(10)
     chip.write(1000, PLLSTS.offset, divsel(2))  # forbidden, and reported: the bypass clock doubles
     assert chip.next_wake == 1000 + (131072 - 4 * 1000) // 2
 
 
-# Wrong use ------------------------------------------------------------------------------
-
-
 def test_a_read_shows_what_was_due_by_then():
     """Nobody woke the chip for the end of the lock."""
-    chip = system()
-    chip.write(0, PLLSTS.offset, divsel(0) | MCLKOFF)
-    chip.write(0, PLLCR.offset, 5)
+    chip = locking()
     assert [chip.read(now, PLLSTS.offset) & 1 for now in (LOCK - 1, LOCK)] == [0, 1]
-
-
-def test_wrong_calls_are_refused():
-    chip = system()
-    with pytest.raises(ValueError, match="no input pins"):
-        chip.pins(0, 1)
-
-
-def test_a_hole_in_the_map_reads_0_and_takes_nothing():
-    chip = system()
-    before = [chip.peek(0, r.offset) for r in MAP]
-    chip.write(0, 0x05, 0xFFFF)
-    assert chip.read(0, 0x05) == 0
-    assert [chip.peek(0, r.offset) for r in MAP] == before

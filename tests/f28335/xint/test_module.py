@@ -115,22 +115,6 @@ def test_the_counters_are_16_bits_of_their_own_line(line, name):
     assert xint.read(20, offset) == 10  # read only
 
 
-def test_addresses_and_fields():
-    assert [r.name for r in XINT] == [
-        *(f"XINT{n}CR" for n in range(1, 8)),
-        "XNMICR",
-        "XINT1CTR",
-        "XINT2CTR",
-        "XNMICTR",
-    ]
-    assert XINT["XINT7CR"].offset == 6
-    assert XINT["XNMICTR"].offset == 0xF
-    xint = Xint()
-    xint.write(0, 2, 0xFFFF)
-    assert xint.read(0, 2) == 0b1101
-    assert xint.read(0, 0xA) == 0
-
-
 def test_reset_disables_everything():
     xint = Xint()
     xint.write(0, 0, control(BOTH))

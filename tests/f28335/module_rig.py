@@ -16,6 +16,7 @@ class ModuleRig(DiagramRig):
     """
 
     register_of: Mapping[str, Register]
+    buffer: str  # the register from which words are received
 
     def __init__(self, chip: Chip) -> None:
         self.chip = chip
@@ -47,6 +48,27 @@ class ModuleRig(DiagramRig):
             self.look()
             assert chip.next_wake > due, f"asks to be woken again in cycle {due}"
         self.now = max(self.now, time)
+
+    # Signals of a diagram.
+
+    def drive(self, now: int, signal: str, level: int) -> None:
+        """A register (written); a field (read-modify-write); "READ" (the receive buffer); "SUSPEND"; "GATE"."""
+        self.run_until(now)
+        if signal == "READ":
+            self.read(self.buffer)
+        elif signal == "SUSPEND":
+            self.chip.suspend(now, bool(level))
+        elif signal == "GATE":
+            self.chip.gate(now, bool(level))
+        elif signal in self.chip.MAP:
+            self.write(signal, level)
+        else:
+            self.set(**{signal: level})
+        self.look()
+
+    def received(self) -> list[int]:
+        """All words in the receive FIFO, taken out, oldest first."""
+        return [self.read(self.buffer) for _ in range(self.get("RXFFST"))]
 
     # Registers.
 

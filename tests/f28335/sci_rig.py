@@ -56,6 +56,7 @@ class _Line(ModuleRig):
     """The chip and its line RXD. level: of RXD."""
 
     register_of = REGISTER_OF
+    buffer = "SCIRXBUF"
 
     def __init__(self, options: SciOptions) -> None:
         super().__init__(Module(options=options))
@@ -134,22 +135,11 @@ class SciRig(_Line):
         return self.bit, self.now
 
     def drive(self, now: int, signal: str, level: int) -> None:
-        """RXD; a register (written); a field (read-modify-write); "READ" (SCIRXBUF); "SUSPEND"; "GATE"."""
+        """RXD, or as for any module."""
         if signal == "RXD":
             self.rxd(now, level)
-            return
-        self.run_until(now)
-        if signal == "READ":
-            self.read("SCIRXBUF")
-        elif signal == "SUSPEND":
-            self.chip.suspend(now, bool(level))
-        elif signal == "GATE":
-            self.chip.gate(now, bool(level))
-        elif signal in SCI_MAP:
-            self.write(signal, level)
         else:
-            self.set(**{signal: level})
-        self.look()
+            super().drive(now, signal, level)
 
     def show(self, signal: str) -> int:
         """RXD, TXD, a field, a whole register, or how often RXINT or TXINT was asked for (last hex digit)."""
@@ -202,9 +192,15 @@ class SciRig(_Line):
         """When the first sample's column began. The same with one level an SCICLK."""
         return self.send(text, bit=self.sciclk)
 
-    def received(self) -> list[int]:
-        """The data of all words in the receive FIFO, taken out, oldest first."""
-        return [self.read("SCIRXBUF") for _ in range(self.get("RXFFST"))]
+    def take(self, text: str) -> int:
+        """Plays levels into RXD, and reads SCIRXBUF."""
+        self.send(text)
+        return self.read("SCIRXBUF")
+
+    def restart(self) -> None:
+        """SW RESET is written 0, then 1."""
+        self.set(SWRESET=0)
+        self.set(SWRESET=1)
 
     # TXD.
 

@@ -39,6 +39,7 @@ class SpiRig(ModuleRig):
 
     chip: Spi
     register_of = REGISTER_OF
+    buffer = "SPIRXBUF"
 
     def __init__(
         self,
@@ -56,10 +57,7 @@ class SpiRig(ModuleRig):
         if together.pop("CLKPOLARITY", 0):
             self.set(CLKPOLARITY=1)
         for name, value in together.items():
-            if name in SPI_MAP:
-                self.write(name, value)
-            else:
-                self.set(**{name: value})
+            ModuleRig.drive(self, self.now, name, value)
         self.set(SPISWRESET=released)
         self.run_until(8 * LSPCLK - 1)
         self.edges = [(self.now, self.chip.out)]  # after the set-up
@@ -75,27 +73,14 @@ class SpiRig(ModuleRig):
         return HALF, self.now
 
     def drive(self, now: int, signal: str, level: int) -> None:
-        """A pin; a register (written); a field (read-modify-write); "READ" (SPIRXBUF); "SUSPEND"; "GATE".
+        """A pin, or as for any module.
 
         SPITXBUF and SPIDAT take the digit as their upper four bits: a character of four bits.
         """
         if signal in PINS:
             self.pin(now, **{signal: level})
-            return
-        self.run_until(now)
-        if signal == "READ":
-            self.read("SPIRXBUF")
-        elif signal == "SUSPEND":
-            self.chip.suspend(now, bool(level))
-        elif signal == "GATE":
-            self.chip.gate(now, bool(level))
-        elif signal in ("SPITXBUF", "SPIDAT"):
-            self.write(signal, level << 12)
-        elif signal in SPI_MAP:
-            self.write(signal, level)
         else:
-            self.set(**{signal: level})
-        self.look()
+            super().drive(now, signal, level << 12 if signal in ("SPITXBUF", "SPIDAT") else level)
 
     def pin(self, now: int, **levels: int) -> None:
         """Drive inputs."""
@@ -119,10 +104,6 @@ class SpiRig(ModuleRig):
         if signal in self.asked:
             return len(self.asked[signal]) % 16
         return self.get(signal) & 0xF
-
-    def received(self) -> list[int]:
-        """All words in the receive FIFO, taken out, oldest first."""
-        return [self.read("SPIRXBUF") for _ in range(self.get("RXFFST"))]
 
     def send(self, word: int, bits: float) -> None:
         """Write SPITXBUF, and wait for so many bits."""

@@ -87,8 +87,7 @@ def test_edges_lie_on_lspclk_ticks(phase):
 @pytest.mark.rule("SCI-084")
 def test_sw_reset_leaves_brr():
     rig = SciRig(brr=0x1234)
-    rig.set(SWRESET=0)
-    rig.set(SWRESET=1)
+    rig.restart()
     assert rig.flags("SCIHBAUD", "SCILBAUD") == {"SCIHBAUD": 0x12, "SCILBAUD": 0x34}
     assert bit_length(rig) == 32 * 0x1235
 

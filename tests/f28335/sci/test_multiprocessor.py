@@ -25,8 +25,7 @@ def test_idle_line_mode_has_no_address_bit():
 @pytest.mark.parametrize(("idle", "address_frame"), [(0, 0), (1, 0), (5, 0), (9, 0), (10, 1), (11, 1), (40, 1)])
 def test_ten_idle_bits_make_the_next_frame_an_address_frame(idle, address_frame):
     rig = SciRig()
-    rig.send(frame(0x11))
-    rig.read("SCIRXBUF")
+    rig.take(frame(0x11))
     rig.set(SLEEP=1)
     rig.send("1" * idle + frame(0x22))
     assert rig.flags("RXRDY") == {"RXRDY": address_frame}
@@ -35,8 +34,7 @@ def test_ten_idle_bits_make_the_next_frame_an_address_frame(idle, address_frame)
 @pytest.mark.rule("SCI-100")
 def test_rxwake_is_set_when_the_line_has_been_idle_for_ten_bits():
     rig = SciRig()
-    rig.send(frame(0x11))
-    rig.read("SCIRXBUF")
+    rig.take(frame(0x11))
     rig.send("1" * 9)
     assert rig.get("RXWAKE") == 0
     rig.send("11")
@@ -63,8 +61,7 @@ def test_every_idle_line_sets_rxwake_anew():
 def test_rxwake_is_not_set_while_frames_keep_coming():
     rig = SciRig()
     for data in range(8):
-        rig.send(frame(data) + "1" * 9)
-        rig.read("SCIRXBUF")
+        rig.take(frame(data) + "1" * 9)
         assert rig.get("RXWAKE") == 0
 
 
@@ -72,8 +69,7 @@ def test_rxwake_is_not_set_while_frames_keep_coming():
 @pytest.mark.parametrize("fifo", [False, True])
 def test_the_first_byte_after_the_address_clears_rxwake_in_standard_mode_only(fifo):
     rig = SciRig(fifo=fifo)
-    rig.send(frame(0x11))
-    rig.read("SCIRXBUF")
+    rig.take(frame(0x11))
     rig.send(QUIET + frame(0x22))
     assert rig.get("RXWAKE") == 1
     rig.send(frame(0x33))
@@ -84,8 +80,7 @@ def test_the_first_byte_after_the_address_clears_rxwake_in_standard_mode_only(fi
 @pytest.mark.parametrize("fifo", [False, True])
 def test_reading_scirxbuf_clears_rxwake(fifo):
     rig = SciRig(fifo=fifo)
-    rig.send(frame(0x11))
-    rig.read("SCIRXBUF")
+    rig.take(frame(0x11))
     rig.send(QUIET + frame(0x22))
     assert rig.get("RXWAKE") == 1
     rig.read("SCIRXEMU")
@@ -251,8 +246,7 @@ def test_rxwake_is_the_address_bit_of_the_character_in_the_buffer(bit):
 @pytest.mark.parametrize("idle", [1, 9, 11, 50])
 def test_in_address_bit_mode_idle_time_means_nothing(idle):
     rig = SciRig(**ADDRESS)
-    rig.send(frame(0x11, address=0))
-    rig.read("SCIRXBUF")
+    rig.take(frame(0x11, address=0))
     rig.set(SLEEP=1)
     rig.send("1" * idle)
     assert rig.get("RXWAKE") == 0
@@ -336,8 +330,7 @@ def test_idle_line_mode_forgives_a_late_stop_bit():
 def asleep(**fields: int) -> SciRig:
     """A module that has just heard a frame, has been read, and now sleeps."""
     rig = SciRig(RXBKINTENA=1, RXERRINTENA=1, **fields)
-    rig.send(frame(0x11, address=1 if fields.get("ADDRIDLE_MODE") else None))
-    rig.read("SCIRXBUF")
+    rig.take(frame(0x11, address=1 if fields.get("ADDRIDLE_MODE") else None))
     rig.set(SLEEP=1)
     return rig
 
@@ -359,8 +352,7 @@ def test_asleep_other_frames_leave_no_trace(fields):
 @pytest.mark.rule("SCI-127")
 def test_asleep_a_wrong_parity_bit_is_not_reported():
     rig = SciRig(PARITYENA=1, PARITY=1)
-    rig.send(frame(0x11, parity="even"))
-    rig.read("SCIRXBUF")
+    rig.take(frame(0x11, parity="even"))
     rig.set(SLEEP=1)
     rig.send(frame(0x22, parity="even", bad="parity") + "1")
     assert rig.flags("PE", "RXRDY") == {"PE": 0, "RXRDY": 0}

@@ -242,8 +242,7 @@ def test_open_sleep_loads_buffer(value, loads):
 @pytest.mark.parametrize(("value", "while_idle"), [("tenth_bit", 1), ("next_character", 0)])
 def test_open_rxwake_idle_point(value, while_idle):
     rig = rig_with("rxwake_idle_point", value)
-    rig.send(frame(0x11))
-    rig.read("SCIRXBUF")
+    rig.take(frame(0x11))
     rig.send("1" * 12)
     assert rig.get("RXWAKE") == while_idle
     rig.send(frame(0x22))
@@ -306,8 +305,7 @@ def test_open_rxffovf_interrupt(value, requests):
 def test_open_rxerr_int_mode(value, requests, fifo):
     rig = rig_with("rxerr_int_mode", value, RXERRINTENA=1, fifo=fifo)
     for _ in range(3):
-        rig.send(frame(0x11, bad="stop") + "1")
-        rig.read("SCIRXBUF")
+        rig.take(frame(0x11, bad="stop") + "1")
     assert rig.count("RXINT") == requests
 
 

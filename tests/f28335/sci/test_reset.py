@@ -142,12 +142,10 @@ def test_sw_reset_1_enables_both_directions():
 @pytest.mark.rule("SCI-208", "SCI-093")
 def test_a_break_needs_the_toggle():
     rig = SciRig()
-    rig.send("0" * 25 + "1" * 5)
-    rig.read("SCIRXBUF")
+    rig.take("0" * 25 + "1" * 5)
     rig.send(frame(0x11) + "1")
     assert rig.get("RXRDY") == 0
-    rig.set(SWRESET=0)
-    rig.set(SWRESET=1)
+    rig.restart()
     rig.send(frame(0x22) + "1")
     assert rig.flags("RXRDY", "BRKDT", "RXDT") == {"RXRDY": 1, "BRKDT": 0, "RXDT": 0x22}
 

@@ -6,6 +6,7 @@ import pytest
 
 from periph_sim.f28335.spi.module import Spi
 from periph_sim.f28335.spi.register_map import BASE, SPI_MAP
+from tests.f28335.module_rig import ModuleRig
 from tests.f28335.spi_rig import LSPCLK, MASTER, SLAVE, SpiRig
 
 # SPRUEU3 chapter 2, typed a second time on purpose: (offset, reset value, bits that software owns).
@@ -151,19 +152,12 @@ def test_the_configuration_is_to_be_changed_while_spiswreset_is_0():
     text = "SPI-A: its configuration was changed while SPISWRESET = 1; clear SPISWRESET first"
     for name, value in changes.items():
         rig = SpiRig()
-        drive(rig, name, value)
+        ModuleRig.drive(rig, rig.now, name, value)
         assert (name, rig.notes("duty")) == (name, [text])
         rig = SpiRig({}, {**MASTER, "SPISWRESET": 0})
-        drive(rig, name, value)
+        ModuleRig.drive(rig, rig.now, name, value)
         rig.set(SPISWRESET=1, TALK=0, SPIINTENA=1, OVERRUNINTENA=1)
         assert (name, rig.notes("duty")) == (name, [])
-
-
-def drive(rig: SpiRig, name: str, value: int) -> None:
-    if name in SPI_MAP:
-        rig.write(name, value)
-    else:
-        rig.set(**{name: value})
 
 
 def test_the_configuration_may_come_with_the_write_that_sets_spiswreset():

@@ -5,33 +5,17 @@ A change of mind about a default, or about what a value means, shows up here.
 
 from __future__ import annotations
 
-import dataclasses
-import sys
-from collections.abc import Iterator
-
 import pytest
 
 from periph_sim.f28335.sci.options import SciOptions
+from tests.f28335.open_questions import check_tests_of, keep
 from tests.f28335.sci_rig import SciRig, frame, levels
 
 ADDRESS = {"ADDRIDLE_MODE": 1}
 
 
-made: dict[str, list[SciRig]] = {}
-
-
 def rig_with(option: str, value: str | int | bool, **fields: int) -> SciRig:
-    rig = SciRig({option: value}, **fields)
-    made.setdefault(option, []).append(rig)
-    return rig
-
-
-@pytest.fixture(autouse=True)
-def the_runs_list_their_option() -> Iterator[None]:
-    made.clear()
-    yield
-    for option, rigs in made.items():
-        assert option in set().union(*(rig.chip.touched for rig in rigs))
+    return keep(option, SciRig({option: value}, **fields))
 
 
 def samples(text: str) -> str:
@@ -51,23 +35,7 @@ def start_of_stop_bit(rig: SciRig) -> int:
 
 
 def test_every_option_has_its_test_and_every_value_is_in_it():
-    module = sys.modules[__name__]
-    for option in dataclasses.fields(SciOptions):
-        test = getattr(module, f"test_open_{option.name}", None)
-        assert test is not None, option.name
-        if "values" in option.metadata:
-            assert values_tried(test.pytestmark) == set(option.metadata["values"]), option.name
-            assert option.default == option.metadata["values"][0]
-
-
-def values_tried(marks: list[pytest.Mark]) -> set[object]:
-    """What a test is parametrised with under the name "value"."""
-    for mark in marks:
-        if mark.name == "parametrize" and mark.args[0] == "value":
-            return set(mark.args[1])
-        if mark.name == "parametrize" and mark.args[0][0] == "value":
-            return {row[0] for row in mark.args[1]}
-    return set()
+    check_tests_of(SciOptions, __name__)
 
 
 # Receiver, line side.
@@ -140,7 +108,7 @@ def least_break(rig_of: dict[str, str | int | bool]) -> int:
     for low in range(140, 176):
         rig = SciRig(rig_of)
         for option in rig_of:
-            made.setdefault(option, []).append(rig)
+            keep(option, rig)
         rig.send_samples("0" * low + "1" * 16)
         if rig.get("BRKDT"):
             return low

@@ -5,57 +5,31 @@ A change of mind about a default, or about what a value means, shows up here.
 
 from __future__ import annotations
 
-import dataclasses
-import sys
-from collections.abc import Iterator
 from itertools import pairwise
 
 import pytest
 
 from periph_sim.core.options import options_from
 from periph_sim.f28335.spi.options import SpiOptions
+from tests.f28335.open_questions import check_tests_of, keep
 from tests.f28335.spi_rig import BIT, HALF, LSPCLK, MASTER, SLAVE, SpiRig
 
 LOOP = {"SPICHAR": 3, "SPILBK": 1}
-
-made: dict[str, list[SpiRig]] = {}
 
 
 def rig_with(
     option: str, value: str | int | bool, setting: dict[str, int] = MASTER, fifo: bool = False, **fields: int
 ) -> SpiRig:
-    rig = SpiRig({option: value}, setting, fifo=fifo, **fields)
-    made.setdefault(option, []).append(rig)
-    return rig
+    return keep(option, SpiRig({option: value}, setting, fifo=fifo, **fields))
 
 
 def selected(option: str, value: str | int | bool, **fields: int) -> SpiRig:
     """A slave whose SPISTE is low."""
-    rig = rig_with(option, value, SLAVE, **fields)
-    rig.select_idle()
-    return rig
-
-
-@pytest.fixture(autouse=True)
-def the_runs_list_their_option() -> Iterator[None]:
-    made.clear()
-    yield
-    for option, rigs in made.items():
-        assert option in set().union(*(rig.chip.touched for rig in rigs))
+    return rig_with(option, value, SLAVE, **fields).select_idle()
 
 
 def test_every_option_has_its_test_and_every_value_is_in_it():
-    module = sys.modules[__name__]
-    for option in dataclasses.fields(SpiOptions):
-        test = getattr(module, f"test_open_{option.name}", None)
-        assert test is not None, option.name
-        tried = next(mark.args[1] for mark in test.pytestmark if mark.name == "parametrize")
-        values = [row[0] if isinstance(row, tuple) else row for row in tried]
-        if "values" in option.metadata:
-            assert values == list(option.metadata["values"]), option.name
-            assert option.default == values[0]
-        else:
-            assert {option.default, option.metadata["least"], option.metadata["most"]} <= set(values)
+    check_tests_of(SpiOptions, __name__)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,42 @@
+"""The tests of open questions: one `test_open_NAME` for each option, tried with every value, in rigs that are kept."""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from typing import TypeVar
+
+from periph_sim.core.options import Value
+
+from .module_rig import ModuleRig
+
+T = TypeVar("T", bound=ModuleRig)
+
+kept: dict[str, list[ModuleRig]] = {}  # by option: the rigs that the test under way has made
+
+
+def keep(option: str, rig: T) -> T:
+    """Have a rig checked at the end of the test: one of those kept for an option must list it among those touched."""
+    kept.setdefault(option, []).append(rig)
+    return rig
+
+
+def check_tests_of(options: type, module: str) -> None:
+    """Fail if an option has no test in this module, or one that leaves a value out; the first value is the default."""
+    for option in dataclasses.fields(options):
+        test = getattr(sys.modules[module], f"test_open_{option.name}", None)
+        assert test is not None, option.name
+        values = _values_tried(test.pytestmark)
+        if "values" in option.metadata:
+            assert set(values) == set(option.metadata["values"]), option.name
+            assert option.default == option.metadata["values"][0]
+        else:
+            assert {option.default, option.metadata["least"], option.metadata["most"]} <= set(values), option.name
+
+
+def _values_tried(marks: list) -> list[Value]:
+    """What a test is parametrised with under the name "value"."""
+    for mark in marks:
+        if mark.name == "parametrize" and "value" in (mark.args[0], mark.args[0][0]):
+            return [row[0] if isinstance(row, tuple) else row for row in mark.args[1]]
+    return []

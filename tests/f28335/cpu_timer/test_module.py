@@ -132,21 +132,12 @@ def test_the_prescaler_steps_the_count():
 
 
 @pytest.mark.rule("SYS-087")
-def test_open_timer_tif_point_on_zero():
-    chip = started(2, 2, timer_tif_point="on_zero")
-    TimerRig(chip).check("""
+@pytest.mark.parametrize(("way", "tif"), [("on_zero", "0.. ... 1.. ..."), ("on_reload", "0.. ... ... 1..")])
+def test_open_timer_tif_point(way, tif):
+    chip = started(2, 2, timer_tif_point=way)
+    TimerRig(chip).check(f"""
         < TIM  2.. 1.. 0.. 2..
-        < TIF  0.. ... 1.. ...
-    """)
-    assert chip.touched == {"timer_tif_point"}
-
-
-@pytest.mark.rule("SYS-087")
-def test_open_timer_tif_point_on_reload():
-    chip = started(2, 2, timer_tif_point="on_reload")
-    TimerRig(chip).check("""
-        < TIM  2.. 1.. 0.. 2..
-        < TIF  0.. ... ... 1..
+        < TIF  {tif}
     """)
     assert chip.touched == {"timer_tif_point"}
 

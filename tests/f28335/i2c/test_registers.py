@@ -166,21 +166,18 @@ def test_start_and_stop_bits_cannot_be_written_in_reset(bits):
     assert rig.read("I2CMDR") == MST
 
 
-@pytest.mark.rule("I2C-023")
-def test_ones_in_the_upper_bits_of_isrc_break_a_duty():
+@pytest.mark.parametrize(
+    ("name", "good", "bad"),
+    [
+        pytest.param("I2CISRC", 0, 0x0100, marks=pytest.mark.rule("I2C-023")),
+        pytest.param("I2CEMDR", 1, 0x0002, marks=pytest.mark.rule("I2C-024")),
+    ],
+)
+def test_ones_in_the_upper_bits_break_a_duty(name, good, bad):
     rig = fresh()
-    rig.write("I2CISRC", 0)
+    rig.write(name, good)
     assert rig.duties() == []
-    rig.write("I2CISRC", 0x0100)
-    assert len(rig.duties()) == 1
-
-
-@pytest.mark.rule("I2C-024")
-def test_ones_in_the_upper_bits_of_emdr_break_a_duty():
-    rig = fresh()
-    rig.write("I2CEMDR", 0x0001)
-    assert rig.duties() == []
-    rig.write("I2CEMDR", 0x0002)
+    rig.write(name, bad)
     assert len(rig.duties()) == 1
 
 

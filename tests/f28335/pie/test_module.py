@@ -433,30 +433,23 @@ def test_service_clears_no_peripheral_flag():
 # Lines held asserted --------------------------------------------------------------
 
 
-def test_open_pie_held_line_at_pieack():
-    chip = pie(pie_held_line="at_pieack")
-    PieRig(chip).check("""
+@pytest.mark.parametrize(
+    ("way", "pieifr", "int9"),
+    [
+        ("at_pieack", "1 0 . 1 0 . . . . .", "1 0 . 1 0 . . . . ."),
+        ("at_vector_fetch", "1" + " ." * 9, "1 0 . 1 0 . . . 1 0"),
+    ],
+)
+def test_open_pie_held_line(way, pieifr, int9):
+    chip = pie(pie_held_line=way)
+    PieRig(chip).check(f"""
         > PIEIER  1 . . . . . . . . .
         > HOLD    1 . . . . . . . . .
         > FETCH   . 1 . . 1 . . . . .
         > ACK     . . . 1 . . . . 1 .
         > LETGO   . . . . . . 1 . . .
-        < PIEIFR  1 0 . 1 0 . . . . .
-        < INT9    1 0 . 1 0 . . . . .
-    """)
-    assert chip.touched == {"pie_held_line"}
-
-
-def test_open_pie_held_line_at_vector_fetch():
-    chip = pie(pie_held_line="at_vector_fetch")
-    PieRig(chip).check("""
-        > PIEIER  1 . . . . . . . . .
-        > HOLD    1 . . . . . . . . .
-        > FETCH   . 1 . . 1 . . . . .
-        > ACK     . . . 1 . . . . 1 .
-        > LETGO   . . . . . . 1 . . .
-        < PIEIFR  1 . . . . . . . . .
-        < INT9    1 0 . 1 0 . . . 1 0
+        < PIEIFR  {pieifr}
+        < INT9    {int9}
     """)
     assert chip.touched == {"pie_held_line"}
 

@@ -89,21 +89,18 @@ def test_reading_scirxbuf_clears_rxwake(fifo):
     assert rig.get("RXWAKE") == 0
 
 
-@pytest.mark.rule("SCI-104")
-def test_sw_reset_clears_rxwake():
+@pytest.mark.parametrize(
+    "reset",
+    [
+        pytest.param(lambda rig: rig.set(SWRESET=0), marks=pytest.mark.rule("SCI-104"), id="SW RESET"),
+        pytest.param(SciRig.reset, marks=pytest.mark.rule("SCI-105"), id="XRS"),
+    ],
+)
+def test_a_reset_clears_rxwake(reset):
     rig = SciRig()
     rig.send(frame(0x11) + QUIET)
     assert rig.get("RXWAKE") == 1
-    rig.set(SWRESET=0)
-    assert rig.get("RXWAKE") == 0
-
-
-@pytest.mark.rule("SCI-105")
-def test_system_reset_clears_rxwake():
-    rig = SciRig()
-    rig.send(frame(0x11) + QUIET)
-    assert rig.get("RXWAKE") == 1
-    rig.reset()
+    reset(rig)
     assert rig.get("RXWAKE") == 0
 
 

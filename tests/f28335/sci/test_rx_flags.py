@@ -30,21 +30,26 @@ def test_rxrdy_rises_inside_the_stop_bit_and_falls_by_the_read():
     assert rig.read("SCIRXBUF") == 0xA5
 
 
-@pytest.mark.rule("SCI-042", "SCI-049", "SCI-053", "SCI-057", "SCI-060", "SCI-091", "SCI-104")
-def test_sw_reset_clears_every_receive_flag():
+@pytest.mark.rule("SCI-060")
+@pytest.mark.parametrize(
+    "reset",
+    [
+        pytest.param(
+            SciRig.restart,
+            marks=pytest.mark.rule("SCI-042", "SCI-049", "SCI-053", "SCI-057", "SCI-091", "SCI-104"),
+            id="SW RESET",
+        ),
+        pytest.param(
+            SciRig.reset,
+            marks=pytest.mark.rule("SCI-043", "SCI-050", "SCI-054", "SCI-058", "SCI-092", "SCI-105"),
+            id="XRS",
+        ),
+    ],
+)
+def test_a_reset_clears_every_receive_flag(reset):
     rig = with_every_flag()
     assert rig.flags(*ALL) == dict.fromkeys(ALL, 1)
-    rig.set(SWRESET=0)
-    assert rig.flags(*ALL) == dict.fromkeys(ALL, 0)
-    rig.set(SWRESET=1)
-    assert rig.flags(*ALL) == dict.fromkeys(ALL, 0)
-
-
-@pytest.mark.rule("SCI-043", "SCI-050", "SCI-054", "SCI-058", "SCI-060", "SCI-092", "SCI-105")
-def test_system_reset_clears_every_receive_flag():
-    rig = with_every_flag()
-    assert rig.flags(*ALL) == dict.fromkeys(ALL, 1)
-    rig.reset()
+    reset(rig)
     assert rig.flags(*ALL) == dict.fromkeys(ALL, 0)
 
 

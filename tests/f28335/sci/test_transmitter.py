@@ -78,24 +78,22 @@ def test_txempty_interrupts_nobody():
     assert rig.count("TXINT") == asked
 
 
-@pytest.mark.rule("SCI-071", "SCI-072", "SCI-202")
-def test_sw_reset_sets_txrdy_and_txempty_and_lets_go_of_the_line():
+@pytest.mark.parametrize(
+    "reset",
+    [
+        pytest.param(
+            lambda rig: rig.set(SWRESET=0), marks=pytest.mark.rule("SCI-071", "SCI-072", "SCI-202"), id="SW RESET"
+        ),
+        pytest.param(SciRig.reset, marks=pytest.mark.rule("SCI-073"), id="XRS"),
+    ],
+)
+def test_a_reset_sets_txrdy_and_txempty_and_lets_go_of_the_line(reset):
     rig = SciRig()
     rig.put(0x00, 2)
     rig.write("SCITXBUF", 0x00)
     assert (rig.show("TXD"), rig.flags("TXRDY", "TXEMPTY")) == (0, {"TXRDY": 0, "TXEMPTY": 0})
-    rig.set(SWRESET=0)
+    reset(rig)
     assert (rig.show("TXD"), rig.flags("TXRDY", "TXEMPTY")) == (1, {"TXRDY": 1, "TXEMPTY": 1})
-
-
-@pytest.mark.rule("SCI-073")
-def test_system_reset_sets_txrdy_and_txempty_and_lets_go_of_the_line():
-    rig = SciRig()
-    rig.put(0x00, 2)
-    rig.write("SCITXBUF", 0x00)
-    rig.reset()
-    assert rig.chip.out == 1
-    assert rig.flags("TXRDY", "TXEMPTY") == {"TXRDY": 1, "TXEMPTY": 1}
 
 
 @pytest.mark.rule("SCI-074", "SCI-077")

@@ -58,7 +58,7 @@ def test_new_chip(
 def test_words_without_a_register_and_bits_without_a_field_read_0_and_take_no_write(make: Callable[[], Any]):
     chip = make()
     chip.gate(0, True)
-    words = {r.offset + half: (r, half) for r in chip.MAP for half in range(r.width // 16)}
+    words = {r.offset + half: (r, half) for r in chip.MAP for half in range(-(-r.width // 16))}
     before = [chip.peek(1, offset) for offset in words]
     for hole in set(range(max(words))) - words.keys():
         chip.write(1, hole, 0xFFFF)

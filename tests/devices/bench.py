@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -25,6 +26,22 @@ TIMEBASE = Timebase()  # a tick is a nanosecond
 US, MS, SECOND = 1_000, 1_000_000, 1_000_000_000
 FAST = BusTiming(low=1300, high=1200, hold=300, start_hold=600, start_setup=600, stop_setup=600, free=1300)  # 400 kHz
 DELAY = 300
+
+
+class Asked:
+    """A source that gives the number of times it was asked, in LSB on each axis, and notes when."""
+
+    def __init__(self, lsb_per_unit: Fraction) -> None:
+        self.at: list[int] = []
+        self._lsb_per_unit = lsb_per_unit
+
+    def __call__(self, tick: int) -> Sequence[Fraction]:
+        self.at.append(tick)
+        return (len(self.at) / self._lsb_per_unit,) * 3
+
+
+def words(data: bytes, order: Literal["big", "little"] = "big") -> list[int]:
+    return [int.from_bytes(data[i : i + 2], order, signed=True) for i in range(0, len(data), 2)]
 
 
 def steady(*values: float) -> Callable[[int], Sequence[Fraction]]:

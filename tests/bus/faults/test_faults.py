@@ -15,12 +15,10 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.sampler import watch
 from periph_sim.core.wire import Wire
-from tests.waves import play, tidy
-
-COLUMN = 10  # ticks, which are ns
+from tests.waves import DiagramRig
 
 
-class Desk:
+class Desk(DiagramRig):
     """Rows of a diagram: SCL, SDA, dsp.XRS as they are; scl, sda what a partner does."""
 
     def __init__(self, kind: str, seed: int = 0, **settings: object) -> None:
@@ -32,6 +30,9 @@ class Desk:
 
     def _ticks(self, seconds: Fraction) -> int:
         return int(seconds * 10**9)
+
+    def columns(self) -> tuple[int, int]:
+        return 10, 0  # ticks, which are ns
 
     def drive(self, now: int, signal: str, level: int) -> None:
         self.kernel.call_at(now, partial(self.partner[signal].drive, level))
@@ -49,124 +50,145 @@ class Desk:
         return found
 
 
-def test_a_spike_is_a_short_low_and_leaves_the_other_line_alone():
-    diagram = """
-    < SCL  1..0.1....
-    < SDA  1.........
-    """
-    assert play(diagram, Desk("spike", wire="SCL", at="30 ns", width="20 ns"), COLUMN) == tidy(diagram)
+DIAGRAMS = [
+    pytest.param(
+        "spike",
+        {"wire": "SCL", "at": "30 ns", "width": "20 ns"},
+        """
+        < SCL  1..0.1....
+        < SDA  1.........
+        """,
+        id="a spike is a short low and leaves the other line alone",
+    ),
+    pytest.param(
+        "spike",
+        {"wire": "SCL", "at": "40 ns", "width": "20 ns"},
+        """
+        > scl  1.0..1....
+        < SCL  1.0...1...
+        """,
+        id="a spike on a low line shows only where it outlasts it",
+    ),
+    pytest.param(
+        "hold",
+        {"wire": "SDA", "at": "20 ns", "length": "60 ns"},
+        """
+        > sda  1....0...1
+        < SDA  1.0......1
+        """,
+        id="a line is held for a length",
+    ),
+    pytest.param(
+        "hold",
+        {"wire": "SDA", "at": "20 ns", "every": "50 ns", "times": 3, "length": "60 ns"},
+        """
+        < SDA  1.0...............1..
+        """,
+        id="a line that is held again is released after the last length",
+    ),
+    pytest.param(
+        "hold",
+        {"wire": "SDA", "at": "40 ns", "clocks": 2},
+        """
+        > scl  10101.010101010
+        < SDA  1...0...1......
+        """,
+        id="a line is held until scl has fallen so often",
+    ),
+    pytest.param(
+        "reset",
+        {"unit": "dsp", "at": "20 ns", "length": "40 ns"},
+        """
+        < dsp.XRS  1.0...1...
+        < SDA      1.........
+        """,
+        id="a reset pulls the units pin",
+    ),
+    pytest.param(
+        "condition",
+        {"at": "30 ns", "late": "20 ns"},
+        """
+        > scl  1.0.1...0.1...0..
+        > sda  1..0.....1.......
+        < SCL  1.0.1...0.1...0..
+        < SDA  1..0.....1..0.1..
+        """,
+        id="a start that nobody gave is a fall of sda within the next 1",
+    ),
+    pytest.param(
+        "condition",
+        {"condition": "STOP", "at": "30 ns", "late": "20 ns"},
+        """
+        > scl  1.0.1...0.1...0..
+        > sda  1..0.....1.......
+        < SCL  1.0.1...0.1...0..
+        < SDA  1..0........1....
+        """,
+        id="a stop that nobody gave is a rise of sda within the next 1",
+    ),
+    pytest.param(
+        "condition",
+        {"at": "50 ns", "late": "30 ns"},
+        """
+        > scl  1.0.1.0.1.........0.1...0.
+        > sda  1..0......1......0.1......
+        < SDA  1..0......1......0.1...01.
+        """,
+        id="the clock of a stop is no bit and not followed by a start",
+    ),
+    pytest.param(
+        "condition",
+        {"at": "10 ns", "late": "20 ns"},
+        """
+        > scl  1.0.1.........................0.
+        > sda  1............................0..
+        < SDA  1.....0...................1..0..
+        """,
+        id="a start that nobody gave ends if nobody makes clocks while sda is low",
+    ),
+    pytest.param(
+        "flip",
+        {"at": "30 ns"},
+        """
+        > scl  1.0.1.0.1.0.1.0.
+        > sda  1..0...1........
+        < SCL  1.0.1.0.1.0.1.0.
+        < SDA  1..0......1.....
+        """,
+        id="a flipped bit is the next 1 for one clock",
+    ),
+    pytest.param(
+        "flip",
+        {"at": "10 ns"},
+        """
+        > scl  1.0.1...0.1.0.
+        > sda  1..0..1.......
+        < SDA  1.0...1.0...1.
+        """,
+        id="a flip lets a stop pass",
+    ),
+    pytest.param(
+        "flip",
+        {"at": "30 ns"},
+        """
+        > scl  1.0.1.0.1.........................0.1.
+        > sda  1..0...1.......................0......
+        < SDA  1..0........................1..0......
+        """,
+        id="a flip ends if nobody makes clocks while sda is low",
+    ),
+]
 
 
-def test_a_spike_on_a_low_line_shows_only_where_it_outlasts_it():
-    diagram = """
-    > scl  1.0..1....
-    < SCL  1.0...1...
-    """
-    assert play(diagram, Desk("spike", wire="SCL", at="40 ns", width="20 ns"), COLUMN) == tidy(diagram)
-
-
-def test_a_line_is_held_for_a_length():
-    diagram = """
-    > sda  1....0...1
-    < SDA  1.0......1
-    """
-    assert play(diagram, Desk("hold", wire="SDA", at="20 ns", length="60 ns"), COLUMN) == tidy(diagram)
-
-
-def test_a_line_that_is_held_again_is_released_after_the_last_length():
-    diagram = """
-    < SDA  1.0...............1..
-    """
-    settings = {"at": "20 ns", "every": "50 ns", "times": 3, "length": "60 ns"}
-    assert play(diagram, Desk("hold", wire="SDA", **settings), COLUMN) == tidy(diagram)
-
-
-def test_a_line_is_held_until_scl_has_fallen_so_often():
-    diagram = """
-    > scl  10101.010101010
-    < SDA  1...0...1......
-    """
-    assert play(diagram, Desk("hold", wire="SDA", at="40 ns", clocks=2), COLUMN) == tidy(diagram)
+@pytest.mark.parametrize(("kind", "settings", "diagram"), DIAGRAMS)
+def test_diagram(kind: str, settings: dict[str, object], diagram: str):
+    Desk(kind, **settings).check(diagram)
 
 
 def test_a_held_line_names_who_holds_it():
     desk = Desk("hold", wire="SDA", at="20 ns", length="60 ns")
     desk.run_until(50)
     assert desk.wires["SDA"].held_by() == ["fault 0"]
-
-
-def test_a_reset_pulls_the_units_pin():
-    diagram = """
-    < dsp.XRS  1.0...1...
-    < SDA      1.........
-    """
-    assert play(diagram, Desk("reset", unit="dsp", at="20 ns", length="40 ns"), COLUMN) == tidy(diagram)
-
-
-def test_a_start_that_nobody_gave_is_a_fall_of_sda_within_the_next_1():
-    diagram = """
-    > scl  1.0.1...0.1...0..
-    > sda  1..0.....1.......
-    < SCL  1.0.1...0.1...0..
-    < SDA  1..0.....1..0.1..
-    """
-    assert play(diagram, Desk("condition", at="30 ns", late="20 ns"), COLUMN) == tidy(diagram)
-
-
-def test_a_stop_that_nobody_gave_is_a_rise_of_sda_within_the_next_1():
-    diagram = """
-    > scl  1.0.1...0.1...0..
-    > sda  1..0.....1.......
-    < SCL  1.0.1...0.1...0..
-    < SDA  1..0........1....
-    """
-    assert play(diagram, Desk("condition", condition="STOP", at="30 ns", late="20 ns"), COLUMN) == tidy(diagram)
-
-
-def test_the_clock_of_a_stop_is_no_bit_and_not_followed_by_a_start():
-    diagram = """
-    > scl  1.0.1.0.1.........0.1...0.
-    > sda  1..0......1......0.1......
-    < SDA  1..0......1......0.1...01.
-    """
-    assert play(diagram, Desk("condition", at="50 ns", late="30 ns"), COLUMN) == tidy(diagram)
-
-
-def test_a_start_that_nobody_gave_ends_if_nobody_makes_clocks_while_sda_is_low():
-    diagram = """
-    > scl  1.0.1.........................0.
-    > sda  1............................0..
-    < SDA  1.....0...................1..0..
-    """
-    assert play(diagram, Desk("condition", at="10 ns", late="20 ns"), COLUMN) == tidy(diagram)
-
-
-def test_a_flipped_bit_is_the_next_1_for_one_clock():
-    diagram = """
-    > scl  1.0.1.0.1.0.1.0.
-    > sda  1..0...1........
-    < SCL  1.0.1.0.1.0.1.0.
-    < SDA  1..0......1.....
-    """
-    assert play(diagram, Desk("flip", at="30 ns"), COLUMN) == tidy(diagram)
-
-
-def test_a_flip_lets_a_stop_pass():
-    diagram = """
-    > scl  1.0.1...0.1.0.
-    > sda  1..0..1.......
-    < SDA  1.0...1.0...1.
-    """
-    assert play(diagram, Desk("flip", at="10 ns"), COLUMN) == tidy(diagram)
-
-
-def test_a_flip_ends_if_nobody_makes_clocks_while_sda_is_low():
-    diagram = """
-    > scl  1.0.1.0.1.........................0.1.
-    > sda  1..0...1.......................0......
-    < SDA  1..0........................1..0......
-    """
-    assert play(diagram, Desk("flip", at="30 ns"), COLUMN) == tidy(diagram)
 
 
 def test_faults_come_again_and_again_a_little_late_by_chance():

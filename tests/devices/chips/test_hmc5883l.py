@@ -5,33 +5,17 @@ Source: Honeywell HMC5883L data sheet.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fractions import Fraction
 
 import pytest
 
 from periph_sim.devices.chips.hmc5883l import Hmc5883l, Hmc5883lOptions
-from tests.devices.bench import MS, SECOND, TIMEBASE, US, Bench, steady
+from tests.devices.bench import MS, SECOND, TIMEBASE, US, Asked, Bench, steady, words
 
 CRA, CRB, MODE, DATA, STATUS, ID = 0x00, 0x01, 0x02, 0x03, 0x09, 0x0A
 CONTINUOUS, SINGLE, IDLE = 0, 1, 2
 RDY, LOCK = 0x01, 0x02
 PERIOD = Fraction(SECOND, 15)  # at power-on
-
-
-class Asked:
-    """A source that gives the number of times it was asked, in LSB at power-on, and notes when."""
-
-    def __init__(self) -> None:
-        self.at: list[int] = []
-
-    def __call__(self, tick: int) -> Sequence[Fraction]:
-        self.at.append(tick)
-        return (Fraction(len(self.at), 1090),) * 3
-
-
-def words(data: bytes) -> list[int]:
-    return [int.from_bytes(data[i : i + 2], "big", signed=True) for i in range(0, len(data), 2)]
 
 
 def continuous(*gauss: float, **more: object) -> Bench:
@@ -95,7 +79,7 @@ def test_a_new_gain_when_nobody_looks_for_several_measurements():
 
 @pytest.mark.parametrize(("code", "hertz"), [(0, 0.75), (1, 1.5), (2, 3), (3, 7.5), (4, 15), (5, 30), (6, 75)])
 def test_continuous_measurements_come_two_periods_after_the_mode_then_every_period(code: int, hertz: float):
-    source = Asked()
+    source = Asked(Fraction(1090))
     chip = Hmc5883l(TIMEBASE, source)
     chip.write(SECOND, CRA, code << 2)
     chip.write(SECOND, MODE, CONTINUOUS)
@@ -109,7 +93,7 @@ def test_continuous_measurements_come_two_periods_after_the_mode_then_every_peri
 
 
 def test_nothing_is_measured_before_the_analog_part_is_ready():
-    source = Asked()
+    source = Asked(Fraction(1090))
     chip = Hmc5883l(TIMEBASE, source)
     chip.write(MS, MODE, SINGLE)
     chip.read(56 * MS - 1, CRB)
@@ -157,7 +141,7 @@ def test_rdy_is_low_for_250_us_while_data_are_placed_and_until_the_next_once_the
 @pytest.mark.parametrize("how", ["some data read", "mode read"])
 @pytest.mark.parametrize("release", ["all six read", "mode written", "CRA written"])
 def test_lock_keeps_new_data_out(how: str, release: str):
-    source = Asked()
+    source = Asked(Fraction(1090))
     chip = Hmc5883l(TIMEBASE, source)
     chip.write(0, MODE, CONTINUOUS)
     now = tick(2)
@@ -195,7 +179,7 @@ def test_all_six_have_to_be_read_anew_after_they_were_read():
 )
 def test_only_a_new_rate_in_continuous_mode_gives_up_a_measurement(mode: int, cra: int, end: Fraction):
     """CRA is written 5 ms after the mode."""
-    source = Asked()
+    source = Asked(Fraction(1090))
     chip = Hmc5883l(TIMEBASE, source)
     chip.write(SECOND, MODE, mode)
     chip.write(SECOND + 5 * MS, CRA, cra)
@@ -207,7 +191,7 @@ def test_only_a_new_rate_in_continuous_mode_gives_up_a_measurement(mode: int, cr
 
 @pytest.mark.parametrize(("ma", "number"), [(0, 1), (1, 2), (2, 4), (3, 8)])
 def test_averages_are_spread_over_the_period(ma: int, number: int):
-    source = Asked()
+    source = Asked(Fraction(1090))
     chip = Hmc5883l(TIMEBASE, source)
     chip.write(0, CRA, 0x10 | ma << 5)
     chip.write(0, MODE, CONTINUOUS)

@@ -5,34 +5,18 @@ Source: InvenSense ITG-3200 Product Specification rev 1.4.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fractions import Fraction
 
 import pytest
 
 from periph_sim.bus.i2c.transfer import BusTiming
 from periph_sim.devices.chips.itg3200 import Itg3200, Itg3200Options
-from tests.devices.bench import MS, SECOND, TIMEBASE, US, Bench, steady
+from tests.devices.bench import MS, SECOND, TIMEBASE, US, Asked, Bench, steady, words
 
 SMPLRT_DIV, DLPF_FS, INT_CFG, INT_STATUS, TEMP, GYRO, PWR_MGM = 0x15, 0x16, 0x17, 0x1A, 0x1B, 0x1D, 0x3E
 RAW, RDY = 0x01, 0x04
 RAW_EN, RDY_EN, ANY_READ = 0x01, 0x04, 0x10
 RESET, SLEEP = 0x80, 0x40
-
-
-class Asked:
-    """A source that gives the number of times it was asked, in LSB on each axis, and notes when."""
-
-    def __init__(self) -> None:
-        self.at: list[int] = []
-
-    def __call__(self, tick: int) -> Sequence[Fraction]:
-        self.at.append(tick)
-        return (Fraction(len(self.at) * 8, 115),) * 3
-
-
-def words(data: bytes) -> list[int]:
-    return [int.from_bytes(data[i : i + 2], "big", signed=True) for i in range(0, len(data), 2)]
 
 
 def bench_of(*deg_s: float, begin: int = SECOND, **more: object) -> Bench:
@@ -73,7 +57,7 @@ def test_temperature_and_axes_in_one_burst_of_eight():
 
 @pytest.mark.parametrize(("cfg", "div", "hertz"), [(0, 0, 8000), (0, 7, 1000), (3, 0, 1000), (6, 19, 50), (1, 255, 0)])
 def test_the_sample_rate(cfg: int, div: int, hertz: int):
-    source = Asked()
+    source = Asked(Fraction(115, 8))
     chip = Itg3200(TIMEBASE, source)
     chip.write(0, DLPF_FS, 0x18 | cfg)
     chip.write(0, SMPLRT_DIV, div)
@@ -144,7 +128,7 @@ def test_a_write_of_pwr_mgm_that_keeps_the_clock_source_does_not_make_it_settle(
 
 
 def test_sleep_keeps_the_last_sample_and_waking_takes_50_ms():
-    source = Asked()
+    source = Asked(Fraction(115, 8))
     bench = Bench(Itg3200(TIMEBASE, source))
     last = words(bench.read(GYRO, 2))
     bench.write(PWR_MGM, SLEEP)
@@ -251,7 +235,7 @@ def test_a_reserved_register_reads_0_and_leaves_a_note():
 def test_open_burst(answer: str):
     """At 8 kHz and 10 kHz SCL every byte sees another sample, unless the burst keeps the first."""
     slow = BusTiming(50 * US, 50 * US, 300, 50 * US, 50 * US, 50 * US, 50 * US)
-    bench = Bench(Itg3200(TIMEBASE, Asked(), options=Itg3200Options(burst=answer)), timing=slow)
+    bench = Bench(Itg3200(TIMEBASE, Asked(Fraction(115, 8)), options=Itg3200Options(burst=answer)), timing=slow)
     bench.read(GYRO, 1)
     x, y, z = words(bench.read(GYRO, 6))
     assert (x == y == z) if answer == "coherent" else (x < y < z)

@@ -474,6 +474,11 @@ class Bus(DiagramRig):
         """What `decode` reads from the edges of cycle `since` on."""
         return " ".join(s.text for s in decode(self.edges, **how) if s.start >= since)  # type: ignore[arg-type]
 
+    def said_after(self, cycles: int) -> str:
+        """Runs for so long; what was said."""
+        self.run(cycles)
+        return self.said()
+
     def times(self, line: int, level: int, since: int = 0) -> list[int]:
         return [e.time for e in self.edges if e.line == line and e.level == level and e.time >= since]
 
@@ -618,6 +623,11 @@ class Bench(Bus):
     def stopped(self, cycles: int = 400 * SLOT) -> int:
         """Runs until the module has sent its STOP and the bus is free; the cycle."""
         return self.until(lambda: self.level == [1, 1] and not self.flag("BB") and not self.flag("STP"), cycles)
+
+    def said_at_stop(self, since: int = 0, **how: bool | int) -> str:
+        """Runs until the module has sent its STOP; what was said."""
+        self.stopped()
+        return self.said(since, **how)
 
     def stop(self) -> None:
         """Sets STP, and runs until the STOP was sent."""

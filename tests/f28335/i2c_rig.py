@@ -55,7 +55,9 @@ class Rig(Bus):
         self.write("I2CCLKL", 10)
         self.write("I2CCLKH", 5)
 
-    def read(self, name: str) -> int:
+    def read(self, name: str, wait: int = 0) -> int:
+        """What the CPU reads, after so many cycles."""
+        self.wait(wait)
         value = self.chip.read(self.now, OFFSET[name])
         self.settle()
         return value
@@ -64,7 +66,10 @@ class Rig(Bus):
         self.chip.write(self.now, OFFSET[name], value)
         self.settle()
 
-    def peek(self, name: str) -> int:
+    def peek(self, name: str, wait: int = 0) -> int:
+        """What a debugger sees, after so many cycles."""
+        if wait:
+            self.wait(wait)
         return self.chip.peek(self.now, OFFSET[name])
 
     def begin(self, mode: int = 0, oar: int = OWN) -> Self:
@@ -108,8 +113,9 @@ class Rig(Bus):
         self.chip.notes.clear()
         return texts
 
-    def asked(self) -> int:
-        """The interrupt lines that pulsed since last asked."""
+    def asked(self, wait: int = 0) -> int:
+        """The interrupt lines that have pulsed since last asked, after so many cycles."""
+        self.wait(wait)
         lines = 0
         for _, mask in self.interrupts:
             lines |= mask

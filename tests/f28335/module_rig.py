@@ -66,9 +66,13 @@ class ModuleRig(DiagramRig):
             self.set(**{signal: level})
         self.look()
 
-    def received(self) -> list[int]:
-        """All words in the receive FIFO, taken out, oldest first."""
+    def received(self, wait: float = 0) -> list[int]:
+        """All words in the receive FIFO after so many bits, taken out, oldest first."""
+        self.wait(wait)
         return [self.read(self.buffer) for _ in range(self.get("RXFFST"))]
+
+    def wait(self, bits: float = 0, *, cycles: int = 0) -> None:
+        raise NotImplementedError
 
     # Registers.
 

@@ -242,8 +242,9 @@ class SciRig(_Line):
                 found.append((fall, "".join(str(m) for m in marks)))
         return found
 
-    def characters(self, bits: int = 8, extra: int = 0) -> list[int]:
-        """The data of every frame on TXD so far; extra: bits between data and the single stop bit."""
+    def characters(self, bits: int = 8, extra: int = 0, wait: float = 0) -> list[int]:
+        """The data of every frame on TXD after so many bits; extra: bits between data and the single stop bit."""
+        self.wait(wait)
         return [int(text[1 : 1 + bits][::-1], 2) for _, text in self.frames(bits + 2 + extra)]
 
     def changes(self, signal: str, cycles: int) -> Iterator[tuple[int, int]]:

@@ -78,8 +78,7 @@ def test_a_source_asks_where_its_flag_is_1_and_nowhere_else(story: Callable[[Rig
     rig.write("I2CIER", 1 << source)
     rig.wait(20)
     story(rig)
-    rig.wait(20)
-    assert rig.asked() == (INT1 if rig.seen >> source & 1 else 0)
+    assert rig.asked(20) == (INT1 if rig.seen >> source & 1 else 0)
     assert rig.peek("I2CISRC") & 7 == (source + 1 if rig.seen >> source & 1 else 0)
 
 

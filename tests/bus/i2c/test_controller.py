@@ -7,9 +7,17 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.bus.i2c.transfer import Phase
+from periph_sim.bus.i2c.transfer import Phase, Transfer
 from tests.bus.i2c_rig import TIMING, UNIT, I2cRig
 from tests.waves import play, tidy
+
+
+def played(diagram: str, *phases: Phase, **options: int) -> tuple[I2cRig, Transfer]:
+    """A rig whose controller makes this transfer as drawn. options: those of the rig."""
+    rig = I2cRig(**options)
+    transfer = rig.begin(*phases)
+    drawn(rig, diagram)
+    return rig, transfer
 
 
 def drawn(rig: I2cRig, diagram: str) -> None:
@@ -17,15 +25,13 @@ def drawn(rig: I2cRig, diagram: str) -> None:
 
 
 def test_address_0x53_to_write_and_a_byte_0x5a_both_acknowledged():
-    rig = I2cRig()
-    transfer = rig.begin(Phase(0x53, read=False, data=b"\x5a"))
-    drawn(
-        rig,
+    rig, transfer = played(
         """
         > sda 1 .... .... .... .... .... .... .... .... 0... 1... .... .... .... .... .... .... .... 0... 1... .
         < SCL 1 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. .
         < SDA 0 .1.. .0.. .1.. .0.. .... .1.. .... .0.. .... 10.. .1.. .0.. .1.. .... .0.. .1.. .0.. .... 10.1 .
         """,
+        Phase(0x53, read=False, data=b"\x5a"),
     )
     phase = transfer.phases[0]
     assert transfer.acked and phase.acks == [True] and transfer.wire_bytes == 2
@@ -34,15 +40,13 @@ def test_address_0x53_to_write_and_a_byte_0x5a_both_acknowledged():
 
 
 def test_a_byte_0xaa_is_read_and_the_last_one_not_acknowledged():
-    rig = I2cRig()
-    transfer = rig.begin(Phase(0x53, read=True, count=1))
-    drawn(
-        rig,
+    _, transfer = played(
         """
         > sda 1 .... .... .... .... .... .... .... .... 0... 1... 0... 1... 0... 1... 0... 1... 0... 1... .... .
         < SCL 1 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. .
         < SDA 0 .1.. .0.. .1.. .0.. .... .1.. .... .... 0... 1... 0... 1... 0... 1... 0... 1... 0... 1... .0.1 .
         """,
+        Phase(0x53, read=True, count=1),
     )
     assert transfer.phases[0].got == b"\xaa" and transfer.phases[0].acks == [False]
 
@@ -58,28 +62,25 @@ def test_two_bytes_are_read_and_the_first_is_acknowledged_by_the_controller():
 
 
 def test_an_address_that_nobody_acknowledges_ends_with_a_stop():
-    rig = I2cRig()
-    transfer = rig.begin(Phase(0x53, read=False, data=b"\x01\x02"))
-    drawn(
-        rig,
+    _, transfer = played(
         """
         < SCL 1 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. .
         < SDA 0 .1.. .0.. .1.. .0.. .... .1.. .... .0.. .1.. .0.1 .
         """,
+        Phase(0x53, read=False, data=b"\x01\x02"),
     )
     assert not transfer.acked and transfer.wire_bytes == 1
 
 
 def test_a_repeated_start_changes_direction_without_a_stop():
-    rig = I2cRig()
-    transfer = rig.begin(Phase(0x53, read=False), Phase(0x53, read=True))
-    drawn(
-        rig,
+    _, transfer = played(
         """
         > sda 1 .... .... .... .... .... .... .... .... 0... 1... .... .... .... .... .... .... .... .... .... ....
         < SCL 1 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1.
         < SDA 0 .1.. .0.. .1.. .0.. .... .1.. .... .0.. .... 1..0 .1.. .0.. .1.. .0.. .... .1.. .... .... .... .0.1
         """,
+        Phase(0x53, read=False),
+        Phase(0x53, read=True),
     )
     assert transfer.phases[1].start_at == 40 * UNIT
     assert [phase.acked for phase in transfer.phases] == [True, False]
@@ -117,16 +118,14 @@ def test_the_byte_that_a_reader_refuses_itself_is_no_nack_of_the_target():
 
 
 def test_scl_held_low_by_the_partner_is_waited_for_and_measured():
-    rig = I2cRig()
-    transfer = rig.begin(Phase(0x53, read=False))
-    drawn(
-        rig,
+    _, transfer = played(
         """
         > scl 1 .... .... .... .... .... .... .... .... .0.....1.. .... ..
         > sda 1 .... .... .... .... .... .... .... .... 0......... .1.. ..
         < SCL 1 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0......1.0 .1.. ..
         < SDA 0 .1.. .0.. .1.. .0.. .... .1.. .... .0.. .......... ..1. ..
         """,
+        Phase(0x53, read=False),
     )
     assert transfer.phases[0].stretch == 5 * UNIT
     assert transfer.acked and transfer.stop_at == 45 * UNIT
@@ -143,15 +142,13 @@ def test_a_partner_that_lets_go_at_the_very_tick_stretches_by_nothing():
 
 
 def test_a_low_bus_while_a_one_is_sent_loses_arbitration_and_lets_go():
-    rig = I2cRig()
-    transfer = rig.begin(Phase(0x7F, read=True, count=1))
-    drawn(
-        rig,
+    rig, transfer = played(
         """
         > sda 1 .... .0.. .... .... .
         < SCL 1 0.1. 0.1. .... .... .
         < SDA 0 .1.. .0.. .... .... .
         """,
+        Phase(0x7F, read=True, count=1),
     )
     assert transfer.lost and not transfer.acked and rig.over == [transfer]
     assert rig.wires["SDA"].held_by() == ["partner"] and rig.wires["SCL"].held_by() == []

@@ -37,8 +37,7 @@ def test_the_module_loses_to_a_lower_address_in_the_bit_that_differs():
     b.until(lambda: b.flag("AL"), SLOT // 2)
     assert b.flags("AL MST STP") == "AL"
     assert b.m.out & 1 << SDA
-    b.run(40 * SLOT)
-    assert b.said() == "S 48W A 77 A P"
+    assert b.said_after(40 * SLOT) == "S 48W A 77 A P"
     assert (target.got, foreign.lost, foreign.heard) == ([0x77], False, "AA")
     assert b.m.out == 0b11
 
@@ -49,8 +48,7 @@ def test_the_module_wins_with_a_lower_address_and_is_undisturbed():
     target = Target(0x50)
     b = Bench(target, foreign)
     go(b, [0x12])
-    b.stopped()
-    assert b.said() == "S 50W A 12 A P"
+    assert b.said_at_stop() == "S 50W A 12 A P"
     assert foreign.lost and target.got == [0x12]
     assert b.flags("AL") == ""
 
@@ -95,8 +93,7 @@ def test_a_write_wins_over_a_read_of_the_same_address():
     foreign = Foreign("S 50W 12 P", at=None)
     b = Bench(Target(0x50, [0x99]), foreign)
     b.mode("MST STT STP", count=1)
-    b.run(40 * SLOT)
-    assert b.said() == "S 50W A 12 A P"
+    assert b.said_after(40 * SLOT) == "S 50W A 12 A P"
     assert b.flags("AL MST") == "AL"
 
 
@@ -121,8 +118,7 @@ def test_the_loser_of_a_data_byte_is_a_slave_receiver_that_nobody_has_addressed(
     foreign = Foreign("S 50W 12 34 P", at=None)
     b = Bench(Target(0x50), foreign, own=0x48)
     go(b, [0x13])
-    b.run(50 * SLOT)
-    assert b.said() == "S 50W A 12 A 34 A P"
+    assert b.said_after(50 * SLOT) == "S 50W A 12 A 34 A P"
     assert b.flags("AL MST AAS RRDY") == "AL"
 
 
@@ -145,8 +141,7 @@ def test_a_start_tried_during_a_foreign_transfer_loses_at_once():
     go(b, [1])
     b.until(lambda: b.flag("AL"), SLOT)
     assert b.flags("MST STP") == ""
-    b.run(40 * SLOT)
-    assert b.said() == "S 48W A 77 A P"
+    assert b.said_after(40 * SLOT) == "S 48W A 77 A P"
 
 
 @rule("I2C-150", "I2C-176")
@@ -155,8 +150,7 @@ def test_the_loser_may_ask_for_the_bus_again_before_the_winner_has_left_it():
         Bench(Target(0x48), Target(0x50), Foreign("S 48W 77 P", at=None), options=with_(stt_while_busy="foreign_waits"))
     )
     go(b, [0x12])
-    b.run(60 * SLOT)
-    assert b.said() == "S 48W A 77 A P S 50W A 12 A P"
+    assert b.said_after(60 * SLOT) == "S 48W A 77 A P S 50W A 12 A P"
 
 
 @rule("I2C-262", "I2C-263", "I2C-264")
@@ -207,8 +201,7 @@ def test_arbitration_goes_on_after_a_repeated_start_that_both_send_at_the_same_p
     assert not foreign.lost
     b.w("I2CSAR", mine)
     go(b, [0x66])
-    b.run(40 * SLOT)
-    assert b.said() == f"S 50W A 33 A S {wins:02x}W A {0x66 if mine == wins else 0x77:02x} A P"
+    assert b.said_after(40 * SLOT) == f"S 50W A 33 A S {wins:02x}W A {0x66 if mine == wins else 0x77:02x} A P"
     assert (b.flag("AL"), foreign.lost) == (int(mine != wins), mine == wins)
 
 
@@ -223,8 +216,7 @@ def test_a_start_of_another_that_is_not_yet_seen_behind_the_filter_is_joined(bef
     b.join(foreign)
     b.run(300 - 15)
     b.mode("MST TRX STT STP")
-    b.run(40 * SLOT)
-    assert b.said() == ("S 50W A 12 A P" if contest else "S 58W A 77 A P")
+    assert b.said_after(40 * SLOT) == ("S 50W A 12 A P" if contest else "S 58W A 77 A P")
     assert (foreign.lost, bool(b.flag("AL"))) == (contest, not contest)
 
 

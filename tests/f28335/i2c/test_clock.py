@@ -26,8 +26,7 @@ def lows_and_highs(b: Bench) -> tuple[set[int], set[int]]:
 
 def one_byte(b: Bench) -> None:
     b.mode("MST TRX STT STP", count=1, data=0x5A)
-    b.stopped()
-    assert b.said() == "S 50W A 5a A P"
+    assert b.said_at_stop() == "S 50W A 5a A P"
 
 
 # ---- dividers -----------------------------------------------------------------------------------------
@@ -235,8 +234,7 @@ def test_a_fall_of_scl_made_by_another_device_starts_the_low_period(after: int):
     b.run(after)
     b.pulse(SCL, 60)
     assert b.edge(SCL, 1) == rise + after + LOW
-    b.stopped()
-    assert b.said() == "S 50W A 5a A P"
+    assert b.said_at_stop() == "S 50W A 5a A P"
 
 
 @rule("I2C-172", "I2C-173")
@@ -286,8 +284,7 @@ def test_spikes_on_scl_and_sda_do_not_disturb_a_transfer(cycles: int):
     b.m.pins(b.now, RELEASED)
     assert b.edge(SCL, 0) == rise + HIGH
     assert b.drain(1) == [0xFF]
-    b.stopped()
-    assert b.said() == "S 50R A ff N P"
+    assert b.said_at_stop() == "S 50R A ff N P"
 
 
 @rule("I2C-171", "I2C-174")

@@ -20,8 +20,7 @@ def start(b: Bench, way: str, free: str = "") -> None:
 def finish(b: Bench, way: str) -> None:
     if way == "receiver":
         assert b.drain(1) == [0x3C]
-    b.stopped()
-    assert b.said() == ("S 50W A 5a A P" if way == "transmitter" else "S 50R A 3c N P")
+    assert b.said_at_stop() == ("S 50W A 5a A P" if way == "transmitter" else "S 50R A 3c N P")
 
 
 @rule("I2C-323")

@@ -286,25 +286,21 @@ def test_the_receive_fifo_asks_on_the_second_line_if_enabled(enabled):
 @pytest.mark.rule("I2C-305")
 def test_both_fifos_share_the_line_and_tell_by_their_flags():
     rig = fifos(FFIENA, FFIENA | 1)
-    rig.wait(SOON)
-    assert rig.asked() == INT2
+    assert rig.asked(SOON) == INT2
     assert (raised(rig, "TX"), raised(rig, "RX")) == (1, 0)
     rig.write("I2CDXR", 0x55)
     rig.write("I2CFFTX", FFEN | FFRST | FFINTCLR | FFIENA)
     rig.receive(0x11)
-    rig.wait(SOON)
-    assert rig.asked() == INT2
+    assert rig.asked(SOON) == INT2
     assert (raised(rig, "TX"), raised(rig, "RX")) == (raised(rig, "TX"), 1)
 
 
 @pytest.mark.rule("I2C-297", "I2C-304")
 def test_an_enable_set_after_its_flag_raises_the_request():
     rig = fifos()
-    rig.wait(SOON)
-    assert rig.asked() == 0
+    assert rig.asked(SOON) == 0
     rig.write("I2CFFTX", FFEN | FFRST | FFIENA)
-    rig.wait(SOON)
-    assert rig.asked() == INT2
+    assert rig.asked(SOON) == INT2
 
 
 def test_an_empty_receive_fifo_can_be_read():

@@ -449,8 +449,7 @@ def test_scd_comes_with_stop_and_goes_with_code_6():
     assert rig.flag("SCD") == 0
     rig.stop()
     assert rig.flag("SCD")
-    rig.wait(20)
-    assert rig.read("I2CISRC") == 6
+    assert rig.read("I2CISRC", wait=20) == 6
     assert rig.flag("SCD") == 0
 
 
@@ -458,8 +457,7 @@ def test_scd_comes_with_stop_and_goes_with_code_6():
 def test_a_read_of_isrc_with_nothing_pending_clears_no_flag():
     rig = read_and_refused()
     rig.stop()
-    rig.wait(20)
-    assert rig.read("I2CISRC") == 0
+    assert rig.read("I2CISRC", wait=20) == 0
     assert rig.status(SCD | NACK) == SCD | NACK
 
 
@@ -483,8 +481,7 @@ def test_nack_comes_from_the_master_and_goes_with_code_2():
     assert rig.flag("NACK") == 0
     rig.take(ack=False)
     assert rig.flag("NACK")
-    rig.wait(20)
-    assert rig.read("I2CISRC") == 2
+    assert rig.read("I2CISRC", wait=20) == 2
     assert rig.flag("NACK") == 0
 
 

@@ -21,8 +21,7 @@ def test_master_transmitter_sends_data_from_the_first_byte_on(data: list[int], s
     b = Bench(target)
     b.w("I2CSAR", sar)
     b.send(data, extra="STP FDF")
-    b.stopped()
-    assert b.said(free=True) == " ".join(["S", *(f"{d:02x} A" for d in data), "P"])
+    assert b.said_at_stop(free=True) == " ".join(["S", *(f"{d:02x} A" for d in data), "P"])
     assert target.got == data
     assert not b.flag("NACK")
 

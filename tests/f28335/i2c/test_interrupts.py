@@ -165,8 +165,7 @@ def test_an_enable_set_after_its_flag_raises_the_request(make, flag, enable, cod
     rig.wait(SOON)
     rig.asked()
     rig.write("I2CIER", enable)
-    rig.wait(SOON)
-    assert rig.asked() == INT1
+    assert rig.asked(SOON) == INT1
     assert rig.peek("I2CISRC") == code
 
 
@@ -203,8 +202,7 @@ def test_the_other_flags_ask_for_nothing():
 def test_the_seven_requests_never_use_the_fifo_line():
     for make in (lose, refuse, receive, want_data, stopped, called):
         rig = make(0x7F)
-        rig.wait(SOON)
-        assert rig.asked() == INT1
+        assert rig.asked(SOON) == INT1
 
 
 @pytest.mark.rule("I2C-279", "I2C-280", "I2C-281", "I2C-282")
@@ -215,15 +213,12 @@ def test_reading_a_code_brings_the_next_one_and_a_new_pulse():
     rig.wait(SOON)
     assert rig.status(RRDY | SCD | AAS) == RRDY | SCD
     rig.write("I2CIER", IE_RRDY | IE_SCD)
-    rig.wait(SOON)
-    assert rig.asked() == INT1
+    assert rig.asked(SOON) == INT1
     rig.read("I2CDRR")
     assert rig.read("I2CISRC") == 4
-    rig.wait(SOON)
-    assert rig.asked() == INT1
+    assert rig.asked(SOON) == INT1
     assert rig.read("I2CISRC") == 6
-    rig.wait(SOON)
-    assert rig.asked() == 0
+    assert rig.asked(SOON) == 0
     assert rig.read("I2CISRC") == 0
 
 
@@ -268,8 +263,7 @@ def test_reading_one_code_clears_no_other_flag():
     rig = refuse()
     rig.stop()
     rig.write("I2CIER", IE_NACK | IE_SCD)
-    rig.wait(SOON)
-    assert rig.read("I2CISRC") == 2
+    assert rig.read("I2CISRC", wait=SOON) == 2
     rig.wait(SOON)
     assert rig.status(NACK | SCD) == SCD
     assert rig.read("I2CISRC") == 6
@@ -297,8 +291,7 @@ def test_in_fifo_mode_the_other_requests_stay_usable():
         rig.write("I2CIER", enable)
         rig.address()
         rig.stop()
-        rig.wait(SOON)
-        assert rig.asked() == INT1
+        assert rig.asked(SOON) == INT1
         assert rig.read("I2CISRC") == code
         rig.write("I2CIER", 0)
         rig.read("I2CISRC")

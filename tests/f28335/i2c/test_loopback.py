@@ -87,8 +87,7 @@ def test_without_dlb_the_module_waits_for_the_scl_pin():
     b.pull(SCL)
     assert b.held(30 * SLOT)
     b.let_go(SCL)
-    b.stopped()
-    assert b.said() == "S 50W A 5c A P"
+    assert b.said_at_stop() == "S 50W A 5c A P"
 
 
 @rule("I2C-306")
@@ -176,8 +175,7 @@ def test_out_of_loopback_a_start_waits_for_a_clock_that_others_hold(way: str):
     b.run(10 * SLOT)
     assert b.times(SDA, 0) == [] and b.flags("BB STT") == "STT"
     b.let_go(SCL)
-    b.stopped()
-    assert b.said() == "S 50W A 12 A P"
+    assert b.said_at_stop() == "S 50W A 12 A P"
 
 
 def test_a_receiver_takes_its_count_though_the_filter_hides_every_bit():

@@ -59,8 +59,7 @@ def test_two_unread_bytes_stop_the_clock_low_until_i2cdrr_is_read():
     assert b.r("I2CDRR") == 0x11
     assert b.flags("RSFULL") == ""
     assert b.drain(3) == data[1:]
-    b.stopped()
-    assert b.said() == "S 50R A 11 A 22 A 33 A 44 N P"
+    assert b.said_at_stop() == "S 50R A 11 A 22 A 33 A 44 N P"
 
 
 @rule("I2C-142", "I2C-132", "I2C-133")
@@ -173,8 +172,7 @@ def test_stp_set_later_makes_a_nack_and_a_stop_earlier_than_the_count(count: int
     b.edge(SCL, 0, 4)
     b.set("STP")
     assert b.drain(1) == [2]
-    b.stopped()
-    assert b.said() == "S 50R A 01 A 02 N P"
+    assert b.said_at_stop() == "S 50R A 01 A 02 N P"
     assert b.flags("STP MST BB") == ""
 
 

@@ -85,8 +85,7 @@ def test_bc_is_to_be_loaded_before_i2cdxr():
     b.w("I2CDXR", 0x12)
     b.w("I2CMDR", mdr("MST TRX STT STP", 5))
     assert not b.duties()
-    b.stopped()
-    assert b.said(bits=5) == "S 50W A 12 A P"
+    assert b.said_at_stop(bits=5) == "S 50W A 12 A P"
 
     b = Bench(Target(bits=5))
     b.w("I2CCNT", 1)
@@ -142,8 +141,7 @@ def test_i2csar_written_during_a_transfer_acts_at_the_next_start():
     b.until(lambda: b.flag("ARDY"))
     assert b.said() == "S 50W A 01 A"
     b.send([2], extra="STP")
-    b.stopped()
-    assert b.said() == "S 50W A 01 A S 21W A 02 A P"
+    assert b.said_at_stop() == "S 50W A 01 A S 21W A 02 A P"
 
 
 @rule("I2C-088")
@@ -152,8 +150,7 @@ def test_i2csar_written_while_the_address_is_on_the_bus_does_not_change_it():
     b.mode("MST TRX STT STP", count=1, data=1)
     b.edge(SCL, 0, 3)
     b.w("I2CSAR", 0x7F)
-    b.stopped()
-    assert b.said() == "S 50W A 01 A P"
+    assert b.said_at_stop() == "S 50W A 01 A P"
 
 
 @rule("I2C-089", "I2C-252")
@@ -185,8 +182,7 @@ def test_a_byte_in_i2cdxr_waits_there_while_the_address_is_shifted_out():
         assert b.flags("XRDY") == ""
         b.edge(SCL, 0)
     b.until(lambda: b.flag("XRDY"), SLOT + SLOT // 2)
-    b.stopped()
-    assert b.said() == "S 50W A 77 A P"
+    assert b.said_at_stop() == "S 50W A 77 A P"
 
 
 # ---- underflow ------------------------------------------------------------------------------------------
@@ -203,8 +199,7 @@ def test_without_data_the_clock_stops_low_until_i2cdxr_is_written(sent: int):
     assert b.flags("XSMT XRDY ARDY BB MST") == "XRDY BB MST"
     b.w("I2CDXR", 0x44)
     b.until(lambda: b.flag("XSMT"), SLOT)
-    b.stopped()
-    assert b.said() == "S 50W A " + "09 A " * sent + "44 A P"
+    assert b.said_at_stop() == "S 50W A " + "09 A " * sent + "44 A P"
 
 
 # ---- count ------------------------------------------------------------------------------------------------
@@ -411,8 +406,7 @@ def test_nack_is_cleared_by_the_next_acknowledge():
     b.mode("MST TRX STT STP")
     b.until(lambda: not b.flag("NACK"))
     b.feed([1])
-    b.stopped()
-    assert b.said() == "S 33W N S 50W A 01 A P"
+    assert b.said_at_stop() == "S 33W N S 50W A 01 A P"
 
 
 @rule("I2C-187")

@@ -55,8 +55,7 @@ def test_open_hold_scl_after_nack(hold: bool):
     assert b.level == [int(not hold), 1]
     assert b.quiet(50 * SLOT)
     b.set("STP")
-    b.run(4 * SLOT)
-    assert b.said() == "S 50W N P"
+    assert b.said_after(4 * SLOT) == "S 50W N P"
     assert b.flags("BB MST STP") == ""
 
 
@@ -76,8 +75,7 @@ def test_open_stop_without_data(how: str, said: str):
     b.send([], extra="", count=1)
     b.after("NACK")
     b.set("STP")
-    b.run(20 * SLOT)
-    assert b.said() == said
+    assert b.said_after(20 * SLOT) == said
     assert b.flag("STP") == (how == "waits_for_data")
 
 
@@ -90,8 +88,7 @@ def test_open_stop_without_data_counts_the_bytes_since_the_last_start(how: str, 
     b.send([], extra="", count=1)
     b.after("NACK")
     b.set("STP")
-    b.run(20 * SLOT)
-    assert b.said() == "S 50W A 01 A " + said
+    assert b.said_after(20 * SLOT) == "S 50W A 01 A " + said
 
 
 # ---- count, receiver ----------------------------------------------------------------------------------
@@ -147,8 +144,7 @@ def test_open_rm_receiver(how: str):
         b.edge(SCL, 0, 3)
         b.set("STP")
         assert b.drain(1) == [5]
-        b.stopped()
-        assert b.said() == "S 50R A 01 A 02 A 03 A 04 A 05 N P"
+        assert b.said_at_stop() == "S 50R A 01 A 02 A 03 A 04 A 05 N P"
     else:
         b.after("ARDY")
         assert b.held(30 * SLOT)
@@ -188,8 +184,7 @@ def test_open_stt_with_irs_write(how: str):
     b.w("I2CDXR", 0x12)
     b.w("I2CMDR", 0x2E20)  # STT, STP, MST, TRX and IRS at once
     assert b.flags("STT STP MST") == ("STT STP MST" if how == "accepted" else "MST")
-    b.run(40 * SLOT)
-    assert b.said() == ("S 50W A 12 A P" if how == "accepted" else "")
+    assert b.said_after(40 * SLOT) == ("S 50W A 12 A P" if how == "accepted" else "")
 
 
 @rule("I2C-150", "I2C-258")
@@ -262,8 +257,7 @@ def test_open_foreign_start_stop_does_not_matter_where_the_conditions_are_its_ow
     assert b.drain(1) == [0x77]
     b.stopped()
     b.send([0xFF])
-    b.stopped()
-    assert b.said() == "S 50W A 00 A S 50R A 77 N P S 50W A ff A P"
+    assert b.said_at_stop() == "S 50W A 00 A S 50R A 77 N P S 50W A ff A P"
     assert b.flags("AL") == "" and "foreign_start_stop" not in b.m.touched
 
 
@@ -284,12 +278,10 @@ def test_a_start_waits_until_nobody_holds_scl():
     b.pull(SCL)
     b.run(2 * SLOT)
     b.send([0x12])
-    b.run(20 * SLOT)
-    assert b.said() == "" and b.flags("BB STT MST AL") == "STT MST"
+    assert b.said_after(20 * SLOT) == "" and b.flags("BB STT MST AL") == "STT MST"
     b.let_go(SCL)
     released = b.now
-    b.stopped()
-    assert b.said() == "S 50W A 12 A P"
+    assert b.said_at_stop() == "S 50W A 12 A P"
     assert min(b.times(SDA, 0)) - released < LOW + HIGH
     assert not b.duties()
 
@@ -300,8 +292,7 @@ def test_open_stt_while_busy_does_not_matter_on_the_own_bus(how: str):
     b = Bench(Target(), options=with_(stt_while_busy=how))
     b.send([1], extra="", until="ARDY")
     b.send([2])
-    b.stopped()
-    assert b.said() == "S 50W A 01 A S 50W A 02 A P"
+    assert b.said_at_stop() == "S 50W A 01 A S 50W A 02 A P"
     assert not b.flag("AL")
 
 
@@ -314,8 +305,7 @@ def test_open_al_clears_stt(clears: bool):
     b.mode("MST TRX STT STP")
     b.until(lambda: b.flag("AL"))
     assert b.flags("STT STP MST") == ("" if clears else "STT")
-    b.run(60 * SLOT)
-    assert b.said() == "S 48W A 77 A P"
+    assert b.said_after(60 * SLOT) == "S 48W A 77 A P"
 
 
 @rule("I2C-083", "I2C-086")
@@ -338,8 +328,7 @@ def test_open_own_general_call(how: str, said: str):
     b = Bench(options=with_(own_general_call=how))
     b.w("I2CSAR", 0)
     b.send([], extra="", count=1)
-    b.run(15 * SLOT)
-    assert b.said() == said
+    assert b.said_after(15 * SLOT) == said
     assert b.flags("AAS AD0") == ("AAS AD0" if how == "answered" else "")
     assert b.flag("NACK")  # either way, Table 10
 

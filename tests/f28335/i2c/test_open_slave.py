@@ -64,8 +64,7 @@ def test_open_emdr_present(present):
     rig.write("I2CIER", IE_XRDY)
     rig.begin()
     rig.ask()
-    rig.wait(SOON)
-    assert rig.peek("I2CISRC") == (0 if present else 5), "BCM = 0 asks later"
+    assert rig.peek("I2CISRC", wait=SOON) == (0 if present else 5), "BCM = 0 asks later"
     rig.reset()
     rig.write("I2CEMDR", 1)
     assert rig.read("I2CEMDR") == int(present)
@@ -79,8 +78,7 @@ def test_open_bcm_reset(bcm):
     rig.write("I2CIER", IE_XRDY)
     rig.begin()
     rig.ask()
-    rig.wait(SOON)
-    assert rig.peek("I2CISRC") == 5 * bcm
+    assert rig.peek("I2CISRC", wait=SOON) == 5 * bcm
     written = Rig(bcm_reset=bcm)
     written.write("I2CEMDR", 1)
     written.begin()
@@ -194,12 +192,10 @@ def test_open_xrdy_rise_point(point):
 def test_open_xrdyint_when_idle(when):
     rig = idle(xrdyint_when_idle=when)
     rig.write("I2CIER", IE_XRDY)
-    rig.wait(SOON)
-    assert rig.asked() == (INT1 if when == "level" else 0)
+    assert rig.asked(SOON) == (INT1 if when == "level" else 0)
     assert rig.peek("I2CISRC") == (5 if when == "level" else 0)
     rig.ask()
-    rig.wait(SOON)
-    assert rig.peek("I2CISRC") == 5
+    assert rig.peek("I2CISRC", wait=SOON) == 5
 
 
 @pytest.mark.rule("I2C-108", "I2C-110")
@@ -565,8 +561,7 @@ def test_open_isrc_read_clears_aas(clears):
     rig = idle(isrc_read_clears_aas=clears)
     rig.write("I2CIER", IE_AAS)
     rig.address()
-    rig.wait(SOON)
-    assert rig.read("I2CISRC") == 7
+    assert rig.read("I2CISRC", wait=SOON) == 7
     assert rig.flag("AAS") != clears
     assert rig.send(0x11), "the transfer goes on"
 
@@ -578,8 +573,7 @@ def test_open_isrc_read_clears_aas_in_the_free_data_format():
     rig.write("I2CIER", IE_AAS)
     rig.start()
     rig.send(0x33)
-    rig.wait(SOON)
-    assert rig.read("I2CISRC") == 7
+    assert rig.read("I2CISRC", wait=SOON) == 7
     assert rig.read("I2CDRR") == 0x33
     rig.send(0x44)
     assert (rig.flag("RRDY"), rig.flag("AAS")) == (1, 0)
@@ -643,14 +637,11 @@ def test_open_isrc_preempt(rule, shown):
     rig = addressed(isrc_preempt=rule)
     rig.write("I2CIER", IE_RRDY | IE_NACK)
     rig.send(0x11)
-    rig.wait(SOON)
-    assert rig.peek("I2CISRC") == 4
+    assert rig.peek("I2CISRC", wait=SOON) == 4
     rig.restart(OWN << 1 | 1)
     rig.give(0x22, ack=False)
-    rig.wait(SOON)
-    assert rig.read("I2CISRC") == shown
-    rig.wait(SOON)
-    assert rig.peek("I2CISRC") == 6 - shown
+    assert rig.read("I2CISRC", wait=SOON) == shown
+    assert rig.peek("I2CISRC", wait=SOON) == 6 - shown
 
 
 @pytest.mark.rule("I2C-279")
@@ -659,11 +650,9 @@ def test_open_isrc_follows_flag(rule):
     rig = addressed(isrc_follows_flag=rule)
     rig.write("I2CIER", IE_RRDY)
     rig.send(0x11)
-    rig.wait(SOON)
-    assert rig.peek("I2CISRC") == 4
+    assert rig.peek("I2CISRC", wait=SOON) == 4
     rig.read("I2CDRR")
-    rig.wait(SOON)
-    assert rig.read("I2CISRC") == (4 if rule == "stays" else 0)
+    assert rig.read("I2CISRC", wait=SOON) == (4 if rule == "stays" else 0)
 
 
 @pytest.mark.rule("I2C-333")
@@ -674,8 +663,7 @@ def test_open_irs_clears_isrc(clears):
     rig.stop()
     rig.wait(SOON)
     rig.write("I2CMDR", 0)
-    rig.wait(SOON)
-    assert rig.read("I2CISRC") == (0 if clears else 6)
+    assert rig.read("I2CISRC", wait=SOON) == (0 if clears else 6)
 
 
 # Clock, emulation, FIFO

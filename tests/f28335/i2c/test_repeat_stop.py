@@ -22,8 +22,7 @@ def test_a_byte_that_waits_is_sent_before_the_stop() -> None:
     b, target = begun()
     b.w("I2CDXR", 0x22)
     b.set("STP")
-    b.run(40 * SLOT)
-    assert b.said() == "S 50W A 11 A 22 A P"
+    assert b.said_after(40 * SLOT) == "S 50W A 11 A 22 A P"
     assert target.got == [0x11, 0x22]
 
 
@@ -31,6 +30,5 @@ def test_a_byte_that_waits_is_sent_before_the_stop() -> None:
 def test_where_nothing_waits_the_stop_follows_the_byte_on_the_wire() -> None:
     b, target = begun()
     b.set("STP")
-    b.run(40 * SLOT)
-    assert b.said() == "S 50W A 11 A P"
+    assert b.said_after(40 * SLOT) == "S 50W A 11 A P"
     assert (target.got, b.flag("MST"), b.flag("SCD")) == ([0x11], 0, 1)

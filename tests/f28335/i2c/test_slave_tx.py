@@ -79,16 +79,14 @@ def test_bcm_0_requests_equal_bytes_sent():
     rig.clock(1)
     rig.acked()
     for byte in (0x11, 0x22, 0x33):
-        rig.wait(20)
-        assert rig.peek("I2CISRC") == 5
+        assert rig.peek("I2CISRC", wait=20) == 5
         assert rig.stretching
         requests += 1
         rig.write("I2CDXR", byte)
         rig.read("I2CISRC")
         assert rig.take(ack=byte != 0x33) == byte
     rig.stop()
-    rig.wait(BIT)
-    assert rig.peek("I2CISRC") == 0
+    assert rig.peek("I2CISRC", wait=BIT) == 0
     assert rig.status(XRDY | XSMT) == XRDY | XSMT
     assert requests == 3
 

@@ -79,8 +79,7 @@ def test_one_byte_with_stop_as_it_looks_on_the_wires():
         SLOT // 5,
         start=start,
     )
-    b.stopped()
-    assert b.said() == "S 50W A 3a A P"
+    assert b.said_at_stop() == "S 50W A 3a A P"
 
 
 @rule("I2C-147")
@@ -132,8 +131,7 @@ def test_stp_alone_ends_a_kept_transfer_with_a_stop():
     b.send([1], extra="")
     b.after("ARDY")
     b.mode("MST TRX STP")
-    b.stopped()
-    assert b.said() == "S 50W A 01 A P"
+    assert b.said_at_stop() == "S 50W A 01 A P"
     assert b.flags("STP MST BB ARDY") == ""
 
 
@@ -143,8 +141,7 @@ def test_stp_alone_ends_a_kept_repeat_mode_transfer_with_a_stop():
     b.send([1], extra="RM")
     b.after("ARDY")
     b.mode("MST TRX RM STP")
-    b.stopped()
-    assert b.said() == "S 50W A 01 A P"
+    assert b.said_at_stop() == "S 50W A 01 A P"
 
 
 @rule("I2C-045", "I2C-049", "I2C-052")
@@ -174,11 +171,9 @@ def test_stp_set_with_the_address_on_the_bus_waits_for_the_bytes(count: int):
     b.mode("MST TRX STT", count=count)
     b.edge(SCL, 0, 4)
     b.set("STP")
-    b.run(20 * SLOT)
-    assert b.said() == "S 50W A"
+    assert b.said_after(20 * SLOT) == "S 50W A"
     b.feed([7] * count)
-    b.stopped()
-    assert b.said() == "S 50W A " + "07 A " * count + "P"
+    assert b.said_at_stop() == "S 50W A " + "07 A " * count + "P"
 
 
 @rule("I2C-051", "I2C-058", "I2C-061", "I2C-076")
@@ -209,8 +204,7 @@ def test_stt_on_a_kept_bus_makes_a_repeated_start_for_another_slave_and_directio
     b.edge(SCL, 0)
     assert b.flags("BB STT ARDY AL") == "BB"
     assert b.drain(1) == [0xC5]
-    b.stopped()
-    assert b.said() == "S 50W A 10 A S 21R A c5 N P"
+    assert b.said_at_stop() == "S 50W A 10 A S 21R A c5 N P"
 
 
 @rule("I2C-061", "I2C-150", "I2C-152")
@@ -222,8 +216,7 @@ def test_stt_ends_a_repeat_mode_transfer_with_a_repeated_start():
     b.w("I2CSAR", 0x21)
     b.mode("MST TRX STT STP", count=1)
     b.feed([3])
-    b.stopped()
-    assert b.said() == "S 50W A 01 A 02 A S 21W A 03 A P"
+    assert b.said_at_stop() == "S 50W A 01 A 02 A S 21W A 03 A P"
 
 
 @rule("I2C-152", "I2C-340")
@@ -246,8 +239,7 @@ def test_repeated_start_with_ten_bit_addresses_changes_the_direction(how: str):
     b.send([0x11], extra="XA", until="ARDY")
     b.mode("MST STT STP XA", count=1)
     assert b.drain(1) == [0x99]
-    b.stopped()
-    assert b.said() == "S 7aW A 34 A 11 A S 7aR A 99 N P"
+    assert b.said_at_stop() == "S 7aW A 34 A 11 A S 7aR A 99 N P"
 
 
 @rule("I2C-153")
@@ -255,8 +247,7 @@ def test_repeated_start_in_the_free_data_format():
     b = Bench(Target(free="r"))
     b.send([0x11], extra="FDF", until="ARDY")
     b.send([0x22], extra="FDF STP")
-    b.stopped()
-    assert b.said(free=True) == "S 11 A S 22 A P"
+    assert b.said_at_stop(free=True) == "S 11 A S 22 A P"
 
 
 @rule("I2C-037", "I2C-040", "I2C-148", "I2C-208")
@@ -277,8 +268,7 @@ def test_a_new_transfer_can_follow_when_stp_reads_0_and_the_bus_is_free_in_betwe
 def test_stb_sends_a_start_byte_before_the_address():
     b = Bench(Target())
     b.send([0x12], extra="STP STB")
-    b.stopped()
-    assert b.said() == "S 00R N S 50W A 12 A P"
+    assert b.said_at_stop() == "S 00R N S 50W A 12 A P"
     assert b.flags("NACK BB STT") == ""
 
 
@@ -305,8 +295,7 @@ def test_a_second_module_ignores_the_start_byte_and_answers_the_address():
     b.w("I2COAR", 0x50, b.s)
     b.send([0x12], extra="STP STB")
     assert b.drain(1, b.s) == [0x12]
-    b.stopped()
-    assert b.said() == "S 00R N S 50W A 12 A P"
+    assert b.said_at_stop() == "S 00R N S 50W A 12 A P"
 
 
 def test_mdr_values_are_those_of_the_manual():
@@ -327,8 +316,7 @@ def test_the_reserved_combination_does_nothing_on_a_kept_bus_either(rm: str):
     b.mode("MST TRX RM STT STP")
     assert b.held(20 * SLOT)
     b.mode("MST TRX STP " + rm)
-    b.stopped()
-    assert b.said() == "S 50W A 01 A P"
+    assert b.said_at_stop() == "S 50W A 01 A P"
 
 
 @rule("I2C-039", "I2C-041")
@@ -342,8 +330,7 @@ def test_stp_set_while_the_module_waits_for_data_lets_it_wait_on(sent: int):
     b.set("STP")
     assert b.held(20 * SLOT)
     b.w("I2CDXR", 2)
-    b.stopped()
-    assert b.said() == "S 50W A " + "01 A " * sent + "02 A P"
+    assert b.said_at_stop() == "S 50W A " + "01 A " * sent + "02 A P"
 
 
 @rule("I2C-061", "I2C-137")

@@ -46,8 +46,7 @@ def test_the_receiver_runs_at_the_same_rate(brr):
     rig = SciRig(brr=brr, fifo=True)
     for data in range(0, 256, 17):
         rig.send(frame(data), bit=32 * (max(brr, 1) + 1), at=rig.now)
-        rig.wait(1)
-        assert rig.received() == [data]
+        assert rig.received(wait=1) == [data]
     assert rig.peek("SCIRXST") == 0
 
 
@@ -64,8 +63,7 @@ def test_the_receiver_follows_lspclk_too():
     rig = SciRig(brr=24, fifo=True)
     rig.chip.set_lspclk(rig.now, 2, 0)
     rig.send(frame(0x4B) + "1", bit=400)
-    rig.wait(1)
-    assert rig.received() == [0x4B]
+    assert rig.received(wait=1) == [0x4B]
 
 
 @pytest.mark.rule("SCI-083")

@@ -75,8 +75,7 @@ def test_without_parity_the_bit_after_the_data_is_the_stop_bit():
     rig = SciRig(fifo=True)
     for data in (0x00, 0x01):
         rig.send(frame(data))
-    rig.wait(1)
-    assert rig.received() == [0x00, 0x01]
+    assert rig.received(wait=1) == [0x00, 0x01]
 
 
 @pytest.mark.rule("SCI-020", "SCI-021", "SCI-022", "SCI-023", "SCI-055")

@@ -27,8 +27,7 @@ def test_words_are_counted_in_and_out():
         < TXFFST    0  .  1.......  .  .  ........  .  0  ........  .  .
         < TXD       1  0  10......  1  0  .10.....  1  0  1.0.....  1  .
     """)
-    rig.wait(5)
-    assert rig.characters() == [1, 2, 3]
+    assert rig.characters(wait=5) == [1, 2, 3]
 
 
 @pytest.mark.rule("SCI-148")
@@ -85,8 +84,7 @@ def test_with_one_in_the_shifter_seventeen_words_are_under_way():
     for word in range(0x41, 0x51):
         rig.write("SCITXBUF", word)
     assert rig.get("TXFFST") == 16
-    rig.wait(17 * 10 + 2)
-    assert rig.characters() == list(range(0x40, 0x51))
+    assert rig.characters(wait=17 * 10 + 2) == list(range(0x40, 0x51))
     assert rig.flags("TXFFST", "TXEMPTY") == {"TXFFST": 0, "TXEMPTY": 1}
 
 
@@ -104,8 +102,7 @@ def test_words_leave_in_the_order_written(words):
     rig = SciRig(brr=1, fifo=True)
     for word in words:
         rig.write("SCITXBUF", word)
-    rig.wait(10 * len(words) + 3)
-    assert rig.characters() == words
+    assert rig.characters(wait=10 * len(words) + 3) == words
 
 
 @pytest.mark.rule("SCI-154")
@@ -145,8 +142,7 @@ def test_the_transmit_fifo_reset_empties_it_and_holds_it():
     rig.write("SCITXBUF", 0x22)
     assert rig.get("TXFFST") == 1
     rig.set(TXENA=1)
-    rig.wait(25)
-    assert rig.characters() == [0x22]
+    assert rig.characters(wait=25) == [0x22]
 
 
 @pytest.mark.rule("SCI-160")

@@ -298,8 +298,7 @@ def test_a_receiver_set_slower_than_the_sender_is_never_tripped(phase):
     sent = [0x4B, 0x00, 0xFF, 0x80]
     for data in sent:
         rig.send(frame(data, address=0), bit=rig.bit * 0.985, at=rig.now + phase)
-    rig.wait(20)
-    assert rig.received() == sent
+    assert rig.received(wait=20) == sent
 
 
 @pytest.mark.rule("SCI-125")
@@ -309,8 +308,7 @@ def test_idle_line_mode_does_not_have_the_erratum(phase):
     sent = [0x4B, 0x00, 0x7F, 0x01]
     for data in sent:
         rig.send(frame(data), bit=rig.bit * 1.03, at=rig.now + phase)
-    rig.wait(20)
-    assert rig.received() == sent
+    assert rig.received(wait=20) == sent
     assert rig.get("RXERROR") == 0
 
 

@@ -333,8 +333,7 @@ def test_open_txfifo_write_when_full(value, last):
     rig.write("SCITXBUF", 0x99)
     assert rig.get("TXFFST") == 16
     rig.set(TXENA=1)
-    rig.wait(16 * 10 + 3)
-    assert rig.characters() == [*range(0x10, 0x1F), last]
+    assert rig.characters(wait=16 * 10 + 3) == [*range(0x10, 0x1F), last]
 
 
 @pytest.mark.rule("SCI-065")
@@ -430,17 +429,14 @@ def test_open_txena_clear_drains(value, sent):
         rig.write("SCITXBUF", word)
     rig.wait(3)
     rig.set(TXENA=0)
-    rig.wait(50)
-    assert rig.characters() == [0x11, 0x22, 0x33][:sent]
+    assert rig.characters(wait=50) == [0x11, 0x22, 0x33][:sent]
     rig.write("SCITXBUF", 0x44)  # waits for TXENA
-    rig.wait(15)
-    assert rig.characters() == [0x11, 0x22, 0x33][:sent]
+    assert rig.characters(wait=15) == [0x11, 0x22, 0x33][:sent]
     rig = rig_with("txena_clear_drains", value)
     rig.put(0x11, 3)
     rig.write("SCITXBUF", 0x22)
     rig.set(TXENA=0)
-    rig.wait(50)
-    assert rig.characters() == [0x11, 0x22][:sent]
+    assert rig.characters(wait=50) == [0x11, 0x22][:sent]
 
 
 @pytest.mark.rule("SCI-106")
@@ -535,8 +531,7 @@ def test_open_txbuf_write_in_swreset(value, sent):
     rig.wait(20)
     assert rig.edges == []
     rig.set(SWRESET=1)
-    rig.wait(20)
-    assert rig.characters() == sent
+    assert rig.characters(wait=20) == sent
     said = ["SCI-A: SCITXBUF was written 0x4b while SW RESET = 0: the character is lost"]
     assert rig.notes("lost") == ([] if sent else said)
 

@@ -104,8 +104,7 @@ def test_the_fifos_and_their_flags_stay():
         assert rig.flags(*kept) == kept
     assert rig.received() == list(range(0x41, 0x51))
     rig.set(TXENA=1)
-    rig.wait(35)
-    assert rig.characters() == [0x50, 0x51, 0x52]
+    assert rig.characters(wait=35) == [0x50, 0x51, 0x52]
 
 
 @pytest.mark.rule("SCI-205")

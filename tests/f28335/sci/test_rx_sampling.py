@@ -155,8 +155,7 @@ def test_a_sender_off_by_percents_is_followed_frame_by_frame():
         rig = SciRig(fifo=True)
         for i in range(12):
             rig.send(frame(0x4B + i), bit=rig.bit * skew, at=rig.now)
-        rig.wait(1)
-        assert (skew, rig.received()) == (skew, [0x4B + i for i in range(12)])
+        assert (skew, rig.received(wait=1)) == (skew, [0x4B + i for i in range(12)])
         assert rig.get("RXERROR") == 0
 
 
@@ -218,5 +217,4 @@ def test_what_rxd_does_within_a_cycle_is_never_seen(data, phase, seed):
     glitching(rig, seed)
     for byte in data:
         rig.send(frame(byte), at=rig.now + phase)
-    rig.wait(1)
-    assert rig.received() == data and rig.get("RXERROR") == 0
+    assert rig.received(wait=1) == data and rig.get("RXERROR") == 0

@@ -55,8 +55,7 @@ def test_a_write_while_txrdy_is_0_replaces_the_waiting_character():
     for word in (0x22, 0x33):
         rig.write("SCITXBUF", word)
         assert rig.get("TXRDY") == 0
-    rig.wait(40)
-    assert rig.characters() == [0x11, 0x33]
+    assert rig.characters(wait=40) == [0x11, 0x33]
 
 
 @pytest.mark.rule("SCI-069")
@@ -142,8 +141,7 @@ def test_both_directions_at_once_and_out_of_step():
     rig.wait(sciclk=3)
     for word in back:
         rig.send(frame(word), bit=rig.bit * 1.02, at=rig.now)
-    rig.wait(5)
-    assert rig.characters() == out
+    assert rig.characters(wait=5) == out
     assert rig.received() == back
     assert rig.peek("SCIRXST") == 0
 

@@ -550,6 +550,16 @@ class Bench(Bus):
                 self.w("I2CMDR", MDR["IRS"], chip)
         self.run(2 * SLOT)
 
+    @property
+    def target(self) -> Target:
+        """The first device on the bus."""
+        return next(one for one in self.partners if isinstance(one, Target))
+
+    @property
+    def foreign(self) -> Foreign:
+        """The first other master."""
+        return next(one for one in self.partners if isinstance(one, Foreign))
+
     # registers
 
     def w(self, register: str, value: int, chip: I2c | None = None) -> None:

@@ -72,8 +72,16 @@ class Rig(Bus):
             self.wait(wait)
         return self.chip.peek(self.now, OFFSET[name])
 
-    def begin(self, mode: int = 0, oar: int = OWN) -> Self:
-        """Own address and mode, then IRS = 1."""
+    def begin(
+        self, mode: int = 0, oar: int = OWN, *, ier: int = 0, bcm: int | None = None, fifos: tuple[int, int] = (0, 0)
+    ) -> Self:
+        """Enables, BCM unless None, I2CFFTX and I2CFFRX, own address and mode, then IRS = 1."""
+        if ier:
+            self.write("I2CIER", ier)
+        if bcm is not None:
+            self.write("I2CEMDR", bcm)
+        if any(fifos):
+            self.set_fifos(*fifos)
         self.write("I2COAR", oar)
         self.write("I2CMDR", mode | IRS)
         return self
@@ -312,12 +320,12 @@ class Rig(Bus):
 
 
 def addressed(
-    read: int = 0, *, mode: int = 0, first: int | None = None, sent: Iterable[int] = (), **options: Value
+    read: int = 0, *, mode: int = 0, first: int | None = None, sent: Iterable[int] = (), ier: int = 0, **options: Value
 ) -> Rig:
     """A rig whose chip has just been addressed by its own address: fall 9 of the address byte, or of the last one sent.
 
     first: written to I2CDXR in the first half of the acknowledge slot, so that there is no underflow.
-    sent: bytes to the chip, whatever it answers.
+    sent: bytes to the chip, whatever it answers. ier: I2CIER, written behind them.
     """
     rig = Rig(bit=BIT, **options)
     rig.begin(mode)
@@ -328,4 +336,6 @@ def addressed(
     assert rig.acked()
     for byte in sent:
         rig.send(byte)
+    if ier:
+        rig.write("I2CIER", ier)
     return rig

@@ -192,6 +192,11 @@ class SciRig(_Line):
         """When the first sample's column began. The same with one level an SCICLK."""
         return self.send(text, bit=self.sciclk)
 
+    def heard(self, text: str) -> Self:
+        """Plays levels into RXD."""
+        self.send(text)
+        return self
+
     def take(self, text: str) -> int:
         """Plays levels into RXD, and reads SCIRXBUF."""
         self.send(text)
@@ -220,10 +225,11 @@ class SciRig(_Line):
         self.run_until(max(self.now, start + count * self.bit))
         return "".join(str(self.txd_at(start + i * self.bit + self.bit // 2)) for i in range(count))
 
-    def put(self, word: int, bits: float = 0, *, sciclk: float = 0, cycles: int = 0) -> None:
+    def put(self, word: int, bits: float = 0, *, sciclk: float = 0, cycles: int = 0) -> Self:
         """Write SCITXBUF, and wait."""
         self.write("SCITXBUF", word)
         self.wait(bits, sciclk=sciclk, cycles=cycles)
+        return self
 
     def transmit(self, word: int, count: int) -> str:
         """Writes `word` to SCITXBUF of an idle transmitter: the first `count` bits from its start bit on."""

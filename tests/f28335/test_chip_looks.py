@@ -182,8 +182,7 @@ def test_sci_edge_told_after_something_was_due_brings_that_first(late: int):
 
 def test_i2c_is_looked_at_as_bytes_come_into_its_fifo():
     """BB, AAS, two bytes, of which the second reaches RXFFIL, and SCD: the FIFO's level is all that the first moves."""
-    rig = Rig(noise_filter_cycles=1).begin()
-    rig.set_fifos(0x4000, 0x2002)
+    rig = Rig(noise_filter_cycles=1).begin(fifos=(0x4000, 0x2002))
     said = counted(rig.chip)
     rig.start()
     rig.address(OWN, 0)

@@ -112,8 +112,7 @@ def test_without_an_enable_no_flag_asks(story: Callable[[Rig], None]):
 @pytest.mark.parametrize(("tx", "rx"), [(0, 0), (FFIENA, 0), (0, FFIENA), (FFIENA, FFIENA)])
 @pytest.mark.parametrize(("tx_level", "rx_level"), [(0, 1), (4, 2), (16, 16)])
 def test_a_fifo_asks_where_its_flag_is_1_and_enabled(tx: int, rx: int, tx_level: int, rx_level: int):
-    rig = Rig().begin()
-    rig.set_fifos(FFEN | FFRST | tx | tx_level, FFRST | rx | rx_level)
+    rig = Rig().begin(fifos=(FFEN | FFRST | tx | tx_level, FFRST | rx | rx_level))
     rig.address(OWN)
     for byte in (1, 2, 3):
         rig.send(byte)
@@ -137,8 +136,7 @@ LINES = {
 @pytest.mark.parametrize("text", LINES.values(), ids=LINES)
 @pytest.mark.parametrize("enable", ["", "RXBKINTENA", "RXERRINTENA"])
 def test_a_receive_source_asks_where_its_flag_rose_and_it_is_enabled(text: str, enable: str):
-    rig = SciRig(**({enable: 1} if enable else {}))
-    rig.send(text)
+    rig = SciRig(**({enable: 1} if enable else {})).heard(text)
     flags = rig.flags("RXRDY", "BRKDT", "RXERROR")
     rises = {"": 0, "RXBKINTENA": flags["RXRDY"] + flags["BRKDT"], "RXERRINTENA": flags["RXERROR"]}
     assert bool(rig.count("RXINT")) == bool(rises[enable])
@@ -163,8 +161,7 @@ def test_without_txffiena_no_level_of_the_transmit_fifo_asks(words: int):
 @pytest.mark.parametrize("level", [1, 2, 16])
 def test_a_receive_fifo_asks_where_its_flag_is_1_and_enabled(level: int):
     for enabled in (0, 1):
-        rig = SciRig(fifo=True, RXFFIL=level, RXFFIENA=enabled)
-        rig.send(frame(0x11) + frame(0x22) + "1")
+        rig = SciRig(fifo=True, RXFFIL=level, RXFFIENA=enabled).heard(frame(0x11) + frame(0x22) + "1")
         assert rig.get("RXFFINT") == (level <= 2)
         assert bool(rig.count("RXINT")) == bool(enabled and level <= 2)
 

@@ -28,9 +28,7 @@ def lost(b: Bench) -> Bench:
 
 @rule("I2C-176", "I2C-177", "I2C-178", "I2C-180", "I2C-257", "I2C-259", "I2C-260")
 def test_the_module_loses_to_a_lower_address_in_the_bit_that_differs():
-    foreign = Foreign("S 48W 77 P", at=None)
-    target = Target(0x48)
-    b = Bench(target, foreign)
+    b = Bench(Target(0x48), Foreign("S 48W 77 P", at=None))
     go(b, [1])
     rise = b.edge(SCL, 1, 3)  # 101.... against 100....: the third bit
     assert b.flags("AL MST STP") == "MST STP" or rise == b.now
@@ -38,18 +36,16 @@ def test_the_module_loses_to_a_lower_address_in_the_bit_that_differs():
     assert b.flags("AL MST STP") == "AL"
     assert b.m.out & 1 << SDA
     assert b.said_after(40 * SLOT) == "S 48W A 77 A P"
-    assert (target.got, foreign.lost, foreign.heard) == ([0x77], False, "AA")
+    assert (b.target.got, b.foreign.lost, b.foreign.heard) == ([0x77], False, "AA")
     assert b.m.out == 0b11
 
 
 @rule("I2C-177", "I2C-178")
 def test_the_module_wins_with_a_lower_address_and_is_undisturbed():
-    foreign = Foreign("S 58W 77 P", at=None)
-    target = Target(0x50)
-    b = Bench(target, foreign)
+    b = Bench(Target(0x50), Foreign("S 58W 77 P", at=None))
     go(b, [0x12])
     assert b.said_at_stop() == "S 50W A 12 A P"
-    assert foreign.lost and target.got == [0x12]
+    assert b.foreign.lost and b.target.got == [0x12]
     assert b.flags("AL") == ""
 
 
@@ -57,18 +53,16 @@ def test_the_module_wins_with_a_lower_address_and_is_undisturbed():
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 255), st.integers(0, 255))
 def test_with_equal_addresses_the_lower_data_byte_wins(mine: int, other: int):
-    foreign = Foreign(f"S 50W 33 {other:02x} P", at=None)
-    target = Target(0x50)
-    b = Bench(target, foreign)
+    b = Bench(Target(0x50), Foreign(f"S 50W 33 {other:02x} P", at=None))
     b.mode("MST TRX STT STP", count=2)
     b.w("I2CDXR", 0x33)
     b.until(lambda: b.flag("XRDY"))
     b.w("I2CDXR", mine)
     b.run(35 * SLOT)
-    assert target.got == [0x33, min(mine, other)]
+    assert b.target.got == [0x33, min(mine, other)]
     assert b.said() == f"S 50W A 33 A {min(mine, other):02x} A P"
     assert b.flag("AL") == (mine > other)
-    assert foreign.lost == (other > mine)
+    assert b.foreign.lost == (other > mine)
 
 
 @rule("I2C-176", "I2C-178", "I2C-179", "I2C-180", "I2C-257", "I2C-259")
@@ -90,8 +84,7 @@ def test_of_two_modules_the_lower_address_wins(first: int, second: int):
 
 @rule("I2C-178")
 def test_a_write_wins_over_a_read_of_the_same_address():
-    foreign = Foreign("S 50W 12 P", at=None)
-    b = Bench(Target(0x50, [0x99]), foreign)
+    b = Bench(Target(0x50, [0x99]), Foreign("S 50W 12 P", at=None))
     b.mode("MST STT STP", count=1)
     assert b.said_after(40 * SLOT) == "S 50W A 12 A P"
     assert b.flags("AL MST") == "AL"
@@ -100,23 +93,21 @@ def test_a_write_wins_over_a_read_of_the_same_address():
 @rule("I2C-261")
 @pytest.mark.parametrize("own", [0x48, 0x49])
 def test_the_loser_is_a_slave_receiver_and_answers_its_address(own: int):
-    foreign = Foreign("S 48W 77 P", at=None)
-    b = Bench(foreign, own=own)
+    b = Bench(Foreign("S 48W 77 P", at=None), own=own)
     lost(b)
     assert b.flags("SDIR MST") == ""
     b.run(40 * SLOT)
     if own == 0x48:
-        assert foreign.heard == "AA"
+        assert b.foreign.heard == "AA"
         assert b.r("I2CDRR") == 0x77
     else:
-        assert foreign.heard == "NN"
+        assert b.foreign.heard == "NN"
         assert not b.flag("RRDY")
 
 
 @rule("I2C-261")
 def test_the_loser_of_a_data_byte_is_a_slave_receiver_that_nobody_has_addressed():
-    foreign = Foreign("S 50W 12 34 P", at=None)
-    b = Bench(Target(0x50), foreign, own=0x48)
+    b = Bench(Target(0x50), Foreign("S 50W 12 34 P", at=None), own=0x48)
     go(b, [0x13])
     assert b.said_after(50 * SLOT) == "S 50W A 12 A 34 A P"
     assert b.flags("AL MST AAS RRDY") == "AL"
@@ -125,8 +116,7 @@ def test_the_loser_of_a_data_byte_is_a_slave_receiver_that_nobody_has_addressed(
 @rule("I2C-180")
 def test_the_loser_makes_no_clock_pulses_of_its_own_after_the_byte():
     """A slower foreign master sets the pace alone: its low period is seen, not the module's."""
-    foreign = Foreign("S 48W 77 P", at=None, low=900, high=800)
-    b = lost(Bench(Target(0x48), foreign))
+    b = lost(Bench(Target(0x48), Foreign("S 48W 77 P", at=None, low=900, high=800)))
     b.edge(SCL, 0, 8)
     fall, rise, fall2 = b.edge(SCL, 0), b.edge(SCL, 1), b.edge(SCL, 0)
     assert (rise - fall, fall2 - rise) == (900, 800)
@@ -134,8 +124,7 @@ def test_the_loser_makes_no_clock_pulses_of_its_own_after_the_byte():
 
 @rule("I2C-258", "I2C-259", "I2C-260")
 def test_a_start_tried_during_a_foreign_transfer_loses_at_once():
-    foreign = Foreign("S 48W 77 P")
-    b = Bench(Target(0x48), Target(0x50), foreign)
+    b = Bench(Target(0x48), Target(0x50), Foreign("S 48W 77 P"))
     b.until(lambda: b.flag("BB"))
     b.edge(SCL, 0, 2)
     go(b, [1])
@@ -194,15 +183,14 @@ def test_al_is_not_set_when_the_slave_answers():
 @rule("I2C-181", "I2C-179")
 @pytest.mark.parametrize("mine, other, wins", [(0x58, 0x48, 0x48), (0x48, 0x58, 0x48)])
 def test_arbitration_goes_on_after_a_repeated_start_that_both_send_at_the_same_place(mine: int, other: int, wins: int):
-    foreign = Foreign(f"S 50W 33 S {other:02x}W 77 P", at=None)
-    b = Bench(Target(0x50), Target(wins), foreign)
+    b = Bench(Target(0x50), Target(wins), Foreign(f"S 50W 33 S {other:02x}W 77 P", at=None))
     go(b, [0x33], "")
     b.until(lambda: b.flag("ARDY"))
-    assert not foreign.lost
+    assert not b.foreign.lost
     b.w("I2CSAR", mine)
     go(b, [0x66])
     assert b.said_after(40 * SLOT) == f"S 50W A 33 A S {wins:02x}W A {0x66 if mine == wins else 0x77:02x} A P"
-    assert (b.flag("AL"), foreign.lost) == (int(mine != wins), mine == wins)
+    assert (b.flag("AL"), b.foreign.lost) == (int(mine != wins), mine == wins)
 
 
 @rule("I2C-176", "I2C-258")

@@ -243,8 +243,7 @@ def test_a_fall_of_scl_made_by_another_device_starts_the_low_period(after: int):
     [(400, 100, 400, 100), (150, 300, LOW, HIGH), (600, 300, 600, HIGH), (200, 90, LOW, 90)],
 )
 def test_two_generators_longest_low_shortest_high(low: int, high: int, seen_low: int, seen_high: int):
-    foreign = Foreign("S 50W 5A P", at=None, low=low, high=high)
-    b = Bench(Target(), foreign)
+    b = Bench(Target(), Foreign("S 50W 5A P", at=None, low=low, high=high))
     b.mode("MST TRX STT STP", count=1, data=0x5A)
     first = b.edge(SCL, 0)
     b.edge(SCL, 0, 17)
@@ -252,7 +251,7 @@ def test_two_generators_longest_low_shortest_high(low: int, high: int, seen_low:
     highs = {y.time - x.time for x, y in itertools.pairwise(edges) if not y.level}
     lows = {y.time - x.time for x, y in itertools.pairwise(edges) if y.level}
     assert (lows, highs) == ({seen_low}, {seen_high})
-    assert not foreign.lost and not b.flag("AL")
+    assert not b.foreign.lost and not b.flag("AL")
 
 
 # ---- noise -----------------------------------------------------------------------------------------------------
@@ -310,8 +309,7 @@ def test_a_spike_on_a_stretched_scl_is_not_its_end(width: int, said: str):
 @rule("I2C-175")
 @pytest.mark.parametrize("first", ["04W", "05R", "07R", "01W"])
 def test_master_codes_and_cbus_are_just_foreign_addresses(first: str):
-    foreign = Foreign(f"S {first} P")
-    b = Bench(foreign, own=0x50)
+    b = Bench(Foreign(f"S {first} P"), own=0x50)
     b.run(20 * SLOT)
-    assert foreign.done and foreign.heard == "N"
+    assert b.foreign.done and b.foreign.heard == "N"
     assert b.flags("AAS AD0 SDIR RRDY") == ""

@@ -70,14 +70,13 @@ def test_a_breakpoint_that_is_over_before_scl_falls_changes_nothing():
 
 @rule("I2C-325")
 def test_with_free_a_slave_goes_on():
-    foreign = Foreign("S 50W 12 34 P")
-    b = Bench(foreign, own=0x50)
+    b = Bench(Foreign("S 50W 12 34 P"), own=0x50)
     b.mode("FREE")
     b.edge(SCL, 0, 4)
     b.suspend(True)
     assert b.drain(2) == [0x12, 0x34]
     b.run(4 * SLOT)
-    assert foreign.heard == "AAA"
+    assert b.foreign.heard == "AAA"
 
 
 @rule("I2C-326")

@@ -82,9 +82,7 @@ def test_what_goes_in_comes_out_in_order(data):
 @pytest.mark.rule("I2C-288", "I2C-289")
 def test_without_fifo_mode_the_registers_are_single():
     """Reset bits and levels are set, I2CFFEN is not: nothing is counted, no flag comes, the third byte waits."""
-    rig = Rig()
-    rig.set_fifos(FFRST | FFIENA | 4, FFRST | FFIENA)
-    rig.begin()
+    rig = Rig().begin(fifos=(FFRST | FFIENA | 4, FFRST | FFIENA))
     rig.write("I2CDXR", 0x11)
     rig.write("I2CDXR", 0x22)
     assert (count(rig, "TX"), raised(rig, "TX"), raised(rig, "RX")) == (0, 0, 0)
@@ -222,8 +220,7 @@ def test_rxffint_with_level_0_comes_with_enable_and_irs():
     rig.begin()
     rig.wait(SOON)
     assert raised(rig, "RX")
-    rig = Rig().begin()
-    rig.set_fifos(FFEN, FFRST)
+    rig = Rig().begin(fifos=(FFEN, FFRST))
     rig.wait(SOON)
     assert raised(rig, "RX")
 

@@ -443,8 +443,7 @@ def test_10_bit_aas_falls_with_a_foreign_first_byte():
 
 @pytest.mark.rule("I2C-231", "I2C-232")
 def test_scd_comes_with_stop_and_goes_with_code_6():
-    rig = addressed()
-    rig.write("I2CIER", IE_SCD)
+    rig = addressed(ier=IE_SCD)
     rig.restart(OWN << 1)
     assert rig.flag("SCD") == 0
     rig.stop()
@@ -474,8 +473,7 @@ def test_a_new_start_leaves_scd_alone():
 
 @pytest.mark.rule("I2C-251", "I2C-255")
 def test_nack_comes_from_the_master_and_goes_with_code_2():
-    rig = addressed(read=1)
-    rig.write("I2CIER", IE_NACK)
+    rig = addressed(read=1, ier=IE_NACK)
     rig.supply(0x5A, 0x5B)
     rig.take(ack=True)
     assert rig.flag("NACK") == 0

@@ -17,19 +17,17 @@ rule = pytest.mark.rule
 @settings(max_examples=20, deadline=None)
 @given(st.lists(st.integers(0, 255), min_size=1, max_size=4), st.integers(0, 0x3FF))
 def test_master_transmitter_sends_data_from_the_first_byte_on(data: list[int], sar: int):
-    target = Target(free="r")
-    b = Bench(target)
+    b = Bench(Target(free="r"))
     b.w("I2CSAR", sar)
     b.send(data, extra="STP FDF")
     assert b.said_at_stop(free=True) == " ".join(["S", *(f"{d:02x} A" for d in data), "P"])
-    assert target.got == data
+    assert b.target.got == data
     assert not b.flag("NACK")
 
 
 @rule("I2C-056", "I2C-315", "I2C-316", "I2C-317", "I2C-318")
 def test_master_receiver_receives_from_the_first_byte_on():
-    target = Target(free="t", gives=[0x81, 0x42, 0x18])
-    b = Bench(target)
+    b = Bench(Target(free="t", gives=[0x81, 0x42, 0x18]))
     assert b.read_all(3, extra="STP FDF") == [0x81, 0x42, 0x18]
     assert b.said(free=True) == "S 81 A 42 A 18 N P"
 
@@ -38,23 +36,21 @@ def test_master_receiver_receives_from_the_first_byte_on():
 @pytest.mark.parametrize("bc", [1, 3, 7, 0])
 def test_the_first_byte_has_bc_bits_too(bc: int):
     bits = bc or 8
-    target = Target(free="r", bits=bits)
-    b = Bench(target)
+    b = Bench(Target(free="r", bits=bits))
     b.send([0x35, 0x4A], extra="STP FDF", bc=bc)
     b.stopped()
-    assert target.got == [0x35 & (1 << bits) - 1, 0x4A & (1 << bits) - 1]
+    assert b.target.got == [0x35 & (1 << bits) - 1, 0x4A & (1 << bits) - 1]
     assert len(b.times(SCL, 1)) == 2 * (bits + 1) + 1
 
 
 @rule("I2C-317", "I2C-319", "I2C-054", "I2C-316")
 @pytest.mark.parametrize("own", [0x00, 0x50])
 def test_a_slave_with_trx_0_takes_every_transfer_whatever_its_address(own: int):
-    foreign = Foreign("S 77 12 P", at=2000)
-    b = Bench(foreign, own=own)
+    b = Bench(Foreign("S 77 12 P", at=2000), own=own)
     b.mode("FDF")
     assert b.drain(2) == [0x77, 0x12]
     b.run(4 * SLOT)
-    assert foreign.heard == "AA"
+    assert b.foreign.heard == "AA"
 
 
 @rule("I2C-070", "I2C-316")

@@ -39,8 +39,7 @@ SOON = 20  # cycles in which a request must have come
 
 def lose(ie: int = 0) -> Rig:
     """AL = 1: the chip was told to start while another master held the bus."""
-    rig = Rig().begin()
-    rig.write("I2CIER", ie)
+    rig = Rig().begin(ier=ie)
     rig.address(OTHER)
     rig.write("I2CSAR", OTHER)
     rig.write("I2CCNT", 1)
@@ -60,8 +59,7 @@ def refuse(ie: int = 0) -> Rig:
 
 def master_done(ie: int = 0) -> Rig:
     """ARDY = 1: the chip, as master, has sent its one byte and waits for the next command."""
-    rig = Rig().begin()
-    rig.write("I2CIER", ie)
+    rig = Rig().begin(ier=ie)
     rig.write_other()
     rig.wait_for(lambda: not rig.level[SCL])
     for _ in range(2):
@@ -76,8 +74,7 @@ def master_done(ie: int = 0) -> Rig:
 
 def receive(ie: int = 0) -> Rig:
     """RRDY = 1."""
-    rig = addressed()
-    rig.write("I2CIER", ie)
+    rig = addressed(ier=ie)
     rig.send(0x11)
     return rig
 
@@ -93,16 +90,14 @@ def want_data(ie: int = 0) -> Rig:
 
 def stopped(ie: int = 0) -> Rig:
     """SCD = 1."""
-    rig = addressed()
-    rig.write("I2CIER", ie)
+    rig = addressed(ier=ie)
     rig.stop()
     return rig
 
 
 def called(ie: int = 0) -> Rig:
     """AAS = 1."""
-    rig = Rig().begin()
-    rig.write("I2CIER", ie)
+    rig = Rig().begin(ier=ie)
     rig.address()
     return rig
 
@@ -179,8 +174,7 @@ def test_the_other_flags_ask_for_nothing():
             rig.wait(SOON)
             codes.append(rig.read("I2CISRC"))
 
-    rig = Rig().begin()
-    rig.write("I2CIER", 0x7F & ~IE_XRDY & ~IE_AAS & ~IE_RRDY & ~IE_SCD)
+    rig = Rig().begin(ier=0x7F & ~IE_XRDY & ~IE_AAS & ~IE_RRDY & ~IE_SCD)
     rig.address(0)  # BB, AD0
     drain(rig)
     rig.send(1)
@@ -224,8 +218,7 @@ def test_reading_a_code_brings_the_next_one_and_a_new_pulse():
 
 @pytest.mark.rule("I2C-281")
 def test_a_code_that_is_not_read_brings_no_second_pulse():
-    rig = addressed()
-    rig.write("I2CIER", IE_RRDY | IE_SCD)
+    rig = addressed(ier=IE_RRDY | IE_SCD)
     rig.send(0x11)
     rig.stop()
     rig.wait(BIT)
@@ -284,9 +277,7 @@ def test_in_fifo_mode_the_byte_enables_must_be_0(enable, broken, enable_first):
 
 @pytest.mark.rule("I2C-286")
 def test_in_fifo_mode_the_other_requests_stay_usable():
-    rig = Rig()
-    rig.set_fifos(FFEN | FFRST, FFRST | 1)
-    rig.begin()
+    rig = Rig().begin(fifos=(FFEN | FFRST, FFRST | 1))
     for enable, code in ((IE_AAS, 7), (IE_SCD, 6)):
         rig.write("I2CIER", enable)
         rig.address()

@@ -123,11 +123,10 @@ def test_loopback_in_the_free_data_format_is_not_supported():
 
 @rule("I2C-309", "I2C-310")
 def test_a_foreign_transfer_on_the_pins_is_not_heard():
-    foreign = Foreign("S 2AW 12 P")
-    b = Bench(foreign, own=OWN)
+    b = Bench(Foreign("S 2AW 12 P"), own=OWN)
     b.mode("MST TRX DLB")
     b.run(30 * SLOT)
-    assert foreign.done and foreign.heard == "NN"
+    assert b.foreign.done and b.foreign.heard == "NN"
     assert b.flags("AAS RRDY") == ""
 
 

@@ -16,13 +16,12 @@ rule = pytest.mark.rule
 @given(st.integers(1, 0x77), st.lists(st.integers(0, 255), min_size=1, max_size=5))
 def test_any_bytes_from_any_address(address: int, data: list[int]):
     """The address goes out first; each byte is acknowledged but the last one; a STOP follows."""
-    target = Target(address, data)
-    b = Bench(target)
+    b = Bench(Target(address, data))
     b.w("I2CSAR", address)
     assert b.read_all(len(data)) == data
     body = " ".join(f"{d:02x} A" for d in data)[:-1] + "N"
     assert b.said() == f"S {address:02x}R A {body} P"
-    assert target.answers == [0] * (len(data) - 1) + [1]
+    assert b.target.answers == [0] * (len(data) - 1) + [1]
     assert b.flags("STP MST BB STT NACK ARDY") == ""
     assert b.flags("NACKSNT SCD") == "NACKSNT SCD"
 
@@ -65,8 +64,7 @@ def test_two_unread_bytes_stop_the_clock_low_until_i2cdrr_is_read():
 @rule("I2C-142", "I2C-132", "I2C-133")
 @pytest.mark.parametrize("count", [1, 2, 7, 20])
 def test_i2ccnt_bytes_are_received_and_i2ccnt_keeps_its_value(count: int):
-    target = Target(gives=range(count))
-    b = Bench(target)
+    b = Bench(Target(gives=range(count)))
     assert b.read_all(count) == list(range(count))
     assert b.r("I2CCNT") == count
 
@@ -95,12 +93,11 @@ def test_bc_bits_are_received_right_justified(bc: int):
 
 @rule("I2C-069")
 def test_a_change_of_bc_within_a_received_byte_acts_on_the_next():
-    target = Target(gives=[0xA5, 0x16])
-    b = Bench(target)
+    b = Bench(Target(gives=[0xA5, 0x16]))
     b.mode("MST STT STP", count=2)
     b.edge(SCL, 0, 10 + 4)
     b.w("I2CMDR", b.peek("I2CMDR") | 5)
-    target.later = {2: 5}
+    b.target.later = {2: 5}
     first, second = b.drain(2)
     b.stopped()
     assert (first, second & 31) == (0xA5, 0x16)
@@ -112,16 +109,15 @@ def test_a_change_of_bc_within_a_received_byte_acts_on_the_next():
 @rule("I2C-183", "I2C-184", "I2C-185", "I2C-201")
 @pytest.mark.parametrize("byte", [0, 1, 2])
 def test_nackmod_refuses_the_byte_in_which_it_is_set_earlier_than_the_count(byte: int):
-    target = Target(gives=range(5))
-    b = Bench(target)
+    b = Bench(Target(gives=range(5)))
     b.mode("MST STT", count=5)
     b.drain(byte)
     b.edge(SCL, 0, 3)
-    assert len(target.answers) == byte
+    assert len(b.target.answers) == byte
     b.set("NACKMOD")
-    b.until(lambda: len(target.answers) > byte)
+    b.until(lambda: len(b.target.answers) > byte)
     b.run(SLOT)
-    assert target.answers == [0] * byte + [1]
+    assert b.target.answers == [0] * byte + [1]
     assert not b.flag("NACKMOD")
     assert b.flag("NACKSNT")
 
@@ -129,16 +125,15 @@ def test_nackmod_refuses_the_byte_in_which_it_is_set_earlier_than_the_count(byte
 @rule("I2C-185", "I2C-186")
 @pytest.mark.parametrize("late, answers", [(False, [1]), (True, [0, 1])])
 def test_nackmod_counts_from_the_rise_of_the_last_data_bit(late: bool, answers: list[int]):
-    target = Target(gives=range(5))
-    b = Bench(target)
+    b = Bench(Target(gives=range(5)))
     b.mode("MST STT", count=5)
     b.edge(SCL, 1, 9 + 8 - (not late))
     b.run(40 if late else 0)
     b.set("NACKMOD")
     b.until(lambda: b.flag("RRDY"))
     b.r("I2CDRR")
-    b.until(lambda: len(target.answers) == len(answers))
-    assert target.answers == answers
+    b.until(lambda: len(b.target.answers) == len(answers))
+    assert b.target.answers == answers
 
 
 @rule("I2C-187")
@@ -152,8 +147,7 @@ def test_nackmod_left_from_transmitting_does_not_refuse_an_address():
 
 @rule("I2C-189")
 def test_irs_0_in_a_byte_leaves_the_acknowledge_to_nobody():
-    target = Target(gives=[0xFF, 0xFF])
-    b = Bench(target)
+    b = Bench(Target(gives=[0xFF, 0xFF]))
     b.mode("MST STT", count=2)
     b.edge(SCL, 0, 10 + 6)
     b.w("I2CMDR", 0)
@@ -165,8 +159,7 @@ def test_irs_0_in_a_byte_leaves_the_acknowledge_to_nobody():
 @rule("I2C-192")
 @pytest.mark.parametrize("count", [2, 3, 9])
 def test_stp_set_later_makes_a_nack_and_a_stop_earlier_than_the_count(count: int):
-    target = Target(gives=[1, 2, 3])
-    b = Bench(target)
+    b = Bench(Target(gives=[1, 2, 3]))
     b.mode("MST STT", count=count)
     assert b.drain(1) == [1]
     b.edge(SCL, 0, 4)
@@ -178,10 +171,9 @@ def test_stp_set_later_makes_a_nack_and_a_stop_earlier_than_the_count(count: int
 
 @rule("I2C-191")
 def test_the_count_makes_the_last_nack_and_forces_the_stop():
-    target = Target(gives=range(9))
-    b = Bench(target)
+    b = Bench(Target(gives=range(9)))
     b.read_all(4)
-    assert target.answers == [0, 0, 0, 1]
+    assert b.target.answers == [0, 0, 0, 1]
     assert b.said().endswith("03 N P")
 
 

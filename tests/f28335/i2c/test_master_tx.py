@@ -23,12 +23,11 @@ FIFO_ON = 1 << 14 | 1 << 13  # I2CFFEN, TXFFRST
 @settings(max_examples=25, deadline=None)
 @given(st.integers(1, 0x77), st.lists(st.integers(0, 255), min_size=1, max_size=4))
 def test_any_bytes_to_any_address(address: int, data: list[int]):
-    target = Target(address)
-    b = Bench(target)
+    b = Bench(Target(address))
     b.w("I2CSAR", address)
     said = b.write_all(data)
     assert said == " ".join([f"S {address:02x}W A", *(f"{d:02x} A" for d in data), "P"])
-    assert target.got == data
+    assert b.target.got == data
 
 
 @rule("I2C-131", "I2C-133", "I2C-136", "I2C-235", "I2C-237", "I2C-243")
@@ -55,25 +54,23 @@ def test_flags_along_a_transfer_of_two_bytes_one_column_a_clock_pulse():
 @rule("I2C-067", "I2C-068", "I2C-071")
 @pytest.mark.parametrize("bc", range(1, 8))
 def test_bc_sets_the_bits_of_data_bytes_and_sends_the_low_ones(bc: int):
-    target = Target(bits=bc)
-    b = Bench(target)
+    b = Bench(Target(bits=bc))
     assert b.write_all([0xA5, 0x5A], bc=bc).startswith("S 50W A ")
-    assert target.got == [0xA5 & (1 << bc) - 1, 0x5A & (1 << bc) - 1]
+    assert b.target.got == [0xA5 & (1 << bc) - 1, 0x5A & (1 << bc) - 1]
     # 1 START, 9 pulses of the address, 2 * (bc + 1) of data, 1 of the STOP
     assert len(b.times(SCL, 1)) == 9 + 2 * (bc + 1) + 1
 
 
 @rule("I2C-069")
 def test_a_change_of_bc_within_a_byte_acts_on_the_next_byte():
-    target = Target()
-    b = Bench(target)
+    b = Bench(Target())
     b.send([0xA5], extra="STP", count=2)
     b.edge(SCL, 0, 10 + 4)
     b.w("I2CMDR", b.peek("I2CMDR") | 5)
-    target.later = {2: 5}
+    b.target.later = {2: 5}
     b.feed([0xF6])
     b.stopped()
-    assert target.got == [0xA5, 0x16]
+    assert b.target.got == [0xA5, 0x16]
 
 
 @rule("I2C-072")
@@ -116,12 +113,11 @@ def test_two_modules_with_the_same_bc_understand_each_other(bc: int):
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0x80, 0x3FF))
 def test_ten_bit_address_takes_two_acknowledged_bytes_and_data_follow(address: int):
-    target = Target(address)
-    b = Bench(target)
+    b = Bench(Target(address))
     b.w("I2CSAR", address)
     said = b.write_all([0x12], extra="STP XA")
     assert said == f"S {0x78 | address >> 8:02x}W A {address & 0xFF:02x} A 12 A P"
-    assert target.got == [0x12]
+    assert b.target.got == [0x12]
 
 
 @rule("I2C-084", "I2C-085")
@@ -155,15 +151,14 @@ def test_i2csar_written_while_the_address_is_on_the_bus_does_not_change_it():
 
 @rule("I2C-089", "I2C-252")
 def test_i2csar_0_is_a_general_call_and_nack_is_1_although_it_is_acknowledged():
-    target = Target(also=[0])
-    b = Bench(target)
+    b = Bench(Target(also=[0]))
     b.w("I2CSAR", 0)
     b.send([0x12], extra="")
-    b.until(lambda: b.flag("NACK") and target.got)
+    b.until(lambda: b.flag("NACK") and b.target.got)
     b.run(2 * SLOT)
     assert b.flags("NACK") == "NACK"
     assert b.said() == "S 00W A 12 A"
-    assert target.got == [0x12]
+    assert b.target.got == [0x12]
 
 
 @rule("I2C-089")
@@ -209,17 +204,15 @@ def test_without_data_the_clock_stops_low_until_i2cdxr_is_written(sent: int):
 @settings(max_examples=10, deadline=None)
 @given(st.integers(1, 40))
 def test_i2ccnt_bytes_are_sent_and_i2ccnt_keeps_its_value(count: int):
-    target = Target()
-    b = Bench(target)
+    b = Bench(Target())
     b.write_all(list(range(count)))
-    assert len(target.got) == count
+    assert len(b.target.got) == count
     assert b.r("I2CCNT") == count
 
 
 @rule("I2C-132", "I2C-133")
 def test_the_next_transfer_starts_again_from_the_value_in_i2ccnt():
-    target = Target()
-    b = Bench(target)
+    b = Bench(Target())
     b.write_all([1, 2])
     b.mode("MST TRX STT STP")
     b.feed([3, 4])
@@ -286,42 +279,39 @@ def test_repeat_mode_each_write_to_i2cdxr_sends_one_byte_and_each_byte_sets_ardy
 @rule("I2C-058")
 @pytest.mark.parametrize("count", [0, 1, 2, 65535])
 def test_repeat_mode_does_not_ask_i2ccnt(count: int):
-    target = Target()
-    b = Bench(target)
+    b = Bench(Target())
     b.send([1, 2, 3, 4], extra="RM", count=count)
-    b.until(lambda: b.flag("ARDY") and len(target.got) == 4)
+    b.until(lambda: b.flag("ARDY") and len(b.target.got) == 4)
     assert b.held()
 
 
 @rule("I2C-060", "I2C-137")
 @pytest.mark.parametrize("count", [1, 5, 16])
 def test_repeat_mode_with_fifo_sends_until_the_fifo_is_empty(count: int):
-    target = Target()
-    b = Bench(target)
+    b = Bench(Target())
     b.w("I2CFFTX", FIFO_ON)
     for n in range(count):
         b.w("I2CDXR", n)
     assert b.peek("I2CFFTX") >> 8 & 31 == count
     b.mode("MST TRX STT RM")
-    b.until(lambda: len(target.got) == count)
+    b.until(lambda: len(b.target.got) == count)
     b.run(SLOT)
     assert b.held(30 * SLOT)
     assert b.peek("I2CFFTX") >> 8 & 31 == 0
     assert b.flag("ARDY")
     b.stop()
-    assert target.got == list(range(count))
+    assert b.target.got == list(range(count))
 
 
 @rule("I2C-057", "I2C-047")
 def test_counted_transfer_takes_its_bytes_from_the_fifo_and_leaves_the_rest():
-    target = Target()
-    b = Bench(target)
+    b = Bench(Target())
     b.w("I2CFFTX", FIFO_ON)
     for n in range(5):
         b.w("I2CDXR", n)
     b.mode("MST TRX STT STP", count=3)
     b.stopped()
-    assert target.got == [0, 1, 2]
+    assert b.target.got == [0, 1, 2]
     assert b.peek("I2CFFTX") >> 8 & 31 == 2
 
 
@@ -353,19 +343,18 @@ def test_ardy_is_cleared_by_writing_1_and_by_reset(how: str):
 
 @rule("I2C-246")
 def test_ardy_is_never_set_in_slave_mode():
-    foreign = Foreign("S 50W 01 02 P +400 S 50R ?A ?N P")
-    b = Bench(foreign, own=0x50)
+    b = Bench(Foreign("S 50W 01 02 P +400 S 50R ?A ?N P"), own=0x50)
     b.w("I2CCNT", 1)
     b.w("I2CDXR", 0x77)
     seen, got = [], []
-    while not foreign.done:
+    while not b.foreign.done:
         b.run(15)
         seen.append(b.flag("ARDY"))
         if b.flag("RRDY"):
             got.append(b.r("I2CDRR"))
         if b.flag("XRDY"):
             b.w("I2CDXR", 0x78)
-    assert got == [1, 2] and len(foreign.got) == 2
+    assert got == [1, 2] and len(b.foreign.got) == 2
     assert not any(seen)
 
 
@@ -411,8 +400,7 @@ def test_nack_is_cleared_by_the_next_acknowledge():
 
 @rule("I2C-187")
 def test_nackmod_has_no_effect_on_a_transmitter():
-    target = Target()
-    b = Bench(target)
+    b = Bench(Target())
     b.write_all([1, 2], extra="STP NACKMOD")
     assert b.said() == "S 50W A 01 A 02 A P"
     assert b.flags("NACKSNT NACK") == ""

@@ -89,9 +89,8 @@ def test_waking_too_early_changes_nothing(name: str):
 def test_any_bytes_with_any_stretch_rise_time_and_filter_arrive(
     data: list[int], stretch: dict[tuple[int, int], int], rise: int, width: int
 ):
-    target = Target(stretch=stretch)
-    b = Bench(target, rise=rise, options=with_(noise_filter_cycles=width))
+    b = Bench(Target(stretch=stretch), rise=rise, options=with_(noise_filter_cycles=width))
     said = b.write_all(data)
     assert said == " ".join(["S 50W A", *(f"{d:02x} A" for d in data), "P"])
-    target.gives = list(data)
+    b.target.gives = list(data)
     assert b.read_all(len(data)) == data

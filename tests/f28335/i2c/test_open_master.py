@@ -98,45 +98,41 @@ def test_open_stop_without_data_counts_the_bytes_since_the_last_start(how: str, 
 @pytest.mark.parametrize("point, sent", [("start", 2), ("write", 4)])
 def test_open_cnt_copy_point(point: str, sent: int):
     """I2CCNT = 2; while the second byte is sent 3 is written."""
-    target = Target()
-    b = Bench(target, options=with_(cnt_copy_point=point))
+    b = Bench(Target(), options=with_(cnt_copy_point=point))
     b.mode("MST TRX STT", count=2)
     b.feed([1, 2])
-    b.until(lambda: len(target.got) == 1)
+    b.until(lambda: len(b.target.got) == 1)
     b.edge(SCL, 0, 3)
     b.w("I2CCNT", 3)
     b.feed(range(3, sent + 1))
     b.until(lambda: b.flag("ARDY"))
-    assert len(target.got) == sent
+    assert len(b.target.got) == sent
 
 
 @rule("I2C-143")
 @pytest.mark.parametrize("how, answers", [("always", [0, 1]), ("only_with_stp", [0, 0])])
 def test_open_mr_nack_at_count0(how: str, answers: list[int]):
-    target = Target(gives=[1, 2, 3])
-    b = Bench(target, options=with_(mr_nack_at_count0=how))
+    b = Bench(Target(gives=[1, 2, 3]), options=with_(mr_nack_at_count0=how))
     b.mode("MST STT", count=2)
     assert b.drain(2) == [1, 2]
     b.after("ARDY")
-    assert target.answers == answers
+    assert b.target.answers == answers
     assert b.held()
 
 
 @rule("I2C-143", "I2C-191")
 @pytest.mark.parametrize("how", ["always", "only_with_stp"])
 def test_open_mr_nack_at_count0_with_stp_the_last_byte_is_refused(how: str):
-    target = Target(gives=[1, 2, 3])
-    b = Bench(target, options=with_(mr_nack_at_count0=how))
+    b = Bench(Target(gives=[1, 2, 3]), options=with_(mr_nack_at_count0=how))
     assert b.read_all(2) == [1, 2]
-    assert target.answers == [0, 1]
+    assert b.target.answers == [0, 1]
 
 
 @rule("I2C-062", "I2C-144", "I2C-190", "I2C-051", "I2C-058")
 @pytest.mark.parametrize("how", ["allowed", "ignored"])
 def test_open_rm_receiver(how: str):
     """I2CCNT = 2: a repeat mode that exists reads on until STP refuses a byte; else two bytes are all."""
-    target = Target(gives=range(1, 9))
-    b = Bench(target, options=with_(rm_receiver=how))
+    b = Bench(Target(gives=range(1, 9)), options=with_(rm_receiver=how))
     b.mode("MST STT RM", count=2)
     assert b.drain(2) == [1, 2]
     if how == "allowed":
@@ -191,8 +187,7 @@ def test_open_stt_with_irs_write(how: str):
 @pytest.mark.parametrize("how", ["foreign_al", "foreign_waits", "always_repeated_start"])
 def test_open_stt_while_busy(how: str):
     """STT in the second byte of a foreign transfer."""
-    foreign = Foreign("S 48W 77 P")
-    b = Bench(Target(0x48), Target(0x50), foreign, options=with_(stt_while_busy=how))
+    b = Bench(Target(0x48), Target(0x50), Foreign("S 48W 77 P"), options=with_(stt_while_busy=how))
     b.edge(SCL, 0, 12)
     b.mode("MST TRX STT STP", count=1, data=0x12)
     b.run(60 * SLOT)
@@ -233,12 +228,11 @@ def test_open_foreign_start_stop_a_start_against_a_one(how: str):
 @pytest.mark.parametrize("how", FOREIGN)
 def test_open_foreign_start_stop_a_stop_against_a_zero(how: str):
     """The target lets go of SDA in the high phase of the third bit that it gives."""
-    target = Target(gives=[0x00, 0x12])
-    b = Bench(target, options=with_(foreign_start_stop=how))
+    b = Bench(Target(gives=[0x00, 0x12]), options=with_(foreign_start_stop=how))
     b.mode("MST STT STP", count=2)
     b.edge(SCL, 1, 10 + 3)
     b.run(HIGH // 2)
-    target.out |= 1 << SDA
+    b.target.out |= 1 << SDA
     b.settle()
     b.run(FILTER)
     assert b.flags("AL MST BB SCD") == ("MST SCD" if how == "unnoticed" else "AL SCD")
@@ -299,8 +293,7 @@ def test_open_stt_while_busy_does_not_matter_on_the_own_bus(how: str):
 @rule("I2C-260")
 @pytest.mark.parametrize("clears", [True, False])
 def test_open_al_clears_stt(clears: bool):
-    foreign = Foreign("S 48W 77 P")
-    b = Bench(Target(0x48), foreign, options=with_(al_clears_stt=clears))
+    b = Bench(Target(0x48), Foreign("S 48W 77 P"), options=with_(al_clears_stt=clears))
     b.edge(SCL, 0, 4)
     b.mode("MST TRX STT STP")
     b.until(lambda: b.flag("AL"))
@@ -448,19 +441,18 @@ def test_open_dlb_delay(how: str, psc: int):
 @pytest.mark.parametrize("how", ["byte", "whole_transfer"])
 def test_open_free_slave_unit(how: str):
     """A breakpoint in the first of two data bytes, with FREE = 0."""
-    foreign = Foreign("S 50W 12 34 P")
-    b = Bench(foreign, options=with_(free_slave_unit=how), own=0x50)
+    b = Bench(Foreign("S 50W 12 34 P"), options=with_(free_slave_unit=how), own=0x50)
     b.edge(SCL, 0, 10 + 4)
     b.suspend(True)
     b.until(lambda: b.flag("RRDY"))
     assert b.r("I2CDRR") == 0x12
     b.run(30 * SLOT)
     assert b.flag("RRDY") == (how == "whole_transfer")
-    assert (foreign.heard, foreign.done) == (("AA", False) if how == "byte" else ("AAA", True))
+    assert (b.foreign.heard, b.foreign.done) == (("AA", False) if how == "byte" else ("AAA", True))
     b.suspend(False)
     assert b.drain(1) == [0x34]
     b.run(10 * SLOT)
-    assert (b.said(), foreign.heard) == ("S 50W A 12 A 34 A P", "AAA")
+    assert (b.said(), b.foreign.heard) == ("S 50W A 12 A 34 A P", "AAA")
 
 
 # ---- interrupt --------------------------------------------------------------------------------------------------

@@ -234,9 +234,7 @@ def test_open_stretch_after_address_ack_in_the_free_data_format(stretches):
 @pytest.mark.parametrize("rule", ["text", "figure"])
 def test_open_xsmt_rule(rule):
     """BCM = 0, at the end of the address-ACK slot; the figure has a time between write and copy, the text has not."""
-    rig = Rig(xsmt_rule=rule)
-    rig.write("I2CEMDR", 0)
-    rig.begin()
+    rig = Rig(xsmt_rule=rule).begin(bcm=0)
     rig.address(OWN, 1)
     assert rig.stretching
     assert rig.status(XRDY | XSMT) == (XRDY if rule == "text" else XRDY | XSMT)
@@ -317,8 +315,7 @@ def test_open_xsmt_on_final_nack(what):
 @pytest.mark.rule("I2C-251", "I2C-266")
 @pytest.mark.parametrize("asks", [True, False])
 def test_open_nackint_in_slave_tx(asks):
-    rig = addressed(read=1, nackint_in_slave_tx=asks)
-    rig.write("I2CIER", IE_NACK)
+    rig = addressed(read=1, nackint_in_slave_tx=asks, ier=IE_NACK)
     rig.give(0x5A, ack=False)
     rig.wait(SOON)
     assert rig.flag("NACK")
@@ -592,8 +589,7 @@ def test_open_xrdy_w1c(value):
 @pytest.mark.rule("I2C-281", "I2C-127")
 @pytest.mark.parametrize("line", ["pulse", "level"])
 def test_open_int_line(line):
-    rig = addressed(int_line=line)
-    rig.write("I2CIER", IE_SCD)
+    rig = addressed(int_line=line, ier=IE_SCD)
     assert rig.chip.held == 0
     rig.stop()
     rig.wait(SOON)
@@ -608,8 +604,7 @@ def test_open_int_line(line):
 @pytest.mark.rule("I2C-270")
 @pytest.mark.parametrize("delay", [2, 0, 9])
 def test_open_event_to_isrc_delay(delay):
-    rig = addressed(event_to_isrc_delay=delay)
-    rig.write("I2CIER", IE_SCD)
+    rig = addressed(event_to_isrc_delay=delay, ier=IE_SCD)
     rig.stop()
     assert rig.flag("SCD"), "the flag itself does not wait"
     assert rig.wait_for(lambda: rig.peek("I2CISRC")) == delay
@@ -634,8 +629,7 @@ def test_open_int_priority(order, codes):
 @pytest.mark.parametrize("rule, shown", [("highest", 2), ("first_come", 4)])
 def test_open_isrc_preempt(rule, shown):
     """Code 4 is not read; then comes a NACK, code 2."""
-    rig = addressed(isrc_preempt=rule)
-    rig.write("I2CIER", IE_RRDY | IE_NACK)
+    rig = addressed(isrc_preempt=rule, ier=IE_RRDY | IE_NACK)
     rig.send(0x11)
     assert rig.peek("I2CISRC", wait=SOON) == 4
     rig.restart(OWN << 1 | 1)
@@ -647,8 +641,7 @@ def test_open_isrc_preempt(rule, shown):
 @pytest.mark.rule("I2C-279")
 @pytest.mark.parametrize("rule", ["stays", "vanishes"])
 def test_open_isrc_follows_flag(rule):
-    rig = addressed(isrc_follows_flag=rule)
-    rig.write("I2CIER", IE_RRDY)
+    rig = addressed(isrc_follows_flag=rule, ier=IE_RRDY)
     rig.send(0x11)
     assert rig.peek("I2CISRC", wait=SOON) == 4
     rig.read("I2CDRR")
@@ -658,8 +651,7 @@ def test_open_isrc_follows_flag(rule):
 @pytest.mark.rule("I2C-333")
 @pytest.mark.parametrize("clears", [True, False])
 def test_open_irs_clears_isrc(clears):
-    rig = addressed(irs_clears_isrc=clears)
-    rig.write("I2CIER", IE_SCD)
+    rig = addressed(irs_clears_isrc=clears, ier=IE_SCD)
     rig.stop()
     rig.wait(SOON)
     rig.write("I2CMDR", 0)
@@ -744,9 +736,7 @@ def test_open_free_slave_unit(unit):
 @pytest.mark.parametrize("mode", ["level", "edge"])
 def test_open_fifo_int_mode(mode):
     """Both flags are cleared while TXFFST = 0 and RXFFST = 1 still meet their levels; then the module is reset."""
-    rig = Rig(fifo_int_mode=mode)
-    rig.set_fifos(FFEN | FFRST, FFRST | 1)
-    rig.begin()
+    rig = Rig(fifo_int_mode=mode).begin(fifos=(FFEN | FFRST, FFRST | 1))
     rig.receive(0x11)
 
     def flags() -> list[int]:
@@ -771,9 +761,7 @@ def test_open_fifo_int_mode(mode):
 @pytest.mark.rule("I2C-287")
 @pytest.mark.parametrize("policy", ["stretch", "nack", "overwrite"])
 def test_open_fifo_17th_byte(policy):
-    rig = Rig(fifo_17th_byte=policy)
-    rig.set_fifos(FFEN, FFRST | 16)
-    rig.begin()
+    rig = Rig(fifo_17th_byte=policy).begin(fifos=(FFEN, FFRST | 16))
     rig.address()
     for n in range(16):
         assert rig.send(n)
@@ -791,9 +779,7 @@ def test_open_fifo_17th_byte(policy):
 @pytest.mark.parametrize("flushes", [False, True])
 def test_open_txfifo_reset_flushes_xsr(flushes):
     """The pointer byte's ACK moved 0x11 to I2CXSR; then the FIFO is reset and the master reads."""
-    rig = Rig(txfifo_reset_flushes_xsr=flushes)
-    rig.set_fifos(FFEN | FFRST, FFRST)
-    rig.begin()
+    rig = Rig(txfifo_reset_flushes_xsr=flushes).begin(fifos=(FFEN | FFRST, FFRST))
     rig.address()
     rig.write("I2CDXR", 0x11)
     rig.send(0x00)
@@ -813,9 +799,7 @@ def test_open_txfifo_reset_flushes_xsr(flushes):
 def test_open_fifo_extra_stage(stage):
     """Bytes until full, each way."""
     extra = int(stage == "dxr_drr_behind")
-    rig = Rig(fifo_extra_stage=stage)
-    rig.set_fifos(FFEN | FFRST, FFRST)
-    rig.begin()
+    rig = Rig(fifo_extra_stage=stage).begin(fifos=(FFEN | FFRST, FFRST))
     for n in range(16 + extra):
         rig.write("I2CDXR", n)
         assert rig.peek("I2CFFTX") >> 8 & 31 == n + 1 - extra
@@ -844,9 +828,7 @@ def test_open_fifo_extra_stage_keeps_the_order(stage):
 @pytest.mark.rule("I2C-333", "I2C-329")
 @pytest.mark.parametrize("clears", [False, True])
 def test_open_irs_clears_fifo(clears):
-    rig = Rig(irs_clears_fifo=clears)
-    rig.set_fifos(FFEN | FFRST, FFRST)
-    rig.begin()
+    rig = Rig(irs_clears_fifo=clears).begin(fifos=(FFEN | FFRST, FFRST))
     for byte in (0x11, 0x12, 0x13):
         rig.write("I2CDXR", byte)
     rig.receive(0x22)

@@ -9,12 +9,11 @@ from ..i2c_bus import SLOT, Bench, Target
 
 def begun() -> tuple[Bench, Target]:
     """The first byte of a transfer in repeat mode is on the wire, and I2CDXR can take the next one."""
-    target = Target()
-    b = Bench(target)
+    b = Bench(Target())
     b.mode("MST TRX RM STT")
     b.w("I2CDXR", 0x11)
     b.after("XRDY", 4)
-    return b, target
+    return b, b.target
 
 
 @pytest.mark.rule("I2C-050", "I2C-059", "I2C-061")

@@ -342,9 +342,7 @@ def test_a_module_reset_between_transfers_serves_each():
 @pytest.mark.rule("I2C-329", "I2C-273")
 def test_irs_1_asks_anew_for_what_is_1_then():
     """XRDY, the only flag that a reset leaves at 1: code and request two cycles after each rise of IRS."""
-    rig = Rig()
-    rig.write("I2CIER", IE_XRDY)
-    rig.begin()
+    rig = Rig().begin(ier=IE_XRDY)
     for _ in range(3):
         begun = rig.now
         rig.wait(SOON)

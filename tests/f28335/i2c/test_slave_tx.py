@@ -202,9 +202,7 @@ def test_from_receiver_to_transmitter_and_back():
 @given(data=st.lists(st.integers(0, 255), min_size=1, max_size=20), bit=st.sampled_from([120, 375, 1500]))
 @pytest.mark.parametrize("bcm", [0, 1])
 def test_every_byte_goes_out(bcm, data, bit):
-    rig = Rig(bit=bit)
-    rig.write("I2CEMDR", bcm)
-    rig.begin()
+    rig = Rig(bit=bit).begin(bcm=bcm)
     assert rig.address(OWN, 1)
     got = []
     for n, byte in enumerate(data):
@@ -307,9 +305,7 @@ def test_bcm_changes_nothing_for_a_receiver():
 def test_bcm_changes_no_flag_but_xrdy_and_xsmt_and_no_byte():
     seen = []
     for bcm in (0, 1):
-        rig = Rig()
-        rig.write("I2CEMDR", bcm)
-        rig.begin()
+        rig = Rig().begin(bcm=bcm)
         trace = [rig.address(OWN, 1)]
         for byte in (0x12, 0x34):
             rig.write("I2CDXR", byte)

@@ -39,13 +39,12 @@ def test_without_mst_stt_and_stp_do_nothing_on_the_bus(names: str):
 
 @rule("I2C-036")
 def test_stp_of_an_addressed_slave_does_nothing_on_the_bus():
-    foreign = Foreign("S 50W 12 34 P")
-    b = Bench(foreign, own=0x50)
+    b = Bench(Foreign("S 50W 12 34 P"), own=0x50)
     b.until(lambda: b.flag("AAS"))
     b.set("STP")
     assert b.drain(2) == [0x12, 0x34]
     b.run(4 * SLOT)
-    assert (foreign.heard, b.said()) == ("AAA", "S 50W A 12 A 34 A P")
+    assert (b.foreign.heard, b.said()) == ("AAA", "S 50W A 12 A 34 A P")
 
 
 @rule("I2C-037", "I2C-038", "I2C-043", "I2C-145", "I2C-148", "I2C-206")
@@ -178,13 +177,12 @@ def test_stp_set_with_the_address_on_the_bus_waits_for_the_bytes(count: int):
 
 @rule("I2C-051", "I2C-058", "I2C-061", "I2C-076")
 def test_repeat_mode_sends_without_limit_until_stp():
-    target = Target()
-    b = Bench(target)
+    b = Bench(Target())
     data = [n * 7 & 0xFF for n in range(300)]
     b.send(data, extra="RM", count=1)
-    b.until(lambda: b.flag("ARDY") and len(target.got) == 300)
+    b.until(lambda: b.flag("ARDY") and len(b.target.got) == 300)
     assert b.held()
-    assert target.got == data
+    assert b.target.got == data
     b.stop()
     assert b.said().endswith(f"{data[-1]:02x} A P")
     assert b.said().count("P") == b.said().count("S") == 1
@@ -281,12 +279,11 @@ def test_without_stb_the_address_follows_the_start():
 @rule("I2C-065")
 @pytest.mark.parametrize("stb", ["", "STB"])
 def test_stb_has_no_effect_on_a_slave(stb: str):
-    foreign = Foreign("S 50W 12 P")
-    b = Bench(foreign, own=0x50)
+    b = Bench(Foreign("S 50W 12 P"), own=0x50)
     b.mode(stb)
     assert b.drain(1) == [0x12]
     b.run(4 * SLOT)
-    assert (b.said(), foreign.heard) == ("S 50W A 12 A P", "AA")
+    assert (b.said(), b.foreign.heard) == ("S 50W A 12 A P", "AA")
 
 
 @rule("I2C-063", "I2C-091")
@@ -351,8 +348,7 @@ def test_stp_set_while_a_repeat_mode_transfer_waits_for_data_ends_it_at_once():
 )
 @example("start byte", 3540)  # in the high phase of a repeated START
 def test_irs_0_at_any_moment_lets_go_and_the_next_transfer_is_a_clean_one(what: str, after: int):
-    target = Target(gives=[0x12, 0x34, 0x56, 0x78])
-    b = Bench(target, own=0x2A)
+    b = Bench(Target(gives=[0x12, 0x34, 0x56, 0x78]), own=0x2A)
     b.w("I2CCNT", 2)
     b.w("I2CDXR", 0x77)
     if what == "refused":
@@ -367,7 +363,7 @@ def test_irs_0_at_any_moment_lets_go_and_the_next_transfer_is_a_clean_one(what: 
     assert b.m.out == 0b11
     assert b.peek("I2CSTR") & ~0x1000 == 0x0410  # BB is another matter
     free = 0
-    while free < 2:  # the target may be in mid-byte: firmware clocks, and tries a STOP, until SDA is free
+    while free < 2:  # the b.target may be in mid-byte: firmware clocks, and tries a STOP, until SDA is free
         b.pull(SCL)
         b.run(LOW // 2)
         b.pull(SDA)
@@ -378,7 +374,7 @@ def test_irs_0_at_any_moment_lets_go_and_the_next_transfer_is_a_clean_one(what: 
         b.run(HIGH)
         free += b.level[SDA]
     assert b.quiet(4 * SLOT)
-    target.gives = [0x9A]
+    b.target.gives = [0x9A]
     b.w("I2CSAR", 0x50)
     b.mode("")
     b.pulse(SDA, LOW)  # an empty transfer of somebody else tells BB that the bus is free

@@ -92,8 +92,7 @@ def test_sw_reset_leaves_brr():
 
 @pytest.mark.rule("SCI-085")
 def test_a_new_rate_begins_when_the_sciclk_under_way_is_over():
-    rig = SciRig(brr=24)
-    rig.put(0x55, sciclk=1)
+    rig = SciRig(brr=24).put(0x55, sciclk=1)
     start = rig.falls()[0]
     rig.run_until(start + 350)
     rig.set_brr(49)
@@ -115,8 +114,7 @@ def test_any_divider(brr, divider):
 @pytest.mark.parametrize(("write", "bit"), [(399, 400 + 4 * 200), (400, 500 + 3 * 200), (401, 500 + 3 * 200)])
 def test_a_new_divider_is_loaded_with_the_next_sciclk_and_not_with_that_of_its_own_cycle(write: int, bit: int):
     """A start bit of eight SCICLK of 100 cycles; some of them are 200 long."""
-    rig = SciRig()
-    rig.put(0x55, sciclk=1)
+    rig = SciRig().put(0x55, sciclk=1)
     start = rig.falls()[0]
     rig.run_until(start + write)
     rig.set_brr(49)
@@ -127,8 +125,7 @@ def test_a_new_divider_is_loaded_with_the_next_sciclk_and_not_with_that_of_its_o
 @pytest.mark.rule("SCI-085")
 def test_a_divider_that_was_just_loaded_counts_to_its_end():
     """Written a cycle before an SCICLK and again in the cycle of it: that one SCICLK is 200 cycles long."""
-    rig = SciRig()
-    rig.put(0x55, sciclk=1)
+    rig = SciRig().put(0x55, sciclk=1)
     start = rig.falls()[0]
     for write, brr in ((399, 49), (400, 24)):
         rig.run_until(start + write)

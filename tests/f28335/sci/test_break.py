@@ -9,8 +9,7 @@ from tests.f28335.sci_rig import SciRig, frame
 
 def broken() -> SciRig:
     """A FIFO module behind a break; what came of it is read."""
-    rig = SciRig(fifo=True)
-    rig.send("0" * 25 + "1" * 3)
+    rig = SciRig(fifo=True).heard("0" * 25 + "1" * 3)
     rig.received()
     return rig
 
@@ -28,25 +27,21 @@ def test_a_break_sets_fe_first_and_brkdt_ten_bits_later():
 @pytest.mark.rule("SCI-087")
 @pytest.mark.parametrize("bits", [10, 12, 15, 18, 19])
 def test_a_shorter_low_sets_no_brkdt(bits):
-    rig = SciRig()
-    rig.send("0" * bits + "1" * 4)
+    rig = SciRig().heard("0" * bits + "1" * 4)
     assert rig.flags("FE", "BRKDT") == {"FE": 1, "BRKDT": 0}
 
 
 @pytest.mark.parametrize(("low", "noted"), [(10, 0), (11, 0), (12, 1), (13, 1), (19, 1), (21, 0)])
 def test_a_break_too_short_for_brkdt_is_noted_once_but_not_a_zero_of_a_slow_sender(low, noted):
-    rig = SciRig()
-    rig.send("0" * low + "1" * 4 + frame(0x5A) + "1" * 12)
+    rig = SciRig().heard("0" * low + "1" * 4 + frame(0x5A) + "1" * 12)
     assert [text for text in rig.notes("lost") if "rose before BRKDT" in text] == rig.notes("lost")
     assert (len(rig.notes("lost")), rig.get("BRKDT")) == (noted, low > 20)
 
 
 def test_no_short_break_is_noted_of_a_disabled_receiver_or_after_another_character():
-    rig = SciRig(RXENA=0)
-    rig.send("0" * 13 + "1" * 20)
+    rig = SciRig(RXENA=0).heard("0" * 13 + "1" * 20)
     assert rig.notes("lost") == []
-    rig = SciRig()
-    rig.send("01" + "0" * 14 + "1" * 20)
+    rig = SciRig().heard("01" + "0" * 14 + "1" * 20)
     assert (rig.notes("lost"), rig.get("FE")) == ([], 1)
 
 
@@ -54,8 +49,7 @@ def test_no_short_break_is_noted_of_a_disabled_receiver_or_after_another_charact
 @pytest.mark.parametrize(("fields", "frame_bits"), [({"SCICHAR": 4}, 7), ({"PARITYENA": 1, "PARITY": 1}, 11)])
 def test_the_ten_bits_begin_at_the_missing_stop_bit_of_any_format(fields, frame_bits):
     for low, brkdt in ((frame_bits + 9, 0), (frame_bits + 11, 1)):
-        rig = SciRig(**fields)
-        rig.send("0" * low + "1" * 4)
+        rig = SciRig(**fields).heard("0" * low + "1" * 4)
         assert (low, rig.get("BRKDT")) == (low, brkdt)
 
 
@@ -71,8 +65,7 @@ def test_one_high_sample_begins_the_ten_bits_anew():
 
 @pytest.mark.rule("SCI-088")
 def test_a_line_that_went_high_is_no_break_also_where_a_register_is_written_then():
-    rig = SciRig()
-    rig.send("0" * 12 + "11")
+    rig = SciRig().heard("0" * 12 + "11")
     rig.write("SCICCR", rig.peek("SCICCR"))
     rig.wait(12)
     assert rig.flags("FE", "BRKDT") == {"FE": 1, "BRKDT": 0}
@@ -81,8 +74,7 @@ def test_a_line_that_went_high_is_no_break_also_where_a_register_is_written_then
 @pytest.mark.rule("SCI-089")
 @pytest.mark.parametrize("bits", [25, 60, 200])
 def test_however_long_a_break_loads_nothing_beyond_the_character_with_fe(bits):
-    rig = SciRig(fifo=True)
-    rig.send("0" * bits + "1" * 30)
+    rig = SciRig(fifo=True).heard("0" * bits + "1" * 30)
     assert rig.flags("RXFFST", "BRKDT") == {"RXFFST": 1, "BRKDT": 1}
     assert rig.read("SCIRXBUF") & 0x80FF == 0x8000
 
@@ -104,8 +96,7 @@ def test_after_a_break_nothing_is_received_and_brkdt_stays():
 
 @pytest.mark.rule("SCI-090", "SCI-092")
 def test_reads_and_writes_do_not_clear_brkdt():
-    rig = SciRig()
-    rig.send("0" * 25 + "1")
+    rig = SciRig().heard("0" * 25 + "1")
     for register in ("SCIRXBUF", "SCIRXST", "SCIRXEMU"):
         rig.read(register)
         rig.write(register, 0xFF)
@@ -156,8 +147,7 @@ def test_after_a_break_autobaud_measures_the_rate_but_receives_nothing():
 
 @pytest.mark.rule("SCI-092", "SCI-093")
 def test_system_reset_ends_a_break_too():
-    rig = SciRig()
-    rig.send("0" * 25 + "1" * 3)
+    rig = SciRig().heard("0" * 25 + "1" * 3)
     rig.reset()
     assert rig.get("BRKDT") == 0
     rig.write("SCILBAUD", 24)
@@ -193,8 +183,7 @@ def test_a_break_is_seen_and_interrupts_in_sleep():
 
 @pytest.mark.rule("SCI-095")
 def test_a_break_is_seen_in_sleep_in_address_bit_mode():
-    rig = SciRig(RXBKINTENA=1, ADDRIDLE_MODE=1, SLEEP=1)
-    rig.send("0" * 25 + "1")
+    rig = SciRig(RXBKINTENA=1, ADDRIDLE_MODE=1, SLEEP=1).heard("0" * 25 + "1")
     assert rig.flags("BRKDT", "RXRDY") == {"BRKDT": 1, "RXRDY": 0}
     assert rig.count("RXINT") == 1
 
@@ -209,8 +198,9 @@ def test_a_frame_is_like_a_break_if_every_bit_of_it_is_0_parity_bit_and_stop_bit
 ):
     """With `break_char_delivered` = no only such a frame brings no character; the errors rise all the same."""
     fields = {"PARITYENA": int(parity != "none"), "PARITY": int(parity == "even")}
-    rig = SciRig({"break_char_delivered": False}, **fields)
-    rig.send("0" + f"{data:08b}"[::-1] + parity_bit + "0" + "1" * 4)
+    rig = SciRig({"break_char_delivered": False}, **fields).heard(
+        "0" + f"{data:08b}"[::-1] + parity_bit + "0" + "1" * 4
+    )
     wrong = parity != "none" and (data.bit_count() + int(parity_bit) + (parity == "odd")) % 2
     assert rig.flags("FE", "PE") == {"FE": 1, "PE": int(wrong)}
     assert rig.get("RXRDY") == (not all_zero or data != 0)

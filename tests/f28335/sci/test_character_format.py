@@ -51,8 +51,7 @@ def test_the_frame_on_txd(fields, word, drawn):
 @pytest.mark.rule("SCI-024")
 @pytest.mark.parametrize(("stop_bits", "length"), [(0, 10), (1, 11)])
 def test_the_next_frame_follows_after_one_or_two_stop_bits(stop_bits, length):
-    rig = SciRig(STOPBITS=stop_bits)
-    rig.put(0xFF, 1)
+    rig = SciRig(STOPBITS=stop_bits).put(0xFF, 1)
     rig.put(0xFF, 30)
     first, second = rig.falls()
     assert second - first == length * rig.bit
@@ -85,8 +84,9 @@ def test_without_parity_the_bit_after_the_data_is_the_stop_bit():
 @pytest.mark.parametrize("address", [None, 0, 1])
 def test_parity_is_checked_over_data_and_address_bit(wanted, sent, bits, data, address):
     setting = (EVEN if wanted == "even" else ODD) | {"SCICHAR": bits - 1}
-    rig = SciRig(**setting, ADDRIDLE_MODE=int(address is not None))
-    rig.send(frame(data, bits, address=address, parity=sent) + "11")
+    rig = SciRig(**setting, ADDRIDLE_MODE=int(address is not None)).heard(
+        frame(data, bits, address=address, parity=sent) + "11"
+    )
     assert rig.flags("RXRDY", "PE", "FE") == {"RXRDY": 1, "PE": int(wanted != sent), "FE": 0}
     assert rig.peek("SCIRXBUF") & 0xFF == data
 
@@ -110,15 +110,13 @@ def test_only_the_first_stop_bit_is_checked(stop_bits):
 @pytest.mark.rule("SCI-025", "SCI-051")
 @pytest.mark.parametrize("stop_bits", [0, 1])
 def test_the_first_stop_bit_is_checked(stop_bits):
-    rig = SciRig(STOPBITS=stop_bits)
-    rig.send("0 11010010 0 1")
+    rig = SciRig(STOPBITS=stop_bits).heard("0 11010010 0 1")
     assert rig.get("FE") == 1
 
 
 @pytest.mark.rule("SCI-026")
 def test_the_address_bit_is_expected_after_the_data_and_before_the_parity():
-    rig = SciRig(**ADDRESS, **EVEN)
-    rig.send("0 01010010 1 0 1 1")
+    rig = SciRig(**ADDRESS, **EVEN).heard("0 01010010 1 0 1 1")
     assert rig.flags("RXRDY", "RXWAKE", "PE", "FE", "RXDT") == {"RXRDY": 1, "RXWAKE": 1, "PE": 0, "FE": 0, "RXDT": 0x4A}
 
 
@@ -143,8 +141,7 @@ def test_any_format_is_sent_as_the_rig_draws_it_and_received_as_sent(bits, word,
 
 @pytest.mark.rule("SCI-027")
 def test_a_new_format_counts_from_the_next_character_sent():
-    rig = SciRig()
-    rig.put(0x2A, 3)
+    rig = SciRig().put(0x2A, 3)
     rig.set(SCICHAR=4)
     rig.write("SCITXBUF", 0x15)
     assert rig.sent(rig.falls()[0], 18) == levels("0 01010100 1" + "0 10101 1" + "1")

@@ -87,8 +87,7 @@ def test_after_the_stop_everything_waiting_is_sent(soft):
 
 @pytest.mark.rule("SCI-212")
 def test_a_debugger_reads_scirxemu_without_clearing_rxrdy():
-    rig = SciRig()
-    rig.send(frame(0x4B) + "1")
+    rig = SciRig().heard(frame(0x4B) + "1")
     rig.chip.suspend(rig.now, True)
     assert [rig.read("SCIRXEMU") for _ in range(3)] == [0x4B] * 3
     assert rig.get("RXRDY") == 1

@@ -12,8 +12,7 @@ GOOD, BREAK = frame(0x4B) + "1", "0" * 25 + "1"
 @pytest.mark.rule("SCI-138", "SCI-094", "SYS-097")
 @pytest.mark.parametrize(("text", "flag"), [(GOOD, "RXRDY"), (BREAK, "BRKDT")])
 def test_rx_bk_int_ena_set_while_its_flag_is_1_asks_once(text: str, flag: str) -> None:
-    rig = SciRig(RXBKINTENA=0)
-    rig.send(text)
+    rig = SciRig(RXBKINTENA=0).heard(text)
     assert (rig.get(flag), rig.count("RXINT")) == (1, 0)
     rig.set(RXBKINTENA=1)
     assert rig.count("RXINT") == 1
@@ -34,8 +33,7 @@ def test_rx_bk_int_ena_set_while_its_flags_are_0_asks_nothing() -> None:
 
 @pytest.mark.rule("SCI-184")
 def test_rx_bk_int_ena_set_in_fifo_mode_asks_nothing() -> None:
-    rig = SciRig(fifo=True, RXBKINTENA=0)
-    rig.send(GOOD)
+    rig = SciRig(fifo=True, RXBKINTENA=0).heard(GOOD)
     assert rig.get("RXFFST") == 1
     rig.set(RXBKINTENA=1)
     assert rig.count("RXINT") == 0
@@ -43,8 +41,7 @@ def test_rx_bk_int_ena_set_in_fifo_mode_asks_nothing() -> None:
 
 @pytest.mark.rule("SCI-140", "SYS-097")
 def test_rx_err_int_ena_set_while_rxerror_is_1_asks_once() -> None:
-    rig = SciRig(RXERRINTENA=0)
-    rig.send(frame(0x11, bad="stop") + "1")
+    rig = SciRig(RXERRINTENA=0).heard(frame(0x11, bad="stop") + "1")
     assert (rig.get("RXERROR"), rig.count("RXINT")) == (1, 0)
     rig.set(RXERRINTENA=1)
     rig.set(RXERRINTENA=1)
@@ -52,8 +49,7 @@ def test_rx_err_int_ena_set_while_rxerror_is_1_asks_once() -> None:
 
 
 def test_what_oe_means_in_fifo_mode_matters_from_the_second_unread_word_on() -> None:
-    rig = SciRig(fifo=True)
-    rig.send(GOOD)
+    rig = SciRig(fifo=True).heard(GOOD)
     assert "oe_in_fifo_mode" not in rig.chip.touched
     rig.send(GOOD)
     assert rig.chip.touched == {

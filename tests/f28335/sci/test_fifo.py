@@ -44,8 +44,7 @@ def test_sciffena_turns_fifo_mode_on_and_off():
 
 @pytest.mark.rule("SCI-148")
 def test_fifo_mode_can_be_left_again():
-    rig = SciRig(fifo=True)
-    rig.send(frame(0x11) + "1")
+    rig = SciRig(fifo=True).heard(frame(0x11) + "1")
     rig.set(SCIFFENA=0)
     rig.send(frame(0x22) + "1")
     assert rig.flags("RXRDY", "RXDT") == {"RXRDY": 1, "RXDT": 0x22}
@@ -78,8 +77,7 @@ def test_the_transmit_fifo_holds_sixteen_words():
 
 @pytest.mark.rule("SCI-152", "SCI-153", "SCI-151")
 def test_with_one_in_the_shifter_seventeen_words_are_under_way():
-    rig = SciRig(fifo=True)
-    rig.put(0x40, 1)
+    rig = SciRig(fifo=True).put(0x40, 1)
     assert rig.get("TXFFST") == 0
     for word in range(0x41, 0x51):
         rig.write("SCITXBUF", word)
@@ -90,8 +88,7 @@ def test_with_one_in_the_shifter_seventeen_words_are_under_way():
 
 @pytest.mark.rule("SCI-149")
 def test_a_transmit_word_has_eight_bits():
-    rig = SciRig(fifo=True)
-    rig.put(0xFF4B, 14)
+    rig = SciRig(fifo=True).put(0xFF4B, 14)
     assert rig.characters() == [0x4B]
 
 
@@ -300,8 +297,7 @@ def test_scirxemu_shows_the_head_and_takes_nothing():
 
 @pytest.mark.rule("SCI-165", "SCI-169", "SCI-170")
 def test_each_word_carries_its_own_error_marks():
-    rig = SciRig(fifo=True, PARITYENA=1)
-    rig.send(frame(0x11, parity="odd") + frame(0x22, parity="odd", bad="parity"))
+    rig = SciRig(fifo=True, PARITYENA=1).heard(frame(0x11, parity="odd") + frame(0x22, parity="odd", bad="parity"))
     rig.send(frame(0x33, parity="odd", bad="stop") + "1" + frame(0x44, parity="odd"))
     rig.wait(1)
     assert rig.flags("SCIFFFE", "SCIFFPE") == {"SCIFFFE": 0, "SCIFFPE": 0}
@@ -310,8 +306,7 @@ def test_each_word_carries_its_own_error_marks():
 
 @pytest.mark.rule("SCI-171")
 def test_without_the_fifo_the_marks_read_0():
-    rig = SciRig(PARITYENA=1)
-    rig.send(frame(0x33, parity="even", bad="stop") + "1")
+    rig = SciRig(PARITYENA=1).heard(frame(0x33, parity="even", bad="stop") + "1")
     assert rig.flags("FE", "PE") == {"FE": 1, "PE": 1}
     assert rig.read("SCIRXBUF") == 0x0033
 
@@ -415,23 +410,20 @@ def test_rxffovf_requests_nothing_of_its_own():
 @pytest.mark.rule("SCI-182", "SCI-141")
 @pytest.mark.parametrize("enabled", [0, 1])
 def test_in_fifo_mode_rxerror_requests_by_rx_err_int_ena(enabled):
-    rig = SciRig(fifo=True, RXERRINTENA=enabled, RXFFIENA=0, RXBKINTENA=0)
-    rig.send(frame(0x11, bad="stop") + "1")
+    rig = SciRig(fifo=True, RXERRINTENA=enabled, RXFFIENA=0, RXBKINTENA=0).heard(frame(0x11, bad="stop") + "1")
     assert (rig.get("RXERROR"), rig.count("RXINT")) == (1, enabled)
 
 
 @pytest.mark.rule("SCI-183")
 def test_in_fifo_mode_a_break_requests_nothing_by_rx_bk_int_ena():
-    rig = SciRig(fifo=True, RXBKINTENA=1)
-    rig.send("0" * 25 + "1")
+    rig = SciRig(fifo=True, RXBKINTENA=1).heard("0" * 25 + "1")
     assert (rig.get("BRKDT"), rig.count("RXINT")) == (1, 0)
 
 
 @pytest.mark.rule("SCI-183")
 def test_in_fifo_mode_a_break_requests_by_rx_err_int_ena():
     # asleep, so that no FE has set RXERROR before
-    rig = SciRig(fifo=True, RXERRINTENA=1, ADDRIDLE_MODE=1, SLEEP=1)
-    rig.send("0" * 25 + "1")
+    rig = SciRig(fifo=True, RXERRINTENA=1, ADDRIDLE_MODE=1, SLEEP=1).heard("0" * 25 + "1")
     assert (rig.flags("BRKDT", "FE"), rig.count("RXINT")) == ({"BRKDT": 1, "FE": 0}, 1)
 
 
@@ -511,8 +503,7 @@ def test_a_word_written_to_an_idle_fifo_starts_at_once(delay):
 
 @pytest.mark.rule("SCI-191")
 def test_in_standard_mode_there_is_no_delay():
-    rig = SciRig(FFTXDLY=100)
-    rig.put(0x11, 1)
+    rig = SciRig(FFTXDLY=100).put(0x11, 1)
     rig.put(0x22, 25)
     first, second = (start for start, _ in rig.frames(10))
     assert second - first == 10 * rig.bit

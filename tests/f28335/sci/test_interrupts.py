@@ -19,8 +19,7 @@ def test_rxrdy_requests_rxint():
 
 @pytest.mark.rule("SCI-139")
 def test_without_rx_bk_int_ena_rxrdy_rises_and_requests_nothing():
-    rig = SciRig(RXBKINTENA=0)
-    rig.send(frame(0x4B) + "1")
+    rig = SciRig(RXBKINTENA=0).heard(frame(0x4B) + "1")
     assert (rig.get("RXRDY"), rig.count("RXINT")) == (1, 0)
 
 
@@ -39,8 +38,7 @@ def test_the_two_enables_do_not_need_each_other(rx_bk, rx_err, after_good, after
     "text", [frame(0x11, bad="stop") + "1", frame(0x11) + frame(0x22) + "1", "0" * 10 + "1"], ids=["FE", "OE", "FE, 0"]
 )
 def test_rxerror_rising_requests_rxint_once(text):
-    rig = SciRig(RXERRINTENA=1)
-    rig.send(text)
+    rig = SciRig(RXERRINTENA=1).heard(text)
     assert (rig.get("RXERROR"), rig.count("RXINT")) == (1, 1)
 
 
@@ -55,8 +53,9 @@ def test_a_parity_error_requests_rxint():
 
 @pytest.mark.rule("SCI-141")
 def test_without_rx_err_int_ena_no_error_requests_anything():
-    rig = SciRig(RXERRINTENA=0, PARITYENA=1)
-    rig.send(frame(0x11, parity="even", bad="stop") + "1" + frame(0x22, parity="odd") + "1")
+    rig = SciRig(RXERRINTENA=0, PARITYENA=1).heard(
+        frame(0x11, parity="even", bad="stop") + "1" + frame(0x22, parity="odd") + "1"
+    )
     assert (rig.flags("FE", "OE", "PE"), rig.count("RXINT")) == ({"FE": 1, "OE": 1, "PE": 1}, 0)
 
 
@@ -109,8 +108,7 @@ def test_tx_int_ena_set_while_txrdy_is_0_waits_for_the_transfer():
 
 @pytest.mark.rule("SCI-147")
 def test_the_receive_interrupt_comes_three_cycles_after_rxrdy():
-    rig = SciRig(RXBKINTENA=1)
-    rig.send("0 11010010")
+    rig = SciRig(RXBKINTENA=1).heard("0 11010010")
     rig.drive(rig.now, "RXD", 1)
     ready = next(time for time, level in rig.changes("RXRDY", rig.bit) if level)
     rig.wait(1)

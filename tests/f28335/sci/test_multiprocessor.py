@@ -15,8 +15,7 @@ QUIET = "1" * 12  # more than the ten idle bits that begin a block
 
 @pytest.mark.rule("SCI-097")
 def test_idle_line_mode_has_no_address_bit():
-    rig = SciRig(fifo=True, ADDRIDLE_MODE=0)
-    rig.send(frame(0x4B) + frame(0xA5) + "1")
+    rig = SciRig(fifo=True, ADDRIDLE_MODE=0).heard(frame(0x4B) + frame(0xA5) + "1")
     assert rig.received() == [0x4B, 0xA5]
     assert rig.transmit(0x4B, 11) == levels("0 11010010 1 1")
 
@@ -97,8 +96,7 @@ def test_reading_scirxbuf_clears_rxwake(fifo):
     ],
 )
 def test_a_reset_clears_rxwake(reset):
-    rig = SciRig()
-    rig.send(frame(0x11) + QUIET)
+    rig = SciRig().heard(frame(0x11) + QUIET)
     assert rig.get("RXWAKE") == 1
     reset(rig)
     assert rig.get("RXWAKE") == 0
@@ -136,8 +134,7 @@ def test_the_idle_time_of_an_idle_line():
 
 @pytest.mark.rule("SCI-109", "SCI-110", "SCI-118")
 def test_txwake_moves_to_wut_when_txshf_is_loaded_and_not_before():
-    rig = SciRig()
-    rig.put(0x15, 2)
+    rig = SciRig().put(0x15, 2)
     rig.set(TXWAKE=1)
     rig.put(0x0E, 7)
     assert rig.flags("TXRDY", "TXWAKE") == {"TXRDY": 0, "TXWAKE": 1}
@@ -147,8 +144,7 @@ def test_txwake_moves_to_wut_when_txshf_is_loaded_and_not_before():
 
 @pytest.mark.rule("SCI-114")
 def test_a_second_dummy_may_be_written_at_once():
-    rig = SciRig()
-    rig.put(0x15, 2)
+    rig = SciRig().put(0x15, 2)
     for _ in range(2):
         rig.set(TXWAKE=1)
         rig.put(0x0E, 10)
@@ -161,8 +157,7 @@ def test_a_second_dummy_may_be_written_at_once():
 @pytest.mark.rule("SCI-108", "SCI-130")
 @pytest.mark.parametrize(("pause", "block"), [(11, 1), (7, 0)])
 def test_software_may_wait_ten_bits_itself(pause, block):
-    rig = SciRig(LOOPBKENA=1)
-    rig.put(0x15, 10)
+    rig = SciRig(LOOPBKENA=1).put(0x15, 10)
     rig.wait(sciclk=1)
     rig.read("SCIRXBUF")
     rig.set(SLEEP=1)
@@ -173,8 +168,7 @@ def test_software_may_wait_ten_bits_itself(pause, block):
 
 @pytest.mark.rule("SCI-098", "SCI-106")
 def test_the_idle_time_of_txwake_is_a_block_to_a_receiver():
-    rig = SciRig(LOOPBKENA=1)
-    rig.put(0x15, 2)
+    rig = SciRig(LOOPBKENA=1).put(0x15, 2)
     rig.set(TXWAKE=1)
     rig.put(0x0E, 9)
     rig.read("SCIRXBUF")
@@ -223,8 +217,7 @@ def test_only_the_frame_loaded_with_txwake_carries_a_1():
 
 @pytest.mark.rule("SCI-109", "SCI-116")
 def test_txwake_set_while_a_frame_is_sent_counts_for_the_next():
-    rig = SciRig(**ADDRESS)
-    rig.put(0x11, 2)
+    rig = SciRig(**ADDRESS).put(0x11, 2)
     rig.set(TXWAKE=1)
     rig.put(0x22, 11)
     rig.put(0x33, 30)
@@ -234,8 +227,7 @@ def test_txwake_set_while_a_frame_is_sent_counts_for_the_next():
 @pytest.mark.rule("SCI-115", "SCI-119")
 @pytest.mark.parametrize("bit", [0, 1])
 def test_rxwake_is_the_address_bit_of_the_character_in_the_buffer(bit):
-    rig = SciRig(**ADDRESS)
-    rig.send(frame(0x11, address=1 - bit) + frame(0x22, address=bit) + "1")
+    rig = SciRig(**ADDRESS).heard(frame(0x11, address=1 - bit) + frame(0x22, address=bit) + "1")
     assert rig.flags("RXWAKE", "RXDT") == {"RXWAKE": bit, "RXDT": 0x22}
 
 
@@ -358,8 +350,7 @@ def test_asleep_a_wrong_parity_bit_is_not_reported():
 
 @pytest.mark.rule("SCI-129", "SCI-128")
 def test_asleep_the_fifo_takes_no_word():
-    rig = SciRig(fifo=True, RXFFIL=1, RXFFIENA=1, **ADDRESS, SLEEP=1)
-    rig.send(frame(0x22, address=0) * 3 + "1")
+    rig = SciRig(fifo=True, RXFFIL=1, RXFFIENA=1, **ADDRESS, SLEEP=1).heard(frame(0x22, address=0) * 3 + "1")
     assert rig.flags("RXFFST", "RXFFINT") == {"RXFFST": 0, "RXFFINT": 0}
     rig.send(frame(0x33, address=1) + "1")
     assert rig.flags("RXFFST", "RXFFINT") == {"RXFFST": 1, "RXFFINT": 1}
@@ -396,8 +387,7 @@ def test_asleep_a_frame_with_address_bit_1_is_received():
 @pytest.mark.rule("SCI-132", "SCI-134")
 @pytest.mark.parametrize("sleep", [0, 1])
 def test_only_software_and_system_reset_change_sleep(sleep):
-    rig = SciRig(SLEEP=sleep, **ADDRESS)
-    rig.send(frame(0x22, address=1) + frame(0x33, address=0) + "0" * 30 + QUIET)
+    rig = SciRig(SLEEP=sleep, **ADDRESS).heard(frame(0x22, address=1) + frame(0x33, address=0) + "0" * 30 + QUIET)
     assert rig.get("SLEEP") == sleep
     rig.set(SWRESET=0)
     assert rig.get("SLEEP") == sleep

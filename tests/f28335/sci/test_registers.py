@@ -94,8 +94,7 @@ def test_what_software_owns_reads_back(register, kept):
 @pytest.mark.rule("SCI-007")
 @pytest.mark.parametrize("register", ["SCIRXST", "SCIRXEMU", "SCIRXBUF"])
 def test_the_receivers_registers_ignore_writes(register):
-    rig = SciRig()
-    rig.send(frame(0x96) + frame(0x3C) + frame(0xA5, bad="stop") + "111")
+    rig = SciRig().heard(frame(0x96) + frame(0x3C) + frame(0xA5, bad="stop") + "111")
     before = rig.peek(register)
     assert before != 0
     for value in (0x0000, 0xFFFF):
@@ -215,8 +214,7 @@ def test_scirxemu_shows_what_scirxbuf_shows():
 
 @pytest.mark.rule("SCI-011", "SCI-212")
 def test_reading_scirxemu_leaves_rxrdy_and_rxwake():
-    rig = SciRig(ADDRIDLE_MODE=1)
-    rig.send(frame(0x5A, address=1) + "1")
+    rig = SciRig(ADDRIDLE_MODE=1).heard(frame(0x5A, address=1) + "1")
     assert rig.read("SCIRXEMU") == 0x5A
     assert rig.flags("RXRDY", "RXWAKE") == {"RXRDY": 1, "RXWAKE": 1}
     assert rig.read("SCIRXBUF") == 0x5A
@@ -225,8 +223,7 @@ def test_reading_scirxemu_leaves_rxrdy_and_rxwake():
 
 @pytest.mark.rule("SCI-012")
 def test_system_reset_clears_the_receive_buffer():
-    rig = SciRig()
-    rig.send(frame(0x5A) + "1")
+    rig = SciRig().heard(frame(0x5A) + "1")
     assert rig.peek("SCIRXBUF") == 0x5A
     rig.reset()
     assert (rig.read("SCIRXBUF"), rig.read("SCIRXEMU")) == (0, 0)

@@ -19,8 +19,7 @@ def test_transmission_stops_at_once():
 
 @pytest.mark.rule("SCI-202")
 def test_the_line_is_let_go_in_the_cycle_of_the_write():
-    rig = SciRig()
-    rig.put(0x00, 3, cycles=17)
+    rig = SciRig().put(0x00, 3, cycles=17)
     rig.set(SWRESET=0)
     assert rig.edges[-1] == (rig.now, 1)
 

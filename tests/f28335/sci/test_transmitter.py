@@ -50,8 +50,7 @@ def test_the_start_bit_begins_within_an_sciclk_and_txrdy_rises_with_it(phase):
 
 @pytest.mark.rule("SCI-067")
 def test_a_write_while_txrdy_is_0_replaces_the_waiting_character():
-    rig = SciRig()
-    rig.put(0x11, 1)
+    rig = SciRig().put(0x11, 1)
     for word in (0x22, 0x33):
         rig.write("SCITXBUF", word)
         assert rig.get("TXRDY") == 0
@@ -69,8 +68,7 @@ def test_txempty_rises_at_the_end_of_the_last_stop_bit(stop_bits, bits):
 
 @pytest.mark.rule("SCI-070")
 def test_txempty_interrupts_nobody():
-    rig = SciRig(TXINTENA=1)
-    rig.put(0x55, 2)
+    rig = SciRig(TXINTENA=1).put(0x55, 2)
     asked = rig.count("TXINT")
     rig.wait(20)
     assert rig.get("TXEMPTY") == 1
@@ -87,8 +85,7 @@ def test_txempty_interrupts_nobody():
     ],
 )
 def test_a_reset_sets_txrdy_and_txempty_and_lets_go_of_the_line(reset):
-    rig = SciRig()
-    rig.put(0x00, 2)
+    rig = SciRig().put(0x00, 2)
     rig.write("SCITXBUF", 0x00)
     assert (rig.show("TXD"), rig.flags("TXRDY", "TXEMPTY")) == (0, {"TXRDY": 0, "TXEMPTY": 0})
     reset(rig)

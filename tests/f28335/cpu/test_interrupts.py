@@ -57,12 +57,14 @@ class Core(CpuInterrupts):
         self.iret(now, context.st1, context.ier)
 
 
-def cpu(*, ier: int = 0xFFFF, intm: bool = False, **options: int | str | bool) -> Core:
-    """A CPU with these interrupts enabled, ready from cycle 0."""
+def cpu(*, ier: int = 0xFFFF, intm: bool = False, raised: int = 0, **options: int | str | bool) -> Core:
+    """A CPU with these interrupts enabled, ready from cycle 0. raised: a line that pulses in cycle 0."""
     core = Core(options_from(SystemOptions, dict(options)))
     core.ier = ier
     if not intm:
         core.st1 &= ~INTM
+    if raised:
+        core.raise_line(0, raised)
     return core
 
 
@@ -72,8 +74,7 @@ def bit(number: int) -> int:
 
 def in_isr(number: int = 9, **options: str) -> tuple[Core, int]:
     """A CPU that has just begun a service routine, and that cycle."""
-    core = cpu(**options)
-    core.raise_line(0, number)
+    core = cpu(**options, raised=number)
     core.enter(IFR_DELAY, number)
     return core, core.ready
 
@@ -184,8 +185,7 @@ def test_the_ifr_bit_rises_4_cycles_after_the_request_and_stays():
     ],
 )
 def test_whatever_comes_next_finds_the_ifr_bit_of_a_request_that_has_arrived(instruction):
-    core = cpu(ier=0)
-    core.raise_line(0, 9)
+    core = cpu(ier=0, raised=9)
     instruction(core, IFR_DELAY)
     assert (core.ifr, core.next_wake) == (bit(9), NEVER)
 
@@ -229,8 +229,7 @@ def test_open_vector_fetch_waits_of_trap(waits):
 @pytest.mark.rule("SYS-139")
 @given(rest=st.integers(0, 7))
 def test_the_rest_of_the_current_instruction_comes_on_top(rest):
-    core = cpu()
-    core.raise_line(0, 9)
+    core = cpu(raised=9)
     core.enter(IFR_DELAY + rest, 9)
     assert core.ready == 14 + rest
 
@@ -285,8 +284,7 @@ def test_pieier_cleared_on_the_way_runs_line_1():
 
 @pytest.mark.rule("SYS-110", "SYS-137")
 def test_nothing_is_taken_between_approval_and_the_first_instruction():
-    core = cpu()
-    core.raise_line(0, 9)
+    core = cpu(raised=9)
     core.raise_line(1, 1)
     core.enter(IFR_DELAY, 9)
     core.st1 &= ~INTM  # even if nothing masked it
@@ -300,8 +298,7 @@ def test_nothing_is_taken_between_approval_and_the_first_instruction():
 @pytest.mark.rule("SYS-128")
 @given(number=st.integers(1, 16), ier=st.integers(0, 0xFFFF), intm=st.booleans())
 def test_taken_if_ier_and_intm_allow_it_else_pending(number, ier, intm):
-    core = cpu(ier=ier, intm=intm)
-    core.raise_line(0, number)
+    core = cpu(ier=ier, intm=intm, raised=number)
     allowed = bool(ier & bit(number)) and not intm
     assert core.next_taken(10) == (number if allowed else 0)
     assert core.ifr == bit(number)
@@ -462,8 +459,7 @@ def test_eallow_is_0_in_the_routine_and_1_again_after_it():
 
 @pytest.mark.rule("SYS-144")
 def test_clrc_intm_takes_2_cycles_and_enables_directly_after():
-    core = cpu(intm=True)
-    core.raise_line(0, 9)
+    core = cpu(intm=True, raised=9)
     core.clrc_intm(10)
     assert [core.next_taken(now) for now in (10, 11, 12)] == [0, 0, 9]
 
@@ -481,8 +477,7 @@ def test_after_setc_intm_nothing_maskable_is_taken():
 
 @pytest.mark.rule("SYS-146")
 def test_a_request_that_arrives_in_the_cycle_of_and_ifr_wins():
-    core = cpu(ier=0)
-    core.raise_line(0, 3)
+    core = cpu(ier=0, raised=3)
     core.raise_line(6, 9)
     core.and_ifr(10, 0)
     assert core.ifr == bit(9)
@@ -699,8 +694,7 @@ def test_reset_pays_the_instruction_owed_after_iret():
 
 
 def test_reset_forgets_what_was_latched_in_its_cycle():
-    core = cpu(ier=0)
-    core.raise_line(0, 3)
+    core = cpu(ier=0, raised=3)
     core.wake(IFR_DELAY)
     assert core.ifr == bit(3)
     core.reset(IFR_DELAY)

@@ -37,8 +37,7 @@ def test_master_receiver_receives_from_the_first_byte_on():
 def test_the_first_byte_has_bc_bits_too(bc: int):
     bits = bc or 8
     b = Bench(Target(free="r", bits=bits))
-    b.send([0x35, 0x4A], extra="STP FDF", bc=bc)
-    b.stopped()
+    b.write_all([0x35, 0x4A], extra="STP FDF", bc=bc)
     assert b.target.got == [0x35 & (1 << bits) - 1, 0x4A & (1 << bits) - 1]
     assert len(b.times(SCL, 1)) == 2 * (bits + 1) + 1
 

@@ -247,9 +247,7 @@ def test_open_foreign_start_stop_a_stop_against_a_zero(how: str):
 def test_open_foreign_start_stop_does_not_matter_where_the_conditions_are_its_own(how: str):
     b = Bench(Target(gives=[0x77]), options=with_(foreign_start_stop=how))
     b.send([0x00], extra="", until="ARDY")
-    b.mode("MST STT STP", count=1)
-    assert b.drain(1) == [0x77]
-    b.stopped()
+    assert b.read_all(1) == [0x77]
     b.send([0xFF])
     assert b.said_at_stop() == "S 50W A 00 A S 50R A 77 N P S 50W A ff A P"
     assert b.flags("AL") == "" and "foreign_start_stop" not in b.m.touched
@@ -257,8 +255,7 @@ def test_open_foreign_start_stop_does_not_matter_where_the_conditions_are_its_ow
 
 def test_a_foreign_stop_after_the_own_one_takes_no_command_back():
     b = Bench(Target(), Target(0x48))
-    b.send([0x12])
-    b.stopped()
+    b.write_all([0x12])
     b.join(Foreign("S 48W 77 P", at=b.now + SLOT))
     b.mode("MST TRX STP")
     b.run(40 * SLOT)

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.options import options_from
+from periph_sim.core.registers import Register
 from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.f28335.system_control.module import GATE_DELAY, GATES, PLL_LOCK_OSCCLKS, SystemControl
 from periph_sim.f28335.system_control.oscclk import PARTS, OscClock
@@ -37,10 +38,11 @@ def divsel(n: int) -> int:
     return n << 7
 
 
-def system(oscclk_hz: int = 30 * MHZ, **options: str) -> SystemControl:
-    """Fresh from reset, the watchdog off as start-up code switches it."""
+def system(*writes: tuple[Register, int], oscclk_hz: int = 30 * MHZ, **options: str) -> SystemControl:
+    """Fresh from reset, the watchdog off as start-up code switches it, and these registers written."""
     chip = SystemControl(oscclk_hz, options_from(SystemOptions, dict(options)))
-    chip.write(0, WDCR.offset, 0x68)
+    for register, value in ((WDCR, 0x68), *writes):
+        chip.write(0, register.offset, value)
     return chip
 
 
@@ -95,8 +97,7 @@ def test_boot_rom_leaves_half_of_oscclk():
 @pytest.mark.rule("SYS-003")
 @pytest.mark.parametrize(("sel", "expected"), [(0, (1, 4)), (1, (1, 4)), (2, (1, 2)), (3, (1, 1))])
 def test_bypass_divides_by_divsel(sel, expected):
-    chip = system()
-    chip.write(0, PLLSTS.offset, divsel(sel))
+    chip = system((PLLSTS, divsel(sel)))
     assert ratio(chip) == expected
     assert not chip.notes
 
@@ -113,7 +114,7 @@ def test_pll_multiplies_by_pllcr_and_divides_by_divsel(div, sel, divide):
 
 @pytest.mark.rule("SYS-010")
 def test_30_mhz_times_10_by_2_is_150_mhz():
-    chip = system(30 * MHZ)
+    chip = system()
     program_pll(chip, 0, 10, 2)
     assert chip.sysclk_hz == 150 * MHZ
 
@@ -129,7 +130,7 @@ def test_30_mhz_times_10_by_2_is_150_mhz():
     ],
 )
 def test_settings_the_manual_excludes_are_reported(oscclk_hz, div, sel, said):
-    chip = system(oscclk_hz)
+    chip = system(oscclk_hz=oscclk_hz)
     program_pll(chip, 0, div, sel)
     assert [note.code for note in chip.notes] == ["duty"]
     assert said in chip.notes[0].text
@@ -137,15 +138,14 @@ def test_settings_the_manual_excludes_are_reported(oscclk_hz, div, sel, said):
 
 @pytest.mark.rule("SYS-005")
 def test_the_vco_may_run_at_exactly_300_mhz():
-    chip = system(30 * MHZ)
+    chip = system()
     program_pll(chip, 0, 10, 2)
     assert not chip.notes
 
 
 @pytest.mark.rule("SYS-006")
 def test_pllcr_write_starts_a_lock_of_131072_oscclk():
-    chip = system()
-    chip.write(0, PLLSTS.offset, MCLKOFF)
+    chip = system((PLLSTS, MCLKOFF))
     chip.write(100, PLLCR.offset, 10)
     assert chip.read(100, PLLSTS.offset) == MCLKOFF  # PLLLOCKS = 0
     assert chip.next_wake == 100 + 131072 // 4
@@ -194,10 +194,7 @@ def test_other_duties_of_a_pllcr_write(pllsts, said):
 
 
 def test_pllcr_write_with_the_watchdog_on_is_reported():
-    chip = system()
-    chip.write(0, WDCR.offset, 0x28)
-    chip.write(0, PLLSTS.offset, MCLKOFF)
-    chip.write(0, PLLCR.offset, 5)
+    chip = system((WDCR, 0x28), (PLLSTS, MCLKOFF), (PLLCR, 5))
     assert [note.source for note in chip.notes] == ["SPRS439M section 3.6.1.2"]
 
 
@@ -231,16 +228,14 @@ CODES = [(0, 1), (1, 2), (2, 4), (3, 6), (4, 8), (5, 10), (6, 12), (7, 14)]
 @pytest.mark.rule("SYS-011")
 @pytest.mark.parametrize(("code", "divider"), CODES)
 def test_lospcp_divides(code, divider):
-    chip = system()
-    chip.write(0, LOSPCP.offset, 0xFFF8 | code)
+    chip = system((LOSPCP, 0xFFF8 | code))
     assert chip.lspclk_divider == divider
     assert chip.read(0, LOSPCP.offset) == code
 
 
 @pytest.mark.rule("SYS-012")
 def test_lspclk_is_a_quarter_after_reset():
-    chip = system()
-    chip.write(0, LOSPCP.offset, 7)
+    chip = system((LOSPCP, 7))
     chip.reset(10)
     assert chip.read(10, LOSPCP.offset) == 2
     assert chip.lspclk_divider == 4
@@ -267,9 +262,7 @@ def test_open_lspclk_phase(way, phase):
 
 @pytest.mark.rule("SYS-015")
 def test_which_clock_a_module_runs_on():
-    chip = system()
-    chip.write(0, LOSPCP.offset, 3)
-    chip.write(0, HISPCP.offset, 4)
+    chip = system((LOSPCP, 3), (HISPCP, 4))
     clocks = {
         name: PART.by_name[name].clock for name in ("SCI-A", "SCI-B", "SCI-C", "I2C-A", "TIMER0", "TIMER1", "TIMER2")
     }
@@ -304,8 +297,7 @@ def test_clocks_after_reset():
     ],
 )
 def test_each_bit_gates_its_module_alone(gate, offset, bit):
-    chip = system()
-    chip.write(0, PCLKCR3.offset, 0)
+    chip = system((PCLKCR3, 0))
     chip.write(0, offset, 1 << bit)
     run_until(chip, 2)
     assert [one for one in GATES if chip.enabled(one)] == [gate]
@@ -346,8 +338,7 @@ def test_a_gate_opens_and_closes_2_cycles_after_the_write():
 
 @pytest.mark.rule("SYS-018")
 def test_the_written_value_reads_back_before_it_acts():
-    chip = system()
-    chip.write(0, PCLKCR0.offset, 1 << 10)
+    chip = system((PCLKCR0, 1 << 10))
     assert chip.read(1, PCLKCR0.offset) == 1 << 10
     assert not chip.enabled("SCIAENCLK")
     assert chip.next_wake == GATE_DELAY
@@ -362,8 +353,7 @@ def test_writes_of_successive_cycles_act_in_successive_cycles():
 
 
 def test_reset_forgets_a_gate_that_was_to_open():
-    chip = system()
-    chip.write(0, PCLKCR0.offset, 1 << 10)
+    chip = system((PCLKCR0, 1 << 10))
     chip.reset(1)
     run_until(chip, 10)
     assert not chip.enabled("SCIAENCLK")

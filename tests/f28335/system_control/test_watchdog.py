@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from periph_sim.core.chip import NEVER
 from periph_sim.core.options import options_from
-from periph_sim.core.registers import Yields
+from periph_sim.core.registers import Register, Yields
 from periph_sim.f28335.system_control.module import WDFLAG_DELAY, SystemControl
 from periph_sim.f28335.system_control.register_map import MAP, PLLCR, PLLSTS, SCSR, WDCNTR, WDCR, WDKEY
 from periph_sim.f28335.system_options import SystemOptions
@@ -23,15 +23,16 @@ WDENINT, WDOVERRIDE, WDINTS = 2, 1, 4
 WAKEINT = 1
 
 
-def system(**options: str) -> SystemControl:
-    return SystemControl(30_000_000, options_from(SystemOptions, dict(options)))
+def system(*writes: tuple[Register, int], **options: str) -> SystemControl:
+    chip = SystemControl(30_000_000, options_from(SystemOptions, dict(options)))
+    for register, value in writes:
+        chip.write(0, register.offset, value)
+    return chip
 
 
 def interrupting() -> SystemControl:
     """Whose overflow requests WAKEINT instead of a reset."""
-    chip = system()
-    chip.write(0, SCSR.offset, WDENINT)
-    return chip
+    return system((SCSR, WDENINT))
 
 
 def run_until(chip: SystemControl, now: int) -> None:
@@ -55,8 +56,7 @@ def test_runs_after_reset_at_oscclk_by_512():
 @pytest.mark.parametrize("wdps", range(8))
 def test_wdps_prescales_the_time_out(wdps):
     prescale = [1, 1, 2, 4, 8, 16, 32, 64][wdps]
-    chip = system()
-    chip.write(0, WDCR.offset, ON | wdps)
+    chip = system((WDCR, ON | wdps))
     assert chip.peek(0, WDCR.offset) == wdps
     assert chip.next_wake == OVERFLOW * prescale
     assert chip.peek(STEP * prescale - 1, WDCNTR.offset) == 0
@@ -85,9 +85,7 @@ def test_the_time_out_counts_from_the_last_clear_wherever_it_was(when):
 
 def test_the_time_out_is_exact_when_the_pll_switches_in_between():
     """Cleared while the PLL locks at OSCCLK/4; the rest of the 131072 OSCCLK passes at 150 MHz."""
-    chip = system()
-    chip.write(0, PLLSTS.offset, 0x40)
-    chip.write(0, PLLCR.offset, 10)
+    chip = system((PLLSTS, 0x40), (PLLCR, 10))
     keys(chip, 20_000, 0x55, 0xAA)  # 80000 OSCCLK gone, 51072 to the lock
     run_until(chip, 32_768)
     assert (chip.sysclk_hz / chip.oscclk_hz).as_integer_ratio() == (5, 2)
@@ -141,8 +139,7 @@ def test_open_wd_bad_key(way, resets, before):
 
 
 def test_a_bad_key_means_nothing_to_a_watchdog_that_is_off():
-    chip = system(wd_bad_key="reset")
-    chip.write(0, WDCR.offset, OFF)
+    chip = system((WDCR, OFF), wd_bad_key="reset")
     keys(chip, 0, 0x32)
     assert not chip.reset_requested
 
@@ -173,8 +170,7 @@ def test_wrong_wdchk_interrupts_instead_with_wdenint():
 
 @pytest.mark.rule("SYS-026")
 def test_wrong_wdchk_does_nothing_while_disabled():
-    chip = system()
-    chip.write(0, WDCR.offset, OFF)
+    chip = system((WDCR, OFF))
     chip.write(1, WDCR.offset, 0x40)
     assert not chip.reset_requested
 
@@ -207,8 +203,7 @@ def test_a_count_carried_through_a_wdcr_write_is_cleared_too(how):
 @pytest.mark.rule("SYS-027", "SYS-028")
 @pytest.mark.parametrize(("was", "tried"), [(ON, OFF), (OFF, ON)])
 def test_wddis_is_fixed_once_wdoverride_is_cleared(was, tried):
-    chip = system()
-    chip.write(0, WDCR.offset, was)
+    chip = system((WDCR, was))
     chip.write(0, SCSR.offset, 0)  # 0 leaves WDOVERRIDE
     assert chip.read(0, SCSR.offset) & WDOVERRIDE
     chip.write(0, SCSR.offset, WDOVERRIDE)
@@ -273,8 +268,7 @@ def test_an_external_reset_leaves_wdflag_0():
 
 @pytest.mark.rule("SYS-031")
 def test_wdkey_reads_as_wdcr_and_wdchk_as_0():
-    chip = system()
-    chip.write(0, WDCR.offset, OFF | 7)
+    chip = system((WDCR, OFF | 7))
     keys(chip, 0, 0x55)
     assert chip.read(0, WDKEY.offset) == chip.read(0, WDCR.offset) == 0x47
 

@@ -56,14 +56,16 @@ class I2cRig:
         self.controller.begin(transfer, self.over.append)
         return transfer
 
-    def pull(self, tick: int, line: str, level: int) -> None:
-        self.kernel.call_at(tick, partial(self.partner[line].drive, level))
+    def pull(self, *moves: tuple[int, str, int]) -> None:
+        """The partner pulls or releases lines: (tick, line, level)."""
+        for tick, line, level in moves:
+            self.kernel.call_at(tick, partial(self.partner[line].drive, level))
 
     def _edge(self, name: str, tick: int, level: int) -> None:
         self.edges.append((tick, name, level))
 
     def drive(self, now: int, signal: str, level: int) -> None:
-        self.pull(now, signal, level)
+        self.pull((now, signal, level))
 
     def run_until(self, time: int) -> None:
         self.kernel.run_until(time)

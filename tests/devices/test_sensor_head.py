@@ -81,8 +81,7 @@ def test_chips_are_set_up_ahead_of_the_first_round_and_that_is_no_round(more: di
 
 def test_a_round_held_up_by_a_stretching_slave_makes_the_next_one_missed():
     desk = Desk(Schedule(first=0, period=1000, gap=0, rounds=3), [PLAIN])
-    desk.rig.pull(60, "scl", 0)
-    desk.rig.pull(1500, "scl", 1)
+    desk.rig.pull((60, "scl", 0), (1500, "scl", 1))
     rounds = desk.run(10_000)
     assert [r.number for r in rounds] == [1, 3]
     assert desk.head.missed == 1

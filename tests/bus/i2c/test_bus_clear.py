@@ -69,10 +69,10 @@ def test_a_repeated_start_that_cannot_be_made_ends_the_transfer_with_a_stop():
     """The slave holds SDA low behind its pointer byte's ACK: the read that was to follow is lost."""
     desk = I2cRig(clear_after=WAIT)
     transfer = desk.begin(Phase(0x10, read=False, data=b"\x05"), Phase(0x10, read=True, count=1))
-    desk.pull(33 * UNIT, "sda", 0)  # ACK of the address
-    desk.pull(37 * UNIT + 1, "sda", 1)
-    desk.pull(69 * UNIT, "sda", 0)  # ACK of the byte, and on
-    desk.pull(110 * UNIT, "sda", 1)
+    desk.pull((33 * UNIT, "sda", 0))  # ACK of the address
+    desk.pull((37 * UNIT + 1, "sda", 1))
+    desk.pull((69 * UNIT, "sda", 0))  # ACK of the byte, and on
+    desk.pull((110 * UNIT, "sda", 1))
     desk.run_until(3000)
     assert desk.over == [transfer] and transfer.lost and not transfer.acked
     assert len(transfer.phases[1].got) == 0
@@ -82,10 +82,10 @@ def test_a_repeated_start_that_cannot_be_made_ends_the_transfer_with_a_stop():
 def test_a_bus_clear_that_ends_a_transfer_ends_the_check_for_stuck_lines():
     desk = I2cRig(stuck_after=10 * UNIT, clear_after=WAIT)
     transfer = desk.begin(Phase(0x10, read=False, data=b"\x05"), Phase(0x10, read=True, count=1))
-    desk.pull(33 * UNIT, "sda", 0)  # ACK of the address
-    desk.pull(37 * UNIT + 1, "sda", 1)
-    desk.pull(69 * UNIT, "sda", 0)  # ACK of the byte, and on
-    desk.pull(85 * UNIT, "sda", 1)
+    desk.pull((33 * UNIT, "sda", 0))  # ACK of the address
+    desk.pull((37 * UNIT + 1, "sda", 1))
+    desk.pull((69 * UNIT, "sda", 0))  # ACK of the byte, and on
+    desk.pull((85 * UNIT, "sda", 1))
     desk.run_until(3000)
     assert desk.over == [transfer] and transfer.lost
     assert [tick for tick, _, _ in desk.stuck if tick > transfer.stop_at] == []

@@ -54,8 +54,7 @@ def test_a_byte_0xaa_is_read_and_the_last_one_not_acknowledged():
 def test_two_bytes_are_read_and_the_first_is_acknowledged_by_the_controller():
     rig = I2cRig()
     transfer = rig.begin(Phase(0x53, read=True, count=2))
-    rig.pull(33 * UNIT + 1, "sda", 0)
-    rig.pull(37 * UNIT + 1, "sda", 1)
+    rig.pull((33 * UNIT + 1, "sda", 0), (37 * UNIT + 1, "sda", 1))
     rig.run_until(120 * UNIT)
     assert transfer.phases[0].got == b"\xff\xff" and transfer.phases[0].acks == [True, False]
     assert (70 * UNIT, "SDA", 0) in rig.edges and (74 * UNIT, "SDA", 1) in rig.edges  # the ACK, a hold after SCL's fall
@@ -98,8 +97,8 @@ def test_no_second_phase_follows_an_address_that_was_not_acknowledged():
 def test_after_a_refused_byte_it_gives_up_or_goes_on_with_the_next_phase(gives_up: bool, phases: int):
     rig = I2cRig(gives_up=gives_up)
     transfer = rig.begin(Phase(0x53, read=False, data=b"\x01\x02"), Phase(0x53, read=True, count=1))
-    rig.pull(33 * UNIT, "sda", 0)  # acknowledges the address, and nothing else
-    rig.pull(37 * UNIT, "sda", 1)
+    rig.pull((33 * UNIT, "sda", 0))  # acknowledges the address, and nothing else
+    rig.pull((37 * UNIT, "sda", 1))
     rig.run_until(400 * UNIT)
     assert transfer.phases[0].acked and transfer.phases[0].acks == [False]
     assert sum(phase.start_at >= 0 for phase in transfer.phases) == phases
@@ -111,8 +110,7 @@ def test_after_a_refused_byte_it_gives_up_or_goes_on_with_the_next_phase(gives_u
 def test_the_byte_that_a_reader_refuses_itself_is_no_nack_of_the_target():
     rig = I2cRig()
     rig.begin(Phase(0x53, read=True, count=1))
-    rig.pull(33 * UNIT, "sda", 0)
-    rig.pull(37 * UNIT, "sda", 1)
+    rig.pull((33 * UNIT, "sda", 0), (37 * UNIT, "sda", 1))
     rig.run_until(400 * UNIT)
     assert [what for what, _ in rig.marks] == ["START", "address", "byte", "STOP"]
 
@@ -134,8 +132,8 @@ def test_scl_held_low_by_the_partner_is_waited_for_and_measured():
 def test_a_partner_that_lets_go_at_the_very_tick_stretches_by_nothing():
     rig = I2cRig()
     transfer = rig.begin(Phase(0x53, read=False))
-    rig.pull(2 * UNIT, "scl", 0)
-    rig.pull(3 * UNIT, "scl", 1)  # asked first, done first: before the controller lets go
+    rig.pull((2 * UNIT, "scl", 0))
+    rig.pull((3 * UNIT, "scl", 1))  # asked first, done first: before the controller lets go
     rig.run_until(60 * UNIT)
     assert transfer.phases[0].stretch == 0
     assert transfer.stop_at == 40 * UNIT
@@ -157,7 +155,7 @@ def test_a_low_bus_while_a_one_is_sent_loses_arbitration_and_lets_go():
 def test_no_byte_is_under_way_while_the_transfer_after_a_lost_address_waits_for_the_bus():
     rig = I2cRig()
     transfer = rig.begin(Phase(0x7F, read=True, count=1))
-    rig.pull(6 * UNIT, "sda", 0)
+    rig.pull((6 * UNIT, "sda", 0))
     rig.run_until(15 * UNIT)
     assert transfer.lost and rig.controller.bytes_under_way() == 0
     rig.begin(Phase(0x7F, read=True, count=1))
@@ -168,7 +166,7 @@ def test_no_byte_is_under_way_while_the_transfer_after_a_lost_address_waits_for_
 def test_a_low_bus_while_a_zero_is_sent_loses_nothing():
     rig = I2cRig()
     transfer = rig.begin(Phase(0x00, read=False))
-    rig.pull(3 * UNIT, "sda", 0)
+    rig.pull((3 * UNIT, "sda", 0))
     rig.run_until(60 * UNIT)
     assert not transfer.lost and transfer.acked  # whoever holds SDA low acknowledges, too
 
@@ -184,14 +182,11 @@ def test_the_next_start_keeps_the_bus_free_time_and_the_last_stop():
 
 def test_another_controllers_transfer_is_waited_for_even_while_both_its_lines_are_high():
     rig = I2cRig()
-    rig.pull(0, "sda", 0)  # START
-    rig.pull(5, "scl", 0)
-    rig.pull(8, "sda", 1)
-    rig.pull(12, "scl", 1)  # a long one-bit: both lines high, but the bus is not free
-    rig.pull(400, "scl", 0)
-    rig.pull(410, "sda", 0)
-    rig.pull(420, "scl", 1)
-    rig.pull(430, "sda", 1)  # STOP
+    rig.pull((0, "sda", 0))  # START
+    rig.pull((5, "scl", 0), (8, "sda", 1))
+    rig.pull((12, "scl", 1))  # a long one-bit: both lines high, but the bus is not free
+    rig.pull((400, "scl", 0), (410, "sda", 0), (420, "scl", 1))
+    rig.pull((430, "sda", 1))  # STOP
     rig.run_until(50)
     transfer = rig.begin(Phase(0x53, read=False))
     rig.run_until(1000)
@@ -208,7 +203,7 @@ def test_one_transfer_at_a_time():
 def test_scl_held_low_too_long_is_reported_once_with_who_holds_it():
     rig = I2cRig(stuck_after=50 * UNIT)
     rig.begin(Phase(0x53, read=False))
-    rig.pull(6 * UNIT, "scl", 0)
+    rig.pull((6 * UNIT, "scl", 0))
     rig.run_until(1000 * UNIT)
     assert rig.stuck == [(57 * UNIT, "SCL", ["partner"])]
 
@@ -223,11 +218,10 @@ def test_sda_held_low_before_a_start_is_reported_with_who_holds_it():
 
 def test_a_bus_that_is_merely_used_by_another_controller_is_not_stuck():
     rig = I2cRig(stuck_after=50 * UNIT)
-    rig.pull(0, "sda", 0)
+    rig.pull((0, "sda", 0))
     for i in range(40):
-        rig.pull(UNIT + 2 * i * UNIT, "scl", 0)
-        rig.pull(2 * UNIT + 2 * i * UNIT, "scl", 1)
-    rig.pull(85 * UNIT, "sda", 1)
+        rig.pull((UNIT + 2 * i * UNIT, "scl", 0), (2 * UNIT + 2 * i * UNIT, "scl", 1))
+    rig.pull((85 * UNIT, "sda", 1))
     rig.run_until(1)
     transfer = rig.begin(Phase(0x53, read=False))
     rig.run_until(300 * UNIT)
@@ -238,8 +232,7 @@ def test_a_bus_that_is_merely_used_by_another_controller_is_not_stuck():
 def test_a_line_let_go_in_time_is_not_reported():
     rig = I2cRig(stuck_after=50 * UNIT)
     transfer = rig.begin(Phase(0x53, read=False))
-    rig.pull(6 * UNIT, "scl", 0)
-    rig.pull(56 * UNIT, "scl", 1)
+    rig.pull((6 * UNIT, "scl", 0), (56 * UNIT, "scl", 1))
     rig.run_until(200 * UNIT)
     assert rig.stuck == [] and transfer.phases[0].stretch == 49 * UNIT
 
@@ -260,11 +253,9 @@ def test_a_level_shorter_than_the_filter_is_not_read(before: int, width: int, se
     """A byte of zeros; SDA is let go for `width`, `before` the end of the first bit's high phase. The filter is 10."""
     rig = I2cRig(filter_width=10)
     transfer = rig.begin(Phase(0x10, read=True, count=1))
-    rig.pull(33 * UNIT, "sda", 0)  # ACK, and eight zeros
+    rig.pull((33 * UNIT, "sda", 0))  # ACK, and eight zeros
     sampled = 41 * UNIT  # SCL falls behind the first bit
-    rig.pull(sampled - before, "sda", 1)
-    rig.pull(sampled - before + width, "sda", 0)
-    rig.pull(69 * UNIT, "sda", 1)
+    rig.pull((sampled - before, "sda", 1), (sampled - before + width, "sda", 0), (69 * UNIT, "sda", 1))
     rig.run_until(2000)
     assert transfer.phases[0].got.hex() == seen
 
@@ -272,8 +263,7 @@ def test_a_level_shorter_than_the_filter_is_not_read(before: int, width: int, se
 def test_spikes_of_an_idle_bus_are_no_start_and_no_stop():
     """One 20 ticks before a START is due would be a STOP, so that the bus was not free for long enough."""
     rig = I2cRig(filter_width=10)
-    rig.pull(80, "sda", 0)
-    rig.pull(88, "sda", 1)
+    rig.pull((80, "sda", 0), (88, "sda", 1))
     rig.run_until(100)
     transfer = rig.begin(Phase(0x10, read=False))
     rig.run_until(2000)
@@ -285,8 +275,7 @@ def test_a_spike_right_behind_a_stop_does_not_undo_it():
     rig = I2cRig(filter_width=10)
     first = rig.begin(Phase(0x10, read=False))
     rig.run_until(390)
-    rig.pull(403, "sda", 0)
-    rig.pull(407, "sda", 1)
+    rig.pull((403, "sda", 0), (407, "sda", 1))
     rig.run_until(500)
     assert first.stop_at == 400
     second = rig.begin(Phase(0x10, read=False))

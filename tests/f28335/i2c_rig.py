@@ -62,9 +62,11 @@ class Rig(Bus):
         self.settle()
         return value
 
-    def write(self, name: str, value: int) -> None:
-        self.chip.write(self.now, OFFSET[name], value)
-        self.settle()
+    def write(self, name: str, *values: int) -> None:
+        """One value after the other."""
+        for value in values:
+            self.chip.write(self.now, OFFSET[name], value)
+            self.settle()
 
     def peek(self, name: str, wait: int = 0) -> int:
         """What a debugger sees, after so many cycles."""

@@ -66,20 +66,22 @@ class ModuleRig(DiagramRig):
             self.set(**{signal: level})
         self.look()
 
-    def received(self, wait: float = 0) -> list[int]:
-        """All words in the receive FIFO after so many bits, taken out, oldest first."""
+    def received(self, wait: float = 0, mask: int = 0xFFFF) -> list[int]:
+        """All words in the receive FIFO after so many bits, taken out, oldest first; of each the bits of a mask."""
         self.wait(wait)
-        return [self.read(self.buffer) for _ in range(self.get("RXFFST"))]
+        return [self.read(self.buffer) & mask for _ in range(self.get("RXFFST"))]
 
     def wait(self, bits: float = 0, *, cycles: int = 0) -> None:
         raise NotImplementedError
 
     # Registers.
 
-    def write(self, register: str, value: int) -> None:
-        self.run_until(self.now)
-        self.chip.write(self.now, self.chip.MAP[register].offset, value)
-        self.look()
+    def write(self, register: str, *values: int) -> None:
+        """One value after the other."""
+        for value in values:
+            self.run_until(self.now)
+            self.chip.write(self.now, self.chip.MAP[register].offset, value)
+            self.look()
 
     def read(self, register: str) -> int:
         self.run_until(self.now)

@@ -148,8 +148,7 @@ def test_a_receive_source_asks_where_its_flag_rose_and_it_is_enabled(text: str, 
 def test_without_txffiena_no_level_of_the_transmit_fifo_asks(words: int):
     for level in (0, 1, 3, 16):
         rig = SciRig(fifo=True, TXFFIL=level, TXFFIENA=0)
-        for word in range(words):
-            rig.write("SCITXBUF", word)
+        rig.write("SCITXBUF", *range(words))
         rig.wait(11 * words + 1)
         assert (rig.get("TXFFINT"), rig.count("TXINT")) == (1, 0)
         rig.set(TXFFINTCLR=1)

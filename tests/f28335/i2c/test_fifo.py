@@ -95,8 +95,7 @@ def test_without_fifo_mode_the_registers_are_single():
 @pytest.mark.rule("I2C-290", "I2C-291")
 def test_txffrst_0_empties_the_transmit_fifo_and_keeps_it_empty():
     rig = fifos()
-    for byte in (1, 2, 3):
-        rig.write("I2CDXR", byte)
+    rig.write("I2CDXR", 1, 2, 3)
     assert count(rig, "TX") == 3
     rig.write("I2CFFTX", FFEN)
     assert count(rig, "TX") == 0
@@ -148,8 +147,7 @@ def test_rxffrst_0_leaves_rrdy_which_a_read_of_i2cdrr_clears_even_with_the_fifo_
 @pytest.mark.parametrize("level", [0, 1, 3])
 def test_txffint_comes_when_the_count_comes_down_to_the_level(level):
     rig = fifos(level)
-    for n in range(4):
-        rig.write("I2CDXR", n)
+    rig.write("I2CDXR", *range(4))
     rig.write("I2CFFTX", FFEN | FFRST | FFINTCLR | level)
     assert raised(rig, "TX") == 0
     rig.address(OWN, 1)
@@ -190,8 +188,7 @@ def test_txffintclr_clears_with_1_and_not_with_0_and_reads_0():
 @pytest.mark.rule("I2C-293", "I2C-295")
 def test_txffint_stays_when_the_count_rises_above_the_level_again():
     rig = fifos(2)
-    for n in range(5):
-        rig.write("I2CDXR", n)
+    rig.write("I2CDXR", *range(5))
     assert raised(rig, "TX")
 
 

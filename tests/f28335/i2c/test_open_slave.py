@@ -819,8 +819,7 @@ def test_open_fifo_extra_stage_keeps_the_order(stage):
     rig = Rig(fifo_extra_stage=stage)
     rig.write("I2CFFTX", FFEN | FFRST)
     rig.begin()
-    for n in range(16 + extra):
-        rig.write("I2CDXR", 0x20 + n)
+    rig.write("I2CDXR", *(0x20 + n for n in range(16 + extra)))
     rig.address(OWN, 1)
     assert [rig.take(ack=n < 15 + extra) for n in range(16 + extra)] == [0x20 + n for n in range(16 + extra)]
 
@@ -829,8 +828,7 @@ def test_open_fifo_extra_stage_keeps_the_order(stage):
 @pytest.mark.parametrize("clears", [False, True])
 def test_open_irs_clears_fifo(clears):
     rig = Rig(irs_clears_fifo=clears).begin(fifos=(FFEN | FFRST, FFRST))
-    for byte in (0x11, 0x12, 0x13):
-        rig.write("I2CDXR", byte)
+    rig.write("I2CDXR", 0x11, 0x12, 0x13)
     rig.receive(0x22)
     rig.write("I2CMDR", 0)
     left = [rig.peek(name) >> 8 & 31 for name in ("I2CFFTX", "I2CFFRX")]
@@ -883,8 +881,7 @@ def test_after_irs_0_in_mid_byte_an_eager_module_copies_at_once_again(point):
 def test_a_byte_written_to_a_transmit_fifo_in_reset_is_lost_and_noted_each_time(held):
     rig = idle()
     rig.write("I2CFFTX", FFEN | (0 if held else FFRST))
-    for byte in (0x55, 0x66):
-        rig.write("I2CDXR", byte)
+    rig.write("I2CDXR", 0x55, 0x66)
     told = "a byte was written to I2CDXR while TXFFRST = 0 holds the TX FIFO empty"
     assert [(note.code, note.text) for note in rig.chip.notes] == [("lost", told)] * (2 if held else 0)
     assert rig.peek("I2CFFTX") >> 8 & 31 == (0 if held else 2)

@@ -61,8 +61,7 @@ def test_soft_1_stops_the_receiver_when_a_break_drops_the_frame_in_progress():
 @pytest.mark.parametrize("soft", [0, 1])
 def test_free_1_runs_on(soft):
     rig = SciRig(fifo=True, SOFT=soft, FREE=1)
-    for word in (0x11, 0x22, 0x33):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", 0x11, 0x22, 0x33)
     rig.wait(3)
     rig.chip.suspend(rig.now, True)
     rig.send(frame(0x4B) + frame(0xA5) + "1" * 15)

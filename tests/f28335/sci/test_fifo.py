@@ -79,8 +79,7 @@ def test_the_transmit_fifo_holds_sixteen_words():
 def test_with_one_in_the_shifter_seventeen_words_are_under_way():
     rig = SciRig(fifo=True).put(0x40, 1)
     assert rig.get("TXFFST") == 0
-    for word in range(0x41, 0x51):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", *range(0x41, 0x51))
     assert rig.get("TXFFST") == 16
     assert rig.characters(wait=17 * 10 + 2) == list(range(0x40, 0x51))
     assert rig.flags("TXFFST", "TXEMPTY") == {"TXFFST": 0, "TXEMPTY": 1}
@@ -97,16 +96,14 @@ def test_a_transmit_word_has_eight_bits():
 @given(words=st.lists(st.integers(0, 255), min_size=1, max_size=16))
 def test_words_leave_in_the_order_written(words):
     rig = SciRig(brr=1, fifo=True)
-    for word in words:
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", *words)
     assert rig.characters(wait=10 * len(words) + 3) == words
 
 
 @pytest.mark.rule("SCI-154")
 def test_txffst_falls_only_when_the_word_before_has_left():
     rig = SciRig(brr=1, fifo=True)
-    for word in range(3):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", *range(3))
     rig.wait(1)
     assert rig.get("TXFFST") == 2
     fell = [time for time, _ in rig.changes("TXFFST", 22 * rig.bit)]
@@ -128,8 +125,7 @@ def test_words_written_to_a_new_module_wait_for_txena():
 @pytest.mark.rule("SCI-155", "SCI-156")
 def test_the_transmit_fifo_reset_empties_it_and_holds_it():
     rig = SciRig(fifo=True, TXENA=0)
-    for word in range(5):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", *range(5))
     rig.set(TXFIFOXRESET=0)
     assert rig.get("TXFFST") == 0
     rig.write("SCITXBUF", 0x11)
@@ -156,8 +152,7 @@ def test_fifos_switched_on_again_ask_for_a_txffint_that_stands_if_it_is_enabled(
 @pytest.mark.rule("SCI-157", "SCI-158", "SCI-160")
 def test_txffint_is_set_when_the_count_has_come_down_to_the_level():
     rig = SciRig(brr=1, fifo=True, TXENA=0)
-    for word in range(6):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", *range(6))
     rig.set(TXFFIL=2, TXFFIENA=1, TXFFINTCLR=1)
     assert (rig.flags("TXFFST", "TXFFINT"), rig.count("TXINT")) == ({"TXFFST": 6, "TXFFINT": 0}, 0)
     at = {6: rig.get("TXFFINT")}
@@ -216,8 +211,7 @@ def test_the_usual_handler_is_asked_once_for_each_batch():
 @pytest.mark.rule("SCI-161")
 def test_in_fifo_mode_txrdy_requests_nothing():
     rig = SciRig(fifo=True, TXINTENA=1)
-    for word in range(3):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", *range(3))
     rig.wait(40)
     rig.set(TXINTENA=0)
     rig.set(TXINTENA=1)
@@ -227,8 +221,7 @@ def test_in_fifo_mode_txrdy_requests_nothing():
 @pytest.mark.rule("SCI-162", "SCI-164")
 def test_scirst_stops_both_channels_and_1_resumes():
     rig = SciRig(fifo=True)
-    for word in (0x00, 0x11):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", 0x00, 0x11)
     rig.send("0 1101")
     assert rig.show("TXD") == 0
     rig.set(SCIRST=0)
@@ -455,8 +448,7 @@ def test_in_fifo_mode_oe_means_overflow():
 
 def gap(rig: SciRig, words: int = 3) -> list[int]:
     """Cycles between the last stop bit of a word and the start bit of the next."""
-    for word in range(words):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", *range(words))
     rig.wait(words * (10 + 1) + words * 257)
     starts = [start for start, _ in rig.frames(10)]
     return [b - a - 10 * rig.bit for a, b in pairwise(starts)]
@@ -523,8 +515,7 @@ def test_in_standard_mode_there_is_no_delay():
 def test_a_word_written_to_a_transmit_fifo_in_reset_is_lost_and_noted_each_time(held, told):
     rig = SciRig(fifo=True)
     rig.set(**held)
-    for byte in (0x55, 0x55):
-        rig.write("SCITXBUF", byte)
+    rig.write("SCITXBUF", 0x55, 0x55)
     assert rig.notes("lost") == ([told, told] if told else [])
     assert rig.get("TXFFST") == (0 if told else 2)
     rig.set(TXFIFOXRESET=1, SCIRST=1)

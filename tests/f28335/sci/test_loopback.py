@@ -42,8 +42,7 @@ def test_an_overrun_happens_in_loop_back_too():
 @pytest.mark.rule("SCI-136")
 def test_a_whole_fifo_goes_round_in_order():
     rig = SciRig(fifo=True, LOOPBKENA=1)
-    for word in range(0xA0, 0xB0):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", *range(0xA0, 0xB0))
     assert rig.received(wait=16 * 10 + 3) == list(range(0xA0, 0xB0))
     assert rig.peek("SCIRXST") & 0b1011_1100 == 0
 

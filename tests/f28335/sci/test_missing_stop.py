@@ -15,7 +15,7 @@ def words(head: str, stop_bit: str, options: dict[str, str | int | bool] | None 
     rig = SciRig(options, fifo=True, **fields)
     rig.send_samples("".join(mark * 8 for mark in levels(head)) + levels(stop_bit) + "1" * 120)
     assert rig.get("FE") == 1
-    return [word & 0x80FF for word in rig.received()]
+    return rig.received(mask=0x80FF)
 
 
 @pytest.mark.rule("SCI-121", "SCI-029")

@@ -328,8 +328,7 @@ def test_open_fifo_int_mode_edge_asks_for_each_word_that_leaves_an_empty_fifo():
 @pytest.mark.parametrize(("value", "last"), [("ignored", 0x1F), ("overwrites_last", 0x99)])
 def test_open_txfifo_write_when_full(value, last):
     rig = rig_with("txfifo_write_when_full", value, fifo=True, TXENA=0)
-    for word in range(0x10, 0x20):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", *range(0x10, 0x20))
     rig.write("SCITXBUF", 0x99)
     assert rig.get("TXFFST") == 16
     rig.set(TXENA=1)
@@ -425,8 +424,7 @@ def test_open_tx_phase(value, possible):
 @pytest.mark.parametrize(("value", "sent"), [("all_written", 3), ("current_only", 1)])
 def test_open_txena_clear_drains(value, sent):
     rig = rig_with("txena_clear_drains", value, fifo=True)
-    for word in (0x11, 0x22, 0x33):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", 0x11, 0x22, 0x33)
     rig.wait(3)
     rig.set(TXENA=0)
     assert rig.characters(wait=50) == [0x11, 0x22, 0x33][:sent]
@@ -504,8 +502,7 @@ def test_open_swreset_fifo_effect(value, stays):
     for word in range(17):
         rig.send(frame(word) + "1")
     rig.set(TXENA=0)
-    for word in range(3):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", *range(3))
     assert rig.flags("TXFFST", "RXFFST", "RXFFINT", "RXFFOVF") == {
         "TXFFST": 3,
         "RXFFST": 16,
@@ -542,8 +539,7 @@ def test_open_scirst_scope(value, stays):
     rig = rig_with("scirst_scope", value, fifo=True, RXFFIL=1, TXFFIL=16)
     for word in range(17):
         rig.send(frame(word) + "1")
-    for word in range(4):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", *range(4))
     rig.wait(2)
     before = {"TXFFST": 3, "RXFFST": 16, "RXFFINT": 1, "RXFFOVF": 1}
     assert rig.flags(*before) == before
@@ -627,8 +623,7 @@ def test_open_idle_before_first_frame(value, block):
 def test_open_txrdy_in_fifo_mode(value, while_waiting):
     rig = rig_with("txrdy_in_fifo_mode", value, fifo=True)
     assert rig.status("TXRDY") == 1
-    for word in range(3):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", *range(3))
     rig.wait(2)
     assert rig.status("TXRDY") == while_waiting
     rig.wait(40)

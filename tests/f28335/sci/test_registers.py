@@ -30,8 +30,7 @@ EIGHT_BITS = ["SCICCR", "SCICTL1", "SCIHBAUD", "SCILBAUD", "SCICTL2", "SCIRXST",
 def in_the_middle_of_everything() -> SciRig:
     """A FIFO module with words in both FIFOs, an overflow, errors, and a frame under way in both directions."""
     rig = SciRig(fifo=True, RXFFIL=2, TXFFIL=3, FFTXDLY=7, PARITY=1, PARITYENA=1, SOFT=1, TXINTENA=1, RXERRINTENA=1)
-    for word in range(5):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", *range(5))
     rig.send(frame(0x5A, parity="even", bad="parity") + frame(0x11, parity="even", bad="stop") + "11")
     for word in range(17):
         rig.send(frame(word, parity="even"))

@@ -94,8 +94,7 @@ def test_the_fifos_and_their_flags_stay():
         rig.send(frame(0x40 + word))
     rig.wait(1)
     rig.set(TXENA=0)
-    for word in range(3):
-        rig.write("SCITXBUF", 0x50 + word)
+    rig.write("SCITXBUF", *(0x50 + word for word in range(3)))
     kept = {"TXFFST": 3, "TXFFINT": 1, "RXFFST": 16, "RXFFINT": 1, "RXFFOVF": 1}
     assert rig.flags(*kept) == kept
     for reset in (0, 1):
@@ -150,8 +149,7 @@ def test_a_break_needs_the_toggle():
 
 def test_system_reset_in_the_middle_of_everything_leaves_a_quiet_module():
     rig = SciRig(fifo=True, TXFFIENA=0)
-    for word in range(5):
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", *range(5))
     rig.send(frame(0x11) + "0 10")
     rig.reset()
     edges = len(rig.edges)

@@ -133,8 +133,7 @@ def test_the_idle_line_is_1():
 def test_both_directions_at_once_and_out_of_step():
     rig = SciRig(fifo=True)
     out, back = list(range(0x10, 0x20)), list(range(0xA0, 0xB0))
-    for word in out:
-        rig.write("SCITXBUF", word)
+    rig.write("SCITXBUF", *out)
     rig.wait(sciclk=3)
     for word in back:
         rig.send(frame(word), bit=rig.bit * 1.02, at=rig.now)

@@ -31,7 +31,7 @@ def test_words_are_counted_out_and_in():
     """,
         BIT,
     )
-    assert [word & 0xF for word in rig.received()] == [1, 2, 3]
+    assert rig.received(mask=0xF) == [1, 2, 3]
 
 
 @pytest.mark.rule("SPI-058")
@@ -43,7 +43,7 @@ def test_fifo_mode_can_be_left_and_entered_again():
     assert rig.flags("RXFFST", "INT_FLAG") == {"RXFFST": 2, "INT_FLAG": 1}
     assert rig.read("SPIRXBUF") & 0xF == 3
     rig.set(SPIFFENA=1)
-    assert [word & 0xF for word in rig.received()] == [1, 2]
+    assert rig.received(mask=0xF) == [1, 2]
 
 
 @pytest.mark.rule("SPI-058")
@@ -62,8 +62,7 @@ def test_spitxbuf_and_the_fifo_keep_their_words_when_spiffena_changes():
 @pytest.mark.rule("SPI-059", "SPI-061")
 def test_sixteen_words_fit_beside_the_one_in_spidat():
     rig = SpiRig(fifo=True)
-    for word in range(18):
-        rig.write("SPITXBUF", word << 8)
+    rig.write("SPITXBUF", *(word << 8 for word in range(18)))
     assert rig.get("TXFFST") == 16
     assert rig.notes("lost") == ["SPI-A: SPITXBUF was written 0x1100 while TXFFST = 16: one word is lost"]
     rig.set(TXFIFO=0)
@@ -74,8 +73,7 @@ def test_sixteen_words_fit_beside_the_one_in_spidat():
     )
     rig.wait(10)
     rig.set(TXFIFO=1)
-    for word in range(3):
-        rig.write("SPITXBUF", word << 8)
+    rig.write("SPITXBUF", *(word << 8 for word in range(3)))
     assert rig.get("TXFFST") == 2
 
 
@@ -84,8 +82,7 @@ def test_txfifo_0_leaves_the_character_that_is_being_sent():
     rig = SpiRig(fifo=True, **LOOP)
     rig.send(0x5000, 2)
     rig.set(TXFIFO=0)
-    rig.wait(4)
-    assert [word & 0xF for word in rig.received()] == [5]
+    assert rig.received(wait=4, mask=0xF) == [5]
 
 
 @pytest.mark.rule("SPI-062", "SPI-063", "SPI-064")
@@ -182,7 +179,7 @@ def test_the_first_word_is_lost_when_a_seventeenth_comes():
     assert rig.flags("RXFFST", "RXFFOVF") == {"RXFFST": 16, "RXFFOVF": 1}
     rig.set(RXFFOVFCLR=1)
     assert rig.get("RXFFOVF") == 0
-    assert [word & 0xF for word in rig.received()] == [*range(1, 16), 5]
+    assert rig.received(mask=0xF) == [*range(1, 16), 5]
 
 
 @pytest.mark.rule("SPI-072")
@@ -207,7 +204,7 @@ def test_rxfiforeset_0_holds_the_receive_fifo_empty():
     rig.set(RXFIFORESET=1)
     send(rig, 4)
     assert rig.get("RXFFINT") == 1
-    assert [word & 0xF for word in rig.received()] == [4]
+    assert rig.received(mask=0xF) == [4]
 
 
 @pytest.mark.rule("SPI-065")
@@ -239,7 +236,7 @@ def test_no_word_is_lost_or_doubled(steps):
         assert rig.get("RXFFOVF") or under_way in (0, 1)
     rig.wait(4 * 18)
     if not rig.get("RXFFOVF"):
-        assert read + [word & 0xF for word in rig.received()] == written
+        assert read + rig.received(mask=0xF) == written
 
 
 # TXDLY.
@@ -255,11 +252,10 @@ def gaps(rig: SpiRig) -> list[int]:
 @pytest.mark.parametrize("delay", [0, 1, 5, 255])
 def test_txdly_keeps_words_apart(delay):
     rig = SpiRig(fifo=True, **LOOP, TXDLY=delay)
-    for word in (1, 2, 3):
-        rig.write("SPITXBUF", word << 12)
+    rig.write("SPITXBUF", *(word << 12 for word in (1, 2, 3)))
     rig.wait(3 * 4 + 2 * delay + 2)
     assert gaps(rig) == ([delay] * 2 if delay else [])
-    assert [word & 0xF for word in rig.received()] == [1, 2, 3]
+    assert rig.received(mask=0xF) == [1, 2, 3]
     assert rig.show("STE") == 1
 
 
@@ -290,25 +286,21 @@ def test_a_word_stays_in_the_fifo_until_txdly_is_over(phase):
 
 def test_txdly_has_no_effect_without_fifos():
     rig = SpiRig(**LOOP, SPIFFCT=9)
-    for word in (1, 2):
-        rig.write("SPITXBUF", word << 12)
+    rig.write("SPITXBUF", *(word << 12 for word in (1, 2)))
     rig.wait(9)
     assert (gaps(rig), rig.get("OVERRUN_FLAG")) == ([], 1)
 
 
 def test_txdly_has_no_effect_on_a_slave():
     rig = SpiRig({}, {**SLAVE, **FIFO, "SPIFFCT": 9}).select_idle()
-    for word in (0x1200, 0x3400):
-        rig.write("SPITXBUF", word)
+    rig.write("SPITXBUF", 0x1200, 0x3400)
     assert [rig.get("TXFFST"), rig.exchange(0), rig.exchange(0), rig.get("TXFFST")] == [1, 0x12, 0x34, 0]
 
 
 def test_words_written_to_the_fifo_during_spiswreset_are_sent_after_it():
     rig = SpiRig({}, {**MASTER, **FIFO, **LOOP, "SPISWRESET": 0})
-    for word in (1, 2):
-        rig.write("SPITXBUF", word << 12)
+    rig.write("SPITXBUF", *(word << 12 for word in (1, 2)))
     rig.wait(10)
     assert rig.flags("TXFFST", "RXFFST") == {"TXFFST": 2, "RXFFST": 0}
     rig.set(SPISWRESET=1)
-    rig.wait(9)
-    assert [word & 0xF for word in rig.received()] == [1, 2]
+    assert rig.received(wait=9, mask=0xF) == [1, 2]

@@ -123,8 +123,7 @@ def test_the_first_character_goes_through_and_the_second_waits():
 @pytest.mark.rule("SPI-050")
 def test_a_character_that_is_replaced_while_it_waits_is_told():
     rig = SpiRig(**FOUR)
-    for word in (1, 2, 3):
-        rig.write("SPITXBUF", word << 12)
+    rig.write("SPITXBUF", *(word << 12 for word in (1, 2, 3)))
     assert rig.notes("lost") == ["SPI-A: SPITXBUF was written 0x3000 while BUFFULL_FLAG = 1: one character is lost"]
     rig.wait(9)
     assert (rig.show("SPIRXBUF"), rig.peek("SPITXBUF")) == (3, 0x3000)

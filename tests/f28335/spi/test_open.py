@@ -116,8 +116,7 @@ def test_open_int_flag_point(value, early):
     for phase in (0, 1):
         rig = rig_with("int_flag_point", value, **LOOP, CLK_PHASE=phase, SPIINTENA=1)
         begin = rig.now + 1
-        for word in (5, 6):
-            rig.write("SPITXBUF", word << 12)
+        rig.write("SPITXBUF", *(word << 12 for word in (5, 6)))
         rig.wait(10)
         flags.append([(at - begin) // HALF for at in rig.asked["RXINT"]])
         assert rig.flags("SPIRXBUF", "OVERRUN_FLAG") == {"SPIRXBUF": 6, "OVERRUN_FLAG": 1}
@@ -175,8 +174,7 @@ def test_open_rxffovf_interrupt(value, requests):
 @pytest.mark.parametrize(("value", "second"), [("replaces", 3), ("ignored", 2)])
 def test_open_txbuf_write_when_full(value, second):
     rig = rig_with("txbuf_write_when_full", value, **LOOP)
-    for word in (1, 2, 3):
-        rig.write("SPITXBUF", word << 12)
+    rig.write("SPITXBUF", *(word << 12 for word in (1, 2, 3)))
     assert rig.peek("SPITXBUF") == second << 12
     rig.wait(10)
     assert rig.show("SPIRXBUF") == second
@@ -186,10 +184,9 @@ def test_open_txbuf_write_when_full(value, second):
 @pytest.mark.parametrize(("value", "last"), [("ignored", 0), ("overwrites_last", 1)])
 def test_open_txfifo_write_when_full(value, last):
     rig = rig_with("txfifo_write_when_full", value, fifo=True, **LOOP)
-    for word in range(18):
-        rig.write("SPITXBUF", (word & 0xF) << 12)
+    rig.write("SPITXBUF", *((word & 0xF) << 12 for word in range(18)))
     rig.wait(18 * 4)
-    assert [word & 0xF for word in rig.received()][-2:] == [15, last]
+    assert rig.received(mask=0xF)[-2:] == [15, last]
 
 
 @pytest.mark.rule("SPI-065")
@@ -290,8 +287,7 @@ def fifos_after(option: str, value: bool, reset: str) -> dict[str, int]:
     rig = rig_with(option, value, fifo=True, **LOOP, RXFFIL=1)
     for _ in range(17):
         rig.send(0x5000, 6)
-    for _ in range(2):
-        rig.write("SPITXBUF", 0x5000)
+    rig.write("SPITXBUF", *(0x5000 for _ in range(2)))
     rig.set(**{reset: 0})
     return rig.flags("TXFFST", "RXFFST", "RXFFINT", "RXFFOVF")
 

@@ -30,11 +30,9 @@ def in_the_middle_of_everything() -> SpiRig:
     """Words in both FIFOs, an overflow, and a character under way."""
     rig = SpiRig(fifo=True, RXFFIL=2, TXFFIL=3, SPIFFCT=0xFF, SPILBK=1, SPIPRI=0x30, SPICTL=0x1F)
     rig.set(TXDLY=0)
-    for word in range(17):
-        rig.write("SPITXBUF", word << 8)
+    rig.write("SPITXBUF", *(word << 8 for word in range(17)))
     rig.wait(17 * 8 + 2)
-    for word in range(8):
-        rig.write("SPITXBUF", word << 8)
+    rig.write("SPITXBUF", *(word << 8 for word in range(8)))
     rig.wait(1)
     return rig
 

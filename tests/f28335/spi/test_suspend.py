@@ -50,8 +50,7 @@ def test_a_transfer_does_not_begin_before_the_stop_is_over(soft):
 @pytest.mark.parametrize("phase", [0, 1])
 def test_soft_1_sends_the_character_and_the_one_that_waits(phase):
     rig = SpiRig(**FOUR, CLK_PHASE=phase, SOFT=1, SPIINTENA=1)
-    for word in (5, 6):
-        rig.write("SPITXBUF", word << 12)
+    rig.write("SPITXBUF", *(word << 12 for word in (5, 6)))
     rig.wait(1.2)
     rig.chip.suspend(rig.now, True)
     rig.look()
@@ -72,12 +71,10 @@ def test_soft_1_sends_the_character_and_the_one_that_waits(phase):
 def test_soft_1_sends_the_fifo_to_its_end(at):
     """The stop comes within the first word, between two, or within TXDLY."""
     rig = SpiRig(**FOUR, fifo=True, SOFT=1, SPIFFCT=0 if at < 5 else 3)
-    for word in range(5):
-        rig.write("SPITXBUF", word << 12)
+    rig.write("SPITXBUF", *(word << 12 for word in range(5)))
     rig.wait(at)
     rig.chip.suspend(rig.now, True)
-    rig.wait(5 * 7)
-    assert [word & 0xF for word in rig.received()] == [0, 1, 2, 3, 4]
+    assert rig.received(wait=5 * 7, mask=0xF) == [0, 1, 2, 3, 4]
 
 
 def test_soft_1_lets_a_slave_finish_its_character():
@@ -101,12 +98,11 @@ def test_soft_1_stops_a_slave_between_characters_at_once():
 @pytest.mark.parametrize("soft", [0, 1])
 def test_free_1_runs_on(soft):
     rig = SpiRig(**FOUR, fifo=True, SOFT=soft, FREE=1)
-    for word in range(3):
-        rig.write("SPITXBUF", word << 12)
+    rig.write("SPITXBUF", *(word << 12 for word in range(3)))
     rig.wait(1.2)
     rig.chip.suspend(rig.now, True)
     rig.send(0x7000, 17)
-    assert [word & 0xF for word in rig.received()] == [0, 1, 2, 7]
+    assert rig.received(mask=0xF) == [0, 1, 2, 7]
 
 
 @pytest.mark.rule("SPI-009")

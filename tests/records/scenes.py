@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from periph_sim.core.records import RECORDED, Record
+from periph_sim.core.records import RECORDED, Kind, Record, Recorder
+from periph_sim.core.time import Timebase
 from periph_sim.processor.dsp import Dsp
+from periph_sim.records.recording import recording
 from periph_sim.records.run import Run
 from periph_sim.scene import unit as unit_module
 from periph_sim.scene.case.model import Case
@@ -21,6 +24,7 @@ from tests.scene.small import case
 PER_SECOND = Fraction(3_000_000_000)
 CYCLE = 20
 ADDRESS = 0x50
+MODULES = {"dsp": ("I2C-A", "SCI-A", "pin:MODEL")}
 Main = Callable[[Dsp], None]
 
 
@@ -53,6 +57,38 @@ def by_hand(*rows: tuple[Any, ...], end: int = 10_000, modules: tuple[str, ...] 
     for number, (cycle, *of) in enumerate(rows, 1):
         columns.add(Record(number, cycle * CYCLE, *of))
     return Run(columns.table(PER_SECOND, end * CYCLE, {"dsp": modules}))
+
+
+def read(cycle: int, value: int = 0, field: str = "", place: str = "f:1", routine: int = 0) -> tuple[Any, ...]:
+    return cycle, Kind.ACCESS, "dsp", "R I2C-A.I2CSTR", value, place, routine, field
+
+
+def write(cycle: int, value: int = 0, field: str = "", place: str = "f:1", routine: int = 0) -> tuple[Any, ...]:
+    return cycle, Kind.ACCESS, "dsp", "W I2C-A.I2CSTR", value, place, routine, field
+
+
+def flag(cycle: int, name: str, value: int, cause: int = 0) -> tuple[Any, ...]:
+    return cycle, Kind.FLAG, "dsp.I2C-A", f"I2CSTR.{name}", value, "", cause
+
+
+def written(path: Path, *rows: tuple[Any, ...], end: int, modules: Any = MODULES, sysclk: int = 150_000_000) -> Path:
+    """A recording of rows of tick, kind, where, what, and what more a record has."""
+    recorder = Recorder()
+    with recording(path, modules) as (subscribe, ended_at):
+        subscribe(recorder, Timebase(sysclk))
+        for row in rows:
+            recorder.emit(*row)
+        ended_at(end, {})
+    return path
+
+
+def recorded_to(path: Path, of: Case) -> Path:
+    """A recording of a whole run, as `run --record` makes it."""
+    with recording(path, of.recorded_modules) as (subscribe, ended_at):
+        scene = Scene(of, subscribe)
+        scene.run()
+        ended_at(scene.kernel.now, scene.clocks())
+    return path
 
 
 def line_of(function: Callable[..., object], below: int = 1) -> str:

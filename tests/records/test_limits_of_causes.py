@@ -15,21 +15,8 @@ from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.records.cause_trace import causes
 from periph_sim.records.cause_trace.why import why
 from periph_sim.records.read_modify_write import read_modify_writes
-from tests.records.cause_trace.test_causes import (
-    RRDY,
-    SCD,
-    count,
-    counted,
-    edge,
-    flag,
-    hold,
-    irq,
-    numbers,
-    read,
-    walk,
-    write,
-)
-from tests.records.scenes import by_hand
+from tests.records.cause_trace.test_causes import RRDY, SCD, count, counted, edge, hold, irq, numbers, walk
+from tests.records.scenes import by_hand, flag, read, write
 
 
 @pytest.mark.parametrize("written_at", [1010, 37_600, 10**9])
@@ -49,7 +36,6 @@ def test_a_walk_says_why_it_goes_no_further(monkeypatch: pytest.MonkeyPatch):
     assert ends(*looked[1:3], counted(2000, 2)) == "nothing that this access read had changed before it"
     assert ends(*looked[2:3], counted(2000, 1)) == "its routine had read nothing before it"
     assert ends() == ""
-    monkeypatch.setattr(causes, "MOST_ACCESSES", 3)
     monkeypatch.setattr(causes, "MOST_ACCESSES", 3)
     many = [*looked[:2], *(count(100 * n) for n in range(1, 4)), count(2000)]
     assert ends(*many, counted(2000, 6)).endswith("in the 3 accesses before it; no more were searched")
@@ -82,25 +68,6 @@ def test_the_first_record_of_a_run_is_a_change_like_any_other():
     """SCD rises in it, the first look saw that, the second one nothing."""
     steps = walk(flag(5, "SCD", 1), read(10, SCD, "SCD"), read(12, 0, "BB", "g:2"), count(20), counted(20, 4))
     assert numbers(steps) == ["5", "4", "(3)", "2", "1"]
-
-
-@pytest.mark.parametrize(("asked_at", "found"), [(104, True), (103, False)])
-def test_the_request_is_within_sixteen_cycles_of_the_flag_of_the_pie(asked_at: int, found: bool):
-    asks = asked_at, Kind.FLAG, "dsp.I2C-A", "I2CSTR.SCD", 1, "", 0
-    pie = 120, Kind.FLAG, "dsp.PIE", "PIEIFR8.INTx1", 1, "", 0
-    assert numbers(walk(asks, pie)) == (["2", "1"] if found else ["2"])
-    gone = 120, Kind.FLAG, "dsp.PIE", "PIEIFR8.INTx1", 0, "", 0
-    assert numbers(walk(asks, gone)) == ["2"]
-    other = 120, Kind.FLAG, "dsp.PIE", "PIEIFR8.INTx2", 1, "", 0
-    assert numbers(walk(asks, other)) == ["2"]
-    enabled = 120, Kind.FLAG, "dsp.PIE", "PIEIER8.INTx1", 1, "", 0
-    assert numbers(walk(asks, enabled)) == ["2"]
-
-
-def test_of_several_requests_the_last_one_counts_and_a_fall_is_none():
-    asks = [(at, Kind.FLAG, "dsp.I2C-A", f"I2CSTR.{name}", value, "", 0) for at, name, value in (
-        (110, "SCD", 1), (112, "AAS", 1), (114, "SCD", 0))]  # fmt: skip
-    assert numbers(walk(*asks, (120, Kind.FLAG, "dsp.PIE", "PIEIFR8.INTx1", 1, "", 0))) == ["4", "2"]
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from periph_sim.records.races import PlaceRaces, distances, races
-from tests.records.scenes import CYCLE, by_hand
-from tests.records.test_races import RRDY, flag, read
+from tests.records.scenes import CYCLE, by_hand, flag, read
+from tests.records.test_races import RRDY
 
 
 def place(*rows: tuple[Any, ...], name: str = "f:1") -> PlaceRaces:
@@ -142,7 +142,7 @@ def test_of_equal_distances_the_first_is_told_and_places_without_a_change_come_l
         flag(95, "NACK", 1),
         read(99, place="z:1"),
     ]
-    found = races(by_hand(read(1, 0, "q:0"), *rows))
+    found = races(by_hand(read(1, 0, place="q:0"), *rows))
     assert [of.place for of in found.places] == ["z:1", "a:1", "q:0"]
     (z, a, _) = found.places
     assert z.before is not None and (z.before.cycles, z.before.field, z.before.tick) == (5, "RRDY", 200)

@@ -18,23 +18,11 @@ from periph_sim.records.races_text_report import as_json, text
 from periph_sim.records.run import NotInRun, Run
 from periph_sim.scene import unit as unit_module
 from periph_sim.scene.firmware_loader import Firmware
-from tests.records.scenes import ADDRESS, CYCLE, asks, by_hand, line_of, ran, recorded
+from tests.records.scenes import ADDRESS, CYCLE, asks, by_hand, flag, line_of, ran, read, recorded, write
 from tests.scene.small import case
 
 STR = "I2C-A.I2CSTR"
 RRDY, SCD = 0x0008, 0x0020
-
-
-def read(cycle: int, value: int = 0, place: str = "f:1", cause: int = 0, field: str = "") -> tuple[Any, ...]:
-    return cycle, Kind.ACCESS, "dsp", f"R {STR}", value, place, cause, field
-
-
-def write(cycle: int, value: int = 0, place: str = "f:1", cause: int = 0, field: str = "") -> tuple[Any, ...]:
-    return cycle, Kind.ACCESS, "dsp", f"W {STR}", value, place, cause, field
-
-
-def flag(cycle: int, name: str, value: int, cause: int = 0) -> tuple[Any, ...]:
-    return cycle, Kind.FLAG, "dsp.I2C-A", f"I2CSTR.{name}", value, "", cause
 
 
 def test_closest_before_and_after_and_the_decades():
@@ -271,14 +259,14 @@ def test_a_field_of_several_bits_counts_as_one_flag():
 
 
 def test_a_write_that_clears_what_was_seen_is_not_a_loss():
-    run = by_hand(flag(50, "RRDY", 1), read(80, RRDY, "look:9"), read(100, RRDY), write(102, RRDY | SCD))
+    run = by_hand(flag(50, "RRDY", 1), read(80, RRDY, place="look:9"), read(100, RRDY), write(102, RRDY | SCD))
     assert races(run).lost == 0
     later = by_hand(*_seen(), flag(102, "RRDY", 0, cause=4))
     assert (races(later).lost, races(later).along) == (0, 1)
 
 
 def _seen() -> list[tuple[Any, ...]]:
-    return [flag(50, "RRDY", 1), read(80, RRDY, "look:9"), read(100, RRDY), write(102, RRDY | SCD)]
+    return [flag(50, "RRDY", 1), read(80, RRDY, place="look:9"), read(100, RRDY), write(102, RRDY | SCD)]
 
 
 def test_a_flag_that_rose_before_the_recording_began_is_not_said_to_be_unseen():

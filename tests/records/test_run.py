@@ -13,14 +13,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from periph_sim.core.records import Kind, Record, Recorder
-from periph_sim.core.time import Timebase
-from periph_sim.records.recording import recording
+from periph_sim.core.records import Kind, Record
 from periph_sim.records.register_maps import register_of
 from periph_sim.records.run import WAY_OUT, CycleLength, NotInRun, Run
 from periph_sim.traces import formats
 from periph_sim.traces.formats.record_table import Columns
-from tests.records.scenes import PER_SECOND, by_hand
+from tests.records.scenes import PER_SECOND, by_hand, written
 from tests.refusals import refusal
 from tests.traces.decode.drawing import drawn
 
@@ -60,7 +58,7 @@ def test_the_cycle_is_said_with_where_it_is_known_from():
     assert by_hand(access(1)).cycles.how == by_hand().cycles.how == one
     slower = by_hand(access(0), access(3), access(6), access(10))
     slower.table.columns["tick"] = slower.table.tick * 3 // 2
-    assert slower.cycles.how == "SYSCLKOUT 100 MHz, the grid that all accesses fall on"
+    assert slower.cycles == CycleLength(Fraction(30), "SYSCLKOUT 100 MHz, the grid that all accesses fall on")
     finer = by_hand(access(0), access(3), access(4))
     finer.table.columns["tick"] = finer.table.tick - 1 * (finer.table.tick > 70)  # 0, 60, 79: no grid of cycles
     assert finer.cycles.how == one and finer.cycles.ticks == 20
@@ -198,11 +196,7 @@ def test_clocks_of_several_units():
 
 
 def test_a_run_is_read_from_its_file_with_its_name(tmp_path: Path):
-    path, recorder = tmp_path / "run.psr", Recorder()
-    with recording(path, {"dsp": ("I2C-A",)}) as (subscribe, ended_at):
-        subscribe(recorder, Timebase(150_000_000))
-        recorder.emit(40, Kind.NOTE, "dsp", "x", 7)
-        ended_at(100, {})
+    path = written(tmp_path / "run.psr", (40, Kind.NOTE, "dsp", "x", 7), end=100, modules={"dsp": ("I2C-A",)})
     run = Run.read(str(path), Fraction(75_000_000))
     assert (run.name, run.units, run.table.end) == (str(path), {"dsp": ("I2C-A", "SYS", "PIE")}, 100)
     assert [(one.tick, one.value) for one in run.table.records(run.rows(Kind.NOTE))] == [(40, 7)]

@@ -12,8 +12,8 @@ from periph_sim.records.cause_trace import why as show_why
 from periph_sim.records.cause_trace.why import why
 from periph_sim.records.lint import Finding, all_lints
 from periph_sim.records.races import distances, races
-from tests.records.scenes import by_hand
-from tests.records.test_races import RRDY, SCD, flag, read, write
+from tests.records.scenes import by_hand, flag, read, write
+from tests.records.test_races import RRDY, SCD
 from tests.unwrapped import unwrapped
 
 HEAD = """\
@@ -32,13 +32,13 @@ note: A read that names a field is compared with the changes of that field. A
 # firmware does itself is no race.
 ROWS = [
     flag(50, "RRDY", 1),
-    read(80, RRDY, "look:9"),
-    read(100, RRDY, "f:1"),
+    read(80, RRDY, place="look:9"),
+    read(100, RRDY, place="f:1"),
     flag(101, "NACK", 1),
-    write(102, RRDY | SCD, "f:1"),
+    write(102, RRDY | SCD, place="f:1"),
     flag(102, "RRDY", 0, cause=5),
-    read(1500, 0, "main:7"),
-    read(2500, 0, "main:7"),
+    read(1500, 0, place="main:7"),
+    read(2500, 0, place="main:7"),
 ]
 
 

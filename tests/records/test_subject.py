@@ -10,8 +10,8 @@ from periph_sim.core.records import Kind
 from periph_sim.records.register_maps import is_status, one_clears, register_of, registers_of
 from periph_sim.records.run import NotInRun, Run
 from periph_sim.records.subject import asked, groups_of, named, subjects
-from tests.records.cause_trace.test_causes import edge, flag
-from tests.records.scenes import CYCLE, by_hand
+from tests.records.cause_trace.test_causes import edge
+from tests.records.scenes import CYCLE, by_hand, flag
 from tests.refusals import refusal
 
 
@@ -36,6 +36,8 @@ def test_the_nearest_way_to_write_a_name_goes_first():
         ("SCL", "SCL"),
         ("scl", "dsp.scl"),
         ("i2ca.i2cstr.xrdy", "dsp.I2C-A.I2CSTR.XRDY"),
+        ("BB", "dsp.I2C-A.I2CSTR.BB"),
+        ("DSP.I2CA.I2CSTR.bb", "dsp.I2C-A.I2CSTR.BB"),
     ):
         if name == "DSP.model" or not meant:
             assert f"{name!r} may mean dsp.model, dsp.MODEL; give one of them" in refused(run, f"{name}@1us")
@@ -72,6 +74,9 @@ def test_of_many_that_are_meant_eight_are_told(count: int, more: str):
         ("SCL", "'SCL': expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us"),
         (" @1us", "' @1us': expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us"),
         ("SCL@67us", "the run: 67us is outside the run, which goes from 0 to 0.066667 ms"),
+        ("SCL@1", "1 has no unit"),
+        ("SCL@1 parsec", "unit 'parsec' is none of"),
+        ("NACK@1us", "the run: 'NACK' may mean dsp.I2C-A.I2CIER.NACK, dsp.I2C-A.I2CSTR.NACK; give one of them"),
     ],
 )
 def test_what_is_not_there_is_told_with_the_nearest(question: str, said: str):

@@ -14,28 +14,16 @@ from periph_sim.records.races import races
 from periph_sim.records.record_text import happened
 from periph_sim.records.run import Run
 from periph_sim.scene.case.load import load
-from tests.records.scenes import CYCLE, by_hand, recorded
+from tests.records.scenes import CYCLE, by_hand, flag, read, recorded, write
 from tests.scene.runs import TIMING
 
-STR, CNT = "I2C-A.I2CSTR", "I2C-A.I2CCNT"
+CNT = "I2C-A.I2CCNT"
 SDIR, XRDY, RRDY, SCD, NACK = 0x4000, 0x0010, 0x0008, 0x0020, 0x0002
-
-
-def read(cycle: int, value: int, field: str = "", place: str = "f:1", routine: int = 0) -> tuple[Any, ...]:
-    return cycle, Kind.ACCESS, "dsp", f"R {STR}", value, place, routine, field
-
-
-def write(cycle: int, value: int, field: str = "", place: str = "f:1", routine: int = 0) -> tuple[Any, ...]:
-    return cycle, Kind.ACCESS, "dsp", f"W {STR}", value, place, routine, field
 
 
 def count(cycle: int, place: str = "f:9", routine: int = 0) -> tuple[Any, ...]:
     """I2CCNT written."""
     return cycle, Kind.ACCESS, "dsp", f"W {CNT}", 6, place, routine
-
-
-def flag(cycle: int, name: str, value: int, cause: int = 0) -> tuple[Any, ...]:
-    return cycle, Kind.FLAG, "dsp.I2C-A", f"I2CSTR.{name}", value, "", cause
 
 
 def counted(cycle: int, cause: int) -> tuple[Any, ...]:
@@ -301,28 +289,6 @@ def test_a_walk_ends_after_as_many_causes_as_were_asked_for(depth: int, records:
 def test_a_record_that_names_itself_or_a_later_one_has_no_cause():
     assert numbers(walk(flag(1, "SCD", 1, 1))) == ["1"]
     assert numbers(list(walk_back(by_hand(flag(1, "SCD", 1, 2), flag(2, "SCD", 0, 1)), 0, 8))) == ["1"]
-
-
-@pytest.mark.parametrize(
-    ("time", "cycle"),
-    [("233.333 ns", 35), ("233.334 ns", 35), ("233 ns", 35), ("0.233us", 35), ("234 ns", 35), ("232 ns", None)],
-)
-def test_a_typed_time_means_the_change_that_is_shown_so(time: str, cycle: int | None):
-    """A change at 233 1/3 ns is shown, and typed, rounded; before that the flag was 0."""
-    answer = why(by_hand(flag(35, "SCD", 1)), f"I2CSTR.SCD@{time}")
-    assert (answer.value, answer.back[0].record.tick if answer.back else None) == (
-        (1, cycle * CYCLE) if cycle else (0, None)
-    )
-
-
-def test_a_time_typed_coarsely_is_exact():
-    run = by_hand(flag(35, "SCD", 1))
-    assert [why(run, f"I2CSTR.SCD@{time}").value for time in ("0ms", "0.0000ms", "0.0002ms", "0.00023 ms")] == [
-        0,
-        0,
-        1,
-        1,
-    ]
 
 
 # Lines -----------------------------------------------------------------------------

@@ -9,23 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind
-from periph_sim.f28335.cpu_timer import register_map as timer_map
-from periph_sim.f28335.gpio import register_map as gpio_map
-from periph_sim.f28335.i2c.register_map import I2C_MAP
-from periph_sim.f28335.pie import register_map as pie_map
-from periph_sim.f28335.sci.register_map import SCI_MAP
-from periph_sim.f28335.spi.register_map import SPI_MAP
-from periph_sim.f28335.system_control import register_map as clocks_map
-from periph_sim.f28335.xint import register_map as xint_map
 from periph_sim.firmware import start_i2c
 from periph_sim.processor.dsp import Dsp
 from periph_sim.records.cause_trace.why import DEPTH, EFFECTS, as_json, said, text, why
-from periph_sim.records.register_maps import is_status, one_clears, register_of, registers_of
 from periph_sim.records.run import NotInRun, Run
 from periph_sim.scene.case.load import load
-from tests.records.cause_trace.test_causes import edge, flag, irq, read, write
-from tests.records.scenes import ADDRESS, CYCLE, PER_SECOND, asks, by_hand, line_of, ran, recorded
-from tests.refusals import refusal
+from tests.records.cause_trace.test_causes import edge, irq
+from tests.records.scenes import ADDRESS, CYCLE, asks, by_hand, flag, line_of, ran, read, recorded, write
 from tests.scene.runs import TIMING
 
 
@@ -101,11 +91,6 @@ def test_before_its_first_change_a_field_is_as_reset_left_it(run: Run):
     assert why(run, "I2CCNT.ICDC@1ms").value == 0
 
 
-@pytest.mark.parametrize("name", ["BB", "i2cstr.bb", "I2CA.I2CSTR.BB", "dsp.I2C-A.I2CSTR.BB", "DSP.I2CA.I2CSTR.bb"])
-def test_units_hyphens_and_case_may_be_left_out(run: Run, name: str):
-    assert why(run, f"{name}@1.001 ms").subject.name == "dsp.I2C-A.I2CSTR.BB"
-
-
 def test_wires_and_spans(run: Run):
     assert [why(run, f"SDA@{time}").value for time in ("0.9ms", "1.001ms")] == [1, 0]
     inside = why(run, "work@1.01ms")
@@ -161,37 +146,10 @@ def test_the_value_is_that_of_the_last_change(cycle: int, changes: list[int]):
         assert answer.since == (at[passed[-1]] * CYCLE if passed else 0)
 
 
-@pytest.mark.parametrize(
-    ("question", "said"),
-    [
-        ("I2C-A.I2CSTR.XRYD@1ms", "did you mean I2C-A.I2CSTR.XRDY or"),
-        ("XRDY", "expected NAME@TIME"),
-        ("SDA@1", "has no unit"),
-        ("SDA@1 parsec", "unit 'parsec' is none of"),
-        ("SDA@4ms", "4ms is outside the run, which goes from 0 to 3.000000 ms"),
-        ("SDA@-1ms", "outside the run"),
-        ("NACK@1ms", "may mean dsp.I2C-A.I2CIER.NACK, dsp.I2C-A.I2CSTR.NACK; give one of them"),
-        ("zzzz@1ms", "it has fields of dsp.I2C-A, dsp.SYS, dsp.PIE; wires"),
-    ],
-)
-def test_a_question_that_cannot_be_answered_says_what_would_do(run: Run, question: str, said: str):
-    assert said in refusal(NotInRun, why, run, question)
-
-
 def test_as_json_has_the_same_steps(run: Run):
     found = as_json(why(run, "I2C-A.I2CMDR.IRS@0.5ms"))
     assert found["value"] == 1 and found["source"] == "SPRUG03B table 5"
     assert [step["kind"] for step in found["back"]][:2] == ["flag", "access"]
-
-
-def test_cycles_come_from_the_accesses_or_are_stated():
-    access = (Kind.ACCESS, "dsp", "R I2C-A.I2CSTR", 0, "f:1", 0)
-    assert by_hand((1, *access), (4, *access)).cycles.ticks == CYCLE
-    slower = by_hand((0, *access), (3, *access), (6, *access), (10, *access))
-    slower.table.columns["tick"] = slower.table.tick * 3 // 2
-    assert (slower.cycles.ticks, slower.cycles.how.split(",")[0]) == (30, "SYSCLKOUT 100 MHz")
-    assert "taken as 150 MHz" in by_hand().cycles.how
-    assert Run(by_hand().table, sysclk=PER_SECOND / 40).cycles.ticks == 40
 
 
 def test_with_two_units_the_unit_has_to_be_named():
@@ -285,37 +243,3 @@ def test_a_walk_goes_eight_causes_back_unless_said():
         4,
         14,
     ]
-
-
-# Maps -------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("module", "registers"),
-    [
-        ("I2C-A", I2C_MAP),
-        ("SCI-A", SCI_MAP),
-        ("SCI-C", SCI_MAP),
-        ("TIMER2", timer_map.MAP),
-        ("XINT", xint_map.XINT),
-        ("GPIO", gpio_map.GPIO),
-        ("SYS", clocks_map.MAP),
-        ("PIE", pie_map.MAP),
-        ("SPI-A", SPI_MAP),
-        ("ADC", None),
-        ("", None),
-    ],
-)
-def test_the_registers_of_a_module(module: str, registers: object):
-    assert registers_of(module) is registers
-
-
-def test_registers_by_name_and_those_of_status():
-    assert register_of("I2C-A", "I2CSTR") is I2C_MAP["I2CSTR"]
-    assert (
-        register_of("I2C-A", "I2CSRT") is None and register_of("SPI-A", "X") is None and register_of("ADC", "X") is None
-    )
-    status = [r.name for r in I2C_MAP.registers if is_status(r)]
-    assert "I2CSTR" in status and not {"I2CDXR", "I2CDRR", "I2CCNT", "I2CPSC", "I2CMDR"} & {*status}
-    cleared = ["SDIR", "NACKSNT", "SCD", "RRDY", "ARDY", "NACK", "AL"]
-    assert [f.name for f in one_clears(I2C_MAP["I2CSTR"])] == cleared and one_clears(I2C_MAP["I2CMDR"]) == ()

@@ -9,11 +9,10 @@ from typing import Any
 
 import pytest
 
-from periph_sim.core.records import Kind, Recorder
-from periph_sim.core.time import Timebase
-from periph_sim.records.recording import recording
+from periph_sim.core.records import Kind
 from periph_sim.traces import formats
 from tests.records.recording.test_recording import record_case
+from tests.records.scenes import written
 
 Event = dict[str, Any]
 NS = 3  # ticks
@@ -75,20 +74,18 @@ def test_transfers_have_the_bytes_of_the_bus(tmp_path: Path):
 
 
 def test_what_a_short_run_looks_like(tmp_path: Path):
-    recorder = Recorder()
-    with recording(tmp_path / "run.perfetto.json", {"dsp": ("I2C-A",)}) as (subscribe, ended_at):
-        subscribe(recorder, Timebase(150_000_000))
-        recorder.emit(100 * NS, Kind.SPAN, "dsp", "round", 1)
-        recorder.emit(100 * NS + 1, Kind.FLAG, "dsp.I2C-A", "I2CSTR.BB", 1)
-        recorder.emit(110 * NS, Kind.SPAN, "dsp", "model", 1)
-        recorder.emit(120 * NS, Kind.IRQ, "dsp", "I2CINT1A", 1)
-        recorder.emit(130 * NS, Kind.IRQ, "dsp", "I2CINT1A", 0)
-        recorder.emit(140 * NS, Kind.SPAN, "dsp", "model", 0)
-        recorder.emit(150 * NS, Kind.NOTE, "dsp.I2C-A", "duty", 1, "a note")
-        recorder.emit(160 * NS, Kind.FRAME, "host", "byte", 0x55)
-        recorder.emit(170 * NS, Kind.EDGE, "MODEL", "level", 0)
-        ended_at(1_234_567 * NS, {})
-    events = events_of(tmp_path / "run.perfetto.json")
+    rows = [
+        (100 * NS, Kind.SPAN, "dsp", "round", 1),
+        (100 * NS + 1, Kind.FLAG, "dsp.I2C-A", "I2CSTR.BB", 1),
+        (110 * NS, Kind.SPAN, "dsp", "model", 1),
+        (120 * NS, Kind.IRQ, "dsp", "I2CINT1A", 1),
+        (130 * NS, Kind.IRQ, "dsp", "I2CINT1A", 0),
+        (140 * NS, Kind.SPAN, "dsp", "model", 0),
+        (150 * NS, Kind.NOTE, "dsp.I2C-A", "duty", 1, "a note"),
+        (160 * NS, Kind.FRAME, "host", "byte", 0x55),
+        (170 * NS, Kind.EDGE, "MODEL", "level", 0),
+    ]
+    events = events_of(written(tmp_path / "run.perfetto.json", *rows, end=1_234_567 * NS))
     shown = [(e["ph"], e["name"], e["ts"], e["args"]) for e in events if e["ph"] != "M"]
     assert shown == [
         ("B", "round", 0.1, {"tick": 300}),
@@ -111,13 +108,9 @@ def test_what_a_short_run_looks_like(tmp_path: Path):
 
 
 def test_a_stop_without_a_start_is_no_transfer(tmp_path: Path):
-    recorder = Recorder()
-    with recording(tmp_path / "run.perfetto.json", {"dsp": ("I2C-A",)}) as (subscribe, ended_at):
-        subscribe(recorder, Timebase(150_000_000))
-        for tick, (wire, level) in enumerate([("SCL", 0), ("SDA", 0), ("SCL", 1), ("SDA", 1)], 1):
-            recorder.emit(tick * NS, Kind.EDGE, wire, "level", level)
-        ended_at(10 * NS, {})
-    assert not by_track(events_of(tmp_path / "run.perfetto.json"))
+    edges = [("SCL", 0), ("SDA", 0), ("SCL", 1), ("SDA", 1)]
+    rows = [(tick * NS, Kind.EDGE, wire, "level", level) for tick, (wire, level) in enumerate(edges, 1)]
+    assert not by_track(events_of(written(tmp_path / "run.perfetto.json", *rows, end=10 * NS)))
 
 
 Wires = tuple[str, str]  # SCL and SDA, a character 100 ns
@@ -146,15 +139,14 @@ def bits(value: int, acked: int, count: int = 9) -> Wires:
 )
 def test_transfers_are_slices_around_their_bytes(tmp_path: Path, parts: list[Wires], shown: str):
     """The letter and the character of each event, with the name of each slice that begins."""
-    recorder, path = Recorder(), tmp_path / "run.perfetto.json"
     scl, sda = ("".join(column) for column in zip(*parts, strict=True))
-    with recording(path, {}) as (subscribe, ended_at):
-        subscribe(recorder, Timebase(150_000_000))
-        for at in range(1, len(scl)):
-            for wire, levels in (("SCL", scl), ("SDA", sda)):
-                if levels[at] != levels[at - 1]:
-                    recorder.emit(at * 100 * NS, Kind.EDGE, wire, "level", int(levels[at] == "-"))
-        ended_at(len(scl) * 100 * NS, {})
+    rows = [
+        (at * 100 * NS, Kind.EDGE, wire, "level", int(levels[at] == "-"))
+        for at in range(1, len(scl))
+        for wire, levels in (("SCL", scl), ("SDA", sda))
+        if levels[at] != levels[at - 1]
+    ]
+    path = written(tmp_path / "run.perfetto.json", *rows, end=len(scl) * 100 * NS)
     events = by_track(events_of(path))["bus", "transfers"]
     begun: list[str] = []
     for event in events:

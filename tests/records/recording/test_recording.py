@@ -15,48 +15,54 @@ from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.records.recording import BadRecording, recording, recording_formats, rewrite
 from periph_sim.scene.case.load import load
-from periph_sim.scene.scene import Scene
 from periph_sim.traces import formats
 from periph_sim.traces.capture.sampling import resampled
 from periph_sim.traces.formats import psr
+from tests.records.scenes import MODULES, recorded_to, written
 from tests.refusals import refusal
 
 NS = 3  # ticks
-MODULES = {"dsp": ("I2C-A", "SCI-A", "pin:MODEL")}
+
+
+ROWS = (  # one of everything
+    (100 * NS, Kind.EDGE, "SDA", "level", 0, "controller"),
+    (120 * NS, Kind.BUS, "controller", "START", 0, "gyroscope"),
+    (125 * NS, Kind.BUS, "controller", "address", 0x68 << 2 | 2, "gyroscope"),
+    (126 * NS, Kind.BUS, "controller", "byte", 0x11 << 1 | 1, "gyroscope"),
+    (127 * NS, Kind.FRAME, "host", "byte", 0x55),
+    (130 * NS, Kind.IRQ, "dsp", "I2CINT1A", 1),
+    (140 * NS, Kind.SPAN, "dsp", "model", 1),
+    (150 * NS, Kind.EDGE, "MODEL", "level", 0, "dsp.GPIO34"),
+    (160 * NS, Kind.IRQ, "dsp", "I2CINT1A", 0),
+    (170 * NS, Kind.FLAG, "dsp.SCI-A", "SCIFFRX.RXFFST", 5),
+    (180 * NS, Kind.NOTE, "dsp.I2C-A", "duty", 1, "a note"),
+    (200 * NS, Kind.EDGE, "SDA", "level", 1),
+)
 
 
 def record(path: Path) -> None:
-    """A short run with one of everything."""
-    recorder = Recorder()
+    written(path, *ROWS, end=300 * NS)
+
+
+def test_a_record_names_its_cause(tmp_path: Path):
+    recorder, path = Recorder(), tmp_path / "run.jsonl"
     with recording(path, MODULES) as (subscribe, ended_at):
-        subscribe(recorder, Timebase(150_000_000))
-        edge = recorder.emit(100 * NS, Kind.EDGE, "SDA", "level", 0, "controller")
-        recorder.cause = edge
-        recorder.emit(110 * NS, Kind.FLAG, "dsp.I2C-A", "I2CSTR.BB", 1)
-        recorder.cause = 0
-        recorder.emit(120 * NS, Kind.BUS, "controller", "START", 0, "gyroscope")
-        recorder.emit(125 * NS, Kind.BUS, "controller", "address", 0x68 << 2 | 2, "gyroscope")
-        recorder.emit(126 * NS, Kind.BUS, "controller", "byte", 0x11 << 1 | 1, "gyroscope")
-        recorder.emit(127 * NS, Kind.FRAME, "host", "byte", 0x55)
-        recorder.emit(130 * NS, Kind.IRQ, "dsp", "I2CINT1A", 1)
-        recorder.emit(140 * NS, Kind.SPAN, "dsp", "model", 1)
-        recorder.emit(150 * NS, Kind.EDGE, "MODEL", "level", 0, "dsp.GPIO34")
-        recorder.emit(160 * NS, Kind.IRQ, "dsp", "I2CINT1A", 0)
-        recorder.emit(170 * NS, Kind.FLAG, "dsp.SCI-A", "SCIFFRX.RXFFST", 5)
-        recorder.emit(180 * NS, Kind.NOTE, "dsp.I2C-A", "duty", 1, "a note")
-        recorder.emit(200 * NS, Kind.EDGE, "SDA", "level", 1)
-        ended_at(300 * NS, {})
+        subscribe(recorder, Timebase())
+        recorder.cause = recorder.emit(1, *ROWS[0][1:])
+        recorder.emit(2, Kind.FLAG, "dsp.I2C-A", "I2CSTR.BB", 1)
+        ended_at(9, {})
+    assert [json.loads(line)[7] for line in path.read_text(encoding="utf-8").splitlines()[1:]] == [0, 1]
 
 
-def test_jsonl_is_one_record_a_line_with_its_cause(tmp_path: Path):
+def test_jsonl_is_one_record_a_line(tmp_path: Path):
     path = tmp_path / "run.jsonl"
     record(path)
     head, *rows = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
     columns = ["number", "tick", "kind", "where", "what", "value", "text", "cause", "field"]
     assert head == {"periph-sim": 2, "ticks_per_second": 3_000_000_000, "columns": columns}
     assert rows[0] == [1, 300, "edge", "SDA", "level", 0, "controller", 0, ""]
-    assert rows[1] == [2, 330, "flag", "dsp.I2C-A", "I2CSTR.BB", 1, "", 1, ""]
-    assert [row[0] for row in rows] == list(range(1, 14))
+    assert rows[9] == [10, 510, "flag", "dsp.SCI-A", "SCIFFRX.RXFFST", 5, "", 0, ""]
+    assert [row[0] for row in rows] == list(range(1, 13))
 
 
 def test_addresses_and_bytes_are_written_as_people_write_them(tmp_path: Path):
@@ -144,12 +150,7 @@ TIMING = Path(__file__).resolve().parents[3] / "timing"
 
 
 def record_case(case_name: str, path: Path) -> Path:
-    case = load(TIMING / f"{case_name}.toml", ["duration=60 ms"])
-    with recording(path, case.recorded_modules) as (subscribe, ended_at):
-        scene = Scene(case, subscribe)
-        scene.run()
-        ended_at(scene.kernel.now, scene.clocks())
-    return path
+    return recorded_to(path, load(TIMING / f"{case_name}.toml", ["duration=60 ms"]))
 
 
 @pytest.fixture(params=["imu_hil_published", "two_dsps"], scope="module")
@@ -225,12 +226,7 @@ def test_it_tells_the_clocks_that_the_program_set_up(tmp_path: Path):
     (tmp_path / "own.asm").write_text(BEGINS_SLOWLY)
     unit = 'image = "own.asm"\nmodules = ["GPIO"]\noscclk = "20 MHz"\nppm = 50'
     (tmp_path / "own.toml").write_text(f'name = "own"\nduration = "10 ms"\n[unit.dsp]\n{unit}\n')
-    case = load(tmp_path / "own.toml")
-    with recording(tmp_path / "own.psr", case.recorded_modules) as (subscribe, ended_at):
-        scene = Scene(case, subscribe)
-        scene.run()
-        ended_at(scene.kernel.now, scene.clocks())
-    table = psr.read_table(tmp_path / "own.psr")
+    table = psr.read_table(recorded_to(tmp_path / "own.psr", load(tmp_path / "own.toml")))
     crystal = 20 * (1 + Fraction(50, 10**6))
     megahertz = [hz / 10**6 for _, hz in table.clocks["dsp"]]
     assert megahertz == [crystal / 4, crystal / 2, crystal * 5]  # the reset's, DIVSEL, and once the PLL has locked

@@ -18,16 +18,15 @@ from periph_sim.core.time import Timebase
 from periph_sim.records.recording import BadRecording, recording
 from periph_sim.records.recording.waveforms import KINDS, WaveformWriter, rate_for
 from periph_sim.scene.case.load import load
-from periph_sim.scene.scene import Scene
 from periph_sim.traces import formats
 from periph_sim.traces.decode import i2c, uart
+from tests.records.scenes import MODULES, recorded_to, written
 from tests.records.vcdvcd_reader import VCDVCD
 from tests.traces.decode.drawing import drawn
 from tests.traces.formats.sigrok import sigrok_says
 
 TIMING = Path(__file__).resolve().parents[3] / "timing"
 CHARACTER = 300  # ticks
-MODULES = {"dsp": ("I2C-A", "SCI-A", "pin:MODEL")}
 Others = list[tuple[int, Kind, str, str, int]]  # character, kind, where, what, value
 
 
@@ -186,11 +185,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with run.vcd, run.sr and run.fst: 15 ms of a sensor round and a frame of its host."""
     folder = tmp_path_factory.mktemp("runs")
     for suffix in ("psr", "vcd", "sr", "fst"):
-        case = load(TIMING / "imu_hil_published.toml", ["duration=15 ms"])
-        with recording(folder / f"run.{suffix}", case.recorded_modules) as (subscribe, ended_at):
-            scene = Scene(case, subscribe)
-            scene.run()
-            ended_at(scene.kernel.now, {})
+        recorded_to(folder / f"run.{suffix}", load(TIMING / "imu_hil_published.toml", ["duration=15 ms"]))
     return folder
 
 
@@ -205,13 +200,8 @@ def test_a_session_of_a_long_run_has_fewer_samples_a_second(seconds: str, mhz: i
 def test_a_vcd_is_exact_where_a_tick_is_whole_nanoseconds_and_rounded_up_elsewhere(
     tmp_path: Path, sysclkout: int, expected: list[int]
 ):
-    recorder, path = Recorder(), tmp_path / "run.vcd"
-    with recording(path, {}) as (subscribe, ended_at):
-        subscribe(recorder, Timebase(sysclkout))
-        for tick, level in ((7, 0), (13, 1)):
-            recorder.emit(tick, Kind.EDGE, "SDA", "level", level)
-        ended_at(30, {})
-    found = formats.read(path)
+    rows = [(tick, Kind.EDGE, "SDA", "level", level) for tick, level in ((7, 0), (13, 1))]
+    found = formats.read(written(tmp_path / "run.vcd", *rows, end=30, modules={}, sysclk=sysclkout))
     assert (found.rate, found.channels[0].edges.tolist()) == (10**9, expected)
 
 

@@ -13,14 +13,8 @@ DATA_BIT, ACK_BIT = (1, 1), (1, 8)  # SDA changes before both
 LONG = 30_000  # a stretched low phase
 
 
-def least(symbol: str, mode: Mode) -> int:
-    found = LIMIT[symbol].bounds[mode].least
-    assert found is not None
-    return found
-
-
-def most(symbol: str, mode: Mode) -> int:
-    found = LIMIT[symbol].bounds[mode].most
+def bound(symbol: str, mode: Mode, which: str) -> int:
+    found = getattr(LIMIT[symbol].bounds[mode], which)
     assert found is not None
     return found
 
@@ -29,20 +23,20 @@ def bus_with(symbol: str, mode: Mode, off: int) -> Bus:
     """The easy bus, but for one time: `off` nanoseconds longer than its limit."""
     easy = EASY[mode]
     if symbol == "fSCL":
-        high = least(symbol, mode) * 45 // 100
-        return easy.but(high=high, low=least(symbol, mode) - high + off)
+        high = bound(symbol, mode, "least") * 45 // 100
+        return easy.but(high=high, low=bound(symbol, mode, "least") - high + off)
     if symbol == "tSU;DAT":  # so late only where SCL is stretched
-        return easy.but(odd={DATA_BIT: Odd(data=(LONG - least(symbol, mode) - off,), low=LONG)})
+        return easy.but(odd={DATA_BIT: Odd(data=(LONG - bound(symbol, mode, "least") - off,), low=LONG)})
     if symbol == "tHD;DAT":
-        return easy.but(odd={DATA_BIT: Odd(data=(most(symbol, mode) + off,))})
+        return easy.but(odd={DATA_BIT: Odd(data=(bound(symbol, mode, "most") + off,))})
     if symbol in ("tVD;DAT", "tVD;ACK"):  # the first change comes early, so that tHD;DAT is kept
-        late = most(symbol, mode) + off
+        late = bound(symbol, mode, "most") + off
         return easy.but(odd={DATA_BIT if symbol == "tVD;DAT" else ACK_BIT: Odd(data=(late // 3, 2 * late // 3, late))})
     if symbol == "tSP":
-        return easy.but(spike=Spike("SCL", 3, easy.high // 2, most(symbol, mode) + off))
+        return easy.but(spike=Spike("SCL", 3, easy.high // 2, bound(symbol, mode, "most") + off))
     name = {"tHD;STA": "hd_sta", "tLOW": "low", "tHIGH": "high", "tSU;STA": "su_sta", "tSU;STO": "su_sto"}
-    time = {name.get(symbol, "buf"): least(symbol, mode) + off}
-    period = least("fSCL", mode)  # kept by the other half
+    time = {name.get(symbol, "buf"): bound(symbol, mode, "least") + off}
+    period = bound("fSCL", mode, "least")  # kept by the other half
     if symbol == "tHIGH":
         time["low"] = period
     if symbol == "tLOW":
@@ -71,8 +65,8 @@ def test_the_easy_bus_keeps_everything(mode):
 def test_exactly_at_the_limit_passes(symbol, mode):
     report = check(drawn(bus_with(symbol, mode, 0)), "SCL", "SDA", mode)
     assert (report.verdict, report.row(symbol).verdict) == (Verdict.PASS, Verdict.PASS)
-    extreme = report.row(symbol).most if symbol in MAXIMA else report.row(symbol).least
-    assert extreme == (most(symbol, mode) if symbol in MAXIMA else least(symbol, mode)), "and the limit is what is met"
+    which = "most" if symbol in MAXIMA else "least"
+    assert getattr(report.row(symbol), which) == bound(symbol, mode, which), "and the limit is what is met"
 
 
 @pytest.mark.parametrize(("symbol", "mode"), CASES)

@@ -61,59 +61,66 @@ def test_one_data_line_is_enough(mosi: str | None, miso: str | None, word: tuple
     assert spi.events(capture, SpiFormat(4), mosi=mosi, miso=miso, cs=None) == [Event("cut", 6, 14, *word, 3)]
 
 
-def test_words_follow_each_other_and_the_chip_select_cuts_the_last():
-    capture = drawn("""
-        CLK  _-_-_-_-_-_-__
-        MOSI ---____----___
-        MISO ______________
-        CS   ___________---
-    """)
-    assert spi.events(capture, SpiFormat(2)) == [
-        Event("word", 1, 3, 0b10, 0, 2),
-        Event("word", 5, 7, 0b01, 0, 2),
-        Event("cut", 9, 9, 1, 0, 1),
-        Event("deselect", 11, 11),
-    ]
-
-
-def test_edges_with_the_chip_select_inactive_do_not_count():
-    capture = drawn("""
-        CLK  _-_-_-_-_-_-_
-        MOSI -------------
-        MISO _____________
-        CS   ------____---
-    """)
-    assert spi.events(capture, SpiFormat(2)) == [
-        Event("select", 6, 6),
-        Event("word", 7, 9, 0b11, 0, 2),
-        Event("deselect", 10, 10),
-    ]
-
-
-def test_levels_that_change_with_the_latching_edge_are_the_new_ones():
-    capture = drawn("""
-        CLK  __-__-__-__
-        MOSI __------___
-        MISO --___------
-        CS   --______---
-    """)
-    assert spi.events(capture, SpiFormat(2)) == [
-        Event("select", 2, 2),
-        Event("word", 2, 5, 0b11, 0b01, 2),
-        Event("deselect", 8, 8),
-    ]
-
-
-def test_nothing_is_said_of_a_stretch_that_is_not_known():
-    capture = drawn("""
-        CLK  _-_-_-????_-_-_-
-        MOSI ----------------
-        MISO ________________
-    """)
-    assert spi.events(capture, SpiFormat(2), cs=None) == [
-        Event('word', 1, 3, 3, 0, 2), Event('cut', 5, 5, 1, 0, 1), Event('word', 11, 13, 3, 0, 2),
-        Event('cut', 15, 15, 1, 0, 1),
-    ]  # fmt: skip
+@pytest.mark.parametrize(
+    ("drawing", "cs", "events"),
+    [
+        pytest.param(
+            """
+            CLK  _-_-_-_-_-_-__
+            MOSI ---____----___
+            MISO ______________
+            CS   ___________---
+            """,
+            "CS",
+            [
+                Event("word", 1, 3, 0b10, 0, 2),
+                Event("word", 5, 7, 0b01, 0, 2),
+                Event("cut", 9, 9, 1, 0, 1),
+                Event("deselect", 11, 11),
+            ],
+            id="words follow each other, and the chip select cuts the last",
+        ),
+        pytest.param(
+            """
+            CLK  _-_-_-_-_-_-_
+            MOSI -------------
+            MISO _____________
+            CS   ------____---
+            """,
+            "CS",
+            [Event("select", 6, 6), Event("word", 7, 9, 0b11, 0, 2), Event("deselect", 10, 10)],
+            id="edges with the chip select inactive do not count",
+        ),
+        pytest.param(
+            """
+            CLK  __-__-__-__
+            MOSI __------___
+            MISO --___------
+            CS   --______---
+            """,
+            "CS",
+            [Event("select", 2, 2), Event("word", 2, 5, 0b11, 0b01, 2), Event("deselect", 8, 8)],
+            id="levels that change with the latching edge are the new ones",
+        ),
+        pytest.param(
+            """
+            CLK  _-_-_-????_-_-_-
+            MOSI ----------------
+            MISO ________________
+            """,
+            None,
+            [
+                Event("word", 1, 3, 3, 0, 2),
+                Event("cut", 5, 5, 1, 0, 1),
+                Event("word", 11, 13, 3, 0, 2),
+                Event("cut", 15, 15, 1, 0, 1),
+            ],
+            id="nothing is said of a stretch that is not known",
+        ),
+    ],
+)
+def test_words_of_two_bits(drawing: str, cs: str | None, events: list[Event]):
+    assert spi.events(drawn(drawing), SpiFormat(2), cs=cs) == events
 
 
 @pytest.mark.parametrize(

@@ -103,17 +103,24 @@ def test_a_stated_rate_wins(tmp_path: Path):
     assert read(tmp_path, COMMENTS + ROWS, 4_000_000).rate == 4_000_000
 
 
-def test_blank_lines_and_late_comments_are_no_samples(tmp_path: Path):
-    assert edges(read(tmp_path, "; Channels (1/8): a\n\n; Samplerate: 1 MHz\na\n1\n\n; later\n0\n")) == {"a": [1, 1]}
-
-
-def test_channels_without_any_name_are_numbered(tmp_path: Path):
-    assert edges(read(tmp_path, "logic,logic\n0,1\n1,1\n")) == {"0": [0, 1], "1": [1]}
-
-
-def test_a_header_of_numbers_is_known_by_the_comment(tmp_path: Path):
-    text = "; Channels (2/8): 0, 1\n; Samplerate: 1 MHz\n0,1\n1,1\n0,1\n"
-    assert edges(read(tmp_path, text)) == {"0": [1, 1], "1": [1]}
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        pytest.param(
+            "; Channels (1/8): a\n\n; Samplerate: 1 MHz\na\n1\n\n; later\n0\n",
+            {"a": [1, 1]},
+            id="blank lines and late comments are no samples",
+        ),
+        pytest.param("logic,logic\n0,1\n1,1\n", {"0": [0, 1], "1": [1]}, id="channels without any name are numbered"),
+        pytest.param(
+            "; Channels (2/8): 0, 1\n; Samplerate: 1 MHz\n0,1\n1,1\n0,1\n",
+            {"0": [1, 1], "1": [1]},
+            id="a header of numbers is known by the comment",
+        ),
+    ],
+)
+def test_edges_of_a_text(tmp_path: Path, text: str, found: dict[str, list[int]]):
+    assert edges(read(tmp_path, text)) == found
 
 
 @given(st.lists(st.sampled_from(["0,0", "0,1", "1,0", "1,1"]), min_size=1, max_size=40))

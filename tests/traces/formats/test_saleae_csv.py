@@ -76,12 +76,29 @@ def test_nine_decimals_of_any_grid_and_trigger_come_back_as_samples(
     assert edges(capture) == {"a": [0, *samples[1:]]}
 
 
-def test_times_of_day(tmp_path: Path):
-    text = (
-        "Time [s],a\n2022-06-24T23:59:59.999999990+02:00,0\n2022-06-25T00:00:00.000000010+02:00,1\n"
-        "2022-06-24T22:00:00.5Z,0\n"
-    )
-    assert edges(read(tmp_path, text)) == {"a": [0, 20, 500_000_010]}
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        pytest.param(
+            "Time [s],a\n2022-06-24T23:59:59.999999990+02:00,0\n2022-06-25T00:00:00.000000010+02:00,1\n"
+            "2022-06-24T22:00:00.5Z,0\n",
+            {"a": [0, 20, 500_000_010]},
+            id="times of day",
+        ),
+        pytest.param(
+            "Time [s],a,b\n0,0,0\n0.000000001,0,0\n0.000000002,1,1\n\n0.000000003,1,1\n",
+            {"a": [0, 2], "b": [0, 2]},
+            id="a row need not be a change, and may be several",
+        ),
+        pytest.param(
+            "Time [s],a\n-0.5,1\n0,0\n0.00000000025,1\n1,0\n",  # in ticks of 10 ps
+            {"a": [1, 5 * 10**10, 5 * 10**10 + 25, 15 * 10**10]},
+            id="decimals may differ by row",
+        ),
+    ],
+)
+def test_edges_of_a_text(tmp_path: Path, text: str, found: dict[str, list[int]]):
+    assert edges(read(tmp_path, text)) == found
 
 
 def test_names_may_be_anything(tmp_path: Path):
@@ -94,11 +111,6 @@ def test_x_is_unknown(tmp_path: Path):
     capture = read(tmp_path, text)
     assert [channel.unknown for channel in capture.channels] == [(Span(4, 8),), (Span(0, 13),)]
     assert edges(capture)["a"] == [1, 8]
-
-
-def test_a_row_need_not_be_a_change_and_may_be_several(tmp_path: Path):
-    text = "Time [s],a,b\n0,0,0\n0.000000001,0,0\n0.000000002,1,1\n\n0.000000003,1,1\n"
-    assert edges(read(tmp_path, text)) == {"a": [0, 2], "b": [0, 2]}
 
 
 @pytest.mark.parametrize(
@@ -154,8 +166,3 @@ def test_salvaged_up_to_what_is_wrong(tmp_path: Path):
 def test_times_beyond_64_bits_are_read_with_the_rate(tmp_path: Path):
     capture = read(tmp_path, "Time [s],a\n0,1\n5,0\n99999999999,1\n99999999999.5,1\n", 10)
     assert edges(capture) == {"a": [1, 50, 999999999990]} and capture.length == 999999999996
-
-
-def test_decimals_may_differ_by_row(tmp_path: Path):
-    capture = read(tmp_path, "Time [s],a\n-0.5,1\n0,0\n0.00000000025,1\n1,0\n")
-    assert capture.rate == 10**11 and edges(capture) == {"a": [1, 5 * 10**10, 5 * 10**10 + 25, 15 * 10**10]}

@@ -105,14 +105,49 @@ def test_unknown_levels_are_spans(tmp_path: Path):
     assert (b.initial, b.edges.tolist(), b.unknown) == (1, [], (Span(0, 8),))
 
 
-def test_values_before_the_first_time_hold_from_the_start(tmp_path: Path):
-    capture = read(tmp_path, "$var wire 1 ! a $end $enddefinitions $end $dumpvars 1! $end #5 0! #9")
-    assert edges(capture) == {"a": [1, 5]} and not capture.channels[0].unknown
+AS_OTHER_TOOLS_WRITE_IT = """
+    $timescale 1 ns $end
+    $var string 0 s EE $end $var wire 0 w none $end $var wire 1 ! bit [3] $end $var integer 4 i count $end
+    $enddefinitions $end
+    #0
+    1 !
+    sABC s
+    b0 w
+    b0101 i
+    #4
+    0 !
+    #9
+    """
 
 
-def test_two_variables_of_one_identifier_are_one_line(tmp_path: Path):
-    capture = read(tmp_path, "$var wire 1 ! a $end $var wire 1 ! b $end #0 0! #5 1! #9")
-    assert edges(capture) == {"a": [0, 5], "b": [0, 5]}
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        pytest.param(
+            "$var wire 1 ! a $end $enddefinitions $end $dumpvars 1! $end #5 0! #9",
+            {"a": [1, 5]},
+            id="values before the first time hold from the start",
+        ),
+        pytest.param(
+            "$var wire 1 ! a $end $var wire 1 ! b $end #0 0! #5 1! #9",
+            {"a": [0, 5], "b": [0, 5]},
+            id="two variables of one identifier are one line",
+        ),
+        pytest.param(
+            "$var real 64 r volts $end $var string 1 s state $end $var wire 1 ! a $end #0 r1.5 r sIDLE s 0! #5 1! #9",
+            {"a": [0, 5]},
+            id="reals and strings are left out",
+        ),
+        pytest.param(
+            AS_OTHER_TOOLS_WRITE_IT,
+            {"bit[3]": [1, 4], "count[3]": [0], "count[2]": [1], "count[1]": [0], "count[0]": [1]},
+            id="as other tools write it",
+        ),
+    ],
+)
+def test_edges_of_a_text(tmp_path: Path, text: str, found: dict[str, list[int]]):
+    capture = read(tmp_path, text)
+    assert edges(capture) == found and not any(channel.unknown for channel in capture.channels)
 
 
 def test_a_vector_is_a_channel_a_bit_and_short_values_are_extended(tmp_path: Path):
@@ -128,40 +163,11 @@ def test_a_vector_is_a_channel_a_bit_and_short_values_are_extended(tmp_path: Pat
     assert capture.channel("bus[5]").unknown == (Span(6, 8),)
 
 
-def test_reals_and_strings_are_left_out(tmp_path: Path):
-    text = "$var real 64 r volts $end $var string 1 s state $end $var wire 1 ! a $end #0 r1.5 r sIDLE s 0! #5 1! #9"
-    assert edges(read(tmp_path, text)) == {"a": [0, 5]}
-
-
 def test_times_rounded_by_the_writer_snap_to_the_grid_of_the_rate(tmp_path: Path):
     ticks = [round(n * 1000 / 24) for n in range(0, 2400, 7)]
     changes = " ".join(f"#{tick} {n & 1}!" for n, tick in enumerate(ticks))
     capture = read(tmp_path, f"$timescale 1 ns $end $var wire 1 ! a $end {changes}", 24_000_000)
     assert capture.channels[0].edges.tolist() == list(range(7, 2400, 7))
-
-
-def test_as_other_tools_write_it(tmp_path: Path):
-    text = """
-        $timescale 1 ns $end
-        $var string 0 s EE $end $var wire 0 w none $end $var wire 1 ! bit [3] $end $var integer 4 i count $end
-        $enddefinitions $end
-        #0
-        1 !
-        sABC s
-        b0 w
-        b0101 i
-        #4
-        0 !
-        #9
-        """
-    capture = read(tmp_path, text)
-    assert edges(capture) == {
-        "bit[3]": [1, 4],
-        "count[3]": [0],
-        "count[2]": [1],
-        "count[1]": [0],
-        "count[0]": [1],
-    }
 
 
 @given(st.lists(st.tuples(st.integers(1, 10**6), st.sampled_from("01")), min_size=1, max_size=30))

@@ -218,12 +218,6 @@ def test_the_vendors_own_decoder_finds_the_same_bytes_at_the_same_instants():
     assert [(f.at, f.value) for f in frames if f.kind.name == "FRAME"] == theirs and len(theirs) == 2240
 
 
-@needs_captures
-def test_a_glitched_byte_is_read_as_the_oracle_reads_it_not_as_it_was_sent():
-    frames = uart.events(load("uart_glitch_0x4f_2"), "RX", uart.Line(115200))
-    assert [f.value for f in frames if f.kind.name == "FRAME"] == [0x5F]
-
-
 SENT = {"uart_glitch_0x20": 0x20, "uart_glitch_0x45": 0x45, "uart_glitch_0x4f_2": 0x4F, "uart_glitch_4f": 0x4F}
 
 

@@ -80,14 +80,10 @@ def lines(name: str) -> tuple[str, str]:
 
 
 @cache
-def run(name: str, style: str, address: int | None) -> Report:
+def replayed(name: str, style: str = "polled", address: int | None = None) -> Report:
     scl, sda = lines(name)
     own = [] if address is None else [address]
     return I2cReplay(load_case(CASE, list(STYLES[style])), load(name), scl, sda, own, FIRST.get(name)).run()
-
-
-def replayed(name: str, style: str = "polled", address: int | None = None) -> Report:
-    return run(name, style, address)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -14,53 +14,16 @@ from periph_sim.records.clock_history import ClockHistory
 from periph_sim.records.run import Run
 from tests.records.test_run import access, by_hand
 
-SECOND = Fraction(3_000_000_000)
-CLOCKS = ClockHistory((0, 50_400, 50_480), (Fraction(400), Fraction(40), Fraction(20)))
-
-
-@pytest.mark.parametrize(
-    ("begin", "end", "cycles"),
-    [(0, 4000, 10), (50_000, 50_480, 3), (50_480, 50_680, 10), (50_400, 50_680, 12), (50_680, 50_400, -12)],
-)
-def test_cycles_between_two_ticks(begin: int, end: int, cycles: int):
-    assert CLOCKS.cycles(begin, end) == cycles
-
-
-def with_clocks(**clocks: list[tuple[int, int]]) -> Run:
-    run = by_hand(access(20), access(2524))
-    clocks_in_hz = {unit: [(tick, Fraction(hz)) for tick, hz in of] for unit, of in clocks.items()}
-    return Run(replace(run.table, clocks=clocks_in_hz))
-
 
 def test_a_recording_that_tells_its_clocks_is_believed():
-    run = with_clocks(dsp=[(0, 7_500_000), (50_400, 150_004_500)])
+    clocks = {"dsp": [(0, Fraction(7_500_000)), (50_400, Fraction(150_004_500))]}
+    run = Run(replace(by_hand(access(20), access(2524)).table, clocks=clocks))
     assert run.cycles.how == "SYSCLKOUT 7.5 MHz, from 0.017 ms on 150.0045 MHz"
     assert run.length(4000, 400, "dsp") == run.length(4000, 400) == "1.333 us (10 cycles)"
     assert run.length(4000, 60_000) == "1.333 us (200 cycles)"
     assert run.length(50_400, 50_000) == "16.8 us (2501 cycles)"
     given = Run(run.table, sysclk=Fraction(75_000_000))
     assert given.length(4000, 400) == "1.333 us (100 cycles)"
-
-
-def test_each_unit_counts_in_its_own_clock():
-    run = with_clocks(left=[(0, 100_000_000)], right=[(0, 150_000_000)])
-    assert run.cycles.how == "SYSCLKOUT of left 100 MHz; right 150 MHz"
-    assert run.length(6000, 0, "left") == "2 us (200 cycles)"
-    assert run.length(6000, 0, "right") == "2 us (300 cycles)"
-    assert run.length(6000, 0) == "2 us"  # of a wire, which is nobody's
-    alike = with_clocks(left=[(0, 100_000_000)], right=[(0, 100_000_000)])
-    assert alike.length(6000, 0) == "2 us (200 cycles)"
-
-
-def test_distances_are_counted_in_the_clock_of_their_tick():
-    found = CLOCKS.of_distances(np.array([800, 80, 79, 31, 29]), np.array([0, 50_400, 50_479, 60_000, 60_000]))
-    assert found.tolist() == [2, 2, 2, 2, 1]
-    assert CLOCKS.ticks_of(4, np.array([0, 50_399, 50_400, 50_480])).tolist() == [1600, 1600, 160, 80]
-
-
-def test_many_clocks_are_told_by_the_last():
-    often = ClockHistory(tuple(range(5)), (Fraction(20), Fraction(40)) * 2 + (Fraction(20),))
-    assert often.in_words(SECOND) == "150 MHz at last, changed 4 times"
 
 
 def test_why_counts_in_the_clock_of_the_unit_that_is_asked_about():

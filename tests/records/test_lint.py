@@ -204,48 +204,6 @@ def test_a_wait_that_never_got_past_is_found_however_short_the_run(monkeypatch: 
     assert found.lint == "spin-without-bound" and "until the end of the run, and never got past it" in found.text
 
 
-def test_a_master_may_load_its_byte_first(monkeypatch: pytest.MonkeyPatch):
-    def send(i2c: Any, dsp: Dsp) -> None:
-        dsp.spin(lambda: i2c.I2CSTR.XRDY == 1)
-        i2c.I2CDXR.all = 0x5A
-        i2c.I2CMDR.all = 0x2620 | 0x0800  # STT, STP, MST, TRX, IRS
-
-    assert lint(ran(monkeypatch, firmware(send))) == []
-
-
-def test_a_bit_field_write_gives_read_only_fields_back(monkeypatch: pytest.MonkeyPatch):
-    def clear(i2c: Any, dsp: Dsp) -> None:
-        dsp.spin(lambda: i2c.I2CSTR.BB == 1)
-        i2c.I2CSTR.NACK = 1
-
-    assert lint(ran(monkeypatch, firmware(clear), **asks(0x23, write="01", count=0))) == []
-
-
-def test_a_byte_loaded_in_advance_is_not_loaded_on_xrdy(monkeypatch: pytest.MonkeyPatch):
-    """The bus is idle, which is looked at by BB; XRDY happens to be 1 in that read."""
-
-    def preload(i2c: Any, dsp: Dsp) -> None:
-        if i2c.I2CSTR.BB == 0:
-            i2c.I2CDXR.all = 0x5A
-
-    assert lint(ran(monkeypatch, firmware(preload), **asks(count=1))) == []
-
-
-def test_a_master_that_reads_is_not_denied_where_the_firmware_wiped_sdir(monkeypatch: pytest.MonkeyPatch):
-    """SDIR is up, SCD = 1 writes it back and clears it, then I2CDXR is loaded."""
-
-    def wipe(i2c: Any, dsp: Dsp) -> None:
-        dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
-        i2c.I2CSTR.SCD = 1
-        dsp.spin(lambda: i2c.I2CSTR.XRDY == 1)
-        i2c.I2CDXR.all = 0x5A
-
-    found = [one for one in lint(ran(monkeypatch, firmware(wipe), **asks(count=1))) if one.lint == "xrdy-alone"]
-    assert [(one.place, one.count) for one in found] == [(line_of(wipe, 4), 1)]
-    assert "the firmware itself cleared SDIR in this transfer" in found[0].text
-    assert found[0].text.endswith(f"by writing I2CSTR at {line_of(wipe, 2)}")
-
-
 @pytest.mark.parametrize("style", ["polled", "interrupt"])
 @pytest.mark.parametrize("fifo", [False, True])
 def test_the_responder_has_none(style: str, fifo: bool):

@@ -19,7 +19,7 @@ from periph_sim.traces import formats
 from periph_sim.traces.decode import i2c
 from periph_sim.traces.formats import Capture
 from tests.replay.slow import FIRMWARE, slow_case
-from tests.replay.test_i2c_replay import RESPONDER, ask, captured, new_wave
+from tests.replay.test_i2c_replay import RESPONDER, ask, captured, new_wave, traffic
 from tests.scene.runs import TIMING
 from tests.traces.decode.drawing import of_bytes
 from tests.traces.formats.make_traces import FOLDER
@@ -139,15 +139,8 @@ def test_stretches_as_captured_do_not_make_later_transfers_late(slow: Path):
 
 def polls(*acked: bool, data: bool = True, address: int = OWN) -> Capture:
     """Writes to 0x50 or another address, 100 us between two of them."""
-    wave = new_wave()
-    for ack in acked:
-        wave.start()
-        wave.byte(address << 1, ack=ack)
-        if ack and data:
-            wave.byte(0xA5)
-        wave.stop()
-        wave.idle(400)
-    return captured(wave)
+    asked = {False: f"{address << 1:02X}-", True: f"{address << 1:02X}+{' A5+' * data}"}
+    return traffic(" ".join(f"S {asked[ack]} P .400" for ack in acked))
 
 
 def test_firmware_that_is_busy_behind_the_last_captured_poll_is_not_judged():

@@ -84,20 +84,6 @@ def test_who_read_it_next_and_when_it_changed_again(run: Run):
     assert free.changed is None and "it did not change again" in text(free)
 
 
-def test_before_its_first_change_a_field_is_as_reset_left_it(run: Run):
-    answer = why(run, "I2CSTR.BB@0.5ms")
-    assert (answer.value, answer.back) == (0, ()) and "as reset left it" in text(answer)
-    assert answer.changed is not None and answer.changed.record.value == 1
-    assert why(run, "I2CCNT.ICDC@1ms").value == 0
-
-
-def test_wires_and_spans(run: Run):
-    assert [why(run, f"SDA@{time}").value for time in ("0.9ms", "1.001ms")] == [1, 0]
-    inside = why(run, "work@1.01ms")
-    assert inside.value == 1 and "in it since" in text(inside)
-    assert why(run, "dsp.work@2ms").value == 0
-
-
 def test_an_interrupt_goes_back_to_the_flag_of_its_module_and_the_edge(emulator: Run):
     (entered, *_) = [r for r in emulator.table.records(emulator.rows(Kind.IRQ)) if r.value]
     answer = why(emulator, f"{entered.what}@{entered.tick * 10**9 // int(emulator.per_second) + 1}ns")
@@ -111,19 +97,6 @@ def test_an_interrupt_goes_back_to_the_flag_of_its_module_and_the_edge(emulator:
     assert answer.effects and all(step.record.cause == entered.number for step in answer.effects)
     read = answer.effects[0].record
     assert read.kind is Kind.ACCESS and "in it" in text(answer)
-
-
-def test_a_step_after_step_walk_may_be_cut_short(emulator: Run):
-    assert len(why(emulator, "SCIRXINTA@3.1ms", depth=0).back) == 1
-    assert len(why(emulator, "SCIRXINTA@3.1ms", depth=2).back) == 3
-
-
-def test_a_rising_wire_was_released_by_who_held_it():
-    run = by_hand(
-        (10, Kind.EDGE, "SDA", "level", 0, "controller", 0),
-        (20, Kind.EDGE, "SDA", "level", 1, "", 0),
-    )
-    assert "SDA rises, released by controller" in text(why(run, "SDA@1us"))
 
 
 def test_steps_of_registers_name_their_section_of_the_manual_and_no_others_do(run: Run):

@@ -8,15 +8,10 @@ import pytest
 
 from periph_sim.traces import formats
 from periph_sim.traces.compliance import Mode, Verdict, check
-from tests.captures.test_captures_decode import NAMES, options
+from tests.captures.test_captures_replay_i2c import lines
 from tests.captures.where import capture_of, decoded, needs_captures
 
 NS = 10**9
-
-
-def lines(name: str) -> tuple[str, str]:
-    given, names = options(name, "i2c"), NAMES.get(name, {})
-    return names.get(given["scl"], given["scl"]), names.get(given["sda"], given["sda"])
 
 
 @pytest.mark.parametrize("mode", Mode)

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from fractions import Fraction
 from math import ceil
-from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.traces.capture.capture import Capture, channel_of
 from periph_sim.traces.compliance.limits import Resolution, resolution_of
+from tests.traces.capture.test_sampling import stamped
 
 FOUR_MHZ = Resolution(Fraction(4 * 10**6), 1)  # 250 ns
 EXACT = Resolution(Fraction(10**9), 0)
@@ -62,11 +61,6 @@ def test_what_is_exact_is_always_sure(rate, positions, limit):
     assert (positions <= resolution.surely_at_most(limit)) == (length <= limit)
     assert (positions <= resolution.surely_below(limit)) == (length < limit)
     assert (positions >= resolution.surely_above(limit)) == (length > limit)
-
-
-def stamped(edges: list[int], rate: int | None = 10**9, sampled: bool = False, exact: bool = False) -> Capture:
-    line = channel_of("SCL", 0, [0, *edges], [n & 1 for n in range(len(edges) + 1)], edges[-1] + 9 if edges else 9)
-    return Capture(Path("stamps"), None if rate is None else Fraction(rate), 1000, (line,), sampled, exact=exact)
 
 
 def test_a_sampled_capture_is_good_to_a_sample_and_a_simulated_one_exact():

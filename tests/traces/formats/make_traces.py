@@ -79,14 +79,9 @@ def glitch_4f() -> bytes:
 
 def read_registers(wave: I2cWave, address: int, pointer: int, values: Sequence[int]) -> None:
     """Pointer write, repeated START, read; the controller answers NACK to the last byte."""
-    wave.start()
-    wave.byte(address << 1)
-    wave.byte(pointer)
-    wave.again()
-    wave.byte(address << 1 | 1)
-    for number, value in enumerate(values, 1):
-        wave.byte(value, ack=number < len(values))
-    wave.stop()
+    *others, last = (f"{value:02X}" for value in values)
+    sent = " ".join([*(f"{value}+" for value in others), f"{last}-"])
+    wave.play(f"S {address << 1:02X}+ {pointer:02X}+ Sr {address << 1 | 1:02X}+ {sent} P")
 
 
 TRACES = {

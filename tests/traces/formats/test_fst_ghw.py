@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 import shutil
 import subprocess
 from fractions import Fraction
@@ -139,21 +138,6 @@ def test_a_file_without_lines_is_refused(tmp_path: Path):
     assert refusal(formats.BadCapture, formats.read, path) == (
         f"{path}, the file: found no line of one bit, expected at least one; dump the lines of the bus"
     )
-
-
-@pytest.mark.parametrize("seed", range(12))
-def test_a_damaged_file_is_one_sentence_or_a_sound_capture(tmp_path: Path, seed: int):
-    path = written(tmp_path / "x.fst", {"scl": 1, "My SDA": 1, "v": 4}, [*BUS, (LATE + 9, "v", "01xz")], LATE + 50)
-    content, draw = bytearray(path.read_bytes()), random.Random(seed)
-    for _ in range(3):
-        content[draw.randrange(40, len(content))] = draw.choice([0, 255, draw.randrange(256)])
-    path.write_bytes(content[: draw.choice([len(content), draw.randrange(len(content))])])
-    try:
-        capture = formats.read(path)
-    except formats.BadCapture as error:
-        assert str(error).startswith(f"{path}, ") and "\n" not in str(error)
-    else:
-        assert all(len(c.edges) == 0 or 0 < c.edges[0] <= c.edges[-1] < capture.length for c in capture.channels)
 
 
 def test_an_abort_of_the_reader_is_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -28,6 +28,17 @@ def test_numbers_read_back_to_the_last_bit(tmp_path_factory, rows, end: str):
     assert line_of_row(path, len(rows) - 1) == 1 + len(rows) * len(end.replace("\r\n", "\n"))
 
 
+def judge(path: Path, data: bytes) -> None:
+    """Finite numbers, or a refusal in a sentence."""
+    path.write_bytes(data)
+    try:
+        columns = read(path)
+    except BadCapture as error:
+        assert str(error).startswith(f"{path}, line ") and "\n" not in str(error)
+    else:
+        assert columns and all(len(one.values) and np.isfinite(one.values).all() for one in columns)
+
+
 @settings(deadline=None, max_examples=examples(40))
 @given(st.binary(max_size=60))
 @example(b"1\n")
@@ -43,14 +54,7 @@ def test_numbers_read_back_to_the_last_bit(tmp_path_factory, rows, end: str):
 @example(b" 1 \n")
 @example(b"#1\n")
 def test_any_bytes_are_numbers_or_refused_in_a_sentence(tmp_path_factory, data: bytes):
-    path = tmp_path_factory.mktemp("csv") / "f.csv"
-    path.write_bytes(b"x [g]\n" + data)
-    try:
-        (column,) = read(path)
-    except BadCapture as error:
-        assert str(error).startswith(f"{path}, line ") and "\n" not in str(error)
-    else:
-        assert len(column.values) and np.isfinite(column.values).all()
+    judge(tmp_path_factory.mktemp("csv") / "f.csv", b"x [g]\n" + data)
 
 
 @settings(deadline=None, max_examples=examples(40))
@@ -62,12 +66,7 @@ def test_any_bytes_are_numbers_or_refused_in_a_sentence(tmp_path_factory, data: 
 @example(b",")
 @example(b"\x00")
 def test_any_titles_are_titles_or_refused_in_a_sentence(tmp_path_factory, data: bytes):
-    path = tmp_path_factory.mktemp("csv") / "f.csv"
-    path.write_bytes(data + b"\n1\n")
-    try:
-        assert read(path)
-    except BadCapture as error:
-        assert str(error).startswith(f"{path}, line ") and "\n" not in str(error)
+    judge(tmp_path_factory.mktemp("csv") / "f.csv", data + b"\n1\n")
 
 
 def test_a_folder_is_no_file(tmp_path: Path):

@@ -145,13 +145,11 @@ def compare(expected: Sequence[Happened], found: Sequence[Happened], tolerance: 
                 first[TIMING] = Divergence(index, was.words, difference, *times, TIMING)
     ranked = tuple(sorted(first.values(), key=lambda divergence: (divergence.kind == TIMING, divergence.index)))
     earliest = ranked[0] if ranked and ranked[0].kind != TIMING else None
-    return Comparison(_in_both(expected, found) if parted else len(expected), earliest, lag, ranked)
-
-
-def _in_both(expected: Sequence[Happened], found: Sequence[Happened]) -> int:
-    """Return the number of events that occur in both lists in the same order."""
-    rows = numbered((event.words for event in expected), (event.words for event in found))
-    return sum(run.length for run in align(*rows))
+    agreed = len(expected)
+    if parted:
+        rows = numbered((event.words for event in expected), (event.words for event in found))
+        agreed = sum(run.length for run in align(*rows))
+    return Comparison(agreed, earliest, lag, ranked)
 
 
 def _seconds(at: Fraction | None) -> float | None:

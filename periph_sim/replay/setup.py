@@ -29,6 +29,7 @@ from ..traces.capture.capture import Capture, Channel, gap_notes
 from ..traces.capture.sampling import rate_text, sample_step, stamp_notes
 from ..traces.decode import i2c as decode
 from ..traces.decode.i2c_table import impossible_rate, likely_cause
+from ..traces.decode.uart import sample_point_step
 from . import BadReplay
 from .i2c_script import Turn, as_target, most_frequent, turns
 
@@ -164,8 +165,7 @@ class Played:
         samples. But if the usual low time of SCL is shorter than twice this number, the multiples are due to the
         regular clock of the bus and say nothing about the samples. The result is then 1.
         """
-        step = int(2 * self.half_sample)
-        return step if self.low >= 2 * step else 1
+        return sample_point_step(int(2 * self.half_sample), self.low)
 
     @property
     def sample_rate(self) -> Fraction:
@@ -240,7 +240,11 @@ def played(capture: Capture, scl: str | int, sda: str | int, first: int | None =
     notes = []
     if pulses := sum(len(transfer.lead) for transfer in found if not transfer.phases):
         notes.append(f"clock pulses before the capture's first START, of a transfer unknown and not played: {pulses}")
-    notes += _cut(last)
+    if last.stop is None:
+        cut_bytes = last.phases[-1].bytes
+        bits = len(cut_bytes[-1].bits) if cut_bytes else 0
+        inside = f"in the middle of a byte, after {counted(bits, 'bit')}" if 0 < bits < BYTE else "before a STOP"
+        notes.append(f"the capture ends {inside}: the rest of its last transfer is not compared")
     if shared := decode.shared_edges(capture, scl, sda):
         notes.append(f"samples with an edge of both lines, where SDA is put half a sample off SCL's edge: {shared}")
     notes += stamp_notes(capture)
@@ -346,13 +350,3 @@ def _settings(part: Played, address: int, lead: Fraction, in_reach: bool) -> dic
         "asleep": asleep,
         "busy": [pause / part.rate for pause in target.busy] if any(target.busy) else [],
     }
-
-
-def _cut(last: decode.Transfer) -> list[str]:
-    """Return a list with a note if the last transfer has no STOP; else an empty list."""
-    if last.stop is not None:
-        return []
-    phase = last.phases[-1]
-    bits = len(phase.bytes[-1].bits) if phase.bytes else 0
-    inside = f"in the middle of a byte, after {counted(bits, 'bit')}" if 0 < bits < BYTE else "before a STOP"
-    return [f"the capture ends {inside}: the rest of its last transfer is not compared"]

@@ -149,19 +149,15 @@ class UartReplay(Replay):
             self.kernel.run_until(until + 1)
             return ""
         self.kernel.run_until(self.origin)
-        self._line = line = self._line_to_read()
+        present = line_of(self.dsp)
+        self._baud = Fraction(present.baud)
+        self._line = line = present if self._wanted is None else self._wanted
         self._events = decode.events(self._capture, self._channel.index, line)
         end = self.origin + int(self._capture.length * self.timebase.per_second / self._rate)
         if not any(event.kind is UartRowKind.CUT for event in self._events[-2:]):
             end += self.timebase.ticks(1 / Fraction(line.baud) + TAKEN, "up")
         self._play(end, progress)
         return ""
-
-    def _line_to_read(self) -> decode.Line:
-        """Return the format in which the capture is decoded: `wanted` if it is given, or else the SCI's present one."""
-        line = line_of(self.dsp)
-        self._baud = Fraction(line.baud)
-        return line if self._wanted is None else self._wanted
 
     def _report(self, stuck: list[str]) -> Report:
         line, events = self._line, self._events

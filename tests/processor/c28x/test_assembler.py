@@ -10,8 +10,6 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from periph_sim.processor.c28x.assembler import evaluate, parse
 from periph_sim.processor.c28x.decoder import decode_at
@@ -149,18 +147,6 @@ def words(source: str, at: int = AT, **symbols: int) -> tuple[int, ...]:
 @pytest.mark.parametrize(("expected", "source"), SHOWN, ids=[text for _, text in SHOWN])
 def test_words(expected: tuple[int, ...], source: str):
     assert words(source) == expected
-
-
-def pairs(row: Encoding) -> st.SearchStrategy[int]:
-    fields = {name: st.integers(0, place.mask) for name, place in row.fields.items()}
-    return st.fixed_dictionaries(fields).map(row.pair)
-
-
-@given(st.data())
-def test_what_the_decoder_shows_of_any_form_assembles_to_the_same_instruction(draw: st.DataObject):
-    row = draw.draw(st.sampled_from(FORMS))
-    pair = draw.draw(pairs(row))
-    assert_round_trip(row, pair)
 
 
 @pytest.mark.parametrize("row", FORMS, ids=[row.id for row in FORMS])

@@ -53,41 +53,6 @@ def test_unknown_words_by_their_address():
     assert [(one.address, one.word) for one in found.unknown] == [(ENTRY + 1, 0xE271)]
 
 
-def test_pointers_and_absolute_addresses():
-    """MOVL XAR4,#0x7050; MOV *+XAR4[4],#0 (SCIRXEMU is 6, SCICTL2 4); MOV AL,*XAR4++; MOV AL,*XAR4++; *(0:0x7900)."""
-    found = of_code(0x8F00, 0x7050, 0x2BE4, 0x9284, 0x9284, 0xF4A9, 0x7900, 0x0006)
-    assert touched(found) == [
-        ("SCI-A", "SCICCR", 1, 0),
-        ("SCI-A", "SCICTL1", 1, 0),
-        ("SCI-A", "SCICTL2", 0, 1),
-        ("I2C-A", "I2COAR", 0, 1),
-    ]
-
-
-def test_32_bits_step_a_pointer_by_two_and_arithmetic_moves_it():
-    """MOVL XAR4,#0xC00; MOVL ACC,*XAR4++; MOVL ACC,*XAR4++ (PRD); ADDB XAR4,#4; MOVL ACC,*--XAR4 (TPR of timer 0)."""
-    found = of_code(0x8F00, 0x0C00, 0x0684, 0x0684, 0xDC04, 0x068C, 0x0006)
-    assert touched(found) == [("TIMER0", "TIM", 1, 0), ("TIMER0", "PRD", 1, 0), ("TIMER0", "TPR", 1, 0)]
-
-
-def test_nothing_is_told_of_what_a_call_memory_or_another_function_left():
-    dp_i2c, store = (0x761F, 0x01E4), 0x2B09
-    call, load_dp, back = (0x7640, 0x9000), 0x7603, 0x0006  # LCR; POP DP; LRETR
-    assert touched(of_code(*dp_i2c, *call, store, back)) == []
-    assert touched(of_code(*dp_i2c, load_dp, store, back)) == []
-    assert touched(of_code(*dp_i2c, back, store, back)) == []
-    two = Image(
-        "TI COFF2", ENTRY, (text((*dp_i2c, 0x7700, store, back)),), (Symbol("_f", ENTRY + 3, ".text"),)
-    )  # one falls into the other
-    assert touched(inspect(two)) == []
-
-
-def test_what_is_known_at_a_forward_branch_is_known_at_its_target():
-    """MOVW DP,#; SB +3,EQ; SB +2,UNC; ESTOP0 unreached; the target stores."""
-    found = of_code(0x761F, 0x01E4, 0x6103, 0x6F02, 0x7625, 0x2B09, 0x0006)
-    assert touched(found) == [("I2C-A", "I2CMDR", 0, 1)]
-
-
 def test_a_frame_that_is_not_modelled_is_named_by_module_and_offset():
     """MOVW DP,#0x1C4 (0x7100); MOV @0x3,#0."""
     found = of_code(0x761F, 0x01C4, 0x2B03, 0x0006)
@@ -105,13 +70,6 @@ def test_a_handler_has_the_name_that_budgets_know_and_not_its_symbol(monkeypatch
     monkeypatch.setattr(debug_info, "functions_of", lambda image, debug: (of_debug_data,))
     (vector,) = inspect(image()).vectors
     assert vector.handler == "on_transfer"
-
-
-def test_a_register_by_a_pointer_and_an_index():
-    """MOVL XAR4,#0x7900; MOVL XAR1,#9, or XAR0; MOV AL,*+XAR4[AR1]: I2CMDR."""
-    for index, pointer in ((0, 0x8D00), (1, 0x8D40)):
-        found = of_code(0x8F00, 0x7900, pointer, 9, 0x9200 | 0x94 + 8 * index, 0x0006)
-        assert touched(found) == [("I2C-A", "I2CMDR", 1, 0)]
 
 
 def test_sections_of_the_linker_have_their_place_in_memory_unless_a_file_says_otherwise():

@@ -66,58 +66,10 @@ def test_what_is_written_is_read():
     assert found.entry == ENTRY
 
 
-def test_a_written_section_has_no_relocations_and_no_line_numbers():
-    """Neither pointers nor counts of them, behind the contents' place."""
-    assert struct.unpack_from("<IIII", GOOD, SECTION_AT + 24) == (0, 0, 0, 0)
-
-
 def test_names_of_more_than_8_characters_are_read_where_no_symbol_is_left():
     """As strip leaves a file."""
     found = parse(write(image(text(), Section("a_long_name", 0x9000, 0x9000, 1, (1,)))))
     assert [one.name for one in found.sections] == [".text", "a_long_name"] and found.symbols == ()
-
-
-def test_elf_is_loaded_at_its_segments_physical_address_and_counts_bytes():
-    found = parse(elf())
-    first, second = found.sections
-    assert (found.kind, found.entry) == ("ELF", 0x320000)
-    assert (first.name, first.address, first.run, first.words, first.code) == (".text", 0x320000, ENTRY, CODE, True)
-    assert (second.name, second.address, second.size, second.loaded) == (".bss", 0x400, 0x10, False)
-    assert [(one.name, one.address, one.section) for one in found.symbols] == [("main", ENTRY, ".text")]
-
-
-def test_elf_tells_code_from_data_by_the_flag_of_instructions():
-    """A word of .text's flags without SHF_EXECINSTR: then no code is at the entry."""
-    data = elf()
-    flags = data.rindex(struct.pack("<IIII", 1, 1, 2 | 4, ENTRY)) + 8
-    assert parse(data).sections[0].code
-    assert "not in a loaded code" in refused(changed(data, flags, "I", 2))
-
-
-def test_elf_section_that_reaches_beyond_its_segment_is_loaded_by_none():
-    segment = 52  # behind the header
-    assert "no segment loads" in refused(changed(elf(), segment + 16, "I", 2 * len(CODE) - 2))
-
-
-def test_sections_that_are_not_loaded():
-    """By their flags: dummy, not loaded, copied for debuggers, reserved."""
-    for flag in (0x01, 0x02, 0x10, 0x80):
-        data = changed(GOOD, SECTION_AT + 48 + 40, "I", 0x40 | flag)
-        assert not parse(data).sections[1].loaded, flag
-    for flag in (0x40, 0x140, 0x20, 0x120):
-        assert parse(changed(GOOD, SECTION_AT + 48 + 40, "I", flag)).sections[1].loaded
-
-
-def test_cinit_of_ram_model_is_applied_by_the_loader():
-    records = (2, 0x9100, 7, 8, 0xFFFF, 0x9200, 0x0000, 9, 0, 5)  # two words; -1: one word at a 22-bit address; the end
-    data = write(image(text(), Section(".cinit", 0x9000, 0x9000, len(records), records)))
-    found = parse(changed(data, SECTION_AT + 48 + 40, "I", 0x50))
-    assert found.initial == ((0x9100, (7, 8)), (0x9200, (9,)))
-    whole = write(image(text(), Section(".cinit", 0x9000, 0x9000, 4, records[:4])))  # without the record that ends it
-    assert parse(changed(whole, SECTION_AT + 48 + 40, "I", 0x50)).initial == ((0x9100, (7, 8)),)
-    assert "record of .cinit" in refused(
-        changed(changed(data, SECTION_AT + 48 + 40, "I", 0x50), len(data) - 24, "H", 90)
-    )
 
 
 REFUSED = [

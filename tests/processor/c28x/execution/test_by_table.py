@@ -1,11 +1,13 @@
 """One line a case: an instruction, what stands in registers and memory before, and after [SPRU430F, SPRUEO2A].
 
 XAR4 is 0x9000 and XAR7 0xA000 unless a line says otherwise; w, w1, d are the word, the next one and the 32 bits at
-0x9000, prog those at 0xA000; s0 and s1 the words at 0x400, where SP is. f0 to f7: floats in R0H to R7H.
+0x9000, prog those at 0xA000; s0 and s1 the words at 0x400, where SP is; m9005 the word at 0x9005. f0 to f7: floats in
+R0H to R7H. took: cycles.
 """
 
 from __future__ import annotations
 
+import re
 import struct
 
 import pytest
@@ -231,52 +233,105 @@ SWAPF R1H,R2H             | f1=1.0 f2=2.0                     | f1=2.0 f2=1.0
 SWAPF R1H,R2H,EQ          | f1=1.0 f2=2.0 stf=0               | f1=1.0 f2=2.0
 ZERO R1H                  | f1=1.0                            | r1=0
 ZEROA                     | f1=1.0 f7=2.0                     | r1=0 r7=0
+SBF 0x8005,EQ             | z=1                               | pc=0x8005 took=4
+SBF 0x8005,EQ             | z=0                               | pc=0x8001 took=4
+SBF 0x8005,NEQ            | z=0                               | pc=0x8005 took=4
+SBF 0x8005,NEQ            | z=1                               | pc=0x8001 took=4
+SBF 0x8005,TC             | tc=1                              | pc=0x8005 took=4
+SBF 0x8005,TC             | tc=0                              | pc=0x8001 took=4
+SBF 0x8005,NTC            | tc=0                              | pc=0x8005 took=4
+SBF 0x8005,NTC            | tc=1                              | pc=0x8001 took=4
+BANZ 0x8010,AR3--         | x3=0x12340002                     | pc=0x8010 x3=0x12340001 took=4
+BANZ 0x8010,AR3--         | x3=0x12340000                     | pc=0x8002 x3=0x1234FFFF took=2
+LCR #0x338000             | rpc=0x312345                      | pc=0x338000 s0=0x2345 s1=0x31 rpc=0x8002 sp=0x402 took=4
+LRETR                     | sp=0x402 s0=0x2345 s1=0x31 rpc=0x8002 | pc=0x8002 rpc=0x312345 sp=0x400 took=4
+PUSH AR1:AR0              | x0=0xAAAA0001 x1=0xBBBB0002       | s0=1 s1=2 sp=0x402
+PUSH T:ST0                | xt=0x30000                        | s0=0 s1=3
+PUSH DP:ST1               | dp=4                              | s0=0x0A0B s1=4
+CSB ACC                   | acc=1                             | xt=0x1E0000 tc=0 z=0 n=0
+CSB ACC                   | acc=0xFFFFFFFF                    | xt=0x1F0000 tc=1 n=1
+CSB ACC                   | acc=0x40000000                    | xt=0 tc=0
+CSB ACC                   | acc=0                             | xt=0x1F0000 tc=0 z=1
+CSB ACC                   | acc=0x80000000                    | xt=0 tc=1
+SAT ACC                   | acc=5 ovc=0 v=1 c=1               | acc=5 v=0 ovc=0 c=0
+SAT ACC                   | acc=5 ovc=3 c=1                   | acc=0x7FFFFFFF v=1 ovc=0 c=0
+SAT ACC                   | acc=5 ovc=-1 c=1                  | acc=0x80000000 v=1 ovc=0 c=0
+MOVL XAR7,*XAR7++         | x7=0x9000 d=0x56781234            | x7=0x56781234
+MOVL ACC,*XAR4++          | x4=0x9001 w=1 w1=2                | acc=0x20001 x4=0x9003
+MOV AL,*AR6%++            | x1=0xBBBB0002 x6=0x39001 m39001=7 | acc=7 x6=0x39002 arp=6
+MOV AL,*AR6%++            | x1=2 x6=0x39002                   | x6=0x39000
+MOV AL,*XAR2++            | x2=0x9000 m9000=7                 | acc=7 x2=0x9001 arp=2
+MOV AL,*--XAR2            | x2=0x9001 m9000=7                 | acc=7 x2=0x9000
+MOV AL,*+XAR2[5]          | x2=0x9000 m9005=7                 | acc=7 x2=0x9000
+MOV AL,*+XAR2[AR0]        | x2=0x9000 x0=0xAAAA0003 m9003=7   | acc=7 x2=0x9000
+MOV AL,*+XAR2[AR1]        | x2=0x9000 x1=0xBBBB0007 m9007=7   | acc=7 x2=0x9000
+MOV AL,*                  | arp=2 x2=0x9000 m9000=7           | acc=7 x2=0x9000 arp=2
+MOV AL,*++                | arp=2 x2=0x9000 m9000=7           | acc=7 x2=0x9001
+MOV AL,*--                | arp=2 x2=0x9000 m9000=7           | acc=7 x2=0x8FFF
+MOV AL,*0++               | arp=2 x2=0xFFFF x0=0xAAAA0003 mFFFF=7 | acc=7 x2=0x10002
+MOV AL,*0--               | arp=2 x2=0x10000 x0=0xAAAA0003 m10000=7 | acc=7 x2=0xFFFD
+MOV AL,*BR0++             | arp=2 x2=0x9000 x0=8 m9000=7      | acc=7 x2=0x9008
+MOV AL,*,ARP5             | arp=2 x2=0x9000 m9000=7           | acc=7 x2=0x9000 arp=5
+MOV AL,*-SP[3]            | m3FD=7                            | acc=7 sp=0x400
+MOV AL,@0x3F              | dp=0x1C50 m7143F=7                | acc=7
+MOV AL,*SP++              | s0=7                              | acc=7 sp=0x401
+MOV AL,*--SP              | m3FF=7                            | acc=7 sp=0x3FF
+CMPF32 R0H,R1H            | f0=1 f1=2                         | stf=4
+CMPF32 R0H,R1H            | f0=2 f1=1                         | stf=0
+CMPF32 R0H,R1H            | f0=0.0 f1=-0.0                    | stf=8
+CMPF32 R0H,R1H            | f0=-1 f1=1e-40                    | stf=4
+MOVST0 NF,ZF              | stf=4 z=1                         | n=1 z=0
+MPYF32 R0H,R1H,R2H || ADDF32 R1H,R3H,R4H | f1=1 f2=2 f3=3 f4=4 | f0=2 f1=7
+ADDF32 R3H,R1H,R2H || MOV32 *XAR4,R3H | f1=1 f2=2 r3=5        | f3=3 d=5
+MACF32 R3H,R2H,R2H,R4H,R5H || MOV32 R1H,*XAR4 | f2=2 f3=3 f4=4 f5=5 d=7 | f3=5 f2=20 r1=7
+MOV32 *(0:0x0F16),@ACC    | acc=0x12345678                    | r1=0x12345678 took=1
+MOV32 @XAR3,*(0:0x0F16)   | r1=0x12345678                     | x3=0x12345678 took=1
 """
 ROWS = [tuple(part.strip() for part in line.rsplit("|", 2)) for line in CASES.strip().splitlines()]
 PLACES = {"w": 0x9000, "w1": 0x9001, "s0": 0x400, "s1": 0x401, "far": 0x3FA000}
 PAIRS = {"d": 0x9000, "d2": 0x9002, "prog": 0xA000}
+FLOATS = [f"f{n}" for n in range(8)]
+NUMBERED = re.compile(r"([fxr])([0-7])")
+ADDRESS = re.compile(r"m([0-9A-F]+)")
 
 
-def put(cpu: Flat, name: str, text: str) -> None:
-    if name[0] == "f" and name[1:].isdigit():
-        cpu.put_floats({int(name[1:]): struct.unpack("<I", struct.pack("<f", float(text)))[0]})
-        return
-    value = int(text, 0)
-    if name in PLACES:
-        cpu.store16(PLACES[name], value)
+def given(text: str) -> dict[str, int]:
+    """Names and values; a float is its bits."""
+    pairs = (pair.split("=") for pair in text.split())
+    return {
+        name: struct.unpack("<I", struct.pack("<f", float(value)))[0] if name in FLOATS else int(value, 0)
+        for name, value in pairs
+    }
+
+
+def put(cpu: Flat, name: str, value: int) -> None:
+    if numbered := NUMBERED.fullmatch(name):
+        (cpu.put_xars if numbered[1] == "x" else cpu.put_floats)({int(numbered[2]): value})
     elif name in PAIRS:
         cpu.store32(PAIRS[name], value)
-    elif name[0] in "xr" and name[1:].isdigit():
-        (cpu.put_xars if name[0] == "x" else cpu.put_floats)({int(name[1:]): value})
+    elif name in PLACES or ADDRESS.fullmatch(name):
+        cpu.store16(PLACES[name] if name in PLACES else int(name[1:], 16), value)
     else:
         assert hasattr(cpu, name)
         setattr(cpu, name, value)
 
 
-def got(cpu: Flat, name: str, text: str) -> object:
-    if name[0] == "f" and name[1:].isdigit():
-        return struct.unpack("<f", struct.pack("<I", cpu.r[int(name[1:])]))[0]
-    if name in PLACES:
-        return cpu.load16(PLACES[name])
+def got(cpu: Flat, name: str) -> object:
+    if numbered := NUMBERED.fullmatch(name):
+        return (cpu.xar if numbered[1] == "x" else cpu.r)[int(numbered[2])]
     if name in PAIRS:
         return cpu.load32(PAIRS[name])
-    if name[0] in "xr" and name[1:].isdigit():
-        return (cpu.xar if name[0] == "x" else cpu.r)[int(name[1:])]
-    return getattr(cpu, name)
+    return cpu.load16(PLACES[name]) if name in PLACES else getattr(cpu, name)
 
 
 @pytest.mark.parametrize(("source", "before", "after"), ROWS, ids=[f"{row[0]} {row[1]}" for row in ROWS])
 def test_case(source: str, before: str, after: str):
-    cpu = loaded(source)
+    cpu, expected = loaded(source), given(after)
     cpu.put_xars({4: 0x9000, 7: 0xA000})
-    for name, text in (pair.split("=") for pair in before.split()):
-        put(cpu, name, text)
-    cpu.step()
-    expected = {
-        name: float(text) if name[0] == "f" and name[1:].isdigit() else int(text, 0)
-        for name, text in (pair.split("=") for pair in after.split())
-    }
-    assert {name: got(cpu, name, text) for name, text in (pair.split("=") for pair in after.split())} == expected
+    for name, value in given(before).items():
+        put(cpu, name, value)
+    took = cpu.step()
+    assert {name: took if name == "took" else got(cpu, name) for name in expected} == expected
 
 
 def test_saved_registers_are_restored():

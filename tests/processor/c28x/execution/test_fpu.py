@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from periph_sim.processor.c28x.execution import float32
-from tests.processor.c28x.execution.flat import Flat, loaded
+from tests.processor.c28x.execution.flat import loaded
 
 DRAW = random.Random(1)
 EDGES = [0x0000_0000, 0x8000_0000, 0x3F80_0000, 0xBF80_0000, 0x0080_0000, 0x7F7F_FFFF, 0x3F80_0001, 0x4B80_0000]
@@ -97,44 +97,6 @@ def test_estimates_are_good_to_8_bits():
         assert abs(root * value**0.5 - 1) < 2**-8
 
 
-def compared(a: float, b: float) -> tuple[int, int]:
-    cpu = loaded("CMPF32 R0H,R1H")
-    cpu.put_floats({0: bits_of(a), 1: bits_of(b)})
-    cpu.step()
-    return cpu.stf >> 2 & 1, cpu.stf >> 3 & 1  # NF, ZF
-
-
-def test_compare():
-    assert [compared(1, 2), compared(2, 1), compared(-1, -1), compared(0.0, -0.0), compared(-1, 1e-40)] == [
-        (1, 0), (0, 0), (0, 1), (0, 1), (1, 0)
-    ]  # fmt: skip
-
-
-def test_flags_reach_st0():
-    cpu = loaded("CMPF32 R0H,#0.0\nMOVST0 NF,ZF")
-    cpu.put_floats({0: bits_of(-3.0)})
-    cpu.step(), cpu.step()
-    assert (cpu.n, cpu.z) == (1, 0)
-
-
-def parallel(source: str) -> Flat:
-    cpu = loaded(source)
-    cpu.r = [bits_of(float(n)) for n in range(8)]
-    cpu.put_xars({4: 0x9000})
-    cpu.store32(0x9000, bits_of(100.0))
-    cpu.step()
-    return cpu
-
-
-def test_both_halves_of_a_pair_read_what_was_there_before():
-    cpu = parallel("MPYF32 R0H,R1H,R2H || ADDF32 R1H,R3H,R4H")
-    assert [number(cpu.r[n]) for n in (0, 1)] == [2.0, 7.0]
-    cpu = parallel("ADDF32 R3H,R1H,R2H || MOV32 *XAR4,R3H")
-    assert (number(cpu.load32(0x9000)), number(cpu.r[3])) == (3.0, 3.0)
-    cpu = parallel("MACF32 R3H,R2H,R2H,R4H,R5H || MOV32 R1H,*XAR4")
-    assert [number(cpu.r[n]) for n in (3, 2, 1)] == [5.0, 20.0, 100.0]
-
-
 def test_repeated_multiply_and_accumulate_has_two_sums():
     cpu = loaded("RPT #3\nMACF32 R7H,R3H,*XAR4++,*XAR7++")
     cpu.put_xars({4: 0x9000, 7: 0xA000})
@@ -144,9 +106,3 @@ def test_repeated_multiply_and_accumulate_has_two_sums():
     for _ in range(5):
         cpu.step()
     assert [number(cpu.r[n]) for n in (3, 2, 7, 6)] == [10.0, 30.0, 20.0, 40.0]
-
-
-def test_moves_between_the_fpu_and_the_cpu_name_a_window():
-    cpu = loaded("MOV32 *(0:0x0F16),@ACC\nMOV32 @XAR3,*(0:0x0F16)")
-    cpu.acc = 0x1234_5678
-    assert (cpu.step(), cpu.r[1], cpu.step(), cpu.xar[3]) == (1, 0x1234_5678, 1, 0x1234_5678)

@@ -144,7 +144,7 @@ def cinit(*words: int, flags: int = 0x50) -> bytes:
 
 def test_cinit_is_applied_only_as_a_copy_of_data():
     assert [coff2.read(cinit(1, 0x9100, 7, flags=flags)).initial for flags in (0, 0x10, 0x20, 0x30, 0x40)] == [()] * 5
-    assert coff2.read(cinit(1, 0x9100, 7)).initial == ((0x9100, (7,)),)
+    assert coff2.read(cinit(1, 0x9100, 7, 0, 5)).initial == ((0x9100, (7,)),)  # a 0 ends the list
     assert coff2.read(cinit()).initial == ()
 
 

@@ -43,7 +43,9 @@ class Load(NamedTuple):
     kind: int = 1
 
 
-def file_of(parts: list[Part], loads: list[Load], symbols: Sequence[Row] = ()) -> bytes:
+def file_of(
+    parts: list[Part], loads: list[Load], symbols: Sequence[Row] = (), *, machine: int = 141, kind: int = 2
+) -> bytes:
     names = b"\0" + b"".join(name.encode() + b"\0" for name in (*(part.name for part in parts), ".symtab", ".strtab"))
     strings = b"\0" + b"".join(name.encode() + b"\0" for name, *_ in symbols)
     table = SYMBOL.pack(0, 0, 0, 0, 0, 0)
@@ -66,7 +68,7 @@ def file_of(parts: list[Part], loads: list[Load], symbols: Sequence[Row] = ()) -
         run = places[one.first][2]
         segments += SEGMENT.pack(one.kind, begin, run, one.load, end - begin, end - begin, 5, 2)
     head = HEADER.pack(
-        b"\x7fELF\1\1\1".ljust(16, b"\0"), 2, 141, 1, 0x8001, HEADER.size,
+        b"\x7fELF\1\1\1".ljust(16, b"\0"), kind, machine, 1, 0x8001, HEADER.size,
         at + len(body), 0, HEADER.size, SEGMENT.size, len(loads), SECTION.size, len(own) + 1, len(own),
     )  # fmt: skip
     return head + segments + body + rows

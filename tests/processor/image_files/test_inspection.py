@@ -8,7 +8,7 @@ from periph_sim.processor.image_files import debug_info
 from periph_sim.processor.image_files.debug_info import Function, FunctionMap
 from periph_sim.processor.image_files.inspection import Inspection, inspect
 from periph_sim.processor.image_files.load import shared_memory
-from periph_sim.processor.image_files.model import Image, Section, Symbol
+from periph_sim.processor.image_files.model import Section
 from tests.processor.image_files.own_images import CODE, ENTRY, HANDLER, image, text
 
 

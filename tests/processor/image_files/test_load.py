@@ -12,10 +12,13 @@ from hypothesis import strategies as st
 from periph_sim.processor.image_files.coff2 import write
 from periph_sim.processor.image_files.load import load, parse
 from periph_sim.processor.image_files.model import BadImage, Section
-from tests.processor.image_files.own_images import CODE, ENTRY, NAMES, elf, image, text
+from tests.processor.image_files.own_images import CODE, ENTRY, NAMES, image, text
+from tests.processor.image_files.test_elf import TEXT, Load, file_of
 
 SECTION_AT = 22 + 28  # the first section header of a COFF file
 GOOD = write(image())
+PARTS = [TEXT], [Load(0x8000, ".text", ".text")]
+ELF = file_of(*PARTS)
 
 
 def changed(data: bytes, at: int, layout: str, value: int) -> bytes:
@@ -72,6 +75,10 @@ def test_names_of_more_than_8_characters_are_read_where_no_symbol_is_left():
     assert [one.name for one in found.sections] == [".text", "a_long_name"] and found.symbols == ()
 
 
+def test_elf_is_told_by_its_first_bytes():
+    assert [(one.name, one.code) for one in parse(ELF).sections] == [(".text", True)]
+
+
 REFUSED = [
     (b"", "neither TI COFF nor ELF"),
     (b"#!/bin/sh\n", "neither TI COFF nor ELF"),
@@ -99,9 +106,9 @@ REFUSED = [
     (write(image(Section("Cla1Prog", 0x9000, 0x9000, 1, (1,)))), "a part with a CLA"),
     (write(image(Section(".econst", 0x9000, 0x9000, 1, (1,)))), "not in a loaded code section"),
     (write(image(Section(".ebss", 0x9000, 0x9000, 1))), "it has no loaded section"),
-    (elf(machine=40), "ELF for ARM"),
-    (elf(kind=1), "object file"),
-    (elf()[:-10], "ELF structure is damaged"),
+    (file_of(*PARTS, machine=40), "ELF for ARM"),
+    (file_of(*PARTS, kind=1), "object file"),
+    (ELF[:-10], "ELF structure is damaged"),
 ]
 
 
@@ -140,7 +147,7 @@ def test_any_bytes_behind_a_coff_header_are_parsed_or_refused(tail: bytes):
     parsed_or_refused(GOOD[:22] + tail)
 
 
-@given(st.sampled_from((GOOD, elf())), st.data())
+@given(st.sampled_from((GOOD, ELF)), st.data())
 def test_a_damaged_file_is_parsed_or_refused(data: bytes, draw: st.DataObject):
     places = draw.draw(st.lists(st.tuples(st.integers(0, len(data) - 1), st.integers(0, 255)), max_size=8))
     damaged = bytearray(data)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.processor.image.rig import HEAD, Rig
+from tests.processor.image.rig import HEAD, Rig, ended
 
 TXRDY = "w: MOVW DP,#0x1C4 | AND AL,@0x19,#0x80 | LSR AL,#7 | SBF w,EQ"
 PLLLOCKS = "w: MOV AL,@0x19 | ANDB AL,#1 | CMPB AL,#1 | SB w,NEQ"
@@ -43,9 +43,7 @@ def test_a_repeated_block_is_its_cycles_times_the_count(block: str, cycles: int,
     def took(times: int) -> int:
         body = "".join(f" {block}\n" for _ in range(8))
         code = f" MOVL XAR4,#0x9400\n .align 2\n RPTB behind,#{times - 1}\n{body}behind: NOP\n ESTOP0\n"
-        ended = Rig(HEAD + code).run().program.returned_at
-        assert ended is not None
-        return ended
+        return ended(HEAD + code)
 
     assert took(count) - took(1) == (count - 1) * cycles
 
@@ -80,7 +78,7 @@ again: ADDL ACC,*XAR6++
 def test_a_routine_takes_base_and_a_cycle_count_for_each_element(routine: str, base: int, each: int, count: int):
     """Call and return included, as TI's libraries state it."""
 
-    def ended(call: str) -> int:
+    def took(call: str) -> int:
         code = f"""{HEAD} MOVL XAR4,#0x9400
  MOVL XAR5,#0x9600
  MOVL XAR0,#{count}
@@ -93,8 +91,6 @@ def test_a_routine_takes_base_and_a_cycle_count_for_each_element(routine: str, b
  .align 2
 {routine}
 """
-        at = Rig(code).run().program.returned_at
-        assert at is not None
-        return at
+        return ended(code)
 
-    assert ended(" LCR #called\n") - ended("") == base + each * count
+    assert took(" LCR #called\n") - took("") == base + each * count

@@ -6,7 +6,7 @@ import pytest
 
 from periph_sim.core.options import Value
 from periph_sim.processor.c28x.pipeline import BY_ARP, DEPTH, DP, SP, FetchQueue, addressing
-from tests.processor.image.rig import HEAD, Rig
+from tests.processor.image.rig import HEAD, Rig, ended
 
 L1, L4 = 0x9000, 0xC000
 BEGIN = " MOVW DP,#0x9100 >> 6\n MOVL XAR4,#0x9100\n MOVL XAR5,#0x9140\n MOVL XAR7,#0x9180\n NOP\n NOP\n NOP\n"
@@ -14,9 +14,7 @@ BEGIN = " MOVW DP,#0x9100 >> 6\n MOVL XAR4,#0x9100\n MOVL XAR5,#0x9140\n MOVL XA
 
 def cycles(code: str, **options: Value) -> int:
     """What it takes from the reset to ESTOP0."""
-    rig = Rig(HEAD + BEGIN + code + "\n ESTOP0\n", **options).run()
-    assert rig.program.returned_at is not None
-    return rig.program.returned_at
+    return ended(HEAD + BEGIN + code + "\n ESTOP0\n", **options)
 
 
 def stalls(code: str) -> int:
@@ -126,10 +124,7 @@ def from_l4(code: str, **options: Value) -> int:
     """What code takes in L4 more than in L1; both come by a jump."""
 
     def at(base: int) -> int:
-        source = HEAD + f' LB #there\n .sect "code", {base:#x}\nthere: {code}\n ESTOP0\n .space 8\n'
-        ended = Rig(source, **options).run().program.returned_at
-        assert ended is not None
-        return ended
+        return ended(HEAD + f' LB #there\n .sect "code", {base:#x}\nthere: {code}\n ESTOP0\n .space 8\n', **options)
 
     return at(L4) - at(L1 + 0x800)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.options import Value, options_from
@@ -72,3 +73,10 @@ class Rig:
 
     def notes(self) -> list[str]:
         return [note.text for note in self.dsp.processor.notes.counts]
+
+
+def ended(source: str | Image, **options: Any) -> int:
+    """The cycle in which a program comes to ESTOP0. options: of `Rig`."""
+    at = Rig(source, **options).run().program.returned_at
+    assert at is not None
+    return at

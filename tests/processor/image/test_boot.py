@@ -77,16 +77,3 @@ def test_a_stub_of_what_needs_none_is_refused(register: str, sentence: str):
     memory = Rig(HEAD + " ESTOP0").dsp.memory
     with pytest.raises(BadStub, match=sentence):
         stubbed(register, memory)
-
-
-def test_frames_without_model_keep_their_eallow():
-    """Flash control needs it, the ADC does not."""
-    flash = (
-        " MOVW DP,#0x0A86 >> 6\n MOV @0x0A86,#5\n MOV AL,@0x0A86\n EALLOW\n MOV @0x0A86,#6\n MOV AH,@0x0A86\n EDIS\n"
-    )
-    adc = " MOVW DP,#0x7100 >> 6\n MOV @0x7100,#0x10\n OR AL,@0x7100\n ESTOP0"
-    rig = Rig(HEAD + flash + adc).run()
-    assert rig.cpu.acc == 0x0006_0F1F
-    assert [text for text in rig.notes() if "EALLOW" in text] == [
-        "flash control.FBANKWAIT was written without EALLOW; the write is ignored"
-    ]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.processor.image.observers import CallListener
-from periph_sim.processor.image_files.assemble import assemble
 
 from .rig import ENPIE, HEAD, Rig
 from .test_image_program import CYCLE, TIMER
@@ -52,31 +51,40 @@ def test_a_call_in_a_call_begins_at_its_first_instruction_and_ends_behind_its_re
     assert [at - told.at[0] for at in told.at] == [0, 15, 19, 34, 39]
 
 
-def test_a_branch_into_another_function_takes_its_frame_over():
-    """_tail returns to where _outer was called from."""
-    tail = " .global _outer, _tail\n_outer: NOP\n LB #_tail\n ESTOP0\n_tail: NOP\n LRETR\n"
-    told = calls_of(HEAD + " LCR #_outer\n NOP\n ESTOP0\n" + tail)
-    assert told.lines == ["> _c_int00", "> _outer", "< _outer", "> _tail", "< _tail"]
+LEAVES = " NOP\n ESTOP0\n .global _leaf\n_leaf: NOP\n "
+TRAP = " EALLOW\n MOVL XAR4,#_leaf\n MOVL XAR5,#0x0D80\n MOVL *XAR5,XAR4\n EDIS\n TRAP #5\n"
+# For the code behind the head, what is told behind the call of _c_int00.
+TOLD = {
+    "LC": (f" LC #_leaf\n{LEAVES} LRET", "> _leaf < _leaf"),
+    "FFC": (f" FFC XAR7,#_leaf\n{LEAVES} LB *XAR7", "> _leaf < _leaf"),
+    "LCR *XAR7": (f" MOVL XAR7,#_leaf\n LCR *XAR7\n{LEAVES} LRETR", "> _leaf < _leaf"),
+    "TRAP": (f"{ENPIE}{TRAP}{LEAVES} IRET", "> _leaf < _leaf"),
+    "a branch within a function": (" MOVB ACC,#3\nagain: SUBB ACC,#1\n BF again,NEQ\n ESTOP0", ""),
+    "a function that calls itself": (
+        " MOVB ACC,#3\n LCR #_down\n ESTOP0\n .global _down\n"
+        "_down: SUBB ACC,#1\n BF out,EQ\n LCR #_down\nout: LRETR",
+        "> _down > _down > _down < _down < _down < _down",
+    ),
+    "a branch into another function, which returns to where the first one was called from": (
+        " LCR #_outer\n NOP\n ESTOP0\n .global _outer, _tail\n"
+        "_outer: NOP\n LB #_tail\n ESTOP0\n_tail: NOP\n LRETR",
+        "> _outer < _outer > _tail < _tail",
+    ),
+    "a return to an address on the stack that nobody called from, as an RTOS makes it": (
+        " LCR #_switch\n ESTOP0\n .global _switch, _task\n"
+        "_switch: MOVL XAR4,#_task\n PUSH XAR4\n POP RPC\n LRETR\n ESTOP0\n_task: NOP\n ESTOP0",
+        "> _switch < _switch > _task",
+    ),
+    "code without a symbol": (
+        ' LCR #0x9200\n ESTOP0\n .sect "more", 0x9200\n NOP\n LRETR', "> 0x009200 < 0x009200"
+    ),
+}  # fmt: skip
 
 
-def test_a_branch_within_a_function_is_no_call():
-    told = calls_of(HEAD + " MOVB ACC,#3\nagain: SUBB ACC,#1\n BF again,NEQ\n ESTOP0\n")
-    assert told.lines == ["> _c_int00"]
-
-
-def test_a_function_that_calls_itself_is_under_way_several_times():
-    source = " .global _down\n_down: SUBB ACC,#1\n BF out,EQ\n LCR #_down\nout: LRETR\n"
-    told = calls_of(HEAD + " MOVB ACC,#3\n LCR #_down\n ESTOP0\n" + source)
-    assert told.lines == ["> _c_int00", *["> _down"] * 3, *["< _down"] * 3]
-
-
-@pytest.mark.parametrize(
-    ("call", "back"),
-    [("LC #_leaf", "LRET"), ("FFC XAR7,#_leaf", "LB *XAR7"), ("MOVL XAR7,#_leaf\n LCR *XAR7", "LRETR")],
-)
-def test_each_kind_of_call_comes_back(call: str, back: str):
-    told = calls_of(f"{HEAD} {call}\n NOP\n ESTOP0\n .global _leaf\n_leaf: NOP\n {back}\n")
-    assert told.lines == ["> _c_int00", "> _leaf", "< _leaf"]
+@pytest.mark.parametrize("case", TOLD)
+def test_calls_and_returns_are_told(case: str):
+    source, told = TOLD[case]
+    assert " ".join(calls_of(f"{HEAD}{source}\n").lines) == f"> _c_int00 {told}".strip()
 
 
 def test_a_service_routine_interrupts_what_goes_on():
@@ -85,41 +93,6 @@ def test_a_service_routine_interrupts_what_goes_on():
     _, began, over, again, _ = told.at[:5]
     # seven instructions of a cycle each, and IRET 8
     assert (over - began, again - began) == (15, 500)
-
-
-def test_a_trap_is_a_call():
-    source = (
-        HEAD
-        + ENPIE
-        + " EALLOW\n MOVL XAR4,#_routine\n MOVL XAR5,#0x0D80\n MOVL *XAR5,XAR4\n EDIS\n TRAP #5\n NOP\n ESTOP0\n"
-    )
-    told = calls_of(source + " .global _routine\n_routine: NOP\n IRET\n")
-    assert told.lines == ["> _c_int00", "> _routine", "< _routine"]
-
-
-def test_a_made_frame_leaves_the_function_that_runs():
-    """As an RTOS does: _switch puts an address on the stack that nobody called from, and returns to it."""
-    source = """
- LCR #_switch
- ESTOP0
- .global _switch, _task
-_switch: MOVL XAR4,#_task
- PUSH XAR4
- POP RPC
- LRETR
- ESTOP0
-_task: NOP
- ESTOP0
-"""
-    told = calls_of(HEAD + source)
-    assert told.lines == ["> _c_int00", "> _switch", "< _switch", "> _task"]
-
-
-def test_code_without_a_symbol_is_named_by_its_address():
-    image = assemble(HEAD + ' LCR #0x9200\n ESTOP0\n .sect "more", 0x9200\n NOP\n LRETR\n')
-    assert all(symbol.address != 0x9200 for symbol in image.symbols)
-    told = calls_of(HEAD + ' LCR #0x9200\n ESTOP0\n .sect "more", 0x9200\n NOP\n LRETR\n')
-    assert told.lines == ["> _c_int00", "> 0x009200", "< 0x009200"]
 
 
 def test_who_listens_late_is_told_what_is_under_way():

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis.strategies import integers
 
-from periph_sim.core.records import Kind, Record
 from periph_sim.processor.c28x.encodings import by_id, encodings
 from periph_sim.processor.image.boot import Stub
 from periph_sim.processor.image.counting_loop import Number, Sum, passes_within, sum_of
@@ -161,9 +160,7 @@ def test_the_pll_locks_within_a_time_out():
 
 
 def waits_of(rig: Rig) -> list[tuple[str, int]]:
-    told: list[Record] = []
-    rig.recorder.subscribe({Kind.WAIT}, told.append)
-    rig.program.record_waits(rig.recorder)
+    told = rig.record_waits()
     rig.run()
     return [(one.what, one.value) for one in told]
 

@@ -8,7 +8,7 @@ import pytest
 
 from periph_sim.core.options import Value
 from periph_sim.core.records import Kind
-from tests.processor.image.rig import ENPIE, HEAD, Rig
+from tests.processor.image.rig import ENPIE, HEAD, Rig, ended
 
 # Interrupts ---------------------------------------------------------------------------------------------------------
 
@@ -62,8 +62,7 @@ def test_open_vector_fetch_waits(waits: int):
     through, entered = asleep("CLRC")
     assert asleep("CLRC", vector_fetch_waits=waits) == (through + waits, entered + waits * CYCLE)
     trap = f"{HEAD}{ENPIE}{VECTOR} TRAP #5\n ESTOP0\n .global _routine\n_routine: IRET\n".replace("0x0D4C", "0x0D80")
-    took = [Rig(trap, vector_fetch_waits=n).run().program.returned_at for n in (0, waits)]
-    assert took[0] is not None and took[1] == took[0] + waits
+    assert ended(trap, vector_fetch_waits=waits) == ended(trap, vector_fetch_waits=0) + waits
 
 
 # The FPU ------------------------------------------------------------------------------------------------------------
@@ -159,10 +158,8 @@ CONSTANT = 0x30_0800
 def test_flash_and_otp_after_reset(base: int, instructions: int, more: int):
     """32 bits at a time, the first ones after 15 or 31 cycles; two instructions of them were executed meanwhile."""
     body = " NOP\n" * instructions
-    rig = Rig(f'{HEAD} LB #there\n .sect "code", {base:#x}\nthere:{body} ESTOP0\n .space 8\n').run()
-    bare = Rig(f"{HEAD} LB #there\nthere:{body} ESTOP0\n").run()
-    assert rig.program.returned_at is not None and bare.program.returned_at is not None
-    assert rig.program.returned_at - bare.program.returned_at == more
+    there = f'{HEAD} LB #there\n .sect "code", {base:#x}\nthere:{body} ESTOP0\n .space 8\n'
+    assert ended(there) - ended(f"{HEAD} LB #there\nthere:{body} ESTOP0\n") == more
 
 
 def from_flash(code: str, *, enpipe: int = 1, **options: Value) -> int:
@@ -176,9 +173,7 @@ def from_flash(code: str, *, enpipe: int = 1, **options: Value) -> int:
             f' .sect "code", {base:#x}\nthere:\n{body}\n ESTOP0\n .space 8\n'
             f' .sect "constant", {constant:#x}\n .word 7, 8\n'
         )
-        rig = Rig(source, **options).run()
-        assert rig.program.returned_at is not None
-        return rig.program.returned_at
+        return ended(source, **options)
 
     return at(ROW, CONSTANT) - at(0x9800, 0x9F00)
 
@@ -263,7 +258,4 @@ def test_code_elsewhere_reads_flash_without_waiting_for_fetches_that_its_jump_en
         f' .sect "code", {ROW:#x}\nthere: LB #back\n .space 8\n'
         f' .sect "constant", {CONSTANT:#x}\n .word 7, 8\n'
     )
-    ended = [
-        Rig(source, flash_model=model).run().program.returned_at for model in ("beside_reads", "shared_with_reads")
-    ]
-    assert ended[0] is not None and ended[0] == ended[1]
+    assert ended(source, flash_model="beside_reads") == ended(source, flash_model="shared_with_reads")

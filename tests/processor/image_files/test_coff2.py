@@ -51,6 +51,10 @@ def test_every_byte_of_a_file_that_is_written():
         )
     )
     found = parse(made)
+    assert [(one.name, one.address, one.run, one.size, one.code) for one in found.sections] == [
+        (".text", 0x320000, 0x8000, 2, True), ("long_name1", 0x9000, 0x9000, 1, False),
+        (".stack", 0x400, 0x400, 9, False), (".debug_info", 0, 0, 3, False),
+    ]  # fmt: skip
     assert (found.symbols, found.debug, found.tool_version) == (symbols, {".debug_info": b"abc"}, 6)
 
 

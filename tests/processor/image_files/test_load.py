@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from periph_sim.processor.image_files.coff2 import write
 from periph_sim.processor.image_files.load import load, parse
 from periph_sim.processor.image_files.model import BadImage, Section
-from tests.processor.image_files.own_images import CODE, ENTRY, NAMES, image, text
+from tests.processor.image_files.own_images import ENTRY, image, text
 from tests.processor.image_files.test_elf import TEXT, Load, file_of
 
 SECTION_AT = 22 + 28  # the first section header of a COFF file
@@ -29,44 +29,6 @@ def refused(data: bytes) -> str:
     with pytest.raises(BadImage) as error:
         parse(data)
     return str(error.value)
-
-
-def test_coff2_by_hand():
-    """A file written field by field from SPRAAO8, with no code of ours."""
-    words = (0x7625, 0x7700)
-    raw_at = 22 + 28 + 2 * 48
-    header = struct.pack("<HHiIIHHH", 0xC2, 2, 0, raw_at + 4, 2, 28, 0x1183, 0x9D)
-    optional = struct.pack("<HHIIIIII", 0x0108, 22006, 2, 0, 0, 0x8001, 0, 0)
-    code = struct.pack("<8sIIIIIIIIIHH", b".text", 0x8000, 0x320000, 2, raw_at, 0, 0, 0, 0, 0x120, 0, 0)
-    bss = struct.pack("<8sIIIIIIIIIHH", struct.pack("<II", 0, 4), 0x400, 0x400, 9, 0, 0, 0, 0, 0, 0x180, 0, 1)
-    function = struct.pack("<8sIhHBB", b"_main", 0x8001, 1, 0, 2, 0)
-    file = struct.pack("<8sIhHBB", b".file", 0, -2, 0, 103, 0)
-    strings = struct.pack("<I", 17) + b".long_stack1\0"
-    with pytest.raises(BadImage, match="entry 0x008001"):  # where it runs, and nothing is at first
-        parse(header + optional + code + bss + struct.pack("<2H", *words) + function + file + strings)
-    optional = struct.pack("<HHIIIIII", 0x0108, 22006, 2, 0, 0, 0x320001, 0, 0)
-    found = parse(header + optional + code + bss + struct.pack("<2H", *words) + function + file + strings)
-    assert (found.kind, found.entry, found.tool_version) == ("TI COFF2", 0x320001, 22006)
-    first, second = found.sections
-    assert (first.name, first.address, first.run, first.words, first.code) == (".text", 0x320000, 0x8000, words, True)
-    assert (second.name, second.address, second.size, second.loaded) == (".long_stack1", 0x400, 9, False)
-    assert [(one.name, one.address, one.section, one.external) for one in found.symbols] == [
-        ("_main", 0x8001, ".text", True)
-    ]
-
-
-def test_what_is_written_is_read():
-    found = parse(GOOD)
-    assert [(one.name, one.address, one.run, one.size, one.code) for one in found.sections] == [
-        (".text", ENTRY, ENTRY, len(CODE), True),
-        (".econst", 0x9000, 0x9000, 3, False),
-        (".stack", 0x400, 0x400, 0x300, False),
-    ]
-    assert found.symbols == NAMES
-    assert [one.words[0x9001 - one.address :] for one in found.loaded if one.address <= 0x9001 < one.end] == [
-        (0xFFFF, 3)
-    ]
-    assert found.entry == ENTRY
 
 
 def test_names_of_more_than_8_characters_are_read_where_no_symbol_is_left():
@@ -94,6 +56,7 @@ REFUSED = [
     (changed(GOOD, SECTION_AT + 16, "I", 0x10000), "truncated: section '.text' ends at byte"),
     (changed(GOOD, 8, "I", 1 << 31), "truncated: its symbol table"),
     (changed(GOOD, 22 + 16, "I", 0x9000), "entry 0x009000 is not in a loaded code"),
+    (write(image(text(address=0x320000, run=ENTRY))), "entry 0x008000 is not in a loaded code"),  # not there at first
     (write(image(text(), text(address=0x8008, name=".text.2"))), "sections '.text' and '.text.2' overlap at 0x008008"),
     (write(image(text(address=0x7900))), "'.text' lies at 0x007900, over peripheral registers (peripheral frame 2)"),
     (write(image(text(address=0xD00))), "over peripheral registers (PIE vectors)"),

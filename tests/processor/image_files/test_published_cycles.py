@@ -25,7 +25,7 @@ from periph_sim.core.options import Value
 from periph_sim.processor.image_files.assemble import assemble
 from periph_sim.processor.image_files.coff2 import COPY, EXTERNAL, FILE_HEADER, SECTION_HEADER, SYMBOL
 from periph_sim.processor.image_files.model import Section
-from tests.processor.image.rig import HEAD, Rig
+from tests.processor.image.rig import HEAD, ended
 from tests.processor.image_files.public_images import public_file
 
 MAGIC, MEMBER_HEADER, NAMES = b"!<arch>\n", 60, "//"
@@ -134,14 +134,11 @@ def took(routine: Routine, acc: int, pushed: int, data: tuple[Section, ...], **o
     )
     code = Section("routine", CODE, CODE, len(words), words, code=True)
 
-    def ended(call: str) -> int:
+    def until(call: str) -> int:
         image = assemble(HEAD + CALL.format(acc=acc, pushed=pushed) + call + " ESTOP0\n")
-        image = replace(image, sections=(*image.sections, code, *data))
-        at = Rig(image, skip=False, **options).run().program.returned_at
-        assert at is not None
-        return at
+        return ended(replace(image, sections=(*image.sections, code, *data)), skip=False, **options)
 
-    return ended(f" LCR #{CODE + min(routine.defines.values())}\n") - ended("")
+    return until(f" LCR #{CODE + min(routine.defines.values())}\n") - until("")
 
 
 # FPU library: base + N * a pass of the loop -------------------------------------------------------------------------

@@ -198,16 +198,6 @@ def test_norm_shifts_redundant_sign_bits_out_and_counts_them():
         assert (cpu.acc, cpu.xar[2], cpu.tc) == (acc << count & 0xFFFF_FFFF, count, 1)
 
 
-def test_bytes_of_a_32_bit_variable():
-    """The byte-swap example of the MOVB pages."""
-    cpu = loaded("\n".join(f"MOVB AL.LSB,*+XAR4[{n}]\nMOVB *+XAR5[{3 - n}],AL.LSB" for n in range(4)))
-    cpu.put_xars({4: 0x9000, 5: 0x9002})
-    cpu.memory |= {0x9000: 0x5678, 0x9001: 0x1234}
-    for _ in range(8):
-        cpu.step()
-    assert (cpu.memory[0x9002], cpu.memory[0x9003]) == (0x3412, 0x7856)
-
-
 def test_a_delay_loop_takes_five_cycles_a_pass():
     """DELAY_US of TI's start-up code."""
     few, many = (ran("SUBB ACC,#1\nBF 0x8000,GEQ", acc=passes)[1] for passes in (10, 110))

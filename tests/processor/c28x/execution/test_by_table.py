@@ -284,6 +284,13 @@ MOVST0 NF,ZF              | stf=4 z=1                         | n=1 z=0
 MPYF32 R0H,R1H,R2H || ADDF32 R1H,R3H,R4H | f1=1 f2=2 f3=3 f4=4 | f0=2 f1=7
 ADDF32 R3H,R1H,R2H || MOV32 *XAR4,R3H | f1=1 f2=2 r3=5        | f3=3 d=5
 MACF32 R3H,R2H,R2H,R4H,R5H || MOV32 R1H,*XAR4 | f2=2 f3=3 f4=4 f5=5 d=7 | f3=5 f2=20 r1=7
+MPYF32 R0H,R1H,R2H        | r1=0x7F000000 r2=0x7F000000       | r0=0x7F800000 stf=1
+MPYF32 R0H,R1H,R2H        | r1=0x00800000 r2=0x00800000 stf=1 | r0=0 stf=3
+ADDF32 R0H,R1H,R2H        | f1=1 f2=2 stf=3                   | f0=3 stf=3
+MOVB AL.LSB,*+XAR4[3]     | w1=0x1234                         | acc=0x12
+MOVB AL.LSB,*+XAR4[2]     | w1=0x1234                         | acc=0x34
+MOVB *+XAR4[3],AL.LSB     | w1=0x1234 acc=0x56                | w1=0x5634
+MOVB *+XAR4[0],AL.LSB     | w=0x1234 acc=0x56                 | w=0x1256
 MOV32 *(0:0x0F16),@ACC    | acc=0x12345678                    | r1=0x12345678 took=1
 MOV32 @XAR3,*(0:0x0F16)   | r1=0x12345678                     | x3=0x12345678 took=1
 """

@@ -54,9 +54,6 @@ class Instruction(NamedTuple):
         values = self.values
         return "".join(part.show(values, self.address) for part in parts_of(self.encoding)).rstrip()
 
-    def __str__(self) -> str:
-        return self.text
-
     @property
     def is_call(self) -> bool:
         """True for LCR, LC, FFC, XCALL, TRAP and INTR; the called code returns to the next instruction."""

@@ -79,7 +79,9 @@ def read(data: bytes) -> Image:
     if optional != OPTIONAL_HEADER.size:
         raise BadImage(f"its optional header has {optional} bytes; an executable .out has {OPTIONAL_HEADER.size}")
     _, tool_version, *_, entry, _, _ = _unpack(OPTIONAL_HEADER, data, FILE_HEADER.size, "optional header")
-    strings = _Strings(data, symbols_at + SYMBOL.size * symbol_count if symbols_at else len(data))
+    strings_at = symbols_at + SYMBOL.size * symbol_count if symbols_at else len(data)
+    size = int.from_bytes(data[strings_at : strings_at + 4], "little")
+    strings = _Strings(data[strings_at : strings_at + size])
     first = FILE_HEADER.size + optional
     headers = [_header(data, first + SECTION_HEADER.size * n, strings) for n in range(section_count)]
     return Image(
@@ -106,11 +108,8 @@ def _unpack(layout: struct.Struct, data: bytes, at: int, what: str) -> tuple[Any
 class _Strings:
     """The string table of a file, with the names longer than 8 characters. The table begins with its own size."""
 
-    def __init__(self, data: bytes, at: int) -> None:
-        self._table = b""
-        if at + 4 <= len(data):
-            size = struct.unpack_from("<I", data, at)[0]
-            self._table = data[at : at + size]
+    def __init__(self, table: bytes = bytes(4)) -> None:
+        self._table = table
 
     def name(self, field: bytes) -> str:
         """Return the name that a field of 8 bytes contains, or to which it refers.
@@ -124,6 +123,19 @@ class _Strings:
         if offset < 4 or end < 0:
             raise BadImage(f"it is truncated: a name is at byte {offset} of its string table of {len(self._table)}")
         return self._table[offset:end].decode("latin-1")
+
+    def field(self, name: str) -> bytes:
+        """Return the field of 8 bytes for a name, and add a long name to the table."""
+        raw = name.encode("latin-1")
+        if len(raw) <= SHORT_NAME:
+            return raw.ljust(SHORT_NAME, b"\0")
+        offset = len(self._table)
+        self._table += raw + b"\0"
+        return struct.pack("<II", 0, offset)
+
+    @property
+    def table(self) -> bytes:
+        return struct.pack("<I", len(self._table)) + self._table[4:]
 
 
 def _header(data: bytes, at: int, strings: _Strings) -> SectionHeader:
@@ -213,7 +225,7 @@ def write(image: Image) -> bytes:
 
     Values of symbols are written as 32 bits, also negative ones.
     """
-    strings = _NewStrings()
+    strings = _Strings()
     debug = list(image.debug.items())
     count = len(image.sections) + len(debug)
     at = FILE_HEADER.size + OPTIONAL_HEADER.size + SECTION_HEADER.size * count
@@ -238,26 +250,7 @@ def write(image: Image) -> bytes:
     header = FILE_HEADER.pack(COFF2, count, 0, symbols_at, len(image.symbols), OPTIONAL_HEADER.size, flags, C28X)
     code_words = sum(section.size for section in image.code)
     optional = OPTIONAL_HEADER.pack(OPTIONAL_MAGIC, image.tool_version, code_words, 0, 0, image.entry & WORD32, 0, 0)
-    return header + optional + headers + raw + symbols + strings.table()
-
-
-class _NewStrings:
-    """The string table of a new file, for names longer than 8 characters."""
-
-    def __init__(self) -> None:
-        self._names = b""
-
-    def field(self, name: str) -> bytes:
-        """Return the 8 bytes of a name field: the name, or 4 bytes of 0 and the offset of a long name in the table."""
-        raw = name.encode("latin-1")
-        if len(raw) <= SHORT_NAME:
-            return raw.ljust(SHORT_NAME, b"\0")
-        place = 4 + len(self._names)
-        self._names += raw + b"\0"
-        return struct.pack("<II", 0, place)
-
-    def table(self) -> bytes:
-        return struct.pack("<I", 4 + len(self._names)) + self._names
+    return header + optional + headers + raw + symbols + strings.table
 
 
 def _header_of(name: bytes, run: int, load: int, size: int, raw: int, flags: int) -> bytes:

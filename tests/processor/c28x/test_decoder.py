@@ -69,7 +69,7 @@ def test_text(words: tuple[int, ...], text: str):
 
 def test_a_sweep_passes_unknown_words_on_by_their_address_and_goes_on_behind_them():
     found = list(sweep(AT, [0x7700, 0xFF60, 0x7640, 0x8000]))
-    assert [one if isinstance(one, int) else str(one) for one in found] == ["NOP", AT + 1, "LCR #0x8000"]
+    assert [one if isinstance(one, int) else one.text for one in found] == ["NOP", AT + 1, "LCR #0x8000"]
 
 
 def test_an_instruction_that_its_section_cuts_off_is_none():

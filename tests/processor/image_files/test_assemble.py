@@ -201,7 +201,7 @@ def test_the_shipped_program_is_written_and_read_back(periph_sim: Run, tmp_path:
     assert [one.name for one in found.functions] == ["_c_int00", "_echo", "_start_sci"]
     assert {"SCIRXBUF", "SCITXBUF", "PLLCR"} <= {one.name for one in found.registers}
     source = assemble_file(ECHO)[0].sections[0]
-    assert [str(one) for one in sweep(0x9000, source.words)][:4] == [
+    assert [one.text for one in sweep(0x9000, source.words)][:4] == [
         "MOV @SP,#0x400", "EALLOW", "MOVW DP,#0x1c0", "MOV @0x29,#0x68"
     ]  # fmt: skip
 

@@ -51,7 +51,7 @@ def test_repeated_instructions_are_those_that_the_manual_allows(name: str):
         for one in sweep(section.run, section.words):
             assert isinstance(one, Instruction)
             if before is not None and before.encoding.mnemonic == "RPT":
-                assert one.encoding.repeated, f"{one} at {one.address:#08x}"
+                assert one.encoding.repeated, f"{one.text} at {one.address:#08x}"
             before = one
 
 

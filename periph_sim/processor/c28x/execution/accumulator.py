@@ -217,16 +217,11 @@ def TEST_ACC(cpu: Cpu, f: Operation) -> None:
 
 
 def MAXL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
+    """Set ACC to the maximum of ACC and the operand; to the minimum if b = 1."""
     value = cpu.read32()
     compared32(cpu, cpu.acc, value)
-    if s32(cpu.acc) < s32(value):
-        cpu.acc, cpu.v = value, 1
-
-
-def MINL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
-    value = cpu.read32()
-    compared32(cpu, cpu.acc, value)
-    if s32(cpu.acc) > s32(value):
+    smaller, larger = (value, cpu.acc) if f.b == 1 else (cpu.acc, value)
+    if s32(smaller) < s32(larger):
         cpu.acc, cpu.v = value, 1
 
 

@@ -244,29 +244,18 @@ def clean(bits: int) -> int:
 
 
 def MAXF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
+    """Set RaH to the maximum of RaH and the other operand; to the minimum if b = 1.
+
+    If RaH changes and the form has a field r, copy RdH, as it was before, to RcH.
+    """
     value = value_of(cpu, f, f.q)
-    if compare(cpu, cpu.r[f.p], value) < 0:
+    beside = cpu.r[f.t] if f.r >= 0 else 0
+    difference = compare(cpu, cpu.r[f.p], value)
+    changes: bool = difference > 0 if f.b == 1 else difference < 0
+    if changes:
         cpu.r[f.p] = clean(value)
-
-
-def MAXF32_RaH_RbH_par_MOV32_RcH_RdH(cpu: Cpu, f: Operation) -> None:
-    value, beside = cpu.r[f.q], cpu.r[f.t]
-    if compare(cpu, cpu.r[f.p], value) < 0:
-        cpu.r[f.p] = clean(value)
-        cpu.r[f.r] = beside
-
-
-def MINF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
-    value = value_of(cpu, f, f.q)
-    if compare(cpu, cpu.r[f.p], value) > 0:
-        cpu.r[f.p] = clean(value)
-
-
-def MINF32_RaH_RbH_par_MOV32_RcH_RdH(cpu: Cpu, f: Operation) -> None:
-    value, beside = cpu.r[f.q], cpu.r[f.t]
-    if compare(cpu, cpu.r[f.p], value) > 0:
-        cpu.r[f.p] = clean(value)
-        cpu.r[f.r] = beside
+        if f.r >= 0:
+            cpu.r[f.r] = beside
 
 
 # Conversions --------------------------------------------------------------------------------------------------------

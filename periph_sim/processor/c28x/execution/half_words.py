@@ -90,17 +90,11 @@ def CMP_loc16_16s(cpu: Cpu, f: Operation) -> None:
 
 
 def MAX_AX_loc16(cpu: Cpu, f: Operation) -> None:
+    """Set AX to the maximum of AX and the operand; to the minimum if b = 1."""
     value, ax = cpu.read16(), cpu.ax(f.x)
     compared16(cpu, ax, value)
-    if s16(ax) < s16(value):
-        cpu.put_ax(f.x, value)
-        cpu.v = 1
-
-
-def MIN_AX_loc16(cpu: Cpu, f: Operation) -> None:
-    value, ax = cpu.read16(), cpu.ax(f.x)
-    compared16(cpu, ax, value)
-    if s16(ax) > s16(value):
+    smaller, larger = (value, ax) if f.b == 1 else (ax, value)
+    if s16(smaller) < s16(larger):
         cpu.put_ax(f.x, value)
         cpu.v = 1
 

@@ -28,6 +28,14 @@ def program32(cpu: Cpu, address: int) -> int:
     return cpu.program16(address & ~1) | cpu.program16(address | 1) << 16
 
 
+def take_product(cpu: Cpu, f: Operation) -> None:
+    """Subtract P, shifted by PM, from ACC if b = 1; otherwise, add it to ACC."""
+    if f.b == 1:
+        subtract(cpu, cpu.psh())
+    else:
+        add(cpu, cpu.psh())
+
+
 # 16 by 16 bits ------------------------------------------------------------------------------------------------------
 
 
@@ -57,13 +65,7 @@ def MPYA_P_loc16_16(cpu: Cpu, f: Operation) -> None:
 
 def MPYA_P_T_loc16(cpu: Cpu, f: Operation) -> None:
     value = cpu.read16()
-    add(cpu, cpu.psh())
-    cpu.p = s16(cpu.t()) * s16(value) & M32
-
-
-def MPYS_P_T_loc16(cpu: Cpu, f: Operation) -> None:
-    value = cpu.read16()
-    subtract(cpu, cpu.psh())
+    take_product(cpu, f)
     cpu.p = s16(cpu.t()) * s16(value) & M32
 
 
@@ -85,14 +87,7 @@ def MPYXU_P_T_loc16(cpu: Cpu, f: Operation) -> None:
 
 def SQRA_loc16(cpu: Cpu, f: Operation) -> None:
     value = cpu.read16()
-    add(cpu, cpu.psh())
-    cpu.put_t(value)
-    cpu.p = s16(value) * s16(value) & M32
-
-
-def SQRS_loc16(cpu: Cpu, f: Operation) -> None:
-    value = cpu.read16()
-    subtract(cpu, cpu.psh())
+    take_product(cpu, f)
     cpu.put_t(value)
     cpu.p = s16(value) * s16(value) & M32
 
@@ -102,7 +97,7 @@ def SQRS_loc16(cpu: Cpu, f: Operation) -> None:
 
 def MOVA_T_loc16(cpu: Cpu, f: Operation) -> None:
     value = cpu.read16()
-    add(cpu, cpu.psh())
+    take_product(cpu, f)
     cpu.put_t(value)
 
 
@@ -114,12 +109,6 @@ def MOVAD_T_loc16(cpu: Cpu, f: Operation) -> None:
 def MOVP_T_loc16(cpu: Cpu, f: Operation) -> None:
     value = cpu.read16()
     logic(cpu, cpu.psh())
-    cpu.put_t(value)
-
-
-def MOVS_T_loc16(cpu: Cpu, f: Operation) -> None:
-    value = cpu.read16()
-    subtract(cpu, cpu.psh())
     cpu.put_t(value)
 
 
@@ -233,13 +222,7 @@ def QMPYXUL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
 
 def QMPYAL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
     value = cpu.read32()
-    add(cpu, cpu.psh())
-    cpu.p = product_high(s32(cpu.xt) * s32(value))
-
-
-def QMPYSL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
-    value = cpu.read32()
-    subtract(cpu, cpu.psh())
+    take_product(cpu, f)
     cpu.p = product_high(s32(cpu.xt) * s32(value))
 
 

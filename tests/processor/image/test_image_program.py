@@ -55,6 +55,7 @@ def test_a_program_ends_at_estop0_and_its_cycles_are_the_tables():
     assert rig.program.finished
     assert rig.program.returned_at == 4 + 1 + 1 + 4 + 1 + 10 * 5 + 1 + 20
     assert rig.cpu.acc == 0xFFFF_FFFF
+    assert rig.program.ending("2 us").startswith("ESTOP0 ended the program at 2 us, in _c_int00+0x")
 
 
 def test_an_access_waits_as_its_frame_does_and_a_read_for_the_write_before():
@@ -182,11 +183,6 @@ def test_what_is_written_just_before_estop0_lands():
     rig = Rig(HEAD + " MOVW DP,#TCR >> 6\n MOVL XAR4,#5000\n MOVL @TCR-2,XAR4\n ESTOP0", "TIMER0").run()
     assert rig.program.finished
     assert rig.dsp.sockets["TIMER0"].chip.peek(rig.dsp.processor.time.cycle, 2) == 5000
-
-
-def test_the_end_of_a_program_says_where():
-    program = Rig(HEAD + " NOP\n ESTOP0").run().program
-    assert program.ending("2 us").startswith("ESTOP0 ended the program at 2 us, in _c_int00+0x")
 
 
 def test_places_name_the_function_and_the_instruction():

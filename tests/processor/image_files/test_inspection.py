@@ -7,8 +7,6 @@ import pytest
 from periph_sim.processor.image_files import debug_info
 from periph_sim.processor.image_files.debug_info import Function, FunctionMap
 from periph_sim.processor.image_files.inspection import Inspection, inspect
-from periph_sim.processor.image_files.load import shared_memory
-from periph_sim.processor.image_files.model import Section
 from tests.processor.image_files.own_images import CODE, ENTRY, HANDLER, image, text
 
 
@@ -43,16 +41,6 @@ def test_functions_end_where_the_next_one_begins_and_labels_are_none():
     assert FunctionMap(image()).name_at(0x1234) == "0x001234"
 
 
-def test_instructions_and_words_are_counted():
-    found = inspect(image())
-    assert (found.instructions, found.words, found.unknown) == (9, len(CODE), ())
-
-
-def test_unknown_words_by_their_address():
-    found = of_code(0x7700, 0xE271, 0x7700, 0x0006)
-    assert [(one.address, one.word) for one in found.unknown] == [(ENTRY + 1, 0xE271)]
-
-
 def test_a_frame_that_is_not_modelled_is_named_by_module_and_offset():
     """MOVW DP,#0x1C4 (0x7100); MOV @0x3,#0."""
     found = of_code(0x761F, 0x01C4, 0x2B03, 0x0006)
@@ -70,9 +58,3 @@ def test_a_handler_has_the_name_that_budgets_know_and_not_its_symbol(monkeypatch
     monkeypatch.setattr(debug_info, "functions_of", lambda image, debug: (of_debug_data,))
     (vector,) = inspect(image()).vectors
     assert vector.handler == "on_transfer"
-
-
-def test_sections_of_the_linker_have_their_place_in_memory_unless_a_file_says_otherwise():
-    one, other = Section(".ebss", 0x9000, 0x9000, 8), Section("buffer", 0x9004, 0x9004, 8)
-    (sentence,) = shared_memory(image(text(), one, other))
-    assert ".ebss and buffer share 0x009004 to 0x009007" in sentence

@@ -165,7 +165,7 @@ MODULES = (accumulator, half_words, multiply, shifts, moves, stack, branches, co
 def operation(instruction: Instruction) -> Operation:
     """Return a new Operation that executes an instruction. Raise KeyError if no function executes its form."""
     encoding, values = instruction.encoding, instruction.values
-    form = form_of(encoding)
+    form: Operation = form_of(encoding)
     made = Operation()
     for name, value in {**values, **function_of(encoding)[1]}.items():
         setattr(made, name, value)

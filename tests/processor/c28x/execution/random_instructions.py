@@ -16,8 +16,8 @@ from hashlib import blake2b
 from periph_sim import form
 from periph_sim.processor.c28x.decoder import decode
 from periph_sim.processor.c28x.encodings import Encoding, encodings
-from periph_sim.processor.c28x.execution.engine import Engine
 from periph_sim.processor.c28x.execution.registers import IllegalOperation
+from tests.processor.c28x.execution.flat import Flat
 
 AT = 0x8000
 BLOCK = 1000
@@ -26,21 +26,19 @@ FLOATS = (0, 0x8000_0000, 0x3F80_0000, 0x7F80_0000, 0xFF80_0001, 0x0080_0000, 0x
 FORMS = [row for row in encodings() if not row.alias_of]
 
 
-class Scattered(Engine):
+class Scattered(Flat):
     """Memory that nobody wrote has a word that its address tells."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.memory: dict[int, int] = {}
         self.stores: list[tuple[int, int]] = []
 
     def load16(self, address: int) -> int:
         return self.memory.get(address, address * 0x9E37 >> 3 & 0xFFFF)
 
     def store16(self, address: int, value: int) -> None:
-        self.memory[address] = value
         self.stores.append((address, value))
-        self.written(address)
+        super().store16(address, value)
 
     def stop(self) -> None:
         """It goes on."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 import random
 import re
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -90,16 +90,10 @@ def python_of(expression: str) -> str:
     return text
 
 
-KNOWN = set(
-    names(
-        Before(
-            {"PM": 0, "P": 0, "ACC": 0, "XT": 0, "SXM": 0, "C": 0, "XAR": [0] * 8, "OVC": 0, "DP": 0, "SP": 0},
-            0,
-            16,
-            {"n": 0},
-        )
-    )
-)
+ZEROS: Mapping[str, Any] = {
+    **dict.fromkeys(("PM", "P", "ACC", "XT", "SXM", "OVM", "C", "V", "OVC", "DP", "SP"), 0), "XAR": [0] * 8
+}  # fmt: skip
+KNOWN = set(names(Before(ZEROS, 0, 16, {"n": 0})))
 
 
 class After(NamedTuple):
@@ -206,9 +200,8 @@ RANDOM_STATES = 40
 
 
 def readable(row: Encoding) -> bool:
-    registers = {"PM": 0, "P": 0, "ACC": 0, "XT": 0, "SXM": 0, "OVM": 0, "C": 0, "V": 0, "OVC": 0, "DP": 0, "SP": 0}
     try:
-        read(row.op, row.flags, Before({**registers, "XAR": [0] * 8}, 0, 16, dict.fromkeys(row.fields, 0)))
+        read(row.op, row.flags, Before(ZEROS, 0, 16, dict.fromkeys(row.fields, 0)))
     except CannotRead:
         return False
     return True

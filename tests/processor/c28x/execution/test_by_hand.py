@@ -198,20 +198,6 @@ def test_norm_shifts_redundant_sign_bits_out_and_counts_them():
         assert (cpu.acc, cpu.xar[2], cpu.tc) == (acc << count & 0xFFFF_FFFF, count, 1)
 
 
-def test_a_delay_loop_takes_five_cycles_a_pass():
-    """DELAY_US of TI's start-up code."""
-    few, many = (ran("SUBB ACC,#1\nBF 0x8000,GEQ", acc=passes)[1] for passes in (10, 110))
-    assert many - few == 5 * 100
-
-
-def test_code_that_is_written_over_is_decoded_anew():
-    cpu = loaded("NOP\nSB 0x8000,UNC")
-    cpu.step(), cpu.step()
-    cpu.store16(0x8000, 0x0901)  # ADDB ACC,#1
-    cpu.step()
-    assert cpu.acc == 1
-
-
 @pytest.mark.parametrize(
     ("source", "sentence"),
     [
@@ -227,10 +213,3 @@ def test_code_that_is_written_over_is_decoded_anew():
 def test_what_the_chip_or_this_model_refuses(source: str, sentence: str):
     with pytest.raises(IllegalOperation, match=sentence):
         loaded(source).step()
-
-
-def test_words_that_are_no_instruction():
-    cpu = loaded("NOP")
-    cpu.memory[0x8000] = 0xE271
-    with pytest.raises(IllegalOperation, match="0xe271 0x0000 is not an instruction of the F28335"):
-        cpu.step()

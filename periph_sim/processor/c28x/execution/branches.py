@@ -128,33 +128,13 @@ def XRETC_COND(cpu: Cpu, f: Operation) -> None:
         cpu.cycles = f.not_taken
 
 
-def _count(cpu: Cpu, f: Operation, step: int) -> None:
-    """Execute XBANZ: branch if AR(ARP) is not 0. Then add `step` to XAR(ARP), and set ARP if the form has field n."""
+def XBANZ_pma_ind(cpu: Cpu, f: Operation) -> None:
+    """Branch if AR(ARP) is not 0. Then step XAR(ARP), with the mode in b, and set ARP if the form has field n."""
     taken = cpu.xar[cpu.arp] & M16 != 0
-    cpu.xar[cpu.arp] = cpu.xar[cpu.arp] + step & M32
+    cpu.xar[cpu.arp] = cpu.xar[cpu.arp] + cpu.step_of(f.b, 1) & M32
     if f.n >= 0:
         cpu.arp = f.n
     _jump(cpu, f, taken, PMA | f.c)
-
-
-def XBANZ_pma_ind(cpu: Cpu, f: Operation) -> None:
-    _count(cpu, f, 0)
-
-
-def XBANZ_pma_indinc(cpu: Cpu, f: Operation) -> None:
-    _count(cpu, f, 1)
-
-
-def XBANZ_pma_inddec(cpu: Cpu, f: Operation) -> None:
-    _count(cpu, f, -1)
-
-
-def XBANZ_pma_ind0inc(cpu: Cpu, f: Operation) -> None:
-    _count(cpu, f, cpu.xar[0] & M16)
-
-
-def XBANZ_pma_ind0dec(cpu: Cpu, f: Operation) -> None:
-    _count(cpu, f, -(cpu.xar[0] & M16))
 
 
 def bind(f: Operation, name: str) -> None:

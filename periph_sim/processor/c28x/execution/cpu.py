@@ -165,11 +165,8 @@ class Cpu(Registers):
             xar[n] = self.ea & HIGH16 | low
         elif field < 0xB8:
             self.arp = field & 7
-        elif field in (0xB9, 0xBA):
-            xar[n] = self.ea + (step if field == 0xB9 else -step) & M32
-        elif field in (0xBB, 0xBC):
-            index = xar[0] & M16
-            xar[n] = self.ea + (index if field == 0xBB else -index) & M32
+        elif 0xB9 <= field <= 0xBC:
+            xar[n] = self.ea + self.step_of(field - 0xB8, step) & M32
         elif field == 0xBD:
             self.ea = self.sp
             self.sp = self.sp + step & M16
@@ -180,6 +177,13 @@ class Cpu(Registers):
             low = self.ea & 0xFF00 if (self.ea ^ xar[1]) & 0xFF == 0 else self.ea + step & M16
             xar[6] = self.ea & HIGH16 | low
             self.arp = 6
+
+    def step_of(self, mode: int, words: int) -> int:  # core: C only
+        """Return what *, *++, *--, *0++ or *0-- (modes 0 to 4) adds to an address register. words: the step of *++."""
+        if mode == 0:
+            return 0
+        size = words if mode < 3 else self.xar[0] & M16
+        return size if mode & 1 else -size
 
     def read16(self) -> int:  # core: C only
         if self.ea >= 0:

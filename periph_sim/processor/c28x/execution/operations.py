@@ -109,6 +109,13 @@ EXECUTED_BY: dict[str, tuple[str, dict[str, int]]] = {
     "MPYB_ACC_T_8": ("MPYXU_ACC_T_loc16", {}),
     "MPYB_P_T_8": ("MPYXU_P_T_loc16", {}),
     "MPYS_P_T_loc16": ("MPYA_P_T_loc16", {"b": 1}),
+    "NORM_ACC_ind": ("NORM_ACC_ind", {"b": 0}),
+    "NORM_ACC_indinc": ("NORM_ACC_ind", {"b": 1}),
+    "NORM_ACC_inddec": ("NORM_ACC_ind", {"b": 2}),
+    "NORM_ACC_ind0inc": ("NORM_ACC_ind", {"b": 3}),
+    "NORM_ACC_ind0dec": ("NORM_ACC_ind", {"b": 4}),
+    "NORM_ACC_XARninc": ("NORM_ACC_ind", {"b": 1}),
+    "NORM_ACC_XARndec": ("NORM_ACC_ind", {"b": 2}),
     "OR_ACC_loc16": ("OR_ACC_16sh_0_15", {"s": 0}),
     "OR_ACC_16sh_16": ("OR_ACC_16sh_0_15", {"s": 16}),
     "OR_loc16_16": ("OR_loc16_AX", {}),
@@ -135,6 +142,16 @@ EXECUTED_BY: dict[str, tuple[str, dict[str, int]]] = {
     "SUB_ACC_loc16shT": ("SUB_ACC_16sh_0_15", {}),
     "SUBB_ACC_8": ("SUB_ACC_16sh_0_15", {"s": 0}),
     "UOUT_ind_PA_loc16": ("IN_loc16_ind_PA", {}),
+    "XBANZ_pma_ind": ("XBANZ_pma_ind", {"b": 0}),
+    "XBANZ_pma_indinc": ("XBANZ_pma_ind", {"b": 1}),
+    "XBANZ_pma_inddec": ("XBANZ_pma_ind", {"b": 2}),
+    "XBANZ_pma_ind0inc": ("XBANZ_pma_ind", {"b": 3}),
+    "XBANZ_pma_ind0dec": ("XBANZ_pma_ind", {"b": 4}),
+    "XBANZ_pma_ind_ARPn": ("XBANZ_pma_ind", {"b": 0}),
+    "XBANZ_pma_indinc_ARPn": ("XBANZ_pma_ind", {"b": 1}),
+    "XBANZ_pma_inddec_ARPn": ("XBANZ_pma_ind", {"b": 2}),
+    "XBANZ_pma_ind0inc_ARPn": ("XBANZ_pma_ind", {"b": 3}),
+    "XBANZ_pma_ind0dec_ARPn": ("XBANZ_pma_ind", {"b": 4}),
     "XOR_ACC_loc16": ("XOR_ACC_16sh_0_15", {"s": 0}),
     "XOR_ACC_16sh_16": ("XOR_ACC_16sh_0_15", {"s": 16}),
     "XOR_loc16_16": ("XOR_loc16_AX", {}),
@@ -191,7 +208,7 @@ def function_of(encoding: Encoding) -> tuple[str, Mapping[str, int]]:
     one = OF_ONE_XAR.fullmatch(name)
     if one:
         return f"{one[1]}n{one[3] or ''}", {"n": int(one[2])}
-    return name.removesuffix("_ARPn") if encoding.mnemonic == "XBANZ" else name, {}
+    return name, {}
 
 
 @cache

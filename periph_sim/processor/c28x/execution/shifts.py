@@ -113,46 +113,20 @@ def ASR64_ACC_P_1_16(cpu: Cpu, f: Operation) -> None:
 # Normalise ----------------------------------------------------------------------------------------------------------
 
 
-def normalise(cpu: Cpu, n: int, step: int) -> None:
-    """Execute one pass of NORM: if ACC has a redundant sign bit, shift ACC left by one and add `step` to XARn.
+def NORM_ACC_ind(cpu: Cpu, f: Operation) -> None:
+    """Execute one pass of NORM: if ACC has a redundant sign bit, shift ACC left by one, and step an address register.
 
+    The register is XARn or, if the form has no field n, XAR(ARP). The mode of its step is in b.
     Set TC if there is no redundant sign bit, or ACC is 0; else clear TC.
     """
     if cpu.acc and cpu.acc >> 31 == cpu.acc >> 30 & 1:
         cpu.acc = cpu.acc << 1 & M32
-        cpu.xar[n] = cpu.xar[n] + step & M32
+        n = f.n if f.n >= 0 else cpu.arp
+        cpu.xar[n] = cpu.xar[n] + cpu.step_of(f.b, 1) & M32
         cpu.tc = 0
     else:
         cpu.tc = 1
     cpu.nz32(cpu.acc)
-
-
-def NORM_ACC_ind(cpu: Cpu, f: Operation) -> None:
-    normalise(cpu, cpu.arp, 0)
-
-
-def NORM_ACC_indinc(cpu: Cpu, f: Operation) -> None:
-    normalise(cpu, cpu.arp, 1)
-
-
-def NORM_ACC_inddec(cpu: Cpu, f: Operation) -> None:
-    normalise(cpu, cpu.arp, -1)
-
-
-def NORM_ACC_ind0inc(cpu: Cpu, f: Operation) -> None:
-    normalise(cpu, cpu.arp, cpu.xar[0] & M16)
-
-
-def NORM_ACC_ind0dec(cpu: Cpu, f: Operation) -> None:
-    normalise(cpu, cpu.arp, -(cpu.xar[0] & M16))
-
-
-def NORM_ACC_XARninc(cpu: Cpu, f: Operation) -> None:
-    normalise(cpu, f.n, 1)
-
-
-def NORM_ACC_XARndec(cpu: Cpu, f: Operation) -> None:
-    normalise(cpu, f.n, -1)
 
 
 def bind(f: Operation, name: str) -> None:

@@ -151,15 +151,10 @@ def TBIT_loc16_T(cpu: Cpu, f: Operation) -> None:
 
 
 def TCLR_loc16_bit(cpu: Cpu, f: Operation) -> None:
+    """Set TC to a bit of the operand, and clear the bit, or set it if c = 1."""
     value = cpu.read16()
     cpu.tc = value >> f.b & 1
-    cpu.move16(value & ~(1 << f.b))
-
-
-def TSET_loc16_bit(cpu: Cpu, f: Operation) -> None:
-    value = cpu.read16()
-    cpu.tc = value >> f.b & 1
-    cpu.move16(value | 1 << f.b)
+    cpu.move16(value | 1 << f.b if f.c == 1 else value & ~(1 << f.b))
 
 
 def byte_of(cpu: Cpu) -> int:

@@ -183,13 +183,10 @@ def IMPYXUL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
 
 def IMPYAL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
     value = cpu.read32()
-    cpu.acc = sum_ovcu(cpu, cpu.acc, cpu.p)
-    cpu.p = product_low(cpu, s32(cpu.xt) * s32(value))
-
-
-def IMPYSL_P_XT_loc32(cpu: Cpu, f: Operation) -> None:
-    value = cpu.read32()
-    cpu.acc = difference_ovcu(cpu, cpu.acc, cpu.p)
+    if f.b == 1:  # IMPYSL
+        cpu.acc = difference_ovcu(cpu, cpu.acc, cpu.p)
+    else:
+        cpu.acc = sum_ovcu(cpu, cpu.acc, cpu.p)
     cpu.p = product_low(cpu, s32(cpu.xt) * s32(value))
 
 

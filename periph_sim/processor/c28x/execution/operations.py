@@ -64,6 +64,7 @@ EXECUTED_BY: dict[str, tuple[str, dict[str, int]]] = {
     "IACK_16": ("NOP_indind", {}),  # no modelled device reads the value on the data bus
     "IMACL_P_loc32_indXAR7": ("IMACL_P_loc32_indXAR7inc", {"s": 0}),
     "IMACL_P_loc32_indXAR7inc": ("IMACL_P_loc32_indXAR7inc", {"s": 2}),
+    "IMPYSL_P_XT_loc32": ("IMPYAL_P_XT_loc32", {"b": 1}),
     "INC_loc16": ("ADD_loc16_AX", {"c": 1}),
     "INTR_NMI": ("TRAP_0_31", {"c": 18}),
     "INTR_EMUINT": ("TRAP_0_31", {"c": 17}),
@@ -141,6 +142,7 @@ EXECUTED_BY: dict[str, tuple[str, dict[str, int]]] = {
     "SUB_ACC_loc16sh_1_15": ("SUB_ACC_16sh_0_15", {}),
     "SUB_ACC_loc16shT": ("SUB_ACC_16sh_0_15", {}),
     "SUBB_ACC_8": ("SUB_ACC_16sh_0_15", {"s": 0}),
+    "TSET_loc16_bit": ("TCLR_loc16_bit", {"c": 1}),
     "UOUT_ind_PA_loc16": ("IN_loc16_ind_PA", {}),
     "XBANZ_pma_ind": ("XBANZ_pma_ind", {"b": 0}),
     "XBANZ_pma_indinc": ("XBANZ_pma_ind", {"b": 1}),

@@ -8,7 +8,7 @@ coverage        ----------F----------F    the interrupt comes while the controll
 from __future__ import annotations
 
 import json
-import os
+from contextlib import chdir
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -84,13 +84,9 @@ def save_coverage(case: Path) -> Path:
 
 def put_covered(folder: Path) -> None:
     """Write the case, its baseline and its coverage file to `cases` in a folder."""
-    here = Path.cwd()
-    os.chdir(folder)
-    try:
+    with chdir(folder):
         save_coverage(put_case(Path("cases")))
         check(["cases"], jobs=1, update=True)
-    finally:
-        os.chdir(here)
 
 
 def change_coverage(case: Path, **keys: Any) -> None:

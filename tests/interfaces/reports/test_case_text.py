@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tomllib
-from os import chdir
 from pathlib import Path
 from typing import Any
 
@@ -37,16 +36,12 @@ def test_plain_values_come_before_tables_and_tables_have_one_line_between_them()
 
 
 @pytest.mark.parametrize("is_relative", [False, True])
-def test_only_paths_of_files_move(tmp_path: Path, is_relative: bool) -> None:
+def test_only_paths_of_files_move(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_relative: bool) -> None:
     for folder in ("one", "two"):
         (tmp_path / folder).mkdir()
     (tmp_path / "one" / "a.py").write_text("")
     tree = {"firmware": "a.py", "about": "b.py", "files": [{"path": "a.py"}]}
-    here = Path.cwd()
-    try:
-        chdir(tmp_path)
-        base = Path() if is_relative else tmp_path
-        move_files(tree, base / "one", base / "two")
-    finally:
-        chdir(here)
+    monkeypatch.chdir(tmp_path)
+    base = Path() if is_relative else tmp_path
+    move_files(tree, base / "one", base / "two")
     assert tree == {"firmware": "../one/a.py", "about": "b.py", "files": [{"path": "../one/a.py"}]}

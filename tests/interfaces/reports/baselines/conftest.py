@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import shutil
+from contextlib import chdir
 from pathlib import Path
 
 import pytest
@@ -15,13 +15,10 @@ from tests.interfaces.reports.baselines.desk import put
 @pytest.fixture(scope="session")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder that holds `cases`, with one case that holds and its baseline."""
-    here, folder = Path.cwd(), tmp_path_factory.mktemp("written")
-    os.chdir(folder)  # paths in messages count from there
-    try:
+    folder = tmp_path_factory.mktemp("written")
+    with chdir(folder):  # paths in messages count from there
         put(Path("cases"))
         (one,) = check(["cases"], jobs=1, update=True)
-    finally:
-        os.chdir(here)
     assert (one.state, one.findings) == ("written", [])
     return folder
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import cache
-from pathlib import Path
 from typing import NamedTuple
 
 import pytest
@@ -19,8 +18,8 @@ from periph_sim.scene.case.load import load
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
 from tests.interfaces.reports.explain.made import explain
+from tests.scene.runs import TIMING
 
-TIMING = Path(__file__).parents[4] / "timing"
 LENGTHS = {
     "imu_hil_published": Fraction(1, 8),
     "imu_hil_drift": Fraction(1, 2),

@@ -8,7 +8,6 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,10 +29,10 @@ from tests.interfaces.reports.explain.made import drawn, explain
 from tests.interfaces.reports.explain.test_fault_evidence import explained
 from tests.interfaces.reports.explain.test_master_explained import REQUESTS, SCRIPT
 from tests.interfaces.reports.explain.test_master_explained import chain as chain_of_master
+from tests.scene.runs import TIMING
 from tests.scene.small import case
 from tests.unwrapped import unwrapped
 
-TIMING = Path(__file__).parents[4] / "timing"
 SETTING = "unit.dsp.settings."
 LATE = (f"{SETTING}frame_cost=200 us", "host.first=4.24 ms")  # the service routine lies in the gyroscope's read
 

@@ -73,14 +73,6 @@ def test_a_run_shows_its_verdicts_plots_and_timelines_and_asks_for_nothing(small
     assert "no event matched 'span modle begin'; did you mean model?" in page.locator("#c1b6").inner_text()
 
 
-def test_several_cases_have_an_index_that_leads_to_each(small: CaseReport, opened: Open) -> None:
-    page = opened(small, report(budget("own", 2.0, timeline=drawn())))
-    assert page.locator("article").count() == 2
-    row = page.locator("tr", has_text="by hand")
-    row.get_by_role("link", name="own").click()
-    assert page.locator("#c2b1:target h3").inner_text() == "own seen"
-
-
 @pytest.fixture
 def table(opened: Open) -> Locator:
     page = opened(report(*(budget(name, worst) for name, worst in (("b", 9.0), ("c", 10.5), ("a", 2.0)))))

@@ -69,12 +69,13 @@ def test_thirteen_cases_open_at_the_one_that_fails_and_stay_under_three_screens(
     assert page.evaluate("location.hash") == "#c7b11"
 
 
-def test_a_link_opens_what_it_leads_to(opened: Open) -> None:
-    page = opened(report(budget("own", 2.0, timeline=waves())), report(budget("a", 1.0)), folded=True)
-    assert not page.locator("#c1b1 .waves").is_visible()
+def test_a_link_leads_to_a_budget_of_any_case_and_opens_it(opened: Open) -> None:
+    page = opened(report(budget("a", 1.0)), report(budget("own", 2.0, timeline=waves())), folded=True)
+    assert not page.locator("#c2b1 .waves").is_visible()
     page.locator("details.table summary").click()
-    page.get_by_role("link", name="own").click()
-    page.locator("#c1b1 .waves path.wave").first.wait_for()
+    page.locator("tr", has_text="by hand").get_by_role("link", name="own").click()
+    page.locator("#c2b1 .waves path.wave").first.wait_for()
+    assert page.locator("#c2b1:target h3").inner_text() == "own seen"
 
 
 def origin(page: Page) -> float:

@@ -31,32 +31,40 @@ def compared(
     return first_difference(PreparedScene(file), before, answers, length)
 
 
-def test_an_event_that_comes_later_has_both_times(tmp_path: Path) -> None:
-    came = compared(written(tmp_path), f"{SYSTEM}.pf2_write_ws=15")
-    assert came is not None and came.base is not None and came.other is not None
-    assert came.base.text == came.other.text == "dsp: SCI-A.SCIHBAUD written, 0x0007 at main:5"
-    assert came.other.at_s - came.base.at_s == pytest.approx(15 / 150e6)
-    assert came.base.at == "0.100 us" and came.base.at_s == pytest.approx(15 / 150e6)
+LATE = f"{SYSTEM}.pf2_write_ws=15"
+FIVE, FAILS, GONE = (f"unit.dsp.firmware={name}.py" for name in ("five", "fails", "gone"))
+READ = "dsp: SCI-A.SCICCR read, 0x0000 at main:4 at 0.047 us"
+WROTE = "dsp: SCI-A.SCIHBAUD written, 0x0007 at main:5 at 0.100 us"
+CHANGED = "dsp.SCI-A.SCIHBAUD.BAUD = 7 at 0.100 us"
 
 
-def test_a_value_that_differs_is_shown_with_both_values(tmp_path: Path) -> None:
-    file = written(tmp_path)
+@pytest.mark.parametrize(
+    ("before", "answers", "base", "other"),
+    [
+        ((), (LATE,), WROTE, WROTE.replace("0.100", "0.200")),
+        ((), (FIVE,), WROTE, WROTE.replace("0x0007", "0x0005")),
+        ((), (GATE,), None, CHANGED),
+        ((GATE,), (), CHANGED, None),
+        ((FAILS,), (FAILS, GATE), None, CHANGED),  # firmware that fails ends the comparison
+        ((), (GONE,), READ, None),  # a run that cannot be built has no event
+        ((GONE,), (), None, READ),
+    ],
+)
+def test_an_event_that_comes_later_or_is_another_one_or_is_missing_is_the_difference(
+    tmp_path: Path, before: tuple[str, ...], answers: tuple[str, ...], base: str | None, other: str | None
+) -> None:
     (tmp_path / "five.py").write_text(FIRMWARE.replace("= 7", "= 5"), encoding="utf-8")
-    came = compared(file, "unit.dsp.firmware=five.py")
-    assert came is not None and came.base is not None and came.other is not None
-    assert came.base.text == "dsp: SCI-A.SCIHBAUD written, 0x0007 at main:5"
-    assert came.other.text == "dsp: SCI-A.SCIHBAUD written, 0x0005 at main:5"
-    assert came.base.at_s == came.other.at_s
-
-
-def test_an_event_of_only_one_run_is_missing_in_the_other(tmp_path: Path) -> None:
-    came = compared(written(tmp_path), GATE)
-    assert came is not None and came.base is None
-    assert compared(written(tmp_path), before=(GATE,)) == FirstDifference(came.other, None)
+    fails = FIRMWARE.replace("sci.SCILBAUD.all = 7", "raise ValueError('no')")
+    (tmp_path / "fails.py").write_text(fails, encoding="utf-8")
+    came = compared(written(tmp_path), *answers, before=before)
+    assert came is not None
+    assert [event and f"{event.text} at {event.at_s * 1e6:.3f} us" for event in came] == [base, other]
+    assert [event and f"{event.text} at {event.at}" for event in came] == [base, other]
 
 
 def test_runs_that_do_not_differ_have_no_first_difference(tmp_path: Path) -> None:
     assert compared(written(tmp_path)) is None
+    assert compared(tmp_path / "small.toml", GONE, before=(GONE,)) is None
 
 
 def test_a_difference_in_a_later_slice_is_found_and_one_after_the_end_is_not(
@@ -64,32 +72,18 @@ def test_a_difference_in_a_later_slice_is_found_and_one_after_the_end_is_not(
 ) -> None:
     late = FIRMWARE.replace("    with dsp", "    dsp.compute(1500)\n    with dsp")
     monkeypatch.setattr(module, "SLICE", Fraction(1, 1_000_000))
-    came = compared(written(tmp_path, firmware=late), f"{SYSTEM}.pf2_write_ws=15")
+    came = compared(written(tmp_path, firmware=late), LATE)
     assert came is not None and came.base is not None and came.base.at == "10.100 us"
-    assert compared(tmp_path / "small.toml", f"{SYSTEM}.pf2_write_ws=15", length=Fraction(9, 1_000_000)) is None
+    assert compared(tmp_path / "small.toml", LATE, length=Fraction(9, 1_000_000)) is None
 
 
 def test_an_event_that_comes_after_the_slice_is_later_and_not_missing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "SLICE", Fraction(11, 100_000_000))
-    came = compared(written(tmp_path), f"{SYSTEM}.pf2_write_ws=15")
+    came = compared(written(tmp_path), LATE)
     assert came is not None and came.base is not None and came.other is not None
     assert (came.base.at, came.other.at) == ("0.100 us", "0.200 us")
-
-
-def test_firmware_that_fails_ends_the_comparison(tmp_path: Path) -> None:
-    fails = FIRMWARE.replace("sci.SCILBAUD.all = 7", "raise ValueError('no')")
-    came = compared(written(tmp_path, firmware=fails), GATE)
-    assert came is not None and came.other is not None and "SCIHBAUD" in came.other.text
-
-
-def test_a_run_that_cannot_be_built_has_no_event(tmp_path: Path) -> None:
-    gone = "unit.dsp.firmware=gone.py"
-    came = compared(written(tmp_path), gone)
-    assert came is not None and came.base is not None and came.other is None
-    assert compared(tmp_path / "small.toml", before=(gone,)) == FirstDifference(None, came.base)
-    assert compared(tmp_path / "small.toml", gone, before=(gone,)) is None
 
 
 def test_the_other_runs_are_compared_though_one_cannot_be_built(

@@ -13,8 +13,8 @@ import pytest
 from periph_sim.interfaces.reports.trade import observe as module
 from periph_sim.interfaces.reports.trade.observe import Error, Errors, Observed, compare, observe
 from periph_sim.scene.case.load import load
+from tests.scene.runs import TIMING
 
-TIMING = Path(__file__).resolve().parents[4] / "timing"
 ROUND = Fraction(3, 100)
 
 

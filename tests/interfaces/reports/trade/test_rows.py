@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
 import pytest
 
@@ -11,8 +10,8 @@ from periph_sim.interfaces.reports.trade.rows import AS_GIVEN, chosen, kind_of, 
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase, Case
 from periph_sim.scene.firmware_loader import load_firmware, settings_for
+from tests.scene.runs import TIMING
 
-TIMING = Path(__file__).resolve().parents[4] / "timing"
 OTHERS = ["record .psr", "record .vcd"]
 
 

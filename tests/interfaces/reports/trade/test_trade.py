@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from fractions import Fraction
 from itertools import count
 from math import inf
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,8 +29,8 @@ from periph_sim.interfaces.reports.trade.trade import (
 )
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase, Case
+from tests.scene.runs import TIMING
 
-TIMING = Path(__file__).resolve().parents[4] / "timing"
 ROUND = Fraction(3, 100)
 Times = Callable[[float], list[float]]
 LATE = Row("late", ("seed=7",))  # of which `observing` says the times
@@ -79,18 +78,20 @@ def test_rows_that_are_the_same_in_half_of_the_run_are_not_run_longer(monkeypatc
     assert " ".join("\n".join(text(found)).split()).startswith(said)
 
 
-def test_a_row_that_changes_in_the_second_half_is_run_twice_as_long(monkeypatch: pytest.MonkeyPatch):
-    observing(monkeypatch, lambda length: [1.5 if length < 2 else 1.7])
+@pytest.mark.parametrize(
+    ("late", "changed", "said"),
+    [
+        (lambda length: [1.5 if length < 2 else 1.7], (), "; 2 s gives the same errors CPU time: 5 runs"),
+        (lambda length: [1 + length], ("late",), "; late changed since 2 s CPU time: 5 runs"),
+    ],
+)
+def test_rows_of_which_one_changes_in_the_second_half_are_run_twice_as_long(
+    monkeypatch: pytest.MonkeyPatch, late: Times, changed: tuple[str, ...], said: str
+):
+    observing(monkeypatch, late)
     found = traded("responder", AS_GIVEN, "late", length=Fraction(2))
-    assert (found.ran_s, found.changed) == (4.0, ()) and found.outcomes[1].errors.time.amount == pytest.approx(0.7)
-
-
-def test_a_row_that_goes_on_changing_is_named(monkeypatch: pytest.MonkeyPatch):
-    observing(monkeypatch, lambda length: [1 + length])
-    found = traded("responder", AS_GIVEN, "late", length=Fraction(2))
-    assert (found.ran_s, found.changed) == (4.0, ("late",)) and "; late changed since 2 s CPU time: 5 runs" in " ".join(
-        "\n".join(text(found)).split()
-    )
+    assert (found.ran_s, found.changed) == (4.0, changed) and said in " ".join("\n".join(text(found)).split())
+    assert found.outcomes[1].errors.time.amount == pytest.approx(late(4.0)[0] - 1)
 
 
 def test_a_recording_that_changes_nothing_has_the_errors_of_the_unrecorded_row(monkeypatch: pytest.MonkeyPatch):
@@ -176,7 +177,7 @@ def test_json_has_every_row_and_infinite_errors_as_text(monkeypatch: pytest.Monk
     assert late["time_error"] == {"amount": "infinite", "unit": "s", "place": "a"}
 
 
-CASE = load(Path(__file__).resolve().parents[4] / "timing" / "responder.toml")
+CASE = load(TIMING / "responder.toml")
 ROWS = {"slow": (CASE, ""), "quick": (CASE, ".psr")}
 
 

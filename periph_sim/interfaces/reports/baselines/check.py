@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from difflib import unified_diff
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import Literal, TypeVar
 
 from ....core.input_files import similar_file
 from ....core.tolerance import Tolerance, in_cycles
@@ -23,6 +23,7 @@ from ....proof.saved_paths import coverage_path
 from ....scene.case.discover import cases_below
 from ....timing.verdict import broken
 from ..cluster import ClusterError, ClusterExecutor
+from ..coverage_check import CoverageCheck, check_coverage, without_runs
 from ..explain.chain import Chain
 from ..proofs import NO_PROOF, ProofReport, mark_proven
 from .compare import Change, compare, explain, moved_accesses
@@ -30,9 +31,6 @@ from .event_chain import EventLine
 from .files import BadCheck, Baseline, path_for, read, text_of, write_all
 from .outcome import Outcome, RejectedCase, occurrence, run_again, run_case
 from .workers import Start, workers
-
-if TYPE_CHECKING:
-    from ..coverage_check import CoverageCheck
 
 T = TypeVar("T")
 State = Literal["equal", "changed", "missing", "written"]
@@ -194,10 +192,11 @@ def check(
     covered = [one for one in checks if coverage_path(one.outcome.path).exists()]
     if lost:
         for one_check in covered:
-            one_check.coverage = _not_run(coverage_path(one_check.outcome.path))
+            file = coverage_path(one_check.outcome.path)
+            one_check.coverage = without_runs(file, "not run", f"{file.as_posix()}: {STOPPED}")
     else:
         with workers(jobs, len(files), cluster) as start:
-            coverages = [_start_coverage(one, start, tolerance) for one in covered]
+            coverages = [start(check_coverage, one.outcome.path, one.outcome.changes, tolerance) for one in covered]
             _explain(checks, before, start, None if update else tolerance, lost)
             if update:
                 _write(checks)
@@ -338,32 +337,15 @@ def _run_again(
     return start(run_again, outcome.path, outcome.changes, wanted, broken, outcome.typical)
 
 
-def _start_coverage(check: CaseCheck, start: Start, tolerance: int | Tolerance) -> Callable[[], CoverageCheck]:
-    """Start the runs of the worst values of a case's coverage file. Return a function that waits for the result."""
-    from ..coverage_check import check_coverage  # imported here, because few cases have such a file
-
-    return start(check_coverage, check.outcome.path, check.outcome.changes, tolerance)
-
-
-def _not_run(path: Path) -> CoverageCheck:
-    """Return the result of a coverage file whose runs are not made, because the check was stopped."""
-    from ..coverage_check import without_runs
-
-    return without_runs(path, "not run", f"{path.as_posix()}: {STOPPED}")
-
-
 def _covered(run: Callable[[], CoverageCheck], check: CaseCheck, lost: dict[Path, str] | None) -> CoverageCheck | None:
     """Return the result of checking a coverage file; None if the cluster is lost (see `_result`).
 
     If the process that makes the runs has died, the result has a finding that says so.
     """
-    from ..coverage_check import without_runs
-
     try:
         return _result(run, check.outcome.path, lost)
     except BadCheck as error:
-        path = coverage_path(check.outcome.path)
-        return without_runs(path, "changed", f"at a phase of its coverage: {error}")
+        return without_runs(coverage_path(check.outcome.path), "changed", f"at a phase of its coverage: {error}")
 
 
 def _result(run: Callable[[], T], case: Path, lost: dict[Path, str] | None) -> T | None:

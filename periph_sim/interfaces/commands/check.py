@@ -178,7 +178,7 @@ def check(
 def _coverage(one: CaseCheck) -> dict[str, str] | None:
     if one.coverage is None:
         return None
-    return {"file": one.coverage.file.as_posix(), "state": one.coverage.state, "says": one.coverage.line}
+    return {"file": one.coverage.file.as_posix(), "state": one.coverage.state, "says": one.coverage.report.line}
 
 
 def _html(
@@ -252,7 +252,7 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
             say(f"note: {one.outcome.figures.case}: {', '.join(notes)} ({about})")
         if errors := one.outcome.result.reception():
             say(f"note: {one.outcome.figures.case}: {', '.join(errors)}")
-    say(*(one.coverage.line for one in checks if one.coverage is not None and not one.coverage.findings))
+    say(*(one.coverage.report.line for one in checks if one.coverage is not None and not one.coverage.findings))
     say(*(one.proof_line for one in checks if one.proof_line))
     for one in checks:
         if one.state == "written":

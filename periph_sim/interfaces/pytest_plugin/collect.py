@@ -130,6 +130,6 @@ class CoverageItem(CaseItem):
         assert isinstance(self.parent, CaseFile)
         found = check_coverage(relative(self.path), (), self.parent.settings.tolerance)
         self.user_properties.append((f"periph-sim coverage of {self.path.stem}", found.state))
-        self.add_report_section("call", "coverage", found.line)
+        self.add_report_section("call", "coverage", found.report.line)
         if found.findings:
             raise AssertionError("\n".join(text for _, text in found.findings))

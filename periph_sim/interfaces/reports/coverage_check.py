@@ -40,7 +40,6 @@ class CoverageCheck:
         "incomplete" if phases are missing in the file, "out of date" if the case or its files have changed, otherwise
         "as saved".
     report: what the file says about its case.
-    values: the number of worst values that were compared.
     findings: for each difference, the name of the budget, or None for the whole case, and a sentence. Budgets that are
         broken now and runs that do not end come first.
     """
@@ -48,12 +47,7 @@ class CoverageCheck:
     file: Path
     state: State
     report: PhasesReport
-    values: int = 0
     findings: tuple[tuple[str | None, str], ...] = ()
-
-    @property
-    def line(self) -> str:
-        return self.report.line
 
 
 def without_runs(file: Path, state: State, text: str) -> CoverageCheck:
@@ -62,7 +56,7 @@ def without_runs(file: Path, state: State, text: str) -> CoverageCheck:
     text: the reason as a sentence. It is a finding unless the state is "not run".
     """
     findings = () if state == "not run" else ((None, text),)
-    return CoverageCheck(file, state, PhasesReport(text, "", {}), 0, findings)
+    return CoverageCheck(file, state, PhasesReport(text, "", {}), findings)
 
 
 def check_coverage(case: Path, changes: tuple[str, ...] = (), tolerance: int | Tolerance = 0) -> CoverageCheck:
@@ -92,7 +86,7 @@ def check_coverage(case: Path, changes: tuple[str, ...] = (), tolerance: int | T
         return without_runs(path, "changed", text)
     findings = list(_findings(file, covered, path, tolerance))
     findings.sort(key=lambda one: one[0] is not None and not one[1].startswith(f"{one[0]} breaks"))
-    report, count = report_of(path, file, differences), len(file.found.worst)
+    report = report_of(path, file, differences)
     state: State = "as saved"
     if findings:
         state = "changed"
@@ -101,8 +95,9 @@ def check_coverage(case: Path, changes: tuple[str, ...] = (), tolerance: int | T
         state = "incomplete"
     elif differences:
         state = "out of date"
-        report = replace(report, line=f"{report.line}; its {counted(count, 'worst value')} are as saved")
-    return CoverageCheck(path, state, report, count, tuple(findings))
+        values = counted(len(file.found.worst), "worst value")
+        report = replace(report, line=f"{report.line}; its {values} are as saved")
+    return CoverageCheck(path, state, report, tuple(findings))
 
 
 def _other_phases(file: CoverageFile, covered: CoveredCase) -> str:

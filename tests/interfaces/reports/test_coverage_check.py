@@ -47,8 +47,8 @@ def edit(case: Path, old: str, new: str) -> None:
 
 def test_values_as_saved_are_no_finding(covered: Path):
     one, coverage = checked()
-    assert (one.state, texts(one), coverage.state, coverage.values) == ("equal", [], "as saved", 2)
-    assert (coverage.file, coverage.line) == (Path(FILE), HELD)
+    assert (one.state, texts(one), coverage.state) == ("equal", [], "as saved")
+    assert (coverage.file, coverage.report.line) == (Path(FILE), HELD)
 
 
 def test_a_broken_worst_phase_is_found_though_the_run_and_its_baseline_are_unchanged(covered: Path):
@@ -67,7 +67,7 @@ def test_firmware_that_has_changed_without_effect_is_out_of_date_but_no_finding(
     one, coverage = checked()
     assert (texts(one), coverage.state) == ([], "out of date")
     text = f"{FILE} is out of date: firmware.py has changed; its 2 worst values are as saved"
-    assert (coverage.line, coverage.report.worst) == (text, {})
+    assert (coverage.report.line, coverage.report.worst) == (text, {})
 
 
 def test_a_value_that_differs_within_its_limit_is_a_finding_unless_the_tolerance_allows_it(covered: Path):
@@ -157,8 +157,8 @@ def test_a_damaged_file_is_a_finding_and_the_case_is_judged(covered: Path, conte
 def test_an_incomplete_file_is_shown_and_its_values_are_compared(covered: Path):
     change_coverage(covered, finished=0)
     one, coverage = checked()
-    assert (texts(one), coverage.state, coverage.values, coverage.report.worst) == ([], "incomplete", 2, {})
-    assert coverage.line == f"{FILE} is not complete: 0 of 1 parts; prove --save continues it"
+    assert (texts(one), coverage.state, coverage.report.worst) == ([], "incomplete", {})
+    assert coverage.report.line == f"{FILE} is not complete: 0 of 1 parts; prove --save continues it"
     put_case(Path("cases"), service=15_000)
     assert checked()[1].state == "changed"
 
@@ -167,7 +167,7 @@ def test_changes_of_the_case_are_applied_to_the_runs(covered: Path):
     (one,) = check(["cases"], jobs=1, changes=["budget.response.max=11 us"])
     assert one.coverage is not None and texts(one)[0].startswith(f"response breaks at {AT}")
     found = check_coverage(covered, ("budget.response.max=50 us",))
-    assert (found.state, found.line.partition(";")[0]) == (
+    assert (found.state, found.report.line.partition(";")[0]) == (
         "out of date",
         f"{FILE} is out of date: budget.response.max=50 us is set",
     )
@@ -211,7 +211,7 @@ def test_a_stopped_check_says_that_the_values_were_not_run(covered: Path):
     put(Path("cases"), "z")
     (one,) = check(["cases"], jobs=1, on_progress=stop, on_refused=lambda refused: None)
     assert one.coverage is not None and one.passed
-    assert (one.coverage.state, one.coverage.line) == ("not run", f"{FILE}: {STOPPED}")
+    assert (one.coverage.state, one.coverage.report.line) == ("not run", f"{FILE}: {STOPPED}")
 
 
 def test_new_baselines_leave_the_coverage_file_and_its_findings(covered: Path):

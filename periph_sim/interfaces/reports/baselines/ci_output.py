@@ -42,7 +42,7 @@ def github(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> lis
             lines.append(f"::error file={file},line={line},title={title}::{_message(chr(10).join(texts))}")
         lines += [line for name, chain in check.causes.items() for line in _cause(name, chain, title)]
         if check.coverage is not None and check.coverage.state in ("out of date", "incomplete"):
-            lines.append(f"::notice file={file},line=1,title={title}::{_message(check.coverage.line)}")
+            lines.append(f"::notice file={file},line=1,title={title}::{_message(check.coverage.report.line)}")
     for one in refused:
         name = _property(f"periph-sim check: {one.path.stem}")
         lines.append(f"::error file={_property(in_repository(one.path))},line=1,title={name}::{_message(one.why)}")

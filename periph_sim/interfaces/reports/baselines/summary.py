@@ -78,7 +78,9 @@ def summary(
     lines = [f"## periph-sim check: {good} of {len(checks) + len(refused)} as they should be", ""]
     for one in checks:
         lines += [f"### {MARKS[one.passed]} {_cell(one.outcome.figures.case)}", "", *_table(one, since), ""]
-        lines += [] if one.coverage is None else [f"coverage {one.coverage.state}: {_cell(one.coverage.line)}", ""]
+        lines += (
+            [] if one.coverage is None else [f"coverage {one.coverage.state}: {_cell(one.coverage.report.line)}", ""]
+        )
         lines += [f"* line {finding.line}: {_cell(finding.text)}" for finding in one.findings]
         lines += [""] if one.findings else []
     for case in refused:

@@ -52,11 +52,6 @@ class Stretch:
     def __str__(self) -> str:
         return phrase(self.doing, self.what)
 
-    @property
-    def timed_out(self) -> bool:
-        """True if this is a wait that ended because it timed out."""
-        return self.doing == "wait" and self.what.endswith(GAVE_UP)
-
 
 def phrase(doing: Doing, what: str) -> str:
     """Format an activity as a phrase."""

@@ -59,7 +59,8 @@ def unanswered(evidence: Evidence) -> list[Step]:
         more = ", ..." if len(read) > MOST_READ else ""
         text = f"SCIRXBUF read, {least}{counted(len(read), 'time')} since the request began: {values}{more}"
         steps.append(of.step(read[0], text))
-    gave_up = [one for one in all_episodes(window, of.unit, since, window.end) if one.timed_out]
+    waits = (one for one in all_episodes(window, of.unit, since, window.end) if one.doing == "wait")
+    gave_up = [one for one in waits if one.what.endswith(GAVE_UP)]
     for one in gave_up[:MOST_TIMEOUTS]:
         steps.append(of.episode_step(one, window.end))
     if len(gave_up) > MOST_TIMEOUTS:

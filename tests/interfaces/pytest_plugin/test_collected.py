@@ -21,31 +21,107 @@ def broken(project: pytest.Pytester) -> None:
     (project.path / "timing" / "small.toml").write_text(TIGHT)
 
 
-def test_a_case_is_a_test_for_each_budget(project: pytest.Pytester) -> None:
-    result = project.runpytest_inprocess("-v")
-    result.assert_outcomes(passed=4)
-    result.stdout.fnmatch_lines(
-        [
-            "timing/small.toml::hangs nowhere PASSED*",
-            "timing/small.toml::response PASSED*",
-            "timing/small.toml::round complete PASSED*",
-            "timing/small.toml::wrong bytes PASSED*",
-            "*= periph-sim budgets =*",
-            " case/budget*seen*limit*when",
-            " small/response*us*60 us*s  seen",
-            " small/round complete*us*1 ms*s  seen",
-            " small/wrong bytes*0*0*-  seen",
-        ]
-    )
-    assert result.ret == 0
+FAULTY = "def main(dsp, settings):\n    dsp.module('I2C-A').I2CMDX.IRS = 1\n"
+FAULT = "dsp: AttributeError at line 2 of faulty.py: I2C-A has no register 'I2CMDX'; did you mean I2CMDR*"
+HANGS = """\
+from periph_sim.firmware import start_i2c
+
+def main(dsp, settings):
+    with dsp.span("boot"):
+        dsp.compute(9)
+    start_i2c(dsp, own_address=0x50)
+    dsp.spin(lambda: dsp.module("I2C-A").I2CSTR.AAS == 1)
+"""
+HUNG = """\
+name = "hung"
+duration = "1 ms"
+[unit.dsp]
+firmware = "hangs.py"
+modules = ["I2C-A"]
+[[budget]]
+name = "boot"
+measure = "span:boot"
+max = "1 us"
+"""
 
 
 @pytest.mark.parametrize(
-    ("args", "passed", "deselected"),
-    [(["-k", "response"], 1, 3), (["-k", "small and complete"], 1, 3), (["timing/small.toml::wrong bytes"], 1, 0)],
+    ("files", "args", "outcomes", "lines"),
+    [
+        pytest.param(
+            {},
+            ["-v"],
+            {"passed": 4},
+            [
+                "timing/small.toml::hangs nowhere PASSED*",
+                "timing/small.toml::response PASSED*",
+                "timing/small.toml::round complete PASSED*",
+                "timing/small.toml::wrong bytes PASSED*",
+                "*= periph-sim budgets =*",
+                " case/budget*seen*limit*when",
+                " small/response*us*60 us*s  seen",
+                " small/round complete*us*1 ms*s  seen",
+                " small/wrong bytes*0*0*-  seen",
+            ],
+            id="a case is a test for each budget",
+        ),
+        pytest.param({}, ["-k", "response"], {"passed": 1, "deselected": 3}, [], id="one budget"),
+        pytest.param({}, ["-k", "small and complete"], {"passed": 1, "deselected": 3}, [], id="one budget of a case"),
+        pytest.param({}, ["timing/small.toml::wrong bytes"], {"passed": 1}, [], id="one budget by its path"),
+        pytest.param(
+            {"faulty.py": FAULTY, "small.toml": SMALL.replace('"responder"', '"faulty.py"')},
+            [],
+            {"failed": 4},
+            [FAULT] * 4,
+            id="a fault in the run is told by each of its tests",
+        ),
+        pytest.param(
+            {"hangs.py": HANGS, "small.toml": HUNG},
+            ["-v"],
+            {"passed": 1, "failed": 1},
+            ["*hangs nowhere FAILED*", "*boot PASSED*", "hung hangs:", "dsp waits for *AAS*for ever*"],
+            id="a case that hangs fails although its budgets hold",
+        ),
+        pytest.param(
+            {"small.toml": 'breaks = ["response", "wrong bytes"]\n' + TIGHT},
+            ["-v"],
+            {"passed": 1, "failed": 2, "xfailed": 1},
+            [
+                "timing/small.toml::response XFAIL (known to break)*",
+                "timing/small.toml::round complete FAILED*",
+                "timing/small.toml::wrong bytes FAILED*",
+                "[[]XPASS(strict)] known to break",
+                " small/response * broken, as expected",
+                " small/round complete * broken",
+                " small/wrong bytes * seen",
+            ],
+            id="a budget that is to break must break",
+        ),
+        pytest.param(
+            # Nobody answers, so nothing was measured: that is no proof of the bug either.
+            {"small.toml": 'breaks = ["response"]\n' + SMALL.replace("address = 0x50", "address = 0x51")},
+            ["-k", "response"],
+            {"failed": 1, "deselected": 3},
+            ["*response is not judged, so it is unknown if it breaks*"],
+            id="a known bug that is not judged fails",
+        ),
+        pytest.param(
+            {"../pyproject.toml": "[tool.mine]\n", "../elsewhere.toml": "not even TOML"},
+            [],
+            {"passed": 4},
+            [],
+            id="other TOML files are left alone",
+        ),
+    ],
 )
-def test_one_budget_is_chosen(project: pytest.Pytester, args: list[str], passed: int, deselected: int) -> None:
-    project.runpytest_inprocess(*args).assert_outcomes(passed=passed, deselected=deselected)
+def test_a_case_is_collected(
+    project: pytest.Pytester, files: dict[str, str], args: list[str], outcomes: dict[str, int], lines: list[str]
+) -> None:
+    for name, text in files.items():
+        (project.path / "timing" / name).write_text(text)
+    result = project.runpytest_inprocess(*args)
+    result.assert_outcomes(**outcomes)
+    result.stdout.fnmatch_lines(lines)
 
 
 def test_a_case_runs_once_for_all_its_tests(project: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -148,37 +224,6 @@ def test_a_bad_case_is_one_sentence(project: pytest.Pytester, change: tuple[str,
     assert lines[begin + 2].startswith("===")
 
 
-def test_a_fault_in_the_run_is_told_by_each_of_its_tests(project: pytest.Pytester) -> None:
-    (project.path / "timing" / "faulty.py").write_text(
-        "def main(dsp, settings):\n    dsp.module('I2C-A').I2CMDX.IRS = 1\n"
-    )
-    (project.path / "timing" / "small.toml").write_text(SMALL.replace('"responder"', '"faulty.py"'))
-    result = project.runpytest_inprocess()
-    result.assert_outcomes(failed=4)
-    said = "dsp: AttributeError at line 2 of faulty.py: I2C-A has no register 'I2CMDX'; did you mean I2CMDR*"
-    result.stdout.fnmatch_lines([said] * 4)
-
-
-def test_a_case_that_hangs_fails_although_its_budgets_hold(project: pytest.Pytester) -> None:
-    (project.path / "timing" / "hangs.py").write_text(
-        "from periph_sim.firmware import start_i2c\n"
-        "def main(dsp, settings):\n"
-        "    with dsp.span('boot'):\n"
-        "        dsp.compute(9)\n"
-        "    start_i2c(dsp, own_address=0x50)\n"
-        "    dsp.spin(lambda: dsp.module('I2C-A').I2CSTR.AAS == 1)\n"
-    )
-    (project.path / "timing" / "small.toml").write_text(
-        'name = "hung"\nduration = "1 ms"\n[unit.dsp]\nfirmware = "hangs.py"\nmodules = ["I2C-A"]\n'
-        '[[budget]]\nname = "boot"\nmeasure = "span:boot"\nmax = "1 us"\n'
-    )
-    result = project.runpytest_inprocess("-v")
-    result.assert_outcomes(passed=1, failed=1)
-    result.stdout.fnmatch_lines(
-        ["*hangs nowhere FAILED*", "*boot PASSED*", "hung hangs:", "dsp waits for *AAS*for ever*"]
-    )
-
-
 def test_a_firmware_file_is_found_from_any_folder(project: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
     firmware = project.mkdir("firmware")
     (firmware / "mine.py").write_text("from firmware.python.responder import Settings, main  # noqa: F401\n")
@@ -186,29 +231,6 @@ def test_a_firmware_file_is_found_from_any_folder(project: pytest.Pytester, monk
     project.runpytest_inprocess().assert_outcomes(passed=4)
     monkeypatch.chdir(project.path / "timing")
     project.runpytest_inprocess("small.toml").assert_outcomes(passed=4)
-
-
-def test_a_budget_that_is_to_break_must_break(project: pytest.Pytester) -> None:
-    (project.path / "timing" / "small.toml").write_text('breaks = ["response", "wrong bytes"]\n' + TIGHT)
-    result = project.runpytest_inprocess("-v")
-    result.assert_outcomes(passed=1, failed=2, xfailed=1)
-    result.stdout.fnmatch_lines(
-        [
-            "timing/small.toml::response XFAIL (known to break)*",
-            "timing/small.toml::round complete FAILED*",
-            "timing/small.toml::wrong bytes FAILED*",
-            "[[]XPASS(strict)] known to break",
-            " small/response * broken, as expected",
-            " small/round complete * broken",
-            " small/wrong bytes * seen",
-        ]
-    )
-
-
-def test_other_toml_files_are_left_alone(project: pytest.Pytester) -> None:
-    (project.path / "pyproject.toml").write_text("[tool.mine]\n")
-    (project.path / "elsewhere.toml").write_text("not even TOML")
-    project.runpytest_inprocess().assert_outcomes(passed=4)
 
 
 def test_nothing_is_collected_without_the_option(project: pytest.Pytester) -> None:
@@ -225,15 +247,6 @@ def test_a_folder_that_is_not_there_is_a_mistake_not_silence(project: pytest.Pyt
     result.stderr.fnmatch_lines(
         ["ERROR: periph_sim_cases: there is no folder or file '*timings'; did you mean timing?"]
     )
-
-
-def test_a_known_bug_that_is_not_judged_fails(project: pytest.Pytester) -> None:
-    """Nobody answers, so nothing was measured: that is no proof of the bug either."""
-    text = 'breaks = ["response"]\n' + SMALL.replace("address = 0x50", "address = 0x51")
-    (project.path / "timing" / "small.toml").write_text(text)
-    result = project.runpytest_inprocess("-k", "response")
-    result.assert_outcomes(failed=1)
-    result.stdout.fnmatch_lines(["*response is not judged, so it is unknown if it breaks*"])
 
 
 def test_a_coverage_file_is_one_more_test(project: pytest.Pytester, covered_once: Path) -> None:

@@ -47,14 +47,18 @@ def test_python_firmware_in_a_file(periph_sim: Run, tmp_path: Path, monkeypatch:
     assert Scene(case).run().budgets[0].worst > 1  # type: ignore[operator]
 
 
-def test_python_firmware_of_the_package(periph_sim: Run, tmp_path: Path) -> None:
-    changes = ['unit.dsp.settings.frame_cost="200 us"']
-    witnesses(periph_sim, TIMING / "imu_hil_published.toml", tmp_path, "0.0226 ms to 0.0233 ms", changes)
-
-
-def test_an_image_whose_budgets_have_percentiles(periph_sim: Run, tmp_path: Path) -> None:
-    """`module off` has p50 and max; the value of the coverage is that of max."""
-    witnesses(periph_sim, TIMING / "imu_hil_image.toml", tmp_path, "0 us to 0.03 us")
+@pytest.mark.parametrize(
+    ("case", "only", "changes"),
+    [
+        ("imu_hil_published", "0.0226 ms to 0.0233 ms", ['unit.dsp.settings.frame_cost="200 us"']),
+        # `module off` has p50 and max; the value of the coverage is that of max.
+        ("imu_hil_image", "0 us to 0.03 us", []),
+    ],
+)
+def test_firmware_of_the_package_and_an_image_whose_budgets_have_percentiles(
+    periph_sim: Run, tmp_path: Path, case: str, only: str, changes: list[str]
+) -> None:
+    witnesses(periph_sim, TIMING / f"{case}.toml", tmp_path, only, changes)
 
 
 ECHO = """\

@@ -54,23 +54,20 @@ def name(path: Path, ending: str) -> str:
 
 @pytest.mark.parametrize(
     ("jobs", "calls", "cores", "at_a_time"),
-    [(None, 9, 4, 4), (None, 3, 4, 3), (None, 9, None, 1), (3, 9, 4, 3), (3, 2, 4, 2), (5, 9, 4, 5)],
+    [
+        *[(None, 9, 4, 4), (None, 3, 4, 3), (None, 9, None, 1), (3, 9, 4, 3), (3, 2, 4, 2), (5, 9, 4, 5)],
+        *[(1, 9, 4, 0), (None, 1, 4, 0), (4, 1, 4, 0), (None, 0, 4, 0)],
+    ],
 )
-def test_so_many_calls_are_made_at_a_time_each_in_one_process(
+def test_so_many_calls_are_made_at_a_time_each_in_one_process_but_one_job_or_one_call_in_this_process(
     monkeypatch: pytest.MonkeyPatch, jobs: int | None, calls: int, cores: int | None, at_a_time: int
 ):
+    """at_a_time: 0 for calls in this process."""
+    Threads.asked = []
     monkeypatch.setattr(os, "cpu_count", lambda: cores)
     with workers(jobs, calls) as start:
-        assert start(name, Path("a"), "b")() == ("alone", "ab")
-    assert Threads.asked == [at_a_time]
-
-
-@pytest.mark.parametrize(("jobs", "calls"), [(1, 9), (None, 1), (4, 1), (None, 0)])
-def test_one_job_or_one_call_is_made_in_this_process(jobs: int | None, calls: int):
-    Threads.asked = []
-    with workers(jobs, calls) as start:
-        assert start(name, Path("a"), "b")() == "ab"
-    assert Threads.asked == []
+        assert start(name, Path("a"), "b")() == (("alone", "ab") if at_a_time else "ab")
+    assert Threads.asked == ([at_a_time] if at_a_time else [])
 
 
 def test_after_an_error_or_ctrl_c_no_other_call_is_begun_and_those_under_way_are_ended():

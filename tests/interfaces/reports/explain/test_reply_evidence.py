@@ -59,25 +59,33 @@ def test_a_wrong_reply_is_shown_up_to_its_end_with_the_writes_of_its_wrong_chara
     assert "SCITXBUF written, 0x45" in said.why and "programs.py" in said.place
 
 
-def test_only_the_wrong_characters_of_an_echo_are_told():
-    """RX |a|b|c|   TX  |a|b|X|: the first two begin before the reply's time does."""
-    told = explained({b"a": b"a", b"b": b"b", b"c": b"X"}, "abc", "abc")
-    assert [step for step in steps_of(told) if "SCITXBUF" in step] == [
-        "dsp: SCITXBUF written, 0x58: character 2 of the reply, not 0x63"
-    ]
+R_NOT_K = "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b"
 
 
-def test_a_wrong_reply_to_a_send_that_began_long_before_is_told_too():
-    """The window keeps 5 ms before; 60 characters take 5.2 ms."""
-    told = explained({b"x" * 60: b"ER"}, "x" * 60, duration="8 ms")
-    assert len([step for step in steps_of(told) if "of the reply, not" in step]) == 2
-
-
-def test_bits_that_do_not_go_out_are_not_wrong():
-    told = explained({b"a": b"\xcfR"}, bits=7)
-    assert [step for step in steps_of(told) if "of the reply" in step] == [
-        "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b"
-    ]
+@pytest.mark.parametrize(
+    ("replies", "ask", "text", "bits", "wrong"),
+    [
+        # RX |a|b|c|   TX  |a|b|X|: the first two begin before the reply's time does.
+        (
+            *({b"a": b"a", b"b": b"b", b"c": b"X"}, "abc", "abc", 8),
+            ["dsp: SCITXBUF written, 0x58: character 2 of the reply, not 0x63"],
+        ),
+        # The send began long before: the window keeps 5 ms before; 60 characters take 5.2 ms.
+        (
+            *({b"x" * 60: b"ER"}, "x" * 60, "OK", 8),
+            ["dsp: SCITXBUF written, 0x45: character 0 of the reply, not 0x4f", R_NOT_K],
+        ),
+        # Something was written since the begin of what asks, which is not kept: nobody knows which is the first.
+        ({b"x" * 30: b"O"}, "x" * 60, "OK", 8, []),
+        ({b"a": b"\xcfR"}, "a", "OK", 7, [R_NOT_K]),  # bits that do not go out are not wrong
+    ],
+)
+def test_wrong_characters_are_told_where_it_is_known_which_is_the_first_of_the_reply(
+    replies: dict[bytes, bytes], ask: str, text: str, bits: int, wrong: list[str]
+):
+    steps = steps_of(explained(replies, ask, text, "8 ms", bits))
+    assert "RX: the last character of what asks for it" in steps
+    assert [step for step in steps if "of the reply" in step] == wrong
 
 
 def test_a_reply_cut_short_is_shown_up_to_its_limit():
@@ -90,15 +98,7 @@ def test_a_reply_that_follows_a_time_has_no_character_that_asks_for_it():
     booted = {"name": "told", "from": "SCI-A", "at": "1 us", "within": "1 ms", "text": "OK"}
     small = case(unit={"dsp": unit("SCI-A")}, serial={"expect": [booted]}, duration="2 ms")
     steps = steps_of(run_and_explain(small, says("SCI-A", b"OR"))["told"])
-    assert [step for step in steps if "character" in step] == [
-        "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b"
-    ]
-
-
-def test_where_earlier_characters_may_be_of_the_reply_too_none_is_told_as_wrong():
-    """The begin of what asks is not kept, and something was written since: nobody knows which is the first."""
-    steps = steps_of(explained({b"x" * 30: b"O"}, "x" * 60, duration="8 ms"))  # O in mid send, O behind it
-    assert "RX: the last character of what asks for it" in steps and "of the reply" not in " ".join(steps)
+    assert [step for step in steps if "character" in step] == [R_NOT_K]
 
 
 def test_unsolicited_characters_of_a_run_are_told_with_their_writes():

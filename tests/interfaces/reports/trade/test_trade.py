@@ -203,14 +203,12 @@ def test_rows_that_are_apart_are_not_repeated(monkeypatch: pytest.MonkeyPatch):
     assert found["quick"].is_below(found["slow"]) and not found["slow"].is_below(found["quick"])
 
 
-def test_rows_that_differ_by_less_than_their_spread_are_repeated(monkeypatch: pytest.MonkeyPatch):
-    found = costs(monkeypatch, slow=1.01, quick=1.0, jitter=0.1)
-    assert {cost.runs for cost in found.values()} == {MOST} and not are_apart([*found.values()])
-
-
-def test_repeating_ends_when_it_has_taken_long(monkeypatch: pytest.MonkeyPatch):
-    found = costs(monkeypatch, slow=1.0, quick=1.0, jitter=0.1, each_s=PATIENCE * 0.6)
-    assert {cost.runs for cost in found.values()} == {FEWEST + 1}
+@pytest.mark.parametrize(("slow", "each_s", "runs"), [(1.01, 0.0, MOST), (1.0, PATIENCE * 0.6, FEWEST + 1)])
+def test_rows_that_differ_by_less_than_their_spread_are_repeated_until_it_has_taken_long(
+    monkeypatch: pytest.MonkeyPatch, slow: float, each_s: float, runs: int
+):
+    found = costs(monkeypatch, slow=slow, quick=1.0, jitter=0.1, each_s=each_s)
+    assert {cost.runs for cost in found.values()} == {runs} and not are_apart([*found.values()])
 
 
 class Scene:

@@ -32,7 +32,6 @@ def test_junit_has_a_suite_a_case_and_a_test_a_budget_with_its_figures(cases: Pa
     assert told == {"baseline": "equal"} | {key: str(count) for key, count in counts.items()}
     assert small.get("time") == f"{first.result.wall_s:.6f}"
     response = small.find("testcase[@name='response']/properties")
-    assert response is not None
     assert {p.get("name"): p.get("value") for p in response} == {
         "measure": "response",
         "count": "2",

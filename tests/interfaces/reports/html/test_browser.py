@@ -221,7 +221,6 @@ def test_the_measured_response_is_as_long_as_its_verdict_says(small: CaseReport,
 def test_a_step_of_the_explanation_sets_a_cursor_in_the_timeline(small: CaseReport, opened: Open) -> None:
     shown = Shown(opened(small), within="#c1b1")
     chain = small.budgets[0].explanation
-    assert chain is not None
     shown.page.locator("#c1b1 [data-go]").first.click()
     assert f"({chain.figure(chain.steps[0].at)})" in shown.below()
 

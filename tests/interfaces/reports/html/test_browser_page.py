@@ -100,7 +100,6 @@ def test_buttons_and_keys_go_from_violation_to_violation_and_the_waves_with_them
     page.keyboard.press("p")
     assert origin(page) == 2
     field = page.locator(".overtime .field").bounding_box()
-    assert field is not None
     page.mouse.click(field["x"] + 0.0401 * field["width"], field["y"] + 10)
     assert told.inner_text().startswith("violation 2 of 3")
     page.locator(".protocol input").fill("n")  # a letter, no key
@@ -133,7 +132,6 @@ def test_a_row_of_the_protocol_moves_the_waves_to_it(opened: Open) -> None:
 def test_the_strip_above_the_waves_moves_them(opened: Open) -> None:
     page = opened(report(broken()))
     strip = page.locator(".minimap").bounding_box()
-    assert strip is not None
     page.mouse.click(strip["x"] + strip["width"] / 2, strip["y"] + 12)  # the middle of -100 us to 200 us
     first, last = view(page)
     assert (first + last) / 2 == pytest.approx(50, abs=1) and last - first == pytest.approx(50)

@@ -23,9 +23,7 @@ def chain(*parts: Part, more: tuple[Part, ...] = (), blame: Part | None = None, 
 
 
 def told(verdict: Verdict, of: Chain | None = None, *numbers: int) -> Failure:
-    found = failure(verdict, False, of, run_of(list(numbers), max=10) if numbers else None, RATE)
-    assert found is not None
-    return found
+    return failure(verdict, False, of, run_of(list(numbers), max=10) if numbers else None, RATE)
 
 
 def test_measure_limit_and_instant_are_told_as_in_the_terminal() -> None:

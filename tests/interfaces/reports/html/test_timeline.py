@@ -13,7 +13,7 @@ from periph_sim.interfaces.reports.html.gather import CaseReport
 from periph_sim.interfaces.reports.html.timeline import Lane, Timeline, only_chosen
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from tests.interfaces.reports.html.made import CASE, report_of
+from tests.interfaces.reports.html.made import CASE, report_of, small_report
 
 IMAGE = """
 name = "image"
@@ -61,17 +61,13 @@ def records(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
 
 @pytest.fixture(scope="module")
 def response(small: CaseReport) -> Timeline:
-    found = small.budgets[0].timeline
-    assert found is not None
-    return found
+    return small.budgets[0].timeline
 
 
 @pytest.fixture(scope="module")
 def words(small: CaseReport) -> Timeline:
     """The timeline around the fullest FIFO, with the characters of the host."""
-    found = small.budgets[3].timeline
-    assert found is not None
-    return found
+    return small.budgets[3].timeline
 
 
 def lane(timeline: Timeline, group: str, name: str) -> Lane:
@@ -177,11 +173,8 @@ def test_the_json_gives_back_every_instant(response: Timeline) -> None:
 def test_a_window_with_too_much_in_it_is_cut_around_the_occurrence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from tests.interfaces.reports.html.made import small_report
-
     monkeypatch.setattr(gather, "MOST_OF_PASSED", 120)
     found = small_report(tmp_path).budgets[0].timeline
-    assert found is not None
     assert found.kept[0][0] < found.begin and found.end < found.kept[0][1]
     events = sum(len(one.at) for _, lanes_ in found.groups for one in lanes_ if one.kind != "boxes")
     assert 60 < events <= 120

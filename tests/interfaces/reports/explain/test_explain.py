@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import linecache
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -289,20 +290,21 @@ def test_a_load_is_told_by_all_of_the_last_part_of_the_run():
 # Planted delays --------------------------------------------------------------------------
 
 
-def answered(measure: str, cycles: int) -> Chain:
-    """Reads of one byte, for each of which the firmware computes."""
+def answered(measure: str, cycles: int, data: Sequence[int] = (1,), pause: int = 20) -> Chain:
+    """Reads for each of which the firmware computes, before it writes the bytes. pause: cycles after each write."""
 
     def answer(i2c: Any, dsp: Dsp) -> None:
         while True:
             dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
             i2c.I2CSTR.all = 0x4000
             dsp.compute(cycles)
-            i2c.I2CDXR.all = 1
-            dsp.compute(20)
+            for byte in data:
+                i2c.I2CDXR.all = byte
+                dsp.compute(pause)
             dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
             i2c.I2CSTR.SCD = 1
 
-    return explained(answer, measure, {"address": 0x50, "count": 1}, limit="1 us").chain
+    return explained(answer, measure, {"address": 0x50, "count": len(data)}, limit="1 us").chain
 
 
 def us_in(chain: Chain, what: str) -> float:
@@ -333,24 +335,12 @@ def test_a_computation_before_the_answer_is_named_with_its_line(measure: str):
     assert us_in(long, computed) - us_in(short, computed) == pytest.approx(100, abs=0.01)
     assert long.us(long.length - short.length) == pytest.approx(100, abs=0.01)
     assert sum(one.length for one in long.parts) == long.length
-    assert str(long.blamed) == computed and line_of(long, "I2C-A.I2CDXR written") == "i2c.I2CDXR.all = 1"
+    assert str(long.blamed) == computed and line_of(long, "I2C-A.I2CDXR written") == "i2c.I2CDXR.all = byte"
 
 
 def test_a_hold_that_is_over_before_the_end_is_told_with_the_write_that_ended_it():
     """Not with the write of the next byte, which comes before the end, too."""
-
-    def answer(i2c: Any, dsp: Dsp) -> None:
-        while True:
-            dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
-            i2c.I2CSTR.all = 0x4000
-            dsp.compute(7_500)
-            i2c.I2CDXR.all = 1
-            dsp.compute(1_000)
-            i2c.I2CDXR.all = 2
-            dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
-            i2c.I2CSTR.SCD = 1
-
-    chain = explained(answer, "from bus address read to bus byte", {"address": 0x50, "count": 2}, limit="1 us").chain
+    chain = answered("from bus address read to bus byte", 7_500, data=(1, 2), pause=1_000)
     (told,) = [step for step in chain.steps if "I2CDXR written" in step.what]
     (hold,) = [step for step in chain.steps if step.what.startswith("SCL held low by dsp")]
     assert told.what == f"I2C-A.I2CDXR written, 0x0001, for which SCL was held {chain.timebase.show(told.at - hold.at)}"

@@ -50,6 +50,7 @@ def explained(
             start_i2c(dsp, own_address=0x50)
             i2c.I2CMDR.IRS = 1
         serve(i2c, dsp)
+        dsp.compute(1_000_000)
 
     head = {"first": "1 ms", "period": "3 ms", "request": [request], **controller}
     made = case(
@@ -73,7 +74,6 @@ def place_of(one: Explained, words: str) -> str:
 def other_address(i2c: Any, dsp: Dsp) -> None:
     dsp.compute(30_000)
     i2c.I2COAR.all = 0x51
-    dsp.compute(1_000_000)
 
 
 def address_too_late(i2c: Any, dsp: Dsp) -> None:
@@ -81,13 +81,11 @@ def address_too_late(i2c: Any, dsp: Dsp) -> None:
     i2c.I2COAR.all = 0x51
     dsp.compute(165_000)
     i2c.I2COAR.all = 0x50
-    dsp.compute(1_000_000)
 
 
 def reset_before(i2c: Any, dsp: Dsp) -> None:
     dsp.compute(100_000)
     i2c.I2CMDR.IRS = 0
-    dsp.compute(1_000_000)
 
 
 @pytest.mark.parametrize("measure", ["nacked", "nacked rounds", "count of bus NACK", "count of bus NACK address"])
@@ -115,18 +113,15 @@ def test_a_refused_address_goes_back_to_the_write_behind_it(
 def no_address(i2c: Any, dsp: Dsp) -> None:
     start_i2c(dsp)  # it writes I2COAR = 0
     i2c.I2CMDR.IRS = 1
-    dsp.compute(1_000_000)
 
 
 def no_release(i2c: Any, dsp: Dsp) -> None:
     start_i2c(dsp, own_address=0x50)
-    dsp.compute(1_000_000)
 
 
 def no_clock(i2c: Any, dsp: Dsp) -> None:
     i2c.I2COAR.all = 0x50
     i2c.I2CMDR.IRS = 1
-    dsp.compute(1_000_000)
 
 
 def never_addressed(i2c: Any, dsp: Dsp) -> None:
@@ -135,7 +130,6 @@ def never_addressed(i2c: Any, dsp: Dsp) -> None:
     dsp.edis()
     dsp.compute(10)
     i2c.I2CMDR.IRS = 1
-    dsp.compute(1_000_000)
 
 
 @pytest.mark.parametrize(
@@ -154,14 +148,12 @@ def test_a_refused_address_goes_back_to_the_write_that_is_missing(serve: Callabl
 def refuse_byte(i2c: Any, dsp: Dsp) -> None:
     dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
     i2c.I2CMDR.NACKMOD = 1
-    dsp.compute(1_000_000)
 
 
 def reset_in_byte(i2c: Any, dsp: Dsp) -> None:
     dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
     dsp.compute(6000)
     i2c.I2CMDR.IRS = 0
-    dsp.compute(1_000_000)
 
 
 def test_an_acknowledge_that_a_chip_refuses_to_the_firmware_is_not_put_down_to_its_own_address():

@@ -150,7 +150,7 @@ class Run:
         if not self.plan.programs:
             return [(one.window, one.chain) for one in explain(case, verdicts, self._typical, self.plan.length)]
         if self.records is not None:
-            seen = windows_of_table(case.name, self.records, verdicts, self.start)
+            seen = windows_of_table(case.name, self.records, self.timebase, verdicts, self.start)
             return [(window, chain_of(case, window)) for window in seen]
         return [(window, None) for window in windows_of_edges(self.edges(), self.timebase, verdicts, self.start)]
 

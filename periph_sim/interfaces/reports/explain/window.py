@@ -196,16 +196,14 @@ def windows_of_replay(
     return [replace(window, formats=scene.uart.formats()) for window in found]
 
 
-def windows_of_table(case: str, table: RecordTable, verdicts: Iterable[Verdict], start: int) -> list[Window]:
+def windows_of_table(
+    case: str, table: RecordTable, timebase: Timebase, verdicts: Iterable[Verdict], start: int
+) -> list[Window]:
     """Return windows from a run that was recorded with all kinds of records.
 
     start: the tick at which the run began.
-
-    Raise ValueError if the table does not contain a run.
     """
-    if table.per_second is None or table.per_second.denominator != 1:
-        raise ValueError(f"a table of {table.per_second} ticks a second is no recorded run")
-    keeper = _Keeper(verdicts, Timebase(int(table.per_second)), start, table.end)
+    keeper = _Keeper(verdicts, timebase, start, table.end)
     for record in table.records():
         keeper.add(record)
     return keeper.windows(case, dict.fromkeys(table.texts("where", table.rows(Kind.EDGE))), table.modules)

@@ -72,9 +72,8 @@ def test_edges_are_those_of_the_wires(whole):
 
 def test_a_recorded_run_gives_the_same(whole):
     case, result, table, _ = whole
-    for again, one in zip(
-        windows_of_table(case.name, table, result.budgets, 0), windows(case, result.budgets, LENGTH), strict=True
-    ):
+    recorded = windows_of_table(case.name, table, Timebase(int(table.per_second)), result.budgets, 0)
+    for again, one in zip(recorded, windows(case, result.budgets, LENGTH), strict=True):
         assert (again.begin, again.end, again.drawn, again.kept) == (one.begin, one.end, one.drawn, one.kept)
         assert again.records == one.records
         assert again.before == one.before

@@ -190,8 +190,6 @@ def test_an_update_shows_what_it_changed(cases: Path):
     put(cases, wait=3000)
     (one,) = check([cases], jobs=1, update=True)
     assert one.state == "written" and one.passed
-    assert '-      "worst": 15000,' in one.diff.splitlines()
-    assert '+      "worst": 30860,' in one.diff.splitlines()
     assert "response worst 750 -> 1543 cycles: I2C-A.I2CDXR written by dsp 3000 cycles later" in map(str, one.changes)
     assert check([cases], jobs=1)[0].passed
 

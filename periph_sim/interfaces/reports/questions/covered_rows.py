@@ -30,16 +30,9 @@ from ..coverage import PART
 from ..sweep.runs import Row
 from ..witness import input_texts
 
-
-class StartedRun(Struct, frozen=True):
-    """A run of a case with given starts.
-
-    starts: the "key=value" texts of the starts and, in a coverage, of the seed.
-    length: the duration in seconds.
-    """
-
-    starts: tuple[str, ...]
-    length: Fraction
+# A run of a case with given starts: the "key=value" texts of the starts and, in a coverage, of the seed; and the
+# duration in seconds.
+StartedRun = tuple[tuple[str, ...], Fraction]
 
 
 @dataclass
@@ -89,7 +82,7 @@ class Cover(Struct, frozen=True):
         found, runs = coverer.found, {}
         for name, worst in found.worst.items():
             inputs, length = case.phases.inputs(worst.phases)
-            runs[name] = StartedRun((*_texts(case, inputs), f"seed={worst.seed}"), length)
+            runs[name] = (*_texts(case, inputs), f"seed={worst.seed}"), length
         failed = {name for names in found.failed.values() for name in names}
         failed |= {name for one in found.drifting for name in one.names}
         worst_of = {name: one.verdict for name, one in found.worst.items()}
@@ -103,7 +96,7 @@ def _of_table(made: TableProof) -> CoveredResult:
         one.verdict.proven = words[name] == PROVEN
         starts, rounds, until = one.run()
         texts = _texts(case, case.phases.inputs_at(starts, rounds))
-        runs[name] = StartedRun(tuple(texts), Fraction(until, case.phases.ticks_per_second))
+        runs[name] = tuple(texts), Fraction(until, case.phases.ticks_per_second)
     outcome = made.parts[-1].table.outcomes[-1]
     verdicts = {name: one.verdict for name, one in worst.items()}
     result = _result(case, verdicts, outcome.failures, outcome.reasons, runs)

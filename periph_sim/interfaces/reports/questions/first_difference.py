@@ -99,8 +99,8 @@ def first_differences(
     differences: dict[int, FirstDifference | None] = {}
     for number in sorted(first)[:MOST_EXPLAINED]:
         attempt = attempts[number]
-        run = attempt.row.runs.get(first[number]) if isinstance(attempt.row, CoveredResult) else None
-        starts, seconds = ((), length) if run is None else (run.starts, run.length)
+        runs = attempt.row.runs if isinstance(attempt.row, CoveredResult) else {}
+        starts, seconds = runs.get(first[number], ((), length))
         answers = [*starts, *(answer.change for answer in attempt.answers)]
         differences[number] = first_difference(prepared, answers[:-1], answers, seconds)
     return differences

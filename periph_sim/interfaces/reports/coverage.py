@@ -99,6 +99,11 @@ class Coverage:
         self.found.held = coverage_file.from_ranges(saved.held, self.chosen)
         return True
 
+    @property
+    def is_whole(self) -> bool:
+        """True if the phases were chosen from all phases of a period (see `choose`)."""
+        return self.choice.bounds == (0, self.choice.count - 1)
+
 
 def choose(job: Job, step: int, only: tuple[Fraction, Fraction] | None) -> Coverage:
     """Return a coverage without results. A few of its phases are run to estimate the time.
@@ -208,10 +213,8 @@ def _finish(coverage: Coverage) -> None:
     ran_before = coverage.case.runs
     coverer = Coverer(coverage.case, coverage.case.case.seed, coverage.found)
     windows = windows_of(coverage.found, coverer.status, coverage.choice.bounds)
-    # The phases of frames and rounds repeat in each period. If they were chosen from all phases of a period, a window
-    # can continue from the last phase to the first.
-    is_whole = coverage.choice.bounds == (0, coverage.choice.count - 1)
-    if is_whole and not coverage.case.phases.is_one_a_run:
+    # The phases of frames and rounds repeat in each period, so a window can continue from the last phase to the first.
+    if coverage.is_whole and not coverage.case.phases.is_one_a_run:
         windows = joined_at_end(windows, coverage.choice.count, coverer.status)
     coverage.windows = windows
     for worst in list(coverage.found.worst.values()):

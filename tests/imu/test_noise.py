@@ -23,18 +23,6 @@ def axis(terms: NoiseTerms = ALL, seed: int = 1, stream: str = "gyroscope/x") ->
     return AxisNoise(terms, PERIOD, seed, stream)
 
 
-@given(st.integers(0, 2**40), st.lists(st.integers(0, 3 * BLOCK), min_size=1, max_size=6))
-@settings(deadline=None, max_examples=40)
-def test_a_gaussian_stream_may_be_split_anywhere(first: int, counts: list[int]):
-    whole = Gaussian(7, "s").values(first, sum(counts))
-    other = Gaussian(7, "s")
-    parts, at = [], first
-    for count in counts:
-        parts.append(other.values(at, count))
-        at += count
-    assert np.array_equal(np.concatenate(parts), whole)
-
-
 @given(st.lists(st.integers(0, 900), min_size=1, max_size=8), st.integers(0, 3))
 @settings(deadline=None, max_examples=40)
 def test_all_terms_together_may_be_split_resumed_and_read_one_by_one(counts: list[int], skipped: int):

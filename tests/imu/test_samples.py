@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from periph_sim.devices.chips.sensed_values import held
 from periph_sim.imu.attitude import errors, estimate
 from periph_sim.imu.moving import experiment as direct
 from periph_sim.imu.rotations import quaternions
@@ -67,25 +66,6 @@ def test_an_overflow_of_the_magnetometer_is_no_number():
 def test_a_round_in_which_a_chip_is_silent_is_left_out():
     samples = sampled("200 ms", ["gyroscope"])
     assert samples.seconds.shape == (0,) and samples.mag.shape == (0, 3)
-
-
-def test_a_motion_comes_back_through_chips_wires_and_filter():
-    """Three sines of up to 40 degrees for 4 s; the chips sample by themselves, up to 20 ms before they are asked."""
-    ticks = np.arange(0, 4_200_000_000, 1_000_000, np.int64)
-    high, speed = np.radians([40, -30, 35]), np.array([1.1, 0.8, 0.5])
-
-    def angles(seconds: np.ndarray) -> np.ndarray:
-        return high * np.sin(np.outer(seconds, speed))
-
-    seconds = ticks / 1e9
-    attitude = angles(seconds)
-    felt = [at_rest(*a) for a in attitude]
-    rates = np.degrees(body_rates(attitude, high * speed * np.cos(np.outer(seconds, speed))))
-    data = {"gyroscope": rates, "accelerometer": [a for a, _ in felt], "magnetometer": [m for _, m in felt]}
-    s = sampled("4.1 s", **{name: held(ticks, np.array(rows)) for name, rows in data.items()})
-    found = errors(estimate(s.seconds, s.gyro, s.accel, s.mag, FIELD), quaternions(angles(s.seconds)))
-    assert len(s.seconds) == 200 and np.isfinite(s.mag).all()
-    assert found.total.max() < 1.5
 
 
 SET = """

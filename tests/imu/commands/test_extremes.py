@@ -44,8 +44,8 @@ def test_a_picture_is_written_whole_or_not_at_all(periph_sim: Run, desk: Path) -
     ("arguments", "message"),
     [
         (("--arithmetic", "float16"), "there is no arithmetic 'float16'; did you mean"),
-        (("--arithmetic", "q20", "--samples", "100"), "does not fit Q20"),
-        (("--only", "yaw wrap"), "there is no extreme 'yaw wrap'"),
+        (("--arithmetic", "q20", "--samples", "100"), "gyroscope: -32768 does not fit Q20"),
+        (("--only", "rol rate"), "there is no extreme 'rol rate'; did you mean roll rate"),
         (("--plot", "trade.png"), "trade.png: the picture is SVG"),
         (("--parameters", "none.toml"), "none.toml: cannot be read"),
         (("--samples", "1"), "--samples"),

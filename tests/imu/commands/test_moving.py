@@ -18,15 +18,6 @@ CASE = str(TIMING / "imu_moving.toml")
 QUICK = (CASE, "--direct", "--seconds", "1")
 
 
-def test_the_table_over_wires(desk: Path, periph_sim: Run):
-    came = periph_sim("moving", CASE, "--seconds", "0.2")
-    assert (came.status, came.err) == (0, "")
-    assert came.out.startswith(
-        "imu_moving: 10 rounds; emulator in q16, noise of seed 1, over SCI, firmware and\n  I2C\n"
-    )
-    assert came.out.endswith("\n360 of 360 bytes read from the emulator equal those computed without wires\n")
-
-
 def test_json_has_the_figures_of_the_table(desk: Path, periph_sim: Run):
     told = json.loads(periph_sim("moving", *QUICK, "--json").out)
     assert (told["rounds"], told["wires"], told["bytes"]) == (50, False, None)

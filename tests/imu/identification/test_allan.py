@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.imu.identification import allan as module
 from periph_sim.imu.identification.allan import BadSeries, allan, octaves
 
 PERIOD = 0.02
@@ -59,13 +58,6 @@ def test_it_is_what_the_definition_says(count: int, data: st.DataObject):
 
 def test_octaves_go_up_to_half_the_samples():
     assert octaves(2) == [1] and octaves(3) == [1] and octaves(9) == [1, 2, 4] and octaves(1) == []
-
-
-def test_what_is_formed_at_once_does_not_show(monkeypatch: pytest.MonkeyPatch):
-    samples = noise(1000)
-    whole = allan(samples, PERIOD).variance
-    monkeypatch.setattr(module, "AT_ONCE", 7)
-    assert allan(samples, PERIOD).variance == pytest.approx(whole, rel=1e-12)
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e3, -1e9])

@@ -81,12 +81,15 @@ def test_it_ends_at_zero_and_stays_there():
     assert not at_times.accelerations(servo, np.array([1.0])).any()
 
 
-def test_too_many_readings_and_a_negative_resolution_are_refused():
-    with pytest.raises(BadMotion, match=r"^read_every: \d+ positions in 107.517 s; expected at most 1000000, or 0 s"):
-        motion(Settings(read_every=1e-6))
-    with pytest.raises(BadMotion, match=r"^read_every: inf positions in 107.517 s; expected at most 1000000, or 0 s"):
-        motion(Settings(read_every=1e-320))
-    with pytest.raises(BadMotion, match=r"^resolution: it is -0.1 rad; expected 0 rad or more$"):
-        motion(Settings(resolution=-0.1))
-    with pytest.raises(BadMotion, match=r"^resolution: it is 1e-310 rad; expected 0 rad, or 1e-300 rad or more$"):
-        motion(Settings(resolution=1e-310))
+@pytest.mark.parametrize(
+    ("settings", "sentence"),
+    [
+        (Settings(read_every=1e-6), r"read_every: \d+ positions in 107.517 s; expected at most 1000000, or 0 s"),
+        (Settings(read_every=1e-320), "read_every: inf positions in 107.517 s; expected at most 1000000, or 0 s"),
+        (Settings(resolution=-0.1), "resolution: it is -0.1 rad; expected 0 rad or more$"),
+        (Settings(resolution=1e-310), "resolution: it is 1e-310 rad; expected 0 rad, or 1e-300 rad or more$"),
+    ],
+)
+def test_too_many_readings_and_an_impossible_resolution_are_refused(settings: Settings, sentence: str):
+    with pytest.raises(BadMotion, match=f"^{sentence}"):
+        motion(settings)

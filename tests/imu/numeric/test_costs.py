@@ -58,10 +58,21 @@ def test_an_estimate_is_counts_times_cycles_and_operands() -> None:
     assert not iq.guessed and estimate(counts, DOUBLE).guessed and estimate(counts, RTS).guessed
 
 
-def test_figures_of_the_guides() -> None:
+def test_figures_of_the_guides_and_those_derived_from_instructions() -> None:
+    """Derived ones: CMPL, a conditional branch of 7 or 4, MOVL, or one conditional MOVL; ADDL and a shift; a shift."""
     assert [IQMATH.costs[kind].low for kind in ("div", "sqrt", "mag", "atan2")] == [63, 63, 86, 109]
     assert [FASTRTS.costs[kind].low for kind in ("div", "sqrt", "sincos", "atan", "atan2")] == [25, 29, 44, 49, 50]
     assert (ROUNDED.costs["mul"].low, SATURATED.costs["mul"].low, RTS.costs["div"].low) == (17, 21, 222)
+    kinds = ("select", "to integer, nearest", "to integer, floor", "to integer, toward zero", "clamp", "scaled")
+    assert [(IQMATH.costs[kind].low, IQMATH.costs[kind].high) for kind in kinds] == [
+        (3, 9),
+        (2, 4),
+        (1, 3),
+        (14, 14),
+        (7, 7),
+        (7, 7),
+    ]
+    assert IQMATH.rom == {"sincos": 4, "atan": 6, "atan2": 6, "div": 8, "sqrt": 4, "mag": 4}
 
 
 @pytest.mark.parametrize("name", ["float64", "float32", "q16", "q16 rounded", "q16 saturating", "q1", "q29"])
@@ -74,17 +85,3 @@ def test_names_lead_to_arithmetics_of_that_name(name: str) -> None:
 def test_other_names_are_refused_with_near_ones(name: str) -> None:
     with pytest.raises(named.NoSuchArithmetic, match="there is no arithmetic"):
         named.scalar(name)
-
-
-def test_derived_figures_of_iqmath_are_those_of_their_instructions() -> None:
-    """CMPL, a conditional branch of 7 or 4, MOVL, or one conditional MOVL; ADDL and a shift; a shift."""
-    kinds = ("select", "to integer, nearest", "to integer, floor", "to integer, toward zero", "clamp", "scaled")
-    assert [(IQMATH.costs[kind].low, IQMATH.costs[kind].high) for kind in kinds] == [
-        (3, 9),
-        (2, 4),
-        (1, 3),
-        (14, 14),
-        (7, 7),
-        (7, 7),
-    ]
-    assert IQMATH.rom == {"sincos": 4, "atan": 6, "atan2": 6, "div": 8, "sqrt": 4, "mag": 4}

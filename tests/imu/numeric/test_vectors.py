@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.imu.numeric.arithmetic import Vectors, vectors_of
-from periph_sim.imu.numeric.float64 import Float64
 from periph_sim.imu.numeric.q import HIGH, LOW, Q, RoundedQ
 
 NUMBER = st.integers(LOW, HIGH) | st.integers(-1 << 20, 1 << 20)
@@ -28,15 +27,3 @@ def test_q_has_the_operations_number_by_number(kind: type[Q], overflow: str, u: 
     for name, given_ in of.items():
         assert getattr(vectors, name)(*given_) == getattr(by_numbers, name)(*given_), name
         assert own.overflows == plain.overflows, name
-
-
-def test_vectors_of_floats_by_hand() -> None:
-    vectors = vectors_of(Float64())
-    u, v = (1.0, 2.0, 3.0), (4.0, -5.0, 6.0)
-    assert vectors.plus(u, v) == (5.0, -3.0, 9.0)
-    assert vectors.minus(u, v) == (-3.0, 7.0, -3.0)
-    assert vectors.times(u, 2.0) == (2.0, 4.0, 6.0)
-    assert vectors.transformed((u, v, u), v) == (12.0, 77.0, 12.0)
-    assert vectors.whole((1.2, -7.0, 2.5), -5.0, 9.0, "nearest") == (1.0, -5.0, 3.0)
-    assert vectors.cross(u, v) == (27.0, 6.0, -13.0)
-    assert vectors.turned(0.6, 0.8, 1.0, 2.0) == pytest.approx((2.2, 0.4))

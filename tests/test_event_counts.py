@@ -32,52 +32,34 @@ def i2c_events(
 
 
 SCL = 4 * 9  # nine bits: the controller moves SCL twice a bit, and each edge leaves the module's filter later
-
-
-@pytest.mark.parametrize("byte", ["00", "ff", "55"])
-@pytest.mark.parametrize("count", [2, 5, 16])
-def test_an_i2c_byte_read_edge_by_edge_costs(byte: str, count: int):
-    """The controller's ACK begins and ends: 2. The CPU sees XRDY and writes I2CDXR: 2.
-
-    The module is not woken for changes of SDA while SCL is low.
-    """
-    assert i2c_events({"count": count + 1}, byte) - i2c_events({"count": count}, byte) == SCL + 2 + 2
-
-
-@pytest.mark.parametrize(
-    ("byte", "events"),
-    [
-        ("ff", SCL + 1),  # the CPU sees RRDY and reads I2CDRR: 1
-        ("55", SCL + 1 + 8),  # the controller changes SDA eight times, the one before the ACK included
-    ],
-)
-@pytest.mark.parametrize("count", [2, 5, 16])
-def test_an_i2c_byte_written_edge_by_edge_costs(byte: str, events: int, count: int):
-    more, fewer = (i2c_events({"count": 0, "write": " ".join([byte] * n)}, "00") for n in (count + 1, count))
-    assert more - fewer == events
-
-
 TWO_BITS = 4 * 2 + 1  # two of nine bits are left, and the step over the other seven is one event of the controller
 
 
 @pytest.mark.parametrize(
-    ("request_", "byte", "events"),
+    ("disable", "request_", "byte", "events"),
     [
-        ("read", "00", TWO_BITS + 2 + 2),
-        ("read", "ff", TWO_BITS + 2 + 2),
-        ("read", "55", TWO_BITS + 2 + 2),
-        ("written", "ff", TWO_BITS + 1),
-        ("written", "55", TWO_BITS + 1 + 1),
+        # The controller's ACK begins and ends: 2. The CPU sees XRDY and writes I2CDXR: 2. The module is not woken for
+        # changes of SDA while SCL is low.
+        *(("bits", "read", byte, SCL + 2 + 2) for byte in ("00", "ff", "55")),
+        ("bits", "written", "ff", SCL + 1),  # the CPU sees RRDY and reads I2CDRR: 1
+        (
+            "bits",
+            "written",
+            "55",
+            SCL + 1 + 8,
+        ),  # eight changes of SDA, the one before the ACK included
+        # The same parts where bits are skipped; of the changes of SDA those around the ACK are left.
+        *(((), "read", byte, TWO_BITS + 2 + 2) for byte in ("00", "ff", "55")),
+        ((), "written", "ff", TWO_BITS + 1),
+        ((), "written", "55", TWO_BITS + 1 + 1),
     ],
 )
 @pytest.mark.parametrize("count", [2, 5, 16])
-def test_an_i2c_byte_of_which_bits_are_skipped_costs(request_: str, byte: str, events: int, count: int):
-    """The parts are those of a byte edge by edge; of the changes of SDA those around the ACK are left."""
-
+def test_an_i2c_byte_costs(disable: object, request_: str, byte: str, events: int, count: int):
     def total(length: int) -> int:
         if request_ == "read":
-            return i2c_events({"count": length}, byte, disable=())
-        return i2c_events({"count": 0, "write": " ".join([byte] * length)}, "00", disable=())
+            return i2c_events({"count": length}, byte, disable=disable)
+        return i2c_events({"count": 0, "write": " ".join([byte] * length)}, "00", disable=disable)
 
     assert total(count + 1) - total(count) == events
 

@@ -28,14 +28,16 @@ class ImuFirmware:
 
     parameters: the parameters of the sensors.
     settings: the settings of the firmware. The settings `arithmetic` and `noise_seed`, if present, affect the results.
+    arithmetic: the name of the arithmetic in which the firmware calculates; None if no setting names it.
+    noise_seed: the seed of the noise; None for no noise.
     """
 
     def __init__(self, parameters: ImuParameters, settings: object) -> None:
         self.parameters = parameters
         self._settings = settings
         arithmetic: object = getattr(settings, "arithmetic", None)
-        self._arithmetic = arithmetic if isinstance(arithmetic, str) else None
-        self._noise_seed: Any = getattr(settings, "noise_seed", None)
+        self.arithmetic = arithmetic if isinstance(arithmetic, str) else None
+        self.noise_seed: Any = getattr(settings, "noise_seed", None)
 
     @property
     def runs_per_frame(self) -> bool:
@@ -61,11 +63,11 @@ class ImuFirmware:
 
     def codes(self) -> ChipModel | None:
         """Return the model that calculates the bytes of the chips; None if no setting names the arithmetic."""
-        if self._arithmetic is None:
+        if self.arithmetic is None:
             return None
         from .model_codes import model_codes
 
-        return model_codes(self.parameters, self._arithmetic, self._noise_seed)
+        return model_codes(self.parameters, self.arithmetic, self.noise_seed)
 
     def truth(self, motion: Motion, first: Fraction) -> MotionTruth:
         """Return the readings that ideal sensors would give during a motion.

@@ -88,8 +88,7 @@ def subject_of(case: Case, duration: Fraction | None = None) -> EmulatorUnderTes
     names = {request.name for request in scene.requests}
     if case.controller is None or names != set(SENSORS) or len(scene.requests) != len(SENSORS):
         raise case.mistake(f"a moving experiment reads {', '.join(SENSORS)} in each round", "controller", "order")
-    arithmetics = [unit.settings.get("arithmetic") for unit in case.unit.values()]
-    if not isinstance(scene.model, ImuFirmware) or len(arithmetics) != 1 or not isinstance(arithmetics[0], str):
+    if not isinstance(scene.model, ImuFirmware) or len(case.unit) != 1 or scene.model.arithmetic is None:
         raise case.mistake('a moving experiment needs one unit with sensor models; give it arithmetic = "q16"', "unit")
     sensors = scene.model.parameters
     if sensors.magnetometer.board_azimuth or sensors.magnetometer.board_elevation:
@@ -97,14 +96,12 @@ def subject_of(case: Case, duration: Fraction | None = None) -> EmulatorUnderTes
     if (case.duration if duration is None else duration) <= case.controller.first:
         raise case.mistake("no round is due before the end; run longer, or start the first one earlier", "controller")
     (unit,) = case.unit
-    settings = case.unit[unit].settings
-    seed = settings.get("noise_seed")
     return EmulatorUnderTest(
         case,
         unit,
         sensors,
-        arithmetics[0],
-        seed if isinstance(seed, int) else None,
+        scene.model.arithmetic,
+        scene.model.noise_seed,
         scene.model.runs_per_frame,
         case.host,
         case.controller,

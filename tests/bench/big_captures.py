@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import zipfile
 from collections.abc import Callable, Iterable
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tests.traces.formats.writers import metadata
+from tests.traces.formats.writers import frame_bits, sr_bytes, uart_wave
 
 CHUNK = 4 << 20
 BIT = 48  # samples of one bit on the I2C bus
@@ -86,22 +86,13 @@ def sparse(length: int = 50_000_000) -> bytes:
 
 def uart(length: int = 76_000_000, rate: int = 24_000_000, baud: int = 115_200) -> bytes:
     """Bursts of sixteen frames, each burst a few bits apart from the last."""
-    values: NDArray[np.int64] = np.random.default_rng(115200).integers(0, 256, 30_000)
-    bits = np.ones((len(values), 12), np.int64)
-    bits[:, 0] = 0
-    bits[:, 1:9] = values[:, None] >> np.arange(8) & 1
-    bits = bits[:, :10].ravel()
-    pause = length * baud // rate - len(bits) - 40  # bit times of silence to spread
-    begins = np.arange(len(bits)) + 20 + np.arange(len(bits)) // 160 * (pause // (len(bits) // 160 + 1))
-    line = np.ones(length, np.uint8)
-    ends = -(-(begins + 1) * rate // baud)
-    begins = -(-begins * rate // baud)
-    low = np.flatnonzero(bits == 0)
-    steps = np.zeros(length + 1, np.int8)
-    np.add.at(steps, begins[low], -1)
-    np.add.at(steps, ends[low], 1)
-    line += np.cumsum(steps[:-1], dtype=np.int8).view(np.uint8)
-    return line.tobytes()
+    values = np.random.default_rng(115200).integers(0, 256, 30_000).tolist()
+    width = Fraction(rate, baud)
+    silence = length * baud // rate - 10 * len(values) - 40  # bit times of it to spread
+    pause = silence // (len(values) // 16 + 1)
+    begins = (20 + 10 * number + number // 16 * pause for number in range(len(values)))
+    frames = ((begin * width, frame_bits(value)) for begin, value in zip(begins, values, strict=True))
+    return uart_wave(frames, width, length)
 
 
 MAKERS: dict[str, tuple[Callable[[], bytes], list[str], str]] = {
@@ -119,9 +110,6 @@ def write(folder: Path) -> dict[str, Path]:
         if path.exists():
             continue
         samples = make()
-        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-            archive.writestr("version", b"2")
-            archive.writestr("metadata", metadata(names, rate))
-            for number, begin in enumerate(range(0, len(samples), CHUNK), 1):
-                archive.writestr(f"logic-1-{number}", samples[begin : begin + CHUNK])
+        chunks = (samples[begin : begin + CHUNK] for begin in range(0, len(samples), CHUNK))
+        path.write_bytes(sr_bytes(names, rate, *chunks, compression=zipfile.ZIP_DEFLATED))
     return found

@@ -43,11 +43,13 @@ def metadata(names: Sequence[str], rate: str, unitsize: int = 1) -> bytes:
     return "\n".join([*lines, ""]).encode()
 
 
-def sr_bytes(names: Sequence[str], rate: str, *chunks: bytes, unitsize: int = 1) -> bytes:
+def sr_bytes(
+    names: Sequence[str], rate: str, *chunks: bytes, unitsize: int = 1, compression: int = zipfile.ZIP_STORED
+) -> bytes:
     """A version 2 session: probe k of `names` is bit k of each little-endian sample."""
     members = {"version": b"2", "metadata": metadata(names, rate, unitsize)}
     members |= {f"logic-1-{number}": chunk for number, chunk in enumerate(chunks, 1)}
-    return zip_bytes(members)
+    return zip_bytes(members, compression)
 
 
 def dsl_bytes(channels: Mapping[str, Sequence[int]], rate: str, block: int = 4, version: int = 3, **keys: str) -> bytes:

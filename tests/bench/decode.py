@@ -30,7 +30,7 @@ ROWS = {
     ),
 }
 WHAT = {
-    "dense": "I2C, 20 million samples, 1.05 million edges",
+    "dense": "I2C, 20 million samples, 1.03 million edges",
     "sparse": "I2C, 50 million samples, 37 thousand edges",
     "uart": "UART 115200, 76 million samples, 164 thousand edges",
 }

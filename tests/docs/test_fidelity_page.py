@@ -9,8 +9,8 @@ from tests.docs.pages import ROOT
 PAGE = (ROOT / "docs" / "fidelity.md").read_text(encoding="utf-8")
 
 
-def test_every_test_file_that_the_page_names_is_there():
-    named = re.findall(r"`(tests/[\w/.]+)`", PAGE)
+def test_every_test_file_and_case_that_the_page_names_is_there():
+    named = re.findall(r"\b(?:tests/[\w/.]+|timing/[\w/]+\.toml)\b", PAGE)
     assert len(named) > 10
     assert [path for path in named if not (ROOT / path).exists()] == []
 
@@ -30,8 +30,3 @@ def test_each_row_that_is_to_be_proved_names_a_test():
     assert len(tables) == 2 and len(rows_of_both) >= 25
     named = re.compile(r"`(?:tests/[\w/.]+|test_\w+)`")
     assert [row for row in rows_of_both if not named.search(row.rstrip("| ").rpartition("|")[2])] == []
-
-
-def test_each_file_that_the_page_names_as_a_case_is_there():
-    named = re.findall(r"\btiming/[\w/]+\.toml\b", PAGE)
-    assert named and [path for path in named if not (ROOT / path).exists()] == []

@@ -13,13 +13,12 @@ from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from tests.devices.aerospace import FIELD, at_rest
+from tests.imu.moving.subjects import parameters
 from tests.scene.runs import run_file
 
 
 def models_with(period: str, folder: Path, *changes: str) -> None:
-    path = folder / "sensors.toml"
-    path.write_text(f'period = "{period}"', encoding="utf-8")
-    run_file("imu_models", "0.001", f"unit.dsp.settings.parameters={path}", *changes)
+    run_file("imu_models", "0.001", parameters(folder, f'period = "{period}"'), *changes)
 
 
 @pytest.mark.parametrize("period", ["10 s", "10 ms", "20.1 ms", "19.9 ms", "1 us"])

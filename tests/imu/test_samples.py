@@ -16,7 +16,7 @@ from periph_sim.imu.samples import Readings, SampleLog, Samples
 from periph_sim.scene.scene import Scene
 from tests.devices.aerospace import FIELD, at_rest, body_rates, to_body
 from tests.imu.motion import at_times
-from tests.imu.moving.subjects import STILL, TWO_ANGLES, subject, without_noise
+from tests.imu.moving.subjects import STILL, TWO_ANGLES, parameters, subject, without_noise
 from tests.scene.small import case
 
 MODELS = {"gyroscope": "itg3200", "accelerometer": "adxl345", "magnetometer": "hmc5883l"}
@@ -80,8 +80,7 @@ cross_axis = 0.03
 
 
 def test_the_body_s_own_rates_gravity_and_field_come_back(tmp_path: Path):
-    (tmp_path / "set.toml").write_text(SET)
-    one = without_noise(subject("3", TWO_ANGLES, f"unit.dsp.settings.parameters={tmp_path / 'set.toml'}"))
+    one = without_noise(subject("3", TWO_ANGLES, parameters(tmp_path, SET)))
     read = direct.computed_sensors(one).samples(one.sensors)
     attitude = at_times.attitudes(one.motion, read.seconds)
     rates = np.degrees(body_rates(attitude, at_times.rates(one.motion, read.seconds)))

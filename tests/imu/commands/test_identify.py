@@ -43,12 +43,6 @@ def test_the_turn_is_text_only(desk: Path, periph_sim: Run, more: tuple[str, ...
     assert not Path("t.csv").exists()
 
 
-def test_a_set_that_is_neither_shipped_nor_a_file(periph_sim: Run):
-    came = periph_sim("imu-table", "--parameters", "table_6")
-    assert came.status == 2
-    assert "no parameter set 'table_6'; give the path of a TOML file, or a shipped set: table_5_1" in came.err
-
-
 def test_the_table_as_json(periph_sim: Run):
     told = json.loads(periph_sim("imu-table", "--samples", "500", "--json").out)
     assert (told["samples"], told["seed"], len(told["rows"])) == (500, 1, 9)

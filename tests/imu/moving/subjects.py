@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 
 from periph_sim.imu.moving.subject import EmulatorUnderTest, subject_of
 from periph_sim.scene.case.load import load
@@ -21,8 +22,18 @@ def subject(seconds: str, *changes: str) -> EmulatorUnderTest:
     return subject_of(load(TIMING / "imu_moving.toml", list(changes)), Fraction(seconds))
 
 
-def flight(path: str) -> str:
+def flight(folder: Path, rows: str) -> str:
+    """The change to a recorded flight of which these are the rows."""
+    path = folder / "flight.csv"
+    path.write_text(f"time [s],phi [deg],theta [deg],psi [deg],ax [g],ay [g],az [g]\n{rows}", encoding="utf-8")
     return f'host.motion={{kind = "flight", file = "{path}"}}'
+
+
+def parameters(folder: Path, text: str) -> str:
+    """The change to a set of parameters in TOML."""
+    path = folder / "set.toml"
+    path.write_text(text, encoding="utf-8")
+    return f"unit.dsp.settings.parameters={path}"
 
 
 def without_noise(one: EmulatorUnderTest) -> EmulatorUnderTest:

@@ -13,7 +13,7 @@ from periph_sim.imu.moving.experiment import lag_between, run
 from periph_sim.imu.moving.text_report import as_json, lines, rms
 from periph_sim.imu.rotations import quaternions
 from periph_sim.scene.case.model import BadCase
-from tests.imu.moving.subjects import STILL, TWO_ANGLES, subject
+from tests.imu.moving.subjects import STILL, TWO_ANGLES, parameters, subject
 
 
 def test_over_wires_every_byte_is_the_computed_one_and_attitudes_are_those_without_wires():
@@ -97,9 +97,9 @@ def test_a_case_that_is_no_moving_experiment_is_refused_with_its_line(change: st
 
 
 def test_an_inclined_board_is_refused(tmp_path):
-    (tmp_path / "set.toml").write_text('[magnetometer]\nboard_azimuth = "5 deg"\n')
+    inclined = parameters(tmp_path, '[magnetometer]\nboard_azimuth = "5 deg"\n')
     with pytest.raises(BadCase, match="does not support an inclined magnetometer board"):
-        subject("1", f"unit.dsp.settings.parameters={tmp_path / 'set.toml'}")
+        subject("1", inclined)
 
 
 TIMES = np.arange(400) * 0.02

@@ -14,7 +14,7 @@ from periph_sim.imu.moving.experiment import attitudes, truth
 from periph_sim.imu.moving.subject import EmulatorUnderTest
 from periph_sim.imu.samples import Readings
 from tests.imu.motion import at_times
-from tests.imu.moving.subjects import TWO_ANGLES, flight, subject, without_noise
+from tests.imu.moving.subjects import TWO_ANGLES, flight, parameters, subject, without_noise
 
 FLOAT = "unit.dsp.settings.arithmetic=float64"
 FINE = 'host.encoding={phi = "3.2e-5 rad", theta = "3.2e-5 rad"}'
@@ -70,10 +70,8 @@ def test_they_agree_while_one_angle_moves_from_zero(seconds: str, changes: list[
 
 def through_half_a_turn(tmp_path: Path, wrap: str, *changes: str) -> tuple[EmulatorUnderTest, Readings]:
     """Yaw from 150 on to 210 degrees in 3 s, which the host sends as -150."""
-    path = tmp_path / "turn.csv"
-    path.write_text("time [s],phi [deg],theta [deg],psi [deg],ax [g],ay [g],az [g]\n0,0,0,150,0,0,0\n3,0,0,210,0,0,0\n")
-    (tmp_path / "set.toml").write_text(f'wrap = "{wrap}"\n')
-    one = subject("3", flight(str(path)), f"unit.dsp.settings.parameters={tmp_path / 'set.toml'}", *changes)
+    through = flight(tmp_path, "0,0,0,150,0,0,0\n3,0,0,210,0,0,0\n")
+    one = subject("3", through, parameters(tmp_path, f'wrap = "{wrap}"\n'), *changes)
     return one, direct.computed_emulator(one)
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from periph_sim.imu.moving import experiment as direct
 from periph_sim.imu.moving import on_wires
-from tests.imu.moving.subjects import TWO_ANGLES, flight, subject, without_noise
+from tests.imu.moving.subjects import TWO_ANGLES, flight, parameters, subject, without_noise
 
 
 def agree(came: on_wires.Emulated, computed: dict[str, np.ndarray]) -> bool:
@@ -60,20 +60,18 @@ def test_other_noise_other_frames_or_another_arithmetic_would_be_other_bytes():
 
 
 @pytest.mark.parametrize(
-    "changes",
+    ("change", "period"),
     [
-        (),
-        ("host.period=33 ms",),
-        ("host.period=7 ms",),
-        ("host.frames=9",),
-        ("controller.period=25 ms", "unit.dsp.settings.parameters=25ms.toml"),
-        ("host.first=5 ms",),
+        ("host.period=20 ms", "20 ms"),
+        ("host.period=33 ms", "20 ms"),
+        ("host.period=7 ms", "20 ms"),
+        ("host.frames=9", "20 ms"),
+        ("controller.period=25 ms", "25 ms"),
+        ("host.first=5 ms", "20 ms"),
     ],
 )
-def test_the_schedule_says_which_frame_each_run_works_on(changes: tuple[str, ...], tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "25ms.toml").write_text('period = "25 ms"', encoding="utf-8")
-    one = subject("0.6", *changes)
+def test_the_schedule_says_which_frame_each_run_works_on(change: str, period: str, tmp_path: Path):
+    one = subject("0.6", change, parameters(tmp_path, f'period = "{period}"'))
     came = on_wires.emulator(one)
     assert came.frames[: one.rounds].tolist() == direct.frames_by_schedule(one).tolist()
     assert came.readings.seconds == pytest.approx(direct.computed_emulator(one).seconds)
@@ -92,9 +90,7 @@ def test_frames_that_do_not_come_leave_the_values_but_not_the_noise():
 
 def turning(tmp_path: Path, *changes: str) -> np.ndarray:
     """deg/s about x that the head reads, round by round but the first ones, while roll goes on at 10 deg/s."""
-    path = tmp_path / "turning.csv"
-    path.write_text("time [s],phi [deg],theta [deg],psi [deg],ax [g],ay [g],az [g]\n0,0,0,0,0,0,0\n9,90,0,0,0,0,0\n")
-    one = without_noise(subject("0.5", flight(str(path)), *changes))
+    one = without_noise(subject("0.5", flight(tmp_path, "0,0,0,0,0,0,0\n9,90,0,0,0,0,0\n"), *changes))
     return on_wires.emulator(one).readings.samples(one.sensors).gyro[4:, 0]
 
 

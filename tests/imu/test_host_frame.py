@@ -109,8 +109,3 @@ def test_a_frame_is_refused_when_it_is_asked_for_and_counts_only_then():
     for number in range(35):
         saturating(number)
     assert saturating.beyond == {"theta": 2}
-
-
-def test_a_scale_of_zero_or_less_is_refused():
-    with pytest.raises(BadMotion, match=r"^ay: one count is 0; expected more than 0$"):
-        Encoding(ay=0.0)

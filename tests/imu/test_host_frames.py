@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.core.sampler import watch
+from periph_sim.core.records import Kind, Record
 from periph_sim.imu.host_frames import encode
 from periph_sim.imu.motion import BadMotion
 from periph_sim.scene.case.load import load
@@ -51,24 +51,11 @@ def test_scales_are_those_of_the_encoding():
 
 
 def test_the_high_byte_goes_first_where_the_encoding_says_so():
-    levels = []
-    scene = Scene(
-        case("5 ms", host={"motion": {"kind": "static", "phi": "0.1 rad"}, "encoding": {"byte_order": "big"}})
-    )
-    watch([scene.wires["RX"]], lambda tick, level: levels.append((tick, level)))
-    scene.run()
-    bit = scene.timebase.per_second / 115200
-    start = levels[0][0]
-
-    def byte(number: int) -> int:
-        at = [start + (number * 10 + 1.5 + place) * bit for place in range(8)]
-        return sum(level_at(levels, tick) << place for place, tick in enumerate(at))
-
-    assert byte(0) << 8 | byte(1) == 1000
-
-
-def level_at(levels: list[tuple[int, int]], tick: float) -> int:
-    return [level for at, level in levels if at <= tick][-1]
+    came: list[Record] = []
+    host = {"motion": {"kind": "static", "phi": "0.1 rad"}, "encoding": {"byte_order": "big"}}
+    Scene(case("5 ms", host=host), lambda recorder, _: recorder.subscribe([Kind.FRAME], came.append)).run()
+    characters = [record.value & 0xFF for record in came if (record.where, record.what) == ("RX", "end")]
+    assert characters[:2] == [*(1000).to_bytes(2, "big")]
 
 
 def test_a_value_beyond_16_bits_ends_the_run_unless_it_is_to_saturate_or_wrap_and_is_counted():

@@ -80,22 +80,19 @@ class MotionFrames:
     """Source of the frames of a motion. Frame n has the values of the motion at first + n * period seconds.
 
     motion: the motion that is sampled.
+    encoding: the encoding of its values.
     beyond: by the name of a value, the number of frames so far in which this value did not fit 16 bits.
     """
 
     def __init__(self, motion: Motion, encoding: Encoding, first: Fraction, period: Fraction) -> None:
         self.beyond: Counter[str] = Counter()
         self.motion = motion
-        self._encoding = encoding
+        self.encoding = encoding
         # `_first` and `_period` are whole numbers in units of 1 / `_scale` seconds.
         self._scale = lcm(first.denominator, period.denominator)
         self._first, self._period = (int(length * self._scale) for length in (first, period))
         self._counted = 0
         self._frame = lru_cache(KEPT)(self._calculated)
-
-    @property
-    def byte_order(self) -> ByteOrder:
-        return self._encoding.byte_order
 
     def __call__(self, number: int) -> tuple[int, ...]:
         """Return the six counts of a frame.
@@ -111,7 +108,7 @@ class MotionFrames:
     def _calculated(self, number: int) -> Frame:
         seconds = (self._first + number * self._period) / self._scale
         try:
-            return self._encoding.counts(sampled(self.motion, seconds))
+            return self.encoding.counts(sampled(self.motion, seconds))
         except BadMotion as error:
             raise BadMotion(f"frame {number}, due at {seconds:.6g} s: {error}") from None
 

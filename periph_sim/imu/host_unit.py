@@ -49,11 +49,10 @@ class FlightFrames:
         flight = motion(Settings(file))
         self._last = int(Fraction(flight.ends) / period)
         self._values = MotionFrames(flight, encoding, Fraction(0), period)
-        self._order = encoding.byte_order
 
     def frame(self, number: int) -> bytes:
         """Return the bytes of frame `number`."""
-        return encode(self._values(number), self._order)
+        return encode(self._values(number), self._values.encoding.byte_order)
 
     def over(self, number: int) -> bool:
         """Return True if the flight has ended before frame `number`."""

@@ -29,7 +29,7 @@ from ...core.text_table import text_table
 from ..models.parameters import ImuParameters, MagnetometerParameters
 from ..models.quantity import Vector
 from .rest import Floats, lsb_at_rest
-from .static_table import REAL
+from .static_table import REAL, numbers
 
 MEAN = REAL["magnetometer"].mean
 HARD_IRON = MagnetometerParameters().hard_iron
@@ -84,7 +84,6 @@ def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
 
 def text(imu: ImuParameters, found: Fit) -> str:
     """Format a fit, and a table of `turn` with the parameters `imu` at the yaws of Figure 5.1."""
-    x, y, z = found.field
     ys, zs = ([f"{abs(field[axis]):.4f}" for field in found.fields] for axis in (1, 2))
     says = [
         ("y at 0 and 180 is about the bias: |Hy|", *ys, f"d = {found.along_y:.2f}"),
@@ -96,19 +95,15 @@ def text(imu: ImuParameters, found: Fit) -> str:
         for yaw, row in zip(YAWS, turn(imu), strict=True)
     ]
     lines = [
-        f"Earth field H from Table 5.1's real mean {_three(MEAN)} gauss",
+        f"Earth field H from Table 5.1's real mean {numbers(MEAN, 4)} gauss",
         "= H + d V, V the hard iron of Table 4.1",
         "",
         *text_table(("section 5.2 says", "d = 0", "d = 1", "least squares"), says, range(1, 4)),
         "",
-        f"result: d = {int(found.disturbed)}, H = ({x:.4f}, {y:.4f}, {z:.4f}) gauss",
+        f"result: d = {int(found.disturbed)}, H = ({numbers(found.field, 4)}) gauss",
         "",
-        f"Turn about z as in Figure 5.1, with hard iron {_three(imu.magnetometer.hard_iron)} gauss",
+        f"Turn about z as in Figure 5.1, with hard iron {numbers(imu.magnetometer.hard_iron, 4)} gauss",
         "",
         *text_table(("yaw", "x", "y", "z", "y less the bias"), turned, range(5)),
     ]
     return "\n".join(lines)
-
-
-def _three(values: Vector) -> str:
-    return ", ".join(f"{value:.4f}" for value in values)

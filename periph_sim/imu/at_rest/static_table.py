@@ -232,17 +232,18 @@ def _gyroscope_variances(imu: ImuParameters, rows: Sequence[AxisRow]) -> Iterato
     published_ones = [(row.three_sigma.emulator / 3) ** 2 for row in three]
     expected = [row.variance.expected for row in three]
     unrounded = variances_before_rounding(imu.gyroscope, imu.period) / imu.gyroscope.scale**2
-    yield f"gyroscope variances: published {_three(published_ones)} (by 3 sigma)"
-    yield f"  expected with whole LSB    {_three(expected)}: {_more(expected, published_ones)}"
-    yield f"  expected before rounding   {_three(unrounded)}: {_more(unrounded, published_ones)}"
+    yield f"gyroscope variances: published {numbers(published_ones, 5)} (by 3 sigma)"
+    yield f"  expected with whole LSB    {numbers(expected, 5)}: {_more(expected, published_ones)}"
+    yield f"  expected before rounding   {numbers(unrounded, 5)}: {_more(unrounded, published_ones)}"
 
 
 def _more(values: Iterable[float], than: Iterable[float]) -> str:
     return ", ".join(f"{100 * (value / other - 1):+.0f} %" for value, other in zip(values, than, strict=True))
 
 
-def _three(values: Iterable[float]) -> str:
-    return ", ".join(f"{value:.5f}" for value in values)
+def numbers(values: Iterable[float], decimals: int) -> str:
+    """Format numbers with this number of decimals, separated by commas."""
+    return ", ".join(f"{value:.{decimals}f}" for value in values)
 
 
 def _unit(sensor: str, figure: str) -> str:

@@ -121,7 +121,10 @@ class InputSweep:
         happens: Happens = "agrees"
         if begins is not None:
             there = _grid(self, arithmetic, begins, begins, 1)
-            happens = there.how(arithmetic)
+            if np.isnan(there.codes.exact[:, 0]).any():
+                happens = "NaN"
+            else:
+                happens = overflow_of(arithmetic) if there.codes.overflown[0] else "off"
             largest = max(largest, float(there.off.max()))
         elif worst is None:
             begins = self._first(arithmetic, lambda grid: grid.full)
@@ -163,12 +166,6 @@ class Grid:
     def astray(self, allowed: Floats) -> Bools:
         """Return, for each point, True if a code deviates by more than `allowed` or a value before rounding is NaN."""
         return np.logical_or((self.off > allowed[:, None]).any(axis=0), np.isnan(self.codes.exact).any(axis=0))
-
-    def how(self, arithmetic: str) -> Happens:
-        """Return the effect that makes the codes at the first point deviate."""
-        if np.isnan(self.codes.exact[:, 0]).any():
-            return "NaN"
-        return overflow_of(arithmetic) if self.codes.overflown[0] else "off"
 
 
 @lru_cache(maxsize=256)

@@ -110,11 +110,11 @@ def computed_emulator(subject: EmulatorUnderTest, frames: Ints | None = None) ->
     models = model_codes(subject.sensors, subject.arithmetic, subject.seed)
     shown, rows = models.at_rest, []
     for run, number in enumerate(carried.tolist()):
-        values = None if number < 0 else decode(encode(subject.frames(number), subject.frames.byte_order))
+        values = None if number < 0 else decode(encode(subject.frames(number), subject.frames.encoding.byte_order))
         shown = models.run(run, values, shown)
         rows.append([chip.values(shown.data(chip.address)) for chip in SENSORS.values()])
     codes = dict(zip(SENSORS, np.array(rows, np.int64).reshape(-1, len(SENSORS), 3).swapaxes(0, 1), strict=True))
-    return Readings(_due(subject, len(carried)), codes, _scales(subject))
+    return Readings(_due(subject, len(carried)), codes, subject.scales)
 
 
 def computed_sensors(subject: EmulatorUnderTest) -> Readings:
@@ -127,7 +127,7 @@ def computed_sensors(subject: EmulatorUnderTest) -> Readings:
     noise = None if subject.seed is None else ImuNoise(subject.sensors, subject.seed + 1)
     rows = [felt.at(at, None if noise is None else noise.at(n)) for n, at in enumerate(seconds.tolist())]
     codes = {name: np.rint([row[name] for row in rows]).astype(np.int64).reshape(-1, 3) for name in SENSORS}
-    return Readings(seconds, codes, _scales(subject))
+    return Readings(seconds, codes, subject.scales)
 
 
 def frames_by_schedule(subject: EmulatorUnderTest) -> Ints:
@@ -155,10 +155,6 @@ def frames_by_schedule(subject: EmulatorUnderTest) -> Ints:
 def _due(subject: EmulatorUnderTest, rounds: int) -> Floats:
     controller = subject.controller
     return np.array([float(controller.first + n * controller.period) for n in range(rounds)])
-
-
-def _scales(subject: EmulatorUnderTest) -> dict[str, float]:
-    return {name: getattr(subject.sensors, name).scale for name in SENSORS}
 
 
 RATES: tuple[Rates, ...] = ("as built", "corrected")

@@ -81,11 +81,7 @@ class ModelRuns:
         recorder.subscribe([Kind.SPAN], self._record)
         recorder.subscribe([Kind.RECEIVER], self._words_wait, things={(Kind.RECEIVER, "words")})
 
-    def listen(self, scene: Scene) -> None:
-        scene.on_frame(self._frame)
-        scene.on_round(self._round)
-
-    def _frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+    def on_frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         self._sent.append(number)
 
     def _words_wait(self, record: Record) -> None:
@@ -99,7 +95,7 @@ class ModelRuns:
         elif record.what == MODEL:
             self._ended += 1
 
-    def _round(self, over: Round) -> None:
+    def on_round(self, over: Round) -> None:
         if not over.nacked:
             self.runs.append(self._ended - 1)
 
@@ -108,9 +104,9 @@ def emulator(subject: EmulatorUnderTest, progress: Progress | None = None) -> Em
     """Simulate the host, the emulator and the sensor head. Return the readings of the emulator."""
     observer = ModelRuns()
     scene = Scene(subject.case, observer.subscribe)
-    observer.listen(scene)
-    scales = {name: getattr(subject.sensors, name).scale for name in SENSORS}
-    readings = replace(_read(scene, subject, progress), lsb_per_unit=scales, overflow=None)
+    scene.on_frame(observer.on_frame)
+    scene.on_round(observer.on_round)
+    readings = replace(_read(scene, subject, progress), lsb_per_unit=subject.scales, overflow=None)
     return Emulated(readings, np.array(observer.frames, np.int64), np.array(observer.runs, np.int64))
 
 

@@ -47,6 +47,11 @@ class EmulatorUnderTest:
     duration: Fraction
 
     @property
+    def scales(self) -> dict[str, float]:
+        """The number of LSB per unit of each emulated chip, by the name of the chip."""
+        return {name: getattr(self.sensors, name).scale for name in SENSORS}
+
+    @property
     def motion(self) -> Motion:
         """The true motion of the body."""
         return self.frames.motion.truth

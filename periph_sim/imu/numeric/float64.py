@@ -18,6 +18,7 @@ class Float64:
 
     name = "float64"
     constant = staticmethod(float)
+    value = staticmethod(float)
     scaled = staticmethod(operator.mul)
     add = staticmethod(operator.add)
     sub = staticmethod(operator.sub)
@@ -26,9 +27,6 @@ class Float64:
     mag = staticmethod(math.hypot)
     atan = staticmethod(math.atan)
     atan2 = staticmethod(math.atan2)
-
-    def value(self, x: float) -> float:
-        return x
 
     def div(self, x: float, y: float) -> float:
         if y:

@@ -24,11 +24,11 @@ Row = dict[str, Any]
 
 def rows(forms: Sequence[str]) -> Iterator[Row]:
     for which in forms:
-        bare = in_form(which, "nothing", "without")
+        bare = in_form(which, "nothing", "counted")
         for what, row in absent.ROWS.items():
             if row.present:
                 continue
-            having = in_form(which, "nothing", "having", what)
+            having = in_form(which, "nothing", "counted", what)
             lacking = bare["modules"], bare["objects"]
             yield {
                 "absent": what,
@@ -44,18 +44,9 @@ def rows(forms: Sequence[str]) -> Iterator[Row]:
             }
 
 
-def without() -> Row:
-    """The slave of `BARE`, with nothing besides; in this process."""
-    return told(absent.BARE["slave"], "")
-
-
-def having(what: str) -> Row:
-    """The scene that has it."""
-    row = absent.ROWS[what]
-    return told(row.named, row.record)
-
-
-def told(tables: Any, record: str) -> Row:
+def counted(what: str = "") -> Row:
+    """The scene that has it, in this process; without a name, the slave of `BARE`, with nothing besides."""
+    tables, record = (absent.ROWS[what].named, absent.ROWS[what].record) if what else (absent.BARE["slave"], "")
     with tempfile.TemporaryDirectory() as folder, chdir(folder):
         Path("mine.py").write_text(absent.DEVICE, "utf-8")
         tracemalloc.start()

@@ -7,19 +7,17 @@ import os
 import socket
 import struct
 import sys
+from contextlib import AbstractContextManager
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from periph_sim.imu.host_frame import Encoding
 from periph_sim.imu.host_frames import frames_of
 from periph_sim.imu.host_unit import FlightFrames, UdpFrames, pacer_for, send_frames
-from periph_sim.imu.motion import BadMotion
 from periph_sim.outside import OutsideError
 from periph_sim.outside.live.pacing import Pacer
-from periph_sim.traces.capture.capture import BadCapture
 from tests.outside.live.echo import written
 
 PERIOD = Fraction(20, 1000)
@@ -47,7 +45,7 @@ def test_a_flight_gives_the_frames_of_a_case_s_host(flight: Path) -> None:
     assert [source.over(number) for number in (10, 11)] == [False, True]
 
 
-class Datagrams:
+class Datagrams(AbstractContextManager):
     def __init__(self, order: str = "little") -> None:
         self.said: list[str] = []
         self.source = UdpFrames("127.0.0.1", 0, Encoding(), order, self.said.append)
@@ -55,9 +53,6 @@ class Datagrams:
 
     def send(self, data: bytes) -> None:
         self._socket.sendto(data, ("127.0.0.1", self.source.port))
-
-    def __enter__(self) -> Datagrams:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.source.close()
@@ -118,20 +113,6 @@ def test_a_port_that_is_refused_leaves_no_file_open() -> None:
             UdpFrames("127.0.0.1", udp.source.port, Encoding(), "little", print)
         assert len(os.listdir("/proc/self/fd")) == before
         assert refused.value is not None  # it holds the frames in which the socket was made
-
-
-@pytest.mark.parametrize(
-    ("text", "error", "sentence"),
-    [
-        ("", BadCapture, "flight.csv"),
-        ("time [s],phi [deg]\n0,0\n", BadMotion, "there is no column 'theta'"),
-        (FLIGHT.replace("30,", "nan,"), BadCapture, "line 3"),
-    ],
-)
-def test_a_file_that_is_no_flight_is_refused(flight: Path, text: str, error: Any, sentence: str) -> None:
-    flight.write_text(text)
-    with pytest.raises(error, match=sentence):
-        FlightFrames(flight, Encoding(), PERIOD)
 
 
 def test_frames_go_out_at_their_rate_in_simulated_time(flight: Path, tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from tests.mutants import sample
 from tests.mutants.equivalents import LIST, arguments
 from tests.mutants.reach import Reach, measured
 from tests.mutants.runner import Runner
-from tests.mutants.sample import Mutant, Room, drawn, every, mutants_of
+from tests.mutants.sample import Mutant, Room, drawn, every
 from tests.mutants.tree import Tree, commit_of, unpack
 from tests.mutants.trial import tried
 
@@ -84,8 +84,7 @@ def runner(tree: Tree) -> Iterator[Runner]:
 
 
 def mutant(tree: Tree, after: str) -> Mutant:
-    every = [one for line in mutants_of("room", "room/code.py", tree.folder) for one in line]
-    return next(one for one in every if one.after == after)
+    return next(one for one in every("room/code.py", tree.folder) if one.after == after)
 
 
 def test_the_same_seed_draws_the_same_lines_each_once(tree: Tree) -> None:
@@ -220,10 +219,7 @@ def test_a_warm_process_that_breaks_down_is_no_kill(tree: Tree, runner: Runner, 
         runner.run("room", ["tests/room/test_code.py"], [])
 
 
-def test_all_mutants_of_a_file(tree: Tree) -> None:
-    assert [one for line in mutants_of("room", "room/code.py", tree.folder) for one in line] == every(
-        "room/code.py", tree.folder
-    )
+def test_a_file_of_no_room_has_no_mutants(tree: Tree) -> None:
     with pytest.raises(SystemExit, match="a file of no room; rooms are room"):
         every("tests/room/test_code.py", tree.folder)
 

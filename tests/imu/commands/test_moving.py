@@ -18,13 +18,9 @@ CASE = str(TIMING / "imu_moving.toml")
 QUICK = (CASE, "--direct", "--seconds", "1")
 
 
-def test_json_has_the_figures_of_the_table(desk: Path, periph_sim: Run):
+def test_one_json_object(desk: Path, periph_sim: Run):
     told = json.loads(periph_sim("moving", *QUICK, "--json").out)
     assert (told["rounds"], told["wires"], told["bytes"]) == (50, False, None)
-    row = next(
-        line for line in periph_sim("moving", *QUICK).out.splitlines() if line.startswith(" real sensors less truth")
-    )
-    assert row.split()[-1] == f"{told['apart']['real sensors less truth']['total']['rms']:.3f}"
 
 
 def test_bytes_that_differ_are_status_1(desk: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch):

@@ -24,7 +24,6 @@ from periph_sim.imu.models.parameters import (
 )
 from periph_sim.imu.numeric import arithmetic_names as named
 from periph_sim.imu.numeric.float64 import Float64
-from periph_sim.imu.numeric.q import DoesNotFit
 from tests.imu.extremes.test_working_range import STATED
 from tests.imu.models import exact
 from tests.imu.models.exact import Turn, Vector
@@ -46,12 +45,6 @@ def test_a_sample_names_the_first_axis_that_is_wrong(name: str, value: float, ax
     with pytest.raises(NotFinite) as caught:
         model.step(attitude, acceleration, Noise(*chips), model.at_rest)
     assert str(caught.value) == f"{INPUTS[axis]}: {value}; expected a finite number"
-
-
-@pytest.mark.parametrize("value", WRONG)
-def test_q_formats_have_no_number_for_it_either(value: float) -> None:
-    with pytest.raises(DoesNotFit):
-        named.scalar("q16").constant(value)
 
 
 ZERO = (0.0, 0.0, 0.0)

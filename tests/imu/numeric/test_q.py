@@ -53,9 +53,18 @@ def test_every_overflow_is_counted() -> None:
     assert a.overflows == 4
 
 
-@pytest.mark.parametrize(("bits", "value"), [(16, 32768.0), (20, -32768.0), (29, 4.0), (16, 1e30), (16, float("inf"))])
-def test_a_constant_that_does_not_fit_is_refused(bits: int, value: float) -> None:
-    with pytest.raises(DoesNotFit, match=rf"does not fit Q{bits}, which ends at .* take fewer fraction bits"):
+@pytest.mark.parametrize(
+    ("bits", "value", "sentence"),
+    [
+        *(
+            (bits, value, f"{value:g} does not fit Q{bits}, which ends at .*; take fewer fraction bits")
+            for bits, value in ((16, 32768.0), (20, -32768.0), (29, 4.0), (16, float("inf")), (16, -float("inf")))
+        ),
+        (16, float("nan"), "nan is no number; Q16 has none for it"),
+    ],
+)
+def test_a_constant_that_does_not_fit_is_refused(bits: int, value: float, sentence: str) -> None:
+    with pytest.raises(DoesNotFit, match=f"^{sentence}"):
         Q(bits).constant(value)
 
 

@@ -48,15 +48,21 @@ class Commands(click.Group):
     """Group of the subcommands in PACKAGES. An underscore in a file's name is a hyphen in the command's name."""
 
     def invoke(self, ctx: click.Context) -> object:
+        """Run a subcommand. An error that the user's input causes becomes a ClickException."""
         from .core.input_files import inputs_of_one_command
 
         try:
             with inputs_of_one_command():
                 return super().invoke(ctx)
-        except OSError as error:  # click would exit with 1, which means that a budget is broken
-            if not is_closed_pipe(error):
-                raise
-            raise click.exceptions.Exit(CLOSED_PIPE) from None
+        except Exception as error:
+            if isinstance(error, OSError) and is_closed_pipe(error):
+                # click would exit with 1, which means that a budget is broken
+                raise click.exceptions.Exit(CLOSED_PIPE) from None
+            from .interfaces.commands.command_frame import is_mistake
+
+            if is_mistake(error):
+                raise click.ClickException(str(error)) from None
+            raise
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         files = (file for package in PACKAGES for file in _folder(package).glob("*.py"))

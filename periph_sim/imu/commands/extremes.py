@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ...interfaces.commands.command_frame import command, print_json, usage_errors_in_one_sentence
+from ...interfaces.commands.command_frame import command, print_json
 
 if TYPE_CHECKING:
     from ..numeric.estimate import Tables
@@ -51,14 +51,13 @@ def extremes(
     from ..extremes.text_report import text
     from ..parameter_sets import named
 
-    with usage_errors_in_one_sentence():
-        if plot is not None and plot.suffix != ".svg":
-            raise click.ClickException(f"{plot}: the picture is SVG; give a name that ends with .svg")
-        imu = None if parameters is None else named(parameters)
-        found = report(names or USUAL, seed, samples, only, imu, tables)
-        if plot is not None:
-            with atomic_write(plot) as unfinished:
-                unfinished.write_text(picture(found), encoding="utf-8")
+    if plot is not None and plot.suffix != ".svg":
+        raise click.ClickException(f"{plot}: the picture is SVG; give a name that ends with .svg")
+    imu = None if parameters is None else named(parameters)
+    found = report(names or USUAL, seed, samples, only, imu, tables)
+    if plot is not None:
+        with atomic_write(plot) as unfinished:
+            unfinished.write_text(picture(found), encoding="utf-8")
     if as_json:
         print_json("extremes", as_dict(found))
     else:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ...interfaces.commands.command_frame import address_given, command, time_given, usage_errors_in_one_sentence
+from ...interfaces.commands.command_frame import address_given, command, time_given
 
 if TYPE_CHECKING:
     from ..host_frame import Encoding
@@ -114,8 +114,7 @@ def _mistakes(port: str) -> Iterator[None]:
     from ...scene.firmware_loader import BadSetting
 
     try:
-        with usage_errors_in_one_sentence():
-            yield
+        yield
     except BadSetting as error:
         raise click.UsageError(f"--host-encoding {error.name}: {error}") from None
     except SerialException as error:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ...interfaces.commands.command_frame import command, print_json, rate_given, usage_errors_in_one_sentence
+from ...interfaces.commands.command_frame import command, print_json, rate_given
 
 if TYPE_CHECKING:
     from ...traces.formats.unit_csv import Column
@@ -64,7 +64,7 @@ def identify(
     """
     if picture is not None and picture.suffix.casefold() not in PICTURES:
         raise click.ClickException(f"--plot {picture}: its suffix is {picture.suffix!r}; expected .svg or .png")
-    with usage_errors_in_one_sentence(), ExitStack() as outputs:
+    with ExitStack() as outputs:
         try:
             from ..identification import text_report as show
         except ModuleNotFoundError as error:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from ...interfaces.commands.command_frame import command, print_json, usage_errors_in_one_sentence
+from ...interfaces.commands.command_frame import command, print_json
 
 MOST_SAMPLES = 10_000_000
 PUBLISHED = "table_5_1"
@@ -43,7 +43,7 @@ def imu_table(samples: int, seed: int, parameters: str | None, turn: bool, csv: 
     for option, given in (("--write", csv is not None), ("--json", as_json)):
         if turn and given:
             raise click.UsageError(f"{option} with --turn: a turn is shown as text only; remove one of them")
-    with usage_errors_in_one_sentence(), ExitStack() as outputs:
+    with ExitStack() as outputs:
         unfinished = None
         if csv is not None:
             from ...traces.formats import atomic_write

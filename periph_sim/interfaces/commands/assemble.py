@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .command_frame import command, usage_errors_in_one_sentence
+from .command_frame import command
 
 
 @command(
@@ -25,10 +25,9 @@ def assemble(source: Path, file: Path) -> None:
     from ...processor.image_files.assemble import assemble_file
     from ...traces.formats import atomic_write
 
-    with usage_errors_in_one_sentence():
-        image, data = assemble_file(source)
-        with atomic_write(file) as temporary:
-            temporary.write_bytes(data)
+    image, data = assemble_file(source)
+    with atomic_write(file) as temporary:
+        temporary.write_bytes(data)
     words = sum(len(section.words) for section in image.loaded)
     sections = f"{len(image.loaded)} section{'s' * (len(image.loaded) != 1)}"
     click.echo(f"{file}: {words} words in {sections}, entry {image.entry:#08x}")

@@ -13,7 +13,7 @@ import shlex
 import sys
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from fractions import Fraction
 from inspect import cleandoc
 from pathlib import Path
@@ -220,24 +220,11 @@ def is_mistake(error: BaseException) -> bool:
     return not MISTAKES.isdisjoint(f"{kind.__module__}.{kind.__qualname__}" for kind in type(error).__mro__)
 
 
-@contextmanager
-def running_user_code() -> Iterator[None]:
-    """Like `usage_errors_in_one_sentence`, and also redirect the output of user code to standard error."""
+def running_user_code() -> AbstractContextManager[None]:
+    """Return a context in which user code prints to standard error, because standard output belongs to the command."""
     from ...processor.user_code import output_aside
 
-    with usage_errors_in_one_sentence(), output_aside():
-        yield
-
-
-@contextmanager
-def usage_errors_in_one_sentence() -> Iterator[None]:
-    """Convert errors that the user's input causes to one line on standard error and exit status 2."""
-    try:
-        yield
-    except Exception as error:
-        if not is_mistake(error):
-            raise
-        raise click.ClickException(str(error)) from None
+    return output_aside()
 
 
 LONG = 5  # in seconds; an interpreted run that takes at least this time gets the advice to compile the core

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .command_frame import command, print_answer, read_capture, usage_errors_in_one_sentence
+from .command_frame import command, print_answer, read_capture
 from .shared_options import JSON, MAP, RATE, SALVAGE
 
 
@@ -46,14 +46,13 @@ def compliance(
     from ...traces.compliance.report import as_json as as_dict
     from ...traces.decode.i2c_table import likely_cause
 
-    with usage_errors_in_one_sentence():
-        given = read_capture(capture, rate, salvage)
-        lines = channel_map(given, mapping)
-        if "scl" not in lines:
-            raise click.ClickException(f"{capture}: the limits are those of I2C; map it with --map scl=...,sda=...")
-        if exact and given.sampled:
-            raise click.ClickException(f"{capture}: its times are samples of an analyser, so --exact cannot be true")
-        report = check(given, lines["scl"], lines["sda"], mode, exact=exact or None)
+    given = read_capture(capture, rate, salvage)
+    lines = channel_map(given, mapping)
+    if "scl" not in lines:
+        raise click.ClickException(f"{capture}: the limits are those of I2C; map it with --map scl=...,sda=...")
+    if exact and given.sampled:
+        raise click.ClickException(f"{capture}: its times are samples of an analyser, so --exact cannot be true")
+    report = check(given, lines["scl"], lines["sda"], mode, exact=exact or None)
     if not report.starts:
         raise click.ClickException(
             f"{capture}: no I2C START on {lines['scl']!r} and {lines['sda']!r}; "

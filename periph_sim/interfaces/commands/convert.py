@@ -21,7 +21,7 @@ from ...traces import formats
 from ...traces.capture.capture import Channel, window_of, with_channels, within
 from ...traces.capture.sampling import rate_text, resampled
 from ...traces.formats import BadCapture, psr, vcd
-from .command_frame import command, rate_given, read_capture, usage_errors_in_one_sentence
+from .command_frame import command, rate_given, read_capture
 from .shared_options import RATE, SALVAGE
 
 
@@ -50,22 +50,21 @@ def convert(
 
     For a run recorded as .psr, OUT may also be any format of `run --record`, with all records.
     """
-    with usage_errors_in_one_sentence():
-        if is_same_file(given, out):
-            raise click.ClickException(f"{out}: IN and OUT are one file; give another name for OUT")
-        part = any(option is not None for option in (rate, sample, channels, window)) or salvage
-        if format_of(out) and not part and psr.holds_run(given):
-            table = psr.read_table(given)
-            rewrite(table, out)
-            length = table.end / (table.per_second or Fraction(1))
-            said, notes = f"{len(table)} records, {float(length):g} s", []
-        else:
-            _check_suffix(out, part)
-            ready = _part(read_capture(given, rate, salvage), channels, window)
-            ready = ready if sample is None else resampled(ready, rate_given("--sample", sample))
-            ready = formats.ready_for(out, ready)
-            notes = [*ready.notes, *formats.write(ready, out), *_not_kept(ready, out)]
-            said = _sizes(ready)
+    if is_same_file(given, out):
+        raise click.ClickException(f"{out}: IN and OUT are one file; give another name for OUT")
+    part = any(option is not None for option in (rate, sample, channels, window)) or salvage
+    if format_of(out) and not part and psr.holds_run(given):
+        table = psr.read_table(given)
+        rewrite(table, out)
+        length = table.end / (table.per_second or Fraction(1))
+        said, notes = f"{len(table)} records, {float(length):g} s", []
+    else:
+        _check_suffix(out, part)
+        ready = _part(read_capture(given, rate, salvage), channels, window)
+        ready = ready if sample is None else resampled(ready, rate_given("--sample", sample))
+        ready = formats.ready_for(out, ready)
+        notes = [*ready.notes, *formats.write(ready, out), *_not_kept(ready, out)]
+        said = _sizes(ready)
     click.echo("\n".join([f"{out}: {said}", *(f"note: {note}" for note in notes)]))
     return 0
 

@@ -46,7 +46,7 @@ from ...traces.formats import pcapng_writer as pcapng
 from . import decode_reports
 from . import decoded_text as event_text
 from .bulk_text import NONE, Column, Digits, Literal, Numbers, Words, text
-from .command_frame import command, i2c_address_given, read_capture, running_user_code, usage_errors_in_one_sentence
+from .command_frame import command, i2c_address_given, read_capture, running_user_code
 from .decode_buses import Bus, asked_for
 from .decode_logic2 import in_logic2
 from .decoded_json import transfer_lines
@@ -147,10 +147,9 @@ def decode(
     if want_glitches and (addresses or nacked or first):
         raise click.ClickException("--glitches lists pulses of lines; leave out --address, --nacked and --first")
     wanted = [i2c_address_given("--address", text, 0x3FF) for text in addresses]
-    with usage_errors_in_one_sentence():
-        capture = read_capture(file, rate, salvage)
-        shortest = 0 if glitch is None else _shortest(glitch, capture)
-        found = asked_for(capture, i2cs, uarts, spis, shortest)
+    capture = read_capture(file, rate, salvage)
+    shortest = 0 if glitch is None else _shortest(glitch, capture)
+    found = asked_for(capture, i2cs, uarts, spis, shortest)
     clock = None if capture.rate is None else event_text.Clock.for_rate(capture.rate, 2 * capture.length)
     _print_notes(*capture.notes, *(note for bus in found for note in bus.notes))
     if want_glitches:
@@ -171,8 +170,7 @@ def decode(
         decode_reports.print_cells(decode_reports.COUNTS, cells, style)
         return
     names = _names(capture, found, chips, case_file) if names_given else None
-    with usage_errors_in_one_sentence():
-        pieces = _text(found, rows, capture, clock, style, full, whole, shortest, names)
+    pieces = _text(found, rows, capture, clock, style, full, whole, shortest, names)
     for piece in pieces:
         sys.stdout.buffer.write(piece)
     sys.stdout.buffer.flush()

@@ -9,7 +9,7 @@ import click
 from ...core.tolerance import Cycles, Tolerance
 from ...traces.capture.channel_names import pairs_given
 from ...traces.decode.uart_line import Line, line_of
-from .command_frame import command, print_answer, read_capture, usage_errors_in_one_sentence
+from .command_frame import command, print_answer, read_capture
 from .shared_options import JSON, MAP, SALVAGE, tolerance_option
 
 
@@ -52,26 +52,25 @@ def diff(
 
     if isinstance(tolerance, Cycles):
         raise click.ClickException("--tolerance in cycles: captures state no SYSCLKOUT; give a time, such as '133 ns'")
-    with usage_errors_in_one_sentence():
-        channel, line = (None, None) if uart is None else _line(uart)
-        wanted = "sda" if line is None else "rx"
-        if channel is not None and mapping is not None:
-            raise click.ClickException("--uart and --map both name the channel of rx; give one of them")
-        captures = (
-            read_capture(a, rate, salvage),
-            read_capture(b, rate_b, salvage, "--rate-b"),
-        )
-        first = mapping if channel is None else f"rx={channel}"
-        lines = [channel_map(captures[0], first), channel_map(captures[1], map_b or first)]
-        for path, found in zip((a, b), lines, strict=True):
-            if wanted not in found:
-                way = "give --uart baud=RATE" if line is None else "map the channel with rx=CHANNEL"
-                raise click.ClickException(f"{path}: the lines found are {' and '.join(found)}; {way}")
-        if line is None:
-            (scl, sda), (scl_b, sda_b) = ((found["scl"], found["sda"]) for found in lines)
-            result = diff_i2c(*captures, (scl, sda), (scl_b, sda_b), tolerance)
-        else:
-            result = diff_uart(*captures, line, lines[0]["rx"], lines[1]["rx"], tolerance)
+    channel, line = (None, None) if uart is None else _line(uart)
+    wanted = "sda" if line is None else "rx"
+    if channel is not None and mapping is not None:
+        raise click.ClickException("--uart and --map both name the channel of rx; give one of them")
+    captures = (
+        read_capture(a, rate, salvage),
+        read_capture(b, rate_b, salvage, "--rate-b"),
+    )
+    first = mapping if channel is None else f"rx={channel}"
+    lines = [channel_map(captures[0], first), channel_map(captures[1], map_b or first)]
+    for path, found in zip((a, b), lines, strict=True):
+        if wanted not in found:
+            way = "give --uart baud=RATE" if line is None else "map the channel with rx=CHANNEL"
+            raise click.ClickException(f"{path}: the lines found are {' and '.join(found)}; {way}")
+    if line is None:
+        (scl, sda), (scl_b, sda_b) = ((found["scl"], found["sda"]) for found in lines)
+        result = diff_i2c(*captures, (scl, sda), (scl_b, sda_b), tolerance)
+    else:
+        result = diff_uart(*captures, line, lines[0]["rx"], lines[1]["rx"], tolerance)
     if not result.entries:
         what = "I2C transfer" if line is None else "UART frame"
         raise click.ClickException(f"{a} and {b}: no {what} in either; the mapping may be wrong")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .command_frame import command, print_answer, usage_errors_in_one_sentence
+from .command_frame import command, print_answer
 
 
 @command("understand", "periph-sim image firmware.out", "periph-sim image firmware.out _main --cycles")
@@ -27,13 +27,12 @@ def image(image: Path, function: str | None, cycles: bool, verbose: bool, as_jso
     from ...processor.image_files import function_cycles, inspection
     from ...processor.image_files.program_file import program_in
 
-    with usage_errors_in_one_sentence():
-        program = program_in(image)
-        if function is not None:
-            spent = function_cycles.function_cycles(program, function)
-            show = function_cycles.cycles_as_json if as_json else function_cycles.cycles_text
-            print_answer("image_cycles", show(spent))
-            return 0
-        found = inspection.inspect(program)
+    program = program_in(image)
+    if function is not None:
+        spent = function_cycles.function_cycles(program, function)
+        show = function_cycles.cycles_as_json if as_json else function_cycles.cycles_text
+        print_answer("image_cycles", show(spent))
+        return 0
+    found = inspection.inspect(program)
     print_answer("image", inspection.as_json(found) if as_json else inspection.text(found, verbose))
     return 1 if found.unknown else 0

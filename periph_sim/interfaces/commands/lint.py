@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .command_frame import command, open_run, print_answer, time_given, usage_errors_in_one_sentence
+from .command_frame import command, open_run, print_answer, time_given
 from .shared_options import RUN_FILE, SYSCLK
 
 
@@ -23,8 +23,7 @@ def lint(run: Path, bound: str, sysclk: str | None, as_json: bool) -> int:
     from ...records import lint as lints
 
     options = lints.Options(time_given("--bound", bound))
-    with usage_errors_in_one_sentence():
-        opened = open_run(run, sysclk)
-        findings = lints.lint(opened, options)
+    opened = open_run(run, sysclk)
+    findings = lints.lint(opened, options)
     print_answer("lint", lints.as_json(opened, findings) if as_json else lints.text(opened, findings))
     return 1 if findings else 0

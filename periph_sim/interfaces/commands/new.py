@@ -20,7 +20,7 @@ from ...core.phrases import did_you_mean
 from ...processor.image_files.assemble import sources_of
 from ...scene.case.origin import texts_in
 from ...scene.firmware_loader import SHIPPED
-from .command_frame import check_file_name, command, read_capture, running_user_code, usage_errors_in_one_sentence
+from .command_frame import check_file_name, command, read_capture, running_user_code
 from .shared_options import MAP, RATE
 
 if TYPE_CHECKING:
@@ -90,39 +90,38 @@ def new(
     """
     following: str | None = None
     notes: list[str] = []
-    with usage_errors_in_one_sentence():
-        if live is not None:
-            if name is not None or capture is not None or example is not None:
-                raise click.UsageError("--live takes at most the name of the case")
-            from . import live_case
+    if live is not None:
+        if name is not None or capture is not None or example is not None:
+            raise click.UsageError("--live takes at most the name of the case")
+        from . import live_case
 
-            files, case = live_case.files_of(live, kind)
-        elif example is not None:
-            if name is not None or capture is not None:
-                raise click.UsageError("--example takes at most the folder that the copy goes to")
-            folder = Path(kind or ".")
-            files = _example(example, folder)
-            case = folder / f"{example}.toml"
-        elif kind is None:
-            raise click.UsageError(f"give a kind: {', '.join(_kinds())}; or --example CASE")
-        elif kind in PROGRAMS:
-            made = _of_program(kind, name)
-            files, case, notes = {made.path: made.text}, made.path, made.notes
-            following = f"periph-sim worst {quote(str(case))} {quote(made.first)}" if made.first else None
-        else:
-            if kind not in _kinds():
-                raise click.UsageError(f"there is no kind {kind!r}; {did_you_mean(kind, _kinds())}")
-            if capture is not None and kind != REPLAY:
-                raise click.UsageError(f"--from is for replay, not for {kind}")
-            place = Path(name or kind.replace("-", "_"))
-            files = _template(kind, place)
-            case = place.with_name(f"{place.name}.toml")
-            if kind == REPLAY:
-                recorded = place.with_name(f"{place.name}.vcd") if capture is None else capture
-                if capture is not None:
-                    files = _as_captured(files, read_capture(capture, rate), mapping)
-                following = _replay(recorded, case, mapping, rate)
-        write(files)
+        files, case = live_case.files_of(live, kind)
+    elif example is not None:
+        if name is not None or capture is not None:
+            raise click.UsageError("--example takes at most the folder that the copy goes to")
+        folder = Path(kind or ".")
+        files = _example(example, folder)
+        case = folder / f"{example}.toml"
+    elif kind is None:
+        raise click.UsageError(f"give a kind: {', '.join(_kinds())}; or --example CASE")
+    elif kind in PROGRAMS:
+        made = _of_program(kind, name)
+        files, case, notes = {made.path: made.text}, made.path, made.notes
+        following = f"periph-sim worst {quote(str(case))} {quote(made.first)}" if made.first else None
+    else:
+        if kind not in _kinds():
+            raise click.UsageError(f"there is no kind {kind!r}; {did_you_mean(kind, _kinds())}")
+        if capture is not None and kind != REPLAY:
+            raise click.UsageError(f"--from is for replay, not for {kind}")
+        place = Path(name or kind.replace("-", "_"))
+        files = _template(kind, place)
+        case = place.with_name(f"{place.name}.toml")
+        if kind == REPLAY:
+            recorded = place.with_name(f"{place.name}.vcd") if capture is None else capture
+            if capture is not None:
+                files = _as_captured(files, read_capture(capture, rate), mapping)
+            following = _replay(recorded, case, mapping, rate)
+    write(files)
     said = [*(f"written: {file}" for file in files), *(f"note: {note}" for note in notes)]
     click.echo("\n".join([*said, *_go_on(files, case, following)]))
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .command_frame import command, open_run, print_answer, usage_errors_in_one_sentence
+from .command_frame import command, open_run, print_answer
 from .completion import complete_field
 from .shared_options import JSON, RUN_FILE, SYSCLK
 
@@ -33,8 +33,7 @@ def races(run: Path, register: str | None, least: int | None, no_lost: bool, sys
     from ...records import races_text_report as report
     from ...records.races import races as races_of
 
-    with usage_errors_in_one_sentence():
-        found = races_of(open_run(run, sysclk), register)
+    found = races_of(open_run(run, sysclk), register)
     print_answer("races", report.as_json(found) if as_json else report.text(found))
     too_near = least is not None and found.closest is not None and found.closest < least
     return int(too_near or (no_lost and found.lost > 0))

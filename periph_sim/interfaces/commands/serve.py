@@ -10,7 +10,7 @@ import dataclasses
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +24,6 @@ from .command_frame import (
     print_json,
     running_user_code,
     time_given,
-    usage_errors_in_one_sentence,
 )
 from .shared_options import CHANGES, EIGHT_BITS, FRAME
 
@@ -114,7 +113,7 @@ def serve(
     if view and not sys.stdout.isatty():
         raise click.UsageError("--view needs a terminal; --browser shows the same on a page")
     stopped = threading.Event()
-    with running_user_code() if as_json else usage_errors_in_one_sentence(), signals_calling(lambda *_: stopped.set()):
+    with running_user_code() if as_json else nullcontext(), signals_calling(lambda *_: stopped.set()):
         served = case_for_line(case, sci, changes) if bus is None else case_for_bus(case, changes)
         shown = LiveDisplay(view, None if browser is None else address_given("--browser", browser))
         with Session(served, log=log, subscribe=shown.subscribe) as session:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from ...core.tolerance import Tolerance, parse_tolerance
-from .command_frame import length_given, usage_errors_in_one_sentence
+from .command_frame import length_given
 from .completion import complete_key
 
 if TYPE_CHECKING:
@@ -124,5 +124,4 @@ def _guaranteed(asked: bool | None) -> bool:
 
     if asked is not None:
         return asked
-    with usage_errors_in_one_sentence():
-        return project_of(Path()).settings.guaranteed
+    return project_of(Path()).settings.guaranteed

@@ -9,7 +9,7 @@ from urllib.parse import urlencode
 
 import click
 
-from .command_frame import command, pace_given, usage_errors_in_one_sentence
+from .command_frame import command, pace_given
 from .shared_options import CHANGES, EIGHT_BITS, FRAME
 
 SHOWN = ("default", "direct", "nocontrol", "printable", "colorize", "debug")
@@ -78,14 +78,13 @@ def terminal(
         raise click.UsageError(
             f"--encoding {encoding!r}: Python knows no such encoding; latin1 shows every byte"
         ) from None
-    with usage_errors_in_one_sentence():
-        try:
-            port = Serial(url, **port_settings(baud, frame), timeout=1)
-        except (SerialException, ValueError) as error:
-            raise click.ClickException(str(error)) from None
-        typed = Terminal(port, echo, eol, show, encoding)
-        typed.talk(f"{sci} of {case}, {baud} {frame}; Ctrl-] ends it, Ctrl-T Ctrl-H helps")
-        port.close()
+    try:
+        port = Serial(url, **port_settings(baud, frame), timeout=1)
+    except (SerialException, ValueError) as error:
+        raise click.ClickException(str(error)) from None
+    typed = Terminal(port, echo, eol, show, encoding)
+    typed.talk(f"{sci} of {case}, {baud} {frame}; Ctrl-] ends it, Ctrl-T Ctrl-H helps")
+    port.close()
     click.echo()
     if typed.failed:
         raise click.ClickException(typed.failed)

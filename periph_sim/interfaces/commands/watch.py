@@ -15,7 +15,7 @@ from ...scene.case.load import CaseFile, apply
 from ...scene.case.model import BadCase
 from ...scene.case.origin import named_files, texts_in
 from ...scene.case.toml_file import read
-from .command_frame import command, say, usage_errors_in_one_sentence
+from .command_frame import command, say
 from .result_text import HEADLINES, broken_lines, budget_table, title
 from .shared_options import CHANGES
 
@@ -38,14 +38,13 @@ def watch(case: Path, changes: tuple[str, ...]) -> int:
     from ..reports.baselines.outcome import run_case
 
     try:
-        with usage_errors_in_one_sentence():
-            _check_command_line(case, changes)
-            before: Outcome | None = None
-            while True:
-                seen = stamps(case, changes)
-                before = _print_run(run_case(case, changes), before)
-                while stamps(case, changes) == seen:
-                    time.sleep(PAUSE)
+        _check_command_line(case, changes)
+        before: Outcome | None = None
+        while True:
+            seen = stamps(case, changes)
+            before = _print_run(run_case(case, changes), before)
+            while stamps(case, changes) == seen:
+                time.sleep(PAUSE)
     except KeyboardInterrupt:
         click.echo()
     return 0

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .command_frame import command, open_run, print_answer, usage_errors_in_one_sentence
+from .command_frame import command, open_run, print_answer
 from .completion import complete_question
 from .shared_options import RUN_FILE, SYSCLK
 
@@ -31,6 +31,5 @@ def why(run: Path, question: str, depth: int, sysclk: str | None, as_json: bool)
     """
     from ...records.cause_trace import why as answers
 
-    with usage_errors_in_one_sentence():
-        answer = answers.why(open_run(run, sysclk), question, depth)
+    answer = answers.why(open_run(run, sysclk), question, depth)
     print_answer("why", answers.as_json(answer) if as_json else answers.text(answer))

@@ -152,9 +152,7 @@ class F28335:
         """The result of the run with the verdicts of the case's budgets. The first access ends the run."""
         if self._result is None:
             session = self.session
-            until = min(self._axis.tick(get_sim_time("step")), max(self._end, session.now))
-            if until > session.now:
-                self._show(session.advance(until))
+            self._advance_to(min(self._axis.tick(get_sim_time("step")), max(self._end, session.now)))
             self._result = session.finish()
             self._over = True
             self._ended_at(session.scene.kernel.now, session.scene.clocks())
@@ -174,9 +172,7 @@ class F28335:
         place: for example "I2C-A.I2CSTR" or "dsp.I2C-A.I2CSTR.SCD". Raise OutsideError if it is unknown.
         """
         if self._result is None:
-            tick = self._axis.tick(get_sim_time("step"))
-            if tick > self.session.now:
-                self._show(self.session.advance(tick))
+            self._advance_to(self._axis.tick(get_sim_time("step")))
         return peek(self.session.scene, place)
 
     # Lines ----------------------------------------------------------------------------
@@ -238,6 +234,11 @@ class F28335:
 
     # Time -----------------------------------------------------------------------------
 
+    def _advance_to(self, tick: int) -> None:
+        """Advance the session to a tick, if it is not there yet, and show the changes of our pins."""
+        if tick > self.session.now:
+            self._show(self.session.advance(tick))
+
     def _plan(self, step: int) -> None:
         """Set the timer for the next change of our pins, unless it is already set for that tick or an earlier one."""
         due = self.session.next_output()
@@ -256,9 +257,7 @@ class F28335:
         self.wakes += 1
         try:
             step = self._step
-            changes = self.session.advance(self._axis.tick(step) + 1)
-            if changes:
-                self._show(changes)
+            self._show(self.session.advance(self._axis.tick(step) + 1))
             self._plan(step)
         except Exception as error:
             self._fail(error)

@@ -240,15 +240,3 @@ def sci_of(case: Case, port: str) -> SciLines:
         return sci_named(case, f"SCI-{plain[1].upper()}" if plain else port, "outside")
     except BadCase as error:
         raise OutsideError(str(error)) from None
-
-
-def serial_line(session: Session, port: str, baud: int, form: str) -> tuple[str, SerialLine]:
-    """Return the full name of the SCI that `port` names, and the other end of its lines.
-
-    Raise OutsideError if there is no such SCI, its RX does not lead outside, or the rate or the format is invalid.
-    """
-    sci = sci_of(session.case, port)
-    if sci.rx not in session.lines:
-        who = f"{sci.rx} of {sci.unit}.{sci.module}"
-        raise OutsideError(f"{who} does not lead outside; give it to the session: outside=({sci.rx!r}, ...)")
-    return f"{sci.unit}.{sci.module}", SerialLine(session, sci.rx, sci.tx, baud, form)

@@ -36,7 +36,7 @@ from .errors import OutsideError
 from .i2c_master import Master
 from .log import LogWriter
 from .reaction import Reaction
-from .serial_line import SerialLine, serial_line
+from .serial_line import SerialLine, sci_of
 
 WHO = "outside"  # name of the outside in records, and as a party on the wires
 
@@ -214,7 +214,6 @@ class Session:
 
         Raise OutsideError if `until` is past or is no whole number.
         """
-        self._open()
         self._check_tick(until)
         if until < self._now:
             raise OutsideError(f"{self._at(until)} is past: the session is at {self._at(self._now)}")
@@ -255,7 +254,6 @@ class Session:
         Raise OutsideError, and move no line, if the tick is past or no whole number, a line does not lead outside, or a
         level is invalid.
         """
-        self._open()
         self._check_tick(at)
         if at < self._now:
             raise OutsideError(f"lines cannot move at {self._at(at)}: the session is at {self._at(self._now)} already")
@@ -303,10 +301,14 @@ class Session:
         port: the SCI, for example "scia", "SCI-A" or "dsp.SCI-A".
         form: data bits, parity and stop bits, such as "8n1".
         """
-        name, line = serial_line(self, port, baud, form)
+        sci = sci_of(self.case, port)
+        name = f"{sci.unit}.{sci.module}"
+        if sci.rx not in self.lines:
+            way_out = f"give it to the session: outside=({sci.rx!r}, ...)"
+            raise OutsideError(f"{sci.rx} of {name} does not lead outside; {way_out}")
         if name in self._serial:
             raise OutsideError(f"{name} has its other end already; use that, or close the session")
-        self._serial[name] = line
+        line = self._serial[name] = SerialLine(self, sci.rx, sci.tx, baud, form)
         self.scene.uart.sent(line.rx, 0)
         if self._log is not None:
             self._log.serial(line.rx)
@@ -324,6 +326,7 @@ class Session:
         return self._result
 
     def _check_tick(self, tick: object) -> None:
+        self._open()
         if type(tick) is not int:
             raise OutsideError(f"{tick!r} is no tick: expected a whole number, as from session.ticks('5 us')")
 

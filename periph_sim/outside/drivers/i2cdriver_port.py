@@ -53,13 +53,11 @@ class I2cDriverPort:
         run_up: str = "1 ms",
         pause: str = "100 us",
     ) -> None:
-        self._session = case, outside, log
-        self._link = None if link is None else Path(link)
-        self._times = run_up, pause
         self._failed: Exception | None = None  # the error that ended the session early
         self._ready = threading.Event()
         # Firmware runs in the thread that built it, so this thread builds, runs and ends the session.
-        self._thread = threading.Thread(target=self._run, name="i2cdriver", daemon=True)
+        arguments = case, outside, log, None if link is None else Path(link), run_up, pause
+        self._thread = threading.Thread(target=self._run, args=arguments, name="i2cdriver", daemon=True)
 
     def __enter__(self) -> I2cDriverPort:
         self._wake_read, self._wake_write = os.pipe()
@@ -80,16 +78,22 @@ class I2cDriverPort:
         if self._failed is not None:
             raise self._failed
 
-    def _run(self) -> None:
-        case, outside, log = self._session
-        run_up, pause = self._times
+    def _run(
+        self,
+        case: Case | str | Path,
+        outside: Sequence[str] | None,
+        log: str | Path | None,
+        link: Path | None,
+        run_up: str,
+        pause: str,
+    ) -> None:
         try:
             from ..live.i2cdriver_door import I2cDriverDoor  # imported here, because Windows has no pseudo-terminals
 
             with Session(case, outside, log=log) as session:
                 session.advance(session.ticks(run_up))
-                with closing(I2cDriverDoor(session, self._link, pause)) as door:
-                    self.path = door.path if self._link is None else str(self._link)
+                with closing(I2cDriverDoor(session, link, pause)) as door:
+                    self.path = door.path if link is None else str(link)
                     self._ready.set()
                     self._serve(session, door)
                     self.result = session.finish()

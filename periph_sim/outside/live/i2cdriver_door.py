@@ -43,7 +43,6 @@ class I2cDriverDoor(TerminalDoor):
         left, came = self._clients(self.adapter.receive)
         if left or came:  # discard the answers to the previous client, and the command that it has not completed
             self.adapter.next_client()
-            self.back.clear()
             self._discard_unread()
         if len(self.back) < MOST:
             self.back.add(self.adapter.receive(self._read()))

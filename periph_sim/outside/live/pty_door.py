@@ -112,7 +112,7 @@ class TerminalDoor:
                 link.symlink_to(self.path)
             except OSError as error:
                 self._link = None
-                self._close()
+                self.close()
                 found = f"it is a link to {link.readlink()} already" if link.is_symlink() else error.strerror
                 raise OutsideError(f"{link}: {found}; give the link another name") from None
 
@@ -125,9 +125,6 @@ class TerminalDoor:
 
     def close(self) -> None:
         self.unread += left_there(self._read)
-        self._close()
-
-    def _close(self) -> None:
         if self._link is not None and self._link.is_symlink() and str(self._link.readlink()) == self.path:
             self._link.unlink(missing_ok=True)
         self._openings.close()
@@ -149,15 +146,14 @@ class TerminalDoor:
         """Return some of the received bytes, at most AT_ONCE; b"" if there are none."""
         try:
             return os.read(self.file, AT_ONCE)
-        except BlockingIOError:
-            return b""
         except OSError as error:
-            if error.errno != errno.EIO:  # EIO: no client has opened the terminal
+            if error.errno not in (errno.EAGAIN, errno.EIO):  # EIO: no client has opened the terminal
                 raise
             return b""
 
     def _discard_unread(self) -> None:
-        """Discard the written bytes that no client has read yet."""
+        """Discard the bytes that no client has read yet, those in `back` included."""
+        self.back.clear()
         termios.tcflush(self._kept, termios.TCIFLUSH)
 
     def _write(self, data: bytes) -> int:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -30,29 +30,45 @@ max = "5 ms"
 """
 
 
+BESIDES = ("Usage: ", "Try ", "\t", "note: ")  # beginnings of lines on standard error beside the sentence of an error
+
+
 class Came(NamedTuple):
     status: int
     out: str
     err: str
 
+    @property
+    def told(self) -> Any:
+        """The JSON object on standard output."""
+        return json.loads(self.out)
 
-Run = Callable[..., Came]
+
+class Run:
+    """`periph-sim` in this process, 80 columns wide. A call takes the arguments."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+        self._monkeypatch, self._capsys = monkeypatch, capsys
+
+    def __call__(self, *arguments: str) -> Came:
+        self._monkeypatch.setenv("COLUMNS", "80")
+        self._monkeypatch.setattr(sys, "argv", ["periph-sim", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        assert isinstance(ended.value.code, int)
+        return Came(ended.value.code, *self._capsys.readouterr())
+
+    def refused(self, *arguments: str) -> str:
+        """The sentence with which these arguments are refused. There is nothing besides, but notes and click's usage."""
+        came = self(*arguments)
+        (said,) = (line for line in came.err.splitlines() if not line.startswith(BESIDES) and line)
+        assert (came.status, came.out, said[:7]) == (2, "", "Error: ")
+        return said[7:]
 
 
 @pytest.fixture
 def periph_sim(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs `periph-sim` with the given arguments in this process, 80 columns wide."""
-
-    def run(*arguments: str) -> Came:
-        monkeypatch.setenv("COLUMNS", "80")
-        monkeypatch.setattr(sys, "argv", ["periph-sim", *arguments])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        out, err = capsys.readouterr()
-        assert isinstance(ended.value.code, int)
-        return Came(ended.value.code, out, err)
-
-    return run
+    return Run(monkeypatch, capsys)
 
 
 @pytest.fixture(autouse=True)

@@ -148,16 +148,13 @@ def test_our_own_run_with_requests_three_microseconds_apart_more(
     ],
 )
 def test_mistakes_are_one_sentence_and_status_2(periph_sim: Run, arguments: list[str], said: str):
-    came = periph_sim("diff", *arguments)
-    assert (came.status, came.out) == (2, "")
-    assert said in came.err and "Traceback" not in came.err
+    assert said in periph_sim.refused("diff", *arguments)
 
 
 def test_two_captures_with_nothing_on_them(periph_sim: Run, tmp_path: Path):
     quiet = tmp_path / "quiet.sr"
     quiet.write_bytes(sr_bytes(["SCL", "SDA"], "1 MHz", b"\x03" * 100))
-    came = periph_sim("diff", str(quiet), str(quiet))
-    assert came.status == 2 and "no I2C transfer in either" in came.err
+    assert "no I2C transfer in either" in periph_sim.refused("diff", str(quiet), str(quiet))
 
 
 @pytest.mark.parametrize("command", [("diff", IMU_ROUND), ("compliance", "--mode", "fast")])

@@ -90,14 +90,14 @@ def test_a_place_that_cannot_be_written_to_is_told_before_anything_runs(
 
 def test_a_case_that_cannot_be_run_leaves_the_old_report(periph_sim: Run, desk: Path) -> None:
     Path("out.html").write_text("old", encoding="utf-8")
-    came = periph_sim("run", "small.toml", "--set", "unit.dsp.firmware=nobody.py", "--html", "out.html")
-    assert came.status == 2 and came.err.startswith("Error: ")
+    periph_sim.refused("run", "small.toml", "--set", "unit.dsp.firmware=nobody.py", "--html", "out.html")
     assert Path("out.html").read_text(encoding="utf-8") == "old"
     assert sorted(file.name for file in desk.iterdir() if "html" in file.name) == ["out.html"]
 
 
 def test_two_outputs_into_one_file_are_refused_before_the_run(periph_sim: Run, desk: Path):
     for command in (("run", "--record", "./a.psr"), ("check", "--junit", "a.psr")):
-        came = periph_sim(*command, "--html", "a.psr", "small.toml")
-        assert came.status == 2 and f"{command[1]} and --html both name a.psr; give each its own file" in came.err
+        assert f"{command[1]} and --html both name a.psr; give each its own file" in periph_sim.refused(
+            *command, "--html", "a.psr", "small.toml"
+        )
     assert not (desk / "a.psr").exists()

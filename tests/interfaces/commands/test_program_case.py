@@ -216,8 +216,7 @@ def test_what_is_no_program_is_told_in_a_sentence(periph_sim: Run, here: Path, a
     Path("there.toml").touch()
     Path("part").mkdir()
     Path("part/help.c").write_text("int help(void) { return domain(3); }\n", encoding="utf-8")
-    came = periph_sim("new", *arguments)
-    assert (came.status, came.out) == (2, "") and came.err.endswith(f"{sentence}\n")
+    assert periph_sim.refused("new", *arguments).endswith(sentence)
 
 
 C = """

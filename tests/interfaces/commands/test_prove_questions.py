@@ -77,13 +77,13 @@ def test_phases_are_run_with_each_answer(periph_sim: Run):
 
 def test_a_case_without_a_table_is_refused(periph_sim: Run):
     case = str(TIMING / "responder.toml")
-    came = periph_sim("prove", case, "--table", "--questions", "--jobs", "1")
-    assert (came.status, came.out) == (2, "")
-    assert came.err.startswith(f"Error: {case}: it has no closed table: unit dsp runs no image")
+    assert periph_sim.refused("prove", case, "--table", "--questions", "--jobs", "1").startswith(
+        f"{case}: it has no closed table: unit dsp runs no image"
+    )
 
 
 @pytest.mark.parametrize("option", [["--save"], ["--witness", "."], ["--svg", "."], ["--cluster", "localhost:1"]])
 def test_an_option_without_effect_is_refused(option: list[str], periph_sim: Run):
-    came = periph_sim("prove", str(TIMING / "responder.toml"), "--questions", *option)
-    assert came.status == 2
-    assert f"{option[0]} has no effect with --questions; remove it" in came.err
+    assert f"{option[0]} has no effect with --questions; remove it" in periph_sim.refused(
+        "prove", str(TIMING / "responder.toml"), "--questions", *option
+    )

@@ -77,8 +77,7 @@ def test_pictures_are_svg_with_lanes_of_wires_flags_and_firmware(periph_sim: Run
 def test_pictures_appear_together_or_not_at_all(periph_sim: Run, case: str, desk: Path):
     (desk / "out").mkdir()
     (desk / "out" / "response.svg").mkdir()  # where a file cannot take its place
-    came = periph_sim("worst", case, "--svg", "out", *LATE)
-    assert came.status == 2 and "response.svg" in came.err
+    assert "response.svg" in periph_sim.refused("worst", case, "--svg", "out", *LATE)
     left = [file.name for file in (desk / "out").iterdir() if file.is_file()]
     assert not any(name.startswith(".") for name in left)
 
@@ -111,8 +110,9 @@ def test_a_mistake_is_one_sentence(periph_sim: Run, case: str, arguments: tuple[
 def test_budgets_whose_pictures_would_share_a_file_are_refused(periph_sim: Run, case: str, desk: Path):
     text = Path(case).read_text(encoding="utf-8").replace('name = "stretch"', 'name = "response!"')
     Path(case).write_text(text, encoding="utf-8")
-    came = periph_sim("worst", case, "--seconds", "10 ms", "--svg", ".")
-    assert came.status == 2 and "budgets 'response' and 'response!' would both be response.svg" in came.err
+    assert "budgets 'response' and 'response!' would both be response.svg" in periph_sim.refused(
+        "worst", case, "--seconds", "10 ms", "--svg", "."
+    )
     assert not list(desk.glob("*.svg"))
 
 

@@ -58,8 +58,13 @@ class Run:
         assert isinstance(ended.value.code, int)
         return Came(ended.value.code, *self._capsys.readouterr())
 
+    def json(self, *arguments: str) -> tuple[int, Any]:
+        """The exit status and the JSON object of these arguments and --json."""
+        came = self(*arguments, "--json")
+        return came.status, came.told
+
     def refused(self, *arguments: str) -> str:
-        """The sentence with which these arguments are refused. There is nothing besides, but notes and click's usage."""
+        """The sentence with which these arguments are refused. Only notes and click's usage may be beside it."""
         came = self(*arguments)
         (said,) = (line for line in came.err.splitlines() if not line.startswith(BESIDES) and line)
         assert (came.status, came.out, said[:7]) == (2, "", "Error: ")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
@@ -119,7 +118,7 @@ def test_worst_tells_of_each_what_led_to_it(periph_sim: Run, case: str, desk: Pa
 
 
 def test_check_finds_and_explains_each(periph_sim: Run, case: str, desk: Path):
-    found = json.loads(fails(periph_sim("check", case, "--json", "--jobs", "1", "--junit", "all.xml")).out)["cases"][0]
+    found = fails(periph_sim("check", case, "--json", "--jobs", "1", "--junit", "all.xml")).told["cases"][0]
     assert found["broken"] == [*ALL] and set(found["causes"]) == set(ALL) - set(NEVER)
     assert all(found["causes"][measure]["steps"] for measure in MEASURED)
     assert (desk / "all.xml").read_text(encoding="utf-8").count("<failure") >= len(ALL)

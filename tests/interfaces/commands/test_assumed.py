@@ -7,7 +7,6 @@ span full            |--| at 5 ms     SCITXBUF is written while it is full
 from __future__ import annotations
 
 import itertools
-import json
 import re
 from pathlib import Path
 
@@ -85,7 +84,7 @@ def test_the_explanation_the_report_and_json_name_them_too(periph_sim: Run) -> N
     named = assumed_lines(periph_sim("run", "small.toml", "-v").out)
     for command in (("worst", "small.toml", "full"), ("run", "small.toml", "--explain")):
         assert assumed_lines(periph_sim(*command).out) == named != ""
-    told = json.loads(periph_sim("worst", "small.toml", "--json").out)["budgets"]
+    told = periph_sim("worst", "small.toml", "--json").told["budgets"]
     assert told["early"]["assumes"] == [] and f"dsp.sci.{FULL}" in told["full"]["assumes"]
     periph_sim("run", "small.toml", "--html", "page.html")
     page = Path("page.html").read_text(encoding="utf-8")

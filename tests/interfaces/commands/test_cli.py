@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import importlib
 import inspect
-import json
 import os
 import re
 import subprocess
@@ -48,12 +47,6 @@ def test_every_file_with_a_click_command_is_a_command_of_its_name():
     assert len(names) < len(files), "helpers beside the commands are none"
 
 
-def test_help_shows_the_first_sentence_of_each(periph_sim: Run):
-    came = periph_sim("--help")
-    assert came.status == 0
-    assert " ".join(came.out.split()).find("run Run CASE and judge its budgets") > 0
-
-
 UNUSED = (  # by a short run of imu_hil: arrays pay off in longer ones
     "asyncio",
     "numpy",
@@ -74,8 +67,9 @@ def test_a_run_imports_what_it_uses():
 COMMANDS = cli.list_commands(None)  # type: ignore[arg-type]
 
 
-def test_help_lists_every_command_in_a_section(periph_sim: Run):
+def test_help_lists_every_command_in_a_section_with_its_first_sentence(periph_sim: Run):
     came = periph_sim("--help")
+    assert came.status == 0 and "run Run CASE and judge its budgets" in " ".join(came.out.split())
     titles = [line for line in came.out.splitlines() if line.endswith(":") and not line.startswith(" ")]
     assert titles == ["Options:", *(f"{title}:" for title in SECTIONS.values())]
     run, understand = (came.out.index(f"\n{SECTIONS[section]}:") for section in ("run", "understand"))
@@ -100,7 +94,7 @@ def test_json_of_every_command_says_its_schema(name: str):
 
 
 def test_a_json_object_begins_with_schema_and_version_and_ends_with_the_form(periph_sim: Run):
-    told = json.loads(periph_sim("diff", TRACE, TRACE, "--uart", "rx=RX,baud=115200,format=8n1", "--json").out)
+    told = periph_sim("diff", TRACE, TRACE, "--uart", "rx=RX,baud=115200,format=8n1", "--json").told
     assert list(told)[:2] == ["schema", "schema_version"]
     assert list(told)[-1] == "form" and told["form"] == form.running
     assert (told["schema"], told["schema_version"]) == ("periph-sim diff", VERSION)

@@ -189,7 +189,7 @@ def test_results_are_those_without_a_cluster(
     alone = periph_sim(*arguments, "--jobs", "2")
     (case / "runs").write_text("")
     came = periph_sim(*arguments, "--cluster", cluster.with_workers(2).address)
-    assert json.loads(came.out) == json.loads(alone.out) and came.status == alone.status != 0
+    assert came.told == alone.told and came.status == alone.status != 0
     assert workers_of(case).keys() <= {worker.pid for worker in cluster.workers} and workers_of(case)
 
 
@@ -201,7 +201,7 @@ def test_a_changed_case_is_read_again_by_the_same_workers(case: Path, cluster: C
         came = periph_sim(
             "prove", "small.toml", "--phases", "0 us to 1 us", "--json", "--cluster", cluster.with_workers(1).address
         )
-        verdicts.append(json.loads(came.out)["budgets"]["work"]["verdict"])
+        verdicts.append(came.told["budgets"]["work"]["verdict"])
     assert verdicts == ["held", "broken"]
 
 
@@ -210,14 +210,13 @@ def test_a_worker_with_another_version_is_refused(
     case: Path, cluster: Cluster, periph_sim: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(of, "package_digest", lambda: "0" * 32)
-    came = periph_sim("sweep", "small.toml", "--vary", "seed=1", "--cluster", cluster.with_workers(1).address)
+    sweep = ("sweep", "small.toml", "--vary", "seed=1", "--cluster", cluster.with_workers(1).address)
+    who = f"a worker of the Dask scheduler at {cluster.address}"
     why = "has another version of periph_sim than this command; install the same"
-    assert came == (2, "", f"Error: a worker of the Dask scheduler at {cluster.address} {why}\n")
+    assert periph_sim.refused(*sweep) == f"{who} {why}"
     monkeypatch.setattr(of, "CALL", of.CALL.replace("cluster_worker", "of_later"))
-    came = periph_sim("sweep", "small.toml", "--vary", "seed=1", "--cluster", cluster.address)
     why = "cannot run this command (No module named 'periph_sim.interfaces.reports.of_later')"
-    fix = "install the same version of periph_sim there"
-    assert came == (2, "", f"Error: a worker of the Dask scheduler at {cluster.address} {why}; {fix}\n")
+    assert periph_sim.refused(*sweep) == f"{who} {why}; install the same version of periph_sim there"
 
 
 def test_a_worker_with_another_python_is_refused() -> None:
@@ -295,8 +294,8 @@ def test_a_killed_worker_costs_its_unfinished_part_only(
     with when_held(case, cluster, [killed], killed.kill, monkeypatch):
         came = periph_sim(*PROVE, "--cluster", cluster.address)
     runs = workers_of(case)
-    answer = json.loads(came.out)
-    assert answer == json.loads(periph_sim(*PROVE, "--jobs", "1").out) and came.status == 0
+    answer = came.told
+    assert answer == periph_sim(*PROVE, "--jobs", "1").told and came.status == 0
     assert (runs[killed.pid], runs[other.pid]) == (3, answer["runs"] - 2)
 
 
@@ -312,9 +311,8 @@ def test_without_dask_a_sentence_says_how_to_install_it(
     case: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]
 ) -> None:
     monkeypatch.setattr(of, "find_spec", lambda name: None)
-    came = periph_sim(*arguments, "--cluster", "127.0.0.1:1")
-    assert came[:2] == (2, "")
-    assert came.err == "Error: --cluster needs Dask, which is not installed; use: pip install 'periph-sim[dask]'\n"
+    said = "--cluster needs Dask, which is not installed; use: pip install 'periph-sim[dask]'"
+    assert periph_sim.refused(*arguments, "--cluster", "127.0.0.1:1") == said
 
 
 @contextmanager
@@ -340,10 +338,9 @@ def test_an_address_without_a_scheduler_is_a_sentence(
         nothing = f"127.0.0.1:{closed.getsockname()[1]}"
         closed.close()
         for address in (silent, nothing, "127.0.0.1"):
-            came = periph_sim("sweep", "small.toml", "--vary", "seed=1", "--cluster", address)
-            assert (came.status, came.out) == (2, "") and came.err.count("\n") == 1
-            assert came.err.startswith(f"Error: --cluster {address}: no Dask scheduler answers (")
-            assert address != silent or "(no answer within 0.3 s)" in came.err
+            said = periph_sim.refused("sweep", "small.toml", "--vary", "seed=1", "--cluster", address)
+            assert said.startswith(f"--cluster {address}: no Dask scheduler answers (")
+            assert address != silent or "(no answer within 0.3 s)" in said
 
 
 @needs_dask
@@ -362,7 +359,7 @@ def test_without_any_worker_the_command_stops(
     with when_held(case, cluster, workers, kill, monkeypatch):
         came = periph_sim(*PROVE, "--cluster", cluster.address)
     why = f"the Dask scheduler at {cluster.address} has had no worker for 1 s"
-    answer = json.loads(came.out)
+    answer = came.told
     assert answer["stopped"] == f"{why}; start one with `dask worker {cluster.address}`"
     assert came.status == 2 and came.err.endswith(f"Error: {answer['stopped']}\n")
     assert 25 <= answer["phases"]["run"] < 1500
@@ -376,7 +373,7 @@ def test_a_scheduler_that_is_killed_leaves_what_is_finished(
     workers = cluster.with_workers(1).workers
     with when_held(case, cluster, workers, cluster.scheduler.kill, monkeypatch):
         came = periph_sim(*PROVE, "--save", "--cluster", cluster.address)
-    answer = json.loads(came.out)
+    answer = came.told
     why = f"the Dask scheduler at {cluster.address} does not answer any more"
     assert (came.status, answer["stopped"]) == (2, why)
     assert came.err.endswith(f"\nError: {why}\n") and "Traceback" not in came.err and "distributed" not in came.err
@@ -384,5 +381,5 @@ def test_a_scheduler_that_is_killed_leaves_what_is_finished(
     assert 25 <= answer["phases"]["run"] < 1500
     saved = json.loads((case / "coverage" / "small.json").read_text())
     assert 1 <= saved["finished"] < saved["parts"]
-    whole = json.loads(periph_sim(*PROVE, "--save", "--jobs", "1").out)
-    assert {**whole, "written": []} == json.loads(periph_sim(*PROVE, "--jobs", "1").out)
+    whole = periph_sim(*PROVE, "--save", "--jobs", "1").told
+    assert {**whole, "written": []} == periph_sim(*PROVE, "--jobs", "1").told

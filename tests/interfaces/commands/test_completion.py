@@ -48,6 +48,13 @@ BROKEN = {"no TOML": b"name = small\n", "no text": b"\xff", "other kinds": b'bud
 Complete = Callable[..., list[str]]
 
 
+def ask(monkeypatch: pytest.MonkeyPatch, *words: str) -> None:
+    """Set the variables with which bash asks for completions of a line of these words."""
+    monkeypatch.setenv("_PERIPH_SIM_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", "\n".join(["periph-sim", *words]))
+    monkeypatch.setenv("COMP_CWORD", str(len(words)))
+
+
 @pytest.fixture
 def complete(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -59,9 +66,7 @@ def complete(
 
     def lines(*words: str) -> list[str]:
         monkeypatch.setattr(sys, "argv", ["periph-sim"])
-        monkeypatch.setenv("_PERIPH_SIM_COMPLETE", "bash_complete")
-        monkeypatch.setenv("COMP_WORDS", "\n".join(["periph-sim", *words]))
-        monkeypatch.setenv("COMP_CWORD", str(len(words)))
+        ask(monkeypatch, *words)
         with pytest.raises(SystemExit):
             run_command()
         out, err = capsys.readouterr()
@@ -141,11 +146,8 @@ def test_every_key_of_a_case_is_completed():
 def test_completion_loads_no_arrays(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str, option: str):
     case = tmp_path / "case.toml"
     case.write_text(CASE, encoding="utf-8")
-    words = ["periph-sim", name, *([] if name in ("regs", "new") else [str(case)])]
-    words += [option, ""] if option.startswith("--") else [""]
-    monkeypatch.setenv("_PERIPH_SIM_COMPLETE", "bash_complete")
-    monkeypatch.setenv("COMP_WORDS", "\n".join(words))
-    monkeypatch.setenv("COMP_CWORD", str(len(words) - 1))
+    words = [] if name in ("regs", "new") else [str(case)]
+    ask(monkeypatch, name, *words, *([option] if option.startswith("--") else []), "")
     code = "import sys; sys.argv[0] = 'periph-sim'; sys.modules['__main__'].__package__ = ''"
     loaded = imported_by("", before=code)
     assert "periph_sim.interfaces.commands.completion" in loaded

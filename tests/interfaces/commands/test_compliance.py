@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
@@ -33,8 +32,7 @@ def test_a_bus_too_fast_fails(periph_sim: Run):
 
 
 def test_json_is_one_object(periph_sim: Run):
-    came = periph_sim("compliance", IMU_ROUND, "--mode", "fast", "--map", "scl=0,sda=1", "--json")
-    found = json.loads(came.out)
+    _, found = periph_sim.json("compliance", IMU_ROUND, "--mode", "fast", "--map", "scl=0,sda=1")
     assert (found["mode"], found["verdict"], len(found["rows"])) == ("fast", "undecidable at this sample rate", 14)
 
 
@@ -56,7 +54,7 @@ def test_a_start_alone_measures_nothing_and_is_status_1(periph_sim: Run, tmp_pat
     csv.write_text("Time [s],SCL,SDA\n0.000000000,1,1\n0.000100000,1,0\n0.000200000,1,0\n")
     came = periph_sim("compliance", str(csv), "--mode", mode)
     assert (came.status, came.out.splitlines()[-1]) == (1, "NOT JUDGED: nothing was measured")
-    found = json.loads(periph_sim("compliance", str(csv), "--mode", mode, "--json").out)
+    found = periph_sim("compliance", str(csv), "--mode", mode, "--json").told
     assert found["verdict"] == "not judged: nothing was measured"
     with pytest.raises(AssertionError, match="no time of the I2C limits was measured"):
         check(formats.read(csv), "SCL", "SDA", mode).assert_compliant()
@@ -95,8 +93,8 @@ def test_mistakes_are_one_sentence_and_status_2(periph_sim: Run, arguments: list
 def test_lines_without_a_start_are_refused(periph_sim: Run, tmp_path: Path):
     csv = tmp_path / "quiet.csv"
     csv.write_text("Time [s],SCL,SDA\n0.000000000,1,1\n0.000010000,0,1\n0.000020000,0,1\n")
-    came = periph_sim("compliance", str(csv), "--mode", "fast")
-    assert came.status == 2 and "no I2C START on 'SCL' and 'SDA'; 'SDA' does not change in the capture" in came.err
+    said = periph_sim.refused("compliance", str(csv), "--mode", "fast")
+    assert "no I2C START on 'SCL' and 'SDA'; 'SDA' does not change in the capture" in said
     csv.write_text("Time [s],SCL,SDA\n0.000000000,1,1\n0.000010000,0,1\n0.000020000,0,0\n")
     assert "no I2C START on 'SCL' and 'SDA'; the lines may be swapped" in periph_sim.refused(
         "compliance", str(csv), "--mode", "fast"

@@ -168,32 +168,28 @@ def test_edges_that_a_writer_swaps_are_an_error(periph_sim: Run, desk: Path, mon
         (
             [NACK, "x.perfetto.json"],
             "x.perfetto.json: this format holds the records of a run, not a capture; record one with "
-            "run --record run.psr\n",
+            "run --record run.psr",
         ),
         (
             [NACK, "x.jsonl", "--window", "0..9"],
-            "x.jsonl: this format holds the records of a run, not a capture; remove the options that select a part\n",
+            "x.jsonl: this format holds the records of a run, not a capture; remove the options that select a part",
         ),
         (
             ["none.sr", "x.vcd"],
-            "none.sr, the file: found no such file or directory, expected a file that can be read; check its name\n",
+            "none.sr, the file: found no such file or directory, expected a file that can be read; check its name",
         ),
         (["still.py", "x.vcd"], "still.py, its first bytes: found b'def main(dsp, settings):', expected "),
-        ([NACK, "x.vcd", "--channels", "SDL"], "nack.sr: there is no channel 'SDL'; did you mean SDA or SCL?\n"),
+        ([NACK, "x.vcd", "--channels", "SDL"], "nack.sr: there is no channel 'SDL'; did you mean SDA or SCL?"),
         ([NACK, "x.vcd", "--rate", "fast"], "--rate: 'fast' is no sample rate; expected a number with or without"),
-        ([NACK, "x.vcd", "--rate", "0"], "--rate: expected more than 0\n"),
-        ([NACK, "x.vcd", "--sample", "0"], "--sample: expected more than 0\n"),
+        ([NACK, "x.vcd", "--rate", "0"], "--rate: expected more than 0"),
+        ([NACK, "x.vcd", "--sample", "0"], "--sample: expected more than 0"),
         ([NACK, "x.vcd", "--window", "1 ms"], "--window: '1 ms' is no window; expected FROM..TO, as in '100 us..1.2"),
-        ([NACK, "x.vcd", "--window", "2 ms..1 ms"], "--window: '2 ms..1 ms' ends before it begins\n"),
+        ([NACK, "x.vcd", "--window", "2 ms..1 ms"], "--window: '2 ms..1 ms' ends before it begins"),
         ([NACK, "x.vcd", "--window", "1 fortnight..2"], "--window: '1 fortnight': unit 'fortnight' is none of ns, us,"),
         (
             [NACK, "x.vcd", "--window", "1 ms..9 s"],
             "nack.sr, its window: found positions 4000 to 36000000, expected a stretch within 0 to 4660; "
-            "state another window\n",
-        ),
-        (
-            [NACK, "x.wavedrom.json"],
-            "",
+            "state another window",
         ),
         ([NACK, "no/x.vcd"], "no/x.vcd, its place: found no such file or directory, expected a place that can be "),
     ],
@@ -202,12 +198,8 @@ def test_mistakes_are_one_sentence_and_nothing_is_left(
     periph_sim: Run, desk: Path, arguments: list[str], sentence: str
 ):
     before = sorted(desk.iterdir())
-    came = periph_sim("convert", *arguments)
-    if sentence:
-        assert (came.status, came.out) == (2, "") and sentence in came.err and came.err.count("\n") == 1
-        assert sorted(desk.iterdir()) == before
-    else:
-        assert came.status == 0
+    assert sentence in periph_sim.refused("convert", *arguments)
+    assert sorted(desk.iterdir()) == before
 
 
 @pytest.mark.parametrize("same", ["x.psr", "./x.psr", "link.psr"])
@@ -215,8 +207,8 @@ def test_out_must_not_be_in(periph_sim: Run, desk: Path, same: str):
     formats.write(formats.read(NACK), "x.psr")
     Path("link.psr").symlink_to("x.psr")
     content = Path("x.psr").read_bytes()
-    came = periph_sim("convert", "x.psr", same)
-    assert came == (2, "", f"Error: {Path(same)}: IN and OUT are one file; give another name for OUT\n")
+    said = f"{Path(same)}: IN and OUT are one file; give another name for OUT"
+    assert periph_sim.refused("convert", "x.psr", same) == said
     assert Path("x.psr").read_bytes() == content
 
 
@@ -237,13 +229,12 @@ def test_a_damaged_time_stamp_becomes_no_gigabytes_of_samples(periph_sim: Run, d
         "$timescale 1 ns $end $var wire 1 ! SCL $end $enddefinitions $end\n"
         "#0 1!\n#100 0!\n#300 1!\n#16500000400 0!\n#16500000500\n"
     )
-    came = periph_sim("convert", "x.vcd", "x.sr")
-    assert (came.status, came.out) == (2, "") and not list(desk.glob("*.sr"))
-    assert " ".join(came.err.split()) == (
-        "Error: x.vcd, from 3e-07 s to 16.5000004 s: found 165000001 samples of 10 MHz without an edge, more than in "
+    assert periph_sim.refused("convert", "x.vcd", "x.sr") == (
+        "x.vcd, from 3e-07 s to 16.5000004 s: found 165000001 samples of 10 MHz without an edge, more than in "
         "all the rest, expected at most 67108864 as times become samples; cut a damaged time stamp off with "
         "--window 0..301, or state the rate of the samples with --sample"
     )
+    assert not list(desk.glob("*.sr"))
     assert periph_sim("convert", "x.vcd", "x.sr", "--window", "0..301").status == 0
     assert edges(formats.read("x.sr")) == {"SCL": [1, 1, 2]}
     assert periph_sim("convert", "x.vcd", "slow.sr", "--sample", "10 kHz").status == 0

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.interfaces.commands.conftest import Run
-from tests.traces.formats.writers import I2cWave, frame_bits, sr_bytes, uart_wave
+from tests.traces.formats.writers import I2cWave, frame_bits, sr_file, uart_wave
 
 NACK = Path(__file__).resolve().parents[3] / "traces" / "nack.sr"
 
@@ -59,16 +59,15 @@ def test_json_has_a_burst_of_frames_as_an_object(periph_sim: Run, tmp_path: Path
     samples = bytearray(uart_wave([(Fraction(250), frame_bits(0x4B))], Fraction(40), 800))
     for at in (310, 100):
         samples[at] ^= 1
-    path = tmp_path / "spike.sr"
-    path.write_bytes(sr_bytes(["RX"], "4 MHz", bytes(samples)))
-    came = periph_sim("decode", str(path), "--uart", "rx=RX,baud=100000", "--json")
-    assert json.loads(came.out)["frames"] == [
+    path = sr_file(tmp_path / "spike.sr", ["RX"], "4 MHz", bytes(samples))
+    came = periph_sim("decode", path, "--uart", "rx=RX,baud=100000", "--json")
+    assert came.told["frames"] == [
         {"time_s": 0.000025, "position": 100, "event": "rejected start", "value": None, "bits": 0, "faults": []},
         {"time_s": 0.0000625, "position": 250, "event": "frame", "value": 0x4A, "bits": 8, "faults": ["glitch"]},
     ]
 
 
-def wave(tmp_path: Path, *steps: str) -> Path:
+def wave(tmp_path: Path, *steps: str) -> str:
     """A bus in steps: S, Sr, P, a byte with its answer (`A5 A`, `A5 N`), `1` a bit, `~` 400 samples more of low SCL."""
     bus = I2cWave(20, 5, idle=100)
     for step in " ".join(steps).split():
@@ -82,9 +81,7 @@ def wave(tmp_path: Path, *steps: str) -> Path:
             for place in range(7, -1, -1):
                 bus.bit(int(step, 16) >> place & 1)
     bus.idle(60)
-    path = tmp_path / "wave.sr"
-    path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes(bus.samples)))
-    return path
+    return sr_file(tmp_path / "wave.sr", ["SCL", "SDA"], "4 MHz", bytes(bus.samples))
 
 
 @pytest.mark.parametrize(
@@ -121,8 +118,8 @@ def wave(tmp_path: Path, *steps: str) -> Path:
 def test_reserved_addresses_are_named(
     periph_sim: Run, tmp_path: Path, steps: tuple[str, ...], said: str, told: list[tuple[int, int, str, str | None]]
 ):
-    path = str(wave(tmp_path, *steps))
-    found = json.loads(periph_sim("decode", path, "--json").out)
+    path = wave(tmp_path, *steps)
+    found = periph_sim("decode", path, "--json").told
     assert found["transfer"] == said
     keys = ("address", "address_bits", "direction", "reserved")
     assert [tuple(message[key] for key in keys) for message in found["messages"]] == told
@@ -142,7 +139,7 @@ def test_ten_bits_are_not_known_again_behind_a_stop(periph_sim: Run, tmp_path: P
 def test_json_says_how_long_scl_was_held_low_and_where(periph_sim: Run, tmp_path: Path):
     """In the ACK slot of the address, and before the second data byte. Before a STOP there is no bit of a byte."""
     path = wave(tmp_path, "S A6 ~ A 11 A ~ 22 A ~ P")
-    (message,) = json.loads(periph_sim("decode", str(path), "--json").out)["messages"]
+    (message,) = periph_sim("decode", str(path), "--json").told["messages"]
     first, second = message["stretches"]
     assert (first["byte"], first["bit"], second["byte"], second["bit"]) == (0, 9, 2, 1)
     for held in (first, second):
@@ -151,6 +148,6 @@ def test_json_says_how_long_scl_was_held_low_and_where(periph_sim: Run, tmp_path
 
 
 def test_json_says_what_was_cut_off(periph_sim: Run, tmp_path: Path):
-    found = json.loads(periph_sim("decode", str(wave(tmp_path, "S", "A6 A 1 1")), "--json").out)
+    found = periph_sim("decode", wave(tmp_path, "S", "A6 A 1 1"), "--json").told
     assert found["ended"] == "cut off" and found["messages"][0]["cut"] == "11"
     assert found["messages"][0]["acked"] is True and found["messages"][0]["bytes"] == []

@@ -16,7 +16,7 @@ from periph_sim.traces.capture.capture import Span
 from tests.interfaces.commands.conftest import Run
 from tests.scene.test_plugins import BAROMETER, PROJECT
 from tests.traces.formats.make_traces import ROUND, read_registers
-from tests.traces.formats.writers import I2cWave, sr_bytes
+from tests.traces.formats.writers import I2cWave, sr_file
 
 ROUND_SR = Path(__file__).resolve().parents[3] / "traces" / "imu_round.sr"
 CHIPS = ("--chip", "itg3200", "--chip", "0x53=adxl345", "--chip", "hmc5883l")
@@ -113,7 +113,7 @@ def test_names_stand_in_each_form_and_only_on_request(periph_sim: Run):
         "00(GYRO_ZOUT_H) A 05(GYRO_ZOUT_L: 5 = 0.3478 deg/s) N P"
     )
     assert periph_sim("decode", str(ROUND_SR), *first, "--transfers").out.splitlines()[1].endswith(transfer)
-    whole = json.loads(periph_sim("decode", str(ROUND_SR), *first, "--json").out)
+    whole = periph_sim("decode", str(ROUND_SR), *first, "--json").told
     assert whole["transfer"] == transfer
     byte = whole["messages"][1]["bytes"][1]
     assert (byte["value"], byte["register"], byte["meaning"]) == (0x12, "GYRO_XOUT_L", "18 = 1.252 deg/s")
@@ -269,10 +269,9 @@ def test_each_bus_has_a_device_of_its_own(periph_sim: Run, tmp_path: Path):
         read_registers(wave, 0x53, pointer, (1,))
         wave.idle(5000 - len(wave.samples))
         waves.append(wave.samples)
-    path = tmp_path / "two.sr"
     samples = bytes(one | other << 2 for one, other in zip(*waves, strict=True))
-    path.write_bytes(sr_bytes(["SCL1", "SDA1", "SCL2", "SDA2"], "4 MHz", samples))
-    assert named(periph_sim, str(path), "--chip", "adxl345") == [
+    path = sr_file(tmp_path / "two.sr", ["SCL1", "SDA1", "SCL2", "SDA2"], "4 MHz", samples)
+    assert named(periph_sim, path, "--chip", "adxl345") == [
         *[("32", "pointer", "DATAX0")] * 2,
         *[("01", "DATAX0", "")],
         *[("34", "pointer", "DATAY0")] * 2,

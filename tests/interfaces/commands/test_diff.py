@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
+import re
 from pathlib import Path
 
 import pytest
 
 from tests.interfaces.commands.conftest import Run
-from tests.traces.formats.writers import I2cWave, sr_bytes
+from tests.traces.formats.writers import I2cWave, sr_file
 
 ROOT = Path(__file__).parents[3]
 IMU_ROUND = str(ROOT / "traces" / "imu_round.sr")
@@ -25,8 +25,7 @@ def wave(path: Path, *, rate: str = "4 MHz", half: int = 20, lead: int = 50, pau
             drawn.byte(value)
         drawn.stop()
         drawn.idle(pause)
-    path.write_bytes(sr_bytes(["SCL", "SDA"], rate, bytes(drawn.samples)))
-    return str(path)
+    return sr_file(path, ["SCL", "SDA"], rate, bytes(drawn.samples))
 
 
 def test_a_capture_and_itself_are_equal(periph_sim: Run):
@@ -78,21 +77,20 @@ def test_a_missing_transfer_is_one_line(periph_sim: Run):
 
 def test_json_lists_what_differs_or_all(periph_sim: Run, tmp_path: Path):
     a, b = wave(tmp_path / "a.sr"), wave(tmp_path / "b.sr", pause=112)
-    found = json.loads(periph_sim("diff", a, b, "--json").out)
+    found = periph_sim("diff", a, b, "--json").told
     assert (found["equal"], found["events"], found["late"], len(found["entries"])) == (False, 16, 8, 8)
     (point,) = found["change_points"]
     assert (point["number"], point["after"], point["a"], point["step_s"]) == (8, 7, "START", 3e-6)
-    assert len(json.loads(periph_sim("diff", a, b, "--json", "--all").out)["entries"]) == 16
+    assert len(periph_sim("diff", a, b, "--json", "--all").told["entries"]) == 16
 
 
 def test_channels_of_other_names_in_b(periph_sim: Run, tmp_path: Path):
     a = wave(tmp_path / "a.sr")
-    renamed = tmp_path / "b.sr"
     drawn = I2cWave(20, 4, idle=9)
     drawn.transfer(0xA6)
-    renamed.write_bytes(sr_bytes(["clock", "data"], "4 MHz", bytes(drawn.samples)))
-    assert periph_sim("diff", a, str(renamed)).status == 2
-    came = periph_sim("diff", a, str(renamed), "--map-b", "scl=clock,sda=data")
+    renamed = sr_file(tmp_path / "b.sr", ["clock", "data"], "4 MHz", bytes(drawn.samples))
+    assert periph_sim("diff", a, renamed).status == 2
+    came = periph_sim("diff", a, renamed, "--map-b", "scl=clock,sda=data")
     assert came.status == 1 and "12 missing, 0 inserted" in came.out
 
 
@@ -113,7 +111,7 @@ def test_our_own_run_with_requests_three_microseconds_apart_more(
     assert periph_sim(*run, a).status == 0
     assert periph_sim("diff", a, a).status == 0
     assert periph_sim(*run, b, "--set", "controller.period=5003 us").status == 0
-    found = json.loads(periph_sim("diff", a, b, "--json").out)
+    found = periph_sim("diff", a, b, "--json").told
     assert (found["missing"], found["inserted"], found["changed"]) == (0, 0, 0)
     assert [(point["a"], point["step_s"]) for point in found["change_points"]] == [("START", 3e-6)] * 2
     assert found["late"] == 2 * found["events"] // 3
@@ -152,15 +150,13 @@ def test_mistakes_are_one_sentence_and_status_2(periph_sim: Run, arguments: list
 
 
 def test_two_captures_with_nothing_on_them(periph_sim: Run, tmp_path: Path):
-    quiet = tmp_path / "quiet.sr"
-    quiet.write_bytes(sr_bytes(["SCL", "SDA"], "1 MHz", b"\x03" * 100))
-    assert "no I2C transfer in either" in periph_sim.refused("diff", str(quiet), str(quiet))
+    quiet = sr_file(tmp_path / "quiet.sr", ["SCL", "SDA"], "1 MHz", b"\x03" * 100)
+    assert "no I2C transfer in either" in periph_sim.refused("diff", quiet, quiet)
 
 
 @pytest.mark.parametrize("command", [("diff", IMU_ROUND), ("compliance", "--mode", "fast")])
 def test_a_file_that_states_no_rate(periph_sim: Run, tmp_path: Path, command: tuple[str, ...]):
     rateless = wave(tmp_path / "rateless.sr", rate="0")
-    came = periph_sim(*command, rateless)
-    assert came.status == 2 and "rateless.sr: " in came.err and "the file states no" in came.err
+    assert re.search(r"rateless\.sr: .*the file states no", periph_sim.refused(*command, rateless))
     option = "--rate-b" if command[0] == "diff" else "--rate"
     assert periph_sim(*command, rateless, option, "1 MHz").status in (0, 1)

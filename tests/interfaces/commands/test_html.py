@@ -80,11 +80,9 @@ def test_the_report_of_check_names_the_cases_that_cannot_be_run(
 def test_a_place_that_cannot_be_written_to_is_told_before_anything_runs(
     periph_sim: Run, desk: Path, command: str
 ) -> None:
-    came = periph_sim(command, "small.toml", "--html", "no/such/out.html")
-    assert came.status == 2 and came.out == ""
-    assert came.err == (
-        "Error: no/such/out.html, its place: found no such file or directory, expected a place that can be written to; "
-        "give another path\n"
+    assert periph_sim.refused(command, "small.toml", "--html", "no/such/out.html") == (
+        "no/such/out.html, its place: found no such file or directory, expected a place that can be written to; "
+        "give another path"
     )
 
 

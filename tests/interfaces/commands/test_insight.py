@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 
@@ -27,7 +26,7 @@ def test_why_says_cause_meaning_and_reader(recording: str, periph_sim: Run):
     assert first.startswith("dsp.I2C-A.I2CSTR.XRDY at 5.300000 ms: 0 since ")
     assert meaning == "  XRDY, R: I2CDXR can take a byte. [SPRUG03B table 10]"
     assert re.search(r"dsp: I2C-A.I2CDXR written, 0x\w+ at batch_read:", unwrapped(" ".join(rest)))
-    told = json.loads(periph_sim("why", recording, "I2CA.I2CSTR.XRDY@5.3ms", "--json").out)
+    told = periph_sim("why", recording, "I2CA.I2CSTR.XRDY@5.3ms", "--json").told
     assert told["value"] == 0 and told["next_change"]["value"] == 1 and len(told["back"]) > 2
 
 
@@ -61,7 +60,7 @@ def test_why_says_addresses_and_bytes_as_people_write_them(recording: str, perip
 def test_races_in_a_table_and_as_json(recording: str, periph_sim: Run):
     came = periph_sim("races", recording, "--register", "I2C-A.I2CSTR")
     assert came.status == 0 and " closest  cycles " in came.out and "batch_read:" in came.out
-    told = json.loads(periph_sim("races", recording, "--json").out)
+    told = periph_sim("races", recording, "--json").told
     assert {place["register"] for place in told["places"]} >= {"I2C-A.I2CSTR"} and told["lost"] == 0
 
 
@@ -75,7 +74,7 @@ def test_races_may_be_limited(recording: str, periph_sim: Run, limit: list[str],
 def test_lint_exits_with_1_where_something_is_found(recording: str, periph_sim: Run):
     came = periph_sim("lint", recording)
     assert came.status == 1 and "loads I2CDXR as slave on XRDY alone" in came.out
-    told = json.loads(periph_sim("lint", recording, "--json").out)
+    told = periph_sim("lint", recording, "--json").told
     assert [found["lint"] for found in told["findings"]] == [
         "without-effect",
         "receive-register-unread",

@@ -60,7 +60,7 @@ def test_every_place_shows_the_same_instant(
     write_case(measure)
     table = periph_sim("run", "case.toml", "--record", "run.psr", "--html", "run.html").out
     (at,) = re.findall(r"^judged: .*, at (\d+\.\d{6} s)", table, re.MULTILINE)
-    result = json.loads(periph_sim("run", "case.toml", "--json").out)
+    result = periph_sim("run", "case.toml", "--json").told
     (verdict,) = (one for one in result["budgets"] if one["name"] == "judged")
     assert f"{verdict['at_s']:.6f} s" == at
     assert f", at {at}" in periph_sim("check", "case.toml").out

@@ -73,7 +73,7 @@ def test_the_legend_says_what_stands_in_this_table_and_no_more(budgets: list[Ver
 
 def test_what_a_run_assumes_is_a_number_and_with_v_a_line_each(periph_sim: Run):
     short = ("run", str(TIMING / "wrong_order.toml"), "--seconds", "0.01")
-    names = json.loads(periph_sim(*short, "--json").out)["unknowns"]
+    names = periph_sim(*short, "--json").told["unknowns"]
     assert periph_sim(*short).out.endswith(f"\nassumes {len(names)} undocumented behaviours (-v lists them)\n")
     option = ("--set", "unit.dsp.options.i2c.noise_filter_cycles=2")
     told = periph_sim(*short, "-v", *option).out.splitlines()
@@ -95,7 +95,7 @@ def test_what_a_chip_on_the_bus_assumes_is_listed_by_its_name(periph_sim: Run):
 
 def test_polls_that_were_skipped_are_told_with_v_rounded(periph_sim: Run):
     short = ("run", str(TIMING / "wrong_order.toml"), "--seconds", "0.01")
-    exact = json.loads(periph_sim(*short, "--json").out)["counts"]["polls_skipped"]
+    exact = periph_sim(*short, "--json").told["counts"]["polls_skipped"]
     assert 1_000 <= exact < 1_000_000
     assert "polls" not in periph_sim(*short).out
     assert f"\nskipped {exact / 1000:.1f} k polls\n" in periph_sim(*short, "-v").out

@@ -58,7 +58,7 @@ def test_a_budget_that_no_run_judges_is_named_and_exit_status_is_1(periph_sim: R
     Path("listener.toml").write_text(text + never, encoding="utf-8")
     came = periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--json")
     assert came.status == 1
-    assert json.loads(came.out)["budgets"]["never"]["verdict"] == "not judged"
+    assert came.told["budgets"]["never"]["verdict"] == "not judged"
 
 
 def test_budgets_and_percentiles_that_are_not_covered_are_named(periph_sim: Run) -> None:
@@ -66,7 +66,7 @@ def test_budgets_and_percentiles_that_are_not_covered_are_named(periph_sim: Run)
     more = ('measure = "cpu load"\nmax = "90 %"', 'measure = "count of edge SEEN rise"\nmin = 3')
     budgets = [f'[[budget]]\nname = "{name}"\n{one}\n' for name, one in zip(("load", "seen"), more, strict=True)]
     Path("listener.toml").write_text(text + "".join(budgets), encoding="utf-8")
-    said = json.loads(periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--json").out)
+    said = periph_sim(*HERE, "--phases", "0 us to 0.1 us", "--jobs", "1", "--json").told
     assert said["not_covered"] == {
         "p99 of late": "a percentile describes all occurrences of a run",
         "load": "it is a share of a whole run",
@@ -79,7 +79,7 @@ def test_any_number_of_processes_gives_the_same_answer(periph_sim: Run, monkeypa
     """A window lies across the end of a part, and one contains the end of the period."""
     monkeypatch.setattr(reports, "PART", 16)
     arguments = (*HERE, *sets(*settings_of(low=3440, high=3640, first="true")), "--step", "200", "--json", "--jobs")
-    one, two, three = (json.loads(periph_sim(*arguments, jobs).out) for jobs in ("1", "2", "3"))
+    one, two, three = (periph_sim(*arguments, jobs).told for jobs in ("1", "2", "3"))
     assert one == two == three
     assert any(window["first"] > window["last"] and window["closed"] for window in one["windows"])
     assert (one["phases"]["chosen"], one["phases"]["run"]) == (76, 92)  # more are run to find the ends of windows
@@ -97,7 +97,7 @@ def test_failures_without_a_budget_are_named_with_their_reason(periph_sim: Run) 
         "1",
         "--json",
     )
-    said = json.loads(came.out)
+    said = came.told
     assert came.status == 1
     assert [window["name"] for window in said["windows"]] == ["ended by an error"]
     assert "a character came too late" in said["reasons"]["ended by an error"]
@@ -113,7 +113,7 @@ def test_windows_of_sends_are_not_joined_at_the_end_of_their_millisecond(periph_
     )
     Path("silent.toml").write_text(text, encoding="utf-8")
     came = periph_sim("prove", "silent.toml", "--phases", "0 ms to 2 ms", "--step", "60000", "--jobs", "1", "--json")
-    (window,) = json.loads(came.out)["windows"]
+    (window,) = came.told["windows"]
     assert (window["first"], window["last"], window["closed"]) == (0, 300_000, False)
     came = periph_sim("prove", "silent.toml", "--phases", "0 ms to 2 ms", "--step", "60000", "--jobs", "1")
     assert "300,001 phases, " in came.out
@@ -178,7 +178,7 @@ def test_a_killed_process_leaves_the_results_before_it(periph_sim: Run, monkeypa
     monkeypatch.setattr(reports, "TRIED", 1)
     dies = sets(*BAD, "unit.dsp.settings.then=dies")
     came = periph_sim(*HERE, *dies, "--phases", "0.7 us to 5 us", "--step", "5", "--jobs", "2", "--json")
-    said = json.loads(came.out)
+    said = came.told
     assert came.status == 2
     assert "died" in said["stopped"] and said["stopped"] in came.err
     assert said["phases"]["run"] % 32 == 0 and said["phases"]["run"] < said["phases"]["chosen"]

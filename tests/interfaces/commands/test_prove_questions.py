@@ -5,7 +5,6 @@ answers: as it is, AAS with the ninth fall, AAS with the eighth rise --> a table
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -35,9 +34,8 @@ def few_questions(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_table_is_made_with_each_answer(periph_sim: Run, tmp_path: Path):
     """With AAS one bit later, the slave reads I2CSTR before AAS is set, and then waits for an interrupt in vain."""
     case = write_slave(tmp_path)
-    came = periph_sim("prove", str(case), "--table", "--questions", "--jobs", "1", "--json")
-    shown = json.loads(came.out)
-    assert (came.status, [one["answers"] for one in shown["runs"]]) == (
+    status, shown = periph_sim.json("prove", str(case), "--table", "--questions", "--jobs", "1")
+    assert (status, [one["answers"] for one in shown["runs"]]) == (
         1,
         [{}, {"dsp.i2c.aas_sdir_point": "rise8"}, {"dsp.i2c.aas_sdir_point": "fall9"}],
     )
@@ -62,7 +60,7 @@ def test_the_text_names_what_depends_on_an_answer_and_what_is_proven(periph_sim:
 def test_phases_are_run_with_each_answer(periph_sim: Run):
     """The worst values of the case as it is are those of `prove` without --questions."""
     case = str(TIMING / "responder.toml")
-    plain = json.loads(periph_sim("prove", case, *NEAR, "--json").out)["budgets"]
+    plain = periph_sim("prove", case, *NEAR, "--json").told["budgets"]
     came = periph_sim("prove", case, "--questions", "--jobs", "1", *NEAR)
     text = " ".join(came.out.split())
     assert came.status == 1

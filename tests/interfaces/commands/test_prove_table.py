@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
@@ -35,12 +34,11 @@ def test_budgets_of_one_round_are_proven_and_others_are_named(periph_sim: Run, t
 def test_a_broken_budget_has_a_witness_that_breaks_it(periph_sim: Run, tmp_path: Path):
     path, folder = write_echo(tmp_path, 0.2), tmp_path / "witness"
     folder.mkdir()
-    came = periph_sim("prove", str(path), "--table", "--witness", str(folder), "--json")
-    shown = json.loads(came.out)
-    assert (came.status, shown["table"]["closed"], shown["budgets"]["echo"]["verdict"]) == (1, False, "broken")
+    status, shown = periph_sim.json("prove", str(path), "--table", "--witness", str(folder))
+    assert (status, shown["table"]["closed"], shown["budgets"]["echo"]["verdict"]) == (1, False, "broken")
     (file,) = folder.glob("*.toml")
     assert shown["written"] == [str(file)]
-    again = json.loads(periph_sim("run", str(file), "--json").out)
+    again = periph_sim("run", str(file), "--json").told
     assert again["budgets"][0]["worst"] == shown["budgets"]["echo"]["worst"]
 
 
@@ -48,9 +46,7 @@ def test_the_witness_of_a_value_without_an_instant_is_a_whole_run(periph_sim: Ru
     case = write_slave(tmp_path, "")
     came = periph_sim("prove", str(case), "--table", "--witness", str(tmp_path))
     assert came.status == 0
-    (budget,) = json.loads(periph_sim("run", str(tmp_path / "image_register_slave_wrong_bytes.toml"), "--json").out)[
-        "budgets"
-    ]
+    (budget,) = periph_sim("run", str(tmp_path / "image_register_slave_wrong_bytes.toml"), "--json").told["budgets"]
     assert (budget["worst"], budget["verdict"], budget["at_s"]) == (0, "pass", None)
 
 
@@ -90,14 +86,14 @@ def test_a_range_of_clocks_has_several_tables(periph_sim: Run, tmp_path: Path):
     assert "assumed: rates and data as in the case, and the first round after 7.0001 ms\n" in came.out
     witness = (tmp_path / "image_register_slave_wrong_bytes.toml").read_text(encoding="utf-8")
     assert "ppm = -4.0" in witness
-    table = json.loads(periph_sim("prove", str(case), *options, "--json").out)["table"]
+    table = periph_sim("prove", str(case), *options, "--json").told["table"]
     assert (table["tables"], table["within_ppm"], table["entries"]) == (3, 4.0, 480)
 
 
 @pytest.mark.parametrize("text", ["-1", "10001", "many"])
 def test_a_range_of_clocks_that_is_none(text: str, periph_sim: Run, tmp_path: Path):
-    came = periph_sim("prove", str(write_slave(tmp_path)), "--table", "--ppm", text)
-    assert (came.status, came.err) == (2, f"Error: --ppm {text!r}: expected a number from 0 to 10,000\n")
+    said = f"--ppm {text!r}: expected a number from 0 to 10,000"
+    assert periph_sim.refused("prove", str(write_slave(tmp_path)), "--table", "--ppm", text) == said
 
 
 def test_a_range_of_clocks_needs_a_table(periph_sim: Run, tmp_path: Path):

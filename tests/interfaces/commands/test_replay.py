@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from fractions import Fraction
 from pathlib import Path
@@ -14,7 +13,7 @@ from tests.interfaces.commands.conftest import Run
 from tests.replay.make_session import samples
 from tests.replay.slow import one_read, slow_case
 from tests.replay.test_i2c_master import endless_case
-from tests.traces.formats.writers import frame_bits, sr_bytes, uart_wave
+from tests.traces.formats.writers import frame_bits, sr_file, uart_wave
 
 ROOT = Path(__file__).resolve().parents[3]
 TRACES, CASES = ROOT / "traces", ROOT / "timing"
@@ -31,8 +30,7 @@ def test_a_uart_trace_goes_into_the_sci(periph_sim: Run):
 
 
 def test_json_is_one_object_with_everything(periph_sim: Run):
-    status, out, _ = periph_sim("replay", HOST_FRAMES, "--case", LOGGER, "--map", "rx=0", "--json")
-    report = json.loads(out)
+    status, report = periph_sim.json("replay", HOST_FRAMES, "--case", LOGGER, "--map", "rx=0")
     assert status == 0
     assert (report["case"], report["kind"], report["verdict"]) == ("uart_logger", "uart", "pass")
     assert (report["events"], report["agreed"], report["bytes"], report["first_divergence"]) == (24, 24, 24, None)
@@ -72,8 +70,7 @@ def tens(tmp_path: Path) -> str:
 
 
 def test_words_still_in_the_fifo_are_told_and_are_no_divergence(periph_sim: Run, tens):
-    status, out, _ = periph_sim("replay", HOST_FRAMES, "--case", tens, "--json")
-    report = json.loads(out)
+    status, report = periph_sim.json("replay", HOST_FRAMES, "--case", tens)
     assert status == 0 and (report["events"], report["bytes"]) == (24, 20)
     assert not any(report[of_i2c] for of_i2c in ("transfers", "captured_transfers", "nacks", "captured_stretch_us"))
     assert "words still unread in the FIFO: 4" in report["notes"]
@@ -84,9 +81,7 @@ def test_a_divergence_is_exit_status_1_and_tells_where(periph_sim: Run, tens):
     status, out, _ = periph_sim("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--frame", "7n1")
     assert status == 1 and "FAIL" in out and "0 of " in out
     assert "first wrong byte" in out and "expected 00 FE at 0.000300 s" in out and "found 00 at" in out
-    notes = json.loads(
-        periph_sim("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--frame", "7n1", "--json")[1]
-    )
+    notes = periph_sim("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--frame", "7n1", "--json").told
     assert notes["notes"][0].startswith("read at 115200 baud, 7n1, ") and len(notes["notes"]) > 1
     line = TENS.splitlines().index("            sci.SCIRXBUF.all") + 1
     assert f"the firmware was at tens.py:{line}, in main" in out
@@ -115,7 +110,7 @@ def test_a_rate_that_is_off_by_two_percent_is_not_noted(periph_sim: Run, tens, o
 def test_simulated_time_is_counted_from_the_start_of_the_case(periph_sim: Run, arguments):
     capture, case, *loop = arguments
     line = ["replay", capture, "--case", case, *loop, "--json"]
-    reports = [json.loads(periph_sim(*line, "--set", f"start={at}")[1]) for at in ("0 s", "10 s")]
+    reports = [periph_sim(*line, "--set", f"start={at}").told for at in ("0 s", "10 s")]
     assert reports[0]["simulated_s"] == reports[1]["simulated_s"] < 1
     assert reports[0]["agreed"] == reports[1]["agreed"] > 0
 
@@ -158,10 +153,9 @@ def test_a_capture_that_is_no_capture_and_a_case_that_is_none(periph_sim: Run, t
 
 
 def test_lines_without_a_transfer_are_refused(periph_sim: Run, tmp_path):
-    quiet = tmp_path / "quiet.sr"
-    quiet.write_bytes(sr_bytes(["SCL", "SDA"], "1 MHz", b"\x03" * 100))
+    quiet = sr_file(tmp_path / "quiet.sr", ["SCL", "SDA"], "1 MHz", b"\x03" * 100)
     assert "no I2C transfer on 'SCL' and 'SDA'; neither line changes in the capture" in periph_sim.refused(
-        "replay", str(quiet), "--case", RESPONDER
+        "replay", quiet, "--case", RESPONDER
     )
 
 
@@ -193,7 +187,7 @@ def test_what_nobody_recorded_is_told(periph_sim: Run, tmp_path):
     assert "no whole address byte" in err
     bits = "".join(f"0.00{3100 + 20 * n},0,{n & 1}\n0.00{3110 + 20 * n},1,{n & 1}\n" for n in range(9))
     (tmp_path / "gap.csv").write_text("\n".join(rows) + "\n" + bits + "0.004000,0,0\n0.004010,1,0\n0.004020,1,1\n")
-    report = json.loads(periph_sim("replay", str(tmp_path / "gap.csv"), "--case", RESPONDER, "--json")[1])
+    report = periph_sim("replay", str(tmp_path / "gap.csv"), "--case", RESPONDER, "--json").told
     said = "SCL and SDA: 1 span was not recorded, 0.001000000 s in all"
     assert any(note.startswith(said) for note in report["notes"])
 
@@ -219,8 +213,8 @@ def test_the_verdict_line_says_what_it_proves_and_of_how_much(periph_sim: Run):
 def test_ambiguous_frames_are_no_failure_unless_strict(periph_sim: Run, tmp_path):
     line = bytearray(uart_wave([(Fraction(60), frame_bits(0x4F)), (Fraction(300), frame_bits(0x41))], BIT, 700))
     line[60 + int(Fraction(11, 2) * BIT)] ^= 1
-    (tmp_path / "glitch.sr").write_bytes(sr_bytes(["RX"], "2 MHz", bytes(line)))
-    arguments = ("replay", str(tmp_path / "glitch.sr"), "--case", LOGGER, "--baud", "115200")
+    path = sr_file(tmp_path / "glitch.sr", ["RX"], "2 MHz", bytes(line))
+    arguments = ("replay", path, "--case", LOGGER, "--baud", "115200")
     status, out, _ = periph_sim(*arguments)
     assert status == 0 and "glitch.sr: AMBIGUOUS (1 of 2 ambiguous)" in out.splitlines()[0]
     assert periph_sim(*arguments, "--strict")[0] == 1
@@ -236,8 +230,7 @@ def test_an_i2c_trace_against_a_firmware(periph_sim: Run):
 
 def test_an_i2c_trace_mapped_by_hand_with_an_address_and_fewer_transfers(periph_sim: Run):
     arguments = ("--map", "scl=0,sda=1", "--address", "0x53", "--first", "2", "--longest-low", "2 us", "--json")
-    status, out, _ = periph_sim("replay", IMU_ROUND, "--case", RESPONDER, *arguments)
-    report = json.loads(out)
+    status, report = periph_sim.json("replay", IMU_ROUND, "--case", RESPONDER, *arguments)
     assert status == 0 and report["addresses"] == ["53"] and (report["events"], report["nacks"]) == (42, 2)
     assert report["lag_worst_us"] > 100, "each low phase is 3 us shorter"
 
@@ -279,8 +272,7 @@ IMU, MASTER = str(CASES / "imu_hil_published.toml"), str(CASES / "captured_maste
     ],
 )
 def test_the_same_trace_in_each_way(periph_sim: Run, arguments, loop, role):
-    status, out, _ = periph_sim("replay", IMU_ROUND, *arguments, "--json")
-    report = json.loads(out)
+    status, report = periph_sim.json("replay", IMU_ROUND, *arguments)
     assert (status, report["loop"], report["role"], report["agreed"]) == (0, loop, role, 63)
 
 
@@ -295,7 +287,7 @@ def test_a_divergence_is_told_with_what_the_chip_did_and_drawn(periph_sim: Run, 
     assert svg.read_text().startswith("<?xml") and "data read E4" in svg.read_text()
     periph_sim("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--svg", str(tmp_path))
     assert (tmp_path / "divergence.svg").read_text() == svg.read_text()
-    report = json.loads(periph_sim("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--json")[1])
+    report = periph_sim("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--json").told
     (divergence,) = report["divergences"]
     assert divergence["kind"] == "byte" and {"at_s", "what", "value"} == set(divergence["history"][0])
 
@@ -318,9 +310,8 @@ def test_a_picture_of_nothing_is_not_written(periph_sim: Run, tmp_path):
 
 def test_a_tolerance_makes_a_difference_in_time_a_failure(periph_sim: Run, tmp_path):
     case = str(slow_case(tmp_path))
-    trace = tmp_path / "read.sr"
-    trace.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", samples(one_read())))
-    slow = ("replay", str(trace), "--case", case, "--set", "unit.dsp.settings.wait=100")
+    trace = sr_file(tmp_path / "read.sr", ["SCL", "SDA"], "4 MHz", samples(one_read()))
+    slow = ("replay", trace, "--case", case, "--set", "unit.dsp.settings.wait=100")
     status, out, _ = periph_sim(*slow)
     assert status == 0 and "first difference in time" in out and "341.4 sample periods" in out
     assert periph_sim(*slow, "--tolerance", "80 us")[0] == 1 and periph_sim(*slow, "--tolerance", "90 us")[0] == 0
@@ -335,17 +326,17 @@ def test_a_session_of_one_file_and_of_two(periph_sim: Run, tmp_path):
     status, out, _ = periph_sim("replay", SESSION, "--case", IMU, *low)
     assert status == 0 and "189 of 189" in out and "data age" in out and "23.933 ms" in out
     assert "note:" not in out  # rounds are read off the bus
-    one = json.loads(periph_sim("replay", SESSION, "--case", IMU, *low, "--json")[1])
+    one = periph_sim("replay", SESSION, "--case", IMU, *low, "--json").told
     lines = ("--map", "scl=SCL,sda=SDA", "--uart-file", f"{SESSION},rx=RX", "--json")
-    two = json.loads(periph_sim("replay", SESSION, "--case", IMU, *low, *lines)[1])
+    two = periph_sim("replay", SESSION, "--case", IMU, *low, *lines).told
     assert two["budgets"] == one["budgets"] and two["kind"] == one["kind"] == "session"
-    early = json.loads(periph_sim("replay", SESSION, "--case", IMU, *low, *lines, "--offset", "-1 ms")[1])
+    early = periph_sim("replay", SESSION, "--case", IMU, *low, *lines, "--offset", "-1 ms").told
     ages = [next(v["worst"] for v in found["budgets"] if v["measure"] == "age") for found in (two, early)]
     assert ages[1] - ages[0] == pytest.approx(1000, abs=2)
 
 
 def test_without_sci_in_the_case_a_session_is_its_i2c_capture(periph_sim: Run):
-    report = json.loads(periph_sim("replay", SESSION, "--case", RESPONDER, "--json")[1])
+    report = periph_sim("replay", SESSION, "--case", RESPONDER, "--json").told
     assert report["kind"] == "i2c"
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import subprocess
 import sys
@@ -33,9 +32,8 @@ def test_a_broken_budget_gives_1_and_says_which(periph_sim: Run, desk: Path):
 
 
 def test_json_is_one_object_with_everything(periph_sim: Run, desk: Path):
-    came = periph_sim("run", "small.toml", "--json")
-    result = json.loads(came.out)
-    assert came.status == 0
+    status, result = periph_sim.json("run", "small.toml")
+    assert status == 0
     assert (result["case"], result["verdict"], result["fidelity"]) == ("small", "pass", "exact")
     assert result["simulated_s"] == 0.03 and result["wall_s"] > 0 and result["events"] > 0
     (budget,) = result["budgets"]
@@ -45,7 +43,7 @@ def test_json_is_one_object_with_everything(periph_sim: Run, desk: Path):
 
 @pytest.mark.parametrize(("seconds", "length"), [("0.01", 0.01), ("10 ms", 0.01), ("1", 1.0), ("0", 0.0)])
 def test_seconds_replaces_the_duration(periph_sim: Run, desk: Path, seconds: str, length: float):
-    assert json.loads(periph_sim("run", "small.toml", "--seconds", seconds, "--json").out)["simulated_s"] == length
+    assert periph_sim("run", "small.toml", "--seconds", seconds, "--json").told["simulated_s"] == length
 
 
 @pytest.mark.parametrize(
@@ -100,7 +98,7 @@ def test_a_mistake_is_one_sentence_on_standard_error_and_2(
     (desk / "crash.py").write_text(CRASH, encoding="utf-8")
     (desk / "starts.py").write_text(STARTS, encoding="utf-8")
     before = sorted(desk.iterdir())
-    assert periph_sim("run", *arguments) == (2, "", f"Error: {sentence}\n")
+    assert periph_sim.refused("run", *arguments) == sentence
     assert sorted(desk.iterdir()) == before
 
 
@@ -122,9 +120,9 @@ def test_a_run_that_fails_midway_leaves_the_recording_up_to_there(periph_sim: Ru
     late = "def main(dsp, settings):\n    dsp.compute(1_500_000)\n    raise ValueError('boom')\n"
     (desk / "late.py").write_text(late, encoding="utf-8")
     before = {*desk.iterdir()}
-    came = periph_sim("run", "small.toml", "--set", "unit.dsp.firmware=late.py", "--record", f"run{suffix}")
+    said = periph_sim.refused("run", "small.toml", "--set", "unit.dsp.firmware=late.py", "--record", f"run{suffix}")
     place = f"this was at 10.000 ms of the run; run{suffix} contains the run up to there"
-    assert came == (2, "", f"Error: dsp: ValueError at line 3 of late.py: boom; {place}\n")
+    assert said == f"dsp: ValueError at line 3 of late.py: boom; {place}"
     assert {*desk.iterdir()} == before | {desk / f"run{suffix}"}
     if suffix == ".vcd":  # its last line is the end of the run, in ns
         assert (desk / "run.vcd").read_text(encoding="utf-8").endswith("\n#10000000\n")
@@ -139,8 +137,8 @@ def test_recordings_of_two_equal_runs_are_equal_and_of_another_seed_are_not(peri
 
 
 def test_a_recording_does_not_change_the_verdict(periph_sim: Run, desk: Path):
-    plain = json.loads(periph_sim("run", "small.toml", "--json").out)
-    recorded = json.loads(periph_sim("run", "small.toml", "--json", "--record", "run.vcd").out)
+    plain = periph_sim("run", "small.toml", "--json").told
+    recorded = periph_sim("run", "small.toml", "--json", "--record", "run.vcd").told
     for result in (plain, recorded):  # a recorded run skips no bits
         del result["wall_s"], result["events"], result["bytes_skipped"]
     assert plain == recorded
@@ -206,7 +204,7 @@ def test_a_measure_of_events_stands_in_the_table_like_any_other(periph_sim: Run,
 
 def test_a_measure_of_events_stands_in_json_with_the_limit_that_was_nearest(periph_sim: Run, desk: Path):
     came = measured(periph_sim, "count of bus START", "max=3", "min=1", options=("--json",))
-    (budget,) = json.loads(came.out)["budgets"]
+    (budget,) = came.told["budgets"]
     shown = {"worst": 2, "limit": 3, "margin": 1, "count": 2, "unit": "count", "which": "max", "found": ""}
     assert shown.items() <= budget.items()
 
@@ -230,7 +228,7 @@ def test_a_pass_says_what_was_seen_and_claims_nothing_for_other_timings(periph_s
     assert came.status == 0 and came.out.startswith("imu_hil_published: PASS, as seen in this run\n")
     assert came.out.splitlines()[2].split() == ["budget", "seen", "limit", "margin", "count"]
     assert "\ncount: occurrences; seen: held in this run, other timings are not covered\n" in came.out
-    told = json.loads(periph_sim(*short, "--json").out)
+    told = periph_sim(*short, "--json").told
     assert told.keys().isdisjoint(WITHDRAWN) and all(one.keys().isdisjoint(WITHDRAWN) for one in told["budgets"])
 
 
@@ -255,9 +253,7 @@ def test_a_table_of_levels_has_no_effect_but_a_note(periph_sim: Run):
 @pytest.mark.parametrize("given", [("--disable", "bits"), ("--disable", "polls"), ("--disable", "all")])
 def test_optimizations_are_switched_off_by_name_and_change_no_figure(periph_sim: Run, given: tuple[str, str]):
     responder = str(TIMING / "responder.toml")
-    plain, came = (
-        json.loads(periph_sim("run", responder, "--seconds", "0.02", "--json", *more).out) for more in ((), given)
-    )
+    plain, came = (periph_sim("run", responder, "--seconds", "0.02", "--json", *more).told for more in ((), given))
     assert came.pop("bytes_skipped") == (0 if given[1] in ("bits", "all") else 76)
     assert came["counts"].pop("polls_skipped") == 0 or given[1] == "bits"
     assert plain.pop("bytes_skipped") == 76 and plain["counts"].pop("polls_skipped") > 100

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
@@ -72,9 +71,8 @@ def test_more_runs_than_can_be_named_are_counted(periph_sim: Run, monkeypatch: p
 
 
 def test_json_has_every_run_and_the_differences(periph_sim: Run) -> None:
-    came = periph_sim(*HERE, *BROKEN, "--json")
-    told = json.loads(came.out)
-    assert came.status == 1 and told["schema"] == "periph-sim run --questions"
+    status, told = periph_sim.json(*HERE, *BROKEN)
+    assert status == 1 and told["schema"] == "periph-sim run --questions"
     assert told["runs"][0] == {"answers": {}, "verdict": "pass", "first_difference": None}
     assert told["runs"][7]["answers"] == {"dsp.system.pf2_write_ws": 15} and told["runs"][7]["verdict"] == "fail"
     first = told["runs"][7]["first_difference"]

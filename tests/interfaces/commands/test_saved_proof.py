@@ -40,7 +40,7 @@ def words(out: str) -> dict[str, str]:
 def test_prove_saves_a_closed_table_and_run_shows_it(periph_sim: Run, tmp_path: Path):
     case = write_slave(tmp_path)
     came = periph_sim("prove", str(case), "--table", "--save", "--json")
-    assert json.loads(came.out)["written"] == [str(tmp_path / "proofs" / "slave.json")]
+    assert came.told["written"] == [str(tmp_path / "proofs" / "slave.json")]
     came = periph_sim("run", str(case))
     assert (came.status, came.err) == (0, "")
     found = words(came.out)
@@ -55,7 +55,7 @@ def test_a_case_whose_budgets_are_all_proven(periph_sim: Run, whole: Path):
     came = periph_sim("run", str(whole), "--guaranteed", "--seconds", "0.02")
     assert (came.status, came.err) == (0, "")
     assert came.out.startswith("image_register_slave: PASS, proven\n")
-    assert json.loads(periph_sim("run", str(whole), "--json").out)["budgets"][0]["proven"] is True
+    assert periph_sim("run", str(whole), "--json").told["budgets"][0]["proven"] is True
 
 
 def test_a_broken_table_is_not_saved(periph_sim: Run, tmp_path: Path):
@@ -67,11 +67,10 @@ def test_a_broken_table_is_not_saved(periph_sim: Run, tmp_path: Path):
 
 
 def test_a_case_that_is_refused_leaves_no_folder(periph_sim: Run, desk: Path):
-    came = periph_sim("prove", "small.toml", "--table", "--save")
-    assert came.status == 2 and "has no closed table" in came.err
+    assert "has no closed table" in periph_sim.refused("prove", "small.toml", "--table", "--save")
     assert not Path("proofs").exists()
-    came = periph_sim("prove", "smal.toml", "--save")
-    assert came.status == 2 and not Path("coverage").exists()
+    periph_sim.refused("prove", "smal.toml", "--save")
+    assert not Path("coverage").exists()
     assert "none/small.toml: cannot be read" in periph_sim.refused("prove", "none/small.toml", "--table", "--save")
 
 
@@ -80,8 +79,8 @@ def test_a_folder_that_is_not_writable(is_there: bool, periph_sim: Run, desk: Pa
     read_only = desk / "proofs" if is_there else desk
     read_only.mkdir(exist_ok=True)
     monkeypatch.setattr("os.access", lambda path, mode: Path(path) != read_only)
-    came = periph_sim("prove", str(desk / "small.toml"), "--table", "--save")
-    assert (came.status, came.err) == (2, f"Error: --save: {read_only} is not writable; change its permissions\n")
+    said = f"--save: {read_only} is not writable; change its permissions"
+    assert periph_sim.refused("prove", str(desk / "small.toml"), "--table", "--save") == said
 
 
 def test_a_proof_of_a_changed_case_cannot_be_saved(periph_sim: Run, saved: Path):
@@ -141,10 +140,8 @@ def test_a_case_without_a_proof_and_a_file_that_is_none(periph_sim: Run, tmp_pat
 
 
 def test_other_answers_are_covered_by_no_proof(periph_sim: Run, whole: Path):
-    came = periph_sim("run", str(whole), "--guaranteed", "--questions")
-    assert (came.status, came.out) == (2, "")
-    told = "Error: --questions runs the case with other answers, which no proof covers; use --no-guaranteed\n"
-    assert came.err == told
+    said = "--questions runs the case with other answers, which no proof covers; use --no-guaranteed"
+    assert periph_sim.refused("run", str(whole), "--guaranteed", "--questions") == said
 
 
 def test_check_shows_proven_budgets_and_requires_proofs(periph_sim: Run, saved: Path, tmp_path: Path):
@@ -154,7 +151,7 @@ def test_check_shows_proven_budgets_and_requires_proofs(periph_sim: Run, saved: 
     row = next(line.split() for line in came.out.splitlines() if line.startswith(" image_register_slave"))
     assert (came.status, row[1:5]) == (0, ["2", "3", "0", "0"])
     came = periph_sim("check", str(saved), str(bare), *options, "--guaranteed", "--json")
-    shown = json.loads(came.out)["cases"]
+    shown = came.told["cases"]
     assert came.status == 1
     assert [one["proven"] for one in shown] == [[*PROVEN], []]
     assert [finding["text"] for finding in shown[0]["findings"]] == [
@@ -178,8 +175,8 @@ def test_worst_explains_the_run_of_a_proof_that_is_nearer_to_the_limit(periph_si
     """The only frame of the case does not meet the wait of the echo at the worst instant of its pass."""
     case = write_echo(tmp_path)
     save_proof(case)
-    in_run = json.loads(periph_sim("worst", str(case), "--seconds", "0.01", "--json").out)["budgets"]["echo"]
-    in_proof = json.loads(periph_sim("worst", str(case), "--json").out)["budgets"]["echo"]
+    in_run = periph_sim("worst", str(case), "--seconds", "0.01", "--json").told["budgets"]["echo"]
+    in_proof = periph_sim("worst", str(case), "--json").told["budgets"]["echo"]
     assert "frames_s" in in_proof and "frames_s" not in in_run
     assert in_proof["length_us"] > in_run["length_us"]
     came = periph_sim("worst", str(case))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
@@ -28,7 +27,7 @@ def test_a_trade_is_one_screen_and_its_last_line_recommends_a_row(periph_sim: Ru
 
 
 def test_one_json_object_with_every_row(periph_sim: Run):
-    told = json.loads(periph_sim(*QUICK, "--json").out)
+    told = periph_sim(*QUICK, "--json").told
     assert [row["name"] for row in told["rows"]] == ["as given", "record .psr"]
     assert told["rows"][1]["time_error"] == {"amount": 0.0, "unit": "s", "place": ""}
     assert all(row["cost"]["cpu_s"] > 0 and row["cost"]["runs"] >= 5 for row in told["rows"])
@@ -36,7 +35,7 @@ def test_one_json_object_with_every_row(periph_sim: Run):
 
 
 def test_rows_may_be_named_by_the_old_option(periph_sim: Run):
-    told = json.loads(periph_sim("trade", RESPONDER, "--seconds", "0.02", "--level", "record .psr", "--json").out)
+    told = periph_sim("trade", RESPONDER, "--seconds", "0.02", "--level", "record .psr", "--json").told
     assert [row["name"] for row in told["rows"]] == ["as given", "record .psr"]
 
 
@@ -52,7 +51,7 @@ def test_firmware_of_another_case_is_a_row(periph_sim: Run):
 def test_a_row_that_is_off_by_more_than_allowed_is_not_recommended(periph_sim: Run):
     published, image = (str(TIMING / f"imu_hil_{name}.toml") for name in ("published", "image"))
     row = ("--row", "Python of imu_hil_published", "--seconds", "0.04", "--json")
-    came = json.loads(periph_sim("trade", image, "--firmware", published, "--max-error", "1 us", *row).out)
+    came = periph_sim("trade", image, "--firmware", published, "--max-error", "1 us", *row).told
     assert came["rows"][1]["time_error"]["amount"] > 1e-6 and came["recommended"] == "as given"
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 from xml.etree import ElementTree as xml
@@ -39,15 +38,15 @@ def test_named_budgets_only_and_their_verdict(periph_sim: Run, case: str):
 
 
 def test_json_has_a_chain_a_budget(periph_sim: Run, case: str):
-    told = json.loads(periph_sim("worst", case, "stretch", "nacked rounds", "--json", *LATE).out)
+    told = periph_sim("worst", case, "stretch", "nacked rounds", "--json", *LATE).told
     assert [*told["budgets"]] == ["stretch"]
     chain = told["budgets"]["stretch"]
     assert chain["length_us"] == pytest.approx(98, abs=2) and chain["steps"][0]["what"].startswith("repeated START")
 
 
 def test_run_has_chains_only_if_asked(periph_sim: Run, case: str):
-    plain = json.loads(periph_sim("run", case, "--json", *LATE).out)
-    asked = json.loads(periph_sim("run", case, "--json", "--explain", *LATE).out)
+    plain = periph_sim("run", case, "--json", *LATE).told
+    asked = periph_sim("run", case, "--json", "--explain", *LATE).told
     assert not any("chain" in budget for budget in plain["budgets"])
     by_name = {budget["name"]: budget["chain"] for budget in asked["budgets"]}
     assert by_name["nacked rounds"] is None and by_name["stretch"]["length_us"] == pytest.approx(98, abs=2)
@@ -103,8 +102,7 @@ MISTAKES = {
 
 @pytest.mark.parametrize(("arguments", "sentence"), MISTAKES.items())
 def test_a_mistake_is_one_sentence(periph_sim: Run, case: str, arguments: tuple[str, ...], sentence: str):
-    came = periph_sim("worst", case, *arguments)
-    assert (came.status, came.out, came.err.strip()) == (2, "", f"Error: {sentence}")
+    assert periph_sim.refused("worst", case, *arguments) == sentence
 
 
 def test_budgets_whose_pictures_would_share_a_file_are_refused(periph_sim: Run, case: str, desk: Path):

@@ -52,6 +52,12 @@ def sr_bytes(
     return zip_bytes(members, compression)
 
 
+def sr_file(path: Path, names: Sequence[str], rate: str, samples: bytes) -> str:
+    """Write a version 2 session; return its path."""
+    path.write_bytes(sr_bytes(names, rate, samples))
+    return str(path)
+
+
 def dsl_bytes(channels: Mapping[str, Sequence[int]], rate: str, block: int = 4, version: int = 3, **keys: str) -> bytes:
     """A DSView session: the levels of each channel, a block of bytes at a time; `keys` are changed in the header."""
     length = len(next(iter(channels.values())))
@@ -152,9 +158,7 @@ class I2cWave:
 
     def saved(self, folder: Path) -> str:
         """Write the samples at 4 MHz as a .sr file; return its path."""
-        path = folder / "wave.sr"
-        path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes(self.samples)))
-        return str(path)
+        return sr_file(folder / "wave.sr", ["SCL", "SDA"], "4 MHz", bytes(self.samples))
 
     def _low(self, value: int) -> None:
         self._put(0, self._sda, self.hold)

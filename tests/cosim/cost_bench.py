@@ -51,8 +51,5 @@ async def rounds(dut: Any) -> None:
     if profile is not None:
         profile.disable()
         profile.dump_stats(os.environ["COST_PROFILE"])
-    found = {
-        "seconds": process_time() - begin,
-        "wakes": 0 if dsp is None else dsp.wakes,
-    }
+    found = {"seconds": process_time() - begin, "wakes": 0 if dsp is None else dsp.wakes}
     (folder / "found.json").write_text(json.dumps(found))

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.cosim.axis import Axis
-from periph_sim.outside import OutsideError
+from tests.outside.sessions import refuses
 
 TICKS = 3_000_000_000  # of a 150 MHz part
 
@@ -38,5 +38,4 @@ def test_a_third_of_a_nanosecond() -> None:
 def test_steps_longer_than_a_tick_are_refused_with_the_timescale_to_write(
     steps: int, ticks: int, sentence: str
 ) -> None:
-    with pytest.raises(OutsideError, match=sentence):
-        Axis(steps, ticks)
+    refuses(sentence, Axis, steps, ticks)

@@ -103,9 +103,6 @@ def test_what_cannot_be_is_refused_in_a_sentence(benches: Path) -> None:
     assert said["z"].startswith("bus.rx (line RX) is z at the beginning: nothing drives it; give it a pull-up")
     assert said["I2C-A.I2CSTR.SCD"] == "0"
     assert said["I2C-A.I2CSTX"].startswith("I2C-A.I2CSTX: I2C-A has no register 'I2CSTX'; did you mean I2CSTR")
-    assert said["I2C-B.I2CSTR"] == "I2C-B.I2CSTR: dsp has no module 'I2C-B'; did you mean I2C-A?"
-    assert "expected MODULE.REGISTER or MODULE.REGISTER.FIELD" in said["I2C-A"]
-    assert said["I2C-A.I2CSTR.XYZ"].startswith("I2C-A.I2CSTR.XYZ: I2CSTR has no field 'XYZ'")
 
 
 @pytest.mark.skipif(not explores(), reason="in `make explore`")

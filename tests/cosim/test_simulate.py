@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.cosim import OutsideError, simulate
+from periph_sim.cosim import simulate
 from periph_sim.cosim.simulate import missing
+from tests.outside.sessions import refuses
 
 
 def test_a_simulator_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -16,19 +17,16 @@ def test_a_simulator_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setenv("PATH", "/nowhere")
     assert missing() == "iverilog, vvp is not on the path; install the simulator icarus"
     assert missing("spice").startswith("simulator 'spice' is unknown; it is one of icarus, verilator")
-    with pytest.raises(OutsideError, match="iverilog, vvp is not on the path"):
-        simulate(["bus.v"], "bus", "test_bus", folder="nowhere")
+    refuses("iverilog, vvp is not on the path", simulate, ["bus.v"], "bus", "test_bus", folder="nowhere")
 
 
 def test_sources_that_are_not_there_or_wrong(tmp_path: Path) -> None:
     if missing():
         pytest.skip(missing())
-    with pytest.raises(OutsideError, match=r"nowhere.v: the source file does not exist"):
-        simulate(["nowhere.v"], "bus", "test_bus", folder=tmp_path)
+    refuses(r"nowhere.v: the source file does not exist", simulate, ["nowhere.v"], "bus", "test_bus", folder=tmp_path)
     source = tmp_path / "wrong.v"
     source.write_text("module bus; wire wire; endmodule\n")
-    with pytest.raises(OutsideError, match="bus was not built by icarus"):
-        simulate([source], "bus", "test_bus", folder=tmp_path)
+    refuses("bus was not built by icarus", simulate, [source], "bus", "test_bus", folder=tmp_path)
 
 
 def test_lines_that_are_x_until_reset_and_a_file_in_a_folder_of_includes(tmp_path: Path) -> None:
@@ -38,8 +36,14 @@ def test_lines_that_are_x_until_reset_and_a_file_in_a_folder_of_includes(tmp_pat
     (tmp_path / "parts" / "rx.vh").write_text("reg rx; wire follows = rx;\n")
     source = tmp_path / "bus.v"
     source.write_text('`timescale 1ns / 1ps\nmodule bus;\n`include "rx.vh"\nendmodule\n')
-    with pytest.raises(OutsideError, match=r"Include file rx.vh not found"):
-        simulate([source], "bus", "tests.cosim.reset_bench", folder=tmp_path / "without")
+    refuses(
+        r"Include file rx.vh not found",
+        simulate,
+        [source],
+        "bus",
+        "tests.cosim.reset_bench",
+        folder=tmp_path / "without",
+    )
     log = simulate([source], "bus", "tests.cosim.reset_bench", folder=tmp_path / "run", includes=[tmp_path / "parts"])
     assert "PASS=2 FAIL=0" in log.read_text()
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+import pytest
 
 from periph_sim.api import make_case
 from periph_sim.core.records import RECORDED, Record, Recorder
 from periph_sim.core.time import Timebase
+from periph_sim.outside.errors import OutsideError
 from periph_sim.outside.session import Session
 from periph_sim.scene.case.model import Case
 
@@ -18,6 +22,21 @@ BUS = ("SDA", "SCL")
 def case(firmware: str = "responder", modules: tuple[str, ...] = ("I2C-A",), **more: Any) -> Case:
     unit = {"dsp": {"firmware": str(FIRMWARE / f"{firmware}.py"), "modules": list(modules)}}
     return make_case(name="mine", duration="1 s", **({"unit": unit} | more))
+
+
+def refuses(
+    sentence: str, call: Callable[..., object], *arguments: Any, error: type[Exception] = OutsideError, **more: Any
+) -> None:
+    """Check that this call raises an error whose text matches `sentence`."""
+    with pytest.raises(error, match=sentence):
+        call(*arguments, **more)
+
+
+def fails(code: int, call: Callable[..., object], *arguments: Any, match: str | None = None, **more: Any) -> None:
+    """Check that this call raises an OSError with this code, whose text matches `match`."""
+    with pytest.raises(OSError, match=match) as failed:
+        call(*arguments, **more)
+    assert failed.value.errno == code
 
 
 class Records:

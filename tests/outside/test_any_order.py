@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 
 from periph_sim.core.records import Kind
-from periph_sim.outside import OutsideError, Session
+from periph_sim.outside import Session
 from periph_sim.outside.serial_line import SerialLine
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
-from tests.outside.sessions import BUS, Records, case
+from tests.outside.sessions import BUS, Records, case, refuses
 from tests.profiles import explores
 from tests.scene.runs import TIMING
 
@@ -218,8 +218,7 @@ def test_clocks_free_the_bus_where_a_read_was_given_up_at_a_0(form: str) -> None
     master = session.i2c
     assert master.start(ACCELEROMETER, read=True)
     assert master.bits(1, 1, 1) == [1, 1, 1]
-    with pytest.raises(OutsideError, match="STOP is impossible: SDA is low, held by another party"):
-        master.stop()
+    refuses("STOP is impossible: SDA is low, held by another party", master.stop)
     assert session.pulls("SDA")
     assert master.clear()
     assert not session.pulls("SDA")
@@ -266,5 +265,4 @@ def test_a_unit_without_the_module_answers_as_fast_mode_asks() -> None:
     ],
 )
 def test_settings_that_cannot_be_are_refused(settings: dict[str, object], message: str) -> None:
-    with pytest.raises(BadCase, match=message):
-        pins(**settings)
+    refuses(message, pins, **settings, error=BadCase)

@@ -11,7 +11,7 @@ from periph_sim.outside import OutsideError
 from periph_sim.outside.errors import ArbitrationLost
 from periph_sim.outside.session import Session
 from periph_sim.scene.case.load import load
-from tests.outside.sessions import BUS, Records, bus, case
+from tests.outside.sessions import BUS, Records, bus, case, refuses
 from tests.scene.runs import TIMING
 
 
@@ -129,17 +129,12 @@ def test_a_rate_that_is_none_is_refused(rate: str) -> None:
 
 def test_calls_in_the_wrong_order_are_refused() -> None:
     master = bus()[0].i2c
-    with pytest.raises(OutsideError, match="stop: there is no transfer to end"):
-        master.stop()
-    with pytest.raises(OutsideError, match="write: there is no transfer to write in"):
-        master.write(1)
+    refuses("stop: there is no transfer to end", master.stop)
+    refuses("write: there is no transfer to write in", master.write, 1)
     assert master.start(0x50)
-    with pytest.raises(OutsideError, match="read: there is no transfer to read in"):
-        master.read(ack=True)
-    with pytest.raises(OutsideError, match="write: 256 is no byte"):
-        master.write(1, 256)
-    with pytest.raises(OutsideError, match="address 0x80: expected 0 to 0x7f"):
-        master.start(0x80)
+    refuses("read: there is no transfer to read in", master.read, ack=True)
+    refuses("write: 256 is no byte", master.write, 1, 256)
+    refuses("address 0x80: expected 0 to 0x7f", master.start, 0x80)
 
 
 @pytest.mark.parametrize(
@@ -153,8 +148,7 @@ def test_calls_in_the_wrong_order_are_refused() -> None:
 )
 def test_a_transfer_that_is_none_leaves_the_bus_alone(asked: tuple[Any, ...], sentence: str) -> None:
     session, _ = bus()
-    with pytest.raises(OutsideError, match=sentence):
-        session.i2c.transfer(*asked)
+    refuses(sentence, session.i2c.transfer, *asked)
     assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
 
 
@@ -162,8 +156,7 @@ def test_a_line_that_others_hold_is_told_with_their_names() -> None:
     held = {"kind": "hold", "wire": "SCL", "at": "2 ms", "length": "100 ms"}
     session = Session(case(fault=[held]), BUS)
     session.advance(session.ticks("2 ms") + 10)
-    with pytest.raises(OutsideError, match=r"SCL is held low by .* for more than 25 ms; the bus was let go"):
-        session.i2c.start(0x50)
+    refuses(r"SCL is held low by .* for more than 25 ms; the bus was let go", session.i2c.start, 0x50)
     assert session.now == session.ticks("27 ms") + 10 + 1
     session.advance(session.ticks("110 ms"))
     assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
@@ -182,11 +175,9 @@ def test_single_bits_break_off_in_a_byte_and_a_clear_frees_the_bus() -> None:
     assert session.pulls("SDA")
     assert master.clear() and not session.pulls("SDA")
     assert master.transfer(0x50, count=1) is not None
-    with pytest.raises(OutsideError, match="bits: there is no transfer to clock bits in"):
-        master.bits(1)
+    refuses("bits: there is no transfer to clock bits in", master.bits, 1)
     master.start(0x50)
-    with pytest.raises(OutsideError, match=r"bits: found \(1, 2\), expected 0, pulled low, or 1, let go"):
-        master.bits(1, 2)
+    refuses(r"bits: found \(1, 2\), expected 0, pulled low, or 1, let go", master.bits, 1, 2)
     assert (master.reads, master.writes) == (False, True)
     stranger = session.scene.wire("SDA").attach("stranger")
     stranger.drive(0)  # only one of the lines is high after it
@@ -209,8 +200,12 @@ def beside_another_controller() -> Session:
 
 def test_arbitration_that_is_lost_lets_go_of_the_bus() -> None:
     session = beside_another_controller()
-    with pytest.raises(ArbitrationLost, match="another controller has won the bus; begin again when it is free"):
-        session.i2c.start(0x7F)
+    refuses(
+        "another controller has won the bus; begin again when it is free",
+        session.i2c.start,
+        0x7F,
+        error=ArbitrationLost,
+    )
     assert not session.i2c.held
     session.advance(session.ticks("30 ms"))
     assert session.finish().wire_bytes == 27  # the winner's round of three chips

@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import pytest
-
-from periph_sim.outside import OutsideError, Session
+from periph_sim.outside import Session
 from periph_sim.outside.live.case_for_line import case_for_line
 from periph_sim.outside.live.pty_door import PtyDoor
 from tests.outside.live.echo import written
+from tests.outside.sessions import refuses
 
 
 def test_a_log_never_replaces_the_case(tmp_path: Path) -> None:
@@ -19,8 +18,9 @@ def test_a_log_never_replaces_the_case(tmp_path: Path) -> None:
     link = tmp_path / "link.jsonl"
     link.symlink_to(case)
     for log in (case, link):
-        with pytest.raises(OutsideError, match="the session reads this file; give the log another place"):
-            Session(case_for_line(case, "scia"), log=log)
+        refuses(
+            "the session reads this file; give the log another place", Session, case_for_line(case, "scia"), log=log
+        )
     assert case.read_text() == before
 
 
@@ -33,8 +33,9 @@ def test_a_log_never_replaces_what_the_case_names_or_its_firmware_may_import(tmp
         file.write_text("as it was\n")
     for log in (drivers, earlier, tmp_path / "echo_firmware.py"):
         before = log.read_text()
-        with pytest.raises(OutsideError, match="the session reads this file; give the log another place"):
-            Session(case_for_line(case, "scia"), log=log)
+        refuses(
+            "the session reads this file; give the log another place", Session, case_for_line(case, "scia"), log=log
+        )
         assert log.read_text() == before
 
 
@@ -45,8 +46,7 @@ def test_a_session_that_is_refused_before_time_passes_leaves_the_log_of_the_last
     taken.touch()
     with Session(case_for_line(written(tmp_path), "scia"), log=log) as session:
         line = session.serial("scia")
-        with pytest.raises(OutsideError, match="File exists"):
-            PtyDoor(line, 115_200, "8n1", taken)
+        refuses("File exists", PtyDoor, line, 115_200, "8n1", taken)
     assert log.read_text() == before
     new = tmp_path / "new.jsonl"
     with Session(case_for_line(written(tmp_path), "scia"), log=new):
@@ -85,5 +85,4 @@ def test_the_lines_of_a_party_are_added_to_those_of_the_case(tmp_path: Path) -> 
     for port in ("scia", "SCI-A", "dsp.SCI-A"):
         ready = case_for_line(case, port)
         assert ready.outside is not None and ready.outside.wires == ("TX", "RX")
-    with pytest.raises(OutsideError, match=r"no case was given; f28335://PATH/OF/CASE.toml\?port=scia"):
-        case_for_line("", "scia")
+    refuses(r"no case was given; f28335://PATH/OF/CASE.toml\?port=scia", case_for_line, "", "scia")

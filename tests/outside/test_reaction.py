@@ -10,11 +10,10 @@ from typing import Any
 import pytest
 
 from periph_sim.firmware import start_i2c, start_pie
-from periph_sim.outside import OutsideError
 from periph_sim.outside.session import Change, Session
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.firmware_loader import Firmware
-from tests.outside.sessions import BUS, FIRMWARE, Records, case
+from tests.outside.sessions import BUS, FIRMWARE, Records, case, refuses
 from tests.outside.test_serial_line import echo
 from tests.profiles import explores
 
@@ -330,8 +329,7 @@ def test_nothing_is_foretold_where_nothing_can_move() -> None:
         session.advance(session.ticks("1 ms"))
         assert session.next_output() is None
         session.finish()
-        with pytest.raises(OutsideError, match="the session is finished"):
-            session.next_output()
+        refuses("the session is finished", session.next_output)
 
 
 Pulses = list[tuple[int, int, int]]

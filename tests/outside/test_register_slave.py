@@ -10,7 +10,7 @@ from msgspec.structs import asdict
 from periph_sim.api import make_case
 from periph_sim.outside import Session
 from periph_sim.scene.case.model import BadCase
-from tests.outside.sessions import BUS, case
+from tests.outside.sessions import BUS, case, refuses
 
 
 def slave(**settings: object) -> Session:
@@ -45,13 +45,13 @@ def test_what_was_loaded_too_early_is_read_as_it_is_later() -> None:
 @pytest.mark.parametrize(("registers", "size"), [("01 02 03", 3), ("01 02 03", 2)])
 def test_its_registers_wrap_and_must_fit(registers: str, size: int) -> None:
     if size < 3:
-        with pytest.raises(BadCase, match="registers has 3 bytes, and there are 2 registers"):
-            slave(registers=registers, size=size)
+        refuses(
+            "registers has 3 bytes, and there are 2 registers", slave, registers=registers, size=size, error=BadCase
+        )
         return
     master = slave(registers=registers, size=size).i2c
     assert master.transfer(0x50, b"\x02", 4) == b"\x03\x01\x02\x03"
-    with pytest.raises(BadCase, match="size is 257; a pointer of one byte addresses 1 to 256 registers"):
-        slave(size=257)
+    refuses("size is 257; a pointer of one byte addresses 1 to 256 registers", slave, size=257, error=BadCase)
 
 
 def random_transfers(rate: str, number: int) -> None:

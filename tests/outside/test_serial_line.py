@@ -11,11 +11,10 @@ import pytest
 
 from periph_sim.core.records import Kind
 from periph_sim.firmware import start_sci
-from periph_sim.outside import OutsideError
 from periph_sim.outside.serial_line import SerialLine
 from periph_sim.outside.session import Session
 from periph_sim.scene.firmware_loader import Firmware
-from tests.outside.sessions import Records, case
+from tests.outside.sessions import Records, case, refuses
 
 LINES = ("RX", "TX")
 FE, PE = 0x10, 0x04  # of SCIRXST
@@ -141,8 +140,7 @@ def test_wrong_bits_reach_the_status(wrong: Any, bit: int) -> None:
 )
 def test_what_cannot_be_sent_is_refused(data: Any, wrong: Any, sentence: str) -> None:
     _, line, _ = echo()
-    with pytest.raises(OutsideError, match=sentence):
-        line.write(data, wrong)
+    refuses(sentence, line.write, data, wrong)
     assert line.waiting == 0
 
 
@@ -163,8 +161,7 @@ def test_a_break_is_one() -> None:
     session, line, firmware = echo()
     later(session, "1 ms")
     line.send_break("300 us")
-    with pytest.raises(OutsideError, match="a break cannot begin: bytes are on their way"):
-        line.send_break("300 us")
+    refuses("a break cannot begin: bytes are on their way", line.send_break, "300 us")
     later(session, "2 ms")
     assert (firmware.breaks, firmware.words) == (1, [FE << 8])
 
@@ -328,8 +325,7 @@ def test_its_log_tells_each_instant_and_where_a_frame_begins(tmp_path: Path) -> 
 )
 def test_what_is_no_port_rate_or_format_is_refused(port: str, baud: int, form: str, sentence: str) -> None:
     session = Session(case("uart_logger", ("SCI-A",)), LINES)
-    with pytest.raises(OutsideError, match=sentence):
-        session.serial(port, baud, form)
+    refuses(sentence, session.serial, port, baud, form)
 
 
 def test_one_baud_is_the_slowest_rate() -> None:
@@ -357,9 +353,10 @@ def test_a_break_is_no_character() -> None:
 def test_a_port_has_one_other_end_and_rx_leads_outside() -> None:
     session = Session(case("uart_logger", ("SCI-A",)), LINES)
     line = session.serial("dsp.SCI-A")
-    with pytest.raises(OutsideError, match=r"dsp.SCI-A has its other end already"):
-        session.serial("scia")
-    with pytest.raises(OutsideError, match="wrong parity: the format has none; set one, as in 8e1"):
-        line.write(b"a", "parity")
-    with pytest.raises(OutsideError, match=r"RX of dsp.SCI-A does not lead outside; give it to the session"):
-        Session(case("uart_logger", ("SCI-A",)), ("TX",)).serial("scia")
+    refuses(r"dsp.SCI-A has its other end already", session.serial, "scia")
+    refuses("wrong parity: the format has none; set one, as in 8e1", line.write, b"a", "parity")
+    refuses(
+        r"RX of dsp.SCI-A does not lead outside; give it to the session",
+        Session(case("uart_logger", ("SCI-A",)), ("TX",)).serial,
+        "scia",
+    )

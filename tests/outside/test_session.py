@@ -14,12 +14,12 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.sampler import watch
 from periph_sim.core.wire import Wire
-from periph_sim.outside import OutsideError, replay
+from periph_sim.outside import replay
 from periph_sim.outside.session import Change, OutsidePins, Session
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.outside_log import LogReader
-from tests.outside.sessions import BUS, Records, bus, case
+from tests.outside.sessions import BUS, Records, bus, case, refuses
 
 Applied = list[tuple[int, dict[str, int]]]
 
@@ -184,8 +184,7 @@ def test_a_damaged_log_is_refused_with_its_line(text: str, sentence: str, tmp_pa
     bus(log=log)[0].finish()
     head = log.read_text().splitlines()[0]
     log.write_text(text.replace("{HEAD}", head))
-    with pytest.raises(OutsideError, match=sentence):
-        replay(case(), log)
+    refuses(sentence, replay, case(), log)
 
 
 def test_a_log_of_another_version_or_clock_is_refused(tmp_path: Path) -> None:
@@ -197,23 +196,26 @@ def test_a_log_of_another_version_or_clock_is_refused(tmp_path: Path) -> None:
         ("ticks_per_second", 5, "it is the log of case mine with 5 ticks a second, and case mine has 3000000000"),
     ):
         log.write_text(json.dumps(head | {key: value}) + "\n")
-        with pytest.raises(OutsideError, match=sentence):
-            replay(case(), log)
-    with pytest.raises(OutsideError, match=r"nowhere.jsonl: No such file or directory; give the log of a session"):
-        replay(case(), tmp_path / "nowhere.jsonl")
-    with pytest.raises(OutsideError, match="give the log another place"):
-        Session(case(), BUS, log=tmp_path / "no" / "folder.jsonl")
+        refuses(sentence, replay, case(), log)
+    refuses(
+        r"nowhere.jsonl: No such file or directory; give the log of a session",
+        replay,
+        case(),
+        tmp_path / "nowhere.jsonl",
+    )
+    refuses("give the log another place", Session, case(), BUS, log=tmp_path / "no" / "folder.jsonl")
 
 
 def test_the_past_is_refused_with_both_times_and_the_present_is_not() -> None:
     session, _ = bus()
     session.apply(session.now, {"SDA": 0})
-    with pytest.raises(
-        OutsideError, match=r"lines cannot move at tick 5 \(.*\): the session is at tick 3000000 \(1000.000 us\)"
-    ):
-        session.apply(5, {"SDA": 0})
-    with pytest.raises(OutsideError, match=r"tick 5 \(.*\) is past: the session is at tick 3000000 \(1000.000 us\)"):
-        session.advance(5)
+    refuses(
+        r"lines cannot move at tick 5 \(.*\): the session is at tick 3000000 \(1000.000 us\)",
+        session.apply,
+        5,
+        {"SDA": 0},
+    )
+    refuses(r"tick 5 \(.*\) is past: the session is at tick 3000000 \(1000.000 us\)", session.advance, 5)
     assert session.level("SDA") == 1
     session.advance(session.now + 1)
     assert session.level("SDA") == 0
@@ -225,17 +227,13 @@ def test_a_call_that_is_refused_does_nothing() -> None:
         ({"SDA": 0, "SDL": 0}, "line 'SDL' does not lead outside of case mine; did you mean SDA?"),
         ({"SDA": 0, "SCL": "x"}, "SCL at tick .*: found 'x', expected 0, pulled low, or 1, let go"),
     ):
-        with pytest.raises(OutsideError, match=sentence):
-            session.apply(session.now, levels)  # type: ignore[arg-type]
+        refuses(sentence, session.apply, session.now, levels)
     session.advance(session.now + 100)
     assert session.level("SDA") == session.level("SCL") == 1
-    with pytest.raises(OutsideError, match="there is no wire 'TX'"):
-        session.level("TX")
-    with pytest.raises(OutsideError, match="line 'TX' does not lead outside"):
-        session.pulls("TX")
+    refuses("there is no wire 'TX'", session.level, "TX")
+    refuses("line 'TX' does not lead outside", session.pulls, "TX")
     session.finish()
-    with pytest.raises(OutsideError, match="the session is finished; begin another one"):
-        session.apply(session.now, {"SDA": 0})
+    refuses("the session is finished; begin another one", session.apply, session.now, {"SDA": 0})
 
 
 def test_before_next_output_no_pin_moves(tmp_path: Path) -> None:
@@ -295,8 +293,7 @@ def test_an_edge_is_answered_behind_the_noise_filter_and_not_at_once() -> None:
     ],
 )
 def test_wires_that_are_not_there_are_refused(wires: tuple[str, ...], sentence: str) -> None:
-    with pytest.raises(BadCase, match=sentence):
-        Session(case(), wires)
+    refuses(sentence, Session, case(), wires, error=BadCase)
 
 
 def test_a_case_says_itself_who_is_outside_and_is_not_run(tmp_path: Path) -> None:
@@ -311,10 +308,10 @@ def test_a_case_says_itself_who_is_outside_and_is_not_run(tmp_path: Path) -> Non
     assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
     from periph_sim.api import run
 
-    with pytest.raises(BadCase, match=r"case.toml, line 6: outside: SDA and SCL are driven from outside, and a run"):
-        run(load(path))
-    with pytest.raises(BadCase, match="no wire leads outside; name them"):
-        Session(case())
+    refuses(
+        r"case.toml, line 6: outside: SDA and SCL are driven from outside, and a run", run, load(path), error=BadCase
+    )
+    refuses("no wire leads outside; name them", Session, case(), error=BadCase)
 
 
 def test_waiting_for_the_outside_is_no_deadlock() -> None:
@@ -351,8 +348,7 @@ def test_a_transfer_that_never_ends_is_judged_too(tmp_path: Path) -> None:
 def test_a_tick_is_a_whole_number(tick: object) -> None:
     session, _ = bus()
     for call in (lambda: session.advance(tick), lambda: session.apply(tick, {"SDA": 1})):  # type: ignore[arg-type]
-        with pytest.raises(OutsideError, match=r"is no tick: expected a whole number, as from session.ticks\('5 us'\)"):
-            call()
+        refuses(r"is no tick: expected a whole number, as from session.ticks\('5 us'\)", call)
     session.finish()
 
 

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import click
+from click.core import ParameterSource
 
 from ... import form
 from ...core.exact_number import exact_number
@@ -340,6 +341,14 @@ def pace_given(text: str) -> Fraction:
 def length_given(text: str) -> Fraction:
     """Parse the value of --seconds, such as 10 or '10 s'. Return seconds, 0 or more."""
     return time_given("--seconds", text if text.strip()[-1:].isalpha() else f"{text} s")
+
+
+def given_options() -> dict[str, str]:
+    """Return a dictionary from the parameters that the command line states to their options, such as "--baud"."""
+    context = click.get_current_context()
+    named = {one.name or "": one.opts[0] for one in context.command.params}
+    given = ParameterSource.COMMANDLINE
+    return {name: option for name, option in named.items() if context.get_parameter_source(name) is given}
 
 
 def check_file_name(place: Path) -> None:

@@ -10,13 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-from click.core import ParameterSource
 
 from ...core.phrases import counted
 from ...core.text_table import paragraph, together
 from ...proof.phases import ROUNDS
-from ...timing.verdict import BROKEN, NOT_JUDGED, figure, limit
-from .command_frame import command, print_json, print_table, progress, running_user_code, say, time_given
+from ...timing.verdict import BROKEN, NOT_JUDGED, PROVEN, figure, limit
+from .command_frame import command, given_options, print_json, print_table, progress, running_user_code, say, time_given
 from .shared_options import CHANGES, CLUSTER, JSON, SVG, cluster_given, diagram_file
 from .watch import note_inputs
 
@@ -135,12 +134,17 @@ def prove(
     if table:
         _refuse_others("--table", (*WITH_TABLE, "jobs"))
     if questions:
+        from ...proof.stretch import CoveredCase
         from ..reports.questions.covered_rows import Cover
-        from .prove_questions import prove_under_questions
+        from ..reports.questions.dependence import RUN
+        from .under_questions import judge_under_questions
 
         _refuse_others("--questions", WITH_QUESTIONS)
-        between = None if only is None else _between(only)
-        return prove_under_questions(case, changes, Cover(step, between, rounds, start_up, table), jobs, as_json)
+        cover = Cover(step, None if only is None else _between(only), rounds, start_up, table)
+        with running_user_code():
+            left_out = CoveredCase(Job(str(case), changes, start_up, rounds)).left_out
+        judged = judge_under_questions("prove --questions", case, changes, None, jobs, as_json, cover.row, left_out)
+        return int(not all(one.holds and (not table or one.word == PROVEN or one.name == RUN) for one in judged))
     if table:
         from .prove_table import prove_with_table
 
@@ -197,12 +201,9 @@ def _refuse_others(option: str, effective: Sequence[str]) -> None:
 
     effective: the names of the parameters that have an effect with `option`.
     """
-    context = click.get_current_context()
-    for parameter in context.command.params:
-        name = parameter.name or ""
-        is_given = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-        if is_given and name not in effective:
-            raise click.UsageError(f"{parameter.opts[0]} has no effect with {option}; remove it")
+    for name, other in given_options().items():
+        if name not in effective:
+            raise click.UsageError(f"{other} has no effect with {option}; remove it")
 
 
 def _draw(found: Coverage, certain: Sequence[CertainFailure], place: Path) -> list[Path]:

@@ -102,7 +102,10 @@ def run(
     if fidelity or max_error:
         changes += (f"fidelity={fidelity or 'auto'}",)
     if questions:
-        return _under_questions(case, changes, length, jobs, as_json)
+        from .under_questions import judge_under_questions
+
+        judged = judge_under_questions("run --questions", case, changes, length, jobs, as_json)
+        return int(not all(one.holds for one in judged))
     with running_user_code(), ExitStack() as outputs:
         loaded = load(case, list(changes))
         unfinished = None
@@ -175,27 +178,6 @@ def run(
     for reason in missing:
         click.echo(f"guaranteed: {reason}", err=True)
     return int(result.verdict != "pass" or bool(missing))
-
-
-def _under_questions(
-    case: Path, changes: tuple[str, ...], length: Fraction | None, jobs: int | None, as_json: bool
-) -> int:
-    """Run a case with other answers to open questions, and print the verdicts. Return the exit status."""
-    from ..reports.questions import text_report
-    from ..reports.questions.dependence import dependences
-    from ..reports.questions.explore import explore
-    from ..reports.questions.first_difference import first_differences
-
-    with running_user_code():
-        seconds = load(case, list(changes)).duration if length is None else length
-        explored = explore(case, changes, seconds, jobs, progress)
-        found = dependences(explored)
-        differences = first_differences(case, changes, seconds, explored.attempts, found)
-    if as_json:
-        print_json("run --questions", text_report.as_json(explored, found, differences))
-    else:
-        say(text_report.text(explored, found, differences))
-    return 0 if all(one.holds for one in found) else 1
 
 
 def _object(result: Result, chains: dict[str, Chain] | None) -> dict[str, object]:

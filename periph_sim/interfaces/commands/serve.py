@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from click.core import ParameterSource
 
 from .command_frame import (
     address_given,
     command,
+    given_options,
     pace_given,
     print_json,
     running_user_code,
@@ -108,7 +108,8 @@ def serve(
 
     if sum(place is not None for place in (link, real, tcp, bus)) != 1:
         raise click.UsageError("give one of --pty, --rfc2217, --port and --i2cdriver as the place of the port")
-    if bus is not None and (serial := _given("sci", "baud", "frame")):
+    serial = [option for name, option in given_options().items() if name in ("sci", "baud", "frame")]
+    if bus is not None and serial:
         raise click.UsageError(f"{' and '.join(serial)}: for serial ports only; --i2cdriver serves the I2C bus")
     if view and not sys.stdout.isatty():
         raise click.UsageError("--view needs a terminal; --browser shows the same on a page")
@@ -154,13 +155,6 @@ def serve(
         show(result, served)
         click.echo("\n".join(pacer.text()))
     return 0 if result.verdict != "fail" else 1
-
-
-def _given(*names: str) -> list[str]:
-    """Return the options that were given on the command line, such as "--baud". names: the parameters to check."""
-    context = click.get_current_context()
-    options = {one.name: one.opts[0] for one in context.command.params}
-    return [options[one] for one in names if context.get_parameter_source(one) is ParameterSource.COMMANDLINE]
 
 
 def _door(

@@ -9,6 +9,7 @@ import pytest
 
 from periph_sim.outside.drivers import I2C
 from periph_sim.outside.session import Session
+from tests.outside.sessions import fails
 from tests.outside.test_register_slave import slave
 
 
@@ -48,10 +49,8 @@ def test_a_scan_leaves_out_the_reserved_addresses(monkeypatch: pytest.MonkeyPatc
 
 def test_who_does_not_answer_is_an_oserror() -> None:
     with bus() as i2c:
-        for call in (lambda: i2c.writeto(0x20, b"\x00"), lambda: i2c.readfrom_into(0x20, bytearray(1))):
-            with pytest.raises(OSError, match="address 0x20 was not acknowledged") as refused:
-                call()
-            assert refused.value.errno == errno.ENODEV
+        for call, data in ((i2c.writeto, b"\x00"), (i2c.readfrom_into, bytearray(1))):
+            fails(errno.ENODEV, call, 0x20, data, match="address 0x20 was not acknowledged")
         got = bytearray(1)
         i2c.writeto_then_readfrom(0x53, b"\x00", got)
         assert got == b"\xe5"
@@ -59,18 +58,16 @@ def test_who_does_not_answer_is_an_oserror() -> None:
 
 @pytest.mark.parametrize("address", [-1, 0x80, "0x50"])
 def test_what_is_no_address_is_an_invalid_argument(address: Any) -> None:
-    with bus() as i2c, pytest.raises(OSError, match=f"address {address!r}: expected 0 to 0x7f") as refused:
-        i2c.writeto(address, b"\x00")
-    assert refused.value.errno == errno.EINVAL
+    with bus() as i2c:
+        fails(errno.EINVAL, i2c.writeto, address, b"\x00", match=f"address {address!r}: expected 0 to 0x7f")
 
 
 def test_a_held_bus_is_a_timeout(monkeypatch: pytest.MonkeyPatch) -> None:
     session = slave()
     i2c = I2C(session)
     session.scene.wire("SCL").attach("stranger").drive(0)
-    with pytest.raises(OSError, match="SCL is held low by stranger for more than 25 ms") as refused:
-        i2c.writeto(0x50, b"\x00")
-    assert refused.value.errno == errno.ETIMEDOUT
+    match = "SCL is held low by stranger for more than 25 ms"
+    fails(errno.ETIMEDOUT, i2c.writeto, 0x50, b"\x00", match=match)
 
 
 def test_scl_runs_at_the_frequency_given_or_at_100_khz() -> None:

@@ -21,6 +21,7 @@ from periph_sim.outside.drivers.i2c_dev import (
     TENBIT,
     TIMEOUT,
 )
+from tests.outside.sessions import fails
 from tests.outside.test_i2c_master import beside_another_controller
 from tests.outside.test_register_slave import slave
 
@@ -67,9 +68,8 @@ def test_blocks_have_1_to_32_bytes(number_1: Any, length: int) -> None:
     bus.write_i2c_block_data(0x20, 0x80, data)
     assert bus.read_i2c_block_data(0x20, 0x80, length) == data
     bus.write_byte_data(0x20, 0x40, 33)
-    with pytest.raises(OSError, match="a block of 33 bytes was received; expected 1 to 32") as refused:
-        bus.read_block_data(0x20, 0x40)
-    assert refused.value.errno == errno.EPROTO
+    match = "a block of 33 bytes was received; expected 1 to 32"
+    fails(errno.EPROTO, bus.read_block_data, 0x20, 0x40, match=match)
 
 
 @pytest.mark.parametrize("length", [0, 33])
@@ -81,9 +81,8 @@ def test_a_block_of_another_length_is_refused_before_it_is_sent(length: int) -> 
             asked = smbus2.smbus2.i2c_smbus_ioctl_data.create(read_write=write, command=1, size=size)
             asked.data.contents.block[0] = length
             fcntl.ioctl(bus.fd, SLAVE, 0x20)
-            with pytest.raises(OSError, match=f"a block of {length} bytes; expected 1 to 32") as refused:
-                fcntl.ioctl(bus.fd, SMBUS, asked)
-            assert refused.value.errno == errno.EINVAL
+            match = f"a block of {length} bytes; expected 1 to 32"
+            fails(errno.EINVAL, fcntl.ioctl, bus.fd, SMBUS, asked, match=match)
         assert session.now == before
 
 
@@ -92,13 +91,9 @@ def test_transfers_and_flags_that_there_are_none_of(number_1: Any) -> None:
     fcntl.ioctl(number_1.fd, SLAVE, 0x20)
     message = smbus2.i2c_msg.write(0x20, [1])
     message.flags = 0x10  # ten bits
-    for call, said in (
-        (lambda: fcntl.ioctl(number_1.fd, SMBUS, asked), "no SMBus transfer: 9"),
-        (lambda: number_1.i2c_rdwr(message), "flags 0x10 of a message; only reading is one here"),
-    ):
-        with pytest.raises(OSError, match=said) as refused:
-            call()
-        assert refused.value.errno == errno.EOPNOTSUPP
+    fails(errno.EOPNOTSUPP, fcntl.ioctl, number_1.fd, SMBUS, asked, match="no SMBus transfer: 9")
+    said = "flags 0x10 of a message; only reading is one here"
+    fails(errno.EOPNOTSUPP, number_1.i2c_rdwr, message, match=said)
 
 
 def test_messages_with_repeated_starts(number_1: Any) -> None:
@@ -121,24 +116,19 @@ def test_messages_with_repeated_starts(number_1: Any) -> None:
 def test_what_goes_wrong_is_the_kernel_s_error_and_the_bus_is_free(
     call: Callable[[Any], object], code: int, number_1: Any
 ) -> None:
-    with pytest.raises(OSError) as refused:
-        call(number_1)
-    assert refused.value.errno == code
+    fails(code, call, number_1)
     assert number_1.read_byte_data(0x20, 0) == 1
 
 
 def test_arbitration_that_is_lost_is_to_be_tried_again() -> None:
     with i2c_dev({1: beside_another_controller()}, pause="0 us"), smbus2.SMBus(1) as bus:
-        with pytest.raises(OSError, match="another controller has won the bus") as refused:
-            bus.write_byte(0x7F, 0)
-        assert refused.value.errno == errno.EAGAIN
+        fails(errno.EAGAIN, bus.write_byte, 0x7F, 0, match="another controller has won the bus")
 
 
 def test_plain_files_and_their_refusals() -> None:
     with i2c_dev({3: slave(registers="0a 0b")}):
         file = os.open("/dev/i2c-3", os.O_RDWR)
-        with pytest.raises(OSError, match="no address was given"):
-            os.read(file, 1)
+        fails(errno.EINVAL, os.read, file, 1, match="no address was given")
         fcntl.ioctl(file, SLAVE, 0x50)
         assert os.write(file, b"\x00") == 1
         assert os.read(file, 2) == b"\x0a\x0b"
@@ -147,15 +137,12 @@ def test_plain_files_and_their_refusals() -> None:
             (TENBIT, 1, errno.EINVAL),
             (0x1234, 0, errno.ENOTTY),
         ):
-            with pytest.raises(OSError) as refused:
-                fcntl.ioctl(file, request, argument)
-            assert refused.value.errno == code
+            fails(code, fcntl.ioctl, file, request, argument)
         assert (RETRIES, TIMEOUT, TENBIT) == (0x701, 0x702, 0x704)  # linux/i2c-dev.h
         for request in (TENBIT, RETRIES, TIMEOUT):
             assert fcntl.ioctl(file, request, 0) == 0
         os.close(file)
-        with pytest.raises(FileNotFoundError):
-            os.open("/dev/i2c-4", os.O_RDWR)
+        fails(errno.ENOENT, os.open, "/dev/i2c-4", os.O_RDWR)
 
 
 def test_the_program_computes_for_a_pause_before_each_transfer() -> None:
@@ -206,9 +193,7 @@ def test_packet_error_codes_are_sent_and_checked() -> None:
         assert bus.read_i2c_block_data(0x20, 0x60, 1) == [code_of(0x40, 0x60)]
         bus.write_quick(0x20)
         right = code_of(0x40, 0x20, 0x41, 0)
-        with pytest.raises(OSError, match=f"error code 0x00; expected {right:#04x}") as refused:
-            bus.read_byte_data(0x20, 0x20)
-        assert refused.value.errno == errno.EBADMSG
+        fails(errno.EBADMSG, bus.read_byte_data, 0x20, 0x20, match=f"error code 0x00; expected {right:#04x}")
         bus.pec = 0
         assert bus.read_byte_data(0x20, 0x20) == 0
 
@@ -225,17 +210,14 @@ def test_files_that_python_opens_are_the_adapter_too() -> None:
         bus.write_byte(0x20, 1)
         assert bytes(bus.read_bytes(0x20, 2)) == b"\x02\x33"
         bus.close()
-        with pytest.raises(FileNotFoundError):
-            pureio.SMBus(7)
+        fails(errno.ENOENT, pureio.SMBus, 7)
 
 
 def test_a_file_that_open_gives_is_the_adapter_too() -> None:
     with i2c_dev({1: slave(address=0x20, registers="01 02 03 04")}):
         with open("/dev/i2c-1", "r+b", buffering=0) as file:
-            with pytest.raises(OSError, match="no address was given"):
-                file.write(b"\x00")
+            fails(errno.EINVAL, file.write, b"\x00", match="no address was given")
             assert fcntl.ioctl(file, SLAVE, 0x20) == 0
             assert file.write(b"\x03") == 1 and file.read(1) == b"\x04"
             assert file.readable() and file.writable() and file.fileno() >= 1 << 20
-        with pytest.raises(FileNotFoundError), open("/dev/i2c-2", "rb"):
-            pass
+        fails(errno.ENOENT, open, "/dev/i2c-2", "rb")

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.interfaces.commands.live_case import files_of
-from periph_sim.outside import OutsideError, Session
+from periph_sim.outside import Session
 from periph_sim.outside.live import i2cdriver_door
 from periph_sim.outside.live.case_for_line import case_for_bus
 from periph_sim.outside.live.i2cdriver_door import I2cDriverDoor
@@ -23,7 +23,7 @@ from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
 from tests.outside.live.registers import written
-from tests.outside.sessions import Records
+from tests.outside.sessions import Records, refuses
 
 REGISTER = bytes([ord("r"), 0x50, 1, 2])  # two from 1 on
 
@@ -44,6 +44,12 @@ class Served:
 
     def passes(self, length: str) -> None:
         self.loop.run(self.session.now + self.session.ticks(length))
+
+    def answer(self, command: bytes) -> bytes:
+        """What the client reads 2 ms after this command."""
+        os.write(self.file, command)
+        self.passes("2 ms")
+        return os.read(self.file, 10)
 
     def next_client(self) -> None:
         """The client leaves, and another one comes."""
@@ -142,12 +148,9 @@ def test_what_it_cannot_have(tmp_path: Path) -> None:
     taken = tmp_path / "taken"
     taken.touch()
     session = Session(case_for_bus(written(tmp_path)))
-    with pytest.raises(OutsideError, match="taken: File exists; give the link another name"):
-        I2cDriverDoor(session, taken)
-    with pytest.raises(OutsideError, match="SCL of case registers does not lead outside"):
-        I2cDriverDoor(Session(load(written(tmp_path)), ("SDA",)))
-    with pytest.raises(BadCase, match="cpu lode"):
-        case_for_bus(written(tmp_path), ("budget.1.measure=cpu lode",))
+    refuses("taken: File exists; give the link another name", I2cDriverDoor, session, taken)
+    refuses("SCL of case registers does not lead outside", I2cDriverDoor, Session(load(written(tmp_path)), ("SDA",)))
+    refuses("cpu lode", case_for_bus, written(tmp_path), ("budget.1.measure=cpu lode",), error=BadCase)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
@@ -158,9 +161,7 @@ def test_answers_that_a_dead_client_left_are_none_to_the_next_one(served: Served
     served.next_client()
     with pytest.raises(BlockingIOError):
         os.read(served.file, 10)
-    os.write(served.file, bytes([ord("r"), 0x50, 3, 1]))
-    served.passes("2 ms")
-    assert os.read(served.file, 10) == b"\x44"
+    assert served.answer(b"r\x50\x03\x01") == b"\x44"
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
@@ -172,9 +173,7 @@ def test_half_a_command_of_a_dead_client_is_not_completed_by_the_next_one(served
     if not unread:
         served.passes("1 ms")
     served.next_client()
-    os.write(served.file, bytes([ord("r"), 0x50, 3, 1]))
-    served.passes("2 ms")
-    assert os.read(served.file, 10) == b"\x44" and not served.door.adapter.capturing
+    assert served.answer(b"r\x50\x03\x01") == b"\x44" and not served.door.adapter.capturing
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")

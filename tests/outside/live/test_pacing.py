@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from periph_sim.outside import OutsideError
 from periph_sim.outside.live.pacing import Pacer
+from tests.outside.sessions import refuses
 
 
 class Clock:
@@ -93,13 +93,11 @@ def test_slip_leaves_it_behind_and_catch_up_does_not() -> None:
 
 def test_stop_ends_it() -> None:
     pacer, clock = paced("1", "stop")
-    with pytest.raises(OutsideError, match=r"simulated time is 200.0 ms late, and --when-late is stop"):
-        late_by(pacer, clock, 100, 0.200)
+    refuses(r"simulated time is 200.0 ms late, and --when-late is stop", late_by, pacer, clock, 100, 0.200)
 
 
 def test_full_speed_is_never_late_and_a_pace_below_0_is_none() -> None:
     pacer, clock = paced("0")
     late_by(pacer, clock, 100, 5.0)
     assert (pacer.text(), pacer.worst) == ([], 0.0)
-    with pytest.raises(OutsideError, match="pace -1: expected 0, as fast as it can, or more"):
-        Pacer(1000, Fraction(-1))
+    refuses("pace -1: expected 0, as fast as it can, or more", Pacer, 1000, Fraction(-1))

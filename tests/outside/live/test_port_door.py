@@ -21,6 +21,7 @@ from periph_sim.outside.live.port_door import (  # noqa: E402
     in_our_words,
 )
 from tests.outside.live.echo import Echo, written  # noqa: E402
+from tests.outside.sessions import refuses  # noqa: E402
 
 
 class Cable:
@@ -76,8 +77,9 @@ def plugged(tmp_path: Path) -> Iterator[Plugged]:
 
 def test_a_port_that_goes_in_mid_frame_is_told_and_opened_again(plugged: Plugged) -> None:
     cable, said, line, door = plugged.cable, plugged.said, plugged.line, plugged.door
-    with pytest.raises(OutsideError, match="ttyUSB0: another program has it open; close it there first"):
-        PortDoor(line, str(cable.name), 115_200, "8n1")
+    refuses(
+        "ttyUSB0: another program has it open; close it there first", PortDoor, line, str(cable.name), 115_200, "8n1"
+    )
     plugged.passes("1 ms")
     send(cable, door, b"abc")
     plugged.passes("0.1 ms")

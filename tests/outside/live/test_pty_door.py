@@ -15,11 +15,11 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.outside import OutsideError
 from periph_sim.outside.live import pty_door
 from periph_sim.outside.live.backlog import MOST
 from periph_sim.outside.live.pty_door import PtyDoor
 from tests.outside.live.echo import Echo
+from tests.outside.sessions import refuses
 
 
 class Served(Echo):
@@ -39,9 +39,8 @@ def served(tmp_path: Path) -> Iterator[Served]:
 
 
 def client(path: str | Path) -> int:
-    file = os.open(path, os.O_RDWR | os.O_NOCTTY)
+    file = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     tty.setraw(file)
-    os.set_blocking(file, False)
     return file
 
 
@@ -73,9 +72,7 @@ def test_clients_come_and_go(tmp_path: Path) -> None:
 
 
 def test_what_comes_while_nobody_listens_waits(served: Served) -> None:
-    file = client(served.door.path)
-    data = bytes(range(256)) * 24
-    sent = 0
+    file, data, sent = client(served.door.path), bytes(range(256)) * 24, 0
     for _ in range(200):
         if sent < len(data):
             sent += os.write(file, data[sent : sent + 50])  # in pauses: the firmware's own rate is a little lower
@@ -157,8 +154,7 @@ def test_who_is_ahead_waits_and_what_was_not_taken_is_counted(tmp_path: Path, mo
 def test_a_name_that_is_taken_is_refused(tmp_path: Path) -> None:
     link = tmp_path / "dsp"
     link.write_text("mine")
-    with pytest.raises(OutsideError, match=r"dsp: File exists; give the link another name"):
-        Served(tmp_path, link)
+    refuses(r"dsp: File exists; give the link another name", Served, tmp_path, link)
     assert link.read_text() == "mine"
 
 
@@ -168,8 +164,7 @@ def test_a_link_that_a_session_left_behind_is_replaced_and_any_other_is_refused(
     link.symlink_to(pts / "99999")  # of a session that was killed
     served = Served(tmp_path, link)
     assert str(link.readlink()) == served.door.path
-    with pytest.raises(OutsideError, match=f"dsp: it is a link to {served.door.path} already; give the link"):
-        Served(tmp_path, link)
+    refuses(f"dsp: it is a link to {served.door.path} already; give the link", Served, tmp_path, link)
     assert str(link.readlink()) == served.door.path
     link.unlink()
     link.symlink_to(other.door.path)  # somebody else's meanwhile
@@ -178,8 +173,7 @@ def test_a_link_that_a_session_left_behind_is_replaced_and_any_other_is_refused(
     other.door.close()
     link.unlink()
     link.symlink_to(tmp_path / "gone")
-    with pytest.raises(OutsideError, match=r"dsp: it is a link to .*/gone already"):
-        Served(tmp_path, link)
+    refuses(r"dsp: it is a link to .*/gone already", Served, tmp_path, link)
     assert link.is_symlink()
 
 
@@ -194,8 +188,7 @@ def test_a_link_that_may_not_be_replaced_is_refused(tmp_path: Path, monkeypatch:
     monkeypatch.setattr(pty_door, "Openings", Unopened)
     monkeypatch.setattr(Path, "unlink", unlink)
     link.symlink_to("/dev/pts/99999")
-    with pytest.raises(OutsideError, match="dsp: it is a link to /dev/pts/99999 already; give the link another name"):
-        pty_door.TerminalDoor(link)
+    refuses("dsp: it is a link to /dev/pts/99999 already; give the link another name", pty_door.TerminalDoor, link)
 
 
 class Unopened:

@@ -16,7 +16,6 @@ import pytest
 
 from periph_sim.outside import OutsideError
 from periph_sim.outside.live import backlog
-from periph_sim.outside.live.backlog import Backlog
 from periph_sim.outside.live.port_door import PortDoor
 from tests.outside.live.echo import Echo
 
@@ -24,6 +23,7 @@ serial = pytest.importorskip("serial", reason="pyserial is not installed: the ex
 
 from periph_sim.outside.live import rfc2217_door  # noqa: E402
 from periph_sim.outside.live.rfc2217_door import ManagedPort, Rfc2217Door  # noqa: E402
+from tests.outside.sessions import refuses  # noqa: E402
 
 
 class Served(Echo):
@@ -42,6 +42,12 @@ class Served(Echo):
         assert came.recv(100).startswith(b"\xff")
         came.setblocking(False)
         return came
+
+    def answer(self, client: socket.socket, data: bytes) -> bytes:
+        """What the client reads 2 ms after it has sent these bytes."""
+        client.send(data)
+        self.passes("2 ms")
+        return client.recv(4096)
 
 
 @pytest.fixture
@@ -94,9 +100,7 @@ def test_the_client_s_rate_and_format_are_the_line_s(tmp_path: Path) -> None:
 
 def test_a_program_without_telnet_has_the_line_as_it_was_made(served: Served) -> None:
     with served.client() as client:
-        client.send(b"abc\xff\xff")
-        served.passes("5 ms")
-        assert client.recv(100) == b"bcd\x00"
+        assert served.answer(client, b"abc\xff\xff") == b"bcd\x00"
     served.passes("2 ms")
     assert [sentence.split()[-1] for sentence in served.said] == ["connected", "left"]
 
@@ -112,14 +116,10 @@ def test_a_second_client_is_told_who_is_there(served: Served, system: str, monke
         assert second.recv(100) == b""
         turned_away = "client {}:{} was rejected".format(*second.getsockname())
         assert served.said[1:] == [f"{turned_away}: client {name} has the line"]
-        first.send(b"a")
-        served.passes("2 ms")
-        assert first.recv(10) == b"b"
+        assert served.answer(first, b"a") == b"b"
     served.passes("2 ms")
     with served.client() as third:
-        third.send(b"x")
-        served.passes("2 ms")
-        assert third.recv(10) == b"y"
+        assert served.answer(third, b"x") == b"y"
 
 
 @pytest.mark.parametrize("garbage", [b"\xff\xf0", b"\xff\xfa\x2c\x03\x77\xff\xf0", b"\xff\xfa" + b"x" * 300])
@@ -134,9 +134,7 @@ def test_garbage_ends_its_client_and_nothing_else(served: Served, garbage: bytes
             raise ConnectionError
     assert served.line.sent == 2
     with served.client() as client:
-        client.send(b"c")
-        served.passes("2 ms")
-        assert client.recv(10).endswith(b"d")
+        assert served.answer(client, b"c").endswith(b"d")
 
 
 @pytest.mark.parametrize(("length", "stays"), [(256, True), (257, False)])
@@ -206,22 +204,6 @@ def test_who_is_a_megabyte_ahead_waits(served: Served) -> None:
         assert 0 < served.door.unread <= sent - served.line.sent - served.line.waiting
 
 
-def test_what_nobody_reads_is_kept_up_to_a_megabyte() -> None:
-    back = Backlog(10)
-    back.add(b"0123456789ab")
-    assert (len(back), back.lost) == (10, 2)
-    got: list[bytes] = []
-
-    def take(data: bytes) -> int:
-        if got:
-            raise BlockingIOError
-        got.append(data[:3])
-        return 3
-
-    back.flush(take)
-    assert (got, len(back)) == ([b"234"], 7)
-
-
 class Line:
     """It writes down what a port does to it."""
 
@@ -265,20 +247,30 @@ def test_a_port_manager_sets_rate_format_and_break_behind_what_came_before(serve
 
 
 def test_a_port_that_is_taken_is_refused(served: Served, tmp_path: Path) -> None:
-    with pytest.raises(OutsideError, match=r"port \d+ of 127.0.0.1: Address already in use; give another one"):
-        Rfc2217Door(served.line, 115_200, "8n1", served.address[1])
-    with pytest.raises(OutsideError, match=r"port 0 of 192.0.2.1: Cannot assign requested address; give another one"):
-        Rfc2217Door(served.line, 115_200, "8n1", 0, "192.0.2.1")  # of RFC 5737, which is nobody's
+    refuses(
+        r"port \d+ of 127.0.0.1: Address already in use; give another one",
+        Rfc2217Door,
+        served.line,
+        115_200,
+        "8n1",
+        served.address[1],
+    )
+    refuses(
+        r"port 0 of 192.0.2.1: Cannot assign requested address; give another one",
+        Rfc2217Door,
+        served.line,
+        115_200,
+        "8n1",
+        0,
+        "192.0.2.1",
+    )  # of RFC 5737, which is nobody's
 
 
 def test_without_pyserial_the_way_out_is_told(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "serial", None)
-    for made, what in (
-        (lambda: Rfc2217Door(served.line, 115_200, "8n1", 0), "RFC 2217"),
-        (lambda: PortDoor(served.line, "/dev/none", 115_200, "8n1"), "a real port"),
-    ):
-        with pytest.raises(OutsideError, match=rf"{what} needs pyserial: pip install 'periph-sim\[live\]'"):
-            made()
+    way_out = r"needs pyserial: pip install 'periph-sim\[live\]'"
+    refuses(f"RFC 2217 {way_out}", Rfc2217Door, served.line, 115_200, "8n1", 0)
+    refuses(f"a real port {way_out}", PortDoor, served.line, "/dev/none", 115_200, "8n1")
 
 
 def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(served: Served) -> None:
@@ -294,9 +286,7 @@ def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(serv
     came, left = served.said[-1], served.said[-2]
     assert left.partition(" ")[0] == "client" and (left.endswith(" left") or " vanished: " in left)
     assert came.endswith("unsent bytes of the one before are discarded")
-    second.send(b"hello")
-    served.passes("2 ms")
-    assert second.recv(4096).strip(b"y") == b"ifmmp" and not served.line.waiting
+    assert served.answer(second, b"hello").strip(b"y") == b"ifmmp" and not served.line.waiting
     second.close()
 
 
@@ -306,9 +296,7 @@ def test_a_client_that_left_makes_room_on_a_system_without_poll(served: Served, 
     with socket.create_connection(served.address) as second:
         served.door.turn()
         assert [sentence.partition(" ")[2].split()[1] for sentence in served.said[1:]] == ["left", "connected"]
-        second.send(b"a")
-        served.passes("2 ms")
-        assert second.recv(100).endswith(b"b")
+        assert served.answer(second, b"a").endswith(b"b")
 
 
 @pytest.mark.posix("poll, which sees the end behind unread bytes")
@@ -328,9 +316,7 @@ def test_the_end_of_a_client_that_is_ahead_is_seen_when_the_next_one_comes(
             "left",
             f"connected; {backlog.AT_ONCE} unsent bytes of the one before are discarded",
         ]
-        second.send(b"a")
-        served.passes("2 ms")
-        assert second.recv(100).endswith(b"b")
+        assert served.answer(second, b"a").endswith(b"b")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems name these options otherwise")

@@ -10,10 +10,10 @@ from http.client import HTTPConnection
 
 import pytest
 
-from periph_sim.outside import OutsideError
 from periph_sim.outside.live.view.browser import Browser
 from periph_sim.outside.live.view.status import Board, StatusSnapshot
 from tests.outside.live.view.imu import FRAME, Imu
+from tests.outside.sessions import refuses
 
 
 @pytest.fixture(scope="module")
@@ -118,8 +118,7 @@ def test_it_ends_in_a_fraction_of_a_second(board: Board) -> None:
 
 def test_a_port_that_is_taken_is_refused(served: Browser, board: Board) -> None:
     port = int(served.url.rstrip("/").rpartition(":")[2])
-    with pytest.raises(OutsideError, match=rf"port {port} of 127.0.0.1: Address already in use; give another one"):
-        Browser(board, port)
+    refuses(rf"port {port} of 127.0.0.1: Address already in use; give another one", Browser, board, port)
 
 
 @pytest.mark.long  # a browser

@@ -35,7 +35,12 @@ def part(dut: Any, bench: str, *, bus: bool = True, serial: bool = False, **more
 def tell(bench: str, dsp: F28335, **found: Any) -> None:
     """What a bench found."""
     result = dsp.result
-    found |= {"begin_ps": BEGAN[bench], "wire_bytes": result.wire_bytes, "nacked": result.counts["nacked"], "wakes": dsp.wakes}
+    found |= {
+        "begin_ps": BEGAN[bench],
+        "wire_bytes": result.wire_bytes,
+        "nacked": result.counts["nacked"],
+        "wakes": dsp.wakes,
+    }
     found["kernel"] = kernel.__file__
     (told()[0] / bench / "found.json").write_text(json.dumps(found))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +19,17 @@ FIRMWARE = Path(__file__).parents[2] / "firmware" / "python"
 BUS = ("SDA", "SCL")
 
 
-def case(firmware: str = "responder", modules: tuple[str, ...] = ("I2C-A",), **more: Any) -> Case:
-    unit = {"dsp": {"firmware": str(FIRMWARE / f"{firmware}.py"), "modules": list(modules)}}
-    return make_case(name="mine", duration="1 s", **({"unit": unit} | more))
+def case(firmware: str = "responder", modules: Sequence[str] = ("I2C-A",), dsp: Any = None, **more: Any) -> Case:
+    """A case with shipped firmware. dsp: further keys of its unit."""
+    unit = {"firmware": str(FIRMWARE / f"{firmware}.py"), "modules": list(modules), **(dsp or {})}
+    return make_case(name="mine", duration="1 s", **({"unit": {"dsp": unit}} | more))
+
+
+def begun(of: Case | Path, lines: Sequence[str] | None = BUS, **more: Any) -> Session:
+    """A session at 1 ms, where the start-up of shipped firmware is done."""
+    session = Session(of, lines, **more)
+    session.advance(session.ticks("1 ms"))
+    return session
 
 
 def refuses(
@@ -53,6 +61,4 @@ class Records:
 def bus(**more: Any) -> tuple[Session, Records]:
     """A session of the responder (address 0x50, bytes 1, 2, 3 ...) on SDA and SCL, its start-up done."""
     records = Records()
-    session = Session(case(), BUS, subscribe=records.subscribe, **more)
-    session.advance(session.ticks("1 ms"))
-    return session, records
+    return begun(case(), subscribe=records.subscribe, **more), records

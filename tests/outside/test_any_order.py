@@ -13,7 +13,7 @@ from periph_sim.outside import Session
 from periph_sim.outside.serial_line import SerialLine
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
-from tests.outside.sessions import BUS, Records, case, refuses
+from tests.outside.sessions import BUS, Records, begun, case, refuses
 from tests.profiles import explores
 from tests.scene.runs import TIMING
 
@@ -27,10 +27,8 @@ def emulator(form: str) -> tuple[Session, SerialLine]:
     """A shipped case without its head and host, which are outside; its models are done."""
     shipped = load(TIMING / f"{FORMS[form]}.toml")
     alone = shipped.model_copy(update={"host": None, "controller": None, "budget": ()})
-    session = Session(alone, (*BUS, "RX"))
-    line = session.serial("SCI-A" if form == "pins" else "gyroscope.SCI-A")
-    session.advance(session.ticks("1 ms"))
-    return session, line
+    session = begun(alone, (*BUS, "RX"))
+    return session, session.serial("SCI-A" if form == "pins" else "gyroscope.SCI-A")
 
 
 def pins(**settings: object) -> Session:
@@ -47,9 +45,7 @@ ALONE = {"pins": pins, "units": units}
 
 
 def alone(those: dict[str, dict[str, Any]]) -> Session:
-    session = Session(case(unit=those), BUS)
-    session.advance(session.ticks("1 ms"))
-    return session
+    return begun(case(unit=those))
 
 
 def unit(modules: list[str], **settings: object) -> dict[str, Any]:
@@ -96,13 +92,12 @@ def test_the_models_run_once_more_when_every_chip_was_read() -> None:
     """So that noise stays alive where no frame comes."""
     records = Records()
     those = {"dsp": unit(["GPIO", "XINT"], model_cost="50 us") | {"pins": {"SDA": 32, "SCL": 33}}}
-    session = Session(case(unit=those), BUS, subscribe=records.subscribe)
+    session = begun(case(unit=those), subscribe=records.subscribe)
 
     def runs() -> int:
         session.advance(session.now + session.ticks("200 us"))
         return sum(record.kind is Kind.SPAN and record.value == 1 for record in records.kept)
 
-    session.advance(session.ticks("1 ms"))
     ran = []
     for chip in (GYROSCOPE, MAGNETOMETER, GYROSCOPE, ACCELEROMETER, MAGNETOMETER, ACCELEROMETER, *[GYROSCOPE] * 2):
         assert session.i2c.transfer(chip, bytes([DATA_AT[chip]]), 6) is not None

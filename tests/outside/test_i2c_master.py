@@ -11,7 +11,7 @@ from periph_sim.outside import OutsideError
 from periph_sim.outside.errors import ArbitrationLost
 from periph_sim.outside.session import Session
 from periph_sim.scene.case.load import load
-from tests.outside.sessions import BUS, Records, bus, case, refuses
+from tests.outside.sessions import BUS, Records, begun, bus, case, refuses
 from tests.scene.runs import TIMING
 
 
@@ -113,8 +113,7 @@ def test_a_stretched_clock_is_high_for_half_a_period_all_the_same() -> None:
     """
     records = Records()
     held = {"kind": "hold", "wire": "SCL", "at": "1027 us", "length": "33 us"}
-    session = Session(case(fault=[held]), BUS, subscribe=records.subscribe)
-    session.advance(session.ticks("1 ms"))
+    session = begun(case(fault=[held]), subscribe=records.subscribe)
     assert session.i2c.start(0x50)
     us, began = session.ticks("1 us"), session.scene.start + session.ticks("1 ms")
     clock = [one.tick - began for one in records.kept if one.kind is Kind.EDGE and one.where == "SCL"]

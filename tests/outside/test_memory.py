@@ -112,8 +112,8 @@ def test_a_day_of_it() -> None:
     if not explores():
         pytest.skip("a day of traffic: make explore")
     ready = case_for_line(IMU, "scia")
-    kept = tuple(budget for budget in ready.case.budget if budget.measure != GROWS)
-    host = HostFrames(Session(ready.case.model_copy(update={"budget": kept}), ready.wires))
+    kept = tuple(budget for budget in ready.budget if budget.measure != GROWS)
+    host = HostFrames(Session(ready.model_copy(update={"budget": kept})))
     first, last = passes(host, 3600), passes(host, 86_400)
     assert last - first < 20_000, "blocks, of 4.1 million frames"
     assert host.line.sent + host.line.waiting == host.written

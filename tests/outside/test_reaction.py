@@ -23,23 +23,6 @@ REGISTERS = {"address": 0x50, "registers": "5A 00 FF 81 7E 33"}
 TABLE = {"table": {"0x68": "11 22 33 44 55 66", "0x53": "00 FF 00 FF 00 FF", "0x1E": "A5 5A A5 5A A5 5A"}}
 
 
-def with_settings(firmware: str, modules: tuple[str, ...], settings: dict[str, Any], **more: Any) -> Case:
-    plain = case(firmware, modules)
-    unit = plain.unit["dsp"].model_copy(update={"settings": settings})
-    return case(firmware, modules, unit={"dsp": unit}, **more)
-
-
-def with_options(options: dict[str, Any]) -> Case:
-    unit = {"firmware": str(FIRMWARE / "responder.py"), "modules": ["I2C-A"], "options": options}
-    return case(unit={"dsp": unit})
-
-
-def on_pins() -> Case:
-    plain = case("responder", ("GPIO", "XINT"))
-    unit = plain.unit["dsp"].model_copy(update={"pins": {"SDA": 32, "SCL": 33}})
-    return case("responder", ("GPIO", "XINT"), unit={"dsp": unit})
-
-
 def restless() -> Firmware:
     """Sends zeros, and in the middle of its bits leaves the bus and comes back, or wants to be the master."""
 
@@ -116,15 +99,15 @@ PROGRAMS = {
 # Steps for each move put; a program that never rests may move a pin at any time, and has 20.
 MOST_STEPS = {"slow reader behind synchronised pins": 1}  # nobody can tell of most edges of a byte that it is written
 CASES = {
-    "slow reader": lambda: with_options({"system": {"pf2_read_ws": 0, "write_lands": 4}}),
+    "slow reader": lambda: case(dsp={"options": {"system": {"pf2_read_ws": 0, "write_lands": 4}}}),
     "slow reader behind synchronised pins": lambda: case(modules=("I2C-A", "GPIO")),
-    "program and interrupt at a pin": lambda: on_pins(),
-    "restless": lambda: case(),
+    "program and interrupt at a pin": lambda: case(modules=("GPIO", "XINT"), dsp={"pins": {"SDA": 32, "SCL": 33}}),
+    "restless": case,
     "two units": two_units,
-    "polling": lambda: case(),
-    "interrupts": lambda: with_settings("register_slave", ("I2C-A",), REGISTERS),
-    "synchronised pins and frames": lambda: with_settings(
-        "imu_hil", ("I2C-A", "SCI-A", "GPIO"), TABLE, host={"period": "400 us"}, seed=1
+    "polling": case,
+    "interrupts": lambda: case("register_slave", dsp={"settings": REGISTERS}),
+    "synchronised pins and frames": lambda: case(
+        "imu_hil", ("I2C-A", "SCI-A", "GPIO"), {"settings": TABLE}, host={"period": "400 us"}, seed=1
     ),
 }
 
@@ -195,7 +178,8 @@ def stepped(
     """Records; how often our pins moved, and time was stepped: as `next_output` says alone, or also to each move."""
     records = Records()
     steps = moved = 0
-    of = CASES[name]() if name in CASES else with_filter(name)
+    filtered = {"settings": REGISTERS, **FILTERS[name][0]} if name in FILTERS else {}
+    of = CASES[name]() if name in CASES else case("register_slave", dsp=filtered)
     programs = {"dsp": PROGRAMS[name]()} if name in PROGRAMS else None
     with Session(of, BUS, subscribe=records.subscribe if recorded else None, programs=programs) as session:
         for at, levels in [*moves, (end, {})]:
@@ -237,19 +221,29 @@ def test_no_pin_moves_before_next_output_and_who_waits_for_it_loses_nothing(name
     assert moved <= steps < MOST_STEPS.get(name, 20 if name in PROGRAMS else 4) * len(moves)
 
 
+def put_byte(moves: Moves, at: int, half: int, value: int, sda: int) -> int:
+    """Append the bits of a byte and a released one, from a fall of SCL at `at`; return when SCL has fallen after them.
+
+    sda: the level of SDA before.
+    """
+    for place in range(8, -1, -1):
+        level = (value << 1 | 1) >> place & 1
+        if level != sda:
+            moves.append((at + 900, {"SDA": level}))
+            sda = level
+        moves += [(at + half, {"SCL": 1}), (at + 2 * half, {"SCL": 0})]
+        at += 2 * half
+    return at
+
+
 def written(*values: int) -> Moves:
     """S, these bytes and a released bit behind each, P, at 100 kHz."""
     half, at, sda = 15_000, 3_000_000, 0
     moves: Moves = [(at, {"SDA": 0}), (at + half, {"SCL": 0})]
     at += half
     for value in values:
-        for place in range(8, -1, -1):
-            level = (value << 1 | 1) >> place & 1
-            if level != sda:
-                moves.append((at + 900, {"SDA": level}))
-                sda = level
-            moves += [(at + half, {"SCL": 1}), (at + 2 * half, {"SCL": 0})]
-            at += 2 * half
+        at = put_byte(moves, at, half, value, sda)
+        sda = 1
     return [*moves, (at + 900, {"SDA": 0}), (at + half, {"SCL": 1}), (at + 2 * half, {"SDA": 1})]
 
 
@@ -276,7 +270,6 @@ def test_an_sci_s_pin_moves_at_the_tick_that_is_foretold() -> None:
     for finely in (False, True):
         session, line, _ = echo()
         with session:
-            session.advance(session.ticks("1 ms"))
             line.write(bytes([0x58]))  # it waits, so its edges are not put yet
             moved: list[Change] = []
             end = session.now + session.ticks("300 us")
@@ -352,12 +345,6 @@ FILTERS: dict[str, tuple[dict[str, Any], Pulses]] = {  # as keys of a unit, with
 }
 
 
-def with_filter(name: str) -> Case:
-    firmware = str(FIRMWARE / "register_slave.py")
-    plain = {"firmware": firmware, "modules": ["I2C-A"], "settings": REGISTERS}
-    return case(unit={"dsp": plain | FILTERS[name][0]})
-
-
 def starts_in_pulses(pulses: Pulses) -> tuple[Moves, list[int]]:
     """A START to another; then SCL is low for a pulse only, in which SDA falls; then our address. When pulses begin.
 
@@ -365,30 +352,17 @@ def starts_in_pulses(pulses: Pulses) -> tuple[Moves, list[int]]:
     """
     moves: Moves = []
     begins = []
-    at, half, sda = 3_000_000, 3_750, 1
-
-    def byte(value: int) -> None:
-        nonlocal at, sda
-        for place in range(8, -1, -1):
-            level = (value << 1 | 1) >> place & 1
-            if level != sda:
-                moves.append((at + 900, {"SDA": level}))
-                sda = level
-            moves.extend(((at + half, {"SCL": 1}), (at + 2 * half, {"SCL": 0})))
-            at += 2 * half
-
+    at, half = 3_000_000, 3_750
     for behind, width, fall in pulses:
         moves += [(at, {"SDA": 0}), (at + half, {"SCL": 0})]
-        at, sda = at + half, 0
-        byte(0x22 << 1)
+        at = put_byte(moves, at + half, half, 0x22 << 1, 0)
         begin = (at + 2 * half) // 20 * 20 + behind
         begins.append(begin)
         moves += [(at + half, {"SCL": 1}), (begin, {"SCL": 0}), (begin + fall, {"SDA": 0}), (begin + width, {"SCL": 1})]
         moves.append((begin + width + half, {"SCL": 0}))
-        at, sda = begin + width + half, 0
-        byte(0x50 << 1)
+        at = put_byte(moves, begin + width + half, half, 0x50 << 1, 0)
         moves += [(at + 900, {"SDA": 0}), (at + half, {"SCL": 1}), (at + 2 * half, {"SDA": 1})]
-        at, sda = at + 6 * half, 1
+        at += 6 * half
     return moves, begins
 
 

@@ -5,24 +5,14 @@ from __future__ import annotations
 from random import Random
 
 import pytest
-from msgspec.structs import asdict
 
-from periph_sim.api import make_case
 from periph_sim.outside import Session
 from periph_sim.scene.case.model import BadCase
-from tests.outside.sessions import BUS, case, refuses
+from tests.outside.sessions import begun, case, refuses
 
 
 def slave(**settings: object) -> Session:
-    given = asdict(case("register_slave").unit["dsp"]) | {"settings": settings}
-    session = Session(
-        make_case(
-            name="mine", duration="1 s", unit={"dsp": {k: given[k] for k in ("firmware", "modules", "settings")}}
-        ),
-        BUS,
-    )
-    session.advance(session.ticks("1 ms"))
-    return session
+    return begun(case("register_slave", dsp={"settings": settings}))
 
 
 def test_pointer_data_repeated_start_and_going_on() -> None:

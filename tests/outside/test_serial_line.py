@@ -48,16 +48,23 @@ class Echo:
 def echo(form: str = "8n1", sciccr: int = 7, baud: int = 115_200) -> tuple[Session, SerialLine, Echo]:
     firmware = Echo(sciccr)
     session = Session(case("uart_logger", ("SCI-A",)), LINES, programs={"dsp": Firmware("echo", firmware.main, None)})
-    return session, session.serial("scia", baud, form), firmware
+    line = session.serial("scia", baud, form)
+    later(session, "1 ms")
+    return session, line, firmware
 
 
 def later(session: Session, length: str) -> None:
     session.advance(session.now + session.ticks(length))
 
 
+def sent(session: Session, line: SerialLine, data: bytes, wrong: Any = "", length: str = "1 ms") -> None:
+    """Write bytes, and let this time pass."""
+    line.write(data, wrong)
+    later(session, length)
+
+
 def test_what_is_written_comes_back_as_firmware_answers() -> None:
     session, line, firmware = echo()
-    later(session, "1 ms")
     line.write(b"hello")
     assert line.waiting == 5 and line.read() == b""
     later(session, "1 ms")
@@ -71,10 +78,8 @@ def test_what_is_written_comes_back_as_firmware_answers() -> None:
 )
 def test_formats(form: str, sciccr: int) -> None:
     session, line, firmware = echo(form, sciccr)
-    later(session, "1 ms")
     data = bytes([0x00, 0x15, 0x0A, 0x1F])
-    line.write(data)
-    later(session, "2 ms")
+    sent(session, line, data, length="2 ms")
     assert firmware.words == list(data)
     assert line.wrong == 0
 
@@ -116,21 +121,16 @@ def test_a_receiver_that_sleeps_hears_only_those_behind_its_address() -> None:
 def test_characters_with_errors_are_counted() -> None:
     """The SCI sends a parity bit where the line expects a stop bit: 1 for 0x04, 0 for 0x06."""
     session, line, _ = echo("8n1", 0x67)
-    later(session, "1 ms")
     for byte in (0x03, 0x05):
-        line.write(bytes([byte]))
-        later(session, "2 ms")
+        sent(session, line, bytes([byte]), length="2 ms")
     assert (line.received, line.wrong) == (2, 1)
 
 
 @pytest.mark.parametrize(("wrong", "bit"), [("parity", PE), ("stop", FE)])
 def test_wrong_bits_reach_the_status(wrong: Any, bit: int) -> None:
     session, line, firmware = echo("8e1", 0x67)
-    later(session, "1 ms")
-    line.write(b"\x55", wrong)
-    later(session, "1 ms")
-    line.write(b"\x56")
-    later(session, "1 ms")
+    sent(session, line, b"\x55", wrong)
+    sent(session, line, b"\x56")
     assert [word >> 8 for word in firmware.words] == [bit, 0]
     assert [word & 0xFF for word in firmware.words] == [0x55, 0x56]
 
@@ -146,20 +146,16 @@ def test_what_cannot_be_sent_is_refused(data: Any, wrong: Any, sentence: str) ->
 
 def test_another_rate_is_a_mismatch_on_the_wire() -> None:
     session, line, firmware = echo(baud=57_600)
-    later(session, "1 ms")
-    line.write(b"\x00\x00")
-    later(session, "2 ms")
+    sent(session, line, b"\x00\x00", length="2 ms")
     assert any(word >> 8 & FE for word in firmware.words)
     line.set(115_200)
     later(session, "1 ms")
-    line.write(b"A")
-    later(session, "1 ms")
+    sent(session, line, b"A")
     assert firmware.words[-1] == ord("A")
 
 
 def test_a_break_is_one() -> None:
     session, line, firmware = echo()
-    later(session, "1 ms")
     line.send_break("300 us")
     refuses("a break cannot begin: bytes are on their way", line.send_break, "300 us")
     later(session, "2 ms")
@@ -168,7 +164,6 @@ def test_a_break_is_one() -> None:
 
 def test_a_break_lasts_until_it_is_ended_or_bytes_follow() -> None:
     session, line, firmware = echo()
-    later(session, "1 ms")
     line.write(b"a")
     line.hold_break(True)
     line.hold_break(True)
@@ -176,14 +171,12 @@ def test_a_break_lasts_until_it_is_ended_or_bytes_follow() -> None:
     later(session, "2 ms")
     assert (firmware.words[:2], session.level("RX")) == ([ord("a"), FE << 8], 0)
     assert firmware.breaks > 1  # it is there again whenever the module begins anew
-    line.write(b"b")
-    later(session, "1 ms")
+    sent(session, line, b"b")
     assert (line.broken, line.waiting, line.sent, session.level("RX")) == (False, 0, 2, 1)
 
 
 def test_much_that_waits_is_bytes_and_no_events() -> None:
     session, line, _ = echo()
-    later(session, "1 ms")
     line.write(bytes(1_000_000))
     before = session.scene.kernel.events
     later(session, "1 ms")
@@ -233,8 +226,7 @@ def edges_of(levels: str, begin: int = 0) -> list[tuple[int, int]]:
 )
 def test_frames_follow_each_other_without_a_gap_and_without_drift(form: str, wrong: Any, frame: str) -> None:
     session, line, records = quiet(form)
-    line.write(b"\x15" * 5, wrong)
-    later(session, "1 ms")
+    sent(session, line, b"\x15" * 5, wrong)
     assert edges_of_rx(records) == edges_of(frame * 5)
     assert (line.sent, line.waiting, session.level("RX")) == (5, 0, 1)
 
@@ -244,8 +236,7 @@ def test_another_rate_counts_from_the_end_of_the_frame_before() -> None:
     line.write(b"\xff")
     later(session, "10 us")
     line.set(1_000_000)
-    line.write(b"\xff")
-    later(session, "1 ms")
+    sent(session, line, b"\xff")
     begin = -(-10 * BIT // 1)
     assert edges_of_rx(records) == [(0, 0), (int(BIT), 1), (begin, 0), (begin + 3000, 1)]
 
@@ -269,8 +260,7 @@ def test_bytes_with_a_wrong_bit_that_wait_are_sent_in_the_new_format(wrong: Any,
 def test_a_break_is_as_long_as_it_is_asked_for_and_parted_from_a_frame_by_a_bit() -> None:
     session, line, records = quiet()
     line.send_break("300 us")
-    line.write(b"\xff")
-    later(session, "1 ms")
+    sent(session, line, b"\xff")
     assert edges_of_rx(records) == [(0, 0), (900_000, 1), (int(900_000 + BIT), 0), (int(900_000 + 2 * BIT), 1)]
 
 
@@ -278,8 +268,7 @@ def test_a_break_that_is_held_lasts_a_bit_at_least() -> None:
     session, line, records = quiet()
     for on in (True, False, True):
         line.hold_break(on)
-    line.write(b"\xff")
-    later(session, "1 ms")
+    sent(session, line, b"\xff")
     assert edges_of_rx(records) == edges_of("0101 0 1")
 
 
@@ -295,12 +284,10 @@ def test_another_client_finds_no_more_than_a_tenth_of_a_second_of_bytes(count: i
     assert not discarded or session.level("RX")
 
 
-def test_its_log_tells_each_instant_and_where_a_frame_begins(tmp_path: Path) -> None:
-    log = tmp_path / "live.jsonl"
+def test_its_log_tells_each_instant_and_where_a_frame_begins(log: Path) -> None:
     session = Session(case("uart_logger", ("SCI-A",)), LINES, log=log)
     line = session.serial("scia")
-    line.write(b"\xff")
-    later(session, "1 ms")
+    sent(session, line, b"\xff")
     session.finish()
     head, *rows = map(json.loads, log.read_text().splitlines())
     assert head == {

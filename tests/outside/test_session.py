@@ -19,7 +19,7 @@ from periph_sim.outside.session import Change, OutsidePins, Session
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.outside_log import LogReader
-from tests.outside.sessions import BUS, Records, bus, case, refuses
+from tests.outside.sessions import BUS, Records, begun, bus, case, refuses
 
 Applied = list[tuple[int, dict[str, int]]]
 
@@ -97,8 +97,7 @@ def test_the_same_moves_give_the_same_records_however_time_is_stepped(
     assert played(applied, [], 0) == played(applied, list(steps), seed)
 
 
-def test_what_comes_at_a_tick_is_done_when_time_is_behind_it(tmp_path: Path) -> None:
-    log = tmp_path / "live.jsonl"
+def test_what_comes_at_a_tick_is_done_when_time_is_behind_it(log: Path) -> None:
     with bus(log=log)[0] as session:
         session.i2c.transfer(0x50, b"\x00", 1)
     moves, changes = list(LogReader(log).instants()), []
@@ -138,8 +137,7 @@ def test_an_advance_that_was_interrupted_can_be_repeated() -> None:
     assert moved == [(2 * ms, "SDA", 0), (27 * ms // 10, "SCL", 0), (3 * ms, "SDA", 1)]
 
 
-def test_what_the_outside_did_is_done_again_from_its_log(tmp_path: Path) -> None:
-    log = tmp_path / "live.jsonl"
+def test_what_the_outside_did_is_done_again_from_its_log(log: Path) -> None:
     session, live = bus(log=log)
     assert session.i2c.transfer(0x50, b"\x00", 4) == b"\x01\x02\x03\x04"
     assert session.i2c.transfer(0x51, b"\x00", 4) is None
@@ -156,8 +154,7 @@ def test_what_the_outside_did_is_done_again_from_its_log(tmp_path: Path) -> None
     assert result.wire_bytes == 1 + 1 + 1 + 4 + 1
 
 
-def test_a_log_without_an_end_is_replayed_to_its_last_whole_line(tmp_path: Path) -> None:
-    log = tmp_path / "live.jsonl"
+def test_a_log_without_an_end_is_replayed_to_its_last_whole_line(log: Path) -> None:
     with bus(log=log)[0] as session:
         session.i2c.transfer(0x50, b"\x00", 2)
         last = session.now
@@ -179,16 +176,14 @@ def test_a_log_without_an_end_is_replayed_to_its_last_whole_line(tmp_path: Path)
         ('{HEAD}\n[1, {"SDA": 2}]\n', "line 2: found 'SDA': 2, expected 0 or 1 of SDA or SCL"),
     ],
 )
-def test_a_damaged_log_is_refused_with_its_line(text: str, sentence: str, tmp_path: Path) -> None:
-    log = tmp_path / "live.jsonl"
+def test_a_damaged_log_is_refused_with_its_line(text: str, sentence: str, log: Path) -> None:
     bus(log=log)[0].finish()
     head = log.read_text().splitlines()[0]
     log.write_text(text.replace("{HEAD}", head))
     refuses(sentence, replay, case(), log)
 
 
-def test_a_log_of_another_version_or_clock_is_refused(tmp_path: Path) -> None:
-    log = tmp_path / "live.jsonl"
+def test_a_log_of_another_version_or_clock_is_refused(tmp_path: Path, log: Path) -> None:
     bus(log=log)[0].finish()
     head = json.loads(log.read_text().splitlines()[0])
     for key, value, sentence in (
@@ -236,8 +231,7 @@ def test_a_call_that_is_refused_does_nothing() -> None:
     refuses("the session is finished; begin another one", session.apply, session.now, {"SDA": 0})
 
 
-def test_before_next_output_no_pin_moves(tmp_path: Path) -> None:
-    log = tmp_path / "live.jsonl"
+def test_before_next_output_no_pin_moves(log: Path) -> None:
     with bus(log=log)[0] as session:
         assert session.i2c.transfer(0x50, b"\x00", 3) == b"\x01\x02\x03"
     with Session(case(), BUS) as session:
@@ -266,8 +260,7 @@ def silent_up_to_what_was_said(session: Session, moves: Applied) -> int:
 
 
 @pytest.mark.parametrize("rate", ["100 kHz", "400 kHz"])
-def test_what_was_put_is_answered_no_sooner_than_next_output_says(tmp_path: Path, rate: str) -> None:
-    log = tmp_path / "live.jsonl"
+def test_what_was_put_is_answered_no_sooner_than_next_output_says(log: Path, rate: str) -> None:
     with bus(log=log)[0] as session:
         session.i2c.rate = rate
         assert session.i2c.transfer(0x50, b"\x00", 3) == b"\x01\x02\x03"
@@ -303,8 +296,7 @@ def test_a_case_says_itself_who_is_outside_and_is_not_run(tmp_path: Path) -> Non
         f'name = "mine"\nduration = "1 ms"\n[unit.dsp]\nfirmware = "{unit.firmware}"\nmodules = ["I2C-A"]\n'
         '[outside]\nwires = ["SDA", "SCL"]\n'
     )
-    session = Session(path)
-    session.advance(session.ticks("1 ms"))
+    session = begun(path, None)
     assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
     from periph_sim.api import run
 
@@ -326,17 +318,14 @@ def test_budgets_of_the_bus_are_judged_by_what_is_on_it(address: int, verdicts: 
         {"name": "stretch", "measure": "stretch", "max": "50 us"},
         {"name": "nacked", "measure": "nacked", "max": 0},
     ]
-    session = Session(case(budget=budgets), BUS)
-    session.advance(session.ticks("1 ms"))
+    session = begun(case(budget=budgets))
     session.i2c.transfer(address, b"\x00", 2)
     assert [verdict.verdict for verdict in session.finish().budgets] == verdicts
 
 
-def test_a_transfer_that_never_ends_is_judged_too(tmp_path: Path) -> None:
-    log = tmp_path / "live.jsonl"
+def test_a_transfer_that_never_ends_is_judged_too(log: Path) -> None:
     budgets = [{"name": "stretch", "measure": "stretch", "max": "50 us"}]
-    session = Session(case(budget=budgets), BUS, log=log)
-    session.advance(session.ticks("1 ms"))
+    session = begun(case(budget=budgets), log=log)
     assert session.i2c.start(0x50)
     session.advance(session.now + session.ticks("1 ms"))
     result = session.finish()

@@ -18,9 +18,9 @@ from ...timing.verdict import (
     figure,
     limit,
     simulated,
+    title,
 )
 from ...timing.verdict import legend as meanings
-from ...timing.verdict import title as title_of
 from .command_frame import print_table, say
 
 A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
@@ -40,7 +40,7 @@ def show(result: Result, case: Case, verbose: bool = False, assumed: Mapping[str
     verbose: True to list the undocumented behaviours that the run assumed, and the counts of skipped polls and bits.
     """
     by_estimate = f"; cycles between accesses of {' and '.join(result.estimated)} are estimated"
-    head = f"{result.case}: {title(result)}{by_estimate if result.estimated else ''}"
+    head = f"{result.case}: {title(result.verdict, result.budgets)}{by_estimate if result.estimated else ''}"
     say(head, style=HEADLINES[result.verdict])
     if result.budgets:
         budget_table(result.budgets)
@@ -83,10 +83,6 @@ def rounded(count: int) -> str:
         if count >= size:
             return f"{count / size:.1f} {letter}"
     return str(count)
-
-
-def title(result: Result) -> str:
-    return title_of(result.verdict, result.budgets)
 
 
 def budget_table(budgets: Sequence[Verdict]) -> None:

@@ -15,8 +15,9 @@ from ...scene.case.load import CaseFile, apply
 from ...scene.case.model import BadCase
 from ...scene.case.origin import named_files, texts_in
 from ...scene.case.toml_file import read
+from ...timing.verdict import title
 from .command_frame import command, say
-from .result_text import HEADLINES, broken_lines, budget_table, title
+from .result_text import HEADLINES, broken_lines, budget_table
 from .shared_options import CHANGES
 
 if TYPE_CHECKING:
@@ -77,7 +78,8 @@ def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome 
     if isinstance(came, RejectedCase):
         say(f"Error: {came.why}")
         return before
-    say(f"{came.figures.case}: {title(came.result)}", style=HEADLINES[came.result.verdict])
+    result = came.result
+    say(f"{came.figures.case}: {title(result.verdict, result.budgets)}", style=HEADLINES[result.verdict])
     if before is None:
         budget_table(came.verdicts)
     say(*(f"  {line}" for line in (*broken_lines(came.verdicts), *came.trouble)))
@@ -102,11 +104,9 @@ def stamps(case: Path, changes: Iterable[str] = ()) -> Stamps:
     """Return a dictionary from each existing file of a changed case to its time of last change, in ns, and its size."""
     found: Stamps = {}
     for file in {*files_of(case, changes)}:
-        try:
+        with suppress(OSError, ValueError):
             status = file.stat()
-        except (OSError, ValueError):
-            continue
-        found[file] = (status.st_mtime_ns, status.st_size)
+            found[file] = (status.st_mtime_ns, status.st_size)
     return found
 
 

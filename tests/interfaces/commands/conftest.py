@@ -11,6 +11,7 @@ import pytest
 
 from periph_sim.cli import run_command as main
 from periph_sim.interfaces.reports.trade import trade
+from tests.interfaces.reports.baselines.desk import put
 
 CASE = """\
 name = "small"
@@ -80,6 +81,20 @@ def periph_sim(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[st
 def trade_repeats_seldom(monkeypatch: pytest.MonkeyPatch) -> None:
     """`trade` measures each row as few times as it may; tests/interfaces/reports/trade has how often, and why."""
     monkeypatch.setattr(trade, "MOST", trade.FEWEST)
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder to work in."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def cases(here: Path) -> Path:
+    """A folder `timing`, which is what `check` takes by itself, with one case and no baseline."""
+    put(Path("timing"))
+    return Path("timing")
 
 
 @pytest.fixture

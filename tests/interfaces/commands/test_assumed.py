@@ -49,8 +49,7 @@ max = "{full} us"
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def folder(here: Path) -> None:
     Path("mine.py").write_text(FIRMWARE, encoding="utf-8")
     write(early=1, full=1)
 

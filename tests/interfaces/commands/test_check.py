@@ -18,14 +18,6 @@ TIMING = ROOT / "timing"
 LONG = ("imu_hil", "imu_hil_published", "two_dsps")  # seconds each
 
 
-@pytest.fixture
-def cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder `timing`, which is what `check` takes by itself, with one case and no baseline."""
-    monkeypatch.chdir(tmp_path)
-    put(Path("timing"))
-    return Path("timing")
-
-
 def test_from_no_baseline_to_a_change_and_its_explanation(periph_sim: Run, cases: Path):
     came = periph_sim("check", "--jobs", "1")
     assert (came.status, came.err) == (1, "")
@@ -111,19 +103,6 @@ def test_junit_is_written_and_annotations_follow_the_table(periph_sim: Run, case
     assert (root.get("tests"), root.get("failures")) == ("4", "1")
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
-def test_an_output_replaces_no_file_of_a_case_that_a_worker_reads(periph_sim: Run, cases: Path, encoding: str):
-    put(cases, "other")
-    for case in cases.glob("*.toml"):
-        case.write_text(case.read_text(encoding="utf-8"), encoding=encoding)
-    firmware = cases / "other_firmware.py"
-    before = firmware.read_bytes()
-    assert "found a file that this command reads" in periph_sim.refused(
-        "check", "--jobs", "2", "--junit", str(firmware)
-    )
-    assert firmware.read_bytes() == before
-
-
 def test_an_output_replaces_no_file_that_a_change_names(periph_sim: Run, cases: Path):
     put(cases, "other")
     put(Path("elsewhere"), "mine")
@@ -201,8 +180,7 @@ def test_a_pyproject_says_where_cases_and_baselines_are_and_what_is_the_default(
         )
 
 
-def test_without_a_folder_timing_the_present_one_is_searched(periph_sim: Run, tmp_path: Path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_without_a_folder_timing_the_present_one_is_searched(periph_sim: Run, here: Path):
     put(Path("bench"))
     assert "\nbench/small.toml, line 1: it has no baseline bench/baselines/small.json" in periph_sim("check").out
 
@@ -286,15 +264,6 @@ def test_the_short_cases_of_the_repository_are_as_their_baselines_say(
     monkeypatch.chdir(ROOT)
     came = periph_sim("check", "--jobs", "1", f"timing/{case}")
     assert came.status == 0, came.out
-
-
-def test_json_and_table_claim_nothing_for_other_timings(periph_sim: Run, cases: Path):
-    assert periph_sim("check", "--jobs", "1", "--update-baseline").status == 0
-    (one,) = periph_sim("check", "--jobs", "1", "--json").told["cases"]
-    assert "proofs" not in one
-    assert [line.split() for line in periph_sim("check", "--jobs", "1").out.splitlines() if "small" in line] == [
-        ["small", "3", "0", "0", "0", "equal", "pass"]
-    ]
 
 
 def outputs(folder: Path) -> tuple[str, str, str]:

@@ -151,13 +151,12 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
 
 
 @pytest.fixture
-def case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "mine.py").write_text(FIRMWARE, encoding="utf-8")
-    (tmp_path / "small.toml").write_text(CASE.format(limit="30 us"), encoding="utf-8")
-    (tmp_path / "runs").touch()
-    (tmp_path / "hold").touch()
-    return tmp_path
+def case(here: Path) -> Path:
+    (here / "mine.py").write_text(FIRMWARE, encoding="utf-8")
+    (here / "small.toml").write_text(CASE.format(limit="30 us"), encoding="utf-8")
+    (here / "runs").touch()
+    (here / "hold").touch()
+    return here
 
 
 def workers_of(folder: Path) -> Counter[int]:

@@ -57,11 +57,10 @@ def ask(monkeypatch: pytest.MonkeyPatch, *words: str) -> None:
 
 @pytest.fixture
 def complete(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> Callable[..., list[str]]:
     """Return a function that returns what is printed for a line, whose last word is not finished."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
+    (here / "case.toml").write_text(CASE, encoding="utf-8")
     monkeypatch.setattr(sys.modules["__main__"], "__package__", "", raising=False)  # not pytest
 
     def lines(*words: str) -> list[str]:

@@ -24,17 +24,7 @@ needs_sigrok = pytest.mark.skipif(shutil.which("sigrok-cli") is None, reason="si
 @pytest.fixture
 def mixed(tmp_path: Path) -> Path:
     """10-bit address 0x2A5 written and read again with a repeated START, a general call nobody answers, two frames."""
-    bus = I2cWave(20, 5, idle=100)
-    bus.start()
-    for byte in (0xF4, 0xA5, 0x11):
-        bus.byte(byte)
-    bus.again()
-    bus.byte(0xF5)
-    bus.byte(0x22, ack=False)
-    bus.stop()
-    bus.idle(100)
-    bus.transfer(0x00, nack_last=True)
-    bus.idle(400)
+    bus = I2cWave(20, 5, idle=100).play("S F4+ A5+ 11+ Sr F5+ 22- P .100 S 00- P .400")
     frames = [(Fraction(200 + 400 * n), frame_bits(0x41 + n)) for n in range(2)]
     line = uart_wave(frames, Fraction(40), len(bus.samples))
     samples = bytes(a | b << 2 for a, b in zip(bus.samples, line, strict=True))

@@ -67,58 +67,45 @@ def test_json_has_a_burst_of_frames_as_an_object(periph_sim: Run, tmp_path: Path
     ]
 
 
-def wave(tmp_path: Path, *steps: str) -> str:
-    """A bus in steps: S, Sr, P, a byte with its answer (`A5 A`, `A5 N`), `1` a bit, `~` 400 samples more of low SCL."""
-    bus = I2cWave(20, 5, idle=100)
-    for step in " ".join(steps).split():
-        if step == "~":
-            bus.samples += bytes([bus.samples[-1] & 2]) * 400  # SDA as it is
-        elif step in ("S", "Sr", "P"):
-            {"S": bus.start, "Sr": bus.again, "P": bus.stop}[step]()
-        elif step in ("A", "N", "1"):
-            bus.bit(step != "A")
-        else:
-            for place in range(7, -1, -1):
-                bus.bit(int(step, 16) >> place & 1)
-    bus.idle(60)
-    return sr_file(tmp_path / "wave.sr", ["SCL", "SDA"], "4 MHz", bytes(bus.samples))
+def wave(folder: Path, steps: str) -> str:
+    return I2cWave(20, 5, idle=100).play(f"{steps} .60").saved(folder)
 
 
 @pytest.mark.parametrize(
     ("steps", "said", "told"),
     [
-        (("S", "00 A", "06 A", "P"), "S 00 W(general call) A 06 A P", [(0, 7, "write", "general call")]),
+        ("S 00+ 06+ P", "S 00 W(general call) A 06 A P", [(0, 7, "write", "general call")]),
         (
-            ("S", "01 N", "Sr", "A6 A", "P"),
+            "S 01- Sr A6+ P",
             "S 00 R(START byte) N Sr 53 W A P",
             [(0, 7, "read", "START byte"), (0x53, 7, "write", None)],
         ),
         (
-            ("S", "09 N", "Sr", "A7 A", "12 N", "P"),
+            "S 09- Sr A7+ 12- P",
             "S 04 R(Hs-mode controller code) N Sr 53 R A 12 N P",
             [(4, 7, "read", "Hs-mode controller code"), (0x53, 7, "read", None)],
         ),
         (
-            ("S", "F8 A", "A6 A", "Sr", "F9 A", "11 A", "22 A", "33 N", "P"),
+            "S F8+ A6+ Sr F9+ 11+ 22+ 33- P",
             "S 7C W(device ID) A A6 A Sr 7C R(device ID) A 11 A 22 A 33 N P",
             [(0x7C, 7, "write", "device ID"), (0x7C, 7, "read", "device ID")],
         ),
         (
-            ("S", "F4 A", "A5 A", "Sr", "F5 A", "12 N", "P"),
+            "S F4+ A5+ Sr F5+ 12- P",
             "S 7A W(10-bit) A 2A5 A Sr 2A5 R(10-bit) A 12 N P",
             [(0x2A5, 10, "write", "10-bit"), (0x2A5, 10, "read", "10-bit")],
         ),
         (  # asked again after a STOP, or with other high bits: nobody knows the lower half
-            ("S", "F4 A", "A5 A", "Sr", "F3 A", "12 N", "P"),
+            "S F4+ A5+ Sr F3+ 12- P",
             "S 7A W(10-bit) A 2A5 A Sr 79 R(10-bit) A 12 N P",
             [(0x2A5, 10, "write", "10-bit"), (0x79, 7, "read", "10-bit")],
         ),
     ],
 )
 def test_reserved_addresses_are_named(
-    periph_sim: Run, tmp_path: Path, steps: tuple[str, ...], said: str, told: list[tuple[int, int, str, str | None]]
+    periph_sim: Run, tmp_path: Path, steps: str, said: str, told: list[tuple[int, int, str, str | None]]
 ):
-    path = wave(tmp_path, *steps)
+    path = wave(tmp_path, steps)
     found = periph_sim("decode", path, "--json").told
     assert found["transfer"] == said
     keys = ("address", "address_bits", "direction", "reserved")
@@ -128,8 +115,8 @@ def test_reserved_addresses_are_named(
 
 
 def test_ten_bits_are_not_known_again_behind_a_stop(periph_sim: Run, tmp_path: Path):
-    path = wave(tmp_path, "S", "F4 A", "A5 A", "P", "S", "F5 A", "12 N", "P")
-    came = periph_sim("decode", str(path), "--transfers").out.splitlines()
+    path = wave(tmp_path, "S F4+ A5+ P S F5+ 12- P")
+    came = periph_sim("decode", path, "--transfers").out.splitlines()
     assert [line.split(maxsplit=1)[1] for line in came[1:]] == [
         "S 7A W(10-bit) A 2A5 A P",
         "S 7A R(10-bit) A 12 N P",
@@ -138,8 +125,8 @@ def test_ten_bits_are_not_known_again_behind_a_stop(periph_sim: Run, tmp_path: P
 
 def test_json_says_how_long_scl_was_held_low_and_where(periph_sim: Run, tmp_path: Path):
     """In the ACK slot of the address, and before the second data byte. Before a STOP there is no bit of a byte."""
-    path = wave(tmp_path, "S A6 ~ A 11 A ~ 22 A ~ P")
-    (message,) = periph_sim("decode", str(path), "--json").told["messages"]
+    path = wave(tmp_path, "S 10100110: ~400 0: 11+ ~400 22+ ~400 P")
+    (message,) = periph_sim("decode", path, "--json").told["messages"]
     first, second = message["stretches"]
     assert (first["byte"], first["bit"], second["byte"], second["bit"]) == (0, 9, 2, 1)
     for held in (first, second):
@@ -148,6 +135,6 @@ def test_json_says_how_long_scl_was_held_low_and_where(periph_sim: Run, tmp_path
 
 
 def test_json_says_what_was_cut_off(periph_sim: Run, tmp_path: Path):
-    found = periph_sim("decode", wave(tmp_path, "S", "A6 A 1 1"), "--json").told
+    found = periph_sim("decode", wave(tmp_path, "S A6+ 11:"), "--json").told
     assert found["ended"] == "cut off" and found["messages"][0]["cut"] == "11"
     assert found["messages"][0]["acked"] is True and found["messages"][0]["bytes"] == []

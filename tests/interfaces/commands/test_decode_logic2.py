@@ -69,15 +69,7 @@ def test_an_i2c_byte_lasts_from_its_first_rise_to_the_fall_after_its_ack(periph_
 
 def test_a_byte_without_ack_is_an_error_and_bits_are_left_out(periph_sim: Run, tmp_path: Path):
     """As the analyzer's source does: it tells the direction only with the ACK, so the row holds the whole byte."""
-    wave = I2cWave(20, 5, idle=100)
-    wave.start()
-    wave.bit(1)
-    wave.stop()
-    wave.idle(100)
-    wave.start()
-    for bit in (1, 0, 1, 0, 0, 1, 1, 0):
-        wave.bit(bit)
-    path = wave.saved(tmp_path)
+    path = I2cWave(20, 5, idle=100).play("S 1: P .100 S 10100110:").saved(tmp_path)
     lines = periph_sim("decode", path, "--format", "logic2").out.splitlines()
     assert lines[0] == f'{I2C_TITLES},"error"'
     assert [line.split(",")[1] + "," + ",".join(line.split(",")[4:]) for line in lines[1:]] == [
@@ -89,15 +81,7 @@ def test_a_byte_without_ack_is_an_error_and_bits_are_left_out(periph_sim: Run, t
 
 
 def test_the_bytes_of_a_10_bit_address_are_an_address_and_data(periph_sim: Run, tmp_path: Path):
-    wave = I2cWave(20, 5, idle=100)
-    wave.start()
-    wave.byte(0xF4)
-    wave.byte(0xA5)
-    wave.again()
-    wave.byte(0xF5)
-    wave.byte(0x22, ack=False)
-    wave.stop()
-    path = wave.saved(tmp_path)
+    path = I2cWave(20, 5, idle=100).play("S F4+ A5+ Sr F5+ 22- P").saved(tmp_path)
     rows = list(csv.reader(periph_sim("decode", path, "--format", "logic2").out.splitlines()[1:]))
     assert [row[1:2] + row[4:] for row in rows if row[1] in ("address", "data")] == [
         ["address", "true", "0x7A", "false", ""],

@@ -286,13 +286,10 @@ def test_a_strict_case_does_not_end_at_a_write_that_its_device_reports(periph_si
     assert named(periph_sim, file, "--case", "clock.toml")[1:] == [("30", "pointer", "SC"), ("50", "", "")]
 
 
-def test_a_chip_of_a_plugin_has_names_from_its_own_file(
-    periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
-    (tmp_path / "pyproject.toml").write_text(PROJECT, "utf-8")
-    (tmp_path / "barometer.py").write_text(BAROMETER, "utf-8")
-    monkeypatch.chdir(tmp_path)
-    file = drawn(tmp_path, reads=[(0x77, 0x00, (0x12, 0x34))])
+def test_a_chip_of_a_plugin_has_names_from_its_own_file(periph_sim: Run, here: Path):
+    (here / "pyproject.toml").write_text(PROJECT, "utf-8")
+    (here / "barometer.py").write_text(BAROMETER, "utf-8")
+    file = drawn(here, reads=[(0x77, 0x00, (0x12, 0x34))])
     assert named(periph_sim, file, "--chip", "barometer") == [
         ("00", "pointer", "P0"),
         ("12", "P0", ""),

@@ -97,16 +97,9 @@ def test_filters_keep_the_transfers_of_the_other_decoder(periph_sim: Run, name: 
 
 def test_messages_of_one_transfer_share_its_load(periph_sim: Run, tmp_path: Path):
     """A write to 0x50, then after a repeated START to the 10-bit address 0x2A5, which refuses its second byte."""
-    wave = I2cWave(20, 5, idle=100)
-    wave.start()
-    wave.byte(0xA0)
-    wave.byte(0x11)
+    wave = I2cWave(20, 5, idle=100).play("S A0+ 11+")
     again = len(wave.samples) + 40
-    wave.again()
-    wave.byte(0xF4)
-    wave.byte(0xA5)
-    wave.byte(0x22, ack=False)
-    wave.stop()
+    wave.play("Sr F4+ A5+ 22- P")
     stop = len(wave.samples) - 20
     wave.idle(100)
     path = wave.saved(tmp_path)
@@ -145,10 +138,8 @@ def test_serial_lines_have_frames_and_errors(periph_sim: Run, tmp_path: Path):
 
 
 def test_an_incomplete_byte_is_an_error_and_a_glitch_is_none(periph_sim: Run, tmp_path: Path):
-    wave = I2cWave(20, 5, idle=100)
-    wave.start()
-    wave.bit(1)
-    cut = csv.DictReader(periph_sim("decode", wave.saved(tmp_path), "--counts", "--format", "csv").out.splitlines())
+    path = I2cWave(20, 5, idle=100).play("S 1:").saved(tmp_path)
+    cut = csv.DictReader(periph_sim("decode", path, "--counts", "--format", "csv").out.splitlines())
     assert [row["errors"] for row in cut] == ["1"]
     samples = bytearray(uart_wave([(Fraction(100), frame_bits(0x55))], Fraction(10), 300))
     samples[114] ^= 1  # one of the three samples of the first data bit

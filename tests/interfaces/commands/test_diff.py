@@ -19,11 +19,8 @@ HOST_FRAMES = str(ROOT / "traces" / "host_frames.sr")
 def wave(path: Path, *, rate: str = "4 MHz", half: int = 20, lead: int = 50, pause: int = 100, last: int = 0x22) -> str:
     """Two transfers; `pause` samples between them, the last byte as given."""
     drawn = I2cWave(half, half // 5, idle=lead)
-    for number in range(2):
-        drawn.start()
-        for value in (0xA6, 0x11, last if number else 0x33):
-            drawn.byte(value)
-        drawn.stop()
+    for byte in (0x33, last):
+        drawn.transfer(0xA6, 0x11, byte)
         drawn.idle(pause)
     return sr_file(path, ["SCL", "SDA"], rate, bytes(drawn.samples))
 

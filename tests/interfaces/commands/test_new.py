@@ -20,12 +20,6 @@ TRACES = Path(__file__).parents[3] / "traces"
 LINE = re.compile(r'^( *)# (.*?)  # remove the first "#": .*, so budget "(.*)" breaks$', re.MULTILINE)
 
 
-@pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def words(case: Path) -> dict[str, str]:
     came = run_case(case)
     assert isinstance(came, Outcome), came
@@ -154,19 +148,20 @@ def test_a_mistake_is_one_sentence(periph_sim: Run, here: Path, arguments: list[
     assert not list(here.iterdir())
 
 
-def test_an_example_with_an_image_comes_with_its_source_and_all_that_it_includes(periph_sim: Run, here: Path):
-    assert periph_sim("new", "--example", "imu_hil_image", "bench").status == 0
-    assert {path.name for path in Path("bench").iterdir()} == {
-        "imu_hil_image.toml", "imu_hil.asm", "f28335.inc", "start.inc"
-    }  # fmt: skip
-    assert 'image = "imu_hil.asm"' in Path("bench/imu_hil_image.toml").read_text(encoding="utf-8")
-    assert periph_sim("run", "bench/imu_hil_image.toml", "--seconds", "0.001").status in (0, 1)
-
-
-def test_an_example_in_c_comes_with_its_sources_and_their_headers(periph_sim: Run, here: Path):
-    assert periph_sim("new", "--example", "imu_hil_c", "bench").status == 0
-    assert {path.name for path in Path("bench").iterdir()} == {"imu_hil_c.toml", "imu_hil.c", "f28335.h"}
-    assert 'sources = ["imu_hil.c"]' in Path("bench/imu_hil_c.toml").read_text(encoding="utf-8")
+@pytest.mark.parametrize(
+    ("name", "files", "key"),
+    [
+        ("imu_hil_image", {"imu_hil.asm", "f28335.inc", "start.inc"}, 'image = "imu_hil.asm"'),
+        ("imu_hil_c", {"imu_hil.c", "f28335.h"}, 'sources = ["imu_hil.c"]'),
+    ],
+)
+def test_an_example_comes_with_its_sources_and_all_that_they_include(
+    periph_sim: Run, here: Path, name: str, files: set[str], key: str
+):
+    assert periph_sim("new", "--example", name, "bench").status == 0
+    assert {path.name for path in Path("bench").iterdir()} == {f"{name}.toml", *files}
+    assert key in Path(f"bench/{name}.toml").read_text(encoding="utf-8")
+    assert periph_sim("run", f"bench/{name}.toml", "--seconds", "0.001").status in (0, 1)
 
 
 def test_a_disk_that_fills_up_leaves_no_half_of_a_pair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

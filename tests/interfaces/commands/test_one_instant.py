@@ -53,10 +53,7 @@ def write_case(measure: str) -> None:
 
 
 @pytest.mark.parametrize("measure", JUDGED)
-def test_every_place_shows_the_same_instant(
-    periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, measure: str
-):
-    monkeypatch.chdir(tmp_path)
+def test_every_place_shows_the_same_instant(periph_sim: Run, here: Path, measure: str):
     write_case(measure)
     table = periph_sim("run", "case.toml", "--record", "run.psr", "--html", "run.html").out
     (at,) = re.findall(r"^judged: .*, at (\d+\.\d{6} s)", table, re.MULTILINE)
@@ -78,11 +75,8 @@ def test_every_place_shows_the_same_instant(
     assert tick in origins and any(abs(record.tick - tick) <= 1 for record in records.records())
 
 
-def test_an_answer_to_a_forbidden_frame_is_quoted_everywhere_with_its_line(
-    periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_an_answer_to_a_forbidden_frame_is_quoted_everywhere_with_its_line(periph_sim: Run, here: Path):
     """The firmware answers a command that must be ignored: run, check, HTML and a failure of pytest say the same."""
-    monkeypatch.chdir(tmp_path)
     write_case("unsolicited replies")
     text = Path("case.toml").read_text(encoding="utf-8").partition("[[budget]]")[0]
     forbidden = 'name = "ghost"\nto = "dsp.SCI-A"\ntext = "X\\n"\nat = "15 ms"\nexpect = "nothing"\nwithin = "2 ms"\n'

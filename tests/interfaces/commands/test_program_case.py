@@ -49,12 +49,6 @@ wait:     BANZ  wait,AR4--
 """
 
 
-@pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def program(body: str, codestart: str = "", text: int = 0x9000, wdcr: int = 0x68) -> None:
     Path("mine.asm").write_text(HEAD.format(codestart=codestart, text=text, wdcr=wdcr) + body, encoding="utf-8")
 

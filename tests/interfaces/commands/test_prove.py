@@ -24,10 +24,9 @@ HERE = ("prove", "listener.toml", "--rounds", "3")
 
 
 @pytest.fixture(autouse=True)
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    listener(tmp_path)
-    return tmp_path
+def desk(here: Path) -> Path:
+    listener(here)
+    return here
 
 
 def sets(*changes: str) -> list[str]:
@@ -147,10 +146,6 @@ WRONG = {
 @pytest.mark.parametrize(("arguments", "sentence"), WRONG.values(), ids=WRONG)
 def test_bad_input_is_refused_with_status_2(periph_sim: Run, arguments: list[str], sentence: str) -> None:
     assert sentence in periph_sim.refused(*HERE, "--jobs", "1", *arguments)
-
-
-def test_a_case_that_does_not_exist_is_refused(periph_sim: Run) -> None:
-    assert "there.toml" in periph_sim.refused("prove", "there.toml")
 
 
 @pytest.mark.parametrize("error", ["ENOSPC", "EACCES"])

@@ -228,11 +228,6 @@ def test_a_pass_says_what_was_seen_and_claims_nothing_for_other_timings(periph_s
     assert came.status == 0 and came.out.startswith("imu_hil_published: PASS, as seen in this run\n")
     assert came.out.splitlines()[2].split() == ["budget", "seen", "limit", "margin", "count"]
     assert "\ncount: occurrences; seen: held in this run, other timings are not covered\n" in came.out
-    told = periph_sim(*short, "--json").told
-    assert told.keys().isdisjoint(WITHDRAWN) and all(one.keys().isdisjoint(WITHDRAWN) for one in told["budgets"])
-
-
-WITHDRAWN = {"bound", "proof", "unbounded"}
 
 
 @pytest.mark.parametrize("level", ["edge", "adaptive", "byte", "auto"])

@@ -16,8 +16,7 @@ GATE = "dsp.sci.clock_gate_access"
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def folder(here: Path) -> None:
     written(Path())
 
 

@@ -43,8 +43,7 @@ HERE = ("small.toml", "--jobs", "1")
 
 
 @pytest.fixture(autouse=True)
-def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def desk(here: Path) -> None:
     Path("small.toml").write_text(CASE, encoding="utf-8")
     Path("mine.py").write_text(FIRMWARE, encoding="utf-8")
 

@@ -10,7 +10,6 @@ import pytest
 
 from periph_sim.interfaces.commands.watch import files_of
 from tests.interfaces.commands.conftest import Run
-from tests.interfaces.reports.baselines.desk import put
 
 Step = Callable[[], object]
 
@@ -31,13 +30,6 @@ def typing(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
         monkeypatch.setattr("time.sleep", sleep)
 
     return plan
-
-
-@pytest.fixture
-def cases(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    put(Path("timing"))
-    return Path("timing")
 
 
 def edit(path: Path, old: str, new: str) -> None:

@@ -78,8 +78,7 @@ def test_commands_that_are_never_read_are_counted(tmp_path: Path) -> None:
     assert served.door.unread == len(REGISTER)
 
 
-def test_commands_are_done_in_their_own_time_and_the_controller_gives_way(tmp_path: Path) -> None:
-    log = tmp_path / "live.jsonl"
+def test_commands_are_done_in_their_own_time_and_the_controller_gives_way(tmp_path: Path, log: Path) -> None:
     served = Served(tmp_path, log)
     served.passes("2 ms")
     os.write(served.file, REGISTER)

@@ -150,8 +150,7 @@ def test_its_clock_is_as_fast_as_its_pace(tmp_path: Path) -> None:
         assert 2 * before <= line.clock() <= 2 * time.monotonic()
 
 
-def test_it_is_opened_again_and_what_was_live_replays(tmp_path: Path) -> None:
-    log = tmp_path / "live.jsonl"
+def test_it_is_opened_again_and_what_was_live_replays(tmp_path: Path, log: Path) -> None:
     line = port(tmp_path, f"&pace=0&log={log}")
     line.write(b"abc")
     assert line.read(3) == b"bcd"
@@ -195,10 +194,9 @@ def test_a_rate_that_is_set_is_the_line_s_unless_no_line_can_have_it(tmp_path: P
     ],
 )
 def test_a_break_at_the_pace_of_a_clock_follows_the_bytes_written_before(
-    tmp_path: Path, baud: int, count: int, length: float, least: int
+    tmp_path: Path, log: Path, baud: int, count: int, length: float, least: int
 ) -> None:
     """Its end is requested `length` after its beginning, which must not wait behind bytes then."""
-    log = tmp_path / "live.jsonl"
     with port(tmp_path, f"&log={log}", baudrate=baud) as line:
         line.write(b"\xff" * count)
         line.send_break(length)
@@ -217,8 +215,7 @@ def test_the_scene_of_a_closed_port_is_free(tmp_path: Path) -> None:
     assert scene() is None and line.result.sci_bytes == 1
 
 
-def test_a_break_has_its_length_in_simulated_time(tmp_path: Path) -> None:
-    log = tmp_path / "live.jsonl"
+def test_a_break_has_its_length_in_simulated_time(tmp_path: Path, log: Path) -> None:
     with port(tmp_path, f"&pace=0&log={log}") as line:
         line.write(b"\xff")
         line.send_break(0.0002)
@@ -240,9 +237,8 @@ def test_a_break_has_its_length_in_simulated_time(tmp_path: Path) -> None:
     assert broken - begin >= 10 * bit, "the frame has ended"
 
 
-def test_a_break_waits_for_the_end_of_a_slow_frame_and_of_a_break_that_was_held(tmp_path: Path) -> None:
+def test_a_break_waits_for_the_end_of_a_slow_frame_and_of_a_break_that_was_held(tmp_path: Path, log: Path) -> None:
     """A frame takes 8.3 ms at 1200 baud."""
-    log = tmp_path / "live.jsonl"
     with port(tmp_path, f"&pace=0&log={log}", baudrate=1200, timeout=0.02) as line:
         line.write(b"\xff\xff")
         line.break_condition = True

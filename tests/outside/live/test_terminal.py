@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from queue import SimpleQueue
 
@@ -45,23 +47,25 @@ def console(monkeypatch: pytest.MonkeyPatch) -> Console:
     return one
 
 
-def talking(case: Path) -> tuple[Terminal, threading.Thread]:
-    port = serial.serial_for_url(f"f28335://{case}?pace=1", baudrate=115_200, timeout=0.05)
-    terminal = Terminal(port, False, "lf", "default", "UTF-8")
-    talk = threading.Thread(target=terminal.talk, args=("hello",))
-    talk.start()
-    return terminal, talk
+@contextmanager
+def talking(case: Path) -> Iterator[Terminal]:
+    """A terminal in a thread, which ends in the block."""
+    with serial.serial_for_url(f"f28335://{case}?pace=1", baudrate=115_200, timeout=0.05) as port:
+        terminal = Terminal(port, False, "lf", "default", "UTF-8")
+        talk = threading.Thread(target=terminal.talk, args=("hello",))
+        talk.start()
+        yield terminal
+        talk.join(30)
+        assert not talk.is_alive()
 
 
 def test_it_greets_and_shows_what_the_sci_answers(console: Console, tmp_path: Path) -> None:
-    terminal, talk = talking(written(tmp_path))
-    assert console.shows("hello\r\n")
-    console.press("a")
-    assert console.shows("hello\r\nb")
-    console.press("\x1d")
-    talk.join(30)
-    assert not talk.is_alive() and terminal.failed == ""
-    terminal.serial.close()
+    with talking(written(tmp_path)) as terminal:
+        assert console.shows("hello\r\n")
+        console.press("a")
+        assert console.shows("hello\r\nb")
+        console.press("\x1d")
+    assert terminal.failed == ""
 
 
 def test_it_ends_behind_the_thread_that_shows_answers(
@@ -75,20 +79,16 @@ def test_it_ends_behind_the_thread_that_shows_answers(
         ended.append(True)
 
     monkeypatch.setattr(miniterm.Miniterm, "reader", slow)
-    terminal, talk = talking(written(tmp_path))
-    assert console.shows("hello\r\n")
-    console.press("\x1d")
-    talk.join(30)
+    with talking(written(tmp_path)):
+        assert console.shows("hello\r\n")
+        console.press("\x1d")
     assert ended == [True]
-    terminal.serial.close()
 
 
 def test_it_keeps_why_the_session_ended_by_itself(console: Console, tmp_path: Path) -> None:
     case = written(tmp_path)
     (tmp_path / "echo_firmware.py").write_text("def main(dsp, settings):\n    dsp.compute(1000)\n    1 / 0\n")
-    terminal, talk = talking(case)
-    assert console.shows("\r\nthe session has ended; press a key\r\n")
-    console.press("a")
-    talk.join(30)
-    assert not talk.is_alive() and "ZeroDivisionError at line 3 of echo_firmware.py" in terminal.failed
-    terminal.serial.close()
+    with talking(case) as terminal:
+        assert console.shows("\r\nthe session has ended; press a key\r\n")
+        console.press("a")
+    assert "ZeroDivisionError at line 3 of echo_firmware.py" in terminal.failed

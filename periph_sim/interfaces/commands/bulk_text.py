@@ -80,13 +80,12 @@ class Words:
     codes: the code of the text in each line, an integer of 0 or more.
     text_of: a function that returns the text of a code.
     pad: the character that fills the column after a text: BLANK, or NONE (a NUL, which is removed later).
-    width: the minimum width of the column.
     """
 
-    def __init__(self, codes: Numbers, text_of: Callable[[int], str], pad: bytes = NONE, width: int = 0) -> None:
+    def __init__(self, codes: Numbers, text_of: Callable[[int], str], pad: bytes = NONE) -> None:
         used, self._place = numbered(codes)
         texts = [text_of(code).encode() for code in used.tolist()]
-        self.width = max(width, *map(len, texts)) if texts else width
+        self.width = max(map(len, texts), default=0)
         joined = b"".join(text.ljust(self.width, pad) for text in texts)
         self._book = np.frombuffer(joined, np.uint8).reshape(len(texts), self.width)
 

@@ -123,7 +123,7 @@ def prove(
     """
     from ...proof import coverage_file
     from ...proof.saved_paths import coverage_path, proof_path
-    from ...proof.stretch import Job
+    from ...proof.stretch import CoveredCase, Job
     from ..reports.certain_failure import certain_failures
     from ..reports.coverage import choose, run_coverage
 
@@ -134,7 +134,6 @@ def prove(
     if table:
         _refuse_others("--table", (*WITH_TABLE, "jobs"))
     if questions:
-        from ...proof.stretch import CoveredCase
         from ..reports.questions.covered_rows import Cover
         from ..reports.questions.dependence import RUN
         from .under_questions import judge_under_questions

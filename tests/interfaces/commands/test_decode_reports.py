@@ -185,11 +185,16 @@ def test_swapped_lines_are_noted(periph_sim: Run):
 # Glitches ------------------------------------------------------------------------
 
 
-def short_pulses(capture: Path, limit: int) -> list[tuple[int, str, str, int]]:
-    """The runs of equal samples of a sigrok file of one chunk that are shorter than `limit`: counted one by one."""
+def content(capture: str | Path) -> tuple[list[str], bytearray]:
+    """The names and the samples of a sigrok file."""
     archive = zipfile.ZipFile(capture)
     names = [line.split("=")[1] for line in archive.read("metadata").decode().splitlines() if line.startswith("probe")]
-    samples = b"".join(archive.read(name) for name in archive.namelist() if name.startswith("logic-1"))
+    return names, bytearray().join(archive.read(name) for name in archive.namelist() if name.startswith("logic-1"))
+
+
+def short_pulses(capture: str | Path, limit: int) -> list[tuple[int, str, str, int]]:
+    """The runs of equal samples of a sigrok file of one chunk that are shorter than `limit`: counted one by one."""
+    names, samples = content(capture)
     found = []
     for bit, name in enumerate(names):
         at = 0
@@ -204,10 +209,7 @@ def short_pulses(capture: Path, limit: int) -> list[tuple[int, str, str, int]]:
 @pytest.mark.parametrize("capture", ["imu_round.sr", "nack.sr"])
 def test_glitches_are_the_short_runs_of_samples(periph_sim: Run, capture: str, tmp_path: Path):
     """Spikes of one to three samples are added to a capture of ours at places drawn by a seed."""
-    archive = zipfile.ZipFile(TRACES / capture)
-    metadata = archive.read("metadata").decode()
-    names = [line.split("=")[1] for line in metadata.splitlines() if line.startswith("probe")]
-    samples = bytearray(b"".join(archive.read(name) for name in archive.namelist() if name.startswith("logic-1")))
+    names, samples = content(TRACES / capture)
     random = np.random.default_rng(7)
     for at in random.integers(10, len(samples) - 10, 25).tolist():
         for place in range(at, at + int(random.integers(1, 4))):

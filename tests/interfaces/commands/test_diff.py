@@ -98,22 +98,6 @@ def test_uart_frames(periph_sim: Run):
     assert came.status == 0 and "frame" in came.out
 
 
-def test_our_own_run_with_requests_three_microseconds_apart_more(
-    periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
-    """Each request's START is 3 us later than the one before; nothing else is news."""
-    monkeypatch.chdir(ROOT)
-    a, b = str(tmp_path / "a.vcd"), str(tmp_path / "b.vcd")
-    run = ("run", "timing/responder.toml", "--seconds", "14 ms", "--record")
-    assert periph_sim(*run, a).status == 0
-    assert periph_sim("diff", a, a).status == 0
-    assert periph_sim(*run, b, "--set", "controller.period=5003 us").status == 0
-    found = periph_sim("diff", a, b, "--json").told
-    assert (found["missing"], found["inserted"], found["changed"]) == (0, 0, 0)
-    assert [(point["a"], point["step_s"]) for point in found["change_points"]] == [("START", 3e-6)] * 2
-    assert found["late"] == 2 * found["events"] // 3
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

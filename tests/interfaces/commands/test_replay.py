@@ -170,16 +170,6 @@ def test_an_impossible_rate_is_told_before_anything_runs(periph_sim: Run, captur
     assert said in periph_sim.refused("replay", str(capture), "--case", case, "--rate", "1 Hz")
 
 
-def test_a_replay_of_days_is_told_before_anything_runs(periph_sim: Run, tmp_path):
-    """Three bits at 1 Hz are too few to tell by SCL, and two days later comes another transfer."""
-    rows = [(0, 1, 1), (1, 1, 0), (2, 0, 0), (3, 1, 0), (180_000, 1, 1)]
-    text = "Time [s],SCL,SDA\n" + "".join(f"{at}.000000000,{scl},{sda}\n" for at, scl, sda in rows)
-    (tmp_path / "days.csv").write_text(text)
-    assert "there are 50 hours to play; expected at most 24" in periph_sim.refused(
-        "replay", str(tmp_path / "days.csv"), "--case", RESPONDER
-    )
-
-
 def test_what_nobody_recorded_is_told(periph_sim: Run, tmp_path):
     rows = ["Time [s],SCL,SDA", "0.000000,1,1", "0.001000,X,1", "0.002000,1,1", "0.003000,1,0", "0.003010,0,0"]
     (tmp_path / "gap.csv").write_text("\n".join(rows) + "\n")

@@ -39,15 +39,6 @@ def test_rows_may_be_named_by_the_old_option(periph_sim: Run):
     assert [row["name"] for row in told["rows"]] == ["as given", "record .psr"]
 
 
-def test_firmware_of_another_case_is_a_row(periph_sim: Run):
-    published, image = (str(TIMING / f"imu_hil_{name}.toml") for name in ("published", "image"))
-    came = periph_sim(
-        "trade", image, "--firmware", published, "--seconds", "0.04", "--row", "Python of imu_hil_published"
-    )
-    assert came.status == 0 and "\n Python of imu_hil_published " in came.out
-    assert "largest errors of times: Python of imu_hil_published in model execution" in " ".join(came.out.split())
-
-
 def test_a_row_that_is_off_by_more_than_allowed_is_not_recommended(periph_sim: Run):
     published, image = (str(TIMING / f"imu_hil_{name}.toml") for name in ("published", "image"))
     row = ("--row", "Python of imu_hil_published", "--seconds", "0.04", "--json")

@@ -38,16 +38,6 @@ def test_a_transfer_and_who_does_not_answer() -> None:
     assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
 
 
-@pytest.mark.parametrize(("rate", "least", "most"), [("100 kHz", 390, 600), ("400 kHz", 97, 300)])
-def test_its_rate_is_that_of_scl(rate: str, least: int, most: int) -> None:
-    """Four bytes and their ACKs, START, STOP: 39 periods at least, and what the chip stretches."""
-    session, _ = bus()
-    session.i2c.rate = rate
-    begin = session.now
-    assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
-    assert least <= (session.now - begin) * 1_000_000 / session.ticks_per_second <= most
-
-
 def edges_of(bits: str, half: int, hold: int) -> tuple[list[tuple[int, str, int]], int]:
     """The edges of "S 0110 Sr 1 P", and when it is over; ticks from the START."""
     edges, at, sda = [], 0, 1

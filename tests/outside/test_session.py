@@ -18,7 +18,6 @@ from periph_sim.outside import replay
 from periph_sim.outside.session import Change, OutsidePins, Session
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.outside_log import LogReader
 from tests.outside.sessions import BUS, Records, begun, bus, case, refuses
 
 Applied = list[tuple[int, dict[str, int]]]
@@ -95,24 +94,6 @@ def test_the_same_moves_give_the_same_records_however_time_is_stepped(
         at += pause
         applied.append((at, levels))
     assert played(applied, [], 0) == played(applied, list(steps), seed)
-
-
-def test_what_comes_at_a_tick_is_done_when_time_is_behind_it(log: Path) -> None:
-    with bus(log=log)[0] as session:
-        session.i2c.transfer(0x50, b"\x00", 1)
-    moves, changes = list(LogReader(log).instants()), []
-    session, _ = bus()
-    for at, levels, _ in moves:
-        changes += session.advance(at)
-        session.apply(at, levels)
-    first = changes[0]
-    session, _ = bus()
-    for at, levels, _ in moves:
-        if at < first.at:
-            session.advance(at)
-            session.apply(at, levels)
-    assert session.advance(first.at) == []
-    assert session.advance(first.at + 1) == [first]
 
 
 def test_an_advance_that_was_interrupted_can_be_repeated() -> None:
@@ -229,53 +210,6 @@ def test_a_call_that_is_refused_does_nothing() -> None:
     refuses("line 'TX' does not lead outside", session.pulls, "TX")
     session.finish()
     refuses("the session is finished; begin another one", session.apply, session.now, {"SDA": 0})
-
-
-def test_before_next_output_no_pin_moves(log: Path) -> None:
-    with bus(log=log)[0] as session:
-        assert session.i2c.transfer(0x50, b"\x00", 3) == b"\x01\x02\x03"
-    with Session(case(), BUS) as session:
-        moved = 0
-        for at, levels, _ in LogReader(log).instants():
-            while session.now < at:
-                due = session.next_output()
-                changes = session.advance(min(at, session.now + 3_000))
-                moved += len(changes)
-                assert all(due is not None and change.at >= due for change in changes)
-            session.apply(at, levels)
-        assert moved > 8
-
-
-def silent_up_to_what_was_said(session: Session, moves: Applied) -> int:
-    """How many changes of ours came, none of them before `next_output`, which was asked behind each `apply`."""
-    moved = 0
-    for at, levels, _ in moves:
-        while session.now < at:
-            due = session.next_output()
-            quiet = at if due is None else min(due, at)
-            assert session.advance(quiet) == []
-            moved += len(session.advance(min(quiet + 1, at)))
-        session.apply(at, levels)
-    return moved
-
-
-@pytest.mark.parametrize("rate", ["100 kHz", "400 kHz"])
-def test_what_was_put_is_answered_no_sooner_than_next_output_says(log: Path, rate: str) -> None:
-    with bus(log=log)[0] as session:
-        session.i2c.rate = rate
-        assert session.i2c.transfer(0x50, b"\x00", 3) == b"\x01\x02\x03"
-    moves = list(LogReader(log).instants())
-    with Session(case(), BUS) as session:
-        assert silent_up_to_what_was_said(session, moves) > 8
-
-
-def test_an_edge_is_answered_behind_the_noise_filter_and_not_at_once() -> None:
-    session, _ = bus()
-    session.advance(session.now + session.ticks("1 ms"))
-    begin = session.now
-    session.apply(begin, {"SDA": 0})
-    due = session.next_output()
-    assert due is not None and begin + 20 < due < begin + session.ticks("1 us")
 
 
 @pytest.mark.parametrize(

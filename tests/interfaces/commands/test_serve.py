@@ -138,19 +138,3 @@ def test_why_simulated_time_fell_behind_is_told() -> None:
     case.unit["dsp"].image = "firmware.out"
     why = "dsp runs an image, instruction by instruction, its polls included"
     assert _slower(case, result) == f"{said}: {why}; it keeps --pace 0.4"
-
-
-@pytest.mark.posix("pseudo-terminals")
-def test_the_log_of_a_session_that_is_refused_and_the_case_stay_as_they_were(tmp_path: Path) -> None:
-    case, taken, log = written(tmp_path), tmp_path / "taken", tmp_path / "live.jsonl"
-    taken.touch()
-    log.write_text("the last session\n")
-    text = case.read_text()
-    for more, sentence in (
-        (("--pty", "--log", str(case)), f"{case}: the session reads this file; give the log another place"),
-        (("--pty", str(taken), "--log", str(log)), f"{taken}: File exists; give the link another name"),
-    ):
-        served = serve(str(case), *more)
-        _, mistakes = served.communicate(timeout=60)
-        assert served.returncode == 2 and sentence in mistakes.replace("\n", " ")
-    assert (case.read_text(), log.read_text()) == (text, "the last session\n")

@@ -15,48 +15,52 @@ from tests.outside.live.echo import written
 pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
 
 
-@pytest.mark.posix("pseudo-terminals")
-def test_one_types_and_the_sci_answers(tmp_path: Path) -> None:
-    mine, its = os.openpty()
-    log = tmp_path / "live.jsonl"
-    command = [sys.executable, "-m", "periph_sim", "terminal", str(written(tmp_path)), "--log", str(log)]
-    typed = subprocess.Popen(command, stdin=its, stdout=its, stderr=its)
-    os.close(its)
+class Typed:
+    """The command on a pseudo-terminal. file: the user's end of it."""
 
-    def until(end: str) -> str:
+    def __init__(self, case: Path, *options: str) -> None:
+        self.file, its = os.openpty()
+        command = [sys.executable, "-m", "periph_sim", "terminal", str(case), *options]
+        self._process = subprocess.Popen(command, stdin=its, stdout=its, stderr=its)
+        os.close(its)
+
+    def until(self, end: str) -> str:
+        """What is shown from now on, with this in it."""
         shown = ""
         while end not in shown:
-            shown += os.read(mine, 1000).decode()
+            shown += os.read(self.file, 1000).decode()
         return shown
 
-    assert "scia of " in until("115200 8n1; Ctrl-] ends it, Ctrl-T Ctrl-H helps")
+    def ended(self) -> int:
+        status = self._process.wait(60)
+        os.close(self.file)
+        return status
+
+
+@pytest.mark.posix("pseudo-terminals")
+def test_one_types_and_the_sci_answers(tmp_path: Path) -> None:
+    log = tmp_path / "live.jsonl"
+    typed = Typed(written(tmp_path), "--log", str(log))
+    assert "scia of " in typed.until("115200 8n1; Ctrl-] ends it, Ctrl-T Ctrl-H helps")
     for key, answer in ((b"a", "b"), (b"x", "y")):
-        os.write(mine, key)
-        assert key.decode() not in until(answer)
-    os.write(mine, b"\x1d")
-    shown = until("lateness: 99 % of")
-    assert typed.wait(60) == 0
+        os.write(typed.file, key)
+        assert key.decode() not in typed.until(answer)
+    os.write(typed.file, b"\x1d")
+    shown = typed.until("lateness: 99 % of")
+    assert typed.ended() == 0
     assert "echo: NOT JUDGED" in shown and "2 SCI bytes" in shown
     assert log.stat().st_size > 200
-    os.close(mine)
 
 
 @pytest.mark.posix("pseudo-terminals")
 def test_a_session_that_ends_by_itself_says_so_and_why(tmp_path: Path) -> None:
-    mine, its = os.openpty()
     case = written(tmp_path)
     (tmp_path / "echo_firmware.py").write_text("def main(dsp, settings):\n    dsp.compute(1000)\n    1 / 0\n")
-    command = [sys.executable, "-m", "periph_sim", "terminal", str(case)]
-    typed = subprocess.Popen(command, stdin=its, stdout=its, stderr=its)
-    os.close(its)
-    shown = ""
-    while "the session has ended; press a key" not in shown:
-        shown += os.read(mine, 1000).decode()
-    os.write(mine, b"a")
-    while "ZeroDivisionError" not in shown:
-        shown += os.read(mine, 1000).decode()
-    assert typed.wait(60) == 2
-    os.close(mine)
+    typed = Typed(case)
+    typed.until("the session has ended; press a key")
+    os.write(typed.file, b"a")
+    typed.until("ZeroDivisionError")
+    assert typed.ended() == 2
 
 
 @pytest.mark.parametrize(

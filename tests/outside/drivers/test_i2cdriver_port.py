@@ -72,14 +72,6 @@ def test_a_program_sees_what_others_do_on_the_bus() -> None:
     assert seen == [i2cdriver.START(0x68, 0, True), i2cdriver.BYTE(0x1D, 0, True), i2cdriver.START(0x68, 1, True)]
 
 
-def test_a_link_that_a_session_left_behind_is_replaced(tmp_path: Path) -> None:
-    link = tmp_path / "i2c"
-    link.symlink_to("/dev/pts/99999")  # of a session that was killed
-    with I2cDriverPort(case(), BUS, link=link) as port:
-        assert port.path == str(link) and link.exists()
-    assert not link.is_symlink()
-
-
 def test_what_cannot_be_is_said_before_a_program_opens_it(tmp_path: Path) -> None:
     taken = tmp_path / "taken"
     taken.write_text("mine")

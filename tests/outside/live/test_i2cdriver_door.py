@@ -144,10 +144,6 @@ def test_who_reads_no_answers_is_not_heard_until_it_does(served: Served, monkeyp
 
 
 def test_what_it_cannot_have(tmp_path: Path) -> None:
-    taken = tmp_path / "taken"
-    taken.touch()
-    session = Session(case_for_bus(written(tmp_path)))
-    refuses("taken: File exists; give the link another name", I2cDriverDoor, session, taken)
     refuses("SCL of case registers does not lead outside", I2cDriverDoor, Session(load(written(tmp_path)), ("SDA",)))
     refuses("cpu lode", case_for_bus, written(tmp_path), ("budget.1.measure=cpu lode",), error=BadCase)
 

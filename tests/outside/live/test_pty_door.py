@@ -151,13 +151,6 @@ def test_who_is_ahead_waits_and_what_was_not_taken_is_counted(tmp_path: Path, mo
     os.close(file)
 
 
-def test_a_name_that_is_taken_is_refused(tmp_path: Path) -> None:
-    link = tmp_path / "dsp"
-    link.write_text("mine")
-    refuses(r"dsp: File exists; give the link another name", Served, tmp_path, link)
-    assert link.read_text() == "mine"
-
-
 def test_a_link_that_a_session_left_behind_is_replaced_and_any_other_is_refused(tmp_path: Path) -> None:
     link, other = tmp_path / "dsp", Served(tmp_path)
     pts = Path(other.door.path).parent

@@ -149,17 +149,6 @@ def test_what_it_cannot_have(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
-def test_answers_that_a_dead_client_left_are_none_to_the_next_one(served: Served) -> None:
-    served.passes("2 ms")
-    os.write(served.file, REGISTER + REGISTER)
-    served.passes("2 ms")
-    served.next_client()
-    with pytest.raises(BlockingIOError):
-        os.read(served.file, 10)
-    assert served.answer(b"r\x50\x03\x01") == b"\x44"
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
 @pytest.mark.parametrize("left", [b"r\x50\x01", b"\xc3\x01", b"c", b"eA" * 5 + b"s"])
 @pytest.mark.parametrize("unread", [True, False])
 def test_half_a_command_of_a_dead_client_is_not_completed_by_the_next_one(served: Served, left: bytes, unread: bool):

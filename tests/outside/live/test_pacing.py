@@ -41,17 +41,6 @@ def late_by(pacer: Pacer, clock: Clock, tick: int, lateness: float) -> None:
     pacer.reached(tick)
 
 
-def test_lateness_is_counted_never_silent() -> None:
-    pacer, clock = paced()
-    for tick, lateness in enumerate([0.0, 0.00015, 0.0015, 0.0015, 0.030], start=1):
-        late_by(pacer, clock, 100 * tick, lateness)
-    assert pacer.worst == pytest.approx(0.030)
-    assert (pacer.late, pacer.slips, sum(pacer.counts)) == (0, 0, 5)
-    assert (pacer.percentile(0.2), pacer.percentile(0.8), pacer.percentile(0.99)) == (0.0001, 0.002, 0.05)
-    assert pacer.text()[0] == "lateness: 99 % of 5 steps within 50 ms, worst 30 ms"
-    assert len(pacer.text()) == 1 + 4
-
-
 @pytest.mark.parametrize(
     ("when_late", "last"),
     [("slip", "later than 50 ms: 2 times, 2 slips"), ("catch-up", "later than 50 ms: 2 times, caught up")],
@@ -62,6 +51,7 @@ def test_the_histogram_in_words(when_late: str, last: str) -> None:
         late_by(pacer, clock, 10_000 * tick, lateness)
     assert pacer.counts == [2, 1, 0, 0, 0, 0, 0, 0, 1, 1, 0, 1]
     assert pacer.percentile(0.99) == pacer.worst == pytest.approx(2.0)
+    assert [pacer.percentile(share) for share in (0.2, 0.5, 0.6)] == [0.0001, 0.0002, 0.05]
     assert pacer.text() == [
         "lateness: 99 % of 6 steps within 2e+03 ms, worst 2e+03 ms",
         "         2  up to 0.1 ms",

@@ -8,7 +8,6 @@ import struct
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 
@@ -271,23 +270,6 @@ def test_without_pyserial_the_way_out_is_told(served: Served, monkeypatch: pytes
     way_out = r"needs pyserial: pip install 'periph-sim\[live\]'"
     refuses(f"RFC 2217 {way_out}", Rfc2217Door, served.line, 115_200, "8n1", 0)
     refuses(f"a real port {way_out}", PortDoor, served.line, "/dev/none", 115_200, "8n1")
-
-
-def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(served: Served) -> None:
-    first = served.client()
-    while served.line.waiting < backlog.MOST:
-        with suppress(BlockingIOError):
-            first.send(b"x" * 65536)
-        served.door.turn()
-    first.close()
-    served.passes("2 ms")
-    assert served.door.files() and served.line.waiting > backlog.MOST - 100  # so far ahead that its end is not read
-    second = served.client()
-    came, left = served.said[-1], served.said[-2]
-    assert left.partition(" ")[0] == "client" and (left.endswith(" left") or " vanished: " in left)
-    assert came.endswith("unsent bytes of the one before are discarded")
-    assert served.answer(second, b"hello").strip(b"y") == b"ifmmp" and not served.line.waiting
-    second.close()
 
 
 def test_a_client_that_left_makes_room_on_a_system_without_poll(served: Served, monkeypatch) -> None:

@@ -37,10 +37,8 @@ class I2C(AbstractContextManager["I2C"]):
 
     def try_lock(self) -> bool:
         """Lock the bus for the caller. Return False if it is locked already."""
-        if self._locked:
-            return False
-        self._locked = True
-        return True
+        was_locked, self._locked = self._locked, True
+        return not was_locked
 
     def unlock(self) -> None:
         self._locked = False

@@ -182,12 +182,11 @@ class Adapter(io.RawIOBase):
         elif request == FUNCS:
             size = ctypes.sizeof(argument)  # the argument is an unsigned long, but some programs pass an int
             ctypes.memmove(ctypes.addressof(argument), FUNCTIONS.to_bytes(size, sys.byteorder), size)
-        elif request == TENBIT:
-            if int(argument):
-                raise OSError(errno.EINVAL, "this adapter does not support ten-bit addresses")
+        elif request == TENBIT and int(argument):
+            raise OSError(errno.EINVAL, "this adapter does not support ten-bit addresses")
         elif request == PEC:
             self._checks = bool(int(argument))
-        elif request in (RETRIES, TIMEOUT):
+        elif request in (TENBIT, RETRIES, TIMEOUT):
             pass  # RETRIES and TIMEOUT are ignored: there are no retries, and a held bus times out after 25 ms
         elif request == SMBUS:
             with self._on_bus() as master:

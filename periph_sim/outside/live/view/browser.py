@@ -71,20 +71,20 @@ class _Handler(BaseHTTPRequestHandler):
         else:
             self.send_error(404)
 
+    def _begin(self, headers: dict[str, str]) -> None:
+        self.send_response(200)
+        for name, value in headers.items():
+            self.send_header(name, value)
+        self.end_headers()
+
     def _page(self) -> None:
         data = PAGE.read_bytes()
-        self.send_response(200)
-        self.send_header("Content-Type", "text/html; charset=utf-8")
-        self.send_header("Content-Length", str(len(data)))
-        self.send_header("Content-Security-Policy", RULES)
-        self.end_headers()
+        length = {"Content-Length": str(len(data)), "Content-Security-Policy": RULES}
+        self._begin({"Content-Type": "text/html; charset=utf-8", **length})
         self.wfile.write(data)
 
     def _events(self, board: Board) -> None:
-        self.send_response(200)
-        self.send_header("Content-Type", "text/event-stream")
-        self.send_header("Cache-Control", "no-store")
-        self.end_headers()
+        self._begin({"Content-Type": "text/event-stream", "Cache-Control": "no-store"})
         try:
             for snapshot in board.snapshots():
                 event = ": still here" if snapshot is None else f"data: {json.dumps(snapshot)}"

@@ -59,6 +59,12 @@ class Run:
         assert isinstance(ended.value.code, int)
         return Came(ended.value.code, *self._capsys.readouterr())
 
+    def passes(self, *arguments: str) -> str:
+        """The output of these arguments, for which the exit status is 0 and standard error is empty."""
+        came = self(*arguments)
+        assert (came.status, came.err) == (0, ""), came
+        return came.out
+
     def json(self, *arguments: str) -> tuple[int, Any]:
         """The exit status and the JSON object of these arguments and --json."""
         came = self(*arguments, "--json")

@@ -24,18 +24,15 @@ def test_from_no_baseline_to_a_change_and_its_explanation(periph_sim: Run, cases
     assert "check: 0 of 1 as they should be" in came.out and "missing" in came.out
     missing = "it has no baseline timing/baselines/small.json; write one with --update-baseline"
     assert f"timing/small.toml, line 1: {missing}" in came.out
-    came = periph_sim("check", "--jobs", "1", "--update-baseline")
-    assert (came.status, came.err) == (0, "") and "\nwritten: timing/baselines/small.json\n" in came.out
-    came = periph_sim("check", "--jobs", "1")
-    assert (came.status, came.err) == (0, "") and "equal" in came.out
+    assert "\nwritten: timing/baselines/small.json\n" in periph_sim.passes("check", "--jobs", "1", "--update-baseline")
+    assert "equal" in periph_sim.passes("check", "--jobs", "1")
     put(cases, wait=3000)
     came = periph_sim("check", "--jobs", "1")
     assert (came.status, came.err) == (1, "")
     moved = "response worst 750 -> 1543 cycles: I2C-A.I2CDXR written by dsp 3000 cycles later"
     assert f"timing/small.toml, line 19: {moved}\n" in came.out
-    came = periph_sim("check", "--jobs", "1", "--update-baseline")
-    assert came.status == 0
-    assert f"small: {moved}\n" in came.out and '\n-      "worst": 15000,\n' in came.out
+    out = periph_sim.passes("check", "--jobs", "1", "--update-baseline")
+    assert f"small: {moved}\n" in out and '\n-      "worst": 15000,\n' in out
 
 
 def test_the_table_counts_budgets_by_verdict_and_its_columns_are_explained(periph_sim: Run, cases: Path):
@@ -150,16 +147,14 @@ def test_a_pyproject_says_where_cases_and_baselines_are_and_what_is_the_default(
     put(Path("bench"), "other")
     table = '[tool.periph-sim]\ncases = ["bench"]\nbaselines = "ci/figures"\nguaranteed = true\njobs = 1\n'
     Path("pyproject.toml").write_text(table, encoding="utf-8")
-    came = periph_sim("check", "--update-baseline", "--no-guaranteed")
-    assert (came.status, came.err) == (0, "") and "\nwritten: ci/figures/other.json\n" in came.out
+    assert "\nwritten: ci/figures/other.json\n" in periph_sim.passes("check", "--update-baseline", "--no-guaranteed")
     monkeypatch.chdir("timing")
     told = "there is no ../bench/proofs/other.json; prove --table --save writes it"
     came = periph_sim("run", "../bench/other.toml")
     assert came.status == 1 and f"guaranteed: no budget is proven: {told}" in came.err.splitlines()
     came = periph_sim("check")
     assert came.status == 1 and "no budget is proven: there is no " in came.out
-    came = periph_sim("check", "--no-guaranteed")
-    assert came.status == 0 and "small" not in came.out
+    assert "small" not in periph_sim.passes("check", "--no-guaranteed")
     assert periph_sim("run", "../bench/other.toml", "--no-guaranteed").status == 0
     Path("../pyproject.toml").write_text("[tool.periph-sim]\ntolerence = 1\n", encoding="utf-8")
     for command in (("check",), ("run", "small.toml")):

@@ -282,8 +282,7 @@ def test_without_a_rate_positions_are_shown(periph_sim: Run, tmp_path: Path):
 def test_nothing_on_the_bus_is_no_mistake(periph_sim: Run, tmp_path: Path):
     path = sr_file(tmp_path / "idle.sr", ["SCL", "SDA"], "1 MHz", bytes([3]) * 100)
     for more in ((), ("--transfers",), ("--times",)):
-        came = periph_sim("decode", path, *more)
-        assert came.status == 0 and len(came.out.splitlines()) == 1
+        assert len(periph_sim.passes("decode", path, *more).splitlines()) == 1
     assert periph_sim("decode", path, "--format", "json").out == ""
     assert periph_sim("decode", path, "--format", "json", "--transfers").out == ""
 

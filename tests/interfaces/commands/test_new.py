@@ -30,9 +30,8 @@ def words(case: Path) -> dict[str, str]:
 def test_a_kind_runs_as_it_is_and_the_line_that_it_names_breaks_the_budget_that_it_names(
     periph_sim: Run, here: Path, kind: str
 ):
-    came = periph_sim("new", kind.replace("_", "-"), "bench/mine")
-    assert (came.status, came.err) == (0, "")
-    assert "\nrun it:           periph-sim run bench/mine.toml\n" in came.out
+    out = periph_sim.passes("new", kind.replace("_", "-"), "bench/mine")
+    assert "\nrun it:           periph-sim run bench/mine.toml\n" in out
     case, firmware = Path("bench/mine.toml"), Path("bench/mine.py")
     assert {path.name for path in Path("bench").iterdir()} == {
         f"mine{file.suffix}" for file in TEMPLATES.glob(f"{kind}.*")

@@ -60,9 +60,8 @@ def written() -> dict[str, Any]:
 def test_interrupts_their_periods_and_pins_become_budgets_that_hold(periph_sim: Run, here: Path):
     source = (C28X / "blink.asm").read_text(encoding="utf-8")
     Path("mine.asm").write_text(source, encoding="utf-8")
-    came = periph_sim("new", "image", "mine.asm")
-    assert (came.status, came.err) == (0, "")
-    assert "periph-sim run mine.toml\n" in came.out and "periph-sim worst mine.toml 'latency of TINT0'\n" in came.out
+    out = periph_sim.passes("new", "image", "mine.asm")
+    assert "periph-sim run mine.toml\n" in out and "periph-sim worst mine.toml 'latency of TINT0'\n" in out
     text, case = Path("mine.toml").read_text(encoding="utf-8"), written()
     assert "# vector: TINT0, served by _toggle\n" in text
     assert "# clock: PLLCR = 10, DIVSEL = 2; SYSCLKOUT is 150 MHz if the crystal has oscclk\n" in text
@@ -238,8 +237,7 @@ def test_c_sources_below_a_folder_with_their_headers(periph_sim: Run, here: Path
     for file, text in (("led/src/main.c", C), ("led/include/chip.h", CHIP), ("led/src/GlobalVariableDefs.c", "?")):
         Path(file).parent.mkdir(parents=True, exist_ok=True)
         Path(file).write_text(text, encoding="utf-8")
-    came = periph_sim("new", "c", "led")
-    assert (came.status, came.err) == (0, "")
+    periph_sim.passes("new", "c", "led")
     case = tomllib.loads(Path("led.toml").read_text(encoding="utf-8"))
     unit = case["unit"]["dsp"]
     assert (unit["sources"], unit["compile"]) == (["led/src/main.c"], {"include": ["led/include"]})

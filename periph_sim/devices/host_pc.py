@@ -121,6 +121,11 @@ class Host(Agent):
     def is_sending(self) -> bool:
         return self._peer.busy
 
+    @property
+    def last_data(self) -> bytes:
+        """The bytes of the last frame that has begun. At least one frame must have begun."""
+        return self._sending[2]
+
     def start_frame(self, tick: int) -> None:
         """Schedule one more frame after all frames of the schedule, which must have a list of starts."""
         if not self._number:

@@ -176,7 +176,8 @@ class GroupRunner:
     def run_group(self, group: Group, offset: int = 0, sleep: Sleep | None = None) -> GroupRun:
         """Run a group from the present state of rest.
 
-        offset: the number of ticks from the first start in the frame's cell to the start of the frame.
+        offset: the number of ticks from the first start in the frame's cell to the start of the frame. A frame of
+            another rate can start before or after the cell (`host_rates`).
         sleep: the wait that the service routine interrupts, and that must then go on as before; None to check nothing.
         """
         run, cells, cycle = self.run, self.cells, self.cycle
@@ -189,7 +190,7 @@ class GroupRunner:
         else:
             at = self._round_in(orbit, group) * cycle
         start = from_orbit + at
-        while min(start, start + (group.frame or 0)) <= now:
+        while min(start, start + (group.frame or 0) + min(0, offset)) <= now:
             start += period
         frame = None if group.frame is None else start + (group.frame if group.round is not None else 0)
         if frame is not None:

@@ -16,6 +16,7 @@ by one. Random groups, some of them from within cells, are run again after other
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from itertools import count, islice
 from math import gcd
 from random import Random
 from statistics import median
@@ -58,6 +59,14 @@ class Cell(NamedTuple):
         return self._replace(first=self.first + self.step, last=self.last - self.step)
 
 
+class KnownGroup(NamedTuple):
+    """A group of the table. orbit: the number of the orbit from which it starts. run: a run with its effects."""
+
+    orbit: int
+    group: Group
+    run: GroupRun
+
+
 class PairMaker:
     """Makes the table of a case in which rounds and frames start independently.
 
@@ -65,6 +74,9 @@ class PairMaker:
     on_estimate: called with the number of groups, and an estimate of the CPU time in seconds.
     call_all: makes the calls that run groups.
     least_again: the least number of groups that are run again.
+    covered: the case, without the budgets that the table cannot judge.
+    runs: the runs so far, by the number of the orbit and the group.
+    cells: the cells of groups so far.
     """
 
     def __init__(
@@ -77,7 +89,7 @@ class PairMaker:
         call_all: CallAll,
         least_again: int,
     ) -> None:
-        self._covered, self._job, self._ignored = within_round(covered), job, ignored
+        self.covered, self._job, self._ignored = within_round(covered), job, ignored
         self._on_progress, self._on_estimate, self._call_all = on_progress, on_estimate, call_all
         self._least_again = least_again
         self._random = Random(1)
@@ -110,13 +122,13 @@ class PairMaker:
     def explore(self) -> PairRun:
         """Find the cells of frames, and most of the orbits. Estimate the CPU time. Return the last `PairRun`."""
         known = Known(self._orbits, None, self._ways)
-        pair = PairRun(self._covered, self._ignored, known)
+        pair = PairRun(self.covered, self._ignored, known)
         self._frames = pair.runner.cells = find_cells(pair.runner)
         self._long = pair.runner.run.long
         self._cycle = pair.runner.cycle
         pair.end()
         self._add(pair.done)
-        pair = PairRun(self._covered, self._ignored, self._known)
+        pair = PairRun(self.covered, self._ignored, self.known)
         orbit = pair.runner.at[0]
         for group in self._alone(orbit):
             self._keep(orbit, group, pair.run(orbit, Task(group, 0, None)))
@@ -136,7 +148,7 @@ class PairMaker:
 
     def _close(self, number: int) -> None:
         """Run the groups from an orbit: the first and last group of each cell, and all groups that are in no cell."""
-        pair = PairRun(self._covered, self._ignored, self._known)
+        pair = PairRun(self.covered, self._ignored, self.known)
         waits = self.find_waits(pair, number)
         pair.end()
         self._add(pair.done)
@@ -162,17 +174,9 @@ class PairMaker:
     def _again(self) -> None:
         """Run random groups again, and compare them with the first runs."""
         wanted = max(self._least_again, len(self.runs) // REVISITED)
-        groups = list(self.runs)
         by_orbit: dict[int, list[tuple[Task, GroupRun]]] = {}
-        for count in range(wanted):
-            cell = self._random.choice(self.cells) if self.cells else None
+        for orbit, group, expected in islice(self.random_groups(), wanted):
             offset = self._random.randrange(self._frames.period)
-            if cell is None or count % NEAR_ENDS:
-                orbit, group = self._random.choice(groups)
-                expected = self.runs[orbit, group]
-            else:
-                orbit, expected = cell.orbit, self._of(cell, cell.first)
-                group = Group(cell.round, cell.first + cell.step * self._random.randrange(cell.groups))
             task = Task(group, 0 if group.frame is None else offset, None)
             by_orbit.setdefault(orbit, []).append((task, expected))
         for orbit, pairs in by_orbit.items():
@@ -183,10 +187,22 @@ class PairMaker:
                 self._compare(orbit, task.group, expected, found)
         self.table.again = wanted
 
+    def random_groups(self) -> Iterator[KnownGroup]:
+        """Yield random groups of the table, without end: some that were run, and some from within cells."""
+        groups = list(self.runs)
+        for number in count():
+            cell = self._random.choice(self.cells) if self.cells else None
+            if cell is None or number % NEAR_ENDS:
+                orbit, group = self._random.choice(groups)
+                yield KnownGroup(orbit, group, self.runs[orbit, group])
+            else:
+                group = Group(cell.round, cell.first + cell.step * self._random.randrange(cell.groups))
+                yield KnownGroup(cell.orbit, group, self._of(cell, cell.first))
+
     # Groups -------------------------------------------------------------------------
 
     @property
-    def _known(self) -> Known:
+    def known(self) -> Known:
         return Known(self._orbits, self._frames, self._ways)
 
     def _alone(self, number: int) -> list[Group]:
@@ -251,7 +267,7 @@ class PairMaker:
     def _run(self, orbit: int, tasks: Sequence[Task], keep: bool = True) -> list[GroupRun]:
         """Run groups, and return their runs in order, up to the first failure. keep: True to add them to the table."""
         calls = [
-            (self._job, self._ignored, self._known, orbit, tasks[begin : begin + CHUNK])
+            (self._job, self._ignored, self.known, orbit, tasks[begin : begin + CHUNK])
             for begin in range(0, len(tasks), CHUNK)
         ]
         found: list[GroupRun] = []
@@ -271,7 +287,7 @@ class PairMaker:
         """Add the outcome of runs to the table. Return the runs, with the numbers of orbits in the table."""
         table = self.table
         table.first_rest = done.first_rest
-        firsts = self._covered.phases.first_starts()
+        firsts = self.covered.phases.first_starts()
         table.apart = max(table.apart, done.first_rest - min(firsts.values()) + 1)
         table.outcomes += done.outcomes
         table.starts += done.frames
@@ -280,7 +296,7 @@ class PairMaker:
         self._empty |= done.empty
         rounds, frames = ({name for start, name in self._empty if start == each} for each in STARTS)
         table.lacking |= done.lacking | (rounds & frames)
-        self._covered.unknowns |= done.unknowns
+        self.covered.unknowns |= done.unknowns
         places: list[tuple[int, int]] = [(number, 0) for number in range(done.before)]
         for orbit in done.orbits:
             self._orbits.add(orbit)

@@ -10,6 +10,7 @@ limits of counts that are above 0.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from fractions import Fraction
 from pathlib import Path
 
@@ -114,6 +115,14 @@ class CoveredCase:
         """Return the time of a tick from the start of the run: in seconds, and as text."""
         ticks = self._plan.ticks
         return float(ticks.timebase.seconds(tick - ticks.start)), ticks.timebase.show(tick - ticks.start)
+
+    def at_rate(self, error: Fraction) -> CoveredCase:
+        """Return this case with another error of the host's bit rate, in percent."""
+        assert self.case.host is not None
+        other = copy(self)
+        host = self.case.host.model_copy(update={"error": error})
+        other._plan = ScenePlan(self.case.model_copy(update={"host": host}), self._plan)
+        return other
 
     def leave_out(self, name: str, reason: str) -> None:
         """Leave out a further budget. Raise BadCase if no budget is left."""

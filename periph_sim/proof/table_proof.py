@@ -16,6 +16,7 @@ from .clock_errors import clock_errors
 from .closed_table import BOTH, LEAST_REVISITED, StartTable, TableMaker, WorstInRuns, WorstRun
 from .cover import is_worse
 from .free_run import NotClosed
+from .host_rates import prove_rates
 from .pair_table import PairMaker
 from .stretch import CoveredCase, Job
 from .table_cases import check_pair
@@ -56,11 +57,14 @@ class TableProof(NamedTuple):
     within: the greatest difference from `controller.ppm` that the tables cover, in ppm; None for the clock of the case
         only.
     parts: the tables.
+    rates: the greatest difference from the bit rate of the host that the table covers, in ppm; None for the rate of the
+        case only.
     """
 
     covered: CoveredCase
     within: Fraction | None
     parts: list[Part]
+    rates: Fraction | None = None
 
     @property
     def has_failed(self) -> bool:
@@ -142,10 +146,11 @@ def prove(
     on_progress: Callable[[float], None] | None = None,
     on_estimate: Callable[[int, int, float], None] | None = None,
     call_all: CallAll = call_here,
+    rates: Fraction | None = None,
 ) -> TableProof:
     """Make the tables of a case, up to the first one that fails.
 
-    within: as in `TableProof`.
+    within, rates: as in `TableProof`.
     on_progress: called with the fraction of the known entries that were run, 0 to 1.
     on_estimate: called with the number of tables, the number of entries in each, and the estimated CPU time in seconds.
     call_all: makes the calls that make tables. The first of several tables is always made in this process.
@@ -154,7 +159,11 @@ def prove(
     """
     covered = CoveredCase(job)
     if covered.phases.is_relative:
-        return _of_pairs(covered, job, within, on_progress, on_estimate, call_all)
+        if within is not None:
+            raise NotClosed("--ppm is for a case with a [controller] and without [host]")
+        return _of_pairs(covered, job, rates, on_progress, on_estimate, call_all)
+    if rates is not None:
+        raise NotClosed("--host-ppm is for a case with both a [host] and a [controller]")
     errors = [None] if within is None else _errors(covered.case, within)
     jobs = [job if error is None else _with_clock(job, error) for error in errors]
     first = covered if within is None else CoveredCase(jobs[0])
@@ -186,14 +195,12 @@ def prove(
 def _of_pairs(
     covered: CoveredCase,
     job: Job,
-    within: Fraction | None,
+    rates: Fraction | None,
     on_progress: Callable[[float], None] | None,
     on_estimate: Callable[[int, int, float], None] | None,
     call_all: CallAll,
 ) -> TableProof:
     """Make the table of a case whose rounds and frames are free. See `prove`."""
-    if within is not None:
-        raise NotClosed("--ppm is for a case with a [controller] and without [host]")
 
     def estimate(groups: int, seconds: float) -> None:
         if on_estimate is not None:
@@ -204,7 +211,10 @@ def _of_pairs(
     if reason:
         raise NotClosed(reason)
     maker = PairMaker(covered, job, ignored, on_progress, estimate, call_all, LEAST_REVISITED)
-    return TableProof(covered, None, [Part(covered, maker.make(), ())])
+    table = maker.make()
+    if rates is not None and not table.has_failed:
+        prove_rates(maker, job, ignored, rates, LEAST_REVISITED, call_all)
+    return TableProof(covered, None, [Part(covered, table, ())], rates)
 
 
 def make_table(job: Job, rests_first: bool, least_again: int) -> StartTable:

@@ -1,0 +1,198 @@
+"""Proof that a table of groups holds for all bit rates of the host within a range.
+
+    rates from -100 to 100 ppm --rate_runs--> each sequence of samples that an SCI can take of a frame
+    a frame with such a sequence, run alone --> equal to a frame of the table, some samples earlier or later
+
+An SCI sees of a frame only the samples of its line. An edge that is t ticks after the start of a frame comes before
+sample (p + t) // S, where S is the period of the samples and p the distance of the start from the sample before it. At
+another rate, t changes by up to a few ticks, so few edges come before another sample: a range of rates has far fewer
+sequences of samples than rates and starts. Each sequence is run with the least and the greatest p that it has at one
+rate. Each run has the same effects as a frame of the table, so its service routine comes at the same instant, with the
+same data. The rest of the scene notices nothing else of a frame (`GroupRunner.check_frame`), so a round and a frame
+with this sequence are a group of the table, too. Random groups are run to check this.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from itertools import islice, pairwise
+from math import ceil, floor
+from pathlib import Path
+from random import Random
+
+from msgspec import Struct
+
+from ..bus.uart.frame_format import UartFormat
+from .calls import CallAll
+from .cover import case_of
+from .free_run import NotClosed
+from .pair_budgets import within_round
+from .pair_run import Known, PairRun, Task
+from .pair_table import KnownGroup, PairMaker
+from .stretch import CoveredCase, Job
+
+MOST_RATES = 2000  # maximum number of scenes, each with another rate
+# A frame is compared with frames of the table that start up to this number of samples earlier or later.
+MOST_SAMPLES = 2
+
+
+class RateTask(Struct, frozen=True):
+    """Frames to run at one rate of the host.
+
+    error: the value of `host.error`, in percent.
+    starts: for each sequence of samples, the least and the greatest number of ticks from a sample to the frame's start.
+    frames: frames of the table; for each of `starts`, one of them is run alone.
+    groups: groups of the table that are run, each with one of `starts`.
+    """
+
+    error: Fraction
+    starts: tuple[tuple[int, int], ...]
+    frames: tuple[KnownGroup, ...]
+    groups: tuple[KnownGroup, ...]
+
+
+def rate_runs(
+    places: Sequence[Fraction], bits: tuple[Fraction, Fraction], sample: int, first: int
+) -> Iterator[tuple[Fraction, tuple[tuple[int, int], ...]]]:
+    """Yield lengths of a bit, each with the starts to run with it, so that all sequences of samples are among them.
+
+    places: the places of the edges of a frame after its start, in bits, in ascending order.
+    bits: the least and the greatest length of a bit, in ticks.
+    sample: the number of ticks from one sample to the next.
+    first: the number of ticks from a sample to the first frame of the case. Lengths of a bit are also yielded without
+        starts, so that the first frame has each of its sequences in a run.
+    """
+    least, most = bits
+    changes = {
+        Fraction(tick, 1) / place
+        for place in places
+        if place
+        for tick in range(floor(place * least) + 1, floor(place * most) + 1)
+    }
+    seen: set[tuple[int, ...]] = set()
+    seen_first: set[tuple[int, ...]] = set()
+    known: set[tuple[tuple[int, ...], tuple[int, ...]]] = set()
+    for bit in sorted({least, *changes}):
+        edges = [floor(place * bit) for place in places]
+        # the edge comes before the next sample from this distance of the start on
+        limits = [-edge % sample for edge in edges]
+        order = {limit: number for number, limit in enumerate(sorted({0, first, *limits}))}
+        kind = tuple(-(-edge // sample) for edge in edges), tuple(order[one] for one in (first, *limits))
+        if kind in known:
+            continue
+        known.add(kind)
+        samples = tuple((first + edge) // sample for edge in edges)
+        is_new = samples not in seen_first
+        seen_first.add(samples)
+        starts = []
+        for begin, end in pairwise([*sorted({0, *limits}), sample]):
+            samples = tuple((begin + edge) // sample for edge in edges)
+            if samples not in seen:
+                seen.add(samples)
+                starts.append((begin, end - 1))
+        if starts or is_new:
+            yield bit, tuple(starts)
+
+
+def prove_rates(
+    maker: PairMaker, job: Job, ignored: Sequence[str], within: Fraction, least_again: int, call_all: CallAll
+) -> None:
+    """Run frames at all rates of the host that differ from that of the case by at most `within`, in ppm.
+
+    maker: the maker of the closed table. Its table gets the least distance of starts that holds for these rates.
+    job, ignored, call_all: as for `PairMaker`.
+    least_again: the least number of groups that are run again, at random rates.
+
+    Raise NotClosed if a frame has other effects than each frame of the table.
+    """
+    covered, known = maker.covered, maker.known
+    host, cells = covered.case.host, known.cells
+    assert host is not None and cells is not None
+    pair = PairRun(covered, ignored, known)
+    scene = pair.runner.run.scene
+    assert scene.host is not None
+    places = edge_places(scene.host.last_data, host.gap)
+    first = (scene.start + covered.phases.first_starts()["frames"] - cells.first) % cells.period
+    bits = tuple(_bit(covered, host.error + side * within / 10_000) for side in (1, -1))
+    runs = list(islice(rate_runs(places, (bits[0], bits[1]), cells.period, first), MOST_RATES + 1))
+    if len(runs) > MOST_RATES:
+        raise NotClosed(f"the frames have more than {MOST_RATES} different sequences of samples in this range of rates")
+    again = {run.after for (orbit, _), run in maker.runs.items() if run.after != orbit}  # orbits that are reached again
+    groups = (one for one in maker.random_groups() if one.orbit in again and one.group.frame is not None)
+    alone = (one for one in groups if one.group.round is None)
+    each = ceil(least_again / sum(bool(starts) for _, starts in runs))
+    tasks = [
+        RateTask(
+            _error(covered, bit),
+            starts,
+            tuple(islice(alone, len(starts))),
+            tuple(islice(groups, each if starts else 0)),
+        )
+        for bit, starts in runs
+    ]
+    longest = max(call_all(run_rate, [(job, ignored, known, task, number) for number, task in enumerate(tasks)]))
+    maker.table.again += sum(len(task.groups) for task in tasks)
+    maker.table.apart = max(maker.table.apart, longest) + (MOST_SAMPLES + 1) * cells.period
+
+
+def edge_places(data: bytes, gap: Fraction) -> list[Fraction]:
+    """Return the places of the edges in a burst of characters, in bits from its start. gap: idle bits between them."""
+    line, found = UartFormat(), []
+    for number, byte in enumerate(data):
+        begin, level = number * (line.length + gap), 1
+        for place, then in enumerate(line.levels(byte)):
+            if then != level:
+                found.append(begin + place)
+            level = then
+    return found
+
+
+def _bit(covered: CoveredCase, error: Fraction) -> Fraction:
+    """Return the length of a bit in ticks. error: the error of the rate, in percent."""
+    assert covered.case.host is not None
+    return covered.phases.ticks_per_second / (covered.case.host.baud * (1 + error / 100))
+
+
+def _error(covered: CoveredCase, bit: Fraction) -> Fraction:
+    """Return the error of the rate, in percent, with which a bit has this length in ticks."""
+    assert covered.case.host is not None
+    return (covered.phases.ticks_per_second / (covered.case.host.baud * bit) - 1) * 100
+
+
+def run_rate(job: Job, ignored: Sequence[str], known: Known, task: RateTask, seed: int) -> int:
+    """Run the frames and groups of a task, and return the greatest length of a group, in ticks.
+
+    seed: determines with which start each group is run.
+
+    Raise NotClosed if a run differs from those of the table. Another process can call this.
+    """
+    covered = within_round(case_of(job, Path.cwd())).at_rate(task.error)
+    orbits, random = len(known.orbits.known), Random(seed)
+    assert known.cells is not None
+    sample, pair, lengths = known.cells.period, PairRun(covered, ignored, known), [0]
+    rate = f"at a host.error of {float(task.error):.6g} %,"
+
+    def is_like(known: KnownGroup, offset: int) -> bool:
+        run = pair.run(known.orbit, Task(known.group, offset, None))
+        lengths.append(run.length)
+        return run.is_like(known.run)
+
+    found: list[tuple[int, int, int]] = []
+    for (least, most), frame in zip(task.starts, task.frames, strict=True):
+        samples = sorted(range(-MOST_SAMPLES, MOST_SAMPLES + 1), key=abs)
+        later = next((number for number in samples if is_like(frame, least - number * sample)), None)
+        if later is None or not is_like(frame, most - later * sample):
+            raise NotClosed(f"{rate} a frame has other effects than each frame of the table")
+        found.append((least, most, later))
+    for group in task.groups:
+        least, most, later = random.choice(found)
+        if not is_like(group, random.randint(least, most) - later * sample):
+            raise NotClosed(f"{rate} a frame and a round have other effects than those of the table")
+    pair.end()
+    failures = set[str]().union(*(outcome.failures for outcome in pair.done.outcomes))
+    if failures:
+        raise NotClosed(f"{rate} a run breaks {', '.join(sorted(failures))}")
+    if len(known.orbits.known) > orbits:
+        raise NotClosed(f"{rate} the firmware comes to a state of rest that the table does not have")
+    return max(lengths)

@@ -1,0 +1,101 @@
+"""Rates of the host: which sequences of samples they have, and which of them are proven."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import floor
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from periph_sim import form
+from periph_sim.core.records import Kind
+from periph_sim.proof import host_rates
+from periph_sim.proof.free_run import NotClosed
+from periph_sim.proof.host_rates import edge_places, rate_runs
+from periph_sim.proof.stretch import CoveredCase, Job
+from periph_sim.proof.table_proof import prove
+from periph_sim.scene.scene import Scene
+from periph_sim.timing.verdict import PROVEN
+from tests.proof.pair_cases import write_lonely
+
+Samples = tuple[int, ...]
+compiled_only = pytest.mark.skipif(form.running == form.INTERPRETED, reason="a whole table takes minutes interpreted")
+
+
+def samples_of(places: list[Fraction], bit: Fraction, start: int, sample: int) -> Samples:
+    """Return, for each edge, the number of samples before it, counted from the sample before the start."""
+    return tuple((start + floor(place * bit)) // sample for place in places)
+
+
+# Sequences of samples ----------------------------------------------------------------
+
+
+@given(
+    st.lists(st.integers(1, 40), min_size=1, max_size=6, unique=True),
+    st.integers(1, 3),
+    st.fractions(10, 40, max_denominator=7),
+    st.fractions(0, 2, max_denominator=50),
+    st.integers(2, 13),
+    st.data(),
+)
+def test_each_sequence_of_each_rate_and_start_is_run(
+    steps: list[int], parts: int, least: Fraction, more: Fraction, sample: int, data: st.DataObject
+) -> None:
+    """Any rate in the range, not only those at which an edge moves, has no other sequence."""
+    places = [Fraction(0), *(Fraction(step, parts) for step in sorted(steps))]
+    first = data.draw(st.integers(0, sample - 1))
+    runs = list(rate_runs(places, (least, least + more), sample, first))
+    run: set[Samples] = set()
+    for bit, starts in runs:
+        assert least <= bit <= least + more
+        for begin, end in starts:
+            (sequence,) = {samples_of(places, bit, start, sample) for start in range(begin, end + 1)}
+            assert sequence not in run  # none is run twice
+            run.add(sequence)
+    first_runs = {samples_of(places, bit, first, sample) for bit, _ in runs}
+    others = st.fractions(least, least + more, max_denominator=1000)
+    for bit in (least, least + more, *data.draw(st.lists(others, max_size=40))):
+        assert {samples_of(places, bit, start, sample) for start in range(sample)} <= run
+        assert samples_of(places, bit, first, sample) in first_runs
+
+
+@pytest.mark.parametrize("gap", [Fraction(0), Fraction(3), Fraction(1, 3)])
+def test_edges_are_where_the_host_makes_them(gap: Fraction, tmp_path: Path) -> None:
+    case = CoveredCase(Job(str(write_lonely(tmp_path)), (f"host.gap={gap}", "host.error=0.5"))).case
+    edges: list[int] = []
+    scene = Scene(
+        case, lambda recorder, _: recorder.subscribe([Kind.EDGE], lambda r: edges.append(r.tick), {Kind.EDGE: ["RX"]})
+    )
+    scene.advance(scene.start + scene.timebase.ticks(Fraction(11, 1000), "exact"))
+    assert scene.host is not None and len(scene.host.last_data) == 12
+    bit = scene.timebase.per_second / (Fraction(1562500) * Fraction(1005, 1000))
+    places = edge_places(scene.host.last_data, gap)
+    assert [tick - edges[0] for tick in edges] == [floor(place * bit) for place in places]
+
+
+# Proofs ------------------------------------------------------------------------------
+
+
+@compiled_only
+def test_a_frame_at_each_rate_is_a_frame_of_the_table(tmp_path: Path) -> None:
+    """Within 500 ppm, the last edge moves by half a sample, so the service routine comes a sample later or earlier."""
+    job = Job(str(write_lonely(tmp_path)))
+    one, made = prove(job), prove(job, rates=Fraction(500))
+    assert one.rates is None and made.rates == 500
+    assert made.words() == one.words() and PROVEN in made.words().values()
+    assert made.again > one.again and made.apart > one.apart
+
+
+@compiled_only
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        # a frame is proven at its rate only, if no frame of the table starts some samples earlier or later
+        ("MOST_SAMPLES = 2", "", "a frame has other effects than each frame of the table"),
+    ],
+)
+def test_other(old: str, new: str, reason: str) -> None:
+    assert old

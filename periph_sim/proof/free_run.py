@@ -11,6 +11,7 @@ from typing import Any
 from weakref import ref
 
 from ..core.chip import NEVER
+from ..core.records import RecordCallback
 from ..scene.scene import Scene
 from .normal_state import LONG_PAST, NormalState, NotComparable, normal_state
 from .record_digests import RoundDigest
@@ -43,6 +44,7 @@ class FreeRun:
         keep_values: bool,
         rests_first: bool,
         records: RoundDigest | None = None,
+        on_request: RecordCallback | None = None,
     ) -> None:
         """Advance to the first rest.
 
@@ -50,12 +52,13 @@ class FreeRun:
         rests_first: True to rest before any start; False to run the first start of the case, and then rest. If both
             rounds and frames are free, this is the first start of each.
         records: receives the records of rounds; None for a new RoundDigest.
+        on_request: as for `CoveredCase.free_scene`.
 
         Raise NotClosed if the scene does not reach a rest, or if a first start of the case is at the start of the run.
         With `rests_first`, also raise it if this start is not after the first rest.
         """
         self.records = records or RoundDigest()
-        self.scene: Scene = covered.free_scene(self.records, keep_values)
+        self.scene: Scene = covered.free_scene(self.records, keep_values, on_request)
         self.frames: list[int] = []
         self.rounds: list[int] = []
         self._ignored = ignored

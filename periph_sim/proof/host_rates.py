@@ -33,8 +33,8 @@ from .pair_table import KnownGroup, PairMaker
 from .stretch import CoveredCase, Job
 
 MOST_RATES = 2000  # maximum number of scenes, each with another rate
-# A frame is compared with frames of the table that start up to this number of samples earlier or later.
-MOST_SAMPLES = 2
+SOME = 8  # number of groups from which one is chosen for a run
+OTHER_REST = "the firmware comes to a state of rest that the table does not have"
 
 
 class RateTask(Struct, frozen=True):
@@ -42,14 +42,17 @@ class RateTask(Struct, frozen=True):
 
     error: the value of `host.error`, in percent.
     starts: for each sequence of samples, the least and the greatest number of ticks from a sample to the frame's start.
-    frames: frames of the table; for each of `starts`, one of them is run alone.
-    groups: groups of the table that are run, each with one of `starts`.
+    frames: frames of the table, for each orbit. For each of `starts`, one of them is run alone.
+    groups: groups with a round and a frame, for each orbit. `count` of them are run, each with one of `starts`.
+    delay: the number of ticks from the beginning of a frame's cell to the interrupt request, for all frames.
     """
 
     error: Fraction
     starts: tuple[tuple[int, int], ...]
-    frames: tuple[KnownGroup, ...]
-    groups: tuple[KnownGroup, ...]
+    frames: dict[int, list[KnownGroup]]
+    groups: dict[int, list[KnownGroup]]
+    count: int
+    delay: int
 
 
 def rate_runs(
@@ -112,28 +115,34 @@ def prove_rates(
     pair = PairRun(covered, ignored, known)
     scene = pair.runner.run.scene
     assert scene.host is not None
+    pair.run(pair.runner.at[0], Task(next(maker.random_groups(pair.runner.at[0], True)).group, 0, None))
+    delay = pair.runner.delay
     places = edge_places(scene.host.last_data, host.gap)
-    first = (scene.start + covered.phases.first_starts()["frames"] - cells.first) % cells.period
+    # The last character requests the interrupt, so a cell begins where the start of this character moves to a sample.
+    last = (len(scene.host.last_data) - 1) * (UartFormat().length + host.gap)
+    shift = floor(last * _bit(covered, host.error)) % cells.period
+    first = (scene.start + covered.phases.first_starts()["frames"] - cells.first - shift) % cells.period
     bits = tuple(_bit(covered, host.error + side * within / 10_000) for side in (1, -1))
     runs = list(islice(rate_runs(places, (bits[0], bits[1]), cells.period, first), MOST_RATES + 1))
     if len(runs) > MOST_RATES:
         raise NotClosed(f"the frames have more than {MOST_RATES} different sequences of samples in this range of rates")
-    again = {run.after for (orbit, _), run in maker.runs.items() if run.after != orbit}  # orbits that are reached again
-    groups = (one for one in maker.random_groups() if one.orbit in again and one.group.frame is not None)
-    alone = (one for one in groups if one.group.round is None)
     each = ceil(least_again / sum(bool(starts) for _, starts in runs))
+    orbits = range(len(known.orbits.known))
+    frames, groups = ({at: maker.random_groups(at, is_alone) for at in orbits} for is_alone in (True, False))
     tasks = [
         RateTask(
             _error(covered, bit),
-            starts,
-            tuple(islice(alone, len(starts))),
-            tuple(islice(groups, each if starts else 0)),
+            tuple((least + shift, most + shift) for least, most in starts),
+            {orbit: list(islice(found, SOME)) for orbit, found in frames.items()},
+            {orbit: list(islice(found, SOME)) for orbit, found in groups.items()},
+            each if starts else 0,
+            delay,
         )
         for bit, starts in runs
     ]
     longest = max(call_all(run_rate, [(job, ignored, known, task, number) for number, task in enumerate(tasks)]))
-    maker.table.again += sum(len(task.groups) for task in tasks)
-    maker.table.apart = max(maker.table.apart, longest) + (MOST_SAMPLES + 1) * cells.period
+    maker.table.again += sum(task.count for task in tasks)
+    maker.table.apart = max(maker.table.apart, longest + 1)
 
 
 def edge_places(data: bytes, gap: Fraction) -> list[Fraction]:
@@ -173,26 +182,31 @@ def run_rate(job: Job, ignored: Sequence[str], known: Known, task: RateTask, see
     sample, pair, lengths = known.cells.period, PairRun(covered, ignored, known), [0]
     rate = f"at a host.error of {float(task.error):.6g} %,"
 
-    def is_like(known: KnownGroup, offset: int) -> bool:
-        run = pair.run(known.orbit, Task(known.group, offset, None))
+    def is_like(groups: dict[int, list[KnownGroup]], offset: int) -> bool:
+        """Run one of these groups, which must start from the present orbit."""
+        orbit = pair.runner.at[0]
+        if orbit >= orbits:
+            raise NotClosed(f"{rate} {OTHER_REST}")
+        one = random.choice(groups[orbit])
+        run = pair.run(orbit, Task(one.group, offset, None))
         lengths.append(run.length)
-        return run.is_like(known.run)
+        return run.is_like(one.run) and pair.runner.delay == task.delay
 
-    found: list[tuple[int, int, int]] = []
-    for (least, most), frame in zip(task.starts, task.frames, strict=True):
-        samples = sorted(range(-MOST_SAMPLES, MOST_SAMPLES + 1), key=abs)
-        later = next((number for number in samples if is_like(frame, least - number * sample)), None)
-        if later is None or not is_like(frame, most - later * sample):
+    found: list[range] = []
+    for least, most in task.starts:
+        is_like(task.frames, least)
+        later = pair.runner.delay - task.delay
+        offsets = range(least - later, most - later + 1)
+        if later % sample or not is_like(task.frames, offsets[0]) or not is_like(task.frames, offsets[-1]):
             raise NotClosed(f"{rate} a frame has other effects than each frame of the table")
-        found.append((least, most, later))
-    for group in task.groups:
-        least, most, later = random.choice(found)
-        if not is_like(group, random.randint(least, most) - later * sample):
+        found.append(offsets)
+    for _ in range(task.count):
+        if not is_like(task.groups, random.choice(random.choice(found))):
             raise NotClosed(f"{rate} a frame and a round have other effects than those of the table")
     pair.end()
     failures = set[str]().union(*(outcome.failures for outcome in pair.done.outcomes))
     if failures:
         raise NotClosed(f"{rate} a run breaks {', '.join(sorted(failures))}")
     if len(known.orbits.known) > orbits:
-        raise NotClosed(f"{rate} the firmware comes to a state of rest that the table does not have")
+        raise NotClosed(f"{rate} {OTHER_REST}")
     return max(lengths)

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple, cast
 
 from ..core.chip import NEVER
+from ..core.records import Record
 from ..f28335.xint.module import Xint
 from .free_run import FreeRun, NotClosed
 from .normal_state import NormalState, differences, digest, period_of, periods_of
@@ -25,6 +26,7 @@ NAMED = 4  # maximum number of attributes that are named if a state does not rep
 MOST_ORBITS = 24
 MOST_AWAY = 40  # number of frames after which a state counts as one that is not reached again
 MARGIN = 8  # cycles before and after a service routine in which it may still affect the wait that it interrupts
+REQUESTS = ("PIEIFR9.INTx1", "PIEIFR9.INTx3", "PIEIFR8.INTx5")  # SCIRXINTA, SCIRXINTB, SCIRXINTC
 PASSES = 8  # a wait must be as before at most this number of passes after a service routine
 
 
@@ -135,6 +137,8 @@ class GroupRunner:
 
     records: the records of the present group.
     at: the number of the orbit of the present state of rest, and its cycle in the orbit.
+    delay: the number of ticks from the beginning of the frame's cell to the interrupt request of the SCI, in the last
+        group with a frame.
     """
 
     def __init__(
@@ -145,10 +149,12 @@ class GroupRunner:
         ignored: as for `normal_state`. cells: None while they are not known.
         """
         self.records = GroupDigest()
-        self.run = FreeRun(covered, ignored, False, False, self.records)
+        self._requested = 0  # the tick of the last interrupt request of an SCI's receiver
+        self.run = FreeRun(covered, ignored, False, False, self.records, self._on_request)
         self.records.noticed = ""  # until now, accesses are allowed: start-up code sets up the SCI
         self.orbits = orbits
         self.cells = cells
+        self.delay = 0
         (dsp, *_) = self.run.scene.units.values()
         program: Any = dsp.program
         self._polls: Any = program.cpu.polls
@@ -207,10 +213,16 @@ class GroupRunner:
             within = within and sleep.begin <= entered and left < sleep.end
             within = within and (sleep.end < NEVER or self._goes_on(sleep))
         self.check_frame(frame is not None)
+        if frame is not None:
+            self.delay = self._requested - frame + offset
         self.at = after, there = self.place()
         length = run.now - start
         shift = (there * cycle - at - length) % (self.orbits.known[after].cycles * cycle)
         return GroupRun(after, shift, self.records.digest, self.records.routine, run.now - first, within)
+
+    def _on_request(self, record: Record) -> None:
+        if record.value and record.what in REQUESTS:
+            self._requested = record.tick
 
     def check_frame(self, is_sent: bool) -> None:
         """Raise NotClosed if the firmware has noticed more of a frame than one service routine of the SCI.

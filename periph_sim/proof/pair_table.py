@@ -187,15 +187,25 @@ class PairMaker:
                 self._compare(orbit, task.group, expected, found)
         self.table.again = wanted
 
-    def random_groups(self) -> Iterator[KnownGroup]:
-        """Yield random groups of the table, without end: some that were run, and some from within cells."""
-        groups = list(self.runs)
-        for number in count():
-            cell = self._random.choice(self.cells) if self.cells else None
-            if cell is None or number % NEAR_ENDS:
+    def random_groups(self, number: int | None = None, is_alone: bool | None = None) -> Iterator[KnownGroup]:
+        """Yield random groups of the table, without end: some that were run, and some from within cells.
+
+        number: only groups from this orbit; None for all orbits.
+        is_alone: True for frames alone, False for groups with a round and a frame, None for all groups.
+        """
+
+        def is_wanted(orbit: int, group: Group) -> bool:
+            kind = None if group.frame is None else group.round is None
+            return number in (None, orbit) and is_alone in (None, kind)
+
+        groups = [key for key in self.runs if is_wanted(*key)]
+        cells = [cell for cell in self.cells if is_wanted(cell.orbit, Group(cell.round, cell.first))]
+        for turn in count():
+            if not cells or turn % NEAR_ENDS:
                 orbit, group = self._random.choice(groups)
                 yield KnownGroup(orbit, group, self.runs[orbit, group])
             else:
+                cell = self._random.choice(cells)
                 group = Group(cell.round, cell.first + cell.step * self._random.randrange(cell.groups))
                 yield KnownGroup(cell.orbit, group, self._of(cell, cell.first))
 

@@ -17,9 +17,10 @@ from pathlib import Path
 from msgspec import Struct
 
 from ..core.kernel import SimulationStuck
-from ..core.records import Kind, Listener, Recorder
+from ..core.records import Kind, Listener, RecordCallback, Recorder
 from ..core.time import Timebase
 from ..f28335.memory.memory_map import NoSuchAddress
+from ..f28335.pie.register_map import PIEIFR
 from ..processor.user_code import FirmwareError
 from ..scene.case.inputs_table import InputsTable
 from ..scene.case.load import load
@@ -144,20 +145,23 @@ class CoveredCase:
         case = self.case.model_copy(update={"inputs": inputs, "duration": duration, "seed": seed})
         return Scene(ScenePlan(case, self._plan), subscribe)
 
-    def free_scene(self, listener: Listener, keep_values: bool) -> Scene:
+    def free_scene(self, listener: Listener, keep_values: bool, on_request: RecordCallback | None = None) -> Scene:
         """Return a scene, not yet run, in which no start that can move is scheduled.
 
         listener: receives the records of accesses, interrupts, and events and frames on lines.
         keep_values: as for `Scene`.
+        on_request: receives the records of the PIE's request flags.
         """
         frames, rounds = (None if table is None else () for table in (self.case.host, self.case.controller))
         case = self.case.model_copy(update={"inputs": InputsTable(frames=frames, rounds=rounds)})
-        kinds = [Kind.ACCESS, Kind.IRQ, Kind.BUS, Kind.FRAME]
-        return Scene(
-            ScenePlan(case, self._plan),
-            lambda recorder, _: recorder.subscribe(kinds, listener),
-            keep_values=keep_values,
-        )
+        flags = [f"{unit}.PIE.{register.name}" for unit in case.unit for register in PIEIFR]
+
+        def subscribe(recorder: Recorder, _: Timebase) -> None:
+            recorder.subscribe([Kind.ACCESS, Kind.IRQ, Kind.BUS, Kind.FRAME], listener)
+            if on_request is not None:
+                recorder.subscribe([Kind.FLAG], on_request, {Kind.FLAG: flags})
+
+        return Scene(ScenePlan(case, self._plan), subscribe, keep_values=keep_values)
 
     def looks_back(self) -> dict[str, set[str]]:
         """Return a dictionary from each covered budget to the ranges on which its values depend (`Measure.looks_back`).

@@ -28,12 +28,15 @@ from .calls import CallAll
 from .cover import case_of
 from .free_run import NotClosed
 from .pair_budgets import within_round
+from .pair_groups import Group, GroupRun
 from .pair_run import Known, PairRun, Task
 from .pair_table import KnownGroup, PairMaker
 from .stretch import CoveredCase, Job
 
 MOST_RATES = 2000  # maximum number of scenes, each with another rate
 SOME = 8  # number of groups from which one is chosen for a run
+# Lengths of a bit in ticks. For each of them, the ranges of starts in ticks: the least and the greatest of each.
+RatePlan = list[tuple[Fraction, tuple[tuple[int, int], ...]]]
 OTHER_REST = "the firmware comes to a state of rest that the table does not have"
 
 
@@ -44,7 +47,6 @@ class RateTask(Struct, frozen=True):
     starts: for each sequence of samples, the least and the greatest number of ticks from a sample to the frame's start.
     frames: frames of the table, for each orbit. For each of `starts`, one of them is run alone.
     groups: groups with a round and a frame, for each orbit. `count` of them are run, each with one of `starts`.
-    delay: the number of ticks from the beginning of a frame's cell to the interrupt request, for all frames.
     """
 
     error: Fraction
@@ -52,7 +54,6 @@ class RateTask(Struct, frozen=True):
     frames: dict[int, list[KnownGroup]]
     groups: dict[int, list[KnownGroup]]
     count: int
-    delay: int
 
 
 def rate_runs(
@@ -98,10 +99,40 @@ def rate_runs(
             yield bit, tuple(starts)
 
 
+def plan_rates(maker: PairMaker, ignored: Sequence[str], within: Fraction) -> RatePlan:
+    """Return the rates of the host to run, which differ from that of the case by at most `within`, in ppm.
+
+    The result has those of `rate_runs`, with starts that are counted from the beginning of a frame's cell.
+
+    maker: the maker of a table that knows the cells of frames. ignored: as for `PairMaker`.
+
+    Raise NotClosed if there are too many, or if the interrupt is not requested with the last character of a frame.
+    """
+    covered, known = maker.covered, maker.known
+    host, cells = covered.case.host, known.cells
+    assert host is not None and cells is not None
+    pair = PairRun(covered, ignored, known)
+    orbit = pair.runner.at[0]
+    frame = (cells.first - known.orbits.known[orbit].origin) % cells.period
+    delay, scene = pair.run(orbit, Task(Group(None, frame), 0, None)).delay, pair.runner.run.scene
+    assert scene.host is not None
+    data, line, bit = scene.host.last_data, UartFormat(), _bit(covered, host.error)
+    last = (len(data) - 1) * (line.length + host.gap)
+    if not 0 <= delay - (last + line.length - 1) * bit <= 2 * bit:
+        raise NotClosed("the interrupt of the SCI is not requested with the last character of a frame")
+    shift = floor(last * bit) % cells.period  # a cell begins where the start of the last character moves to a sample
+    first = (scene.start + covered.phases.first_starts()["frames"] - cells.first - shift) % cells.period
+    bits = _bit(covered, host.error + within / 10_000), _bit(covered, host.error - within / 10_000)
+    found = list(islice(rate_runs(edge_places(data, host.gap), bits, cells.period, first), MOST_RATES + 1))
+    if len(found) > MOST_RATES:
+        raise NotClosed(f"the frames have more than {MOST_RATES} different sequences of samples in this range of rates")
+    return [(bit, tuple((one + shift, two + shift) for one, two in starts)) for bit, starts in found]
+
+
 def prove_rates(
-    maker: PairMaker, job: Job, ignored: Sequence[str], within: Fraction, least_again: int, call_all: CallAll
+    plan: RatePlan, maker: PairMaker, job: Job, ignored: Sequence[str], least_again: int, call_all: CallAll
 ) -> None:
-    """Run frames at all rates of the host that differ from that of the case by at most `within`, in ppm.
+    """Run frames at all rates of a plan.
 
     maker: the maker of the closed table. Its table gets the least distance of starts that holds for these rates.
     job, ignored, call_all: as for `PairMaker`.
@@ -109,38 +140,21 @@ def prove_rates(
 
     Raise NotClosed if a frame has other effects than each frame of the table.
     """
-    covered, known = maker.covered, maker.known
-    host, cells = covered.case.host, known.cells
-    assert host is not None and cells is not None
-    pair = PairRun(covered, ignored, known)
-    scene = pair.runner.run.scene
-    assert scene.host is not None
-    pair.run(pair.runner.at[0], Task(next(maker.random_groups(pair.runner.at[0], True)).group, 0, None))
-    delay = pair.runner.delay
-    places = edge_places(scene.host.last_data, host.gap)
-    # The last character requests the interrupt, so a cell begins where the start of this character moves to a sample.
-    last = (len(scene.host.last_data) - 1) * (UartFormat().length + host.gap)
-    shift = floor(last * _bit(covered, host.error)) % cells.period
-    first = (scene.start + covered.phases.first_starts()["frames"] - cells.first - shift) % cells.period
-    bits = tuple(_bit(covered, host.error + side * within / 10_000) for side in (1, -1))
-    runs = list(islice(rate_runs(places, (bits[0], bits[1]), cells.period, first), MOST_RATES + 1))
-    if len(runs) > MOST_RATES:
-        raise NotClosed(f"the frames have more than {MOST_RATES} different sequences of samples in this range of rates")
-    each = ceil(least_again / sum(bool(starts) for _, starts in runs))
-    orbits = range(len(known.orbits.known))
+    each = ceil(least_again / sum(bool(starts) for _, starts in plan))
+    orbits = range(len(maker.known.orbits.known))
     frames, groups = ({at: maker.random_groups(at, is_alone) for at in orbits} for is_alone in (True, False))
     tasks = [
         RateTask(
-            _error(covered, bit),
-            tuple((least + shift, most + shift) for least, most in starts),
+            _error(maker.covered, bit),
+            starts,
             {orbit: list(islice(found, SOME)) for orbit, found in frames.items()},
             {orbit: list(islice(found, SOME)) for orbit, found in groups.items()},
             each if starts else 0,
-            delay,
         )
-        for bit, starts in runs
+        for bit, starts in plan
     ]
-    longest = max(call_all(run_rate, [(job, ignored, known, task, number) for number, task in enumerate(tasks)]))
+    calls = [(job, ignored, maker.known, task, number) for number, task in enumerate(tasks)]
+    longest = max(call_all(run_rate, calls))
     maker.table.again += sum(task.count for task in tasks)
     maker.table.apart = max(maker.table.apart, longest + 1)
 
@@ -176,37 +190,47 @@ def run_rate(job: Job, ignored: Sequence[str], known: Known, task: RateTask, see
 
     Raise NotClosed if a run differs from those of the table. Another process can call this.
     """
+    try:
+        return _run_rate(job, ignored, known, task, seed)
+    except NotClosed as error:
+        raise NotClosed(f"at a host.error of {float(task.error):.6g} %, {error}") from None
+
+
+def _run_rate(job: Job, ignored: Sequence[str], known: Known, task: RateTask, seed: int) -> int:
     covered = within_round(case_of(job, Path.cwd())).at_rate(task.error)
     orbits, random = len(known.orbits.known), Random(seed)
     assert known.cells is not None
     sample, pair, lengths = known.cells.period, PairRun(covered, ignored, known), [0]
-    rate = f"at a host.error of {float(task.error):.6g} %,"
 
-    def is_like(groups: dict[int, list[KnownGroup]], offset: int) -> bool:
-        """Run one of these groups, which must start from the present orbit."""
+    def run(groups: dict[int, list[KnownGroup]], offset: int) -> tuple[GroupRun, GroupRun]:
+        """Run one of the groups that start from the present orbit. Return its run in the table, and this run."""
         orbit = pair.runner.at[0]
         if orbit >= orbits:
-            raise NotClosed(f"{rate} {OTHER_REST}")
+            raise NotClosed(OTHER_REST)
         one = random.choice(groups[orbit])
-        run = pair.run(orbit, Task(one.group, offset, None))
-        lengths.append(run.length)
-        return run.is_like(one.run) and pair.runner.delay == task.delay
+        found = pair.run(orbit, Task(one.group, offset, None))
+        lengths.append(found.length)
+        return one.run, found
+
+    def is_like(groups: dict[int, list[KnownGroup]], offset: int) -> bool:
+        known, found = run(groups, offset)
+        return known.is_like(found)
 
     found: list[range] = []
     for least, most in task.starts:
-        is_like(task.frames, least)
-        later = pair.runner.delay - task.delay
+        before, after = run(task.frames, least)
+        later = after.delay - before.delay
         offsets = range(least - later, most - later + 1)
         if later % sample or not is_like(task.frames, offsets[0]) or not is_like(task.frames, offsets[-1]):
-            raise NotClosed(f"{rate} a frame has other effects than each frame of the table")
+            raise NotClosed("a frame has other effects than each frame of the table")
         found.append(offsets)
     for _ in range(task.count):
         if not is_like(task.groups, random.choice(random.choice(found))):
-            raise NotClosed(f"{rate} a frame and a round have other effects than those of the table")
+            raise NotClosed("a frame and a round have other effects than those of the table")
     pair.end()
     failures = set[str]().union(*(outcome.failures for outcome in pair.done.outcomes))
     if failures:
-        raise NotClosed(f"{rate} a run breaks {', '.join(sorted(failures))}")
+        raise NotClosed(f"a run breaks {', '.join(sorted(failures))}")
     if len(known.orbits.known) > orbits:
-        raise NotClosed(f"{rate} {OTHER_REST}")
+        raise NotClosed(OTHER_REST)
     return max(lengths)

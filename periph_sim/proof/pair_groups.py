@@ -49,6 +49,8 @@ class GroupRun(NamedTuple):
     shift: the number of ticks by which the place in this orbit is beyond the place at which the group started plus the
         elapsed time, modulo the length of the orbit.
     main, routine: the digests of `GroupDigest`.
+    delay: the number of ticks from the beginning of the frame's cell to the interrupt request of the SCI; 0 for a round
+        alone.
     length: the number of ticks from the first start to the rest.
     within: True if the service routine ran within the wait that was given to `run_group`, and the wait then continued;
         always True if no wait was given.
@@ -58,12 +60,13 @@ class GroupRun(NamedTuple):
     shift: int
     main: int
     routine: int
+    delay: int
     length: int
     within: bool
 
     def is_like(self, other: GroupRun) -> bool:
         """Return True if two runs of a group, or of groups with equal effects, agree."""
-        return self[:4] == other[:4]
+        return self[:5] == other[:5]
 
 
 class Sleep(NamedTuple):
@@ -137,8 +140,6 @@ class GroupRunner:
 
     records: the records of the present group.
     at: the number of the orbit of the present state of rest, and its cycle in the orbit.
-    delay: the number of ticks from the beginning of the frame's cell to the interrupt request of the SCI, in the last
-        group with a frame.
     """
 
     def __init__(
@@ -154,7 +155,6 @@ class GroupRunner:
         self.records.noticed = ""  # until now, accesses are allowed: start-up code sets up the SCI
         self.orbits = orbits
         self.cells = cells
-        self.delay = 0
         (dsp, *_) = self.run.scene.units.values()
         program: Any = dsp.program
         self._polls: Any = program.cpu.polls
@@ -213,12 +213,11 @@ class GroupRunner:
             within = within and sleep.begin <= entered and left < sleep.end
             within = within and (sleep.end < NEVER or self._goes_on(sleep))
         self.check_frame(frame is not None)
-        if frame is not None:
-            self.delay = self._requested - frame + offset
+        delay = 0 if frame is None else self._requested - frame + offset
         self.at = after, there = self.place()
         length = run.now - start
         shift = (there * cycle - at - length) % (self.orbits.known[after].cycles * cycle)
-        return GroupRun(after, shift, self.records.digest, self.records.routine, run.now - first, within)
+        return GroupRun(after, shift, self.records.digest, self.records.routine, delay, run.now - first, within)
 
     def _on_request(self, record: Record) -> None:
         if record.value and record.what in REQUESTS:

@@ -102,12 +102,11 @@ class PairMaker:
         self._expected = 0  # expected number of groups to run
 
     def make(self) -> StartTable:
-        """Return the table, once it is closed or a run has failed.
+        """Return the table, once it is closed or a run has failed. Call `explore` before.
 
         Raise NotClosed if it cannot be closed, or if two runs of a group differ.
         """
         table = self.table
-        self.explore()
         number = 0
         while number < len(self._orbits.known) and not table.has_failed:
             self._close(number)

@@ -56,6 +56,8 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     moved: what starts: "rounds", "frames", or "rounds and frames".
     ticks_per_second: the number of ticks per second.
     within_ppm: the greatest difference from `controller.ppm` that the proof covers; None for the case's clock only.
+    host_within_ppm: the greatest difference from the bit rate of the host that the proof covers, in ppm; None for the
+        rate in the case only.
     first: the tick of the case's first start or, if `rests_first` is True, of the first rest, from the start of the
         run.
     rests_first: True if the first start is any tick after `first`.
@@ -71,6 +73,7 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     moved: str
     ticks_per_second: Annotated[int, Meta(ge=1)]
     within_ppm: float | None
+    host_within_ppm: float | None = None
     first: int
     rests_first: bool
     apart: int
@@ -86,6 +89,8 @@ class ProofFile(Struct, frozen=True, kw_only=True):
         of = len(self.proven) + len(self.not_proven)
         apart = milliseconds(self.apart, self.ticks_per_second)
         clocks = "" if self.within_ppm is None else f", and all clocks of the controller within {self.within_ppm:g} ppm"
+        if self.host_within_ppm is not None:
+            clocks += f", and all bit rates of the host within {self.host_within_ppm:g} ppm"
         return f"{len(self.proven)} of {counted(of, 'budget')} proven for {starts_text(self.moved, apart)}{clocks}"
 
 
@@ -106,6 +111,7 @@ def proof_of(made: TableProof, dependencies: Dependencies) -> ProofFile:
         moved=made.moved,
         ticks_per_second=covered.phases.ticks_per_second,
         within_ppm=None if made.within is None else float(made.within),
+        host_within_ppm=None if made.rates is None else float(made.rates),
         first=made.first,
         rests_first=made.rests_first,
         apart=made.apart,

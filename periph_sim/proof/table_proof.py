@@ -16,7 +16,7 @@ from .clock_errors import clock_errors
 from .closed_table import BOTH, LEAST_REVISITED, StartTable, TableMaker, WorstInRuns, WorstRun
 from .cover import is_worse
 from .free_run import NotClosed
-from .host_rates import prove_rates
+from .host_rates import plan_rates, prove_rates
 from .pair_table import PairMaker
 from .stretch import CoveredCase, Job
 from .table_cases import check_pair
@@ -211,9 +211,11 @@ def _of_pairs(
     if reason:
         raise NotClosed(reason)
     maker = PairMaker(covered, job, ignored, on_progress, estimate, call_all, LEAST_REVISITED)
+    maker.explore()
+    plan = None if rates is None else plan_rates(maker, ignored, rates)
     table = maker.make()
-    if rates is not None and not table.has_failed:
-        prove_rates(maker, job, ignored, rates, LEAST_REVISITED, call_all)
+    if plan is not None and not table.has_failed:
+        prove_rates(plan, maker, job, ignored, LEAST_REVISITED, call_all)
     return TableProof(covered, None, [Part(covered, table, ())], rates)
 
 

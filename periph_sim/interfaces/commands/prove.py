@@ -3,34 +3,29 @@
 from __future__ import annotations
 
 import os
-from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from ...core.phrases import counted
-from ...core.text_table import paragraph, together
 from ...proof.phases import ROUNDS
-from ...timing.verdict import BROKEN, NOT_JUDGED, PROVEN, figure, limit
-from .command_frame import command, given_options, print_json, print_table, progress, running_user_code, say, time_given
+from ...timing.verdict import PROVEN
+from .command_frame import command, given_options, print_json, progress, running_user_code, time_given
 from .shared_options import CHANGES, CLUSTER, JSON, SVG, cluster_given, diagram_file
 from .watch import note_inputs
 
 if TYPE_CHECKING:
-    from ...proof.cover import Window, Worst
+    from ...proof.cover import Worst
     from ..reports.certain_failure import CertainFailure
     from ..reports.coverage import Coverage
 
-HELD = "held"  # the word for a budget that no run broke
 MOST_PPM = 10_000  # highest value of --ppm
 STEP = 97  # the default of --step in cycles; it has no common divisor with usual clock dividers or lengths of waits
 # The parameters that are allowed with --table, and with --questions.
-WITH_TABLE = ("case", "changes", "folder", "table", "ppm", "save", "questions", "as_json")
+WITH_TABLE = ("case", "changes", "folder", "table", "ppm", "rates", "save", "questions", "as_json")
 WITH_QUESTIONS = ("case", "changes", "step", "only", "rounds", "start_up", "table", "questions", "jobs", "as_json")
-MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures, that are listed; --json has all
 
 
 @command(
@@ -68,8 +63,15 @@ MOST_LISTED = 4  # maximum number of windows of a budget, and of other failures,
 @click.option(
     "--ppm",
     metavar="PPM",
-    callback=lambda context, option, text: None if text is None else _ppm_given(text),
+    callback=lambda context, option, text: None if text is None else _ppm_given("--ppm", text),
     help="With --table: cover all clocks of the controller within PPM of the case's.",
+)
+@click.option(
+    "--host-ppm",
+    "rates",
+    metavar="PPM",
+    callback=lambda context, option, text: None if text is None else _ppm_given("--host-ppm", text),
+    help="With --table and a [controller]: cover all bit rates of the host within PPM of the case's.",
 )
 @click.option(
     "--save",
@@ -91,6 +93,7 @@ def prove(
     folder: Path | None,
     table: bool,
     ppm: Fraction | None,
+    rates: Fraction | None,
     save: bool,
     questions: bool,
     svg: Path | None,
@@ -108,8 +111,9 @@ def prove(
     With --table, the states between rounds and frames are compared, and each start is run from each of these states.
     If no further state appears, the budgets are proven for all starts. This needs one unit, with ppm 0, that runs an
     image, and constant data. With --ppm, this is done for each clock of the controller that gives other lengths in
-    ticks. Allowed with --table are --set, --witness, --save, --json, --ppm and --questions, and --jobs with one of
-    these two or with a case that has a [host] and a [controller].
+    ticks. With --host-ppm, frames are run at all rates that the SCI samples differently. Allowed with --table are
+    --set, --witness, --save, --json, --ppm, --host-ppm and --questions, and --jobs with --ppm, --questions, or a case
+    that has a [host] and a [controller].
 
     With --questions, the phases or the table are run again with each other answer to the open questions, and with
     pairs of related answers. The output names the budgets whose verdict depends on an answer.
@@ -126,11 +130,13 @@ def prove(
     from ...proof.stretch import CoveredCase, Job
     from ..reports.certain_failure import certain_failures
     from ..reports.coverage import choose, run_coverage
+    from .prove_text import HELD, show, words_of
 
     if save and changes:
         raise click.UsageError("--save with --set: a saved result is of the unchanged case; remove one of them")
-    if ppm is not None and not table:
-        raise click.UsageError("--ppm needs --table; add it")
+    for option, given in (("--ppm", ppm), ("--host-ppm", rates)):
+        if given is not None and not table:
+            raise click.UsageError(f"{option} needs --table; add it")
     if table:
         _refuse_others("--table", (*WITH_TABLE, "jobs"))
     if questions:
@@ -149,7 +155,7 @@ def prove(
 
         if save:
             _check_writable(proof_path(case))
-        return prove_with_table(Job(str(case), changes), ppm, jobs, folder, save, as_json)
+        return prove_with_table(Job(str(case), changes), ppm, rates, jobs, folder, save, as_json)
     if save and start_up:
         raise click.UsageError("--save with --start-up: a coverage file covers the rounds; remove one of them")
     with running_user_code():
@@ -172,18 +178,18 @@ def prove(
         files += [] if path is None else [path]
         files += [] if svg is None else _draw(found, certain, svg)
     if as_json:
-        print_json("prove", _object(found, certain, files))
+        print_json("prove", _object(found, words_of(found), certain, files))
     else:
-        _show(found, certain, files)
+        show(found, certain, files)
     for reason in filter(None, (found.stopped, failed)):
         click.echo(f"Error: {reason}", err=True)
     if found.stopped or failed:
         return 2
-    return int(any(word != HELD for word in _words(found).values()) or bool(found.windows or found.found.drifting))
+    return int(any(word != HELD for word in words_of(found).values()) or bool(found.windows or found.found.drifting))
 
 
-def _ppm_given(text: str) -> Fraction:
-    """Parse the value of --ppm. Raise ClickException if it is no number from 0 to MOST_PPM."""
+def _ppm_given(option: str, text: str) -> Fraction:
+    """Parse the value of an option in ppm. Raise ClickException if it is no number from 0 to MOST_PPM."""
     from ...core.exact_number import exact_number
 
     try:
@@ -191,7 +197,7 @@ def _ppm_given(text: str) -> Fraction:
     except ValueError:
         number = Fraction(-1)
     if not 0 <= number <= MOST_PPM:
-        raise click.ClickException(f"--ppm {text!r}: expected a number from 0 to {MOST_PPM:,}")
+        raise click.ClickException(f"{option} {text!r}: expected a number from 0 to {MOST_PPM:,}")
     return number
 
 
@@ -247,127 +253,13 @@ def _announcement(found: Coverage) -> str:
     return f"{found.case.case.name}: {done}{missing} to run, about {seconds} s of CPU if nothing breaks"
 
 
-def _words(found: Coverage) -> dict[str, str]:
-    """Return a dictionary from the name of each covered budget to BROKEN, NOT_JUDGED or HELD."""
-    broken = {window.name for window in found.windows}
-    broken |= {name for one in found.found.drifting for name in one.names}
-    words = {}
-    for budget in found.case.case.budget:
-        worst = found.found.worst.get(budget.name)
-        words[budget.name] = NOT_JUDGED if worst is None or not found.found.judged.get(budget.name) else HELD
-        if budget.name in broken:
-            words[budget.name] = BROKEN
-    return words
-
-
-# Text ---------------------------------------------------------------------------
-
-
-def _show(found: Coverage, certain: Sequence[CertainFailure], files: Sequence[Path]) -> None:
-    phases = found.case.phases
-    words = _words(found)
-    numbers = Counter(words.values())
-    counts = ", ".join(f"{numbers[word]} {word}" for word in (BROKEN, NOT_JUDGED, HELD) if numbers[word])
-    missing = f"; stopped, {counted(found.missing, 'phase')} not run" if found.stopped else ""
-    head = f"{found.case.case.name}: {found.run_count:,} of {phases.count:,} phases run; budgets: {counts}{missing}"
-    say(head, style="bold")
-    rows = []
-    for name, word in words.items():
-        worst = found.found.worst.get(name)
-        shown = ("-", "-", "-") if worst is None else _cells(found, worst)
-        rows.append(((name, *shown, word), "red" if word == BROKEN else ""))
-    print_table(("budget", "worst", "limit", "at phase", ""), rows, right=(1, 2, 3), whole=(1, 2, 3, 4))
-    for line in _lines(found, certain):
-        say(line)
-    for file in files:
-        say(f"written: {file}")
-
-
-def _cells(found: Coverage, worst: Worst) -> tuple[str, str, str]:
-    verdict, (first, last) = worst.verdict, (worst.phases[0], worst.phases[-1])
-    at = found.choice.time(first) if first == last else f"{found.choice.time(first)} ..."
-    return figure(verdict.worst, verdict.unit), limit(verdict.limit, verdict.unit, verdict.which), at
-
-
-def _lines(found: Coverage, certain: Sequence[CertainFailure]) -> list[str]:
-    phases, step, lines = found.case.phases, found.choice.step, []
-    moved = phases.moved.removesuffix("s")
-    for name in dict.fromkeys(window.name for window in found.windows):
-        windows = [window for window in found.windows if window.name == name]
-        for window in windows[:MOST_LISTED]:
-            lines.append(_window_text(found, window))
-            ends = [one for one in certain if one.name == name and one.phase in (window.first, window.last)]
-            texts = ["\n".join(_certain_text(found, window, one)) for one in ends]
-            lines += [text for text in texts if text not in lines]  # two failures can have the same cause
-        widths = [_width(found, window) for window in windows[MOST_LISTED:]]
-        if widths:
-            lines.append(f"  {counted(len(widths), 'more window')} of {min(widths):,} to {max(widths):,} phases")
-    for one in found.found.drifting[:MOST_LISTED]:
-        names, rounds = ", ".join(sorted(one.names)), found.choice.rounds
-        lines.append(f"{names}: broken at {found.choice.time(one.last)} in a run whose phase increases from")
-        lines.append(f"  {found.choice.time(one.first)} on, but not in {rounds} rounds at one phase")
-    if len(found.found.drifting) > MOST_LISTED:
-        lines.append(f"  {len(found.found.drifting) - MOST_LISTED} more of these")
-    lines += [f"{name}: for example, {reason}" for name, reason in found.found.reasons.items()]
-    since = "the start of a round" if phases.is_relative else "its time in the case"
-    which = f"the time of the first {moved}" if phases.start_up else f"the start of a {moved} after {since}"
-    lines.append(f"phase: {which}")
-    each = "each cycle" if step == 1 else f"each {step}th cycle"
-    near = f"{found.choice.near:,} phases near a write, else " if found.choice.near else ""
-    lines.append(f"chosen: {near}{each}; fewer within windows")
-    lines.append(f"held: {_held_in(found)}")
-    if certain:
-        lines.append("certain: all runs that did the same up to then fail, of at most 16 near this end")
-    lines += [f"not covered: {name}: {reason}" for name, reason in found.case.left_out.items()]
-    return lines
-
-
-def _held_in(found: Coverage) -> str:
-    """Return a phrase that says in how many runs or rounds of each phase the budgets were judged."""
-    phases, rounds = found.case.phases, found.choice.rounds
-    if phases.moved == "sends":
-        return "in one run of each phase"
-    if phases.start_up:
-        return f"in at least {rounds} rounds after each start"
-    return f"in one round of each phase; at the ends of windows, in {rounds} rounds"
-
-
-def _width(found: Coverage, window: Window) -> int:
-    """Return the number of phases of a window, which may continue from the last phase to the first."""
-    beyond_end = found.case.phases.count if window.first > window.last else 0
-    return window.last - window.first + beyond_end + 1
-
-
-def _window_text(found: Coverage, window: Window) -> str:
-    ends = f"{found.choice.time(window.first)} to {found.choice.time(window.last)}"
-    sides = "both neighbours held" if window.is_closed else "it reaches an end of the phases"
-    if _width(found, window) == found.case.phases.count:
-        sides = "all phases of the period"
-    return f"{window.name}: broken from {ends}\n  {_width(found, window):,} phases, {window.run:,} of them run; {sides}"
-
-
-def _certain_text(found: Coverage, window: Window, one: CertainFailure) -> list[str]:
-    which = "first" if one.phase == window.first else "last"
-    held = f"at {found.choice.time(one.held)}, which held"
-    if one.event is not None:
-        lines = paragraph(f"{which} phase: certain from {one.event.at} on: {_unbroken(one.event.text)}", "  ", "    ")
-    elif one.instead is not None:
-        lines = [f"  {which} phase: certain when nothing further happens"]
-    else:
-        return paragraph(f"{which} phase: the firmware does the same as {held}, only at other times", "  ", "    ")
-    instead = "nothing" if one.instead is None else _unbroken(one.instead.text)
-    return lines + paragraph(f"{held}: {instead}", "    ", "      ")
-
-
-def _unbroken(text: str) -> str:
-    return text.replace(" = ", together(" = "))
-
-
 # JSON and files -----------------------------------------------------------------
 
 
-def _object(found: Coverage, certain: Sequence[CertainFailure], files: Sequence[Path]) -> dict[str, object]:
-    phases, words = found.case.phases, _words(found)
+def _object(
+    found: Coverage, words: Mapping[str, str], certain: Sequence[CertainFailure], files: Sequence[Path]
+) -> dict[str, object]:
+    phases = found.case.phases
     return {
         "case": found.case.case.name,
         "phases": {

@@ -33,11 +33,17 @@ from .watch import note_inputs
 
 
 def prove_with_table(
-    job: Job, within: Fraction | None, jobs: int | None, folder: Path | None, save: bool, as_json: bool
+    job: Job,
+    within: Fraction | None,
+    rates: Fraction | None,
+    jobs: int | None,
+    folder: Path | None,
+    save: bool,
+    as_json: bool,
 ) -> int:
     """Make the table of a case, show it, and return the exit status: 0 if all covered budgets are proven, else 1.
 
-    within: the value of --ppm; None if the option is not given.
+    within, rates: the values of --ppm and --host-ppm; None for an option that is not given.
     jobs: the number of worker processes; None for the number of cores. It has an effect if there are several tables,
         or if both rounds and frames start.
     folder: the folder for the witnesses, which are cases that show the worst values; None to write none.
@@ -53,7 +59,7 @@ def prove_with_table(
             if jobs is not None and within is None and (loaded.host is None or loaded.controller is None):
                 raise click.UsageError("--jobs has no effect with --table; remove it")
             before = dependencies(case.parent, loaded.files()) if save else None
-            made = _proof(job, within, jobs or os.cpu_count() or 1)
+            made = _proof(job, within, rates, jobs or os.cpu_count() or 1)
             proof = None
             if before is not None and not made.has_failed:
                 proof = proof_of(made, dependencies(case.parent, [*read, *made.covered.case.files()]))
@@ -73,7 +79,7 @@ def prove_with_table(
     return int(any(word != PROVEN for word in made.words().values()) or made.has_failed)
 
 
-def _proof(job: Job, within: Fraction | None, jobs: int) -> TableProof:
+def _proof(job: Job, within: Fraction | None, rates: Fraction | None, jobs: int) -> TableProof:
     """Return the tables of a case. Raise ClickException if there are none, or if they cannot be completed."""
     name = load(Path(job.file), list(job.changes)).name
 
@@ -92,7 +98,7 @@ def _proof(job: Job, within: Fraction | None, jobs: int) -> TableProof:
                     workers.append(pool.enter_context(worker_pool(jobs, None)))
                 return results_of(workers[0], work, calls)
 
-            return prove(job, within, on_progress, announce, call_here if jobs == 1 else call_all)
+            return prove(job, within, on_progress, announce, call_here if jobs == 1 else call_all, rates)
     except NotClosed as error:
         raise click.ClickException(
             f"{name} has no closed table: {error} (without --table, prove runs phases)"
@@ -149,13 +155,12 @@ def _show(made: TableProof, files: Sequence[Path]) -> None:
             say("proven: for rounds that start with a cycle of the CPU, and frames that start at any time")
         if made.within is not None:
             say(f"proven: for all clocks of the controller within {float(made.within):g} ppm of that in the case")
+        if made.rates is not None:
+            say(f"proven: for all bit rates of the host within {float(made.rates):g} ppm of that in the case")
         when = "after" if made.rests_first else "exactly at"
         firsts = {moved: made.first} if made.rests_first else covered.phases.first_starts()
         each = [f"first {one.removesuffix('s')} {when} {milliseconds(at, per_second)}" for one, at in firsts.items()]
-        say(
-            f"assumed: {'clocks, ' * (made.within is None)}rates and data as in the case, "
-            f"and the {' and the '.join(each)}"
-        )
+        say(f"assumed: {_assumed(made)} as in the case, and the {' and the '.join(each)}")
         say("assumed: the answers of the case to open questions; --questions varies them")
     if made.again:
         what = "meeting" if moved == BOTH else "start"
@@ -168,6 +173,13 @@ def _show(made: TableProof, files: Sequence[Path]) -> None:
         say(f"written: {file}")
 
 
+def _assumed(made: TableProof) -> str:
+    """Return the inputs for which the proof holds only as they are in the case."""
+    if made.rates is not None:
+        return "the clock of the controller and data"
+    return f"{'clocks, ' * (made.within is None)}rates and data"
+
+
 def _object(made: TableProof, files: Sequence[Path]) -> dict[str, object]:
     covered, worst = made.covered, made.worst()
     return {
@@ -176,6 +188,7 @@ def _object(made: TableProof, files: Sequence[Path]) -> dict[str, object]:
             "moved": made.moved,
             "tables": len(made.parts),
             "within_ppm": None if made.within is None else float(made.within),
+            "host_within_ppm": None if made.rates is None else float(made.rates),
             "orbits": [orbit for part in made.parts for orbit in part.table.orbits],
             "entries": made.entries,
             "again": made.again,

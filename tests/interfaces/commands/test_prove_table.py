@@ -7,8 +7,10 @@ from pathlib import Path
 import pytest
 
 from tests.interfaces.commands.conftest import Run
+from tests.proof.pair_cases import write_lonely
 from tests.proof.proven_slave import write_slave
 from tests.proof.test_closed_table import PERIOD, write_echo
+from tests.proof.test_host_rates import compiled_only
 
 MORE = """
 [[budget]]
@@ -90,14 +92,25 @@ def test_a_range_of_clocks_has_several_tables(periph_sim: Run, tmp_path: Path):
     assert (table["tables"], table["within_ppm"], table["entries"]) == (3, 4.0, 480)
 
 
+@pytest.mark.parametrize("option", ["--ppm", "--host-ppm"])
 @pytest.mark.parametrize("text", ["-1", "10001", "many"])
-def test_a_range_of_clocks_that_is_none(text: str, periph_sim: Run, tmp_path: Path):
-    said = f"--ppm {text!r}: expected a number from 0 to 10,000"
-    assert periph_sim.refused("prove", str(write_slave(tmp_path)), "--table", "--ppm", text) == said
+def test_a_range_of_clocks_that_is_none(text: str, option: str, periph_sim: Run, tmp_path: Path):
+    said = f"{option} {text!r}: expected a number from 0 to 10,000"
+    assert periph_sim.refused("prove", str(write_slave(tmp_path)), "--table", option, text) == said
 
 
-def test_a_range_of_clocks_needs_a_table(periph_sim: Run, tmp_path: Path):
-    assert "--ppm needs --table; add it" in periph_sim.refused("prove", str(write_slave(tmp_path)), "--ppm", "1")
+@pytest.mark.parametrize("option", ["--ppm", "--host-ppm"])
+def test_a_range_of_clocks_needs_a_table(option: str, periph_sim: Run, tmp_path: Path):
+    assert f"{option} needs --table; add it" in periph_sim.refused("prove", str(write_slave(tmp_path)), option, "1")
+
+
+@compiled_only
+def test_a_proof_for_all_rates_of_a_host_says_so(periph_sim: Run, tmp_path: Path):
+    case = write_lonely(tmp_path)
+    case.write_text(case.read_text(encoding="utf-8").replace("baud = 1562500", "baud = 1562500\nerror = 0.16"), "utf-8")
+    came = periph_sim("prove", str(case), "--table", "--host-ppm", "5", "--save", "--jobs", "2", "--json")
+    assert came.told["table"]["host_within_ppm"] == 5.0
+    assert ", and all bit rates of the host within 5 ppm\n" in periph_sim("run", str(case)).out
 
 
 def test_a_saved_proof_names_its_range_of_clocks(periph_sim: Run, tmp_path: Path):

@@ -254,7 +254,7 @@ def written(*values: int) -> Moves:
         ("polling", 0x50, 6, 71, 70),
         ("polling", 0x51, 0, 31, 31),
         ("slow reader", 0x50, 6, 63, 63),
-        ("slow reader behind synchronised pins", 0x50, 6, 115, 177),
+        ("slow reader behind synchronised pins", 0x50, 6, 115, 168),
     ],
 )
 def test_a_transfer_costs_few_steps(name: str, address: int, moved: int, lazily: int, finely: int) -> None:

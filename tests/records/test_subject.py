@@ -74,8 +74,8 @@ def test_of_many_that_are_meant_eight_are_told(count: int, more: str):
         ("SCL", "'SCL': expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us"),
         (" @1us", "' @1us': expected NAME@TIME, as in I2C-A.I2CSTR.XRDY@12.345ms or SDA@3us"),
         ("SCL@67us", "the run: 67us is outside the run, which goes from 0 to 0.066667 ms"),
-        ("SCL@1", "1 has no unit"),
-        ("SCL@1 parsec", "unit 'parsec' is none of"),
+        ("SCL@1", "'1' has no unit; write for instance 1 ms (ns, us, ms, s, min, h, d)"),
+        ("SCL@1 parsec", "'1 parsec': unit 'parsec' is none of ns, us, ms, s, min, h, d"),
         ("NACK@1us", "the run: 'NACK' may mean dsp.I2C-A.I2CIER.NACK, dsp.I2C-A.I2CSTR.NACK; give one of them"),
     ],
 )

@@ -163,7 +163,7 @@ def test_notes_come_once_with_their_count_and_each_as_a_record():
         ),
         (
             ["chip.gyroscope.model=adxl345"],
-            "chip.gyroscope.address: accelerometer has the address 0x53 too",
+            "chip.accelerometer.address: gyroscope has the address 0x53 too",
         ),
         (
             ["chip.magnetometer.registers.Mod=0"],

@@ -44,7 +44,7 @@ class Clock(NamedTuple):
         return Clock(period * 10**decimals, decimals)
 
     def units(self, positions: Numbers) -> Numbers:
-        """Convert positions to units of 10**-decimals s, rounded to the rescaled unit. Results must fit in 63 bits."""
+        """Convert positions to units of 10**-decimals s, rounded to the nearest unit. Results must fit in 63 bits."""
         return rescaled(positions, self.scale).astype(np.int64, copy=False)
 
 

@@ -126,7 +126,7 @@ def test_annotations_leave_json_alone(periph_sim: Run, cases: Path):
         (["nowhere"], "nowhere: there is no such file or folder; give case files, or folders of them"),
         (["timing/small_firmware.py"], "timing/small_firmware.py, line 1: it is not TOML: "),
         (["--junit", "no/out.xml"], "no/out.xml, its place: found no such file or directory, expected a place that"),
-        (["--tolerance", "-1"], "--tolerance: -1 cycles is negative; a tolerance is 0 or more"),
+        (["--tolerance", "-1 cycles"], "--tolerance: -1 cycles is negative; a tolerance is 0 or more"),
         (["--tolerance", "3 bits"], "--tolerance: '3 bits': unit 'bits' is none of ns"),
         (["--tolerance", "x cycles"], "--tolerance: 'x' is not a number"),
         (["--set", "duration=1 ms"], "--update-baseline with --set: a baseline is of the unchanged case; remove one"),

@@ -303,7 +303,7 @@ def test_a_chip_of_a_plugin_has_names_from_its_own_file(periph_sim: Run, here: P
         (["--chip", "itg3000"], "--chip itg3000: there is no chip 'itg3000'; did you mean itg3200?"),
         (["--chip", "0x1e=itg3200"], "--chip: itg3200 has no address 0x1e; it can have 0x68 or 0x69"),
         (["--chip", "=itg3200"], "--chip: '' is no 7-bit address; expected 0 to 0x7F, right-aligned"),
-        (["--chip", "itg3200", "--chip", "0x68=itg3200"], "--chip: 0x68=itg3200 has the address 0x68 too"),
+        (["--chip", "itg3200", "--chip", "0x68=itg3200"], "--chip: itg3200 has the address 0x68 too"),
         (
             ["--chip", "0x48=registers"],
             "--chip 0x48=registers: a case describes this device; name the case with --case",

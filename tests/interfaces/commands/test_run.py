@@ -260,7 +260,7 @@ def test_optimizations_are_switched_off_by_name_and_change_no_figure(periph_sim:
     ("arguments", "message"),
     [
         (("--fidelity", "edges"), "fidelity: it is obsolete, and 'edges' never was a level of it"),
-        (("--disable", "bit"), "disable: there is no optimization 'bit'; did you mean bits?\n"),
+        (("--disable", "bit"), "disable: there is no optimization 'bit'; did you mean bits?"),
         (("--disable", "bits", "--disable", "0"), "disable: there is no optimization '0'"),
         (("--disable", "\N{SNAIL}"), "disable: there is no optimization '\N{SNAIL}'"),
     ],

@@ -37,7 +37,7 @@ MOST_RATES = 2000  # maximum number of scenes, each with another rate
 SOME = 8  # number of groups from which one is chosen for a run
 # Lengths of a bit in ticks. For each of them, the ranges of starts in ticks: the least and the greatest of each.
 RatePlan = list[tuple[Fraction, tuple[tuple[int, int], ...]]]
-OTHER_REST = "the firmware comes to a state of rest that the table does not have"
+OTHER_REST = "the firmware reaches a state of rest that is not in the table"
 
 
 class RateTask(Struct, frozen=True):

@@ -5,7 +5,7 @@
 
 A *group* begins when the scene is at rest (`closed_table`), and ends when it is at rest again. The SCI samples its
 line periodically. Frames that start within one interval of the length of this period, called a *cell*, are received at
-the same instant. `find_cells` finds the limits of the cells. A frame's place in a group is the distance from the start
+the same instant. `frame_cells` finds the limits of the cells. A frame's place in a group is the distance from the start
 of the round to the first tick of the frame's cell.
 """
 
@@ -24,7 +24,6 @@ from .stretch import CoveredCase
 
 NAMED = 4  # maximum number of attributes that are named if a state does not repeat
 MOST_ORBITS = 24
-MOST_AWAY = 40  # number of frames after which a state counts as one that is not reached again
 MARGIN = 8  # cycles before and after a service routine in which it may still affect the wait that it interrupts
 REQUESTS = ("PIEIFR9.INTx1", "PIEIFR9.INTx3", "PIEIFR8.INTx5")  # SCIRXINTA, SCIRXINTB, SCIRXINTC
 PASSES = 8  # a wait must be as before at most this number of passes after a service routine
@@ -354,44 +353,6 @@ class GroupRunner:
 
     def _without_sci(self, state: NormalState) -> NormalState:
         return {key: value for key, value in state.items() if not key.startswith(self._sci) and key not in self._lspclk}
-
-
-def find_cells(runner: GroupRunner) -> Cells:
-    """Run a frame alone with its start at each tick of one period of the SCI's samples, and return the cells.
-
-    Raise NotClosed if the starts of one period are received in more than two ways.
-    """
-    run, records, cycle = runner.run, runner.records, runner.cycle
-    period = runner.sci_period() * cycle
-    number, away = runner.at[0], 0
-    seen: list[tuple[int, int, int, int, int]] = []
-    while len(seen) < period:
-        here, at = runner.at
-        away = 0 if here == number else away + 1
-        if away > MOST_AWAY:  # the orbit is one of the start-up, so it is not reached again
-            number, away = here, 0
-            seen.clear()
-        whole = runner.orbits.known[here].cycles * cycle
-        start = run.now + (len(seen) - at * cycle) % whole + whole
-        run.start(frames=start)
-        run.settle()
-        runner.at = runner.place()
-        runner.check_frame(is_sent=True)
-        if here == number:
-            zero = start - len(seen)
-            after, there = runner.at
-            shift = (there * cycle - run.now + zero) % (runner.orbits.known[after].cycles * cycle)
-            seen.append((records.entered - zero, records.left - zero, records.routine, after, shift))
-        if len(run.frames) > 8 * (period + MOST_AWAY):
-            raise NotClosed("a state of rest is not reached again")
-    orbit = runner.orbits.known[number]
-    steps = [n for n in range(1, period) if seen[n] != seen[n - 1]]
-    if len(steps) > 1:
-        raise NotClosed(f"frames of one period of the SCI's samples are received in {len(steps) + 1} ways")
-    step = steps[0] if steps else 0  # without a step, the first of these ticks begins a cell
-    entered = [seen[-1][0] - step, seen[0][0] - step + (period if steps else 0)]
-    left = [seen[-1][1] - step, seen[0][1] - step + (period if steps else 0)]
-    return Cells((orbit.origin + step) % period, period, min(entered), max(left))
 
 
 def far_ranges(sleeps: Sequence[Sleep], cells: Cells, cycle: int) -> list[tuple[int, int, Sleep]]:

@@ -25,9 +25,10 @@ from typing import NamedTuple
 
 from .calls import CallAll
 from .closed_table import StartTable
+from .frame_cells import find_cells
 from .free_run import NotClosed
 from .pair_budgets import within_round
-from .pair_groups import Group, GroupRun, Orbits, Sleep, far_ranges, find_cells
+from .pair_groups import Group, GroupRun, Orbits, Sleep, far_ranges
 from .pair_run import CHUNK, STARTS, Done, Known, PairRun, Task, alone, run_tasks
 from .stretch import CoveredCase, Job
 

@@ -17,9 +17,10 @@ import pytest
 from periph_sim import form
 from periph_sim.proof import pair_table
 from periph_sim.proof.calls import call_here
+from periph_sim.proof.frame_cells import find_cells
 from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.pair_budgets import within_round
-from periph_sim.proof.pair_groups import Cells, Group, GroupRunner, Orbits, far_ranges, find_cells
+from periph_sim.proof.pair_groups import Cells, Group, GroupRunner, Orbits, far_ranges
 from periph_sim.proof.pair_run import Known, PairRun, Task, alone
 from periph_sim.proof.pair_table import PairMaker
 from periph_sim.proof.stretch import CoveredCase, Job

@@ -81,7 +81,7 @@ class FreeRun:
         if first == self.scene.start:
             raise NotClosed("the first start is at the start of the run; make `first` later")
         self.scene.advance(first - 1)
-        self.records.accessed = ""  # until now, accesses are allowed: start-up code sets up the clocks
+        self.records.begin_free()
         self.start(**{each: self.scene.start + tick for each, tick in firsts.items()})
         self.settle()
 

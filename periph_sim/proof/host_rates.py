@@ -106,12 +106,15 @@ def plan_rates(maker: PairMaker, ignored: Sequence[str], within: Fraction) -> Ra
 
     maker: the maker of a table that knows the cells of frames. ignored: as for `PairMaker`.
 
-    Raise NotClosed if there are too many, or if the interrupt is not requested with the last character of a frame.
+    Raise NotClosed if there are too many, if the interrupt is not requested with the last character of a frame, or if
+    the start-up code may notice more of the first frame than the service routine.
     """
     covered, known = maker.covered, maker.known
     host, cells = covered.case.host, known.cells
     assert host is not None and cells is not None
     pair = PairRun(covered, ignored, known)
+    if pair.runner.first_noticed:
+        raise NotClosed(f"start-up code may notice the rate of the first frame: {pair.runner.first_noticed}")
     orbit = pair.runner.at[0]
     frame = (cells.first - known.orbits.known[orbit].origin) % cells.period
     delay, scene = pair.run(orbit, Task(Group(None, frame), 0, None)).delay, pair.runner.run.scene
@@ -122,7 +125,7 @@ def plan_rates(maker: PairMaker, ignored: Sequence[str], within: Fraction) -> Ra
         raise NotClosed("the interrupt of the SCI is not requested with the last character of a frame")
     shift = floor(last * bit) % cells.period  # a cell begins where the start of the last character moves to a sample
     first = (scene.start + covered.phases.first_starts()["frames"] - cells.first - shift) % cells.period
-    bits = _bit(covered, host.error + within / 10_000), _bit(covered, host.error - within / 10_000)
+    bits = bit / (1 + within / 10**6), bit / (1 - within / 10**6)
     found = list(islice(rate_runs(edge_places(data, host.gap), bits, cells.period, first), MOST_RATES + 1))
     if len(found) > MOST_RATES:
         raise NotClosed(f"the frames have more than {MOST_RATES} different sequences of samples in this range of rates")
@@ -156,7 +159,7 @@ def prove_rates(
     calls = [(job, ignored, maker.known, task, number) for number, task in enumerate(tasks)]
     longest = max(call_all(run_rate, calls))
     maker.table.again += sum(task.count for task in tasks)
-    maker.table.apart = max(maker.table.apart, longest + 1)
+    maker.table.apart = max(maker.table.apart, longest + 1 + maker.long)
 
 
 def edge_places(data: bytes, gap: Fraction) -> list[Fraction]:

@@ -139,6 +139,7 @@ class GroupRunner:
 
     records: the records of the present group.
     at: the number of the orbit of the present state of rest, and its cycle in the orbit.
+    first_noticed: as `GroupDigest.noticed`, for the time from the first start to the first rest.
     """
 
     def __init__(
@@ -151,6 +152,7 @@ class GroupRunner:
         self.records = GroupDigest()
         self._requested = 0  # the tick of the last interrupt request of an SCI's receiver
         self.run = FreeRun(covered, ignored, False, False, self.records, self._on_request)
+        self.first_noticed = self.records.noticed
         self.records.noticed = ""  # until now, accesses are allowed: start-up code sets up the SCI
         self.orbits = orbits
         self.cells = cells
@@ -195,7 +197,8 @@ class GroupRunner:
         else:
             at = self._round_in(orbit, group) * cycle
         start = from_orbit + at
-        while min(start, start + (group.frame or 0) + min(0, offset)) <= now:
+        later = 0 if group.round is None else group.frame or 0
+        while start + min(0, later + min(0, offset)) <= now:
             start += period
         frame = None if group.frame is None else start + (group.frame if group.round is not None else 0)
         if frame is not None:

@@ -76,6 +76,7 @@ class PairMaker:
     call_all: makes the calls that run groups.
     least_again: the least number of groups that are run again.
     covered: the case, without the budgets that the table cannot judge.
+    long: see `FreeRun`.
     runs: the runs so far, by the number of the orbit and the group.
     cells: the cells of groups so far.
     """
@@ -114,7 +115,7 @@ class PairMaker:
             number += 1
         if not table.has_failed:
             self._again()
-        table.apart += self._long  # within a cell, the rest can come later by a step of `FreeRun.settle`
+        table.apart += self.long  # within a cell, the rest can come later by a step of `FreeRun.settle`
         return table
 
     # Steps --------------------------------------------------------------------------
@@ -124,7 +125,7 @@ class PairMaker:
         known = Known(self._orbits, None, self._ways)
         pair = PairRun(self.covered, self._ignored, known)
         self._frames = pair.runner.cells = find_cells(pair.runner)
-        self._long = pair.runner.run.long
+        self.long = pair.runner.run.long
         self._cycle = pair.runner.cycle
         pair.end()
         self._add(pair.done)

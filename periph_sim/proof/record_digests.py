@@ -59,6 +59,10 @@ class RoundDigest(Listener):
         """Begin a new digest. tick: ticks of the records are counted from here."""
         self._start, self._digest = tick, 0
 
+    def begin_free(self) -> None:
+        """Forget the accesses so far. Start-up code may set up the clocks and the SCI before the first start."""
+        self.accessed = ""
+
     @property
     def digest(self) -> int:
         return self._digest
@@ -143,6 +147,10 @@ class GroupDigest(RoundDigest):
     def begin(self, tick: int) -> None:
         RoundDigest.begin(self, tick)
         self.routine = self.services = 0
+
+    def begin_free(self) -> None:
+        RoundDigest.begin_free(self)
+        self.noticed = ""
 
     def _notice(self, why: str) -> None:
         self.noticed = self.noticed or why

@@ -17,6 +17,7 @@ from periph_sim.proof import host_rates
 from periph_sim.proof.calls import call_here
 from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.host_rates import RatePlan, edge_places, plan_rates, rate_runs
+from periph_sim.proof.pair_groups import Group
 from periph_sim.proof.pair_table import PairMaker
 from periph_sim.proof.stretch import CoveredCase, Job
 from periph_sim.proof.table_cases import check_pair
@@ -25,6 +26,7 @@ from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import PROVEN
 from tests.proof.pair_cases import write_lonely
 from tests.proof.proven_slave import write_slave
+from tests.proof.test_pair_table import runner_of
 
 Samples = tuple[int, ...]
 compiled_only = pytest.mark.skipif(form.running == form.INTERPRETED, reason="a whole table takes minutes interpreted")
@@ -102,8 +104,8 @@ def test_a_rate_at_which_a_character_is_lost_is_noticed(tmp_path: Path) -> None:
         prove(job, rates=Fraction(20))
 
 
-def planned(folder: Path, within: int) -> RatePlan:
-    job = Job(str(write_lonely(folder)))
+def planned(folder: Path, within: int, *changes: str, firmware: tuple[tuple[str, str], ...] = ()) -> RatePlan:
+    job = Job(str(write_lonely(folder, *firmware)), changes)
     covered = CoveredCase(job)
     ignored = check_pair(covered.case)
     maker = PairMaker(covered, job, ignored, None, None, call_here, 0)
@@ -117,6 +119,39 @@ def test_more_rates_than_can_be_run_are_refused(tmp_path: Path, monkeypatch: pyt
     monkeypatch.setattr(host_rates, "MOST_RATES", 3)
     with pytest.raises(NotClosed, match="more than 3 different sequences of samples in this range of rates"):
         planned(tmp_path, 60)
+
+
+@compiled_only
+def test_the_range_is_around_the_rate_of_the_case(tmp_path: Path) -> None:
+    """100 ppm of the rate are 148 ppm of the baud rate, since the error of the rate is 47.568 %."""
+    plan = planned(tmp_path, 100, "host.baud=1100000", "host.error=47.568182")
+    rate = 1_100_000 * Fraction("1.47568182") * Fraction(10_001, 10_000)
+    assert plan[0][0] == 1_000_000_000 / rate  # a tick is a nanosecond
+    assert 1_000_000_000 / (1_100_000 * Fraction("1.47568182")) < plan[-1][0] <= plan[0][0] * Fraction(10_001, 9_999)
+
+
+MAIN = "_main:    LCR   #_model\n"
+LOOK = """          MOVW  DP,#GPADAT >> 6
+look:     TBIT  @GPADAT+1,#12
+          SB    look,TC
+"""
+
+
+@compiled_only
+def test_start_up_code_that_looks_at_the_line_is_refused(tmp_path: Path) -> None:
+    """It could measure the rate of the first frame, cycle by cycle."""
+    with pytest.raises(NotClosed, match=r"start-up code may notice the rate of the first frame: .*GPADAT"):
+        planned(tmp_path, 10, firmware=((MAIN, LOOK + MAIN),))
+
+
+@compiled_only
+def test_a_frame_can_start_long_before_or_after_its_cell(tmp_path: Path) -> None:
+    runner = runner_of(write_lonely(tmp_path))
+    for offset in (-1000, -100_000, 100_000):
+        now, first = runner.run.now, runner.run.scene.start
+        frame = (runner.cells.first - runner.orbits.known[runner.at[0]].origin) % runner.cells.period  # type: ignore[union-attr]
+        runner.run_group(Group(None, frame), offset)
+        assert runner.run.frames[-1] + first > now
 
 
 @compiled_only

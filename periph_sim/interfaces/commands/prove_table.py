@@ -13,6 +13,7 @@ from pathlib import Path
 import click
 
 from ...core.phrases import counted
+from ...core.text_table import paragraph
 from ...proof.calls import T, Ts, call_here
 from ...proof.closed_table import BOTH, Contradiction, milliseconds, starts_text
 from ...proof.dependencies import dependencies, files_read
@@ -150,27 +151,39 @@ def _show(made: TableProof, files: Sequence[Path]) -> None:
     if made.has_failed and last.changes:
         say(f"broken: with {', '.join(last.changes)}, the first of these clocks that breaks a budget")
     if PROVEN in words.values():
-        say(f"proven: for {starts_text(moved, milliseconds(made.apart, per_second))}")
+        _say(f"proven: for {starts_text(moved, milliseconds(made.apart, per_second))}")
         if moved == BOTH:
-            say("proven: for rounds that start with a cycle of the CPU, and frames that start at any time")
+            _say("proven: for rounds that start with a cycle of the CPU, and frames that start at any time")
         if made.within is not None:
-            say(f"proven: for all clocks of the controller within {float(made.within):g} ppm of that in the case")
+            _say(f"proven: for all clocks of the controller within {float(made.within):g} ppm of that in the case")
         if made.rates is not None:
-            say(f"proven: for all bit rates of the host within {float(made.rates):g} ppm of that in the case")
+            _say(f"proven: for all bit rates of the host within {float(made.rates):g} ppm of that in the case")
         when = "after" if made.rests_first else "exactly at"
         firsts = {moved: made.first} if made.rests_first else covered.phases.first_starts()
-        each = [f"first {one.removesuffix('s')} {when} {milliseconds(at, per_second)}" for one, at in firsts.items()]
-        say(f"assumed: {_assumed(made)} as in the case, and the {' and the '.join(each)}")
-        say("assumed: the answers of the case to open questions; --questions varies them")
+        time = milliseconds if made.rests_first else _exact
+        each = [f"first {one.removesuffix('s')} {when} {time(at, per_second)}" for one, at in firsts.items()]
+        _say(f"assumed: {_assumed(made)} as in the case, and the {' and the '.join(each)}")
+        _say("assumed: the answers of the case to open questions; --questions varies them")
     if made.again:
         what = "meeting" if moved == BOTH else "start"
-        say(f"compared: {counted(made.again, what)} run again after other {moved}; none differed")
+        _say(f"compared: {counted(made.again, what)} run again after other {moved}; none differed")
     for name, reason in made.not_proven().items():
-        say(f"not proven: {name}: {reason}")
+        _say(f"not proven: {name}: {reason}")
     for name, reason in _left_out(covered).items():
-        say(f"not judged here, so run the case, too: {name}: {reason}")
+        _say(f"not judged here, so run the case, too: {name}: {reason}")
     for file in files:
         say(f"written: {file}")
+
+
+def _say(text: str) -> None:
+    for line in paragraph(text):
+        say(line)
+
+
+def _exact(ticks: int, per_second: int) -> str:
+    """Return ticks as text in ms, with four digits after the point, or more if they are not zero."""
+    whole, _, digits = f"{1000 * ticks / per_second:.9f}".partition(".")
+    return f"{whole}.{digits[:4]}{digits[4:].rstrip('0')} ms"
 
 
 def _assumed(made: TableProof) -> str:

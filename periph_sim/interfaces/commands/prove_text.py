@@ -58,15 +58,18 @@ def _cells(found: Coverage, worst: Worst) -> tuple[str, str, str]:
 
 
 def _lines(found: Coverage, certain: Sequence[CertainFailure]) -> list[str]:
-    phases, step, lines = found.case.phases, found.choice.step, []
+    phases, step, lines = found.case.phases, found.choice.step, list[str]()
+    said: dict[str, str] = {}  # maps a text about a certain failure to the name of the failure
     moved = phases.moved.removesuffix("s")
     for name in dict.fromkeys(window.name for window in found.windows):
         windows = [window for window in found.windows if window.name == name]
         for window in windows[:MOST_LISTED]:
             lines.append(_window_text(found, window))
-            ends = [one for one in certain if one.name == name and one.phase in (window.first, window.last)]
-            texts = ["\n".join(_certain_text(found, window, one)) for one in ends]
-            lines += [text for text in texts if text not in lines]  # two failures can have the same cause
+            for end in certain:
+                if end.name == name and end.phase in (window.first, window.last):
+                    text = "\n".join(_certain_text(found, window, end))
+                    first = said.setdefault(text, name)  # two failures can have the same cause
+                    lines.append(text if first == name else f"  {_end(window, end)} phase: as for {first}")
         widths = [_width(found, window) for window in windows[MOST_LISTED:]]
         if widths:
             lines.append(f"  {counted(len(widths), 'more window')} of {min(widths):,} to {max(widths):,} phases")
@@ -115,7 +118,7 @@ def _window_text(found: Coverage, window: Window) -> str:
 
 
 def _certain_text(found: Coverage, window: Window, one: CertainFailure) -> list[str]:
-    which = "first" if one.phase == window.first else "last"
+    which = _end(window, one)
     held = f"at {found.choice.time(one.held)}, which held"
     if one.event is not None:
         lines = paragraph(f"{which} phase: certain from {one.event.at} on: {_unbroken(one.event.text)}", "  ", "    ")
@@ -125,6 +128,10 @@ def _certain_text(found: Coverage, window: Window, one: CertainFailure) -> list[
         return paragraph(f"{which} phase: the firmware does the same as {held}, only at other times", "  ", "    ")
     instead = "nothing" if one.instead is None else _unbroken(one.instead.text)
     return lines + paragraph(f"{held}: {instead}", "    ", "      ")
+
+
+def _end(window: Window, one: CertainFailure) -> str:
+    return "first" if one.phase == window.first else "last"
 
 
 def _unbroken(text: str) -> str:

@@ -8,8 +8,8 @@
 
 At most NEAREST failing runs and NEAREST runs that held are compared, those whose phases are nearest to the end. What
 is certain is so among these runs only. Times are not compared, nor are the values of registers that yield data or a
-count of time (`Yields`). Reads of one register that follow each other and yield the same are compared as one read,
-because the number of passes of a waiting loop depends on the phase.
+count of time (`Yields`). Reads of a register that follow each other, yield the same and have no effect are compared as
+one read, because the number of passes of a waiting loop depends on the phase.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ...core.records import Kind, Record
 from ...core.registers import Yields
 from ...proof.cover import Window
 from ...records.record_text import happened_where
-from ...records.register_maps import register_of
+from ...records.register_maps import reads_take, register_of
 from .coverage import Coverage
 
 KINDS = (Kind.ACCESS, Kind.IRQ)
@@ -132,7 +132,9 @@ def steps_of(records: Sequence[Record]) -> Steps:
     for record in records:
         content = (record.what, record.value if _is_compared(record.what) else None, record.field)
         steps = found.setdefault(record.where, [])
-        if not (steps and steps[-1].content == content and record.what.startswith("R ")):
+        way, _, name = record.what.partition(" ")
+        is_again = bool(steps) and steps[-1].content == content and way == "R" and not reads_take(name)
+        if not is_again:
             steps.append(Step(content, record))
     return found
 

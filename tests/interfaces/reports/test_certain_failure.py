@@ -143,6 +143,8 @@ def test_reads_that_yield_the_same_one_after_the_other_are_one() -> None:
     records.append(access(10, "W I2C-A.I2CSTR", 1))
     steps = steps_of(records)["dsp"]
     assert [step.record.number for step in steps] == [0, 2, 5, 9, 10]
+    words = [access(n, "R SCI-A.SCIRXBUF", 7) for n in range(3)]  # each read takes another word from the FIFO
+    assert len(steps_of(words)["dsp"]) == 3
 
 
 @pytest.mark.parametrize("name", ["SCI-A.SCIRXBUF", "I2C-A.I2CDRR", "I2C-A.I2CDXR", "TIMER0.TIM"])

@@ -28,7 +28,7 @@ def cell(parts: Parts, part: str, key: str, **wanted: str) -> float | None:
 
 
 def figure(part: str, key: str, **wanted: str) -> Read:
-    """How the figure of the row with these values is read, for a form."""
+    """Return a function that reads the figure of the row with these values, for a form."""
     return lambda parts, form: cell(parts, part, key, form=form, **wanted)
 
 

@@ -45,7 +45,7 @@ def median_of(count: int, work: Callable[[], T]) -> tuple[T, Seconds]:
 
 
 def spent(command: Sequence[str], **how: Any) -> Seconds:
-    """How long one process took, output to nowhere. how: further arguments of `subprocess.run`."""
+    """Return the duration of one process, whose output is discarded. how: further arguments of `subprocess.run`."""
     before, wall = resource.getrusage(resource.RUSAGE_CHILDREN), perf_counter()
     subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True, **how)
     after, wall = resource.getrusage(resource.RUSAGE_CHILDREN), perf_counter() - wall

@@ -105,7 +105,7 @@ def run_benches(folder: Path, rounds: int, phases: int, simulator: str = "icarus
 
 
 def found(folder: Path, bench: str) -> dict[str, Any]:
-    """What a bench found."""
+    """The findings of a bench."""
     return json.loads((folder / bench / "found.json").read_text())
 
 

@@ -33,7 +33,7 @@ def part(dut: Any, bench: str, *, bus: bool = True, serial: bool = False, **more
 
 
 def tell(bench: str, dsp: F28335, **found: Any) -> None:
-    """What a bench found."""
+    """The findings of a bench."""
     result = dsp.result
     found |= {
         "begin_ps": BEGAN[bench],
@@ -222,7 +222,7 @@ async def serial_line(dut: Any) -> None:
 
 
 def answer(call: Callable[..., object], *arguments: Any, **more: Any) -> str:
-    """What a call returns, or the sentence of its error, as a text."""
+    """Return the result of a call as text; if it raises an error, the sentence of the error."""
     try:
         return str(call(*arguments, **more))
     except ValueError as error:

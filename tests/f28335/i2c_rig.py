@@ -56,7 +56,7 @@ class Rig(Bus):
         self.write("I2CCLKH", 5)
 
     def read(self, name: str, wait: int = 0) -> int:
-        """What the CPU reads, after so many cycles."""
+        """Return the value that the CPU reads after a number of cycles."""
         self.wait(wait)
         value = self.chip.read(self.now, OFFSET[name])
         self.settle()
@@ -69,7 +69,7 @@ class Rig(Bus):
             self.settle()
 
     def peek(self, name: str, wait: int = 0) -> int:
-        """What a debugger sees, after so many cycles."""
+        """Return the value that a debugger sees after a number of cycles."""
         if wait:
             self.wait(wait)
         return self.chip.peek(self.now, OFFSET[name])

@@ -35,7 +35,7 @@ def check_tests_of(options: type, module: str) -> None:
 
 
 def _values_tried(marks: list) -> list[Value]:
-    """What a test is parametrised with under the name "value"."""
+    """Return the values with which a test parametrises its argument `value`."""
     for mark in marks:
         if mark.name == "parametrize" and "value" in (mark.args[0], mark.args[0][0]):
             return [row[0] if isinstance(row, tuple) else row for row in mark.args[1]]

@@ -1,4 +1,4 @@
-"""What holds for each chip whatever firmware and its pins do: two chips that are driven alike at random show the same.
+"""Properties of each chip for any firmware and pins: two chips that are driven alike at random behave in the same way.
 
     chip, driven at random --take--> snapshot --restore--> another chip, driven otherwise before, whole cycles later
               '----------------- both are driven alike from here on ------------------'

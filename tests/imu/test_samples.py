@@ -23,7 +23,7 @@ MODELS = {"gyroscope": "itg3200", "accelerometer": "adxl345", "magnetometer": "h
 
 
 def sampled(length: str, names: Iterable[str] = MODELS, **sources: Callable[[int], object]) -> Samples:
-    """What a head reads that sets the chips up as their drivers do. names: the chips that are there."""
+    """Return what a head reads after it has set up the chips as their drivers do. names: the chips on the bus."""
     chips = {name: {"model": MODELS[name], "values": {"fixed": [0, 0, 0]}} for name in names}
     head = {"order": list(MODELS), "first": "105 ms", "initialise": "100 ms"}
     scene = Scene(case(length, chip=chips, controller=head), sources=sources)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from math import floor
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -135,6 +136,20 @@ LOOK = """          MOVW  DP,#GPADAT >> 6
 look:     TBIT  @GPADAT+1,#12
           SB    look,TC
 """
+
+
+@compiled_only
+def test_both_ends_of_a_range_of_starts_are_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As if all starts had one sequence of samples: the last start has its request at another sample than the first."""
+    real = rate_runs
+
+    def too_wide(*given: Any) -> list[Any]:
+        return [(bit, ((0, given[2] - 1),)) for bit, _ in real(*given)]
+
+    monkeypatch.setattr(host_rates, "rate_runs", too_wide)
+    job = Job(str(write_lonely(tmp_path)), ("host.error=0.16",))
+    with pytest.raises(NotClosed, match="a frame has other effects than each frame of the table"):
+        prove(job, rates=Fraction(10))
 
 
 @compiled_only

@@ -24,6 +24,7 @@ from ...proof.cover import Window
 from ...records.record_text import happened_where
 from ...records.register_maps import reads_take, register_of
 from .coverage import Coverage
+from .questions.first_difference import Event
 
 KINDS = (Kind.ACCESS, Kind.IRQ)
 NEAREST = 8
@@ -40,14 +41,6 @@ class Step(NamedTuple):
 
 
 Steps = Mapping[str, Sequence[Step]]  # the steps of each unit, in order
-
-
-class Moment(NamedTuple):
-    """An event of a run. at_s: its time from the start of the run. at: the same as text."""
-
-    at_s: float
-    at: str
-    text: str
 
 
 class Share(NamedTuple):
@@ -72,9 +65,9 @@ class CertainFailure(NamedTuple):
 
     name: str
     phase: int
-    event: Moment | None
+    event: Event | None
     held: int
-    instead: Moment | None
+    instead: Event | None
     shares: tuple[Share, ...]
 
 
@@ -122,8 +115,8 @@ class _Runs:
         case = self._coverage.case
         return name in case.run([phase], case.case.seed, before=step.record.tick).failures
 
-    def moment(self, step: Step) -> Moment:
-        return Moment(*self._coverage.case.time(step.record.tick), happened_where(step.record))
+    def event(self, step: Step) -> Event:
+        return Event(*self._coverage.case.time(step.record.tick), happened_where(step.record))
 
 
 def steps_of(records: Sequence[Record]) -> Steps:
@@ -172,19 +165,19 @@ def _certain(name: str, phase: int, runs: _Runs) -> CertainFailure:
         if len(left) == len(alike):
             continue
         step = near[phase][unit][index]
-        shares.append(Share(runs.moment(step).at_s, len(left & fails), len(left)))
+        shares.append(Share(runs.event(step).at_s, len(left & fails), len(left)))
         if left <= fails:
             held = _nearest(alike - fails, phase)
             if runs.fails_before(name, phase, step):
                 return CertainFailure(name, phase, None, held, None, tuple(shares[:-1]))
             there = _step(near[held], unit, index)
-            instead = None if there is None else runs.moment(there)
-            return CertainFailure(name, phase, runs.moment(step), held, instead, tuple(shares))
+            instead = None if there is None else runs.event(there)
+            return CertainFailure(name, phase, runs.event(step), held, instead, tuple(shares))
         alike = left
     held = _nearest(alike - fails, phase)
     further = [_step(near[held], unit, len(near[phase].get(unit, ()))) for unit in near[held]]
     first = min(filter(None, further), key=lambda step: step.record.number, default=None)
-    return CertainFailure(name, phase, None, held, None if first is None else runs.moment(first), tuple(shares))
+    return CertainFailure(name, phase, None, held, None if first is None else runs.event(first), tuple(shares))
 
 
 def _nearest(phases: Iterable[int], phase: int) -> int:

@@ -8,7 +8,7 @@ from tests.f28335.sci_rig import SciRig, frame
 
 
 def broken() -> SciRig:
-    """A FIFO module behind a break; what came of it is read."""
+    """Return the rig of a module in FIFO mode after a break. The words received so far have been read."""
     rig = SciRig(fifo=True).heard("0" * 25 + "1" * 3)
     rig.received()
     return rig

@@ -25,7 +25,7 @@ class Typed:
         os.close(its)
 
     def until(self, end: str) -> str:
-        """What is shown from now on, with this in it."""
+        """Wait until the output from now on contains this text, and return the output."""
         shown = ""
         while end not in shown:
             shown += os.read(self.file, 1000).decode()

@@ -75,7 +75,7 @@ R_NOT_K = "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b"
             *({b"x" * 60: b"ER"}, "x" * 60, "OK", 8),
             ["dsp: SCITXBUF written, 0x45: character 0 of the reply, not 0x4f", R_NOT_K],
         ),
-        # Something was written since the begin of what asks, which is not kept: nobody knows which is the first.
+        # The begin of the request is not kept, and a write came after it, so the first write is not known.
         ({b"x" * 30: b"E"}, "x" * 60, "OK", 8, []),
         ({b"a": b"\xcfR"}, "a", "OK", 7, [R_NOT_K]),  # bits that do not go out are not wrong
     ],

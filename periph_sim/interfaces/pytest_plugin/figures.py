@@ -28,11 +28,11 @@ Property = tuple[str, object]
 def properties(case: str, verdict: Verdict) -> list[Property]:
     """Return the figures of a verdict as properties of a test.
 
-    The figures are the fields verdict, unit, worst, limit, margin, which, count, measured, occasions and at_s of
-    `Verdict`. If the unit is us, the names of worst, limit and margin end in `_us`. A missing figure is "".
+    `verdict` is `Verdict.word`. The other figures are the fields unit, worst, limit, margin, which, count, measured,
+    occasions and at_s. If the unit is us, the names of worst, limit and margin end in `_us`. A missing figure is "".
     """
     tail = "_us" if verdict.unit == "us" else ""
-    figures: dict[str, object] = {FIRST: verdict.verdict, "unit": verdict.unit}
+    figures: dict[str, object] = {FIRST: verdict.word, "unit": verdict.unit}
     figures |= {f"{name}{tail}": _plain(getattr(verdict, name)) for name in VALUES}
     figures |= {"which": verdict.which, "count": verdict.count, "measured": verdict.measured}
     figures |= {"occasions": _plain(verdict.occasions), "at_s": _plain(verdict.at_s)}
@@ -88,17 +88,18 @@ def table(reports: Iterable[Any]) -> list[tuple[str, bool]]:
     budgets = judged(longest)
     if not budgets:
         return []
-    from ...timing.verdict import figure, instant, limit
+    from ...timing.verdict import PROVEN, SEEN, figure, instant, limit
 
     titles: tuple[str, ...] = ("case/budget", "seen", "limit", "when", "", "judged by")
     rows: list[tuple[str, ...]] = []
     good: list[bool] = []
     for label, test, of in budgets:
         numbers = (figure(of["worst"], of["unit"]), limit(of["limit"], of["unit"], of["which"]), instant(of["at_s"]))
-        word = {"pass": "seen", "fail": "broken"}.get(of[FIRST], str(of[FIRST]))
-        known = test in expected and of[FIRST] != "pass"
+        word = str(of[FIRST])
+        passed = word in (SEEN, PROVEN)
+        known = test in expected and not passed
         rows.append((label, *numbers, f"{word}, as expected" if known else word, "" if ".toml::" in test else test))
-        good.append(known or of[FIRST] == "pass")
+        good.append(known or passed)
     width = UNBROKEN
     if not any(row[-1] for row in rows):
         titles, rows, width = titles[:-1], [row[:-1] for row in rows], WIDTH

@@ -179,7 +179,7 @@ def test_figures_are_properties_in_junit_xml(project: pytest.Pytester) -> None:
     names = ["verdict", "unit", "worst_us", "limit_us", "margin_us"]
     names += ["count", "measured", "occasions", "at_s"]
     assert list(response) == names
-    assert response["verdict"] == "fail" and response["limit_us"] == "1.0" and response["count"] == "3"
+    assert response["verdict"] == "broken" and response["limit_us"] == "1.0" and response["count"] == "3"
     assert float(response["worst_us"]) + float(response["margin_us"]) == 1.0
     assert found["wrong bytes"]["periph-sim/small/wrong bytes/worst"] == "0"
 
@@ -296,7 +296,10 @@ def test_a_proven_budget_passes_until_its_proof_is_out_of_date(project: pytest.P
     (project.path / "timing" / "small.toml").unlink()
     case = write_slave(project.path / "timing", "")
     save_proof(case)
-    project.runpytest_inprocess().assert_outcomes(passed=2)
+    result = project.runpytest_inprocess("--junitxml=report.xml")
+    result.assert_outcomes(passed=2)
+    result.stdout.fnmatch_lines(["*image_register_slave/wrong bytes *proven"])
+    assert '/verdict" value="proven" />' in (project.path / "report.xml").read_text(encoding="utf-8")
     firmware = project.path / "timing" / FIRMWARE
     firmware.write_text(firmware.read_text(encoding="utf-8") + "\n", encoding="utf-8")
     result = project.runpytest_inprocess()

@@ -50,5 +50,5 @@ def test_no_figures_no_lines() -> None:
 
 def test_a_property_with_our_prefix_and_no_figures_is_shown() -> None:
     """A test of the user may record such a property; an error here would end the session."""
-    lines = table([report("t.py::one", [("periph-sim/mine/verdict", "pass")])])
+    lines = table([report("t.py::one", [("periph-sim/mine/verdict", "seen")])])
     assert lines[-1] == (" mine            -      -     -  seen  t.py::one", True)

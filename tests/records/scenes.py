@@ -42,7 +42,8 @@ def recorded(of: Case, seconds: str | None = None) -> Run:
     columns = Columns()
     scene = Scene(of, lambda recorder, timebase: recorder.subscribe(RECORDED, columns.add))
     scene.run(None if seconds is None else Fraction(seconds))
-    return Run(columns.table(Fraction(scene.timebase.per_second), scene.kernel.now, of.recorded_modules))
+    per_second = Fraction(scene.timebase.per_second)
+    return Run(columns.table(per_second, scene.kernel.now, of.recorded_modules, scene.clocks()))
 
 
 def asks(address: int = ADDRESS, **request: Any) -> dict[str, Any]:
@@ -56,7 +57,7 @@ def by_hand(*rows: tuple[Any, ...], end: int = 10_000, modules: tuple[str, ...] 
     columns = Columns()
     for number, (cycle, *of) in enumerate(rows, 1):
         columns.add(Record(number, cycle * CYCLE, *of))
-    return Run(columns.table(PER_SECOND, end * CYCLE, {"dsp": modules}))
+    return Run(columns.table(PER_SECOND, end * CYCLE, {"dsp": modules}, {}))
 
 
 def read(cycle: int, value: int = 0, field: str = "", place: str = "f:1", routine: int = 0) -> tuple[Any, ...]:

@@ -103,7 +103,7 @@ def recorded(request: pytest.FixtureRequest) -> tuple[list[Record], Run]:
     columns = Columns()
     for record in records:
         columns.add(record)
-    return records, Run(columns.table(Fraction(bases[0].per_second), end, case.recorded_modules))
+    return records, Run(columns.table(Fraction(bases[0].per_second), end, case.recorded_modules, {}))
 
 
 def test_the_chains_of_why_are_those_of_an_independent_walk(recorded: tuple[list[Record], Run]):

@@ -102,7 +102,7 @@ def test_answers_are_those_of_lists(seed: int):
     columns = Columns()
     for record in records:
         columns.add(record)
-    run = Run(columns.table(PER_SECOND, 10_000, {"dsp": ("I2C-A",), "two": ("I2C-A",)}))
+    run = Run(columns.table(PER_SECOND, 10_000, {"dsp": ("I2C-A",), "two": ("I2C-A",)}, {}))
     every = range(len(records))
     rows_of = {one.number: row for row, one in enumerate(records)}
     for number in range(45):
@@ -166,7 +166,7 @@ def test_rows_are_in_the_order_of_their_ticks_and_units_have_what_every_unit_has
     columns = Columns()
     for number, tick in enumerate((60, 20, 40, 20), 1):
         columns.add(Record(number, tick, Kind.NOTE, "dsp", "x", 0, "", 0))
-    run = Run(columns.table(PER_SECOND, 100, {"dsp": ("I2C-A", "pin:LED")}))
+    run = Run(columns.table(PER_SECOND, 100, {"dsp": ("I2C-A", "pin:LED")}, {}))
     assert run.rows(Kind.NOTE).tolist() == [1, 3, 2, 0]
     assert run.units == {"dsp": ("I2C-A", "SYS", "PIE")}
     assert (run.at(3_000_001), run.seconds(1)) == ("1.000000 ms", Fraction(1, 3_000_000_000))

@@ -325,8 +325,8 @@ def recorded_run(*changes: str) -> RecordedRun:
     case = load(TIMING / "imu_hil_image.toml", [*TO_ONE_ROUND, *changes])
     scene = Scene(case, lambda recorder, _: recorder.subscribe(RECORDED, columns.add))
     scene.run()
-    table = columns.table(Fraction(scene.timebase.per_second), scene.kernel.now, case.recorded_modules)
-    return RecordedRun(replace(table, clocks=scene.clocks()))
+    per_second = Fraction(scene.timebase.per_second)
+    return RecordedRun(columns.table(per_second, scene.kernel.now, case.recorded_modules, scene.clocks()))
 
 
 def test_polls_that_were_skipped_are_put_back_where_they_would_have_been():

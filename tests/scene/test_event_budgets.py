@@ -40,7 +40,7 @@ def test_each_is_what_the_recorded_run_shows():
     case = with_budgets("imu_hil_published", *measured, budget("interrupt latency SCIRXINTA", max="1 us"))
     columns = Columns()
     ran = run_case(case, "0.07", lambda recorder, timebase: recorder.subscribe(RECORDED, columns.add))
-    table = columns.table(ran.scene.timebase.per_second, ran.scene.kernel.now, {"dsp": ("I2C-A", "SCI-A", "GPIO")})
+    table = columns.table(ran.scene.timebase.per_second, ran.scene.kernel.now, {"dsp": ("I2C-A", "SCI-A", "GPIO")}, {})
     per_us = ran.scene.timebase.per_second / 1e6
     for verdict, (a, b, rule) in zip(ran.result.budgets, pairs, strict=False):
         found = timing.between(table, a, b, rule=rule, transfers_in_round=3)

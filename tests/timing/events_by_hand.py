@@ -40,7 +40,7 @@ def table(of: list[Record]) -> RecordTable:
     columns = Columns()
     for record in of:
         columns.add(record)
-    return columns.table(Fraction(10**9), 1000, {"dsp": (*MODULES, "pin:MODEL")})
+    return columns.table(Fraction(10**9), 1000, {"dsp": (*MODULES, "pin:MODEL")}, {})
 
 
 def tell(measure: Measure, of: list[Record]) -> Measure:

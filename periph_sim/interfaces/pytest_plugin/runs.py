@@ -217,7 +217,7 @@ def run_plan(plan: Plan, on_judged: OnJudged, *, keep_edges: bool = False, recor
         budgets=Budgets(result.case, result.budgets),
         timebase=scene.timebase,
         start=scene.start,
-        records=columns.table(per_second, now, plan.case.recorded_modules) if record else None,
+        records=columns.table(per_second, now, plan.case.recorded_modules, scene.clocks()) if record else None,
         hangs=(*scene.deadlocks(), *(scene.stuck.sentences[-1:] if scene.stuck.hangs() else ())),
         _transfers=transfers,
         _edges=None if log is None else replace(log.capture(scene.timebase, now), path=Path(result.case)),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from fractions import Fraction
 from typing import IO
 
@@ -33,8 +32,7 @@ class PsrWriter(RecordingWriter):
         self.write = self._columns.add
 
     def close(self, now: int, clocks: Clocks) -> None:
-        table = self._columns.table(Fraction(self._per_second), now, self._modules)
-        write_table(replace(table, clocks=clocks), self._file)
+        write_table(self._columns.table(Fraction(self._per_second), now, self._modules, clocks), self._file)
 
 
 class JsonlWriter(RecordingWriter):

@@ -12,7 +12,6 @@ and evaluates them when the run is over:
 
 from __future__ import annotations
 
-from dataclasses import replace
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -171,7 +170,7 @@ class Race(Measure):
     def finish(self, now: int) -> None:
         from ...records.races import distances  # imported here, because `lost_flags` does not need it
 
-        run = Run(replace(self._kept_records.table(Fraction(self._per_second), now, {}), clocks=self._clocks))
+        run = Run(self._kept_records.table(Fraction(self._per_second), now, {}, self._clocks))
         self._kept_records.clear()
         try:
             cycles, ticks, self._unplaced = distances(run, self.watched.name)

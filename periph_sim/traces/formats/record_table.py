@@ -246,7 +246,8 @@ class Columns(RecordSink):
     def __len__(self) -> int:
         return BLOCK * len(self._full) + self._filled
 
-    def table(self, per_second: Fraction, end: int, modules: dict[str, tuple[str, ...]]) -> RecordTable:
+    def table(self, per_second: Fraction, end: int, modules: dict[str, tuple[str, ...]], clocks: Clocks) -> RecordTable:
+        """Return the collected records. The arguments are the fields of `RecordTable` with these names."""
         names, topics = self._topics_in_use()
         columns: dict[str, NDArray[Any]] = {
             name: topics.indices[:, place].astype(COLUMNS[name][1])[topics.row] for place, name in enumerate(TOPIC)
@@ -254,7 +255,7 @@ class Columns(RecordSink):
         columns |= {name: self._column(name, COLUMNS[name][1]) for name in COLLECTED if name != "topic"}
         names |= {"text": tuple(self._texts), "field": tuple(self._fields)}
         in_order = {name: columns[name] for name in COLUMNS}
-        return RecordTable(in_order, names, per_second, end, modules, topics)
+        return RecordTable(in_order, names, per_second, end, modules, topics, clocks)
 
     def _topics_in_use(self) -> tuple[dict[str, tuple[str, ...]], Topics]:
         """Return the strings of the columns kind, where and what, and the topics of the collected records.

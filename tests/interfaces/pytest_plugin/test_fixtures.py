@@ -7,6 +7,7 @@ import pytest
 from .project import SMALL
 
 SCENE = """
+from periph_sim.records.run import Run
 from periph_sim.traces.compliance import check
 from periph_sim.traces.decode import i2c
 
@@ -33,6 +34,10 @@ def test_records_and_edges_are_of_one_run(scene):
     assert kept.records.tick[edges].tolist() == kept.edges().channel("SCL").edges.tolist()
     assert repeated.edges().channel("SCL").edges.tolist() == kept.edges().channel("SCL").edges.tolist()
     assert repeated.edges().length == kept.edges().length
+
+def test_records_have_the_clocks_of_the_units(scene):
+    run = scene("timing/small.toml", "unit.dsp.pll=8", record=True)
+    assert Run(run.records).cycles.how == "SYSCLKOUT 120 MHz"
 
 """
 
@@ -231,7 +236,7 @@ def test_short(scene, record):
 """
 
 
-@pytest.mark.parametrize(("source", "passed"), [(SCENE, 3), (PYTHON, 3), (PICTURES, 1), (LIMITS, 3)])
+@pytest.mark.parametrize(("source", "passed"), [(SCENE, 4), (PYTHON, 3), (PICTURES, 1), (LIMITS, 3)])
 def test_what_a_run_gives(project: pytest.Pytester, source: str, passed: int) -> None:
     """Figures and waves of cases and of firmware in Python; the picture of a second run, and within a short run."""
     project.makepyfile(test_it=source)

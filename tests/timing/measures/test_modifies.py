@@ -88,7 +88,7 @@ class Both:
 
     def flags(self) -> list[LostFlag]:
         """As the recording tells them."""
-        table = self.all.table(Fraction(HZ * CYCLE), self.now, {"dsp": ("I2C-A",)})
+        table = self.all.table(Fraction(HZ * CYCLE), self.now, {"dsp": ("I2C-A",)}, {})
         try:
             run = Run(table, sysclk=HZ)
             of_status = [group for group, _ in groups_of(run, None)]
@@ -104,7 +104,7 @@ class Both:
 
     def worked_out(self, name: str = "") -> list[int]:
         """Ticks at which flags were lost, or one was cleared, by what the records mean."""
-        table = self.all.table(Fraction(HZ * CYCLE), self.now, {"dsp": ("I2C-A",)})
+        table = self.all.table(Fraction(HZ * CYCLE), self.now, {"dsp": ("I2C-A",)}, {})
         found = read_modify_writes(Run(table, sysclk=HZ), "dsp")
         of = {record.number: record for record in table.records()}
         pairs = [(of[int(table.number[r])], of[int(table.number[w])]) for r, w in zip(*found[:2], strict=True)]

@@ -51,7 +51,7 @@ def table_of(records: Iterable[Record], per_second: Fraction, end: int) -> Recor
     columns = Columns()
     for record in records:
         columns.add(record)
-    return columns.table(per_second, end, {})
+    return columns.table(per_second, end, {}, {})
 
 
 def saved(path: Path, records: list[Record], end: int = 0) -> Path:

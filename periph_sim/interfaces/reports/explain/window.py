@@ -32,7 +32,7 @@ from ....scene.scene import Scene
 from ....timing.verdict import Verdict
 from ....traces.capture.capture import Capture, Channel, Span, channel_of
 from ....traces.drawing.capture_lanes import bit_of
-from ....traces.formats.record_table import Columns, RecordTable
+from ....traces.formats.record_table import Clocks, Columns, RecordTable
 from .assumed import advance, shortly_before
 from .occurrence import event_of, is_interval, is_late, never_came, occurrence
 
@@ -70,6 +70,7 @@ class Window:
     chain_texts: the texts of the steps of the explanation; empty without an explanation. A picture shows the fields
         that these texts name.
     modules: a dictionary from units to the names of their modules.
+    clocks: the history of SYSCLKOUT of each unit.
     expected: a dictionary from each wrong byte to the expected value.
     formats: a dictionary from serial lines to the length of a bit in ticks and the frame format, at the end of the run.
     assumed: the options that decided undocumented behaviours in a failure or shortly before it; otherwise empty.
@@ -87,6 +88,7 @@ class Window:
     start: int
     chain_texts: tuple[str, ...] = ()
     modules: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    clocks: Clocks = field(default_factory=dict)
     expected: Mapping[WrongByte, int] = field(default_factory=dict)
     formats: Mapping[str, tuple[Fraction, UartFormat]] = field(default_factory=dict)
     assumed: tuple[str, ...] = ()
@@ -115,7 +117,8 @@ class Window:
         columns = Columns()
         for record in self.by_number.values():
             columns.add(record)
-        return Run(columns.table(Fraction(self.timebase.per_second), self.kept[-1].end, dict(self.modules)))
+        per_second = Fraction(self.timebase.per_second)
+        return Run(columns.table(per_second, self.kept[-1].end, dict(self.modules), self.clocks))
 
     @property
     def hole(self) -> Span | None:
@@ -170,9 +173,8 @@ def windows(
     while keeper.awaits_bytes and until < keeper.end:
         until = min(2 * until, keeper.end)
         scene.advance(until)
-    found = keeper.windows(case.name, scene.wires, {name: unit.modules for name, unit in case.unit.items()})
-    used = zip(found, assumed, strict=True)
-    return [replace(window, formats=scene.uart.formats(), assumed=names) for window, names in used]
+    found = keeper.windows_of_scene(case, scene)
+    return [replace(window, assumed=names) for window, names in zip(found, assumed, strict=True)]
 
 
 @output_muted()
@@ -192,8 +194,7 @@ def windows_of_replay(
     """
     keeper = _Keeper(verdicts, timebase, start, end)
     scene = repeat(lambda recorder, _: recorder.subscribe(RECORDED, keeper.add), keeper.ends)
-    found = keeper.windows(case.name, scene.wires, {name: unit.modules for name, unit in case.unit.items()})
-    return [replace(window, formats=scene.uart.formats()) for window in found]
+    return keeper.windows_of_scene(case, scene)
 
 
 def windows_of_table(
@@ -206,7 +207,7 @@ def windows_of_table(
     keeper = _Keeper(verdicts, timebase, start, table.end)
     for record in table.records():
         keeper.add(record)
-    return keeper.windows(case, dict.fromkeys(table.texts("where", table.rows(Kind.EDGE))), table.modules)
+    return keeper.windows(case, dict.fromkeys(table.texts("where", table.rows(Kind.EDGE))), table.modules, table.clocks)
 
 
 def windows_of_edges(edges: Capture, timebase: Timebase, verdicts: Iterable[Verdict], start: int) -> list[Window]:
@@ -221,7 +222,7 @@ def windows_of_edges(edges: Capture, timebase: Timebase, verdicts: Iterable[Verd
     ]
     for number, (at, name, to) in enumerate(sorted(moves), 1):
         keeper.add(Record(number, at, Kind.EDGE, name, "level", to, "", 0))
-    return keeper.windows(str(edges.path), [channel.name for channel in edges.channels], {})
+    return keeper.windows(str(edges.path), [channel.name for channel in edges.channels], {}, {})
 
 
 @dataclass(frozen=True)
@@ -292,19 +293,25 @@ class _Keeper:
         place, value = divmod(record.value, 256)
         self._expected[I2C_BUS, record.tick, place] = value
 
-    def windows(self, name: str, wires: Collection[str], modules: Mapping[str, tuple[str, ...]]) -> list[Window]:
+    def windows_of_scene(self, case: Case, scene: Scene) -> list[Window]:
+        modules = {name: unit.modules for name, unit in case.unit.items()}
+        found = self.windows(case.name, scene.wires, modules, scene.clocks())
+        return [replace(window, formats=scene.uart.formats()) for window in found]
+
+    def windows(
+        self, name: str, wires: Collection[str], modules: Mapping[str, tuple[str, ...]], clocks: Clocks
+    ) -> list[Window]:
         self._before += [self._seen] * (len(self._ranges) - len(self._before))  # no record came in the remaining ranges
         self._records.sort(key=lambda r: r.tick)
-        return [_with_stretch(self._window(one, name, wires, modules)) for one in self.wanted]
+        found = (self._window(one, name, wires) for one in self.wanted)
+        return [_with_stretch(replace(window, modules=modules, clocks=clocks)) for window in found]
 
     def _between(self, begin: int, end: int) -> list[Record]:
         """Return the records from tick `begin` up to, but not including, tick `end`."""
         first, last = (bisect_left(self._records, tick, key=lambda r: r.tick) for tick in (begin, end))
         return self._records[first:last]
 
-    def _window(
-        self, one: _Wanted, name: str, wires: Collection[str], modules: Mapping[str, tuple[str, ...]]
-    ) -> Window:
+    def _window(self, one: _Wanted, name: str, wires: Collection[str]) -> Window:
         begins = [max(span.begin, self._start) for span in one.kept]
         ranges = [max(n for n, ours in enumerate(self._ranges) if ours.begin <= begin) for begin in begins]
         first = one.kept[0].begin
@@ -323,7 +330,6 @@ class _Keeper:
             edges=edges,
             timebase=self._timebase,
             start=self._start,
-            modules=modules,
             expected=self._expected,
         )
 

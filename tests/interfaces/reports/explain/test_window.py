@@ -26,12 +26,12 @@ LENGTH = Fraction(3, 20)
 @pytest.fixture(scope="module")
 def whole():
     """The case with slow models: records and edges of all of a run, its verdicts."""
-    case = load(CASES / "imu_hil_published.toml", ["unit.dsp.settings.model_cost=400 us"])
+    case = load(CASES / "imu_hil_published.toml", ["unit.dsp.settings.model_cost=400 us", "unit.dsp.pll=8"])
     columns = Columns()
     scene = Scene(case, lambda recorder, _: recorder.subscribe(RECORDED, columns.add))
     log = WireLog(*scene.wires.values())
     result = scene.run(LENGTH)
-    table = columns.table(Fraction(scene.timebase.per_second), scene.kernel.now, {})
+    table = columns.table(Fraction(scene.timebase.per_second), scene.kernel.now, {}, scene.clocks())
     return case, result, table, log.capture(scene.timebase, scene.kernel.now)
 
 
@@ -77,6 +77,7 @@ def test_a_recorded_run_gives_the_same(whole):
         assert (again.begin, again.end, again.drawn, again.kept) == (one.begin, one.end, one.drawn, one.kept)
         assert again.records == one.records
         assert again.before == one.before
+        assert again.run.cycles.how == one.run.cycles.how == "SYSCLKOUT 120 MHz"
 
 
 def test_of_a_long_occurrence_the_middle_is_not_kept():

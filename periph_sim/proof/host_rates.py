@@ -15,6 +15,7 @@ with this sequence are a group of the table, too. Random groups are run to check
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from copy import deepcopy
 from fractions import Fraction
 from itertools import islice, pairwise
 from math import ceil, floor
@@ -202,6 +203,7 @@ def run_rate(job: Job, ignored: Sequence[str], known: Known, task: RateTask, see
 def _run_rate(job: Job, ignored: Sequence[str], known: Known, task: RateTask, seed: int) -> int:
     covered = within_round(case_of(job, Path.cwd())).at_rate(task.error)
     orbits, random = len(known.orbits.known), Random(seed)
+    known = deepcopy(known)  # a call must not change the arguments of other calls in this process
     assert known.cells is not None
     sample, pair, lengths = known.cells.period, PairRun(covered, ignored, known), [0]
 

@@ -8,6 +8,7 @@ A run of a scene has many groups, one after the other.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import deepcopy
 from functools import partial
 from operator import eq
 from pathlib import Path
@@ -146,8 +147,8 @@ def alone(orbits: Orbits, number: int, cells: Cells | None, cycle: int) -> list[
 
 
 def run_tasks(job: Job, ignored: Sequence[str], known: Known, orbit: int, tasks: Sequence[Task]) -> Done:
-    """Run groups from one orbit. Another process can call this."""
-    pair = PairRun(within_round(case_of(job, Path.cwd())), ignored, known)
+    """Run groups from one orbit. Another process can call this. The outcome depends on the arguments only."""
+    pair = PairRun(within_round(case_of(job, Path.cwd())), ignored, deepcopy(known))
     for task in tasks:
         pair.done.runs.append(pair.run(orbit, task))
     pair.end()

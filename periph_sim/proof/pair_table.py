@@ -16,6 +16,7 @@ by one. Random groups, some of them from within cells, are run again after other
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from copy import deepcopy
 from itertools import count, islice
 from math import gcd
 from random import Random
@@ -35,6 +36,7 @@ from .stretch import CoveredCase, Job
 MOST_SHRINKS = 32  # maximum number of times that the first and last group of a cell are removed because they differ
 TIMED = 400  # number of random groups that are run first, to reach most orbits and to estimate the CPU time
 REVISITED = 20  # one in REVISITED of the groups that were run is run again, but at least `least_again` are
+CALLS = 64  # maximum number of calls of `run_tasks` that are made at the same time
 NEAR_ENDS = 2  # one in NEAR_ENDS of the groups that are run again is a random group of a cell
 
 
@@ -277,12 +279,8 @@ class PairMaker:
 
     def _run(self, orbit: int, tasks: Sequence[Task], keep: bool = True) -> list[GroupRun]:
         """Run groups, and return their runs in order, up to the first failure. keep: True to add them to the table."""
-        calls = [
-            (self._job, self._ignored, self.known, orbit, tasks[begin : begin + CHUNK])
-            for begin in range(0, len(tasks), CHUNK)
-        ]
         found: list[GroupRun] = []
-        for done in self._call_all(run_tasks, calls):
+        for done in self._outcomes(orbit, tasks):
             runs = self._add(done)
             if keep:
                 for task, run in zip(tasks[len(found) : len(found) + len(runs)], runs, strict=True):
@@ -293,6 +291,17 @@ class PairMaker:
             if self.table.has_failed:
                 break
         return found
+
+    def _outcomes(self, orbit: int, tasks: Sequence[Task]) -> Iterator[Done]:
+        """Run groups, and yield the outcome of each CHUNK of them, in order.
+
+        The orbits that the first CALLS calls find are known to the next ones. So the arguments of a call do not depend
+        on the number of processes.
+        """
+        for first in range(0, len(tasks), CHUNK * CALLS):
+            known, some = deepcopy(self.known), tasks[first : first + CHUNK * CALLS]
+            chunks = [some[begin : begin + CHUNK] for begin in range(0, len(some), CHUNK)]
+            yield from self._call_all(run_tasks, [(self._job, self._ignored, known, orbit, one) for one in chunks])
 
     def _add(self, done: Done) -> list[GroupRun]:
         """Add the outcome of runs to the table. Return the runs, with the numbers of orbits in the table."""

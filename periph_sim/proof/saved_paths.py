@@ -13,3 +13,8 @@ def coverage_path(case: Path) -> Path:
 def proof_path(case: Path) -> Path:
     """Return the path of the proof file of a case, which need not exist."""
     return case.parent / "proofs" / f"{case.stem}.json"
+
+
+def unfinished_path(case: Path) -> Path:
+    """Return the path of the file with the results of an unfinished table of a case, which need not exist."""
+    return case.parent / "proofs" / f"{case.stem}.unfinished"

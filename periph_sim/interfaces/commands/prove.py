@@ -119,7 +119,7 @@ def prove(
     pairs of related answers. The output names the budgets whose verdict depends on an answer.
 
     With --save, the result is written to coverage/NAME.json beside the case, with --table and a proven budget to
-    proofs/NAME.json. A coverage that was stopped is continued.
+    proofs/NAME.json. A coverage or a table that was stopped is continued.
 
     Exit status 0: no run failed, and every budget that the output does not list as left out held at all these phases
     (with --table: is proven; with --questions: with every answer); 1: otherwise; 2: the command was stopped (results

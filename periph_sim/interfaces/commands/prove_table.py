@@ -16,7 +16,7 @@ from ...core.phrases import counted
 from ...core.text_table import paragraph
 from ...proof.calls import T, Ts, call_here
 from ...proof.closed_table import BOTH, Contradiction, milliseconds, starts_text
-from ...proof.dependencies import dependencies, files_read
+from ...proof.dependencies import Dependencies, dependencies, files_read
 from ...proof.free_run import NotClosed
 from ...proof.proof_file import proof_of
 from ...proof.saved_file import text_of
@@ -27,6 +27,7 @@ from ...scene.case.load import load
 from ...timing.verdict import BROKEN, PROVEN, figure, limit
 from ..reports.baselines.files import write_all
 from ..reports.cluster import worker_pool
+from ..reports.kept_calls import KeptCalls
 from ..reports.processes import results_of
 from ..reports.witness import witness_file
 from .command_frame import print_json, print_table, progress, running_user_code, say
@@ -55,12 +56,18 @@ def prove_with_table(
     case = Path(job.file)
     with running_user_code():
         note_inputs([case], job.changes)
+        kept = KeptCalls(case) if save else None  # its file is no dependency
         with files_read() as read:
             loaded = load(case, list(job.changes))
             if jobs is not None and within is None and (loaded.host is None or loaded.controller is None):
                 raise click.UsageError("--jobs has no effect with --table; remove it")
             before = dependencies(case.parent, loaded.files()) if save else None
-            made = _proof(job, within, rates, jobs or os.cpu_count() or 1)
+
+            def depends() -> Dependencies | None:
+                is_same = before is not None and not before.differences(case.parent)
+                return dependencies(case.parent, [*read, *loaded.files()]) if is_same else None
+
+            made = _proof(job, within, rates, jobs or os.cpu_count() or 1, kept, depends)
             proof = None
             if before is not None and not made.has_failed:
                 proof = proof_of(made, dependencies(case.parent, [*read, *made.covered.case.files()]))
@@ -71,6 +78,8 @@ def prove_with_table(
         if proof is not None and proof.proven:
             write_all({proof_path(case): text_of(proof)})
             files.append(proof_path(case))
+        if kept is not None:
+            kept.remove()
     if as_json:
         print_json("prove", _object(made, files))
     else:
@@ -80,35 +89,55 @@ def prove_with_table(
     return int(any(word != PROVEN for word in made.words().values()) or made.has_failed)
 
 
-def _proof(job: Job, within: Fraction | None, rates: Fraction | None, jobs: int) -> TableProof:
-    """Return the tables of a case. Raise ClickException if there are none, or if they cannot be completed."""
+def _proof(
+    job: Job,
+    within: Fraction | None,
+    rates: Fraction | None,
+    jobs: int,
+    kept: KeptCalls | None,
+    depends: Callable[[], Dependencies | None],
+) -> TableProof:
+    """Return the tables of a case. Raise ClickException if there are none, or if they cannot be completed.
+
+    kept: keeps the results of finished calls; None to keep none. depends: as for `KeptCalls.call_all`.
+    """
     name = load(Path(job.file), list(job.changes)).name
 
     def announce(tables: int, starts: int, seconds: float) -> None:
         about, of = max(1, round(seconds)), f"{tables} tables, each of about " if tables > 1 else ""
         click.echo(f"{name}: {of}{starts:,} starts to run, about {about} s of CPU", err=True)
 
+    if kept is not None and kept.note:
+        click.echo(f"{name}: {kept.note}", err=True)
     try:
         with ExitStack() as pool, progress(name) as on_progress:
             workers: list[Executor] = []
 
             def call_all(work: Callable[[*Ts], T], calls: Sequence[tuple[*Ts]]) -> Iterable[T]:
-                if len(calls) < 2:
+                if len(calls) < 2 or jobs == 1:
                     return call_here(work, calls)
                 if not workers:
                     workers.append(pool.enter_context(worker_pool(jobs, None)))
                 return results_of(workers[0], work, calls)
 
-            return prove(job, within, on_progress, announce, call_here if jobs == 1 else call_all, rates)
+            keeping = call_all if kept is None else kept.call_all(call_all, depends)
+            return prove(job, within, on_progress, announce, keeping, rates)
     except NotClosed as error:
+        if kept is not None:
+            kept.remove()
         raise click.ClickException(
             f"{name} has no closed table: {error} (without --table, prove runs phases)"
         ) from None
     except Contradiction as error:
         raise click.ClickException(str(error)) from None
-    except BrokenProcessPool:
-        why = f"{name}: a process died while it made a table"
-        raise click.ClickException(f"{why}; --jobs 1 makes all tables in this process") from None
+    except (BrokenProcessPool, KeyboardInterrupt) as error:
+        is_stopped = isinstance(error, KeyboardInterrupt)
+        if kept is None and is_stopped:
+            raise
+        why = "stopped by Ctrl-C or SIGTERM" if is_stopped else f"{name}: a process died while it made a table"
+        way = "" if is_stopped else "; --jobs 1 makes all tables in this process"
+        saved = "" if kept is None or not kept.save() else f"; the same command continues from {kept.path}"
+        raise click.ClickException(f"{why}{way}{saved}") from None
 
 
 def _write_witnesses(made: TableProof, job: Job, folder: Path) -> list[Path]:

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from concurrent.futures.process import BrokenProcessPool
+from functools import wraps
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from tests.interfaces.commands.conftest import Run
+from periph_sim.proof import pair_table
+from tests.interfaces.commands.conftest import Came, Run
 from tests.proof.pair_cases import write_lonely
 from tests.proof.proven_slave import write_slave
 from tests.proof.test_closed_table import PERIOD, write_echo
@@ -55,7 +60,7 @@ def test_the_witness_of_a_value_without_an_instant_is_a_whole_run(periph_sim: Ru
 def test_a_case_without_a_table_is_refused_in_a_sentence(periph_sim: Run, tmp_path: Path):
     path = write_echo(tmp_path)
     came = periph_sim("prove", str(path), "--table", "--set", "unit.dsp.ppm=1")
-    assert (came.status, came.out) == (2, "")
+    assert (came.status, came.out) == (2, ""), came.err
     assert came.err.splitlines()[-1].startswith("Error: fast_echo has no closed table: unit.dsp.ppm is not 0")
     assert came.err.endswith(" (without --table, prove runs phases)\n")
 
@@ -122,3 +127,45 @@ def test_a_saved_proof_names_its_range_of_clocks(periph_sim: Run, tmp_path: Path
         "start at least 4.4001 ms apart, and all clocks of the controller within 1 ppm\n"
         in periph_sim("run", str(case)).out
     )
+
+
+def counting(made: list[int], until: int = 10**6, error: type[BaseException] = KeyboardInterrupt) -> Callable[..., Any]:
+    """Return `run_tasks` with an error in place of call number `until`. made: receives a number for each call."""
+    real = pair_table.run_tasks
+
+    @wraps(real)
+    def counts(*arguments: Any) -> Any:
+        if len(made) == until:
+            raise error
+        made.append(len(made))
+        return real(*arguments)
+
+    return counts
+
+
+@compiled_only
+def test_a_table_that_was_stopped_continues_to_the_same_proof(
+    periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    write_lonely(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    table, unfinished = ("prove", "pair.toml", "--table", "--jobs", "1"), Path("proofs/pair.unfinished")
+    way, parts, calls = f"; the same command continues from {unfinished}\n", list[int](), list[int]()
+
+    def run(replaced: Callable[..., Any], *options: str) -> Came:
+        with monkeypatch.context() as calls_replaced:
+            calls_replaced.setattr(pair_table, "run_tasks", replaced)
+            return periph_sim(*table, *options)
+
+    came = run(counting(parts, 4), "--save")
+    assert (came.status, came.out) == (2, "")
+    assert came.err.endswith(f"\nError: stopped by Ctrl-C or SIGTERM{way}") and "continued" not in came.err
+    came = run(counting(parts, 7, BrokenProcessPool), "--save")
+    assert came.status == 2
+    assert came.err.startswith(f"lonely: continued from {unfinished}\n") and came.err.endswith(way)
+    continued, proof = run(counting(parts), "--save"), Path("proofs/pair.json").read_bytes()
+    assert continued.err.startswith(f"lonely: continued from {unfinished}\n") and not unfinished.exists()
+    whole = run(counting(calls), "--save")
+    assert "continued" not in whole.err and parts == calls and len(calls) > 8
+    assert (whole.status, whole.out) == (continued.status, continued.out)
+    assert Path("proofs/pair.json").read_bytes() == proof

@@ -36,6 +36,11 @@ def counted(number: int, thing: str) -> str:
     return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
+def addressed(address: int, read: bool) -> str:
+    """Return an address on an I2C bus and the direction as text: "0x68 R", "0x68 W"."""
+    return f"0x{address:02X} {'R' if read else 'W'}"
+
+
 MAX_LENGTH = 300  # maximum number of characters that a message quotes
 
 

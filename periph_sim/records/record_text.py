@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+from ..core.phrases import addressed
 from ..core.records import TIMED_OUT, Kind, Record
 from ..core.registers import Field
 from .register_maps import register_of
@@ -35,8 +36,8 @@ class BusByte(NamedTuple):
 
     def __str__(self) -> str:
         """Return the byte as text: "0x68 R ACK", "0x11 NACK"."""
-        way = "" if self.read is None else " R" if self.read else " W"
-        return f"0x{self.value:02X}{way} {'ACK' if self.acked else 'NACK'}"
+        byte = f"0x{self.value:02X}" if self.read is None else addressed(self.value, self.read)
+        return f"{byte} {'ACK' if self.acked else 'NACK'}"
 
 
 def bus_byte(record: Record) -> BusByte | None:

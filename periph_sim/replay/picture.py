@@ -20,7 +20,7 @@ from ..records.register_maps import reads_take, yields_data
 from ..traces.capture.capture import Channel
 from ..traces.decode import i2c
 from ..traces.decode.i2c_table import I2cRowKind
-from ..traces.drawing.capture_lanes import LETTERS
+from ..traces.drawing.capture_lanes import labelled_events
 from ..traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick, timing_diagram
 from .report import Divergence, Happened, HistoryEntry
 
@@ -121,13 +121,10 @@ def _boxes(side: Side, window: tuple[float, float], wrong: float | None, bit: fl
             found.append(Box(begin, end, text, off))
 
     for transfer in side.transfers:
-        for event in i2c.events_of(transfer):
-            text = LETTERS.get(event.kind, f"{event.value:02X}")
-            if event.kind is I2cRowKind.ADDRESS:
-                text += " read" if event.read else " write"
-            if text:
+        for event, label, _, _ in labelled_events(transfer):
+            if event.kind is not I2cRowKind.CUT:
                 wide = 0.55 if event.kind in CONDITIONS else 0.45
-                add(side.of_transfer(event.at), side.of_transfer(event.last) + wide * bit, text)
+                add(side.of_transfer(event.at), side.of_transfer(event.last) + wide * bit, label)
     return tuple(found)
 
 

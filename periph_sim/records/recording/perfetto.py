@@ -18,6 +18,7 @@ from __future__ import annotations
 import json
 from typing import IO
 
+from ...core.phrases import addressed
 from ...core.records import Kind, Record
 from ...core.time import GHZ, Timebase
 from ...traces.decode import i2c
@@ -149,8 +150,8 @@ class PerfettoWriter(RecordingWriter):
 
 def _title(transfer: i2c.Transfer) -> str:
     """Return the title of a transfer, such as `0x68 W 0x68 R`; "cut off" if it has no complete address."""
-    named = (phase for phase in transfer.phases if phase.address is not None)
-    return " ".join(f"0x{phase.address:02X} {'R' if phase.read else 'W'}" for phase in named) or "cut off"
+    named = (addressed(one.address, bool(one.read)) for one in transfer.phases if one.address is not None)
+    return " ".join(named) or "cut off"
 
 
 def _byte(byte: i2c.Byte, place: int) -> str:

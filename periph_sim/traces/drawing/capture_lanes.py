@@ -6,9 +6,11 @@ Capture --cut to span--> SCL, SDA, bytes, other wires that change
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
+from ...core.phrases import addressed
 from ..capture.capture import Capture, Channel, Span
 from ..decode import i2c
 from ..decode.i2c_table import I2cRowKind, edges_of
@@ -91,33 +93,59 @@ def _boxes(
 Stretch = tuple[float, float, str, bool]  # begin and end of a box in positions, its text, and True for a wrong byte
 
 
-# The texts of the boxes of events other than addresses and bytes. An incomplete byte has no box.
+# The labels of events that have no value.
 LETTERS = {
     I2cRowKind.START: "S",
     I2cRowKind.REPEATED_START: "Sr",
     I2cRowKind.ACK: "A",
     I2cRowKind.NACK: "N",
     I2cRowKind.STOP: "P",
-    I2cRowKind.CUT: "",
 }
 
 
-def _bytes(transfer: i2c.Transfer, bit: int, expected: Mapping[tuple[int, int], int]) -> Iterator[Stretch]:
-    """Yield a box for each START, complete byte, ACK, NACK and STOP of a transfer."""
+class LabelledEvent(NamedTuple):
+    """An event of a transfer with its label, which is the same in all pictures.
+
+    label: "S", "Sr", "0x68 R", "0x1D", "0x1D not 0x1E", "A", "N", "P", or the bits of an incomplete byte.
+    place: the number of data bytes in the phase so far, including this event.
+    wrong: True if the event is a data byte for which another value is expected.
+    """
+
+    event: i2c.Event
+    label: str
+    place: int
+    wrong: bool
+
+
+def labelled_events(
+    transfer: i2c.Transfer, expected: Mapping[tuple[int, int], int] | None = None
+) -> Iterator[LabelledEvent]:
+    """Yield the events of a transfer with their labels, in order. expected: as for `wire_lanes`."""
     start = place = 0
     for event in i2c.events_of(transfer):
+        wanted = None
+        label = LETTERS.get(event.kind, f"0x{event.value:02X}")
         if event.kind in (I2cRowKind.START, I2cRowKind.REPEATED_START):
             start, place = event.at, 0
-        wanted = None
-        if event.kind is I2cRowKind.DATA:
-            wanted = expected.get((start, place))
+        elif event.kind is I2cRowKind.ADDRESS:
+            label = addressed(event.value, event.read)
+        elif event.kind is I2cRowKind.CUT:
+            label = f"{event.value:0{event.bits}b}"
+        elif event.kind is I2cRowKind.DATA:
+            wanted = (expected or {}).get((start, place))
             place += 1
-        text = LETTERS.get(event.kind, f"0x{event.value:02X}")
-        if event.kind is I2cRowKind.ADDRESS:
-            text += " R" if event.read else " W"
-        text += "" if wanted is None else f" not 0x{wanted:02X}"
-        if text:
-            yield event.at, event.last + bit / 2, text, wanted is not None
+            label += "" if wanted is None else f" not 0x{wanted:02X}"
+        yield LabelledEvent(event, label, place, wanted is not None)
+
+
+def _bytes(transfer: i2c.Transfer, bit: int, expected: Mapping[tuple[int, int], int]) -> Iterator[Stretch]:
+    """Yield a box for each START, complete byte, ACK, NACK and STOP of a transfer.
+
+    An incomplete byte has no box, because it may be complete in the capture and end after the decoded part of it.
+    """
+    for event, label, _, wrong in labelled_events(transfer, expected):
+        if event.kind is not I2cRowKind.CUT:
+            yield event.at, event.last + bit / 2, label, wrong
 
 
 def _phases(transfer: i2c.Transfer, end: int) -> Iterator[Stretch]:
@@ -130,7 +158,7 @@ def _phases(transfer: i2c.Transfer, end: int) -> Iterator[Stretch]:
     for phase, stop in zip(transfer.phases, stops, strict=True):
         if phase.address is not None:
             acked = phase.bytes[0].acked is not False
-            text = f"0x{phase.address:02X} {'R' if phase.read else 'W'} {len(phase.data)}"
+            text = f"{addressed(phase.address, bool(phase.read))} {len(phase.data)}"
             yield phase.start.at, stop, text if acked else f"0x{phase.address:02X} N", False
 
 

@@ -11,6 +11,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import islice, pairwise
 
+from ....core.phrases import addressed
 from ....core.records import Kind, Record
 from ....devices.targets import eeprom
 from ....f28335.i2c.descriptor import I2C_A
@@ -52,7 +53,7 @@ class RecordedPhase:
 
     def __str__(self) -> str:
         """Format the phase: "gyroscope (0x68 R)", or "0x68 R" if no name is known."""
-        asked = f"0x{self.address:02X} {'R' if self.read else 'W'}"
+        asked = addressed(self.address, self.read)
         return f"{self.name} ({asked})" if self.name else asked
 
 

@@ -22,7 +22,7 @@ from ....traces.drawing.text_diagram import text_diagram
 from .characters import characters
 from .cpu_activity import Stretch, episodes, timeline, units
 from .occurrence import event_of
-from .window import I2C_BUS, Window
+from .window import Window
 
 ANSWER = ("I2CSTR.AAS", "I2CSTR.SDIR", "I2CSTR.XRDY")
 RECEIVED = ("SCIFFRX.RXFFINT",)
@@ -58,9 +58,9 @@ def svg_picture(window: Window) -> str:
 
 
 def _lanes(window: Window, columns: int) -> list[Lane]:
-    expected = {(tick, place): value for (bus, tick, place), value in window.expected.items() if bus == I2C_BUS}
     of_characters = _characters(window, columns)
     lanes = []
+    expected = window.expected_on_bus
     for lane in wire_lanes(window.edges, window.drawn, lambda at: _seconds(window, at), columns, expected=expected):
         lanes += [lane, *of_characters.get(lane.name, ())]
     lanes += [_flag_lane(window, where, what) for where, what in flags_shown(window)]

@@ -126,6 +126,11 @@ class Window:
         return Span(self.kept[0].end, self.kept[1].begin) if len(self.kept) > 1 else None
 
     @cached_property
+    def expected_on_bus(self) -> dict[tuple[int, int], int]:
+        """A dictionary from (tick of the phase's START, position) of each wrong byte on I2C to the expected value."""
+        return {(tick, place): value for (bus, tick, place), value in self.expected.items() if bus == I2C_BUS}
+
+    @cached_property
     def lows(self) -> dict[str, list[tuple[int, int]]]:
         """A dictionary from wires to their low times as (fall, rise). The last low time may end with the window."""
         found = {}

@@ -11,8 +11,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from ....traces.decode import i2c
+from ....traces.decode.i2c_table import I2cRowKind
+from ....traces.drawing.capture_lanes import labelled_events
 from ..explain.characters import characters
-from ..explain.window import I2C_BUS, Window, WrongByte
+from ..explain.window import Window
 
 LONGEST = 24  # maximum number of SCI characters in a row of the protocol table; further characters begin a new row
 
@@ -70,7 +72,7 @@ def _i2c_rows(window: Window) -> Iterator[Row]:
                 way="" if phase.read is None else "R" if phase.read else "W",
                 ack=_ack(head[0].acked) if head else "",
                 data=tuple(
-                    (f"{byte.value:02X}", _ack(byte.acked), _hex(window.expected.get((I2C_BUS, phase.start.at, place))))
+                    (f"{byte.value:02X}", _ack(byte.acked), _hex(window.expected_on_bus.get((phase.start.at, place))))
                     for place, byte in enumerate(data)
                 ),
                 stop=over is not None and over is transfer.stop,
@@ -101,43 +103,41 @@ def _frame_rows(window: Window) -> list[Row]:
     return [row for rows in found.values() for row in rows]
 
 
-Box = tuple[int, int, str, str]  # the start and the end as positions in the capture, the label, and the text of a box
+Box = tuple[int, int, str, str, bool]  # begin and end as positions in the capture, label, text, True for a wrong byte
 
 
 def bytes_of(
-    transfers: Iterable[i2c.Transfer], end: int, expected: Mapping[WrongByte, int] | None = None
+    transfers: Iterable[i2c.Transfer], end: int, expected: Mapping[tuple[int, int], int] | None = None
 ) -> Iterator[Box]:
     """Yield a box for each condition, byte and ACK bit.
 
     end: the position at which incomplete boxes end.
-    expected: a dictionary from each wrong byte to the expected value, which is named in the label.
+    expected: as for `traces.drawing.capture_lanes.wire_lanes`.
     """
     for transfer in transfers:
-        for number, phase in enumerate(transfer.phases):
-            start = phase.start
-            name = "Sr" if number else "S"
-            begins = phase.bytes[0].at if phase.bytes else end
-            until = start.at + start.hold if start.hold is not None else begins
-            yield start.at, min(until, begins), name, "repeated START" if number else "START"
-            for place, byte in enumerate(phase.bytes):
-                yield from _byte(phase, place, byte, end, (expected or {}).get((I2C_BUS, start.at, place - 1)))
-        if transfer.stop is not None and transfer.phases:
-            yield transfer.stop.at - (transfer.stop.high or 0), transfer.stop.at, "P", "STOP"
+        for (event, label, place, wrong), span in zip(
+            labelled_events(transfer, expected), _extents(transfer, end), strict=True
+        ):
+            text = i2c.NAMES[event.kind]
+            if event.kind is I2cRowKind.CUT:
+                text = f"cut off: bits {label}"
+            elif event.kind is I2cRowKind.ADDRESS:
+                text = f"address 0x{event.value:02X}, {'read' if event.read else 'write'}"
+            elif event.kind is I2cRowKind.DATA:
+                text = f"byte {place} = {label}\nfrom the {'target' if event.read else 'controller'}"
+            yield *span, label, text, wrong
 
 
-def _byte(phase: i2c.Phase, place: int, byte: i2c.Byte, end: int, wanted: int | None) -> Iterator[Box]:
-    bits = byte.bits if byte.value is None else byte.bits[:8]
-    over = [end if bit.high is None else bit.at + bit.high for bit in byte.bits]
-    until = over[len(bits) - 1]
-    if byte.value is None:
-        values = "".join(str(bit.value) for bit in bits)
-        yield byte.at, until, values, f"cut off: bits {values}"
-    elif place:
-        who = "from the target" if phase.read else "from the controller"
-        text = f"0x{byte.value:02X}{'' if wanted is None else f' not 0x{wanted:02X}'}"
-        yield byte.at, until, text, f"byte {place} = {text}\n{who}"
-    else:
-        address, way = f"0x{byte.value >> 1:02X}", "read" if byte.value & 1 else "write"
-        yield byte.at, until, f"{address} {way[0].upper()}", f"address {address}, {way}"
-    if len(byte.bits) > len(bits):
-        yield byte.bits[8].at, over[8], "A" if byte.acked else "N", "ACK" if byte.acked else "NACK"
+def _extents(transfer: i2c.Transfer, end: int) -> Iterator[tuple[int, int]]:
+    """Yield the start and the end of each event of a transfer, in the order of `i2c.events_of`."""
+    for phase in transfer.phases:
+        start = phase.start
+        begins = phase.bytes[0].at if phase.bytes else end
+        yield start.at, begins if start.hold is None else min(start.at + start.hold, begins)
+        for byte in phase.bytes:
+            over = [end if bit.high is None else bit.at + bit.high for bit in byte.bits]
+            yield byte.at, over[:8][-1]
+            if len(over) > 8:
+                yield byte.bits[8].at, over[8]
+    if transfer.stop is not None and transfer.phases:
+        yield transfer.stop.at - (transfer.stop.high or 0), transfer.stop.at

@@ -21,6 +21,7 @@ from ....replay.report import FAIL, FIRST, NOT_JUDGED, PASS, TIMING, Divergence,
 from ....scene.case.model import Case
 from ....timing.verdict import Verdict, Word
 from ....traces.decode import i2c
+from ....traces.drawing.capture_lanes import labelled_events
 from ..explain.chain import place_of
 from ..explain.window import I2C_BUS, Window, WrongByte, windows_of_replay
 from .failure import Failure, failure, source_around
@@ -180,14 +181,14 @@ def _with_capture(timeline: Timeline, lanes: Lanes, agreed: float, side: Side, d
         captured.append(lane)
     boxes = Lane("boxes", "captured bytes", chosen=True)
     for transfer in side.transfers:
-        for event in i2c.events_of(transfer):
-            at, text = tick(side.of_transfer(event.at)), f"0x{event.value:02X}"
-            if event.bits > 1 and first <= at < end:
+        for event, label, _, _ in labelled_events(transfer):
+            at = tick(side.of_transfer(event.at))
+            if event.value >= 0 and first <= at < end:
                 wrong = (
                     divergence.capture_s is not None
                     and abs(side.of_transfer(event.at) + side.agreed - divergence.capture_s) < 1e-9
                 )
-                says = f"{i2c.NAMES[event.kind]} {text} in the capture"
-                lanes.add(boxes, at, says, text, tick(side.of_transfer(event.last)), int(wrong))
+                says = f"{i2c.NAMES[event.kind]} {label} in the capture"
+                lanes.add(boxes, at, says, label, tick(side.of_transfer(event.last)), int(wrong))
     bus, *rest = timeline.groups
     return replace(timeline, groups=(bus, ("capture", (*captured, boxes)), *rest))

@@ -239,9 +239,9 @@ class Lanes:
             return wires
         lane = Lane("boxes", "bytes", chosen=self.about_bus)
         transfers = i2c.transfers(self.window.edges)
-        for begin, end, label, says in bytes_of(transfers, self.kept[-1].end, self.window.expected):
+        for begin, end, label, says, wrong in bytes_of(transfers, self.kept[-1].end, self.window.expected_on_bus):
             if self._seen(begin, end):
-                self.add(lane, begin, says, label, end, int(" not 0x" in label))
+                self.add(lane, begin, says, label, end, int(wrong))
         return [*wires, lane, *self._transfers()]
 
     def _transfers(self) -> list[Lane]:

@@ -210,7 +210,7 @@ def test_a_byte_of_another_transfer_is_told_as_one():
     assert boxes.count("!") == 6 and " 0x13! " in boxes
     wrong = ["0x12 not 0x11", "0x13 not 0x12", "0x14 not 0x13", "0x15 not 0x14", "0x16 not 0x15", "0x00 not 0x16"]
     assert re.findall(r">(0x\w+ not 0x\w+)</text>", svg_picture(one.window)) == wrong
-    labels = [label for _, _, label, _ in bytes_of(i2c.transfers(one.window.edges), 0, one.window.expected)]
+    labels = [label for _, _, label, *_ in bytes_of(i2c.transfers(one.window.edges), 0, one.window.expected_on_bus)]
     assert [label for label in labels if "not" in label][:6] == wrong
     rows = [row.data for row in rows_of(one.window, lambda at, end: True, 0) if row.bus == "I2C" and row.way == "R"]
     assert [expected for _, _, expected in rows[0]] == ["11", "12", "13", "14", "15", "16"]

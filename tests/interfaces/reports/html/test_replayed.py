@@ -62,6 +62,7 @@ def test_the_captured_waves_are_those_of_the_replay_where_both_agree(memory: Pat
     clock, captured = (set(lanes[name].at) for name in ("SCL", "captured SCL"))
     assert clock == captured and len(clock) > 100
     assert lanes["captured SCL"].initial == 1
+    assert {"0x50 W", "0x50 R"} < set(lanes["captured bytes"].labels) < set(lanes["bytes"].labels)
 
 
 def test_a_replay_without_divergences_has_one_row_with_the_number_of_its_events():

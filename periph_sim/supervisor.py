@@ -30,7 +30,7 @@ from contextlib import suppress
 from types import FrameType
 from typing import NoReturn, TextIO
 
-NO_VERDICT = 3
+STOPPED, NO_VERDICT = 2, 3
 REPEATED = 1.0  # maximum time, in seconds, between a signal to the process group and its forwarded copy
 FORWARDED = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGUSR1", "SIGUSR2")  # sent on to the worker
 STOPPING = ("SIGINT", "SIGTERM", "SIGHUP")  # raise KeyboardInterrupt in the worker
@@ -93,9 +93,17 @@ def supervise(work: Callable[[], object], name: str) -> NoReturn:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, 2)
         os.set_inheritable(2, True)
-    done = split(name)
+    try:
+        done = split(name)
+    except KeyboardInterrupt:  # it came before the worker began, so it ends the worker without a traceback
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        signal.raise_signal(signal.SIGINT)
+        raise
     sys.stderr = StandardError(sys.stderr)
     status = _status_of(work)
+    for number in _numbers(STOPPING):  # from now on, a signal ends the worker without a traceback
+        if signal.getsignal(number) is _interrupt:
+            signal.signal(number, signal.SIG_DFL)
     flaw = done.flaw()
     if flaw and status in (0, 1):
         _say(f"{name}: {flaw}, so its output is not complete; exit status {NO_VERDICT} is no verdict")
@@ -151,6 +159,9 @@ def _status_of(work: Callable[[], object]) -> int:
         work()
     except SystemExit as ended:
         return ended.code if isinstance(ended.code, int) else int(ended.code is not None)
+    except KeyboardInterrupt:  # `work` handles it, except at its beginning and its end
+        _say("stopped")
+        return STOPPED
     except BaseException:
         import traceback
 

@@ -235,3 +235,27 @@ def test_a_stopped_command_leaves_no_process_and_keeps_what_is_done(slow: Path, 
         assert [line.split(",")[:3] for line in done.splitlines()[1:]] == [["0", "0", "pass"]]
     else:
         assert 'name="quick"' in done and "the check was stopped" in done
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize(
+    ("code", "status", "said"),
+    [
+        ("os.register_at_fork(after_in_child=interrupt); supervise(int, 'tried')", -signal.SIGINT, b""),
+        ("supervise(interrupt, 'tried')", 2, b"stopped\n"),
+        ("atexit.register(interrupt); supervise(int, 'tried')", 0, b""),
+    ],
+    ids=["before the work", "in the work", "after the work"],
+)
+def test_ctrl_c_outside_of_a_command_has_no_traceback(code: str, status: int, said: bytes):
+    begin = (
+        "import atexit, os, signal; from periph_sim.supervisor import supervise\n"
+        "def interrupt(): os.kill(os.getpid(), signal.SIGINT)\n"
+    )
+    came = subprocess.run(
+        [sys.executable, "-c", begin + code],
+        capture_output=True,
+        timeout=60,
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.default_int_handler),
+    )
+    assert (came.returncode, came.stderr) == (status, said)

@@ -59,8 +59,8 @@ class CoverageFile(msgspec.Struct, frozen=True, kw_only=True):
     run_count: the number of different phases that were run.
     held: the chosen phases that held, as ranges of their indices (`to_ranges`).
     found: the results, without the list `held`, which would be long.
-    windows: the ranges of phases at which a budget is broken or the run fails in another way (`cover.Window`); empty
-        until all parts are finished.
+    windows: the ranges of phases at which a budget is broken or the run fails in another way (`cover.Window`); None
+        until their ends are found, after all parts are finished.
     """
 
     version: Literal[1] = 1
@@ -72,11 +72,11 @@ class CoverageFile(msgspec.Struct, frozen=True, kw_only=True):
     run_count: int
     held: list[tuple[int, int]]
     found: Covered
-    windows: list[Window]
+    windows: list[Window] | None
 
     @property
     def is_complete(self) -> bool:
-        return self.finished == self.parts
+        return self.windows is not None
 
 
 def read(path: Path) -> CoverageFile | None:

@@ -129,7 +129,7 @@ def prove(
     from ...proof.saved_paths import coverage_path, proof_path
     from ...proof.stretch import CoveredCase, Job
     from ..reports.certain_failure import certain_failures
-    from ..reports.coverage import choose, run_coverage
+    from ..reports.coverage import STOPPED, choose, run_coverage
     from .prove_text import HELD, show, words_of
 
     if save and changes:
@@ -173,10 +173,15 @@ def prove(
         # `choose` regards all imported modules as dependencies of the coverage, so Dask is imported after it.
         with workers as executor, progress(found.case.case.name) as on_progress:
             run_coverage(found, jobs or os.cpu_count() or 1, on_progress, path, executor)
-        certain = [] if found.stopped else certain_failures(found)
-        files, failed = ([], "") if folder is None else _write_witnesses(found, case, changes, folder)
-        files += [] if path is None else [path]
-        files += [] if svg is None else _draw(found, certain, svg)
+        certain: list[CertainFailure] = []
+        files, failed = [] if path is None else [path], ""
+        try:
+            certain = [] if found.stopped else certain_failures(found)
+            written, failed = ([], "") if folder is None else _write_witnesses(found, case, changes, folder)
+            files[:0] = written
+            files += [] if svg is None else _draw(found, certain, svg)
+        except KeyboardInterrupt:
+            found.stopped = found.stopped or STOPPED
     if as_json:
         print_json("prove", _object(found, words_of(found), certain, files))
     else:

@@ -74,17 +74,16 @@ def prove_with_table(
                 changed = before.differences(case.parent)
                 if changed:
                     raise click.ClickException(f"{changed[0]} while the tables were made, so no proof is saved")
-        files = [] if folder is None else _write_witnesses(made, job, folder)
-        if proof is not None and proof.proven:
-            write_all({proof_path(case): text_of(proof)})
-            files.append(proof_path(case))
+        texts = {} if proof is None or not proof.proven else {proof_path(case): text_of(proof)}
+        write_all(texts)
+        files = [*([] if folder is None else _write_witnesses(made, job, folder)), *texts]
         if kept is not None:
             kept.remove()
     if as_json:
         print_json("prove", _object(made, files))
     else:
         _show(made, files)
-    if save and (proof is None or not proof.proven):
+    if save and not texts:
         click.echo(f"{proof_path(case)} is not written, because no budget is proven", err=True)
     return int(any(word != PROVEN for word in made.words().values()) or made.has_failed)
 

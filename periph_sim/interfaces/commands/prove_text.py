@@ -22,6 +22,8 @@ def words_of(found: Coverage) -> dict[str, str]:
     """Return a dictionary from the name of each covered budget to BROKEN, NOT_JUDGED or HELD."""
     broken = {window.name for window in found.windows}
     broken |= {name for one in found.found.drifting for name in one.names}
+    if found.stopped:  # windows are missing
+        broken |= {name for failures in found.found.failed.values() for name in failures}
     words = {}
     for budget in found.case.case.budget:
         worst = found.found.worst.get(budget.name)

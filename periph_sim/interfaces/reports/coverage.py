@@ -31,6 +31,7 @@ from .processes import results_of
 
 PART = 512  # number of phases of a part
 TRIED = 64  # maximum number of phases that are run to estimate the time
+STOPPED = "stopped by Ctrl-C or SIGTERM"
 SAVED_EVERY = 10.0  # minimum number of seconds between two writes of the coverage file
 
 
@@ -45,7 +46,8 @@ class Coverage:
     found: the results of the finished parts.
     finished: the number of finished parts.
     windows: the windows at which budgets are broken, or the firmware fails.
-    stopped: the reason why phases are missing; "" if all were run.
+    is_complete: True if all phases were run and all windows were found.
+    stopped: the reason why phases, windows or events at their ends are missing; "" if nothing is missing.
     """
 
     job: Job
@@ -57,6 +59,7 @@ class Coverage:
     found: Covered = field(default_factory=nothing)
     finished: int = 0
     windows: list[Window] = field(default_factory=list)
+    is_complete: bool = False
     stopped: str = ""
 
     @property
@@ -85,7 +88,7 @@ class Coverage:
             run_count=self.run_count,
             held=ranges,
             found=self.found.without_held(),
-            windows=self.windows,
+            windows=self.windows if self.is_complete else None,
         )
 
     def continue_from(self, saved: CoverageFile) -> bool:
@@ -162,16 +165,20 @@ def run_coverage(
                 save(coverage, save_to)
                 saved_at = monotonic()
     except KeyboardInterrupt:
-        coverage.stopped = "stopped by Ctrl-C or SIGTERM"
+        coverage.stopped = STOPPED
     except ClusterError as error:
         coverage.stopped = str(error)
     except BrokenProcessPool:
         first = coverage.choice.time(parts[coverage.finished][0])
         coverage.stopped = f"a process died while it ran the phases from {first}"
-    if save_to is not None and coverage.stopped:
+    if save_to is not None:
         save(coverage, save_to)
-    _finish(coverage)
-    if save_to is not None and not coverage.stopped:
+    try:
+        _finish(coverage)
+    except KeyboardInterrupt:
+        coverage.stopped = coverage.stopped or STOPPED
+    coverage.is_complete = not coverage.stopped
+    if save_to is not None and coverage.is_complete:
         save(coverage, save_to)
 
 

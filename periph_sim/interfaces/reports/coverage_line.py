@@ -59,7 +59,8 @@ def phase_text(phases: Sequence[int], choice: Choice) -> str:
 
 
 def _summary(file: CoverageFile, count: str) -> str:
-    broken = {window.name for window in file.windows} | {name for one in file.found.drifting for name in one.names}
+    broken = {window.name for window in file.windows or ()}
+    broken |= {name for one in file.found.drifting for name in one.names}
     if broken:
         return f"{count} run; broken at some of them: {', '.join(sorted(broken))}"
     judged = sum(1 for runs in file.found.judged.values() if runs)

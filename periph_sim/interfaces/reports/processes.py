@@ -14,14 +14,16 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_all_start_methods, get_context, parent_process
-from signal import SIG_DFL, SIGINT, signal
 from threading import Thread
-from typing import TypeVar, TypeVarTuple
+from typing import Any, TypeVar, TypeVarTuple
+
+from ...supervisor import STOPPING
 
 T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
@@ -32,7 +34,29 @@ IMPORTED = [
     "periph_sim.proof.cover",
 ]
 DIED = "its process died before it finished; periph-sim run shows how far it gets"
+CAN_BLOCK = hasattr(signal, "pthread_sigmask")  # Windows has no such function
 _pools: set[ProcessPoolExecutor] = set()
+
+
+class Pool(ProcessPoolExecutor):
+    """A pool whose calls start workers while the signals of STOPPING are blocked.
+
+    So the pool knows each of its workers when a signal raises KeyboardInterrupt. The server and the workers inherit the
+    block, so Ctrl-C does not end them with a traceback while they start.
+    """
+
+    def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
+        if not CAN_BLOCK:
+            return super().submit(fn, *args, **kwargs)
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, _stopping())
+        try:
+            return super().submit(fn, *args, **kwargs)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _stopping() -> list[signal.Signals]:
+    return [signal.Signals[name] for name in STOPPING]
 
 
 @contextmanager
@@ -41,7 +65,7 @@ def processes(workers: int) -> Iterator[ProcessPoolExecutor]:
     context = get_context(SERVER if SERVER in get_all_start_methods() else "spawn")
     if context.get_start_method() == SERVER:
         context.set_forkserver_preload(IMPORTED)
-    pool = ProcessPoolExecutor(workers, context, initializer=_begin, initargs=(dict(os.environ),))
+    pool = Pool(workers, context, initializer=_begin, initargs=(dict(os.environ),))
     _pools.add(pool)
     try:
         yield pool
@@ -91,7 +115,9 @@ def _begin(environment: Mapping[str, str]) -> None:
     Ctrl-C ends the worker without a traceback, and garbage collection ignores the imported objects. The output of user
     code goes to standard error, because standard output is reserved for the output of the command.
     """
-    signal(SIGINT, SIG_DFL)
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    if CAN_BLOCK:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _stopping())
     sys.stdout = sys.stderr
     Thread(target=_end_with_parent, name="periph-sim parent watch", daemon=True).start()
     gc.freeze()

@@ -29,6 +29,13 @@ def desk(here: Path) -> Path:
     return here
 
 
+STOPPED = "Error: stopped by Ctrl-C or SIGTERM"
+
+
+def interrupt(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
 def sets(*changes: str) -> list[str]:
     return [word for change in changes for word in ("--set", change)]
 
@@ -192,6 +199,33 @@ def test_ctrl_c_leaves_the_results_before_it(periph_sim: Run, monkeypatch: pytes
     came = periph_sim(*HERE, "--phases", "0 us to 1 us", "--step", "1", "--jobs", "1")
     assert (came.status, came.err.splitlines()[-1]) == (2, "Error: stopped by Ctrl-C or SIGTERM")
     assert came.out.startswith("listener: 96 of 15,000 phases run; budgets: 3 held")
+
+
+def test_ctrl_c_while_the_ends_of_windows_are_searched_leaves_the_results(
+    periph_sim: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = Path("listener.toml").read_text(encoding="utf-8")
+    text = text.replace("[host]", "[unit.dsp.settings]\nlow = 8000\nhigh = 8060\n[host]")
+    Path("listener.toml").write_text(text, encoding="utf-8")
+    command = (*HERE, "--phases", "4 us to 5 us", "--step", "10", "--jobs", "1", "--save")
+    with monkeypatch.context() as stopped:
+        stopped.setattr(reports, "windows_of", interrupt)
+        came = periph_sim(*command)
+    assert (came.status, came.err.splitlines()[-1]) == (2, STOPPED)
+    assert came.out.startswith("listener: ") and "budgets: 1 broken, 2 held; stopped, 0 phases not run\n" in came.out
+    assert "coverage/listener.json is not complete" in periph_sim("run", "listener.toml").out
+    continued, file = periph_sim(*command), Path("coverage/listener.json")
+    saved = file.read_bytes()
+    assert "; 0 phases to run" in continued.err
+    file.unlink()
+    assert (periph_sim(*command).out, file.read_bytes()) == (continued.out, saved)
+
+
+def test_ctrl_c_after_the_windows_are_found_leaves_them(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("periph_sim.interfaces.reports.certain_failure.certain_failures", interrupt)
+    came = periph_sim(*HERE, *sets(*BAD), "--phases", "4 us to 5 us", "--step", "10", "--jobs", "1")
+    assert (came.status, came.err.splitlines()[-1]) == (2, STOPPED)
+    assert "bad: broken from " in came.out and "certain from" not in came.out
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")

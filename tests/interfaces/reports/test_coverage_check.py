@@ -154,7 +154,7 @@ def test_a_damaged_file_is_a_finding_and_the_case_is_judged(covered: Path, conte
 
 
 def test_an_incomplete_file_is_shown_and_its_values_are_compared(covered: Path):
-    change_coverage(covered, finished=0)
+    change_coverage(covered, finished=0, windows=None)
     one, coverage = checked()
     assert (texts(one), coverage.state, coverage.report.worst) == ([], "incomplete", {})
     assert coverage.report.line == f"{FILE} is not complete: 0 of 1 parts; prove --save continues it"

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
+from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_all_start_methods
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 import pytest
@@ -44,3 +47,32 @@ def test_workers_have_folder_and_environment_as_they_are_now(
 def test_workers_find_the_package_imported() -> None:
     with processes(1) as pool:
         assert pool.submit(imported).result() == set(of.IMPORTED)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_ctrl_c_while_a_worker_starts_ends_the_worker(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The signal comes before the worker is started, and raises KeyboardInterrupt when the pool knows the worker."""
+    start, workers = ProcessPoolExecutor._adjust_process_count, list[BaseProcess]()
+
+    def interrupted(pool: ProcessPoolExecutor) -> None:
+        signal.raise_signal(signal.SIGINT)
+        start(pool)
+        workers.extend(pool._processes.values())
+
+    monkeypatch.setattr(ProcessPoolExecutor, "_adjust_process_count", interrupted)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt), processes(1) as pool:
+            pool.submit(os.getpid)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    (worker,) = workers
+    worker.join()
+    assert worker.exitcode == -signal.SIGKILL
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_a_worker_can_be_ended_by_ctrl_c() -> None:
+    with processes(1) as pool:
+        assert pool.submit(signal.pthread_sigmask, signal.SIG_BLOCK, []).result() == set()
+        assert pool.submit(signal.getsignal, signal.SIGINT).result() == signal.SIG_DFL

@@ -123,7 +123,7 @@ class PairMaker:
     # Steps --------------------------------------------------------------------------
 
     def explore(self) -> PairRun:
-        """Find the cells of frames, and most of the orbits. Estimate the CPU time. Return the last `PairRun`."""
+        """Find the cells of frames, and most of the orbits. Return the last `PairRun`."""
         known = Known(self._orbits, None, self._ways)
         pair = PairRun(self.covered, self._ignored, known)
         self._frames = pair.runner.cells = find_cells(pair.runner)
@@ -131,7 +131,9 @@ class PairMaker:
         self._cycle = pair.runner.cycle
         pair.end()
         self._add(pair.done)
+        begun = process_time()
         pair = PairRun(self.covered, self._ignored, self.known)
+        self._scene_seconds = process_time() - begun  # CPU time to the first rest of a scene
         orbit = pair.runner.at[0]
         for group in self._alone(orbit):
             self._keep(orbit, group, pair.run(orbit, Task(group, 0, None)))
@@ -141,13 +143,20 @@ class PairMaker:
             begun = process_time()
             self._keep(orbit, task.group, pair.run(orbit, task))
             times.append(process_time() - begun)
-        each = median(times)
+        self._seconds = median(times)
         pair.end()
         self._add(pair.done)
         self._expected = len(tasks) * len(self._orbits.known)
-        if self._on_estimate is not None:
-            self._on_estimate(self._expected, each * self._expected * (1 + 1 / REVISITED))
         return pair
+
+    def estimate(self, rates: Sequence[int] = ()) -> None:
+        """Call `on_estimate`. rates: for each rate of the host that is run in addition, the number of its starts."""
+        if self._on_estimate is not None:
+            groups = self._expected + max(self._least_again, self._expected // REVISITED)
+            if rates:
+                groups += self._least_again + 3 * sum(rates)  # `host_rates` runs three frames for each start
+            scenes = groups / CHUNK + len(rates)
+            self._on_estimate(self._expected, self._seconds * groups + self._scene_seconds * scenes)
 
     def _close(self, number: int) -> None:
         """Run the groups from an orbit: the first and last group of each cell, and all groups that are in no cell."""

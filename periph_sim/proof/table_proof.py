@@ -213,6 +213,7 @@ def _of_pairs(
     maker = PairMaker(covered, job, ignored, on_progress, estimate, call_all, LEAST_REVISITED)
     maker.explore()
     plan = None if rates is None else plan_rates(maker, ignored, rates)
+    maker.estimate([len(starts) for _, starts in plan or ()])
     table = maker.make()
     if plan is not None and not table.has_failed:
         prove_rates(plan, maker, job, ignored, LEAST_REVISITED, call_all)

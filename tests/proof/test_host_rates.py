@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import pairwise
 from math import floor
 from pathlib import Path
 from typing import Any
@@ -95,6 +96,23 @@ def test_a_frame_at_each_rate_is_a_frame_of_the_table(tmp_path: Path) -> None:
     assert made.words() == one.words() and PROVEN in made.words().values()
     assert made.entries == one.entries and made.again >= one.again + 200
     assert made.apart >= one.apart
+
+
+@compiled_only
+def test_the_announced_time_includes_the_rates(tmp_path: Path) -> None:
+    """A rate with two starts is a scene, six frames and its share of the meetings that are run again."""
+    job, times = Job(str(write_lonely(tmp_path))), list[float]()
+    covered = CoveredCase(job)
+    maker = PairMaker(
+        covered, job, check_pair(covered.case), None, lambda _, seconds: times.append(seconds), call_here, 200
+    )
+    maker.explore()
+    for rates in ([], [2] * 20, [2] * 20 + [0] * 20):
+        maker.estimate(rates)
+    group, scene = maker._seconds, maker._scene_seconds
+    first, second = (two - one for one, two in pairwise(times))
+    assert first == pytest.approx(group * (200 + 6 * 20) + scene * (20 + 320 / 256))
+    assert second == pytest.approx(scene * 20)
 
 
 @compiled_only

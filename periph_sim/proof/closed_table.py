@@ -232,7 +232,7 @@ class TableMaker:
             if self._rounds > MOST_ROUNDS_A_RUN:
                 raise NotClosed(f"a state is only reached after more than {MOST_ROUNDS_A_RUN:,} rounds")
         wanted = self._revisits(len(self.entries))
-        while table.again < wanted or any(self._open):
+        while table.again < wanted:
             self._run(again=wanted)
             if table.has_failed:
                 return table

@@ -124,14 +124,11 @@ class Orbits:
         self.places: dict[bytes, tuple[int, int]] = {}
         self.own = 0
 
-    def add(self, orbit: Orbit) -> int:
-        """Add an orbit, unless it is known. Return its number."""
-        if orbit.keys[0] in self.places:
-            return self.places[orbit.keys[0]][0]
-        number = len(self.known)
-        self.known.append(orbit)
-        self.places |= {key: (number, cycle) for cycle, key in enumerate(orbit.keys)}
-        return number
+    def add(self, orbit: Orbit) -> None:
+        """Add an orbit, unless it is known."""
+        if orbit.keys[0] not in self.places:
+            self.places |= {key: (len(self.known), cycle) for cycle, key in enumerate(orbit.keys)}
+            self.known.append(orbit)
 
 
 class GroupRunner:

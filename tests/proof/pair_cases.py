@@ -14,6 +14,7 @@ from tests.scene.runs import TIMING
 FIRMWARE = TIMING.parent / "firmware" / "c28x"
 LONELY = """
 name = "lonely"
+start = "3 ms"
 duration = "200 ms"
 
 [unit.dsp]

@@ -88,6 +88,8 @@ def test_no_error_and_a_range_around_another_clock(whole: tuple[Path, TableProof
 def test_ordinary_runs_with_any_clock_and_first_round_are_within_the_proof(whole: tuple[Path, TableProof]):
     path, proof = whole
     assert (proof.has_failed, proof.words()["reaction"], len(proof.parts)) == (False, "proven", 4)
+    assert {(*part.table.orbits, part.table.entries) for part in proof.parts} == {(80, 80, 160)}
+    assert proof.again == 200
     worst, random = {name: one.verdict.worst for name, one in proof.worst().items()}, Random(4)
     seen: dict[str, list[float]] = {"reaction": [], "pause": []}
     per_second = proof.covered.phases.ticks_per_second

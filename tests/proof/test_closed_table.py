@@ -14,18 +14,20 @@ from random import Random
 import pytest
 
 from periph_sim.proof import closed_table, free_run
-from periph_sim.proof.closed_table import Contradiction, StartTable, TableMaker
+from periph_sim.proof.closed_table import Contradiction, StartTable, TableMaker, WorstInRuns
 from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.normal_state import NormalState, normal_state
 from periph_sim.proof.stretch import CoveredCase, Job
 from periph_sim.scene.case.inputs_table import InputsTable
 from periph_sim.scene.scene import Scene
+from periph_sim.timing.verdict import Verdict
 from tests.scene.runs import TIMING
 
 FIRMWARE = Path(__file__).parents[2] / "firmware" / "c28x"
 PERIOD = 400
 ECHO = """
 name = "fast_echo"
+start = "3 ms"
 duration = "8 ms"
 
 [unit.dsp]
@@ -82,7 +84,7 @@ def worst_of(table: StartTable) -> float:
 def test_a_table_is_closed_when_each_start_was_run_from_each_state(whole: tuple[CoveredCase, StartTable]):
     case, table = whole
     assert (table.orbits, table.entries, table.has_failed) == ([PERIOD], PERIOD, False)
-    assert table.again >= closed_table.LEAST_REVISITED
+    assert table.again == closed_table.LEAST_REVISITED
     assert table.not_proven(case) == {}
 
 
@@ -109,6 +111,23 @@ def test_a_limit_just_below_the_worst_value_is_broken(whole: tuple[CoveredCase, 
     broken = made(write_echo(tmp_path, round(worst_of(whole[1]) - 0.001, 3)))
     assert broken.has_failed
     assert broken.worst()["echo"].verdict.broken
+
+
+@pytest.mark.parametrize(
+    ("at_s", "rounds", "run"),
+    [
+        (150, [], ([100], None, 199)),
+        (199, [], ([100], None, 199)),
+        (200, [], ([100, 200], None, 249)),
+        (None, [], ([100, 200], None, 249)),
+        (110, [[120, 300]], ([100], [120], 199)),
+    ],
+)
+def test_the_run_of_a_worst_value_ends_before_a_later_start(at_s: float | None, rounds: list[list[int]], run: object):
+    """With both rounds and frames, the next start can belong to the same group. The least distance is 50 ticks."""
+    table = StartTable([], 0, 0, 50, 0, False, [], [[100, 200]], set(), set(), rounds)
+    verdict = Verdict("x", "x", "us", 1, 2, 1, 1, "pass", at_s)
+    assert table.run_of(WorstInRuns(verdict, 0), 1) == run
 
 
 def test_the_register_slave_has_a_closed_table():

@@ -76,6 +76,7 @@ def covered(engine: FakeEngine, phases: Iterable[int] = range(COUNT), part: int 
     found = nothing()
     for each in parts_of(chosen, part):
         found.add(Coverer(case, 0).cover(each))
+    assert found.runs == engine.runs
     windows = windows_of(found, Coverer(case, 0, found).status, (chosen[0], chosen[-1]))
     return found, windows
 
@@ -269,4 +270,5 @@ def test_windows_that_overlap_are_one_since_a_phase_in_them_only_held_while_the_
 
 def test_of_windows_that_overlap_the_farthest_ends_count() -> None:
     windows = [Window("late", 3, 9, 4, True), Window("late", 5, 7, 2, True), Window("soon", 5, 7, 2, True)]
-    assert _merged(windows) == [Window("late", 3, 9, 4, True), Window("soon", 5, 7, 2, True)]
+    windows.append(Window("soon", 6, 8, 1, False))
+    assert _merged(windows) == [Window("late", 3, 9, 4, True), Window("soon", 5, 8, 2, False)]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from fractions import Fraction
 from pathlib import Path
 
 from periph_sim.core.input_files import TEMPORARY, inputs_of_one_command
 from periph_sim.interfaces.reports.coverage import choose
-from periph_sim.proof.dependencies import dependencies
+from periph_sim.proof.dependencies import dependencies, files_read
 from periph_sim.proof.stretch import Job
 from tests.scene.runs import TIMING
 
@@ -29,6 +30,17 @@ def test_headers_of_c_sources_are_dependencies_and_compiled_files_are_not(tmp_pa
     assert depends.differences(case.parent) == []
     extra.write_text("#define EXTRA 2\n", encoding="utf-8")
     assert depends.differences(case.parent) == ["../firmware/c/extra.inc has changed"]
+
+
+def test_files_are_noted_however_they_are_opened_for_reading(tmp_path: Path) -> None:
+    one, two, three = (tmp_path / name for name in ("one", "two", "three"))
+    one.touch()
+    two.touch()
+    with files_read() as read:
+        os.close(os.open(one, os.O_RDONLY))
+        two.read_bytes()
+        three.write_bytes(b"")
+    assert {name for name in read if name.startswith(str(tmp_path))} == {str(one), str(two)}
 
 
 def test_a_folder_that_is_a_link_has_the_files_that_it_had(tmp_path: Path) -> None:

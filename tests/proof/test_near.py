@@ -75,6 +75,7 @@ def test_too_many_near_phases_are_left_to_the_step(
 
 
 def test_inputs_that_are_drawn_are_named() -> None:
-    case = CoveredCase(Job(str(TIMING / "imu_hil.toml"), ("controller.jitter=1 us",)))
+    case = CoveredCase(Job(str(TIMING / "imu_hil.toml"), ("controller.jitter=1 us", "host.frames=9")))
     assert case.left_out["host.jitter"] == "each start comes at its phase"
     assert case.left_out["controller.jitter"] == "it is drawn"
+    assert case.left_out["host.frames"] == "frames are sent in each period"

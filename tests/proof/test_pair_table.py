@@ -15,6 +15,7 @@ from random import Random
 import pytest
 
 from periph_sim import form
+from periph_sim.core.chip import NEVER
 from periph_sim.proof import pair_table
 from periph_sim.proof.calls import call_here
 from periph_sim.proof.frame_cells import find_cells
@@ -22,7 +23,7 @@ from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.pair_budgets import within_round
 from periph_sim.proof.pair_groups import Cells, Group, GroupRunner, Orbits, far_ranges
 from periph_sim.proof.pair_run import Known, PairRun, Task, alone
-from periph_sim.proof.pair_table import PairMaker
+from periph_sim.proof.pair_table import TIMED, PairMaker
 from periph_sim.proof.stretch import CoveredCase, Job
 from periph_sim.proof.table_cases import check_pair
 from periph_sim.proof.table_proof import TableProof, prove
@@ -174,17 +175,22 @@ def test_each_meeting_is_run_or_in_a_cell(tmp_path: Path):
     covered = CoveredCase(job)
     maker = PairMaker(covered, job, check_pair(covered.case), None, None, call_here, 200)
     pair = maker.explore()
-    tasks, cells = maker.tasks(0, maker.find_waits(pair, 0))
-    ends = {Group(cell.round, frame) for cell in cells for frame in (cell.first, cell.last)}
-    assert ends <= {task.group for task in tasks}
-    assert all((cell.last - cell.first) % cell.step == cell.step % cell.sleep.period == 0 for cell in cells)
-    for cycle in range(PASS // 10):
-        found = [task.group.frame for task in tasks if task.group.round == cycle and task.group not in ends]
-        for cell in (cell for cell in cells if cell.round == cycle):
-            found += range(cell.first, cell.last + 1, cell.step)
-        distances = sorted(one for one in found if one is not None)
-        assert {two - one for one, two in pairwise(distances)} == {20}
-        assert distances[0] < -2_000_000 and distances[-1] > 2_000_000
+    assert sum(map(len, maker.table.starts)) > TIMED
+    frame = max(run.length for (_, group), run in maker.runs.items() if group.round is None) + SAMPLE
+    most = max(run.length for (_, group), run in maker.runs.items() if group.frame is None)
+    for waits in (maker.find_waits(pair, 0), [[]] * (PASS // 10)):
+        tasks, cells = maker.tasks(0, waits)
+        ends = {Group(cell.round, frame) for cell in cells for frame in (cell.first, cell.last)}
+        assert ends <= {task.group for task in tasks}
+        assert all((cell.last - cell.first) % cell.step == cell.step % cell.sleep.period == 0 for cell in cells)
+        assert bool(cells) == any(waits)
+        for cycle in range(PASS // 10):
+            found = [task.group.frame for task in tasks if task.group.round == cycle and task.group not in ends]
+            for cell in (cell for cell in cells if cell.round == cycle):
+                found += range(cell.first, cell.last + 1, cell.step)
+            distances = sorted(one for one in found if one is not None)
+            assert {two - one for one, two in pairwise(distances)} == {20}
+            assert 0 <= distances[0] + frame < 20 and 0 <= most - distances[-1] < 20
 
 
 # Noticed -----------------------------------------------------------------------------
@@ -289,11 +295,19 @@ SETS = "          MOVW  DP,#_taken >> 6\n          MOV   @_taken,#1\n"
 
 
 @compiled_only
-def test_a_wait_that_the_routine_ends_has_no_cells(tmp_path: Path):
+def test_a_wait_that_the_routine_ends_has_no_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """The routine sets a flag, and the firmware then reads I2CSTR, whose value depends on the time of the routine."""
     end = "          MOVW  DP,#PIEACK >> 6\n          MOV   @PIEACK,#0x100    ; group 9\n"
+    path = write_lonely(tmp_path, (WAIT, FLAG), (end, SETS + end))
+    runner = runner_of(path)
+    assert runner.cells is not None
+    ((_, _, sleep),) = far_ranges(runner.sleeps(Group(0, None)), runner.cells, runner.cycle)
+    assert sleep.end == NEVER
+    near = next(d for d in range(PASS) if runner.rounds_in(runner.orbits.known[runner.at[0]], 0, d))
+    assert not runner.run_group(Group(0, near), 0, sleep).within
+    monkeypatch.setattr(pair_table, "MOST_SHRINKS", 1)
     with pytest.raises(NotClosed, match="service routines of the SCI within one wait have different effects"):
-        prove(Job(str(write_lonely(tmp_path, (WAIT, FLAG), (end, SETS + end)))))
+        prove(Job(str(path)))
 
 
 def test_only_events_that_no_frame_moves_are_judged(tmp_path: Path):

@@ -1,0 +1,49 @@
+"""Runs of groups: what of a run of a scene reaches the table."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from periph_sim.proof import pair_run
+from periph_sim.proof.pair_groups import Group, GroupRun, Orbits
+from periph_sim.proof.pair_run import Known, PairRun, Task
+from periph_sim.proof.stretch import Outcome
+
+
+def test_each_run_of_a_scene_is_judged(monkeypatch: pytest.MonkeyPatch):
+    """Each run begins in another orbit and stays there. It breaks a budget of its own, which lasts and has no value."""
+    runners: list[Any] = []
+
+    def runner(*_: object) -> Any:
+        at, frames = len(runners), [len(runners)]
+        limits = [SimpleNamespace(budget=SimpleNamespace(name=f"{at}", coverage=1), measure=Lasting())]
+        run = SimpleNamespace(scene=SimpleNamespace(limits=limits, start=0), now=0, frames=frames, rounds=[])
+        runners.append(SimpleNamespace(at=(at, 0), run=run, like=lambda group: group))
+        runners[-1].run_group = lambda *_: frames.append(0) or GroupRun(at, 0, 0, 0, 0, 0, True)
+        return runners[-1]
+
+    class Lasting:
+        series, measured, occasions = True, 0, None
+
+        def unfinished(self, now: int) -> bool:
+            return True
+
+    def finish(scene: Any) -> Outcome:
+        covered.unknowns.add(scene.limits[0].budget.name)
+        return Outcome((), frozenset({scene.limits[0].budget.name}))
+
+    covered: Any = SimpleNamespace(finish=finish, unknowns=set())
+    monkeypatch.setattr(pair_run, "GroupRunner", runner)
+    pair = PairRun(covered, (), Known(Orbits(), None, {}))
+    pair._group(Task(Group(None, 0), 0, None))
+    pair.reach(2)
+    monkeypatch.setattr(pair_run, "CHUNK", 0)
+    pair.run(3, Task(Group(None, 0), 0, None))
+    pair.end()
+    done, names = pair.done, {"0", "1", "2", "3"}
+    assert [outcome.failures for outcome in done.outcomes] == [{name} for name in sorted(names)]
+    assert (done.frames, done.rounds) == ([one.run.frames for one in runners], [[]] * 4)
+    assert done.spanning == done.unknowns == {name for _, name in done.empty} == names

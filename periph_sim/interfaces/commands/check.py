@@ -94,7 +94,7 @@ def check(
         project = project_of(Path())
         cases = case_files(paths or project.cases())
         if any(file is not None for file in (junit_file, html_file, summary_file)):
-            note_inputs(cases, changes, but_baselines=update)
+            note_inputs(cases, changes, written=[path_for(case) for case in cases] if update else [])
         before = None
         if since is not None:
             from ..reports.baselines.summary import baselines_at

@@ -12,6 +12,7 @@ import click
 from ...scene.case.load import load
 from .command_frame import command, print_answer, progress, require_distinct_outputs, running_user_code
 from .shared_options import CHANGES, JSON, SECONDS
+from .watch import note_saved_results
 
 
 @command(
@@ -45,6 +46,7 @@ def profile(
 
     require_distinct_outputs(speedscope=speedscope, lcov=lcov)
     with running_user_code(), ExitStack() as outputs:
+        note_saved_results(case)
         flames = None if speedscope is None else outputs.enter_context(atomic_write(speedscope))
         lines = None if lcov is None else outputs.enter_context(atomic_write(lcov))
         with progress(case.stem) as on_progress:

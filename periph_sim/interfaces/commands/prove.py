@@ -160,8 +160,8 @@ def prove(
         raise click.UsageError("--save with --start-up: a coverage file covers the rounds; remove one of them")
     with running_user_code():
         workers = cluster_given(cluster, jobs)
-        note_inputs([case], changes)
         path = coverage_path(case) if save else None
+        note_inputs([case], changes, written=[] if path is None else [path])
         if path is not None:
             _check_writable(path)
         job = Job(str(case), changes, start_up, rounds)

@@ -55,7 +55,7 @@ def prove_with_table(
     """
     case = Path(job.file)
     with running_user_code():
-        note_inputs([case], job.changes)
+        note_inputs([case], job.changes, written=[proof_path(case)] if save else [])
         kept = KeptCalls(case) if save else None  # its file is no dependency
         with files_read() as read:
             loaded = load(case, list(job.changes))

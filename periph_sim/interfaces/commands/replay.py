@@ -25,6 +25,7 @@ from .command_frame import (
 )
 from .result_text import assumptions, budget_table, legend
 from .shared_options import CHANGES, EIGHT_BITS, FRAME, JSON, MAP, RATE, SALVAGE, SVG, diagram_file, tolerance_option
+from .watch import note_saved_results
 
 if TYPE_CHECKING:
     from ...core.tolerance import Tolerance
@@ -134,6 +135,7 @@ def replay(
     svg = None if svg is None else diagram_file(svg, DIVERGENCE)
     require_distinct_outputs(record=record, svg=svg, html=html)
     with running_user_code():
+        note_saved_results(case_file)
         case = load(case_file, list(changes))
         given = read_capture(capture, rate, salvage)
         both = serial is None and any({"I2C-A", "SCI-A"} <= set(unit.modules) for unit in case.unit.values())

@@ -30,6 +30,7 @@ from .command_frame import (
 from .completion import complete_optimization
 from .result_text import show
 from .shared_options import CHANGES, GUARANTEED, JOBS, JSON, SECONDS
+from .watch import note_saved_results
 
 if TYPE_CHECKING:
     from ..reports.explain.chain import Chain
@@ -107,6 +108,7 @@ def run(
         judged = judge_under_questions("run --questions", case, changes, length, jobs, as_json)
         return int(not all(one.holds for one in judged))
     with running_user_code(), ExitStack() as outputs:
+        note_saved_results(case)
         loaded = load(case, list(changes))
         unfinished = None
         if html is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ...core.input_files import note_inputs_of
+from ...proof.saved_paths import coverage_path, proof_path
 from ...scene.case.load import CaseFile, apply
 from ...scene.case.model import BadCase
 from ...scene.case.origin import named_files, texts_in
@@ -102,41 +103,49 @@ Stamps = dict[Path, tuple[int, int]]
 
 def stamps(case: Path, changes: Iterable[str] = ()) -> Stamps:
     """Return a dictionary from each existing file of a changed case to its time of last change, in ns, and its size."""
+    from ..reports.baselines.files import path_for
+
     found: Stamps = {}
-    for file in {*files_of(case, changes)}:
+    for file in {path_for(case), *files_of(case, changes)}:
         with suppress(OSError, ValueError):
             status = file.stat()
             found[file] = (status.st_mtime_ns, status.st_size)
     return found
 
 
-def note_inputs(cases: Iterable[Path], changes: Sequence[str] = (), but_baselines: bool = False) -> None:
+def note_inputs(cases: Iterable[Path], changes: Sequence[str] = (), written: Collection[Path] = ()) -> None:
     """Register the files of these cases as inputs of the command. A command must not write to its inputs.
 
     Commands whose worker processes read the files call this function, because files are otherwise registered only
     in the process that reads them.
 
     changes: the "key=value" texts that the command applies to the cases, together or in different runs.
-    but_baselines: True to leave out the baselines of the cases, because the command writes them.
+    written: saved results of the cases that the command writes, which are left out.
+    """
+    for case in cases:
+        note_inputs_of(files_of(case, changes))
+        note_saved_results(case, written)
+
+
+def note_saved_results(case: Path, written: Collection[Path] = ()) -> None:
+    """Register the baseline, the coverage file and the proof file of a case as inputs, so that no output replaces them.
+
+    written: those of these files that the command writes, which are left out.
     """
     from ..reports.baselines.files import path_for
 
-    for case in cases:
-        files = files_of(case, changes)
-        note_inputs_of(file for file in files if not (but_baselines and file == path_for(case)))
+    saved = (path_for(case), coverage_path(case), proof_path(case))
+    note_inputs_of(file for file in saved if file not in written)
 
 
 def files_of(case: Path, changes: Iterable[str] = ()) -> Iterator[Path]:
-    """Yield the paths of the case file, of its baseline, of files that the case names, and of files beside its sources.
+    """Yield the paths of the case file, of files that the case names, and of files beside its sources.
 
     The files beside sources are those that the sources may import or include. A path need not exist.
 
     changes: "key=value" texts. The files that their values name are files of the case, too.
     """
-    from ..reports.baselines.files import path_for
-
     yield case
-    yield path_for(case)
     trees: list[dict[str, object]] = []
     with suppress(BadCase):
         trees.append(read(case, "case")[1])

@@ -14,6 +14,7 @@ from ...core.phrases import did_you_mean
 from .command_frame import command, print_json, progress, running_user_code
 from .completion import complete_budget
 from .shared_options import CHANGES, SECONDS, SVG, diagram_file
+from .watch import note_saved_results
 
 if TYPE_CHECKING:
     from ...timing.verdict import Verdict
@@ -56,6 +57,7 @@ def worst(
     from ..reports.saved_worst import saved_worst
 
     with running_user_code():
+        note_saved_results(case)
         loaded = load(case, list(changes))
         names = [budget.name for budget in loaded.budget]
         for name in budgets:

@@ -109,6 +109,11 @@ CASES = {
     "JUnit over case": ("check", "small.toml", "--junit", "small.toml"),
     "JUnit over firmware of another process": ("check", "small.toml", "--junit", "still.py", "--jobs", "2"),
     "JUnit over baseline": ("check", "small.toml", "--junit", "baselines/small.json"),
+    "JUnit over coverage": ("check", "small.toml", "--junit", "coverage/small.json"),
+    "page over baseline": ("run", "small.toml", "--html", "baselines/small.json", *SHORT),
+    "page over proof": ("run", "small.toml", "--html", "proofs/small.json", *SHORT),
+    "rows over proof": ("sweep", "small.toml", "--vary", "seed=0,1", "--csv", "proofs/small.json", *SHORT),
+    "functions over proof": ("profile", "small.toml", "--lcov", "proofs/small.json", *SHORT),
     "page over a case in a folder": ("check", ".", "--html", "small.toml"),
     "rows over case": ("sweep", "small.toml", "--vary", "seed=0,1", "--csv", "small.toml", *SHORT),
     "rows over firmware": ("sweep", "small.toml", "--vary", "seed=0,1", "--csv", "still.py", *SHORT),
@@ -125,8 +130,8 @@ def test_an_output_over_an_input(periph_sim: Run, desk: Path, arguments: tuple[s
     (desk / "again.toml").write_text(
         (desk / "small.toml").read_text() + '[outside]\nwires = ["RX"]\nlog = "live.jsonl"\n'
     )
-    (desk / "baselines").mkdir()
-    for name in ("live.jsonl", "baselines/small.json", "rest.csv"):
+    for name in ("live.jsonl", "baselines/small.json", "coverage/small.json", "proofs/small.json", "rest.csv"):
+        (desk / name).parent.mkdir(exist_ok=True)
         (desk / name).write_text("as it was\n")
     before = {file: file.read_bytes() for file in desk.rglob("*") if file.is_file()}
     came = periph_sim(*arguments)

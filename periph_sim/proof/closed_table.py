@@ -106,6 +106,7 @@ class StartTable(Struct):
         are free.
     spanning, lacking: the names of budgets, see `MeasuresAtRest`.
     rounds: if both rounds and frames are free, the starts of rounds of each run; else empty.
+    data_use: as `FreeRun.data_use`, for all runs.
     """
 
     orbits: list[int]
@@ -119,6 +120,7 @@ class StartTable(Struct):
     spanning: set[str]
     lacking: set[str]
     rounds: list[list[int]] = []
+    data_use: str = ""
 
     @property
     def has_failed(self) -> bool:
@@ -265,6 +267,7 @@ class TableMaker:
             place = self._round(run, measures, place, tick)
         table.starts.append(self._starts(run))
         table.outcomes.append(self._covered.finish(run.scene))
+        table.data_use = table.data_use or run.data_use
         measures.finish(table.outcomes[-1].verdicts)
         if self._on_run is not None:
             self._on_run(run, begun)

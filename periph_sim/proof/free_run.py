@@ -12,6 +12,7 @@ from weakref import ref
 
 from ..core.chip import NEVER
 from ..core.records import RecordCallback
+from ..processor.image.data_marks import DataMarks
 from ..scene.scene import Scene
 from .normal_state import LONG_PAST, NormalState, NotComparable, normal_state
 from .record_digests import RoundDigest
@@ -66,6 +67,8 @@ class FreeRun:
         program: Any = self._dsp.program
         self._program = program  # the program of an image
         self._free: range = range(0)  # addresses of the free words of the stack, at the last rest
+        if self.scene.host is not None:
+            program.cpu.marks = DataMarks()
         # The reference is weak: a reference from the compiled CPU to this object would keep both alive for ever.
         self._program.cpu.reads_unwritten = partial(_read_unwritten, ref(self))
         self.long = self.scene.timebase.per_second // LONG_PAST
@@ -143,6 +146,14 @@ class FreeRun:
         if self.records.accessed:
             what = f"the firmware accesses {self.records.accessed} after the first start"
             raise NotClosed(f"{what}, and the effects are not in the table; let it start after the start-up")
+
+    @property
+    def data_use(self) -> str:
+        """The first use of data of frames by which they can decide more than bytes to send, as text; "" for none."""
+        marks = self._program.cpu.marks
+        if marks is None or marks.found is None:
+            return ""
+        return f"{marks.found.how} at {self._program.place_at(marks.found.address)}"
 
     def next_cycle(self) -> None:
         """Advance to the next tick at which a cycle begins."""

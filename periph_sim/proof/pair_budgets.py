@@ -78,9 +78,7 @@ def within_round(covered: CoveredCase) -> CoveredCase:
             sides = {side(one, pins): one for one in used}
             # "1st interrupt of transfer" depends on where the transfer begins
             is_numbered = any(one.group is not None for one in used)
-            if any(one.kind is Kind.SPAN for one in used):
-                covered.leave_out(name, "it is about calls of functions, which are not compared")
-            elif MOVES in sides:
+            if MOVES in sides:
                 covered.leave_out(name, f"a frame can move {sides[MOVES].text!r} in a way that is not run")
             elif len(sides) > 1 or (ROUTINE in sides and is_numbered):
                 covered.leave_out(name, "it relates the service routine of the SCI to other events")

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple, cast
 from ..core.chip import NEVER
 from ..core.records import Record
 from ..f28335.xint.module import Xint
+from ..processor.dsp import Dsp
 from .free_run import FreeRun, NotClosed
 from .normal_state import NormalState, differences, digest, period_of, periods_of
 from .record_digests import SCI, GroupDigest
@@ -24,6 +25,7 @@ from .stretch import CoveredCase
 
 NAMED = 4  # maximum number of attributes that are named if a state does not repeat
 MOST_ORBITS = 24
+EXTERNAL = "an external interrupt is enabled, whose flags could show the line of the frame"
 MARGIN = 8  # cycles before and after a service routine in which it may still affect the wait that it interrupts
 REQUESTS = ("PIEIFR9.INTx1", "PIEIFR9.INTx3", "PIEIFR8.INTx5")  # SCIRXINTA, SCIRXINTB, SCIRXINTC
 PASSES = 8  # a wait must be as before at most this number of passes after a service routine
@@ -158,8 +160,8 @@ class GroupRunner:
         self._polls: Any = program.cpu.polls
         self._bus: Any = dsp.processor.bus
         self._unit = dsp.name
-        if (xint := dsp.sockets.get("XINT")) is not None and cast(Xint, xint.chip).enabled:
-            raise NotClosed("an external interrupt is enabled, whose flags could show the line of the frame")
+        if has_external_interrupt(dsp):
+            raise NotClosed(EXTERNAL)
         self._sci = tuple(f"{name}.{SCI}" for name in self.run.scene.units)
         self._lspclk = {f"{name}.SYS.chip.lspclk_phase" for name in self.run.scene.units}
         self.at = self.place()
@@ -353,6 +355,12 @@ class GroupRunner:
 
     def _without_sci(self, state: NormalState) -> NormalState:
         return {key: value for key, value in state.items() if not key.startswith(self._sci) and key not in self._lspclk}
+
+
+def has_external_interrupt(dsp: Dsp) -> bool:
+    """Return True if an external interrupt of a unit is enabled now."""
+    xint = dsp.sockets.get("XINT")
+    return xint is not None and bool(cast(Xint, xint.chip).enabled)
 
 
 def far_ranges(sleeps: Sequence[Sleep], cells: Cells, cycle: int) -> list[tuple[int, int, Sleep]]:

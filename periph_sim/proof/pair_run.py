@@ -56,7 +56,7 @@ class Done(Struct):
     before: the number of orbits that were known before these runs. orbits: the orbits that these runs found.
     outcomes, frames, rounds: for each run of a scene, its outcome and its starts.
     first_rest: the tick of the first rest, from the start of the run.
-    spanning, lacking, empty: see `MeasuresAtRest`. unknowns: see `CoveredCase`.
+    spanning, lacking, empty: see `MeasuresAtRest`. unknowns: see `CoveredCase`. data_use: see `FreeRun`.
     """
 
     before: int
@@ -70,6 +70,7 @@ class Done(Struct):
     lacking: set[str]
     empty: set[tuple[str, str]]
     unknowns: set[str]
+    data_use: str = ""
 
 
 class PairRun:
@@ -119,6 +120,7 @@ class PairRun:
         done.lacking |= self._measures.lacking
         done.empty |= self._measures.empty
         done.unknowns |= self._covered.unknowns
+        done.data_use = done.data_use or run.data_use
         done.orbits = self._known.orbits.known[done.before :]
 
     def _begin(self) -> None:

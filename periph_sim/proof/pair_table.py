@@ -326,6 +326,7 @@ class PairMaker:
         rounds, frames = ({name for start, name in self._empty if start == each} for each in STARTS)
         table.lacking |= done.lacking | (rounds & frames)
         self.covered.unknowns |= done.unknowns
+        table.data_use = table.data_use or done.data_use
         places: list[tuple[int, int]] = [(number, 0) for number in range(done.before)]
         for orbit in done.orbits:
             self._orbits.add(orbit)

@@ -7,6 +7,7 @@ Only closed tables are saved. A proof holds for the case as it was then: if a de
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Literal
@@ -58,6 +59,7 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     within_ppm: the greatest difference from `controller.ppm` that the proof covers; None for the case's clock only.
     host_within_ppm: the greatest difference from the bit rate of the host that the proof covers, in ppm; None for the
         rate in the case only.
+    any_data: True if the proof holds for frames with any data, except for the budgets in `following_data`.
     first: the tick of the case's first start or, if `rests_first` is True, of the first rest, from the start of the
         run.
     rests_first: True if the first start is any tick after `first`.
@@ -74,6 +76,8 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     ticks_per_second: Annotated[int, Meta(ge=1)]
     within_ppm: float | None
     host_within_ppm: float | None = None
+    any_data: bool = False
+    following_data: tuple[str, ...] = ()
     first: int
     rests_first: bool
     apart: int
@@ -91,7 +95,14 @@ class ProofFile(Struct, frozen=True, kw_only=True):
         clocks = "" if self.within_ppm is None else f", and all clocks of the controller within {self.within_ppm:g} ppm"
         if self.host_within_ppm is not None:
             clocks += f", and all bit rates of the host within {self.host_within_ppm:g} ppm"
+        if self.any_data:
+            clocks += f", and any data of the frames{except_for(self.following_data)}"
         return f"{len(self.proven)} of {counted(of, 'budget')} proven for {starts_text(self.moved, apart)}{clocks}"
+
+
+def except_for(names: Sequence[str]) -> str:
+    """Return text that names the proven budgets that hold for the data of the case only; "" if there are none."""
+    return f", except for {', '.join(names)}, whose events are data" if names else ""
 
 
 def proof_of(made: TableProof, dependencies: Dependencies) -> ProofFile:
@@ -112,6 +123,8 @@ def proof_of(made: TableProof, dependencies: Dependencies) -> ProofFile:
         ticks_per_second=covered.phases.ticks_per_second,
         within_ppm=None if made.within is None else float(made.within),
         host_within_ppm=None if made.rates is None else float(made.rates),
+        any_data=made.data_use == "",
+        following_data=tuple(made.following_data()),
         first=made.first,
         rests_first=made.rests_first,
         apart=made.apart,

@@ -119,9 +119,16 @@ class CoveredCase:
 
     def at_rate(self, error: Fraction) -> CoveredCase:
         """Return this case with another error of the host's bit rate, in percent."""
+        return self._with_host("error", error)
+
+    def with_ramp(self) -> CoveredCase:
+        """Return this case with frames of a ramp, whose data change from frame to frame."""
+        return self._with_host("motion", {})
+
+    def _with_host(self, key: str, value: object) -> CoveredCase:
         assert self.case.host is not None
         other = copy(self)
-        host = self.case.host.model_copy(update={"error": error})
+        host = self.case.host.model_copy(update={key: value})
         other._plan = ScenePlan(self.case.model_copy(update={"host": host}), self._plan)
         return other
 

@@ -17,6 +17,7 @@ from .closed_table import BOTH, LEAST_REVISITED, StartTable, TableMaker, WorstIn
 from .cover import is_worse
 from .free_run import NotClosed
 from .host_rates import plan_rates, prove_rates
+from .other_data import data_use, follow_data
 from .pair_table import PairMaker
 from .stretch import CoveredCase, Job
 from .table_cases import check_pair
@@ -59,12 +60,14 @@ class TableProof(NamedTuple):
     parts: the tables.
     rates: the greatest difference from the bit rate of the host that the table covers, in ppm; None for the rate of the
         case only.
+    data_use: as `other_data.data_use`; None for a case without a host, or with a table that has failed.
     """
 
     covered: CoveredCase
     within: Fraction | None
     parts: list[Part]
     rates: Fraction | None = None
+    data_use: str | None = None
 
     @property
     def has_failed(self) -> bool:
@@ -125,6 +128,12 @@ class TableProof(NamedTuple):
         for part in self.parts:
             found = part.table.not_proven(part.covered, self.apart, self.within or Fraction(0)) | found
         return found
+
+    def following_data(self) -> list[str]:
+        """Return the proven budgets whose values can differ if the data differ, although all times are equal."""
+        if self.data_use is None:
+            return []
+        return follow_data(self.covered, [name for name, word in self.words().items() if word == PROVEN])
 
     def words(self) -> dict[str, str]:
         """Return a dictionary from each covered budget to BROKEN, NOT_JUDGED, PROVEN or HELD."""
@@ -189,7 +198,7 @@ def prove(
         advance(0)
         if table.has_failed:
             break
-    return TableProof(covered, within, parts)
+    return TableProof(covered, within, parts, None, _data_use(covered, parts[-1].table))
 
 
 def _of_pairs(
@@ -217,7 +226,11 @@ def _of_pairs(
     table = maker.make()
     if plan is not None and not table.has_failed:
         prove_rates(plan, maker, job, ignored, LEAST_REVISITED, call_all)
-    return TableProof(covered, None, [Part(covered, table, ())], rates)
+    return TableProof(covered, None, [Part(covered, table, ())], rates, _data_use(maker.covered, table))
+
+
+def _data_use(covered: CoveredCase, table: StartTable) -> str | None:
+    return None if covered.case.host is None or table.has_failed else data_use(covered, table)
 
 
 def make_table(job: Job, rests_first: bool, least_again: int) -> StartTable:

@@ -18,7 +18,7 @@ from ...proof.calls import T, Ts, call_here
 from ...proof.closed_table import BOTH, Contradiction, milliseconds, starts_text
 from ...proof.dependencies import Dependencies, dependencies, files_read
 from ...proof.free_run import NotClosed
-from ...proof.proof_file import proof_of
+from ...proof.proof_file import except_for, proof_of
 from ...proof.saved_file import text_of
 from ...proof.saved_paths import proof_path
 from ...proof.stretch import CoveredCase, Job
@@ -186,6 +186,8 @@ def _show(made: TableProof, files: Sequence[Path]) -> None:
             _say(f"proven: for all clocks of the controller within {float(made.within):g} ppm of that in the case")
         if made.rates is not None:
             _say(f"proven: for all bit rates of the host within {float(made.rates):g} ppm of that in the case")
+        if made.data_use == "":
+            _say(f"proven: for any data of the frames{except_for(made.following_data())}")
         when = "after" if made.rests_first else "exactly at"
         firsts = {moved: made.first} if made.rests_first else covered.phases.first_starts()
         time = milliseconds if made.rests_first else _exact
@@ -195,6 +197,8 @@ def _show(made: TableProof, files: Sequence[Path]) -> None:
     if made.again:
         what = "meeting" if moved == BOTH else "start"
         _say(f"compared: {counted(made.again, what)} run again after other {moved}; none differed")
+    if made.data_use:
+        _say(f"not proven for other data of the frames: {made.data_use}")
     for name, reason in made.not_proven().items():
         _say(f"not proven: {name}: {reason}")
     for name, reason in _left_out(covered).items():
@@ -217,8 +221,14 @@ def _exact(ticks: int, per_second: int) -> str:
 def _assumed(made: TableProof) -> str:
     """Return the inputs for which the proof holds only as they are in the case."""
     if made.rates is not None:
-        return "the clock of the controller and data"
-    return f"{'clocks, ' * (made.within is None)}rates and data"
+        inputs = ["the clock of the controller"]
+    else:
+        inputs = ["rates"] if made.within is not None else ["clocks", "rates"]
+    if made.data_use != "":
+        inputs.append("data")
+    elif made.covered.case.controller is not None:
+        inputs.append("requests")
+    return ", ".join(inputs[:-1]) + " and " * (len(inputs) > 1) + inputs[-1]
 
 
 def _object(made: TableProof, files: Sequence[Path]) -> dict[str, object]:
@@ -230,6 +240,7 @@ def _object(made: TableProof, files: Sequence[Path]) -> dict[str, object]:
             "tables": len(made.parts),
             "within_ppm": None if made.within is None else float(made.within),
             "host_within_ppm": None if made.rates is None else float(made.rates),
+            "data_use": made.data_use,
             "orbits": [orbit for part in made.parts for orbit in part.table.orbits],
             "entries": made.entries,
             "again": made.again,

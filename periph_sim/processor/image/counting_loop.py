@@ -288,7 +288,7 @@ class CountingLoop(InstructionWatch):
     """
 
     STATE = State(
-        "does_more _moved _stores _state _arp _sp _trace _steps _time _cpu _memory _over",
+        "does_more _moved _stores _state _marks _arp _sp _trace _steps _time _cpu _memory _over",
         cycles="_began",
         made=True,
     )
@@ -304,6 +304,7 @@ class CountingLoop(InstructionWatch):
         self._memory = memory
         self._over = over
         self._state = cpu.state()
+        self._marks = None if cpu.marks is None else cpu.marks.both()
         self._arp, self._sp = cpu.arp, cpu.sp  # ARP and SP before the next instruction of the trace
         self._trace: list[Traced] = []
         self._steps: dict[Place, int] = {}  # maps each counter to its step
@@ -348,7 +349,8 @@ class CountingLoop(InstructionWatch):
         changed: for each memory word that the traced pass has changed, its earlier value.
         """
         before, after = self._state, self._cpu.state()
-        self.does_more = before[COUNTERS:] != after[COUNTERS:]
+        marks = None if self._cpu.marks is None else self._cpu.marks.both()
+        self.does_more = before[COUNTERS:] != after[COUNTERS:] or marks != self._marks
         if self.does_more:
             return 0
         counters = self._counters(changed)

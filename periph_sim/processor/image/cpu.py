@@ -224,6 +224,8 @@ class ImageCpu(ImageMemory):
             if self._kept[place] != self._packed[place]:
                 self._kept[place] = self._packed[place]
                 same = False
+        if self.marks is not None and not self.marks.is_as_before():
+            same = False
         return same
 
     def _pack(self) -> None:
@@ -294,6 +296,8 @@ class ImageCpu(ImageMemory):
         if self.due or self.due_flags:
             arrive(self)
         self.sp = self._core.sp
+        if self.marks is not None:
+            self.marks.entered(frame_of(self.sp - CONTEXT_SP & 0xFFFF))
         for below in range(1, CONTEXT_SP + 1):
             self._written[self.sp - below & 0xFFFF] = 1
         self.rb = self.rb & 0x3FFF_FFFF | (self.rb >> 30 & 1) << 31
@@ -304,6 +308,8 @@ class ImageCpu(ImageMemory):
         self.polls.soil()
         for address in range(frame_of(self._core.sp), frame_of(self._core.sp) + len(words)):
             self._unwritten(address)
+        if self.marks is not None:
+            self.marks.returned(frame_of(self._core.sp), self.pc)
         self._core.st1 &= ~ARP_MASK  # this field is in `arp`
         if self.polls.routines:
             self.polls.routines -= 1

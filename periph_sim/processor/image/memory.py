@@ -22,6 +22,7 @@ from ..c28x.execution.engine import PAGE, Engine
 from ..c28x.execution.registers import IllegalOperation
 from ..c28x.pipeline import SP, addressing
 from ..processor import Processor
+from .data_marks import DataMarks
 from .elsewhere import BOOT_ROM, UnmappedMemory
 from .instruction_timing import InstructionTiming
 from .observers import VariableRecords
@@ -51,11 +52,12 @@ class ImageMemory(Engine):
     timing: the additional cycles of instructions.
     polls: detects waits of the program.
     watched: the observer of writes to variables; None if there is none.
+    marks: the marks of data; None if they are not followed.
     reads_unwritten: a function that is called, with the address, at the first read of a RAM word that was not written
         before; None to call nothing.
     """
 
-    STATE = State("elsewhere timing polls watched _tested _written _slots_seen")
+    STATE = State("elsewhere timing polls watched marks _tested _written _slots_seen")
 
     def __init__(self, processor: Processor, options: SystemOptions, skip_polls: bool) -> None:
         self._core = processor.core
@@ -73,6 +75,7 @@ class ImageMemory(Engine):
         self._written: Annotated[list[UInt16], RAM_TO] = [0] * RAM_TO
         self.watched: VariableRecords | None = None
         self.polls = PollSkipper(self._time, self._core, skip_polls)
+        self.marks: DataMarks | None = None
         self.reads_unwritten: Callable[[int], None] | None = None
 
     def fill(self, address: int, value: int) -> None:
@@ -89,6 +92,8 @@ class ImageMemory(Engine):
         for address in addresses:
             self._ram.put(address, 0)
             self._written[address] = 0
+            if self.marks is not None:
+                self.marks.forget(address)
             if self._code[address >> PAGE]:
                 self.written(address)
 
@@ -96,6 +101,8 @@ class ImageMemory(Engine):
         if in_plain_ram(address):
             if self._pipeline.clock < self._pipeline.until:
                 self.timing.wait_for_word(address, 1)
+            if self.marks is not None:
+                self.marks.loaded(address)
             value = self._ram.word(address)
             if not value and not self._written[address]:
                 self._unwritten(address)
@@ -108,6 +115,9 @@ class ImageMemory(Engine):
         if in_plain_ram(address):
             if self._pipeline.clock < self._pipeline.until:
                 self.timing.wait_for_word(address, 2)
+            if self.marks is not None:
+                self.marks.loaded(address)
+                self.marks.loaded(address + 1)
             value = self._ram.word32(address)
             # An unwritten word is 0, so `_written` is tested only if one of the two words is 0.
             if (not value & 0xFFFF or not value >> 16) and not (self._written[address] and self._written[address + 1]):
@@ -133,6 +143,8 @@ class ImageMemory(Engine):
             if polls.tracking:
                 polls.note_elsewhere(address, value)
             return value
+        if self.marks is not None:
+            self.marks.loaded_register(operand)
         if operand.meets:
             self._time.meet()
         if operand.recorded and self._tested and width == 16:
@@ -148,6 +160,8 @@ class ImageMemory(Engine):
             if self.polls.tracking and self._ram.word(address) != value:
                 self.polls.changes(address, self._ram.word(address))
             self._pipeline.wrote(address, 1, self.written_in)
+            if self.marks is not None:
+                self.marks.stored(address)
             self._ram.put(address, value)
             self._written[address] = 1
             if self._code[address >> PAGE] or self.watched is not None:
@@ -163,6 +177,9 @@ class ImageMemory(Engine):
                 self.polls.changes(address, self._ram.word(address))
                 self.polls.changes(address + 1, self._ram.word(address + 1))
             self._pipeline.wrote(address, 2, self.written_in)
+            if self.marks is not None:
+                self.marks.stored(address)
+                self.marks.stored(address + 1)
             self._ram.put_word32(address, value)
             self._written[address] = self._written[address + 1] = 1
             if self._code[address >> PAGE] or self.watched is not None:
@@ -196,6 +213,8 @@ class ImageMemory(Engine):
         else:
             self.polls.soil()
         operand = self._bus.find(address, width)
+        if self.marks is not None and not L0_AGAIN <= address < L4_AGAIN:
+            self.marks.stored_elsewhere(operand, value)
         if operand is not None:
             self._bus.save(self._time.cycle, operand, value, width)
         elif L0_AGAIN <= address < L4_AGAIN:
@@ -227,6 +246,11 @@ class ImageMemory(Engine):
             waits = self.elsewhere.fetches(address)[1]
             self.timing.late += waits + self.timing.read(self.pc, address, self._time.cycle, waits)
         if in_plain_ram(first_address(address)):
+            if self.marks is not None:
+                if self._decoding:
+                    self.marks.decoded(first_address(address))
+                else:
+                    self.marks.loaded(first_address(address))
             return self._ram.word(first_address(address))
         area = area_at(address)
         if area is None or area.content is Content.REGISTERS:

@@ -203,6 +203,8 @@ class ImageProgram(LoadedImage):
                 section = f"{self._stack_begin:#06x} to {self._stack_end - 1:#06x}"
                 raise IllegalOperation(f"the stack {how} its section .stack, {section}")
             self._sp = cpu.sp
+            if cpu.marks is not None:
+                cpu.marks.executed(f)
             for watch in self._watches:
                 watch.executed(f, cpu, cycle)
             if cpu.returning:

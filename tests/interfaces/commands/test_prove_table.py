@@ -16,6 +16,7 @@ from tests.proof.pair_cases import write_lonely
 from tests.proof.proven_slave import write_slave
 from tests.proof.test_closed_table import PERIOD, write_echo
 from tests.proof.test_host_rates import compiled_only
+from tests.proof.test_other_data import COMPARE, READ
 
 MORE = """
 [[budget]]
@@ -36,6 +37,25 @@ def test_budgets_of_one_round_are_proven_and_others_are_named(periph_sim: Run, t
     assert (words["echo"], words["pause"]) == ("proven", "held")
     assert "not proven: pause: an occurrence of it lasts from one round to the next" in came.out
     assert "proven: for all sequences of frames that start at least" in came.out
+    assert "proven: for any data of the frames\nassumed: clocks and rates as in the case" in came.out
+
+
+def test_a_use_of_data_narrows_the_proof(periph_sim: Run, tmp_path: Path):
+    came = periph_sim("prove", str(write_echo(tmp_path, 2.0, (READ, COMPARE))), "--table", "--save")
+    assert "for any data" not in came.out and "assumed: clocks, rates and data as in the case" in came.out
+    use = "not proven for other data of the frames: data decide a branch at _echo (echo.asm:54,"
+    assert use in " ".join(came.out.split())
+    assert "any data" not in periph_sim("run", str(tmp_path / "echo.toml")).out
+
+
+def test_a_budget_whose_events_are_data_is_named(periph_sim: Run, tmp_path: Path):
+    path = write_echo(tmp_path, 200.0)
+    text = path.read_text(encoding="utf-8")
+    text = text.replace("frame RX end to frame TX begin, in order", "access W SCI-A.SCITXBUF to edge TX fall")
+    path.write_text(text, encoding="utf-8")
+    came = periph_sim("prove", str(path), "--table", "--save")
+    assert "proven: for any data of the frames, except for echo, whose events are data" in came.out
+    assert "any data of the frames, except for echo, whose" in " ".join(periph_sim("run", str(path)).out.split())
 
 
 def test_a_broken_budget_has_a_witness_that_breaks_it(periph_sim: Run, tmp_path: Path):
@@ -116,7 +136,8 @@ def test_a_proof_for_all_rates_of_a_host_says_so(periph_sim: Run, tmp_path: Path
     case.write_text(case.read_text(encoding="utf-8").replace("baud = 1562500", "baud = 1562500\nerror = 0.16"), "utf-8")
     came = periph_sim("prove", str(case), "--table", "--host-ppm", "5", "--save", "--jobs", "2", "--json")
     assert came.told["table"]["host_within_ppm"] == 5.0
-    assert ", and all bit rates of the host within 5 ppm\n" in periph_sim("run", str(case)).out
+    line = ", and all bit rates of the host within 5 ppm, and any data of the frames\n"
+    assert " ".join(line.split()) in " ".join(periph_sim("run", str(case)).out.split())
 
 
 def test_a_saved_proof_names_its_range_of_clocks(periph_sim: Run, tmp_path: Path):

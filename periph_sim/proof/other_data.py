@@ -1,0 +1,118 @@
+"""Frames with other data: the reasons why a table holds for the data of its runs only, or for any data.
+
+    runs of the table --marks (`image.data_marks`)--> no instruction uses data to decide what happens
+    some of them, with static and with changing data --> equal records, apart from the bytes
+
+The marks prove it for the firmware. The line of the frames has other edges with other data, and an SCI notices these
+only in the bits that it receives: it starts to count its samples at the edge of the start bit, which any character has.
+This is not so if its rate is far from that of the host, or if it checks parity; the second line tests it. Words that
+show levels of lines, as GPADAT does, count as data, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from zlib import crc32
+
+from ..core.records import Kind, Listener, Recorder
+from ..core.time import Timebase
+from ..f28335.gpio.pin_mux_table import FUNCTIONS
+from ..f28335.memory.ram import MEMORY
+from ..processor.image.data_marks import LOOPED, OF_DATA
+from ..scene.derived_records import OF_UNITS
+from ..timing.language.matcher import Matcher
+from .closed_table import StartTable
+from .normal_state import periods_of
+from .pair_groups import EXTERNAL, has_external_interrupt
+from .record_digests import SCI
+from .stretch import CoveredCase
+
+KINDS = (Kind.ACCESS, Kind.IRQ, Kind.BUS, Kind.FRAME)
+MOST_RUNS = 8  # maximum number of runs of a table that are compared with other data
+SAMPLES = 8  # samples of an SCI in a bit
+FURTHEST = Fraction(1, 50)  # greatest difference of the rates of host and SCI at which frames with any data are alike
+
+
+class TimesDigest(Listener):
+    """A digest of the times of all accesses, interrupts, and events and frames on lines, and of values without data."""
+
+    def __init__(self) -> None:
+        self.digest = 0
+        self._without_value: set[int] = set()
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        tag = crc32(f"{kind.value} {where} {what}".encode())
+        if kind in (Kind.BUS, Kind.FRAME) or what.rpartition(".")[2] in (*OF_DATA, LOOPED):
+            self._without_value.add(tag)
+        return tag
+
+    def on_record(self, tag: int, tick: int, value: int) -> None:
+        self.digest = hash((self.digest, tag, tick, 0 if tag in self._without_value else 2 * value + 1))
+
+
+def data_use(covered: CoveredCase, table: StartTable) -> str:
+    """Return a phrase that says why a closed table does not hold for frames with any data; "" if it does.
+
+    covered: the case, which must have a host.
+    """
+    if table.data_use:
+        return table.data_use
+    host = covered.case.host
+    assert host is not None
+    changing = covered.with_ramp()
+    step = -(-len(table.starts) // MOST_RUNS)
+    for number in range(0, len(table.starts), step):
+        digests = [_digest(one, table, number) for one in (covered, changing)]
+        if digests[0] != digests[1]:
+            return "frames with other data have other effects"
+    scene = covered.free_scene(TimesDigest(), keep_values=False)
+    scene.advance(scene.start + table.first_rest)
+    if any(map(has_external_interrupt, scene.units.values())):
+        return EXTERNAL
+    bit = 1 / (host.baud * (1 + Fraction(host.error) / 100))
+    hz = Fraction(next(iter(scene.units.values())).clock.hz)
+    for name, cycles in periods_of(scene).items():
+        if f".{SCI}" in name and abs(SAMPLES * cycles / hz / bit - 1) > FURTHEST:
+            return "the rates of the host and of the SCI differ by more than 2 %"
+    return ""
+
+
+def _digest(covered: CoveredCase, table: StartTable, run: int) -> int:
+    """Run the starts of a run of a table, and return the digest of its times."""
+    digest = TimesDigest()
+
+    def subscribe(recorder: Recorder, _: Timebase) -> None:
+        recorder.subscribe(KINDS, digest)
+
+    rounds = table.rounds[run] if table.rounds else None
+    inputs = covered.phases.inputs_at(table.starts[run], rounds)
+    end = max(table.starts[run] + (rounds or [])) + table.apart
+    scene = covered.scene_of(inputs, Fraction(end, covered.phases.ticks_per_second), covered.case.seed, subscribe)
+    scene.run()
+    return digest.digest
+
+
+def follow_data(covered: CoveredCase, names: Sequence[str]) -> list[str]:
+    """Return those of the named budgets whose values can differ if the data differ, although all times are equal."""
+    pins = {
+        name
+        for unit in covered.case.unit.values()
+        for name, number in unit.pins.items()
+        if not any(function.startswith(SCI) for function in FUNCTIONS[number])
+    }
+    events = covered.events()
+    return [name for name in names if (used := events[name]) is None or any(_is_of_data(one, pins) for one in used)]
+
+
+def _is_of_data(event: Matcher, pins: set[str]) -> bool:
+    """Return True if other data can move or add an event."""
+    if event.kind is Kind.EDGE:
+        return not (event.where and event.where <= pins | {"SCL"})
+    if event.kind is Kind.FLAG:
+        return not event.where or any(where.endswith(f".{MEMORY}") for where in event.where)
+    if event.kind in (Kind.BUS, Kind.FRAME, Kind.ACCESS):
+        return event.mask != 0
+    if event.kind is Kind.TRANSFER:
+        return event.what in OF_UNITS
+    return event.kind not in (Kind.IRQ, Kind.SPAN, Kind.WAIT, Kind.ROUND, Kind.RECEIVER)

@@ -1,0 +1,244 @@
+"""Marks of data in an image: where they go, what uses data to decide, and equal runs with other data.
+
+data in 0x8200 ... --random instructions--> `found` is None: the same cycles with other data; only marked words differ
+"""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import pytest
+
+from periph_sim.processor.c28x.data_flow import BITS
+from periph_sim.processor.image.data_marks import DataMarks
+from periph_sim.processor.image_files.model import Image, Section
+from periph_sim.processor.user_code import FirmwareError
+from tests.processor.c28x.execution.random_instructions import FORMS, pair_of
+from tests.processor.image.rig import HEAD, Rig
+
+DATA, OTHER, FREE = range(0x8200, 0x8210), range(0x8210, 0x8220), range(0x8220, 0x8300)
+BEGIN = " MOVL XAR4,#0x8200\n MOVL XAR5,#0x8220\n"
+SENDS = " MOVW DP,#0x7050 >> 6\n"  # the page of SCI-A
+MASTER = " MOVW DP,#0x7900 >> 6\n MOV @0x7909,#0x0620\n"  # the page of I2C-A, which is out of reset
+PROGRAMS = 300
+LENGTH = 8  # random instructions in a program
+OPERANDS = (0x41, 0x05, 0x84, 0x85, 0xA1, 0xA8, 0xA9, 0xAB, 0xC4, 0xCC, 0xC5)  # values of field l
+PLAIN = [row for row in FORMS if row.kind in ("core", "fpu") and "PC" not in row.writes]
+
+
+def marked(source: str, *modules: str) -> tuple[DataMarks, Rig]:
+    """Run a program in which the words of DATA are marked, and return the marks at its end."""
+    rig = Rig(HEAD + source + " ESTOP0", *modules)
+    for address in (*DATA, *OTHER):
+        rig.cpu.fill(address, 0x1234)
+    rig.cpu.marks = DataMarks(DATA)
+    rig.run()
+    assert rig.program.finished
+    return rig.cpu.marks, rig
+
+
+def words(marks: DataMarks) -> set[int]:
+    return {address for address, mark in enumerate(marks.memory) if mark} - {*DATA}
+
+
+@pytest.mark.parametrize(
+    ("source", "found"),
+    [
+        (" MOV AL,*XAR4\n MOV *XAR5,AL\n", {0x8220}),
+        (" MOV AL,*XAR4\n MOV *XAR5,AL\n MOVB AL,#1\n MOV *XAR5,AL\n", set()),
+        (" MOV AL,*XAR4\n MOV AH,*XAR4\n MOVB AL,#1\n MOVL *XAR5,ACC\n", {0x8220, 0x8221}),
+        (" MOVL ACC,*XAR4\n MOVB AH,#0\n MOV *XAR5,AH\n MOV *+XAR5[1],AL\n", {0x8221}),
+        (" RPT #3 || MOV *XAR5++,#0\n MOVL XAR7,#0x8202\n RPT #3 || PREAD *--XAR5,*XAR7\n", {*range(0x8220, 0x8224)}),
+        (" MOVL XAR7,#0x8220\n RPT #1 || PWRITE *XAR7,*XAR4++\n", {0x8220, 0x8221}),
+        (" MOVL XAR6,#0x3F8220\n MOV AL,*XAR4\n MOV *XAR6,AL\n", {0x8220}),
+        (" MOVL XAR6,#0x3F8200\n MOV AL,*XAR6\n MOV *XAR5,AL\n", {0x8220}),
+        (" MOV AL,*XAR4\n MOV *XAR5,#0\n MOVB *+XAR5[0],AL.LSB\n MOVB AL,#0\n MOVB *+XAR5[1],AL.LSB\n", {0x8220}),
+        (" MOV32 R0H,*XAR4\n I32TOF32 R1H,R0H\n NOP\n MOV32 *XAR5,R1H\n", {0x8220, 0x8221}),
+        (" MOV AL,*XAR4\n CMPB AL,#3\n MOVB AL,#0\n ADDCU ACC,*+XAR4[0]\n MOV *XAR5,AL\n", {0x8220}),
+        (" PUSH XAR5\n MOVL XAR5,*XAR4\n MOVL *--SP,XAR5\n SUBB SP,#2\n MOVL XAR5,#0x8220\n", {0x0400, 0x0401}),
+    ],
+)
+def test_words_that_data_reach(source: str, found: set[int]) -> None:
+    marks, _ = marked(BEGIN + source)
+    stack = {*range(0x400, 0x500)} - found
+    assert (words(marks) - stack, marks.found) == (found, None)
+
+
+@pytest.mark.parametrize(
+    ("source", "how"),
+    [
+        (" TBIT *XAR4,#0\n SB next,TC\nnext: NOP\n", "data decide a branch"),
+        (" CMP *XAR4,#5\n NOP\n SB next,GT\nnext: NOP\n", "data decide a branch"),
+        (" MOV AL,*XAR4\n MOV T,#3\n LSL AL,T\n CMPB AL,#3\n B next,HI\nnext: NOP\n", "data decide a branch"),
+        (" MOVZ AR1,*XAR4\n BANZ next,AR1--\nnext: NOP\n", "data decide a branch"),
+        (" LOOPNZ *XAR4,#0\n", "data decide the effect of an instruction"),
+        (" MOVZ AR0,*XAR4\n MOV AL,*+XAR5[AR0]\n", "data decide the address of an access"),
+        (" MOV AL,*XAR4\n ANDB AL,#1\n MOVZ AR7,AL\n ADDL @XAR7,ACC\n PREAD AL,*XAR7\n", "data decide the address"),
+        (" MOV AL,*XAR4\n CMPB AL,#3\n MOVB *XAR5,#1,EQ\n", "data decide the effect of an instruction"),
+        (" MOV32 R0H,*XAR4\n CMPF32 R0H,#0.0\n MOV32 R1H,R2H,EQ\n", "data decide the effect of an instruction"),
+        (" AND *+XAR4[0],#3\n RPT *XAR4 || NOP\n", "data decide the effect of an instruction"),
+        (" PUSH *XAR4\n POP DP\n", "data decide the effect of an instruction"),
+        (" PUSH *XAR4\n POP ST0\n", None),
+        (" MOV AL,*XAR4\n MOVW DP,#0x6FC0 >> 6\n MOV @0x6FC2,AL\n", "data are written to GPASET"),
+        (" MOV AL,*XAR4\n MOVL XAR6,#0x0D4C\n MOV *XAR6,AL\n", "data are written to memory outside of RAM"),
+        (f" MOV AL,*XAR4\n{SENDS} MOV @0x7059,AL\n", None),
+        (f" MOV AL,*XAR4\n{SENDS} MOV @0x7054,AL\n", "data are written to SCICTL2"),
+        (f"{SENDS} MOV AL,@0x7057\n SB next,NEQ\nnext: NOP\n", "data decide a branch"),
+        (f"{SENDS} MOV @0x7059,#5\n MOV AL,@0x7059\n SB next,NEQ\nnext: NOP\n", "data decide a branch"),
+        (" MOVW DP,#0x6FC0 >> 6\n TBIT @0x6FC0,#3\n SB next,TC\nnext: NOP\n", "data decide a branch"),
+        (f"{MASTER} MOV AL,@0x7906\n SB next,NEQ\nnext: NOP\n", None),
+        (f"{MASTER} OR @0x7909,#0x40\n MOV AL,@0x7906\n SB next,NEQ\nnext: NOP\n", "data decide a branch"),
+        (f"{SENDS} MOV AL,@0x7055\n SB next,NEQ\nnext: NOP\n", None),
+    ],
+)
+def test_uses_of_data_that_decide(source: str, how: str | None) -> None:
+    marks, rig = marked(BEGIN + source, "SCI-A", "GPIO", "I2C-A")
+    if how is None:
+        assert marks.found is None
+    else:
+        assert marks.found is not None and how in marks.found.how
+        assert rig.program.place_at(marks.found.address).startswith("_c_int00")
+
+
+# Interrupts -------------------------------------------------------------------------------------------------
+
+
+TIMER = """
+ MOVL XAR4,#_routine
+ EALLOW
+ MOVL XAR5,#0x0D4C
+ MOVL *XAR5,XAR4
+ EDIS
+ MOVW DP,#0x0CE0 >> 6
+ MOV @0x0CE0,#1
+ MOV @0x0CE2,#0x40
+ MOVW DP,#0x0C00 >> 6
+ MOVL XAR6,#99
+ MOVL @0x0C02,XAR6
+ MOV @0x0C04,#0x4020
+ OR IER,#1
+ MOVL XAR4,#0x8200
+ MOVL XAR5,#0x8220
+ MOVB XAR6,#20
+ CLRC INTM
+"""
+ROUTINE = """
+ .global _routine
+_routine: PUSH XAR4
+ MOVL XAR4,#0x8200
+ {use}
+ POP XAR4
+ MOVW DP,#0x0CE0 >> 6
+ MOV @0x0CE1,#1
+ IRET
+"""
+
+
+@pytest.mark.parametrize(
+    ("loop", "use", "found", "how"),
+    [
+        # the routine leaves data in AL and in the flags N and Z, which IRET restores: none reach the program
+        (" RPT #60 || NOP\n MOVB AL,#0\n MOV *XAR5,AL\n", "MOV AL,*XAR4", set(), None),
+        # the program has data in AL, which the interrupt saves and IRET restores
+        (" MOV AL,*XAR4\n RPT #60 || NOP\n NOP\n MOV *XAR5,AL\n", "MOVB AL,#0", {0x8220}, None),
+        # AR2 is not saved
+        (" NOP\n MOV *XAR5,AR2\n RPT #60 || NOP\n", "MOVZ AR2,*XAR4", {0x8220}, None),
+        # N and Z are data, TC is not, when the interrupt comes between the test and the branch
+        (" MOV AL,*XAR4\n TBIT *XAR5,#0\n RPT #60 || NOP\n SB on,TC\non: NOP\n", "NOP", set(), None),
+        (" MOV AL,*XAR4\n TBIT *XAR5,#0\n RPT #60 || NOP\n SB on,NEQ\non: NOP\n", "NOP", set(), "decide a branch"),
+    ],
+)
+def test_marks_of_registers_that_an_interrupt_saves(loop: str, use: str, found: set[int], how: str | None) -> None:
+    source = f"{TIMER}again:{loop} BANZ again,AR6--\n SETC INTM\n ESTOP0\n{ROUTINE.format(use=use)}"
+    marks, rig = marked(source, "TIMER0")
+    assert sum(one.what == "TINT0" for one in rig.records) > 10
+    assert words(marks) - {*range(0x400, 0x440)} == found
+    assert (marks.found is None) if how is None else (marks.found is not None and how in marks.found.how)
+
+
+def test_a_loop_whose_marks_still_change_is_not_taken_for_a_wait() -> None:
+    """Each pass moves the mark on by a word. The words are equal, so the state of the CPU and the memory repeats."""
+    moves = "".join(f" MOV AL,*+XAR5[{at}]\n MOV *+XAR5[{at + 1}],AL\n" for at in (4, 3, 2, 1, 0))
+    source = f"{BEGIN} MOVL XAR5,#0x8210\n MOV AL,*XAR4\n MOV *XAR5,AL\n"
+    source += f" MOVB XAR6,#5\nagain: MOVW DP,#0x0C00 >> 6\n{moves} TBIT @0x0C04,#14\n SB again,NTC\n"
+    rig = Rig(HEAD + source.replace("MOVB XAR6,#5", "MOV AH,#0") + " ESTOP0")
+    for address in (*DATA, *OTHER):
+        rig.cpu.fill(address, 0x1234)
+    rig.cpu.marks = DataMarks(DATA)
+    rig.run()
+    assert rig.program.asleep_since is not None
+    assert words(rig.cpu.marks) == {*range(0x8210, 0x8216)}
+
+
+# Random programs ----------------------------------------------------------------------------------------------
+
+
+def ran(code: list[int], values: list[int], seed: int) -> tuple[Rig, str]:
+    """Run words of code on these values of DATA, from random registers. Return the unit, and how the run ended."""
+    rig = Rig(Image("assembled", 0x9000, (Section(".text", 0x9000, 0x9000, len(code), code, code=True),)))
+    draw, cpu = random.Random(seed), rig.cpu
+    for address in (*OTHER, *FREE, *range(0x400, 0x500), *range(0x4, 0x10)):
+        cpu.fill(address, draw.getrandbits(16))
+    for address, value in zip(DATA, values, strict=True):
+        cpu.fill(address, value)
+    cpu.acc, cpu.p, cpu.xt = (draw.getrandbits(32) for _ in range(3))
+    cpu.put_st0(draw.getrandbits(16) & 0xFFFF)
+    cpu.r = [draw.getrandbits(32) for _ in range(8)]
+    cpu.xar = [draw.randrange(8), draw.randrange(8), 0x8212, 0x8218, 0x8200, 0x8240, 0x8260, 0x8280]
+    cpu.dp, cpu.sp = 0x8240 >> 6, 0x440
+    cpu.marks = DataMarks(DATA)
+    try:
+        rig.run(60_000)
+    except FirmwareError as error:
+        return rig, str(error).partition(", ACC=")[0]
+    return rig, f"at {rig.program.returned_at}"
+
+
+def known(rig: Rig) -> dict[Any, object]:
+    """The words and parts of registers that have no mark."""
+    marks, cpu = rig.cpu.marks, rig.cpu
+    assert marks is not None
+    halves = {"acc": ("AL", "AH"), "p": ("PL", "PH"), "xt": ("TL", "T")}
+    found: dict[Any, object] = {}
+    for name, (low, high) in halves.items():
+        found[low], found[high] = getattr(cpu, name) & 0xFFFF, getattr(cpu, name) >> 16
+    for n in range(8):
+        found |= {f"AR{n}": cpu.xar[n] & 0xFFFF, f"AR{n}H": cpu.xar[n] >> 16, f"R{n}H": cpu.r[n]}
+    found |= {"N": cpu.n, "Z": cpu.z, "C": cpu.c, "V": cpu.v, "TC": cpu.tc, "OVC": cpu.ovc, "PM": cpu.pm}
+    found = {part: value for part, value in found.items() if not marks.registers & BITS[part]}
+    plain = (*range(0x800), *DATA, *OTHER, *FREE)
+    memory = list(marks.memory)
+    found |= {address: rig.word(address) for address in plain if not memory[address]}
+    return found | {"sp": cpu.sp, "dp": cpu.dp, "st1": cpu.whole_st1(), "marks": (marks.registers, memory)}
+
+
+def program(draw: random.Random) -> list[int]:
+    """Random instructions, of which the first two read data."""
+    code = [0x06C4, 0xE2AF, 0x00C4]  # MOVL ACC,*XAR4; MOV32 R0H,*XAR4
+    for _ in range(LENGTH):
+        row = draw.choice(PLAIN if draw.random() < 0.9 else FORMS)
+        pair = pair_of(row, draw)
+        if "l" in row.fields and draw.random() < 0.8:
+            place, field = (
+                row.fields["l"],
+                draw.choice((0x41, 0x05, 0x84, 0x85, 0xA1, 0xA8, 0xA9, 0xAB, 0xC4, 0xCC, 0xC5)),
+            )
+            pair = pair & ~(place.mask << place.shift) | field << place.shift
+        code += [pair >> 16, pair & 0xFFFF][: row.words]
+    return [*code, 0x7625]  # ESTOP0
+
+
+def test_random_programs_that_do_not_use_data_run_equally_with_other_data() -> None:
+    draw, undecided, used = random.Random(3), 0, 0
+    for number in range(PROGRAMS):
+        code = program(draw)
+        one, other = (ran(code, [draw.getrandbits(16) for _ in DATA], number) for _ in range(2))
+        marks = one[0].cpu.marks
+        assert marks is not None
+        if marks.found is None and one[1].startswith("at "):
+            undecided += 1
+            used += marks.registers != 0
+            assert one[1] == other[1], [hex(word) for word in code]
+            assert known(one[0]) == known(other[0]), [hex(word) for word in code]
+    assert undecided > PROGRAMS / 4 and used > PROGRAMS / 8

@@ -1,0 +1,82 @@
+"""Frames with other data: what firmware does with data, and whether a table holds for any data.
+
+SCIRXBUF --> SCITXBUF                  any data
+SCIRXBUF --> branch, index, RPT        the data of the case only
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from periph_sim.proof.closed_table import StartTable, TableMaker
+from periph_sim.proof.other_data import data_use, follow_data
+from periph_sim.proof.stretch import CoveredCase
+from tests.proof.test_closed_table import covered, write_echo
+
+READ = "          MOV   AL,@SCIRXBUF\n"
+COMPARE = f"{READ}          CMPB  AL,#0x7F\n          SB    more,HI\n          NOP\n          NOP\nmore:     NOP\n"
+
+
+def tabled(folder: Path, *after_read: str) -> tuple[CoveredCase, StartTable]:
+    """Return the fast echo, with other code in place of READ, and its closed table."""
+    case = covered(write_echo(folder, 2.0, *((READ, code) for code in after_read)))
+    return case, TableMaker(case).make()
+
+
+def test_an_echo_holds_for_any_data(tmp_path: Path) -> None:
+    assert data_use(*tabled(tmp_path)) == ""
+
+
+@pytest.mark.parametrize(
+    ("code", "use"),
+    [
+        (COMPARE, "data decide a branch at _echo (echo.asm:54, "),
+        (
+            f"{READ}          MOVZ  AR0,AL\n          MOVL  XAR4,#0x9000\n          MOV   AL,*+XAR4[AR0]\n",
+            "data decide the address of an access at _echo (echo.asm:55, ",
+        ),
+        (
+            f"{READ}          MOV   @AR4,AL\n          RPT   @AR4 || NOP\n",
+            "data decide the effect of an instruction at _echo (echo.asm:54, ",
+        ),
+        (f"{READ}          MOV   @SCIRXST,AL\n", "data are written to SCIRXST at _echo (echo.asm:53, "),
+    ],
+)
+def test_a_use_of_data_is_named(tmp_path: Path, code: str, use: str) -> None:
+    assert data_use(*tabled(tmp_path, code)).startswith(use)
+
+
+def test_frames_of_a_ramp_show_an_effect_that_no_mark_explains(tmp_path: Path) -> None:
+    case, table = tabled(tmp_path, COMPARE)
+    table.data_use = ""
+    assert data_use(case, table) == "frames with other data have other effects"
+
+
+def test_a_host_far_from_the_rate_of_the_sci_is_refused(tmp_path: Path) -> None:
+    case, table = tabled(tmp_path)
+    assert data_use(case.at_rate(case.case.host.error + 3), table) == (  # type: ignore[union-attr]
+        "the rates of the host and of the SCI differ by more than 2 %"
+    )
+
+
+@pytest.mark.parametrize(
+    ("event", "follows"),
+    [
+        ("frame TX begin", False),
+        ("frame TX 0x41", True),
+        ("edge TX fall", True),
+        ("edge OUT rise", False),
+        ("access W SCI-A.SCITXBUF", False),
+        ("access R SCI-A.SCIRXST", False),
+        ("flag SCI-A.SCIRXST.RXRDY = 1", False),
+        ("interrupt SCIRXINTA enter", False),
+    ],
+)
+def test_budgets_whose_events_follow_data(tmp_path: Path, event: str, follows: bool) -> None:
+    path = write_echo(tmp_path)
+    text = path.read_text(encoding="utf-8").replace("[host]", "[unit.dsp.pins]\nOUT = 34\n[host]", 1)
+    text = text.replace("from frame RX end to frame TX begin, in order", f"from frame RX begin to {event}")
+    path.write_text(text, encoding="utf-8")
+    assert follow_data(covered(path), ["echo"]) == ["echo"] * follows

@@ -69,6 +69,7 @@ def test_each_error_in_the_range_has_the_lengths_of_one_that_is_found(whole: tup
     errors = clock_errors(case, WITHIN)
     found = {lengths(case, error) for error in errors}
     assert len(found) == len(errors) == 4
+    assert [(f"controller.ppm={float(error)}",) for error in errors] == [part.changes for part in whole[1].parts]
     drawn = [Fraction(random.randrange(-10 * 10**9, 10 * 10**9 + 1), 10**9) for _ in range(1000)]
     assert {lengths(case, error) for error in [-WITHIN, WITHIN, *drawn]} == found
 
@@ -88,6 +89,7 @@ def test_no_error_and_a_range_around_another_clock(whole: tuple[Path, TableProof
 def test_ordinary_runs_with_any_clock_and_first_round_are_within_the_proof(whole: tuple[Path, TableProof]):
     path, proof = whole
     assert (proof.has_failed, proof.words()["reaction"], len(proof.parts)) == (False, "proven", 4)
+    assert proof.words()["pause"] == "proven"
     assert {(*part.table.orbits, part.table.entries) for part in proof.parts} == {(80, 80, 160)}
     assert proof.again == 200
     worst, random = {name: one.verdict.worst for name, one in proof.worst().items()}, Random(4)

@@ -7,9 +7,11 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from periph_sim.proof.cover import Drifting, Window, nothing
-from periph_sim.proof.coverage_file import Choice, CoverageFile, read
+from periph_sim.proof.coverage_file import Choice, CoverageFile, from_ranges, read, to_ranges
 from periph_sim.proof.dependencies import Dependencies, dependencies
 from periph_sim.proof.saved_file import text_of
 
@@ -48,6 +50,12 @@ def test_a_file_with_failures_is_read_as_it_was_written_and_has_one_text(tmp_pat
     assert read(tmp_path / "one.json") == a_file(names)
     assert text_of(a_file(names)) == text_of(a_file(names[::-1]))
     assert text_of(a_file(names)).index('"data age"') < text_of(a_file(names)).index('"response"')
+
+
+@given(st.sets(st.integers(0, 30)), st.sets(st.integers(0, 30)))
+def test_ranges_of_phases_have_the_chosen_phases_that_held(held: set[int], chosen: set[int]):
+    """A coverage that is continued begins with them."""
+    assert from_ranges(to_ranges(sorted(held), sorted(chosen)), sorted(chosen)) == sorted(held & chosen)
 
 
 def test_the_command_that_ran_is_no_dependency(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

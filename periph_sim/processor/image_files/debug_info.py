@@ -10,7 +10,7 @@ import inspect
 import io
 from bisect import bisect_right
 from collections.abc import Callable, Iterator
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import NamedTuple, TypeVar
 
@@ -83,6 +83,12 @@ class DebugInfo:
         return found
 
 
+@lru_cache(maxsize=8)
+def debug_info(image: Image) -> DebugInfo:
+    """Return the debug data of an image. For the last few images, they are read only once."""
+    return DebugInfo(image)
+
+
 def _dwarf(image: Image) -> DWARFInfo | None:
     if ".debug_info" not in image.debug or ".debug_abbrev" not in image.debug:
         return None
@@ -147,7 +153,7 @@ class FunctionMap:
     """The functions of an image. debug: its debug data. functions: all functions, ordered by section and address."""
 
     def __init__(self, image: Image) -> None:
-        self.debug = DebugInfo(image)
+        self.debug = debug_info(image)
         self.functions = tuple(functions_of(image, self.debug))
         self._by_address = sorted(self.functions, key=lambda function: function.address)
         self._starts = [function.address for function in self._by_address]

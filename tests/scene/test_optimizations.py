@@ -22,7 +22,9 @@ CASES = sorted(str(path.relative_to(TIMING))[:-5] for path in (*TIMING.glob("*.t
 IMAGES = ("imu_hil_image",)
 
 
-SHORT = {"imu_hil_image": "0.0115", "imu_hil_c": "0.0077", "trade/arbitration": "0.003"}  # each poll is made
+# Each poll is made, so the first frame and the first round come early where the firmware is ready and needs no set-up.
+EARLY = {"host": "host.first=0.3 ms", "controller": "controller.first=1 ms"}
+AS_THEY_ARE = {"imu_hil_image": "0.0115", "imu_hil_c": "0.0055", "real_chips": "0.011"}
 
 
 def seconds_of(name: str) -> str:
@@ -51,8 +53,10 @@ def test_every_case_gives_the_same_records_without_optimizations(name: str, disa
 
 @pytest.mark.parametrize("name", CASES)
 def test_every_case_gives_the_same_records_but_of_reads_without_any_optimization(name: str):
-    case = load(TIMING / f"{name}.toml")
-    default, plain = (run(case, names, BUT_EDGES, SHORT.get(name, "0.011")) for names in ((), (ALL,)))
+    path = TIMING / f"{name}.toml"
+    changes = [change for part, change in EARLY.items() if name not in AS_THEY_ARE and getattr(load(path), part)]
+    case, seconds = load(path, changes), AS_THEY_ARE.get(name, "0.0045")
+    default, plain = (run(case, names, BUT_EDGES, seconds) for names in ((), (ALL,)))
     shown = [figures(one[0]) for one in (default, plain)]
     counts = [one["counts"].pop("polls_skipped") for one in shown]
     assert shown[0] == shown[1]

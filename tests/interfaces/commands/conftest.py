@@ -11,6 +11,7 @@ import pytest
 
 from periph_sim.cli import run_command as main
 from periph_sim.interfaces.reports.trade import trade
+from periph_sim.proof import table_proof
 from tests.interfaces.reports.baselines.desk import put
 
 CASE = """\
@@ -87,6 +88,12 @@ def periph_sim(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[st
 def trade_repeats_seldom(monkeypatch: pytest.MonkeyPatch) -> None:
     """`trade` measures each row as few times as it may; tests/interfaces/reports/trade has how often, and why."""
     monkeypatch.setattr(trade, "MOST", trade.FEWEST)
+
+
+@pytest.fixture(autouse=True)
+def tables_repeat_seldom(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`prove --table` runs few entries again; tests/proof has the number."""
+    monkeypatch.setattr(table_proof, "LEAST_REVISITED", 10)
 
 
 @pytest.fixture

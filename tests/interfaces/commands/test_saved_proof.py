@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -23,12 +24,18 @@ def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return case
 
 
-@pytest.fixture
-def whole(tmp_path: Path, saved: Path) -> Path:
-    """Return a case of which all budgets are proven, in a folder of this test."""
-    case = write_slave(tmp_path, "")
+@pytest.fixture(scope="module")
+def whole_saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a case of which all budgets are proven."""
+    case = write_slave(tmp_path_factory.mktemp("whole"), "")
     save_proof(case)
     return case
+
+
+@pytest.fixture
+def whole(tmp_path: Path, whole_saved: Path) -> Path:
+    """Return a copy of that case and its proof, in a folder of this test."""
+    return shutil.copytree(whole_saved.parent, tmp_path, dirs_exist_ok=True) / whole_saved.name
 
 
 def words(out: str) -> dict[str, str]:

@@ -29,7 +29,7 @@ from ..timing.verdict import Verdict
 from .cover import is_worse
 from .free_run import FreeRun, NotClosed
 from .measures_at_rest import MeasuresAtRest
-from .normal_state import NormalState, differences, digest, period_of
+from .normal_state import NormalState, digest, period_of
 from .orbit_ways import first_step
 from .stretch import CoveredCase, Outcome
 from .table_cases import check
@@ -44,7 +44,6 @@ TIMED = 20  # the CPU time of the first TIMED entries gives the estimate for all
 LONGER_RESTS = 3  # rests are longer than necessary by a random number of periods below this
 # `Measure.looks_back` has one of these values if a value of the measure depends on records of one round only.
 WITHIN_ROUND = frozenset(["this occurrence", "this transfer", "this round"])
-NAMED = 4  # maximum number of attributes that are named if a state does not repeat
 
 
 class Contradiction(Exception):
@@ -377,9 +376,7 @@ class TableMaker:
         run.next_cycle()
         last = run.state()
         if digest(last) != key:
-            names = differences(state, last)
-            more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-            raise NotClosed(f"the state does not repeat while the firmware waits: {', '.join(names[:NAMED])}{more}")
+            raise run.not_repeating(state, last)
         keys = keys[: keys.index(key, 1)] if key in keys[1:] else keys
         self._places |= {each: RestPlace(len(table.orbits), number * cycle) for number, each in enumerate(keys)}
         table.orbits.append(len(keys) * cycle)

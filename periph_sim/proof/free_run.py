@@ -14,11 +14,12 @@ from ..core.chip import NEVER
 from ..core.records import RecordCallback
 from ..processor.image.data_marks import DataMarks
 from ..scene.scene import Scene
-from .normal_state import LONG_PAST, NormalState, NotComparable, normal_state
+from .normal_state import LONG_PAST, NormalState, NotComparable, differences, normal_state
 from .record_digests import RoundDigest
 from .stretch import CoveredCase
 
 DUE = "something is still due a second after the start of a round, such as a timer"
+NAMED = 4  # maximum number of attributes that are named if a state does not repeat
 CHECKS = 10  # the end of a round is searched in steps of `FreeRun.long` divided by this number
 
 
@@ -105,6 +106,18 @@ class FreeRun:
             return normal_state(self.scene, self._ignored)
         except NotComparable as error:
             raise NotClosed(str(error)) from None
+
+    def not_repeating(self, before: NormalState, after: NormalState) -> NotClosed:
+        """Return the error for states at both ends of a period that differ."""
+        polls = self._program.cpu.polls
+        if polls.asleep and not polls.reads_modules:
+            place = self._program.place()
+            return NotClosed(
+                f"the firmware waits at {place} without reading a register, and such waits are not compared"
+            )
+        names = differences(before, after)
+        more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+        return NotClosed(f"the state does not repeat while the firmware waits: {', '.join(names[:NAMED])}{more}")
 
     def start(self, frames: int | None = None, rounds: int | None = None, count_from: int | None = None) -> None:
         """Start a frame at tick `frames`, a round at tick `rounds`, or both, and advance to the later start.

@@ -19,11 +19,10 @@ from ..core.records import Record
 from ..f28335.xint.module import Xint
 from ..processor.dsp import Dsp
 from .free_run import FreeRun, NotClosed
-from .normal_state import NormalState, differences, digest, period_of, periods_of
+from .normal_state import NormalState, digest, period_of, periods_of
 from .record_digests import SCI, GroupDigest
 from .stretch import CoveredCase
 
-NAMED = 4  # maximum number of attributes that are named if a state does not repeat
 MOST_ORBITS = 24
 EXTERNAL = "an external interrupt is enabled, whose flags could show the line of the frame"
 MARGIN = 8  # cycles before and after a service routine in which it may still affect the wait that it interrupts
@@ -338,8 +337,7 @@ class GroupRunner:
             run.next_cycle()
         last = run.state()
         if digest(last) != keys[0]:
-            names = differences(states[0], last)
-            raise NotClosed(f"the state does not repeat while the firmware waits: {', '.join(names[:NAMED])}")
+            raise run.not_repeating(states[0], last)
         repeats = next(n for n in range(1, period + 1) if own[n:] == own[:-n])
         if orbits.own not in (0, repeats) or len(set(keys)) < period or period % repeats:
             raise NotClosed("the states of rest have different periods")

@@ -294,6 +294,12 @@ FLAG = """asked:    MOVW  DP,#_taken >> 6
 SETS = "          MOVW  DP,#_taken >> 6\n          MOV   @_taken,#1\n"
 
 
+def test_a_wait_for_a_variable_is_refused(tmp_path: Path):
+    wait = "flagged:  MOVW  DP,#_taken >> 6\n          CMP   @_taken,#9\n          SB    flagged,NEQ\n"
+    with pytest.raises(NotClosed, match=r"waits at _serve \(imu.asm:\d+, 0x\w+\) without reading a register, and such"):
+        runner_of(write_lonely(tmp_path, (WAIT, f"{wait}          MOVW  DP,#I2CMDR >> 6\n{WAIT}")))
+
+
 @compiled_only
 def test_a_wait_that_the_routine_ends_has_no_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """The routine sets a flag, and the firmware then reads I2CSTR, whose value depends on the time of the routine."""

@@ -123,8 +123,10 @@ def installed(wheel: Path, folder: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def first_hour(wheel: Path, folder: Path) -> Path:
-    """The bin folder of an environment with the wheel and its extra `pytest`."""
+def first_hour(request: pytest.FixtureRequest, wheel: Path, folder: Path) -> Path:
+    """The bin folder of an environment with a wheel and its extra `pytest`: the compiled one, where there is one."""
+    if usable(PACKAGE, BUILT)[0]:
+        wheel = request.getfixturevalue("compiled_wheel")
 
     def make(place: Path) -> Path:
         site = installed_in(place, wheel, "pytest")

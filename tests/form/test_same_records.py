@@ -82,7 +82,7 @@ def lines_of(form: str, *given: str) -> list[str]:
 
 
 def test_each_shipped_case_records_the_same() -> None:
-    command = ("-m", "tests.bench.record_hashes", "--seconds", "0.05")
+    command = ("-m", "tests.bench.record_hashes", "--seconds", "0.03")
     compiled, interpreted = lines_of(COMPILED, *command), lines_of(INTERPRETED, *command)
     assert compiled == interpreted
     assert len(compiled) == len(list(ROOT.glob("timing/*.toml")))

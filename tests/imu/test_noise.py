@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from math import log, pi
 
-import allantools
 import numpy as np
 import pytest
 import scipy
@@ -94,6 +93,8 @@ def test_white_noise_has_the_variance_density_over_period():
 
 def allan_variances(terms: NoiseTerms, count: int, octaves: range) -> tuple[np.ndarray, np.ndarray]:
     """Averaging times, and the means of twelve seeds' overlapping Allan variances."""
+    import allantools  # here, because the import takes seconds
+
     taus = PERIOD * 2.0 ** np.array(octaves)
     series = [axis(terms, seed).values(0, count) for seed in range(12)]
     found = [allantools.oadev(one, rate=50, data_type="freq", taus=taus)[:2] for one in series]

@@ -6,6 +6,7 @@ start  data, LSB first  [address]  [parity]  stop [stop]
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import lru_cache
 
 from msgspec import Struct
 
@@ -35,7 +36,7 @@ class UartFormat(Struct, frozen=True):
         bit: the length of a bit in ticks. The second-to-last entry of the result is the middle of the last stop bit. A
         falling edge from then on starts the next frame.
         """
-        return [int(half * bit / 2) for half in range(2 * self.length + 1)]
+        return list(_half_bits(self.length, bit))
 
     def is_kept_by(self, levels: list[int]) -> bool:
         """Return True if the levels of a frame's bits have the start bit, stop bits and parity of this format."""
@@ -51,3 +52,9 @@ class UartFormat(Struct, frozen=True):
         if self.parity != "none":
             frame.append(sum(data) + (self.parity == "odd") & 1)
         return frame + [1] * self.stop
+
+
+@lru_cache(maxsize=64)
+def _half_bits(length: int, bit: Fraction) -> tuple[int, ...]:
+    """See `UartFormat.half_bits`. length: the number of bits of a frame."""
+    return tuple(int(half * bit / 2) for half in range(2 * length + 1))

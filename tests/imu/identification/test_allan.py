@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tracemalloc
 
-import allantools
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -31,6 +30,8 @@ def by_definition(samples: np.ndarray, m: int) -> float:
 @settings(deadline=None, max_examples=25)
 @given(st.integers(4, 400), st.integers(0, 1000), st.floats(0.001, 100))
 def test_all_taus_agree_with_allantools(count: int, seed: int, period: float):
+    import allantools  # here, because the import takes seconds
+
     samples = noise(count, seed)
     found = allan(samples, period, range(1, count // 2 + 1))
     # allantools asks for one phase more than it needs, so it leaves out the longest tau
@@ -42,6 +43,8 @@ def test_all_taus_agree_with_allantools(count: int, seed: int, period: float):
 
 
 def test_a_long_series_agrees_with_allantools_at_octaves():
+    import allantools  # here, because the import takes seconds
+
     samples = noise(200_000)
     found = allan(samples, PERIOD)
     taus, deviation, _, _ = allantools.oadev(samples, rate=50, data_type="freq", taus=found.taus)

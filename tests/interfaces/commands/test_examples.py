@@ -20,6 +20,17 @@ LONG = {  # these take a quarter of a minute or more, and other tests run the sa
     "periph-sim check timing --junit results.xml",
     "periph-sim trade timing/imu_hil.toml --seconds 1",
 }
+SHORTER = {  # replacements in examples that take seconds
+    "--arithmetic q16": "--arithmetic q16 --samples 200",
+    "--only 'roll rate'": "--only 'roll rate' --samples 200",
+    "imu_hil.toml --seconds 1 --explain": "imu_hil.toml --seconds 0.1 --explain",
+    "imu_hil.toml --set seed=2": "imu_hil.toml --seconds 0.1 --set seed=2",
+    "imu_hil.toml response": "imu_hil.toml --seconds 0.1 response",
+    "imu_hil.toml stretch": "imu_hil.toml --seconds 0.1 stretch",
+    "imu_moving.toml --direct": "imu_moving.toml --direct --seconds 0.1",
+    "imu_moving.toml --seconds 1": "imu_moving.toml --seconds 0.1",
+    "to 1.6 ms": "to 1.501 ms",
+}
 
 
 def examples_of(name: str) -> list[str]:
@@ -80,11 +91,17 @@ def test_the_options_of_a_command_accept_its_examples(name: str, example: str):
     assert command.make_context(name, arguments_of(example)).info_name == name
 
 
+def test_each_replacement_is_of_an_example():
+    assert all(any(long in example for _, example in FINITE) for long in SHORTER)
+
+
 @pytest.mark.parametrize(("name", "example"), FINITE)
 def test_an_example_runs(
     periph_sim: Run, examples_folder: Path, monkeypatch: pytest.MonkeyPatch, name: str, example: str
 ):
     monkeypatch.chdir(examples_folder)
+    for long, short in SHORTER.items():
+        example = example.replace(long, short)
     came = periph_sim(name, *arguments_of(example))
     assert came.status in (0, 1), came.err
     assert "Error" not in came.err

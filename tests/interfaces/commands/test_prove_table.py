@@ -170,6 +170,7 @@ def test_a_table_that_was_stopped_continues_to_the_same_proof(
 ):
     write_lonely(tmp_path)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(pair_table, "TIMED", 20)
     table, unfinished = ("prove", "pair.toml", "--table", "--jobs", "1"), Path("proofs/pair.unfinished")
     way, parts, calls = f"; the same command continues from {unfinished}\n", list[int](), list[int]()
 

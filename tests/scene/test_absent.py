@@ -19,7 +19,7 @@ import pytest
 
 from periph_sim import form
 from periph_sim.form import BUILT, COMPILED, INTERPRETED, PACKAGE, VARIABLE
-from tests.scene.absent import BARE, DOORS, OTHERS, OURS, ROWS, in_room
+from tests.scene.absent import BARE, COUNTED, DOORS, OTHERS, OURS, ROWS, in_room
 
 FORMS = (INTERPRETED, COMPILED) if form.usable(PACKAGE, BUILT)[0] else (INTERPRETED,)
 
@@ -76,12 +76,12 @@ def test_both_forms_import_and_make_the_same(name: str) -> None:
 
 
 def test_a_scene_that_names_it_has_all_of_it() -> None:
-    found = told("bus", INTERPRETED)
+    found = told(COUNTED, INTERPRETED)
     lacking = {
         what: [room for room in row.rooms if not in_rooms(found["all modules"], (room,))] for what, row in ROWS.items()
     }
     assert {what: rooms for what, rooms in lacking.items() if rooms} == {}
-    assert [what for what, row in ROWS.items() if not instances(found["named"][what]["objects"], row.rooms)] == []
+    assert [what for what, row in ROWS.items() if not instances(found["named"][what], row.rooms)] == []
 
 
 @pytest.mark.parametrize("room", DOORS)

@@ -19,8 +19,10 @@ from ..core.records import Kind, Listener, Recorder
 from ..core.time import Timebase
 from ..f28335.gpio.pin_mux_table import FUNCTIONS
 from ..f28335.memory.ram import MEMORY
-from ..processor.image.data_marks import LOOPED, OF_DATA
+from ..f28335.sci.register_map import ADDRIDLE_MODE, CDC, RXENA, SCI_MAP, SCICHAR, SWRESET
+from ..processor.image.data_marks import LINES, LOOPED, OF_DATA
 from ..scene.derived_records import OF_UNITS
+from ..scene.scene import Scene
 from ..timing.language.matcher import Matcher
 from .closed_table import StartTable
 from .normal_state import periods_of
@@ -31,6 +33,8 @@ from .stretch import CoveredCase
 KINDS = (Kind.ACCESS, Kind.IRQ, Kind.BUS, Kind.FRAME)
 MOST_RUNS = 8  # maximum number of runs of a table that are compared with other data
 SAMPLES = 8  # samples of an SCI in a bit
+WITH_DATA = (SCI, "SPISIMO", "SPISOMI", "SDA")  # the names of functions of pins that show data begin with one of these
+ACTS_ON_DATA = "an SCI detects its rate from data, or does not receive 8 data bits without an address bit"
 FURTHEST = Fraction(1, 50)  # greatest difference of the rates of host and SCI at which frames with any data are alike
 
 
@@ -70,12 +74,27 @@ def data_use(covered: CoveredCase, table: StartTable) -> str:
     scene.advance(scene.start + table.first_rest)
     if any(map(has_external_interrupt, scene.units.values())):
         return EXTERNAL
+    if acts_on_data(scene):
+        return ACTS_ON_DATA
     bit = 1 / (host.baud * (1 + Fraction(host.error) / 100))
     hz = Fraction(next(iter(scene.units.values())).clock.hz)
     for name, cycles in periods_of(scene).items():
         if f".{SCI}" in name and abs(SAMPLES * cycles / hz / bit - 1) > FURTHEST:
             return "the rates of the host and of the SCI differ by more than 2 %"
     return ""
+
+
+def acts_on_data(scene: Scene) -> bool:
+    """Return True if data of frames, which have 8 data bits, decide what a receiving SCI does now."""
+    for dsp in scene.units.values():
+        cycle = dsp.clock.cycle_at(scene.kernel.now)
+        for name, socket in dsp.sockets.items():
+            if name.startswith(SCI):
+                ccr, ctl1, ffct = (socket.see(cycle, SCI_MAP[each].offset) for each in ("SCICCR", "SCICTL1", "SCIFFCT"))
+                receives = ctl1 & SWRESET and ctl1 & RXENA
+                if receives and (ccr & (ADDRIDLE_MODE | SCICHAR) != SCICHAR or ffct & CDC):
+                    return True
+    return False
 
 
 def _digest(covered: CoveredCase, table: StartTable, run: int) -> int:
@@ -99,7 +118,7 @@ def follow_data(covered: CoveredCase, names: Sequence[str]) -> list[str]:
         name
         for unit in covered.case.unit.values()
         for name, number in unit.pins.items()
-        if not any(function.startswith(SCI) for function in FUNCTIONS[number])
+        if not any(function.startswith(WITH_DATA) for function in FUNCTIONS[number])
     }
     events = covered.events()
     return [name for name in names if (used := events[name]) is None or any(_is_of_data(one, pins) for one in used)]
@@ -110,9 +129,10 @@ def _is_of_data(event: Matcher, pins: set[str]) -> bool:
     if event.kind is Kind.EDGE:
         return not (event.where and event.where <= pins | {"SCL"})
     if event.kind is Kind.FLAG:
-        return not event.where or any(where.endswith(f".{MEMORY}") for where in event.where)
+        in_memory = not event.where or any(where.endswith(f".{MEMORY}") for where in event.where)
+        return in_memory or event.what.partition(".")[0] in (*OF_DATA, *LINES, LOOPED)
     if event.kind in (Kind.BUS, Kind.FRAME, Kind.ACCESS):
         return event.mask != 0
     if event.kind is Kind.TRANSFER:
         return event.what in OF_UNITS
-    return event.kind not in (Kind.IRQ, Kind.SPAN, Kind.WAIT, Kind.ROUND, Kind.RECEIVER)
+    return event.kind not in (Kind.IRQ, Kind.SPAN, Kind.ROUND, Kind.RECEIVER)

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.proof.closed_table import StartTable, TableMaker
-from periph_sim.proof.other_data import data_use, follow_data
+from periph_sim.proof.other_data import TimesDigest, acts_on_data, data_use, follow_data
 from periph_sim.proof.stretch import CoveredCase
 from tests.proof.test_closed_table import covered, write_echo
 
@@ -62,21 +62,52 @@ def test_a_host_far_from_the_rate_of_the_sci_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("setting", "acts"),
+    [
+        ("MOV   @SCICCR,#0x07", False),
+        ("MOV   @SCICCR,#0x87", False),  # two stop bits
+        ("MOV   @SCICCR,#0x06", True),  # the eighth data bit is received as a stop bit
+        ("MOV   @SCICCR,#0x0F", True),  # an address bit is expected
+        ("MOV   @0x705C,#0x2000\n          MOV   @SCICCR,#0x07", True),  # SCIFFCT.CDC
+    ],
+)
+def test_settings_with_which_data_decide_what_an_sci_does(tmp_path: Path, setting: str, acts: bool) -> None:
+    case = covered(write_echo(tmp_path, 1.0, ("MOV   @SCICCR,#0x07", setting)))
+    scene = case.free_scene(TimesDigest(), keep_values=False)
+    assert not acts_on_data(scene)  # the SCI does not receive yet
+    scene.advance(scene.start + case.phases.first_start())
+    assert acts_on_data(scene) == acts
+
+
+@pytest.mark.parametrize(
     ("event", "follows"),
     [
         ("frame TX begin", False),
         ("frame TX 0x41", True),
         ("edge TX fall", True),
         ("edge OUT rise", False),
+        ("edge MOSI rise", True),
         ("access W SCI-A.SCITXBUF", False),
         ("access R SCI-A.SCIRXST", False),
         ("flag SCI-A.SCIRXST.RXRDY = 1", False),
+        ("flag SCI-A.SCIRXBUF.RXDT = 0x41", True),
+        ("flag SCI-A.SCITXBUF.TXDT change", True),
+        ("flag GPIO.GPADAT.GPIO28 = 1", True),
         ("interrupt SCIRXINTA enter", False),
     ],
 )
 def test_budgets_whose_events_follow_data(tmp_path: Path, event: str, follows: bool) -> None:
     path = write_echo(tmp_path)
-    text = path.read_text(encoding="utf-8").replace("[host]", "[unit.dsp.pins]\nOUT = 34\n[host]", 1)
+    text = path.read_text(encoding="utf-8").replace("[host]", "[unit.dsp.pins]\nOUT = 34\nMOSI = 16\n[host]", 1)
     text = text.replace("from frame RX end to frame TX begin, in order", f"from frame RX begin to {event}")
     path.write_text(text, encoding="utf-8")
     assert follow_data(covered(path), ["echo"]) == ["echo"] * follows
+
+
+def test_a_budget_of_waits_follows_data_because_a_loop_is_a_wait_only_if_it_changes_no_value(tmp_path: Path) -> None:
+    path = write_echo(tmp_path)
+    text = path.read_text(encoding="utf-8").replace(
+        "from frame RX end to frame TX begin, in order", "each time in cpu idle"
+    )
+    path.write_text(text, encoding="utf-8")
+    assert follow_data(covered(path), ["echo"]) == ["echo"]

@@ -56,7 +56,9 @@ class DataMarks:
     found: the first use of data that decides what happens; None if there was none.
     """
 
-    STATE = State("registers memory found _loops_back _late _changes _kept_registers _kept_changes", results="_changes")
+    STATE = State(
+        "registers memory found _loops_back _late _due _changes _kept_registers _kept_changes", results="_changes"
+    )
 
     memory: Annotated[list[UInt16], END]
     _stores: Annotated[list[int], MOST_STORES]
@@ -70,6 +72,7 @@ class DataMarks:
         self.found: DataUse | None = None
         self._loops_back = False  # True if an I2C module was in loopback mode
         self._late = 0  # marks of FPU registers whose old values the next instruction may still read
+        self._due = 0  # marks of FPU registers that may be written only after the next instruction
         self._changes = 0  # number of changes of `memory`
         self._kept_registers = self._kept_changes = 0  # the values at the last call of `is_as_before`
         # what the present instruction has done so far:
@@ -140,17 +143,20 @@ class DataMarks:
             self._find(f.address, "data decide the address of an access")
         if (self._has_read and f.memory_decides) or before & f.decides:
             self._find(f.address, "data decide a branch" if f.jumps else "data decide the effect of an instruction")
-        self._late = 0
+        due, self._late, self._due = self._due, 0, 0
         if self._has_read or before & f.sources:
             if self._setting:
                 self._find(f.address, f"data are written to {self._setting}")
             self.registers |= f.replaces | f.changes
+            if f.late:
+                self._due = f.replaces & ANY_FLOAT
             self._mark_stores(MARKED, False)
         else:
             if f.late:
                 self._late = self.registers & f.replaces & ANY_FLOAT
             self.registers &= ~f.replaces
             self._mark_stores(0, f.keeps)
+        self.registers |= due
         self._has_read, self._stored, self._setting = False, 0, ""
 
     def _mark_stores(self, mark: int, keeps: bool) -> None:
@@ -171,7 +177,7 @@ class DataMarks:
 
     def entered(self, frame: int) -> None:
         """Mark the words in which an interrupt has saved marked parts of registers. frame: the address of the first."""
-        self._late = 0
+        self._late = self._due = 0
         at: int
         for at in range(CONTEXT):
             mark: int = 0

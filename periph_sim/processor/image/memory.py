@@ -134,6 +134,8 @@ class ImageMemory(Engine):
                 return bus.read(cycle, address, width)
             if L0_AGAIN <= address < L4_AGAIN:
                 return self.load16(address - MIRROR) if width == 16 else self.load32(address - MIRROR)
+        if self.marks is not None and operand is not None:
+            self.marks.loaded_register(operand)
         if polls.replaying and polls.answer(cycle):
             return polls.answered()
         if operand is None:  # flash, boot ROM, or a frame that is not modelled
@@ -143,8 +145,6 @@ class ImageMemory(Engine):
             if polls.tracking:
                 polls.note_elsewhere(address, value)
             return value
-        if self.marks is not None:
-            self.marks.loaded_register(operand)
         if operand.meets:
             self._time.meet()
         if operand.recorded and self._tested and width == 16:

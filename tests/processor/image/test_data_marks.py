@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from periph_sim.core.options import Value
 from periph_sim.processor.c28x.data_flow import BITS
 from periph_sim.processor.image.data_marks import DataMarks
 from periph_sim.processor.image_files.model import Image, Section
@@ -27,9 +28,9 @@ OPERANDS = (0x41, 0x05, 0x84, 0x85, 0xA1, 0xA8, 0xA9, 0xAB, 0xC4, 0xCC, 0xC5)  #
 PLAIN = [row for row in FORMS if row.kind in ("core", "fpu") and "PC" not in row.writes]
 
 
-def marked(source: str, *modules: str) -> tuple[DataMarks, Rig]:
+def marked(source: str, *modules: str, **options: Value) -> tuple[DataMarks, Rig]:
     """Run a program in which the words of DATA are marked, and return the marks at its end."""
-    rig = Rig(HEAD + source + " ESTOP0", *modules)
+    rig = Rig(HEAD + source + " ESTOP0", *modules, **options)
     for address in (*DATA, *OTHER):
         rig.cpu.fill(address, 0x1234)
     rig.cpu.marks = DataMarks(DATA)
@@ -99,6 +100,23 @@ def test_uses_of_data_that_decide(source: str, how: str | None) -> None:
     else:
         assert marks.found is not None and how in marks.found.how
         assert rig.program.place_at(marks.found.address).startswith("_c_int00")
+
+
+def test_a_late_result_of_the_fpu_is_marked_although_the_delay_slot_writes_the_same_register() -> None:
+    source = " MOV32 R1H,*XAR4\n NOP\n I32TOF32 R0H,R1H\n ZERO R0H\n NOP\n MOV32 *XAR5,R0H\n"
+    marks, rig = marked(BEGIN + source, fpu_delay_slot="old_value")
+    assert rig.word(0x8220) | rig.word(0x8221) << 16 != 0
+    assert words(marks) == {0x8220, 0x8221}
+
+
+@pytest.mark.parametrize("period", range(999, 1009))
+def test_a_replayed_read_of_a_line_is_marked(period: int) -> None:
+    """The timer ends the wait at any place of a pass, and the reads before this place are replayed."""
+    source = f" MOVW DP,#0x0C00 >> 6\n MOVL XAR6,#{period}\n MOVL @0x0C02,XAR6\n MOV @0x0C04,#0x4020\n"
+    source += " MOVL XAR6,#0x6FC0\nagain: MOV AL,*XAR6\n TBIT @0x0C04,#15\n SB again,NTC\n MOV *XAR5,AL\n"
+    marks, rig = marked(BEGIN + source, "TIMER0", "GPIO")
+    assert rig.program.polls_skipped > 0
+    assert words(marks) == {0x8220}
 
 
 # Interrupts -------------------------------------------------------------------------------------------------

@@ -122,6 +122,11 @@ def project_of(folder: Path) -> Project:
     return Project(folder.resolve())
 
 
+def baseline_path(case: Path) -> Path:
+    """Return the path of a case's baseline, from the project's settings or else baselines/NAME.json beside the case."""
+    return project_of(case.parent).baseline(case) or case.parent / "baselines" / f"{case.stem}.json"
+
+
 def _settings(file: Path) -> Settings | None:
     """Return the settings in a file; None if the file cannot be read or has no table `[tool.periph-sim]`."""
     try:

@@ -7,9 +7,8 @@ from pathlib import Path
 import pytest
 from msgspec.structs import asdict
 
-from periph_sim.interfaces.reports.baselines.files import path_for
 from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.project import Project, project_of
+from periph_sim.scene.project import Project, baseline_path, project_of
 from tests.scene.small import sentence_of
 
 TABLE = "[tool.periph-sim]\n"
@@ -29,7 +28,7 @@ def say(folder: Path, text: str) -> None:
 def test_without_a_table_timing_or_the_folder_itself_has_the_cases(repository: Path):
     assert project_of(Path()).cases() == [Path("timing")]
     assert project_of(Path("timing")).cases() == [Path("timing")]
-    assert path_for(Path("timing/a.toml")) == Path("timing/baselines/a.json")
+    assert baseline_path(Path("timing/a.toml")) == Path("timing/baselines/a.json")
 
 
 @pytest.mark.parametrize(
@@ -82,10 +81,10 @@ def test_what_is_installed_in_an_environment_belongs_to_no_project_around_it(rep
 def test_baselines_of_its_cases_stand_in_its_folder_and_those_of_others_beside_them(repository: Path):
     (repository / "line.toml").touch()
     say(repository, TABLE + 'cases = ["timing", "line.toml"]\nbaselines = "ci/figures"\n')
-    assert path_for(Path("timing/a.toml")) == Path("ci/figures/a.json")
-    assert path_for(Path("timing/deep/a.toml")) == Path("ci/figures/deep/a.json")
-    assert path_for(Path("line.toml")) == Path("ci/figures/line.json")
-    assert path_for(Path("other.toml")) == Path("baselines/other.json")
+    assert baseline_path(Path("timing/a.toml")) == Path("ci/figures/a.json")
+    assert baseline_path(Path("timing/deep/a.toml")) == Path("ci/figures/deep/a.json")
+    assert baseline_path(Path("line.toml")) == Path("ci/figures/line.json")
+    assert baseline_path(Path("other.toml")) == Path("baselines/other.json")
 
 
 @pytest.mark.parametrize("cases", ['["a", "b"]', '["b/line.toml", "a"]', '["a/line.toml", "b/line.toml"]'])
@@ -99,13 +98,13 @@ def test_two_cases_never_share_a_baseline(repository: Path, cases: str):
     for one, other in (("a", "b"), ("b", "a")):
         sentence = f"{one}/line.toml and {other}/line.toml would both have base/line.json; rename one of them"
         with pytest.raises(BadCase, match=f"^pyproject.toml, line 3: baselines: {sentence}, or leave baselines out$"):
-            path_for(Path(f"{one}/line.toml"))
+            baseline_path(Path(f"{one}/line.toml"))
     say(repository, f'{TABLE}cases = ["a", "a/deep", "b/other.toml"]\nbaselines = "base"\n')
-    assert path_for(Path("a/line.toml")) == Path("base/line.json")
-    assert path_for(Path("a/deep/line.toml")) == Path("base/deep/line.json")
+    assert baseline_path(Path("a/line.toml")) == Path("base/line.json")
+    assert baseline_path(Path("a/deep/line.toml")) == Path("base/deep/line.json")
     (repository / "b" / "line.toml").write_text("[tool]\n")  # not a case
     say(repository, f'{TABLE}cases = ["a", "b"]\nbaselines = "base"\n')
-    assert path_for(Path("a/line.toml")) == Path("base/line.json")
+    assert baseline_path(Path("a/line.toml")) == Path("base/line.json")
 
 
 @pytest.mark.parametrize(

@@ -76,11 +76,10 @@ def check(
     """
     import msgspec
 
-    from ...scene.project import project_of
+    from ...scene.project import baseline_path, project_of
     from ...traces.formats import atomic_write
     from ..reports.baselines.check import case_files
     from ..reports.baselines.check import check as checked
-    from ..reports.baselines.files import path_for
     from ..reports.explain import chain as chains
 
     if update and changes:
@@ -94,12 +93,12 @@ def check(
         project = project_of(Path())
         cases = case_files(paths or project.cases())
         if any(file is not None for file in (junit_file, html_file, summary_file)):
-            note_inputs(cases, changes, written=[path_for(case) for case in cases] if update else [])
+            note_inputs(cases, changes, written=[baseline_path(case) for case in cases] if update else [])
         before = None
         if since is not None:
             from ..reports.baselines.summary import baselines_at
 
-            before = since, baselines_at(since, map(path_for, cases))
+            before = since, baselines_at(since, map(baseline_path, cases))
         # Output files are opened before the runs, so that a file that cannot be written is reported at once.
         unfinished, unfinished_html, unfinished_summary = (
             None if file is None else outputs.enter_context(atomic_write(file))

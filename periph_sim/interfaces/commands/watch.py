@@ -16,6 +16,7 @@ from ...scene.case.load import CaseFile, apply
 from ...scene.case.model import BadCase
 from ...scene.case.origin import named_files, texts_in
 from ...scene.case.toml_file import read
+from ...scene.project import baseline_path
 from ...timing.verdict import title
 from .command_frame import command, say
 from .result_text import HEADLINES, broken_lines, budget_table
@@ -72,7 +73,7 @@ def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome 
     before: the last outcome that was not rejected; None if there is none.
     """
     from ..reports.baselines.compare import compare
-    from ..reports.baselines.files import BadCheck, path_for
+    from ..reports.baselines.files import BadCheck
     from ..reports.baselines.files import read as read_baseline
     from ..reports.baselines.outcome import RejectedCase
 
@@ -88,7 +89,7 @@ def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome 
         changed = [f"  {change}" for change in compare(before.figures, came.figures) if not change.note]
         say(*(changed or ["  no figure changed"]))
     try:
-        baseline = read_baseline(path_for(came.path))
+        baseline = read_baseline(baseline_path(came.path))
     except BadCheck as error:
         say(f"  {error}")
         return came
@@ -103,10 +104,8 @@ Stamps = dict[Path, tuple[int, int]]
 
 def stamps(case: Path, changes: Iterable[str] = ()) -> Stamps:
     """Return a dictionary from each existing file of a changed case to its time of last change, in ns, and its size."""
-    from ..reports.baselines.files import path_for
-
     found: Stamps = {}
-    for file in {path_for(case), *files_of(case, changes)}:
+    for file in {baseline_path(case), *files_of(case, changes)}:
         with suppress(OSError, ValueError):
             status = file.stat()
             found[file] = (status.st_mtime_ns, status.st_size)
@@ -132,9 +131,7 @@ def note_saved_results(case: Path, written: Collection[Path] = ()) -> None:
 
     written: those of these files that the command writes, which are left out.
     """
-    from ..reports.baselines.files import path_for
-
-    saved = (path_for(case), coverage_path(case), proof_path(case))
+    saved = (baseline_path(case), coverage_path(case), proof_path(case))
     note_inputs_of(file for file in saved if file not in written)
 
 

@@ -21,6 +21,7 @@ from ....core.input_files import similar_file
 from ....core.tolerance import Tolerance, in_cycles
 from ....proof.saved_paths import coverage_path
 from ....scene.case.discover import cases_below
+from ....scene.project import baseline_path
 from ....timing.verdict import broken
 from ..cluster import ClusterError, ClusterExecutor
 from ..coverage_check import CoverageCheck, check_coverage, without_runs
@@ -28,7 +29,7 @@ from ..explain.chain import Chain
 from ..proofs import NO_PROOF, ProofReport, mark_proven
 from .compare import Change, compare, explain, moved_accesses
 from .event_chain import EventLine
-from .files import BadCheck, Baseline, path_for, read, text_of, write_all
+from .files import BadCheck, Baseline, read, text_of, write_all
 from .outcome import Outcome, RejectedCase, occurrence, run_again, run_case
 from .workers import Start, workers
 
@@ -254,7 +255,7 @@ def _baselines(files: Iterable[Path], refused: list[RejectedCase] | None) -> dic
     found: dict[Path, Baseline | None] = {}
     for path in files:
         try:
-            found[path] = read(path_for(path))
+            found[path] = read(baseline_path(path))
         except BadCheck as error:
             if refused is None:
                 found[path] = None
@@ -264,7 +265,7 @@ def _baselines(files: Iterable[Path], refused: list[RejectedCase] | None) -> dic
 
 
 def _compared(outcome: Outcome, baseline: Baseline | None, tolerance: int | Tolerance) -> CaseCheck:
-    path = path_for(outcome.path)
+    path = baseline_path(outcome.path)
     if baseline is None:
         return CaseCheck(outcome, path, "missing", [])
     changes = compare(baseline, outcome.figures, _cycles(tolerance, outcome.figures))

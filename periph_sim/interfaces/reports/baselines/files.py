@@ -23,7 +23,6 @@ from ....core.convert import BadTable
 from ....core.input_files import read_regular
 from ....core.table import Table
 from ....scene.case.error_text import complaint
-from ....scene.project import project_of
 from ....traces.capture.capture import BadCapture
 from ....traces.formats import atomic_write
 
@@ -98,14 +97,6 @@ class Baseline(Table, frozen=True, kw_only=True):
 
 class BadCheck(ValueError):
     """Error for cases or baselines that cannot be checked. The message has one sentence per line."""
-
-
-FOLDER = "baselines"
-
-
-def path_for(case: Path) -> Path:
-    """Return the path of a case's baseline, from the project's settings or else baselines/NAME.json beside the case."""
-    return project_of(case.parent).baseline(case) or case.parent / FOLDER / f"{case.stem}.json"
 
 
 def text_of(baseline: Baseline) -> str:

@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from typing import Annotated, NamedTuple, final
 
 from ...core.state import State
-from ...f28335.i2c.register_map import MDR_DLB
+from ...f28335.i2c.register_map import MDR_DLB, MDR_MST
 from ...f28335.memory.ram import END
 from ...form.c_types import UInt16
 from ..c28x.data_flow import ANY_FLOAT, BITS, ST0, data_flow
@@ -57,7 +57,8 @@ class DataMarks:
     """
 
     STATE = State(
-        "registers memory found _loops_back _late _due _changes _kept_registers _kept_changes", results="_changes"
+        "registers memory found _loops_back _is_master _sends _late _due _changes _kept_registers _kept_changes",
+        results="_changes",
     )
 
     memory: Annotated[list[UInt16], END]
@@ -71,6 +72,8 @@ class DataMarks:
             self.memory[address] = MARKED
         self.found: DataUse | None = None
         self._loops_back = False  # True if an I2C module was in loopback mode
+        self._is_master = False  # True if an I2C module was in master mode
+        self._sends = False  # True if data were written to I2CDXR
         self._late = 0  # marks of FPU registers whose old values the next instruction may still read
         self._due = 0  # marks of FPU registers that may be written only after the next instruction
         self._changes = 0  # number of changes of `memory`
@@ -79,6 +82,7 @@ class DataMarks:
         self._has_read = False  # True if it has read a marked word
         self._stores = [0] * MOST_STORES
         self._stored = 0  # number of entries of `_stores`, the addresses to which it has written
+        self._has_sent = False  # True if it has written to I2CDXR
         self._setting = ""  # the name of the register or memory to which it has written, and which must not be marked
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
@@ -124,8 +128,11 @@ class DataMarks:
             self._setting = "memory outside of RAM"
         elif not operand.to_send:
             self._setting = operand.register.name
-            if self._setting == "I2CMDR" and value & MDR_DLB:
-                self._loops_back = True
+            if self._setting == "I2CMDR":
+                self._loops_back = self._loops_back or value & MDR_DLB != 0
+                self._is_master = self._is_master or value & MDR_MST != 0
+        elif operand.register.name == "I2CDXR":
+            self._has_sent = True
 
     def decoded(self, address: int) -> None:
         """Receive the address of a word that is decoded as an instruction."""
@@ -147,6 +154,7 @@ class DataMarks:
         if self._has_read or before & f.sources:
             if self._setting:
                 self._find(f.address, f"data are written to {self._setting}")
+            self._sends = self._sends or self._has_sent
             self.registers |= f.replaces | f.changes
             if f.late:
                 self._due = f.replaces & ANY_FLOAT
@@ -157,7 +165,9 @@ class DataMarks:
             self.registers &= ~f.replaces
             self._mark_stores(0, f.keeps)
         self.registers |= due
-        self._has_read, self._stored, self._setting = False, 0, ""
+        if self._sends and self._is_master:
+            self._find(f.address, "data are sent to a target on the I2C bus, which can act on them")
+        self._has_read, self._has_sent, self._stored, self._setting = False, False, 0, ""
 
     def _mark_stores(self, mark: int, keeps: bool) -> None:
         at: int

@@ -50,6 +50,8 @@ def words(marks: DataMarks) -> set[int]:
         (" MOV AL,*XAR4\n MOV *XAR5,AL\n MOVB AL,#1\n MOV *XAR5,AL\n", set()),
         (" MOV AL,*XAR4\n MOV AH,*XAR4\n MOVB AL,#1\n MOVL *XAR5,ACC\n", {0x8220, 0x8221}),
         (" MOVL ACC,*XAR4\n MOVB AH,#0\n MOV *XAR5,AH\n MOV *+XAR5[1],AL\n", {0x8221}),
+        (" MOV AL,*XAR4\n MOV *XAR5,AL\n MOV *+XAR5[1],#0\n MOVL ACC,*XAR5\n MOV *+XAR5[2],AL\n", {0x8220, 0x8222}),
+        (" MOV AL,*XAR4\n MOV *XAR5,#0\n MOV *+XAR5[1],AL\n MOVL ACC,*XAR5\n MOV *+XAR5[2],AL\n", {0x8221, 0x8222}),
         (" RPT #3 || MOV *XAR5++,#0\n MOVL XAR7,#0x8202\n RPT #3 || PREAD *--XAR5,*XAR7\n", {*range(0x8220, 0x8224)}),
         (" MOVL XAR7,#0x8220\n RPT #1 || PWRITE *XAR7,*XAR4++\n", {0x8220, 0x8221}),
         (" MOVL XAR6,#0x3F8220\n MOV AL,*XAR4\n MOV *XAR6,AL\n", {0x8220}),
@@ -90,6 +92,14 @@ def test_words_that_data_reach(source: str, found: set[int]) -> None:
         (" MOVW DP,#0x6FC0 >> 6\n TBIT @0x6FC0,#3\n SB next,TC\nnext: NOP\n", "data decide a branch"),
         (f"{MASTER} MOV AL,@0x7906\n SB next,NEQ\nnext: NOP\n", None),
         (f"{MASTER} OR @0x7909,#0x40\n MOV AL,@0x7906\n SB next,NEQ\nnext: NOP\n", "data decide a branch"),
+        (f"{MASTER} MOV AL,*XAR4\n MOV @0x7908,AL\n", "data are sent to a target"),
+        (" MOVW DP,#0x7900 >> 6\n MOV AL,*XAR4\n MOV @0x7908,AL\n MOV @0x7909,#0x0420\n", "data are sent to a target"),
+        (" MOVW DP,#0x7900 >> 6\n MOV @0x7909,#0x0220\n MOV AL,*XAR4\n MOV @0x7908,AL\n", None),
+        (f"{MASTER} MOV @0x7908,#5\n MOV AL,*XAR4\n", None),
+        (
+            " MOV ACC,*XAR4\n ANDB AL,#0\n OR AL,#0x7700\n MOVL XAR6,#next\n MOV *XAR6,AL\nnext: NOP\n",
+            "it is an instruction",
+        ),
         (f"{SENDS} MOV AL,@0x7055\n SB next,NEQ\nnext: NOP\n", None),
     ],
 )
@@ -117,6 +127,13 @@ def test_a_replayed_read_of_a_line_is_marked(period: int) -> None:
     marks, rig = marked(BEGIN + source, "TIMER0", "GPIO")
     assert rig.program.polls_skipped > 0
     assert words(marks) == {0x8220}
+
+
+def test_cleared_words_have_no_mark() -> None:
+    rig = Rig(HEAD)
+    rig.cpu.marks = DataMarks(DATA)
+    rig.cpu.forget(range(0x8204, 0x8210))
+    assert [address for address, mark in enumerate(rig.cpu.marks.memory) if mark] == [*range(0x8200, 0x8204)]
 
 
 # Interrupts -------------------------------------------------------------------------------------------------

@@ -114,14 +114,11 @@ def _digest(covered: CoveredCase, table: StartTable, run: int) -> int:
 
 def follow_data(covered: CoveredCase, names: Sequence[str]) -> list[str]:
     """Return those of the named budgets whose values can differ if the data differ, although all times are equal."""
-    pins = {
-        name
-        for unit in covered.case.unit.values()
-        for name, number in unit.pins.items()
-        if not any(function.startswith(WITH_DATA) for function in FUNCTIONS[number])
-    }
+    pins = [pin for unit in covered.case.unit.values() for pin in unit.pins.items()]
+    shown = {name for name, number in pins if any(function.startswith(WITH_DATA) for function in FUNCTIONS[number])}
+    others = {name for name, _ in pins} - shown
     events = covered.events()
-    return [name for name in names if (used := events[name]) is None or any(_is_of_data(one, pins) for one in used)]
+    return [name for name in names if (used := events[name]) is None or any(_is_of_data(one, others) for one in used)]
 
 
 def _is_of_data(event: Matcher, pins: set[str]) -> bool:
@@ -132,7 +129,7 @@ def _is_of_data(event: Matcher, pins: set[str]) -> bool:
         in_memory = not event.where or any(where.endswith(f".{MEMORY}") for where in event.where)
         return in_memory or event.what.partition(".")[0] in (*OF_DATA, *LINES, LOOPED)
     if event.kind in (Kind.BUS, Kind.FRAME, Kind.ACCESS):
-        return event.mask != 0
+        return event.mask != 0 or event.what == "stuck"
     if event.kind is Kind.TRANSFER:
         return event.what in OF_UNITS
     return event.kind not in (Kind.IRQ, Kind.SPAN, Kind.ROUND, Kind.RECEIVER)

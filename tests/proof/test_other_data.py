@@ -111,3 +111,14 @@ def test_a_budget_of_waits_follows_data_because_a_loop_is_a_wait_only_if_it_chan
     )
     path.write_text(text, encoding="utf-8")
     assert follow_data(covered(path), ["echo"]) == ["echo"]
+
+
+def test_edges_of_a_wire_with_an_sci_of_any_unit_follow_data(tmp_path: Path) -> None:
+    """The wire is also a pin of another unit, GPIO34, which has no SCI."""
+    path = write_echo(tmp_path)
+    text = path.read_text(encoding="utf-8")
+    other = '[unit.b]\noscclk = "20 MHz"\nimage = "echo.asm"\nmodules = ["SCI-A", "GPIO"]\n'
+    text = text.replace("[host]", f"[unit.dsp.pins]\nLINK = 35\n{other}[unit.b.pins]\nLINK = 34\n[host]", 1)
+    text = text.replace("from frame RX end to frame TX begin, in order", "from frame RX begin to edge LINK rise")
+    path.write_text(text, encoding="utf-8")
+    assert follow_data(covered(path), ["echo"]) == ["echo"]

@@ -54,6 +54,7 @@ def words(marks: DataMarks) -> set[int]:
         (" MOV AL,*XAR4\n MOV *XAR5,#0\n MOV *+XAR5[1],AL\n MOVL ACC,*XAR5\n MOV *+XAR5[2],AL\n", {0x8221, 0x8222}),
         (" RPT #3 || MOV *XAR5++,#0\n MOVL XAR7,#0x8202\n RPT #3 || PREAD *--XAR5,*XAR7\n", {*range(0x8220, 0x8224)}),
         (" MOVL XAR7,#0x8220\n RPT #1 || PWRITE *XAR7,*XAR4++\n", {0x8220, 0x8221}),
+        (" MOVL XAR7,#0x3F8200\n PREAD AL,*XAR7\n MOV *XAR5,AL\n", {0x8220}),
         (" MOVL XAR6,#0x3F8220\n MOV AL,*XAR4\n MOV *XAR6,AL\n", {0x8220}),
         (" MOVL XAR6,#0x3F8200\n MOV AL,*XAR6\n MOV *XAR5,AL\n", {0x8220}),
         (" MOV AL,*XAR4\n MOV *XAR5,#0\n MOVB *+XAR5[0],AL.LSB\n MOVB AL,#0\n MOVB *+XAR5[1],AL.LSB\n", {0x8220}),
@@ -129,6 +130,22 @@ def test_a_replayed_read_of_a_line_is_marked(period: int) -> None:
     assert words(marks) == {0x8220}
 
 
+@pytest.mark.parametrize("address", [0x7056, 0x7057, 0x7059, *range(0x7046, 0x704A), 0x7908, 0x6FC0, 0x6FC8, 0x6FD0])
+def test_a_read_of_a_register_with_data_or_of_lines_is_marked(address: int) -> None:
+    source = f" MOVL XAR6,#{address}\n MOV AL,*XAR6\n MOV *XAR5,AL\n"
+    assert words(marked(BEGIN + source, "SCI-A", "SPI-A", "GPIO", "I2C-A")[0]) == {0x8220}
+
+
+def test_the_state_of_the_cpu_is_another_one_after_a_change_of_marks() -> None:
+    cpu = Rig(HEAD).cpu
+    cpu.marks = DataMarks(DATA)
+    seen = [cpu.is_as_before(), cpu.is_as_before()]
+    cpu.marks.registers = 1
+    seen += [cpu.is_as_before(), cpu.is_as_before()]
+    cpu.marks.forget(0x8200)
+    assert [*seen, cpu.is_as_before(), cpu.is_as_before()] == [False, True, False, True, False, True]
+
+
 def test_cleared_words_have_no_mark() -> None:
     rig = Rig(HEAD)
     rig.cpu.marks = DataMarks(DATA)
@@ -174,9 +191,16 @@ _routine: PUSH XAR4
     ("loop", "use", "found", "how"),
     [
         # the routine leaves data in AL and in the flags N and Z, which IRET restores: none reach the program
-        (" RPT #60 || NOP\n MOVB AL,#0\n MOV *XAR5,AL\n", "MOV AL,*XAR4", set(), None),
+        (" MOVB AL,#0\n RPT #60 || NOP\n NOP\n MOV *XAR5++,AL\n", "MOV AL,*XAR4", set(), None),
         # the program has data in AL, which the interrupt saves and IRET restores
-        (" MOV AL,*XAR4\n RPT #60 || NOP\n NOP\n MOV *XAR5,AL\n", "MOVB AL,#0", {0x8220}, None),
+        (" MOV AL,*XAR4\n RPT #60 || NOP\n NOP\n MOV *XAR5++,AL\n", "MOVB AL,#0", {*range(0x8220, 0x8235)}, None),
+        # the same at an odd SP
+        (
+            " MOV AL,*XAR4\n RPT #60 || NOP\n NOP\n MOV *XAR5++,AL\n ADDB SP,#1\n",
+            "MOVB AL,#0",
+            {*range(0x8220, 0x8235)},
+            None,
+        ),
         # AR2 is not saved
         (" NOP\n MOV *XAR5,AR2\n RPT #60 || NOP\n", "MOVZ AR2,*XAR4", {0x8220}, None),
         # N and Z are data, TC is not, when the interrupt comes between the test and the branch
@@ -194,7 +218,7 @@ def test_marks_of_registers_that_an_interrupt_saves(loop: str, use: str, found: 
 
 def test_a_loop_whose_marks_still_change_is_not_taken_for_a_wait() -> None:
     """Each pass moves the mark on by a word. The words are equal, so the state of the CPU and the memory repeats."""
-    moves = "".join(f" MOV AL,*+XAR5[{at}]\n MOV *+XAR5[{at + 1}],AL\n" for at in (4, 3, 2, 1, 0))
+    moves = "".join(f" MOV AL,*+XAR5[{at}]\n MOV *+XAR5[{at + 1}],AL\n" for at in range(6, -1, -1))
     source = f"{BEGIN} MOVL XAR5,#0x8210\n MOV AL,*XAR4\n MOV *XAR5,AL\n"
     source += f" MOVB XAR6,#5\nagain: MOVW DP,#0x0C00 >> 6\n{moves} TBIT @0x0C04,#14\n SB again,NTC\n"
     rig = Rig(HEAD + source.replace("MOVB XAR6,#5", "MOV AH,#0") + " ESTOP0")
@@ -203,7 +227,7 @@ def test_a_loop_whose_marks_still_change_is_not_taken_for_a_wait() -> None:
     rig.cpu.marks = DataMarks(DATA)
     rig.run()
     assert rig.program.asleep_since is not None
-    assert words(rig.cpu.marks) == {*range(0x8210, 0x8216)}
+    assert words(rig.cpu.marks) == {*range(0x8210, 0x8218)}
 
 
 # Random programs ----------------------------------------------------------------------------------------------

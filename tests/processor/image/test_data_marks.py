@@ -12,6 +12,7 @@ import pytest
 
 from periph_sim.core.options import Value
 from periph_sim.processor.c28x.data_flow import BITS
+from periph_sim.processor.image.counting_loop import CountingLoop
 from periph_sim.processor.image.data_marks import DataMarks
 from periph_sim.processor.image_files.model import Image, Section
 from periph_sim.processor.user_code import FirmwareError
@@ -115,8 +116,16 @@ def test_uses_of_data_that_decide(source: str, how: str | None) -> None:
 
 def test_a_late_result_of_the_fpu_is_marked_although_the_delay_slot_writes_the_same_register() -> None:
     source = " MOV32 R1H,*XAR4\n NOP\n I32TOF32 R0H,R1H\n ZERO R0H\n NOP\n MOV32 *XAR5,R0H\n"
+    source += " ZERO R0H\n MOV32 *+XAR5[2],R0H\n"
     marks, rig = marked(BEGIN + source, fpu_delay_slot="old_value")
     assert rig.word(0x8220) | rig.word(0x8221) << 16 != 0
+    assert words(marks) == {0x8220, 0x8221}
+
+
+def test_the_delay_slot_of_the_fpu_reads_a_marked_old_value() -> None:
+    source = " ZERO R1H\n MOV32 R0H,*XAR4\n I32TOF32 R0H,R1H\n MOV32 *XAR5,R0H\n NOP\n MOV32 *+XAR5[2],R0H\n"
+    marks, rig = marked(BEGIN + source, fpu_delay_slot="old_value")
+    assert (rig.word(0x8220), rig.word(0x8222)) == (0x1234, 0)
     assert words(marks) == {0x8220, 0x8221}
 
 
@@ -144,6 +153,19 @@ def test_the_state_of_the_cpu_is_another_one_after_a_change_of_marks() -> None:
     seen += [cpu.is_as_before(), cpu.is_as_before()]
     cpu.marks.forget(0x8200)
     assert [*seen, cpu.is_as_before(), cpu.is_as_before()] == [False, True, False, True, False, True]
+
+
+@pytest.mark.parametrize("in_memory", [False, True])
+def test_a_pass_that_changes_marks_does_more_than_count(in_memory: bool) -> None:
+    rig = Rig(HEAD)
+    rig.cpu.marks = DataMarks(DATA)
+    loop = CountingLoop(rig.cpu, rig.dsp.processor.time, rig.dsp.processor.bus.ram, lambda _: None)
+    if in_memory:
+        rig.cpu.marks.forget(DATA.start)
+    else:
+        rig.cpu.marks.registers = 1
+    assert loop.passes({}) == 0
+    assert loop.does_more
 
 
 def test_cleared_words_have_no_mark() -> None:

@@ -55,6 +55,7 @@ def words(marks: DataMarks) -> set[int]:
         (" MOV AL,*XAR4\n MOV *XAR5,#0\n MOV *+XAR5[1],AL\n MOVL ACC,*XAR5\n MOV *+XAR5[2],AL\n", {0x8221, 0x8222}),
         (" RPT #3 || MOV *XAR5++,#0\n MOVL XAR7,#0x8202\n RPT #3 || PREAD *--XAR5,*XAR7\n", {*range(0x8220, 0x8224)}),
         (" MOVL XAR7,#0x8220\n RPT #1 || PWRITE *XAR7,*XAR4++\n", {0x8220, 0x8221}),
+        (" MOV AL,*XAR4\n MOV *XAR5,AL\n MOVB AL,#0\n MOVB *+XAR5[0],AL.LSB\n", {0x8220}),
         (" MOVL XAR7,#0x3F8200\n PREAD AL,*XAR7\n MOV *XAR5,AL\n", {0x8220}),
         (" MOVL XAR6,#0x3F8220\n MOV AL,*XAR4\n MOV *XAR6,AL\n", {0x8220}),
         (" MOVL XAR6,#0x3F8200\n MOV AL,*XAR6\n MOV *XAR5,AL\n", {0x8220}),
@@ -77,6 +78,7 @@ def test_words_that_data_reach(source: str, found: set[int]) -> None:
         (" CMP *XAR4,#5\n NOP\n SB next,GT\nnext: NOP\n", "data decide a branch"),
         (" MOV AL,*XAR4\n MOV T,#3\n LSL AL,T\n CMPB AL,#3\n B next,HI\nnext: NOP\n", "data decide a branch"),
         (" MOVZ AR1,*XAR4\n BANZ next,AR1--\nnext: NOP\n", "data decide a branch"),
+        (" MOV AL,*XAR4\n ADD AL,*XAR4\n MOVB AL,#1\n SB next,NOV\nnext: NOP\n", "data decide a branch"),
         (" LOOPNZ *XAR4,#0\n", "data decide the effect of an instruction"),
         (" MOVZ AR0,*XAR4\n MOV AL,*+XAR5[AR0]\n", "data decide the address of an access"),
         (" MOV AL,*XAR4\n ANDB AL,#1\n MOVZ AR7,AL\n ADDL @XAR7,ACC\n PREAD AL,*XAR7\n", "data decide the address"),
@@ -236,6 +238,18 @@ def test_marks_of_registers_that_an_interrupt_saves(loop: str, use: str, found: 
     assert sum(one.what == "TINT0" for one in rig.records) > 10
     assert words(marks) - {*range(0x400, 0x440)} == found
     assert (marks.found is None) if how is None else (marks.found is not None and how in marks.found.how)
+
+
+def test_the_flags_of_a_saved_context_are_marked_one_by_one() -> None:
+    marks = DataMarks()
+    marks.registers = saved = BITS["N"] | BITS["AL"]
+    marks.entered(0x400)
+    marks.registers = BITS["C"] | BITS["AH"]
+    marks.returned(0x400, 0)
+    assert (marks.registers, words(marks)) == (saved, {0x400, 0x402})
+    marks.registers = 0
+    marks.entered(0x400)
+    assert words(marks) == set()
 
 
 def test_a_loop_whose_marks_still_change_is_not_taken_for_a_wait() -> None:

@@ -12,7 +12,9 @@ of the round to the first tick of the frame's cell.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, NamedTuple, cast
+from weakref import ref
 
 from ..core.chip import NEVER
 from ..core.records import Record
@@ -149,7 +151,8 @@ class GroupRunner:
         """
         self.records = GroupDigest()
         self._requested = 0  # the tick of the last interrupt request of an SCI's receiver
-        self.run = FreeRun(covered, ignored, False, False, self.records, self._on_request)
+        # The reference is weak, as in FreeRun.
+        self.run = FreeRun(covered, ignored, False, False, self.records, partial(_on_request, ref(self)))
         self.first_noticed = self.records.noticed
         self.records.noticed = ""  # until now, accesses are allowed: start-up code sets up the SCI
         self.orbits = orbits
@@ -219,9 +222,9 @@ class GroupRunner:
         shift = (there * cycle - at - length) % (self.orbits.known[after].cycles * cycle)
         return GroupRun(after, shift, self.records.digest, self.records.routine, delay, run.now - first, within)
 
-    def _on_request(self, record: Record) -> None:
-        if record.value and record.what in REQUESTS:
-            self._requested = record.tick
+    def requested(self, tick: int) -> None:
+        """Receive the tick of an interrupt request of an SCI's receiver."""
+        self._requested = tick
 
     def check_frame(self, is_sent: bool) -> None:
         """Raise NotClosed if the firmware has noticed more of a frame than one service routine of the SCI.
@@ -353,6 +356,12 @@ class GroupRunner:
 
     def _without_sci(self, state: NormalState) -> NormalState:
         return {key: value for key, value in state.items() if not key.startswith(self._sci) and key not in self._lspclk}
+
+
+def _on_request(runner: ref[GroupRunner], record: Record) -> None:
+    found = runner()
+    if found is not None and record.value and record.what in REQUESTS:
+        found.requested(record.tick)
 
 
 def has_external_interrupt(dsp: Dsp) -> bool:

@@ -6,11 +6,13 @@ and a cycle has 10 ticks.
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
 from random import Random
+from weakref import ref
 
 import pytest
 
@@ -392,3 +394,11 @@ def test_frames_before_a_late_first_round_are_not_in_the_table(tmp_path: Path):
 def test_a_range_of_clocks_is_refused(tmp_path: Path):
     with pytest.raises(NotClosed, match=r"--ppm is for a case with a \[controller\] and without \[host\]"):
         prove(Job(str(write_lonely(tmp_path))), Fraction(10))
+
+
+def test_the_scene_of_a_runner_is_released(tmp_path: Path):
+    runner = runner_of(write_lonely(tmp_path))
+    scene = ref(runner.run.scene)
+    del runner
+    gc.collect()
+    assert scene() is None

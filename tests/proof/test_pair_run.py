@@ -20,7 +20,8 @@ def test_each_run_of_a_scene_is_judged(monkeypatch: pytest.MonkeyPatch):
     def runner(*_: object) -> Any:
         at, frames = len(runners), [len(runners)]
         limits = [SimpleNamespace(budget=SimpleNamespace(name=f"{at}", coverage=1), measure=Lasting())]
-        run = SimpleNamespace(scene=SimpleNamespace(limits=limits, start=0), now=0, frames=frames, rounds=[])
+        scene = SimpleNamespace(limits=limits, start=0)
+        run = SimpleNamespace(scene=scene, now=0, frames=frames, rounds=[], data_use=f"use {at}")
         runners.append(SimpleNamespace(at=(at, 0), run=run, like=lambda group: group))
         runners[-1].run_group = lambda *_: frames.append(0) or GroupRun(at, 0, 0, 0, 0, 0, True)
         return runners[-1]
@@ -47,3 +48,4 @@ def test_each_run_of_a_scene_is_judged(monkeypatch: pytest.MonkeyPatch):
     assert [outcome.failures for outcome in done.outcomes] == [{name} for name in sorted(names)]
     assert (done.frames, done.rounds) == ([one.run.frames for one in runners], [[]] * 4)
     assert done.spanning == done.unknowns == {name for _, name in done.empty} == names
+    assert done.data_use == "use 0"

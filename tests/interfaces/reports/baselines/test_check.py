@@ -13,8 +13,9 @@ import pytest
 
 from periph_sim.interfaces.reports.baselines.check import CaseCheck, case_files, check, judge
 from periph_sim.interfaces.reports.baselines.compare import compare
-from periph_sim.interfaces.reports.baselines.files import BadCheck, Baseline, path_for, text_of
+from periph_sim.interfaces.reports.baselines.files import BadCheck, Baseline, text_of
 from periph_sim.interfaces.reports.baselines.outcome import RejectedCase, run_again
+from periph_sim.scene.project import baseline_path
 from tests.interfaces.reports.baselines.desk import change, put
 
 
@@ -23,13 +24,13 @@ def texts(one: CaseCheck) -> list[str]:
 
 
 def test_an_equal_run_passes_and_its_figures_are_the_same_bytes(cases: Path):
-    before = path_for(cases / "small.toml").read_bytes()
+    before = baseline_path(cases / "small.toml").read_bytes()
     (one,) = check([cases], jobs=1)
     assert (one.state, one.findings, one.changes) == ("equal", [], [])
     assert one.outcome.values == [None] * 3
     (again,) = check([cases], jobs=1, update=True)
     assert (again.state, again.diff) == ("equal", "")
-    assert path_for(cases / "small.toml").read_bytes() == before == text_of(again.outcome.figures).encode()
+    assert baseline_path(cases / "small.toml").read_bytes() == before == text_of(again.outcome.figures).encode()
 
 
 def test_firmware_that_is_slower_shows_in_its_figures_and_the_first_event_that_moved_is_told(cases: Path):
@@ -76,7 +77,7 @@ def test_a_second_run_is_made_only_where_something_moved(cases: Path, monkeypatc
         return run_again(path, *rest)
 
     monkeypatch.setattr(sys.modules[check.__module__], "run_again", run)
-    path = path_for(cases / "small.toml")
+    path = baseline_path(cases / "small.toml")
     before = path.read_text(encoding="utf-8")
     (one,) = check([cases], jobs=1)
     assert text_of(one.outcome.figures) == before
@@ -114,7 +115,7 @@ def test_a_new_wrong_byte_is_told_with_what_was_read(cases: Path):
 )
 def test_times_may_differ_by_the_tolerance(cases: Path, off: int, tolerance: int, passes: bool):
     """20 ticks are a cycle."""
-    change(path_for(cases / "small.toml"), worst=15000 + off, worst_at=1)
+    change(baseline_path(cases / "small.toml"), worst=15000 + off, worst_at=1)
     (one,) = check([cases], jobs=1, tolerance=tolerance) if tolerance else check([cases], jobs=1)
     assert one.passed == passes
     assert ("response worst at" in "".join(texts(one))) == (tolerance == 0)
@@ -122,7 +123,7 @@ def test_times_may_differ_by_the_tolerance(cases: Path, off: int, tolerance: int
 
 def test_no_figure_of_a_baseline_may_be_another_one(cases: Path):
     """Each number and text of the file changed in turn, chains and the digest of events apart: they only explain."""
-    path = path_for(cases / "small.toml")
+    path = baseline_path(cases / "small.toml")
     good = path.read_text(encoding="utf-8")
     (one,) = check([cases], jobs=1)
     places = [
@@ -160,7 +161,7 @@ def test_a_change_can_be_tried_without_touching_the_file(cases: Path):
 
 
 def test_a_missing_baseline_is_told_until_it_is_written(cases: Path):
-    path = path_for(cases / "small.toml")
+    path = baseline_path(cases / "small.toml")
     path.unlink()
     (one,) = check([cases], jobs=1)
     assert (one.state, texts(one)) == ("missing", [f"it has no baseline {path}; write one with --update-baseline"])
@@ -170,7 +171,7 @@ def test_a_missing_baseline_is_told_until_it_is_written(cases: Path):
 
 
 def test_an_update_shows_each_changed_line_between_its_neighbours(cases: Path):
-    path = path_for(cases / "small.toml")
+    path = baseline_path(cases / "small.toml")
     lines = path.read_text(encoding="utf-8").splitlines()
     place = lines.index('      "count": 2,')
     other = [*lines[:place], '      "count": 3,', *lines[place + 1 :]]
@@ -297,7 +298,7 @@ def test_a_case_of_broken_toml_is_found_and_not_passed_over(cases: Path):
 def test_a_case_that_cannot_run_is_reported_and_the_others_go_on(cases: Path):
     bad = put(cases, "bad", does="raise ValueError('boom')")
     stale = put(cases, "stale")
-    path_for(stale).write_text("{", encoding="utf-8")
+    baseline_path(stale).write_text("{", encoding="utf-8")
     refused: list[RejectedCase] = []
     (one,) = check([cases], jobs=1, on_refused=refused.append)
     assert one.passed and one.outcome.path == cases / "small.toml"

@@ -22,8 +22,9 @@ from periph_sim.interfaces.reports.baselines.event_chain import (
     first_divergence,
     first_moved,
 )
-from periph_sim.interfaces.reports.baselines.files import path_for, read
+from periph_sim.interfaces.reports.baselines.files import read
 from periph_sim.interfaces.reports.baselines.outcome import Outcome, run_case
+from periph_sim.scene.project import baseline_path
 from tests.scene.runs import TIMING
 
 TIMEBASE = Timebase()
@@ -217,7 +218,7 @@ def test_digests_differ_from_the_part_with_the_first_other_byte_on(place: int):
 def test_a_check_of_two_dsps_finds_data_that_are_other_ones_and_right(change: str | None):
     """Other noise, or another motion: the bytes are right by the budget, at the same times, and not the baseline's."""
     path = TIMING / "two_dsps.toml"
-    kept = read(path_for(path))
+    kept = read(baseline_path(path))
     assert kept is not None and len(kept.bus_bytes) == -(-kept.counts["I2C bytes"] // PART)
     outcome = run_case(path, () if change is None else (change,), False)
     assert isinstance(outcome, Outcome) and outcome.result.verdict == "pass"

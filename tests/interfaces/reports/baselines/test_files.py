@@ -16,11 +16,11 @@ from periph_sim.interfaces.reports.baselines.files import (
     BadCheck,
     Baseline,
     Figures,
-    path_for,
     read,
     text_of,
     write_all,
 )
+from periph_sim.scene.project import baseline_path
 from tests.interfaces.reports.baselines.desk import put
 
 numbers = st.integers(0, 2**70)
@@ -74,7 +74,7 @@ def test_what_is_written_is_read(baseline: Baseline):
     ],
 )
 def test_another_file_is_refused_with_what_to_do_and_an_update_replaces_it(cases: Path, text: str, sentence: str):
-    path = path_for(cases / "small.toml")
+    path = baseline_path(cases / "small.toml")
     good = path.read_bytes()
     path.write_bytes(text.encode("latin-1"))
     with pytest.raises(BadCheck) as caught:
@@ -85,7 +85,7 @@ def test_another_file_is_refused_with_what_to_do_and_an_update_replaces_it(cases
 
 
 def test_a_figure_that_is_no_whole_number_is_refused(cases: Path):
-    path = path_for(cases / "small.toml")
+    path = baseline_path(cases / "small.toml")
     path.write_text(path.read_text().replace('"worst": 15000', '"worst": 15000.5'), encoding="utf-8")
     with pytest.raises(BadCheck, match=r"budgets\.response\.worst: expected a whole number, but it is 15000\.5;"):
         read(path)

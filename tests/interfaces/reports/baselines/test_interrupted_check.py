@@ -9,8 +9,9 @@ from typing import Any
 import pytest
 
 from periph_sim.interfaces.reports.baselines.check import STOPPED, check
-from periph_sim.interfaces.reports.baselines.files import BadCheck, path_for
+from periph_sim.interfaces.reports.baselines.files import BadCheck
 from periph_sim.interfaces.reports.baselines.outcome import RejectedCase
+from periph_sim.scene.project import baseline_path
 from tests.interfaces.reports.baselines.desk import put
 
 
@@ -43,11 +44,11 @@ def test_cases_that_ran_before_a_check_was_stopped_are_judged_without_second_run
 
 @pytest.mark.parametrize("update", [False, True])
 def test_a_check_without_reports_of_single_cases_and_an_update_stop_at_once(cases: Path, update: bool):
-    before = path_for(put(cases, wait=3000)).read_bytes()
+    before = baseline_path(put(cases, wait=3000)).read_bytes()
     for on_refused in (None, pytest.fail) if update else (None,):
         with pytest.raises(KeyboardInterrupt):
             check([cases], jobs=1, on_progress=stops_after(1), update=update, on_refused=on_refused)
-    assert path_for(cases / "small.toml").read_bytes() == before
+    assert baseline_path(cases / "small.toml").read_bytes() == before
 
 
 def test_a_case_that_others_drive_is_passed_over_where_refused_cases_are_reported(cases: Path):
@@ -60,13 +61,13 @@ def test_a_case_that_others_drive_is_passed_over_where_refused_cases_are_reporte
         assert [(case.path, case.outside) for case in refused] == [(driven, True)]
         with pytest.raises(BadCheck, match="driven"):
             check([cases], jobs=1, update=update)
-    assert not path_for(driven).exists()
+    assert not baseline_path(driven).exists()
 
 
 @pytest.mark.parametrize("on_refused", [None, pytest.fail])
 def test_a_case_that_cannot_run_leaves_all_baselines_as_they_were(cases: Path, on_refused: Any):
-    before = path_for(put(cases, wait=3000)).read_bytes()
+    before = baseline_path(put(cases, wait=3000)).read_bytes()
     bad = put(cases, "zz", does="raise ValueError('boom')")
     with pytest.raises(BadCheck, match=r"^dsp: ValueError at line .* of .*zz_firmware.py: boom$"):
         check([cases], jobs=1, update=True, on_refused=on_refused)
-    assert path_for(cases / "small.toml").read_bytes() == before and not path_for(bad).exists()
+    assert baseline_path(cases / "small.toml").read_bytes() == before and not baseline_path(bad).exists()

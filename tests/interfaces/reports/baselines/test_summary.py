@@ -13,9 +13,10 @@ import yaml
 
 from periph_sim.interfaces.reports.baselines.check import check
 from periph_sim.interfaces.reports.baselines.ci_output import github, in_repository
-from periph_sim.interfaces.reports.baselines.files import BadCheck, Baseline, path_for
+from periph_sim.interfaces.reports.baselines.files import BadCheck, Baseline
 from periph_sim.interfaces.reports.baselines.outcome import RejectedCase
 from periph_sim.interfaces.reports.baselines.summary import baselines_at, summary
+from periph_sim.scene.project import baseline_path
 from tests.docs.pages import ROOT
 from tests.interfaces.reports.baselines.desk import put
 
@@ -48,7 +49,7 @@ def test_each_budget_has_its_value_its_limit_and_its_change(repository: Path):
     put(repository, wait=3000)
     put(repository, "z")
     checks = check([repository], jobs=1)
-    before = baselines_at("main", [path_for(one.outcome.path) for one in checks])
+    before = baselines_at("main", [baseline_path(one.outcome.path) for one in checks])
     text = summary(checks, [RejectedCase(Path("cases/bad.toml"), "line 3: a | b\nc")], ("main", before))
     assert text.startswith("## periph-sim check: 0 of 3 as they should be\n")
     assert table(text, "small") == {
@@ -71,7 +72,7 @@ def test_changes_have_the_unit_of_their_budget_and_say_which_value_they_are_of(r
     git(Path.cwd(), "commit", "-qam", "more")
     firmware.write_text(firmware.read_text(encoding="utf-8").replace("compute(0)", "compute(30000)"), encoding="utf-8")
     checks = check([repository], jobs=1)
-    rows = table(summary(checks, since=("main", baselines_at("main", [path_for(case)]))), "small")
+    rows = table(summary(checks, since=("main", baselines_at("main", [baseline_path(case)]))), "small")
     changes = {name: row[-1] for name, row in rows.items()}
     assert changes["busy"] == "+1.8185 %"
     assert changes["floor"] == "unchanged"

@@ -5,8 +5,8 @@
 
 The marks prove it for the firmware. The line of the frames has other edges with other data, and an SCI notices these
 only in the bits that it receives: it starts to count its samples at the edge of the start bit, which any character has.
-This is not so if its rate is far from that of the host, or if it checks parity; the second line tests it. Words that
-show levels of lines, as GPADAT does, count as data, too.
+`data_use` refuses settings with which this is not so, and the second line tests it. Words that show levels of lines, as
+GPADAT does, count as data, too.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ..core.records import Kind, Listener, Recorder
 from ..core.time import Timebase
 from ..f28335.gpio.pin_mux_table import FUNCTIONS
 from ..f28335.memory.ram import MEMORY
-from ..f28335.sci.register_map import ADDRIDLE_MODE, CDC, RXENA, SCI_MAP, SCICHAR, SWRESET
+from ..f28335.sci.register_map import ADDRIDLE_MODE, CDC, PARITYENA, RXENA, SCI_MAP, SCICHAR, SWRESET
 from ..processor.image.data_marks import LINES, LOOPED, OF_DATA
 from ..scene.derived_records import OF_UNITS
 from ..scene.scene import Scene
@@ -34,7 +34,7 @@ KINDS = (Kind.ACCESS, Kind.IRQ, Kind.BUS, Kind.FRAME)
 MOST_RUNS = 8  # maximum number of runs of a table that are compared with other data
 SAMPLES = 8  # samples of an SCI in a bit
 WITH_DATA = (SCI, "SPISIMO", "SPISOMI", "SDA")  # the names of functions of pins that show data begin with one of these
-ACTS_ON_DATA = "an SCI detects its rate from data, or does not receive 8 data bits without an address bit"
+ACTS_ON_DATA = "an SCI detects its rate from data, or its frames are not 8 data bits without parity and address bit"
 FURTHEST = Fraction(1, 50)  # greatest difference of the rates of host and SCI at which frames with any data are alike
 
 
@@ -92,7 +92,7 @@ def acts_on_data(scene: Scene) -> bool:
             if name.startswith(SCI):
                 ccr, ctl1, ffct = (socket.see(cycle, SCI_MAP[each].offset) for each in ("SCICCR", "SCICTL1", "SCIFFCT"))
                 receives = ctl1 & SWRESET and ctl1 & RXENA
-                if receives and (ccr & (ADDRIDLE_MODE | SCICHAR) != SCICHAR or ffct & CDC):
+                if receives and (ccr & (ADDRIDLE_MODE | PARITYENA | SCICHAR) != SCICHAR or ffct & CDC):
                     return True
     return False
 

@@ -14,7 +14,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple, cast
-from weakref import ref
 
 from ..core.chip import NEVER
 from ..core.records import Record
@@ -150,9 +149,9 @@ class GroupRunner:
         ignored: as for `normal_state`. cells: None while they are not known.
         """
         self.records = GroupDigest()
-        self._requested = 0  # the tick of the last interrupt request of an SCI's receiver
-        # The reference is weak, as in FreeRun.
-        self.run = FreeRun(covered, ignored, False, False, self.records, partial(_on_request, ref(self)))
+        self._requested = [0]  # the tick of the last interrupt request of an SCI's receiver
+        # The callback does not refer to this object, for the reason given in FreeRun.
+        self.run = FreeRun(covered, ignored, False, False, self.records, partial(_note_request, self._requested))
         self.first_noticed = self.records.noticed
         self.records.noticed = ""  # until now, accesses are allowed: start-up code sets up the SCI
         self.orbits = orbits
@@ -216,15 +215,11 @@ class GroupRunner:
             within = within and sleep.begin <= entered and left < sleep.end
             within = within and (sleep.end < NEVER or self._goes_on(sleep))
         self.check_frame(frame is not None)
-        delay = 0 if frame is None else self._requested - frame + offset
+        delay = 0 if frame is None else self._requested[0] - frame + offset
         self.at = after, there = self.place()
         length = run.now - start
         shift = (there * cycle - at - length) % (self.orbits.known[after].cycles * cycle)
         return GroupRun(after, shift, self.records.digest, self.records.routine, delay, run.now - first, within)
-
-    def requested(self, tick: int) -> None:
-        """Receive the tick of an interrupt request of an SCI's receiver."""
-        self._requested = tick
 
     def check_frame(self, is_sent: bool) -> None:
         """Raise NotClosed if the firmware has noticed more of a frame than one service routine of the SCI.
@@ -358,10 +353,9 @@ class GroupRunner:
         return {key: value for key, value in state.items() if not key.startswith(self._sci) and key not in self._lspclk}
 
 
-def _on_request(runner: ref[GroupRunner], record: Record) -> None:
-    found = runner()
-    if found is not None and record.value and record.what in REQUESTS:
-        found.requested(record.tick)
+def _note_request(requested: list[int], record: Record) -> None:
+    if record.value and record.what in REQUESTS:
+        requested[0] = record.tick
 
 
 def has_external_interrupt(dsp: Dsp) -> bool:

@@ -67,6 +67,7 @@ def test_a_host_far_from_the_rate_of_the_sci_is_refused(tmp_path: Path) -> None:
         ("MOV   @SCICCR,#0x07", False),
         ("MOV   @SCICCR,#0x87", False),  # two stop bits
         ("MOV   @SCICCR,#0x06", True),  # the eighth data bit is received as a stop bit
+        ("MOV   @SCICCR,#0x27", True),  # a parity bit is expected
         ("MOV   @SCICCR,#0x0F", True),  # an address bit is expected
         ("MOV   @0x705C,#0x2000\n          MOV   @SCICCR,#0x07", True),  # SCIFFCT.CDC
     ],

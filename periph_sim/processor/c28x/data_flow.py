@@ -20,9 +20,11 @@ from .encodings import LOCATIONS, REGISTERS, WIDE, Encoding, places
 from .operands import FPU_APART, FPU_FIRST, MOVST0_BITS, REGISTER_FIELDS, STATUS_BITS, UNCF
 from .pipeline import BY_ARP, addressing
 
-# The parts of registers, in the order of their bits in a mask. T and TL are the halves of XT. NF stands for NF and ZF,
-# NI for NI and ZI, LVF for LVF and LUF, and SHADOW for the shadow registers of the FPU. SYSTEM stands for all that
-# decides what the CPU executes next, or how: SP, DP, ST1, RPC, RB, RPTC, PC, and interrupt registers.
+# Names of the parts of registers, in the order of their bits in a mask. Some names cover several flags or registers:
+#
+#     NF      NF and ZF             SHADOW  the shadow registers of the FPU
+#     NI      NI and ZI             SYSTEM  SP, DP, ST1, RPC, RB, RPTC, PC, and interrupt registers: they control which
+#     LVF     LVF and LUF                   instruction is executed next, and how
 PARTS = (
     *("AL", "AH", "PL", "PH", "TL", "T"),
     *(f"AR{n}{half}" for n in range(8) for half in ("", "H")),
@@ -69,10 +71,8 @@ ACC_FIELDS = (0xA8, 0xA9)  # values of field l for @AH and @AL, or @ACC
 UNCONDITIONAL = " with UNCF"  # the flags before this text are written only without a condition
 SELECTED_BY_ARP = ("XAR[ARP]", "AR[ARP]")
 PARTIAL = (*SELECTED_BY_ARP, "ST0", "STF")  # registers of which an instruction need not write everything
-PARTLY = re.compile(
-    r"[LM]SB|POP_AR1H_AR0H|NORM|par_MOV32_RcH"
-)  # instructions that need not write the whole of any register
-BYTE = re.compile(r"loc16_.*[LM]SB")  # instructions that write a byte of a word
+# Instructions that need not write the whole of any register.
+PARTLY = re.compile(r"[LM]SB|POP_AR1H_AR0H|NORM|par_MOV32_RcH")
 WINDOW_FORMS = ("MOV32_loc32_ind_0_16", "MOV32_ind_0_16_loc32")
 FLOAT_WINDOW = range(FPU_FIRST, FPU_FIRST + 8 * FPU_APART, FPU_APART)  # addresses with which these move from or to RnH
 
@@ -86,7 +86,6 @@ class DataFlow(NamedTuple):
     decides: the sources that decide what the CPU executes next, or which results are written.
     memory_decides: True if a memory word that is read decides this, too.
     pointers: the parts from which the address of the operand in memory is computed.
-    keeps: True if the instruction keeps a part of the memory word that it writes.
     """
 
     sources: int
@@ -95,7 +94,6 @@ class DataFlow(NamedTuple):
     decides: int
     memory_decides: bool
     pointers: int
-    keeps: bool
 
 
 def data_flow(encoding: Encoding, fields: Mapping[str, int]) -> DataFlow:
@@ -129,7 +127,6 @@ def data_flow(encoding: Encoding, fields: Mapping[str, int]) -> DataFlow:
         (sources if system else tested) & ~SYSTEM,
         bool(system),
         _pointers(encoding, fields),
-        BYTE.search(encoding.id) is not None,
     )
 
 
@@ -207,13 +204,13 @@ def _move_to_st0(fields: Mapping[str, int]) -> DataFlow:
         for name in names.split()
         if any(flags >> MOVST0_BITS[one] & 1 for one in copied)
     )
-    return DataFlow(sources, replaces, sources & BITS["LVF"], 0, False, 0, False)
+    return DataFlow(sources, replaces, sources & BITS["LVF"], 0, False, 0)
 
 
 def _set_mode(fields: Mapping[str, int]) -> DataFlow:
     """Return the data flow of SETC and CLRC, which set or clear the bits that field y selects."""
     selected = _mask(name for bit, name in enumerate(STATUS_BITS) if fields["y"] >> bit & 1 and name in NAMED)
-    return DataFlow(0, selected, 0, 0, False, 0, False)
+    return DataFlow(0, selected, 0, 0, False, 0)
 
 
 BY_FIELD = {"MOVST0_FLAG": _move_to_st0, "SETC_mode": _set_mode, "CLRC_mode": _set_mode}

@@ -137,7 +137,7 @@ class DataMarks:
     def decoded(self, address: int) -> None:
         """Receive the address of a word that is decoded as an instruction."""
         if self.memory[address]:
-            self._find(address, "it is an instruction that data have written")
+            self._find(address, "data are executed as an instruction")
 
     # Instructions --------------------------------------------------------------------------
 
@@ -158,21 +158,21 @@ class DataMarks:
             self.registers |= f.replaces | f.changes
             if f.late:
                 self._due = f.replaces & ANY_FLOAT
-            self._mark_stores(MARKED, False)
+            self._mark_stores(MARKED)
         else:
             if f.late:
                 self._late = self.registers & f.replaces & ANY_FLOAT
             self.registers &= ~f.replaces
-            self._mark_stores(0, f.keeps)
+            self._mark_stores(0)
         self.registers |= due
         if self._sends and self._is_master:
             self._find(f.address, "data are sent to a target on the I2C bus, which can act on them")
         self._has_read, self._has_sent, self._stored, self._setting = False, False, 0, ""
 
-    def _mark_stores(self, mark: int, keeps: bool) -> None:
+    def _mark_stores(self, mark: int) -> None:
         at: int
         for at in range(self._stored):
-            self._put(self._stores[at], self.memory[self._stores[at]] if keeps else mark)
+            self._put(self._stores[at], mark)
 
     def _put(self, address: int, mark: int) -> None:
         if self.memory[address] != mark:
@@ -222,5 +222,5 @@ def _set_flow(f: Operation) -> None:
     flow = data_flow(f.encoding, {letter: getattr(f, letter) for letter in f.encoding.fields})
     f.sources, f.replaces, f.changes = flow.sources, flow.replaces, flow.changes
     f.decides, f.pointers = flow.decides, flow.pointers
-    f.memory_decides, f.keeps = flow.memory_decides, flow.keeps
+    f.memory_decides = flow.memory_decides
     f.has_flow = True

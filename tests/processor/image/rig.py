@@ -29,7 +29,28 @@ _c_int00: EALLOW
  MOV @WDCR,#0x68
  EDIS
 """
+VECTOR = """
+ MOVL XAR4,#_routine
+ EALLOW
+ MOVL XAR5,#0x0D4C
+ MOVL *XAR5,XAR4
+ EDIS
+"""
 ENPIE = " MOVW DP,#0x0CE0 >> 6\n MOV @0x0CE0,#1\n"
+
+
+def timer(cycles: int) -> str:
+    """Assembly after HEAD: timer 0 requests TINT0 every so many cycles, and its vector is that of _routine."""
+    return f"""{VECTOR}
+ MOVW DP,#0x0CE0 >> 6
+ MOV @0x0CE0,#1
+ MOV @0x0CE2,#0x40
+ MOVW DP,#0x0C00 >> 6
+ MOVL XAR6,#{cycles - 1}
+ MOVL @0x0C02,XAR6
+ MOV @TCR,#0x4020
+ OR IER,#1
+"""
 
 
 class Rig:

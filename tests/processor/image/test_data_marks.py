@@ -17,7 +17,7 @@ from periph_sim.processor.image.data_marks import DataMarks
 from periph_sim.processor.image_files.model import Image, Section
 from periph_sim.processor.user_code import FirmwareError
 from tests.processor.c28x.execution.random_instructions import FORMS, pair_of
-from tests.processor.image.rig import HEAD, Rig
+from tests.processor.image.rig import HEAD, Rig, timer
 
 DATA, OTHER, FREE = range(0x8200, 0x8210), range(0x8210, 0x8220), range(0x8220, 0x8300)
 BEGIN = " MOVL XAR4,#0x8200\n MOVL XAR5,#0x8220\n"
@@ -102,7 +102,7 @@ def test_words_that_data_reach(source: str, found: set[int]) -> None:
         (f"{MASTER} MOV @0x7908,#5\n MOV AL,*XAR4\n", None),
         (
             " MOV ACC,*XAR4\n ANDB AL,#0\n OR AL,#0x7700\n MOVL XAR6,#next\n MOV *XAR6,AL\nnext: NOP\n",
-            "it is an instruction",
+            "data are executed as an instruction",
         ),
         (f"{SENDS} MOV AL,@0x7055\n SB next,NEQ\nnext: NOP\n", None),
     ],
@@ -180,25 +180,13 @@ def test_cleared_words_have_no_mark() -> None:
 # Interrupts -------------------------------------------------------------------------------------------------
 
 
-TIMER = """
- MOVL XAR4,#_routine
- EALLOW
- MOVL XAR5,#0x0D4C
- MOVL *XAR5,XAR4
- EDIS
- MOVW DP,#0x0CE0 >> 6
- MOV @0x0CE0,#1
- MOV @0x0CE2,#0x40
- MOVW DP,#0x0C00 >> 6
- MOVL XAR6,#99
- MOVL @0x0C02,XAR6
- MOV @0x0C04,#0x4020
- OR IER,#1
- MOVL XAR4,#0x8200
- MOVL XAR5,#0x8220
+LOOP = (
+    BEGIN
+    + """\
  MOVB XAR6,#20
  CLRC INTM
 """
+)
 ROUTINE = """
  .global _routine
 _routine: PUSH XAR4
@@ -233,7 +221,7 @@ _routine: PUSH XAR4
     ],
 )
 def test_marks_of_registers_that_an_interrupt_saves(loop: str, use: str, found: set[int], how: str | None) -> None:
-    source = f"{TIMER}again:{loop} BANZ again,AR6--\n SETC INTM\n ESTOP0\n{ROUTINE.format(use=use)}"
+    source = f"{timer(100)}{LOOP}again:{loop} BANZ again,AR6--\n SETC INTM\n ESTOP0\n{ROUTINE.format(use=use)}"
     marks, rig = marked(source, "TIMER0")
     assert sum(one.what == "TINT0" for one in rig.records) > 10
     assert words(marks) - {*range(0x400, 0x440)} == found

@@ -9,7 +9,7 @@ import pytest
 from periph_sim.core.records import Kind
 from periph_sim.f28335.pie.register_map import PIECTRL
 from periph_sim.processor.user_code import FirmwareError
-from tests.processor.image.rig import ENPIE, HEAD, Rig
+from tests.processor.image.rig import ENPIE, HEAD, Rig, timer
 
 CYCLE = 400  # ticks, behind reset: 30 MHz / 4, of ticks of 1/3 ns
 COUNT = 0x9100
@@ -17,20 +17,8 @@ COUNT = 0x9100
 # Timer 0 interrupts every 500 cycles; its routine counts and keeps nothing itself.
 TIMER = (
     HEAD
-    + """
- MOVL XAR4,#_routine
- EALLOW
- MOVL XAR5,#0x0D4C
- MOVL *XAR5,XAR4
- EDIS
- MOVW DP,#0x0CE0 >> 6
- MOV @0x0CE0,#1
- MOV @0x0CE2,#0x40
- MOVW DP,#0x0C00 >> 6
- MOVL XAR6,#499
- MOVL @0x0C02,XAR6
- MOV @TCR,#0x4020
- OR IER,#1
+    + timer(500)
+    + """\
  SETC SXM,OVM
  MOVL XAR0,#0x12345
  CLRC INTM

@@ -8,36 +8,16 @@ import pytest
 
 from periph_sim.core.options import Value
 from periph_sim.core.records import Kind
-from tests.processor.image.rig import ENPIE, HEAD, Rig, ended
+from tests.processor.image.rig import ENPIE, HEAD, VECTOR, Rig, ended, timer
 
 # Interrupts ---------------------------------------------------------------------------------------------------------
 
-VECTOR = """
- MOVL XAR4,#_routine
- EALLOW
- MOVL XAR5,#0x0D4C
- MOVL *XAR5,XAR4
- EDIS
-"""
-TIMER = (
-    VECTOR
-    + """
- MOVW DP,#0x0CE0 >> 6
- MOV @0x0CE0,#1
- MOV @0x0CE2,#0x40
- MOVW DP,#0x0C00 >> 6
- MOVL XAR6,#199
- MOVL @0x0C02,XAR6
- MOV @TCR,#0x4020
- OR IER,#1
-"""
-)
 CYCLE = 400  # ticks: the CPU runs on a quarter of 30 MHz
 
 
 def asleep(intm: str, **options: Value) -> tuple[int, int]:
     """A program that sleeps in IDLE until timer 0: (the cycle of ESTOP0, the tick of the routine's first one)."""
-    source = f"{HEAD}{TIMER} {intm} INTM\n IDLE\n ESTOP0\n .global _routine\n_routine: IRET\n"
+    source = f"{HEAD}{timer(200)} {intm} INTM\n IDLE\n ESTOP0\n .global _routine\n_routine: IRET\n"
     rig = Rig(source, "TIMER0", **options).run()
     assert rig.program.returned_at is not None
     entered = [record.tick for record in rig.records if record.kind is Kind.IRQ and record.value]
@@ -137,7 +117,7 @@ def test_an_interrupt_behind_an_operation_lets_its_result_arrive(answer: str):
         body = " MPYF32 R2H,R0H,R1H\n NOP\n MOV32 R2H,R3H\n NOP\n" * 60
         routine = " .global _routine\n_routine: MOV32 R7H,R2H\n ESTOP0\n"
         loads = " MOVIZ R0H,#0x4000\n MOVIZ R1H,#0x4040\n MOVIZ R3H,#0x3F80\n MOV32 R2H,R3H\n"
-        source = f"{HEAD}{loads}{TIMER} CLRC INTM\n" + " NOP\n" * shift + body + " ESTOP0\n" + routine
+        source = f"{HEAD}{loads}{timer(200)} CLRC INTM\n" + " NOP\n" * shift + body + " ESTOP0\n" + routine
         rig = Rig(source, "TIMER0", fpu_delay_slot=answer).run()
         seen.append(struct.unpack("f", struct.pack("I", rig.cpu.r[7]))[0])
     assert sorted(seen) == [1.0, 1.0, 6.0, 6.0]

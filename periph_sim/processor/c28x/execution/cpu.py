@@ -46,15 +46,15 @@ class Operation:
     plain: the function that writes all results at once. It is set only by `delay_slots.delay`, which changes `execute`.
     waited: True if the instruction is in memory with wait states.
     tested: mask of the bits of the operand that TBIT or AND AX,loc16,#16 tests; 0 for other instructions.
-    has_flow: True after `data_flow` was stored in the attributes sources, replaces, changes, decides, memory_decides,
-        pointers and keeps, see `data_flow.DataFlow`. Only `image.data_marks` uses them.
+    has_flow: True after `data_flow` was stored in the attributes sources, replaces, changes, decides, memory_decides
+        and pointers, see `data_flow.DataFlow`. Only `image.data_marks` uses them.
     block, block_end: for an instruction that accesses data, the address range of the memory block that contains the
         instruction; otherwise 0.
     """
 
     __slots__ = (
         "absolute", "accesses", "address", "at_once", "b", "block", "block_end", "byte", "c", "changes", "cycles",
-        "decides", "encoding", "execute", "following", "g", "goal", "h", "has_flow", "i", "jumps", "k", "keeps", "l",
+        "decides", "encoding", "execute", "following", "g", "goal", "h", "has_flow", "i", "jumps", "k", "l",
         "late", "loops", "m", "makes", "memory_decides", "n", "needs", "next", "not_taken", "p", "place", "plain",
         "pointers", "q", "r", "repeated", "replaces", "s", "sources", "t", "tested", "u", "v", "w", "waited", "wide",
         "x", "y", "z",
@@ -71,7 +71,7 @@ class Operation:
         self.accesses = self.absolute = self.tested = self.needs = self.makes = self.late = 0
         self.block = self.block_end = 0
         self.sources = self.replaces = self.changes = self.decides = self.pointers = 0
-        self.has_flow = self.memory_decides = self.keeps = False
+        self.has_flow = self.memory_decides = False
         self.at_once = self.byte = self.jumps = self.loops = self.waited = self.wide = False
         self.following: Operation | None = None
         self.goal: Operation | None = None

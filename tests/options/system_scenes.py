@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from periph_sim.core.options import Value
 from tests.options.unit import Scene
-from tests.processor.image.rig import ENPIE, HEAD
-from tests.processor.image.test_open_timing import TIMER, VECTOR
+from tests.processor.image.rig import ENPIE, HEAD, VECTOR, timer
 
 TIMER0 = "TCR=10 PRDH=0 PRD=63 TCR=4020 "  # every 100 cycles, TIE, begun
 SCI = "PCLKCR0=400 +10 SCICCR=7 SCICTL1=3 SCIHBAUD=0 SCILBAUD=18 SCICTL1=23 "
@@ -24,7 +23,7 @@ INTR = ENPIE + VECTOR.replace("0x0D4C", "0x0D40") + " OR IFR,#1 ; INTR INT1"
 
 SCENES = {
     # CPU interrupts
-    "asleep": image(f"{TIMER} CLRC INTM ; IDLE", "TIMER0", behind=ROUTINE),
+    "asleep": image(f"{timer(200)} CLRC INTM ; IDLE", "TIMER0", behind=ROUTINE),
     "two interrupts": Scene(TIMER0 + "+400 TCR", ("TIMER0",), service={"TINT0": "TCR=c000 +150 PIEACK=1"}, cycles=2000),
     "INTR with its flag": image(f"{INTR} ; MOVW DP,#0x0C00 >> 6 ; PUSH IFR ; POP @0x0C02", "TIMER0", behind=ROUTINE),
     # PIE

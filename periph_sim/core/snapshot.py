@@ -29,7 +29,7 @@ from .state import State, Time, state_of
 
 NOT_YET = -1  # an instant that is not known yet
 PLAIN = frozenset((type(None), bool, int, float, str, bytes, Fraction, datetime))
-PLAIN_OR_ENUM = (*PLAIN, Enum)
+OTHER_PLAIN = (Enum, int, float, str, bytes)  # objects of subclasses of these are plain, too
 CONTAINERS = (list, tuple, deque, set, frozenset, dict, bytearray, array)
 ARRAY = "array of "  # how the text `kind` of an array begins; the type code of the array's items follows
 KEYED_BY_OBJECTS = "dict keyed by objects"
@@ -332,7 +332,9 @@ def _first_instant(values: tuple[Any, ...]) -> int:
 
 
 def _is_plain(value: object) -> bool:
-    return isinstance(value, PLAIN_OR_ENUM) or (isinstance(value, tuple) and _are_plain(value))
+    if isinstance(value, tuple):
+        return _are_plain(value)
+    return type(value) in PLAIN or isinstance(value, OTHER_PLAIN)
 
 
 def _are_plain(values: Collection[object]) -> bool:

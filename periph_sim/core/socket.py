@@ -29,7 +29,7 @@ from .wire import BITS, MAX_PARTIES, Pin
 WAKE, LOOK = 0, 1
 RECORD = 16
 MOVE = (1 << RECORD) - 1
-_NO_PINS: list[Pin] = []  # shared by all outputs that are not connected, so it must stay empty
+NO_PINS: list[Pin] = []
 
 
 class PinReleaseGate:
@@ -113,7 +113,7 @@ class Socket(Agent):
     ) -> None:
         self.name = name
         self.chip = chip
-        self.pins: list[list[Pin]] = [_NO_PINS] * len(chip.OUTPUTS)  # the pins of each output; set by `connect`
+        self.pins: dict[int, list[Pin]] = {}  # the pins of each output that `connect` has connected
         self.inputs = Sampler(kernel, recorder, self, sum(BITS[: len(chip.INPUTS)]))
         self.marks: WriteOrigins | None = chip.marks
         self.out_delay = 0  # cycles from an output of the chip to its pin
@@ -309,7 +309,7 @@ class Socket(Agent):
     def _set_pins(self, index: int, level: int) -> None:
         if not index and level and self.release is not None and self.release.holds_back():
             return
-        pins = self.pins[index]
+        pins: list[Pin] = self.pins.get(index, NO_PINS)
         pin: Pin
         for pin in pins:
             pin.wire.pull(pin.mask, level)
@@ -350,7 +350,7 @@ class Socket(Agent):
 
     def connect(self, index: int, pins: list[Pin]) -> None:
         """Make output `index` drive exactly `pins`. Other pins that this output drove before are released."""
-        for pin in self.pins[index]:
+        for pin in self.pins.get(index, NO_PINS):
             if pin not in pins:
                 pin.drive(1)
         self.pins[index] = pins

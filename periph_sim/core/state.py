@@ -21,6 +21,8 @@ class Time(Enum):
     CYCLES = "cycles of the unit's clock"
     RECORDS = "numbers of records"
 
+    __hash__ = object.__hash__  # that of Enum is slow, and a normal state needs hundreds of them
+
 
 class State:
     """The attributes of a class that are its state. Arguments that are texts are names with spaces between them.

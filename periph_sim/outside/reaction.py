@@ -176,7 +176,7 @@ class Reaction:
 
     def _lines(self) -> None:
         """Update `_pins`, and the names of the lines to which the I2C modules are connected."""
-        pins = [pins for socket, _ in self._modules for pins in socket.pins]  # SCL and SDA of each module
+        pins = [pins for socket, _ in self._modules for pins in (socket.pins.get(0, []), socket.pins.get(1, []))]
         if pins != self._pins:
             self._pins = pins
             scl, sda = ({pin.wire.name for some in pins[line::2] for pin in some} for line in (0, 1))

@@ -49,7 +49,7 @@ class I2cModuleParty(BitParty):
     def pulls(self, line: int) -> int:
         mask: int = 0
         pin: Pin
-        for pin in self._socket.pins[0 if line == SCL else 1]:
+        for pin in self._socket.pins.get(0 if line == SCL else 1, []):
             mask |= pin.mask
         return mask
 

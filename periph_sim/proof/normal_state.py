@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Callable, Collection, Mapping
+from functools import partial
 from hashlib import blake2b
 from math import lcm
 from operator import attrgetter
@@ -48,7 +49,7 @@ class NotComparable(Exception):
 class AttributePlan(NamedTuple):
     """The way in which the attributes of a class are collected.
 
-    kind: the name of the class. state: its declared state.
+    kind: the name of the class. state: its declared state. normalises: True if it has a method `normal_state`.
     names: the attributes that are stored as they are, if their values are plain.
     values: a function that returns the values of `names` for an object.
     others: the other attributes that belong to the normal form.
@@ -56,6 +57,7 @@ class AttributePlan(NamedTuple):
 
     kind: str
     state: State
+    normalises: bool
     names: tuple[str, ...]
     values: Callable[[object], Any]
     others: tuple[str, ...]
@@ -81,19 +83,18 @@ class NormalCollector(Collector):
 
     def attributes(self, name: str, target: object) -> None:
         kind = type(target)
-        normal = getattr(target, "normal_state", None)
-        if normal is not None:
-            for path, value in normal(self.now[Time.CYCLES], self.now[Time.TICKS]).items():
-                *parts, attribute = path.split(".")
-                owner: object = target
-                for part in parts:
-                    owner = getattr(owner, part)
-                self._instead.setdefault(id(owner), {})[attribute] = value
-        instead = self._instead.get(id(target), {})
-        key = kind, frozenset(instead)
-        if key not in _plans:
-            _plans[key] = _plan(kind, instead)
-        plan = _plans[key]
+        instead: dict[str, object] = self._instead.get(id(target), NOTHING)
+        plan: AttributePlan | None = _plans.get(kind) if not instead else None
+        if plan is None or plan.normalises:
+            if hasattr(target, "normal_state"):
+                self._normalise(target)
+                instead = self._instead.get(id(target), NOTHING)
+            key: object = (kind, frozenset(instead)) if instead else kind
+            if key not in _plans:
+                _plans[key] = _plan(kind, instead)
+            plan = _plans[key]
+        assert plan is not None
+        values: Any
         try:
             values = plan.values(target)
         except AttributeError:  # some attributes are not set yet
@@ -101,12 +102,13 @@ class NormalCollector(Collector):
         stored: list[object] = [plan.kind, *values]
         self.values[name] = stored
         if name in self._owners or not {*map(type, values)} <= PLAIN:
-            for number, (attribute, value) in enumerate(zip(plan.names, values, strict=True), 1):
+            for number, value in enumerate(values):
+                attribute = plan.names[number]
                 if type(value) not in PLAIN:
-                    stored[number] = ""
+                    stored[number + 1] = ""
                     self._value(f"{name}.{attribute}", value, Time.NONE)
                 elif f"{name}.{attribute}" in self._ignored:
-                    stored[number] = None
+                    stored[number + 1] = None
         state = plan.state
         for attribute in plan.others:
             if attribute in instead:
@@ -116,6 +118,15 @@ class NormalCollector(Collector):
         for attribute in state.results:
             if attribute in instead:
                 self.values[f"{name}.{attribute}"] = instead[attribute]
+
+    def _normalise(self, target: Any) -> None:
+        """Call the method `normal_state` of an object, and keep the values that replace those of attributes."""
+        for path, value in target.normal_state(self.now[Time.CYCLES], self.now[Time.TICKS]).items():
+            *parts, attribute = path.split(".")
+            owner: object = target
+            for part in parts:
+                owner = getattr(owner, part)
+            self._instead.setdefault(id(owner), {})[attribute] = value
 
     def collect(self, place: str, target: object, attribute: str, state: State) -> None:
         """See `Collector.collect`."""
@@ -173,17 +184,23 @@ def _plan(kind: type, instead: Collection[str]) -> AttributePlan:
     counts = [name for name, time in state.times.items() if name not in state.results and time is not Time.RECORDS]
     special = {*state.grids, *state.expires, *state.chains, *instead}
     plain = tuple(name for name in counts if name not in special and state.times[name] is Time.NONE)
-    get = attrgetter(*plain) if plain else None
-
-    def values(target: object) -> Any:
-        if get is None:
-            return ()
-        return get(target) if len(plain) > 1 else (get(target),)
-
-    return AttributePlan(class_name(kind), state, plain, values, tuple(name for name in counts if name not in plain))
+    values: Callable[[object], Any] = _no_values
+    if plain:
+        values = attrgetter(*plain) if len(plain) > 1 else partial(_one_value, plain[0])
+    others = tuple(name for name in counts if name not in plain)
+    return AttributePlan(class_name(kind), state, hasattr(kind, "normal_state"), plain, values, others)
 
 
-_plans: dict[tuple[type, frozenset[str]], AttributePlan] = {}
+def _no_values(target: object) -> Any:
+    return ()
+
+
+def _one_value(attribute: str, target: object) -> Any:
+    return (getattr(target, attribute),)
+
+
+NOTHING: dict[str, object] = {}
+_plans: dict[object, AttributePlan] = {}  # by the class, or by the class and the names of replaced attributes
 
 
 def normal_state(scene: Scene, ignored: Collection[str] = ()) -> NormalState:
@@ -225,7 +242,7 @@ def digest(state: NormalState) -> bytes:
 def differences(one: NormalState, other: NormalState) -> list[str]:
     """Return the names of the attributes that differ in two states."""
     found: list[str] = []
-    plans = {(class_name(kind), len(plan.names)): plan for (kind, _), plan in _plans.items()}
+    plans = {(plan.kind, len(plan.names)): plan for plan in _plans.values()}
     for name in {**one, **other}:
         here, there = one.get(name), other.get(name)
         if here == there:

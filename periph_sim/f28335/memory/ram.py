@@ -55,11 +55,27 @@ def block_at(address: int) -> RamBlock | None:
     return BY_PAGE[address >> PAGE] if 0 <= address < END else None
 
 
-# To compare contents of memory, two polynomials are evaluated, each modulo a prime number. The coefficients are pairs
-# of words, which are less than the product of the primes. Two different contents have equal remainders with a
-# probability of about 2 ** -62.
-MODULUS, OTHER_MODULUS = 2**31 - 1, 2**31 - 19
-FACTOR, OTHER_FACTOR = 65_599, 1_000_003
+@final
+class Remainders:
+    """Two remainders that stand for the contents of a memory, which are too many words to compare one by one.
+
+    The contents are the coefficients of a polynomial: the place and the value of each word, or pair of words, that is
+    not 0. It is evaluated modulo two prime numbers. Two different contents have equal remainders with a probability of
+    about 2 ** -62.
+    """
+
+    __slots__ = ("_first", "_second")
+
+    def __init__(self) -> None:
+        self._first = self._second = 0
+
+    def add(self, place: int, value: int) -> None:
+        """Add a value that is not 0. Callers must add the values of a memory in the order of their places."""
+        self._first = ((self._first * 65_599 + place) % (2**31 - 1) * 65_599 + value) % (2**31 - 1)
+        self._second = ((self._second * 1_000_003 + place) % (2**31 - 19) * 1_000_003 + value) % (2**31 - 19)
+
+    def both(self) -> tuple[int, int]:
+        return self._first, self._second
 
 
 @final
@@ -76,15 +92,15 @@ class HighRam:
         self.words = [0] * HIGH_WORDS
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return two remainders in place of the words, which are too many to compare. See `proof.normal_state`."""
-        first: int = 0
-        second: int = 0
+        """Return remainders in place of the words. See `proof.normal_state`."""
+        found = Remainders()
+        place: int
         for place in range(0, HIGH_WORDS, 2):
             pair: int = self.words[place]
             pair = pair << 16 | self.words[place + 1]
-            first = (first * FACTOR + pair) % MODULUS
-            second = (second * OTHER_FACTOR + pair) % OTHER_MODULUS
-        return {"words": (first, second)}
+            if pair:
+                found.add(place, pair)
+        return {"words": found.both()}
 
 
 @final
@@ -102,15 +118,13 @@ class Ram:
         self._high: HighRam | None = None
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return two remainders in place of the words, which are too many to compare. See `proof.normal_state`."""
-        first: int = 0
-        second: int = 0
-        for place in range(0, LOW_WORDS, 2):
-            pair: int = self._low[place]
-            pair = pair << 16 | self._low[place + 1]
-            first = (first * FACTOR + pair) % MODULUS
-            second = (second * OTHER_FACTOR + pair) % OTHER_MODULUS
-        return {"_low": (first, second)}
+        """Return remainders in place of the words. See `proof.normal_state`."""
+        found = Remainders()
+        place: int
+        for place in range(LOW_WORDS):
+            if self._low[place]:
+                found.add(place, self._low[place])
+        return {"_low": found.both()}
 
     def word(self, address: int) -> int:
         if address < HIGH:

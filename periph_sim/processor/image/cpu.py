@@ -16,7 +16,7 @@ from typing import Annotated, Any, final
 from ...core.chip import Note
 from ...core.state import State
 from ...f28335.cpu.interrupts import CONTEXT_SP, EALLOW, INTM, frame_of
-from ...f28335.memory.ram import FACTOR, MODULUS, OTHER_FACTOR, OTHER_MODULUS, block_at
+from ...f28335.memory.ram import Remainders, block_at
 from ...f28335.system_options import SystemOptions
 from ..c28x.decoder import Instruction, decode_at
 from ..c28x.delay_slots import arrive, delay, late_results, not_kept
@@ -29,7 +29,6 @@ from ..processor import Processor
 from .memory import RAM_TO, ImageMemory, first_address, in_plain_ram
 
 TIMING = 38  # index of the first entry of the pipeline in the result of `ImageCpu.state`
-FLAGS = 16  # number of words whose flags are a coefficient of a polynomial (see `MODULUS` in `f28335.memory.ram`)
 PACKED = TIMING + STORES_PACKED + QUEUE_PACKED  # number of entries in the result of `ImageCpu.state`
 
 
@@ -204,17 +203,20 @@ class ImageCpu(ImageMemory):
         return tuple(self._packed)
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return the pipeline and the fetch queue as in `state`, and a hash of `_written`. See `proof.normal_state`."""
-        first: int = 0
-        second: int = 0
-        bits: int = 0
+        """Return the pipeline and the fetch queue as in `state`, and remainders in place of `_written`.
+
+        See `proof.normal_state`.
+        """
+        found = Remainders()
+        flags: int = 0  # those of 16 words
+        place: int
         for place in range(RAM_TO):
-            bits = bits << 1 | self._written[place]
-            if place % FLAGS == FLAGS - 1:
-                first = (first * FACTOR + bits) % MODULUS
-                second = (second * OTHER_FACTOR + bits) % OTHER_MODULUS
-                bits = 0
-        return {"timing": self.state()[TIMING:], "_kept": None, "_written": (first, second)}
+            flags = flags << 1 | self._written[place]
+            if place & 15 == 15:
+                if flags:
+                    found.add(place, flags)
+                flags = 0
+        return {"timing": self.state()[TIMING:], "_kept": None, "_written": found.both()}
 
     def is_as_before(self) -> bool:
         """Return True if the result of `state` is equal to that at the last call of this method."""

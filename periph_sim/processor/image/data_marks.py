@@ -20,7 +20,7 @@ from typing import Annotated, NamedTuple, final
 
 from ...core.state import State
 from ...f28335.i2c.register_map import MDR_DLB, MDR_MST
-from ...f28335.memory.ram import END
+from ...f28335.memory.ram import END, Remainders
 from ...form.c_types import UInt16
 from ..c28x.data_flow import ANY_FLOAT, BITS, ST0, data_flow
 from ..c28x.execution.cpu import Operation
@@ -29,7 +29,7 @@ from ..operand import Operand
 # Registers that can contain data of a frame: received data, and data to send, which firmware can read back.
 OF_DATA = frozenset(["SCIRXBUF", "SCIRXEMU", "SCITXBUF", "SPIRXBUF", "SPIRXEMU", "SPITXBUF", "SPIDAT", "I2CDXR"])
 LINES = frozenset(["GPADAT", "GPBDAT", "GPCDAT"])  # registers that show the levels of lines with data
-LOOPED = "I2CDRR"  # it has data of a frame only if the module receives what it sends
+LOOPED = "I2CDRR"  # it has data of a frame only if the module receives what it sends, or a target answers with it
 MARKED = 0x1FF  # the mark of a word. A word with the saved ST0 has the marks of its fields instead.
 FIELDS = 22  # the number of the lowest bit of ST0 in a mask of parts
 # For each of the first 8 words of the context that an interrupt saves, the part that it contains; 0 for ST0.
@@ -57,7 +57,7 @@ class DataMarks:
     """
 
     STATE = State(
-        "registers memory found _loops_back _is_master _sends _late _due _changes _kept_registers _kept_changes",
+        "registers memory found _late _due _changes _kept_registers _kept_changes",
         results="_changes",
     )
 
@@ -71,9 +71,6 @@ class DataMarks:
         for address in marked:
             self.memory[address] = MARKED
         self.found: DataUse | None = None
-        self._loops_back = False  # True if an I2C module was in loopback mode
-        self._is_master = False  # True if an I2C module was in master mode
-        self._sends = False  # True if data were written to I2CDXR
         self._late = 0  # marks of FPU registers whose old values the next instruction may still read
         self._due = 0  # marks of FPU registers that may be written only after the next instruction
         self._changes = 0  # number of changes of `memory`
@@ -82,17 +79,17 @@ class DataMarks:
         self._has_read = False  # True if it has read a marked word
         self._stores = [0] * MOST_STORES
         self._stored = 0  # number of entries of `_stores`, the addresses to which it has written
-        self._has_sent = False  # True if it has written to I2CDXR
+        self._is_master = False  # True if it has made an I2C module a master, or has switched on its loopback mode
         self._setting = ""  # the name of the register or memory to which it has written, and which must not be marked
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return the marked addresses in place of the marks of all words. See `proof.normal_state`."""
-        marked: list[int] = []
+        """Return remainders in place of the marks of words. See `proof.normal_state`."""
+        found = Remainders()
         address: int
         for address in range(END):
             if self.memory[address]:
-                marked.append(address << 9 | self.memory[address])
-        return {"memory": tuple(marked), "_kept_registers": None, "_kept_changes": None}
+                found.add(address, self.memory[address])
+        return {"memory": found.both(), "_kept_registers": None, "_kept_changes": None}
 
     def is_as_before(self) -> bool:
         """Return True if the marks of registers are as at the last call, and no mark of a word has changed since."""
@@ -119,7 +116,7 @@ class DataMarks:
     def loaded_register(self, operand: Operand) -> None:
         """Receive a register that was read."""
         name = operand.register.name
-        if name in OF_DATA or name in LINES or (self._loops_back and name == LOOPED):
+        if name in OF_DATA or name in LINES:
             self._has_read = True
 
     def stored_elsewhere(self, operand: Operand | None, value: int) -> None:
@@ -128,11 +125,7 @@ class DataMarks:
             self._setting = "memory outside of RAM"
         elif not operand.to_send:
             self._setting = operand.register.name
-            if self._setting == "I2CMDR":
-                self._loops_back = self._loops_back or value & MDR_DLB != 0
-                self._is_master = self._is_master or value & MDR_MST != 0
-        elif operand.register.name == "I2CDXR":
-            self._has_sent = True
+            self._is_master = self._setting == "I2CMDR" and value & (MDR_DLB | MDR_MST) != 0
 
     def decoded(self, address: int) -> None:
         """Receive the address of a word that is decoded as an instruction."""
@@ -154,7 +147,6 @@ class DataMarks:
         if self._has_read or before & f.sources:
             if self._setting:
                 self._find(f.address, f"data are written to {self._setting}")
-            self._sends = self._sends or self._has_sent
             self.registers |= f.replaces | f.changes
             if f.late:
                 self._due = f.replaces & ANY_FLOAT
@@ -165,9 +157,9 @@ class DataMarks:
             self.registers &= ~f.replaces
             self._mark_stores(0)
         self.registers |= due
-        if self._sends and self._is_master:
-            self._find(f.address, "data are sent to a target on the I2C bus, which can act on them")
-        self._has_read, self._has_sent, self._stored, self._setting = False, False, 0, ""
+        if self._is_master:
+            self._find(f.address, "I2CMDR makes the module a master or its own receiver, and data sent can decide")
+        self._has_read, self._is_master, self._stored, self._setting = False, False, 0, ""
 
     def _mark_stores(self, mark: int) -> None:
         at: int

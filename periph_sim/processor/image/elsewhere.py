@@ -25,7 +25,7 @@ from ...core.state import State
 from ...f28335.cpu.interrupts import CpuInterrupts
 from ...f28335.descriptor import FLASH, Part
 from ...f28335.memory.address_space import Area, Content, area_at, full_name, is_protected, register_name
-from ...f28335.memory.ram import FACTOR, MODULUS, OTHER_FACTOR, OTHER_MODULUS
+from ...f28335.memory.ram import Remainders
 from ...f28335.parts.f28335 import PART
 from ...form.c_types import UInt16
 from ..c28x.execution.registers import IllegalOperation
@@ -69,15 +69,15 @@ class UnmappedMemory:
     _part: Part
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """Return two hash values in place of the words and their properties. See `proof.normal_state`."""
-        first: int = 0
-        second: int = 0
+        """Return remainders in place of the words and their properties. See `proof.normal_state`."""
+        found = Remainders()
+        place: int
         for place in range(FRAMES_END):
             both: int = self._frames[place]
             both = both << 16 | self._states[place]
-            first = (first * FACTOR + both) % MODULUS
-            second = (second * OTHER_FACTOR + both) % OTHER_MODULUS
-        return {"_frames": (first, second), "_states": None}
+            if both:
+                found.add(place, both)
+        return {"_frames": found.both(), "_states": None}
 
     def __init__(self, core: CpuInterrupts, notes: FirmwareNotes) -> None:
         self.changed: Callable[[], None] | None = None

@@ -22,7 +22,6 @@ from tests.processor.image.rig import HEAD, Rig, timer
 DATA, OTHER, FREE = range(0x8200, 0x8210), range(0x8210, 0x8220), range(0x8220, 0x8300)
 BEGIN = " MOVL XAR4,#0x8200\n MOVL XAR5,#0x8220\n"
 SENDS = " MOVW DP,#0x7050 >> 6\n"  # the page of SCI-A
-MASTER = " MOVW DP,#0x7900 >> 6\n MOV @0x7909,#0x0620\n"  # the page of I2C-A, which is out of reset
 PROGRAMS = 300
 LENGTH = 8  # random instructions in a program
 OPERANDS = (0x41, 0x05, 0x84, 0x85, 0xA1, 0xA8, 0xA9, 0xAB, 0xC4, 0xCC, 0xC5)  # values of field l
@@ -94,12 +93,10 @@ def test_words_that_data_reach(source: str, found: set[int]) -> None:
         (f"{SENDS} MOV AL,@0x7057\n SB next,NEQ\nnext: NOP\n", "data decide a branch"),
         (f"{SENDS} MOV @0x7059,#5\n MOV AL,@0x7059\n SB next,NEQ\nnext: NOP\n", "data decide a branch"),
         (" MOVW DP,#0x6FC0 >> 6\n TBIT @0x6FC0,#3\n SB next,TC\nnext: NOP\n", "data decide a branch"),
-        (f"{MASTER} MOV AL,@0x7906\n SB next,NEQ\nnext: NOP\n", None),
-        (f"{MASTER} OR @0x7909,#0x40\n MOV AL,@0x7906\n SB next,NEQ\nnext: NOP\n", "data decide a branch"),
-        (f"{MASTER} MOV AL,*XAR4\n MOV @0x7908,AL\n", "data are sent to a target"),
-        (" MOVW DP,#0x7900 >> 6\n MOV AL,*XAR4\n MOV @0x7908,AL\n MOV @0x7909,#0x0420\n", "data are sent to a target"),
+        (" MOVW DP,#0x7900 >> 6\n MOV @0x7909,#0x0420\n", "I2CMDR makes the module a master"),
+        (" MOVW DP,#0x7900 >> 6\n MOV @0x7909,#0x0020\n OR @0x7909,#0x40\n", "I2CMDR makes the module a master"),
         (" MOVW DP,#0x7900 >> 6\n MOV @0x7909,#0x0220\n MOV AL,*XAR4\n MOV @0x7908,AL\n", None),
-        (f"{MASTER} MOV @0x7908,#5\n MOV AL,*XAR4\n", None),
+        (" MOVW DP,#0x7900 >> 6\n MOV AL,@0x7906\n SB next,NEQ\nnext: NOP\n", None),
         (
             " MOV ACC,*XAR4\n ANDB AL,#0\n OR AL,#0x7700\n MOVL XAR6,#next\n MOV *XAR6,AL\nnext: NOP\n",
             "data are executed as an instruction",

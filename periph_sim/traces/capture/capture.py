@@ -154,7 +154,10 @@ class Capture:
         return replace(self, notes=(*self.notes, *notes))
 
     def rate_for(self, what: str) -> Fraction:
-        """Return the rate. Raise InputError if it is unknown. what: the words that begin the message: `frames need`."""
+        """Return the number of positions per second. Raise InputError if the file does not state it.
+
+        what: who needs the rate, as the beginning of the message, such as "frames need".
+        """
         if self.rate is None:
             raise InputError(f"{self.path}: {what} a time base and the file states no rate; state the rate")
         return self.rate

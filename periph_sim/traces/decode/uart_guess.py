@@ -165,11 +165,12 @@ def _only_longer(line: Line, than: Line) -> bool:
 def _bit_time(pulses: Pulses, step: int) -> tuple[float, float] | None:
     """Return the length of a bit in positions, and the average distance of the pulses from whole bits, in bits.
 
-    The shortest frequent pulse is assumed to be one, two, three or four bits long. It is longer than one bit if each
-    low bit in the capture has another low bit next to it. The first of these assumptions is used with which the pulses
-    are on average close to whole bits; if there is none, the assumption with the best fit.
-
     Return None if no pulse is at least two positions long.
+
+    The shortest frequent pulse can be one, two, three or four bits long; it is longer than one bit if each low bit in
+    the capture has another low bit next to it. These four lengths are tried in this order. The result is the first one
+    for which the average distance of the pulses from whole bits is small; if there is none, the one for which this
+    distance is smallest.
 
     step: the length of a sample in positions.
     """

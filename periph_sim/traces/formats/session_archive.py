@@ -175,7 +175,7 @@ class Archive:
             raise BadCapture(self.path, "the archive", found, f"a whole {self.what}", way_out) from None
 
     def _check_directory(self) -> None:
-        """Raise BadZipFile if the directory of the archive is too large for the memory."""
+        """Raise BadZipFile if the directory of the archive, which zipfile reads as a whole, exceeds MOST_DIRECTORY."""
         end = self._file.seek(0, 2)
         self._file.seek(max(0, end - END_REACH))
         tail = self._file.read()

@@ -123,9 +123,10 @@ def _is_command(file: Path) -> bool:
 
 
 def _about(file: Path) -> tuple[str, str]:
-    """Return the section and the summary of a command; ("", "") if its file does not define it as usual.
+    """Return the section and the summary of the command in a file, for `periph-sim --help`.
 
-    They are read from the file, because importing takes longer.
+    Both are read from the source, because importing the file takes longer. Return ("", "") if the file has no function
+    of its own name with the decorator `command` and a literal section.
     """
     import ast
 

@@ -1,9 +1,9 @@
 """Detection of firmware that waits for an event that cannot occur, with the reason.
 
     the wait depends on         what can end the wait
-    registers of a module       if the module's clock is on: its events, and changes of its wires by other parties
-                                if the CPU takes interrupts: those of the modules whose interrupts are enabled, too;
-                                the watchdog, if no service routine restarts it
+    registers of a module       if the module's clock is on: its events, and changes of its wires by other parties;
+                                if the CPU takes interrupts: also the events and wires of the modules whose interrupts
+                                are enabled; the watchdog, if no service routine restarts it
     registers without a model   the watchdog, if no service routine restarts it
     memory                      service routines of interrupts, and the watchdog
     IDLE                        the watchdog; events and wires of the modules whose interrupts IER and PIEIER enable

@@ -240,7 +240,7 @@ _loaded_once = lru_cache(maxsize=64)(_loaded)  # used for shipped programs, whic
 def _replay_settings(name: str, module: ModuleType) -> tuple[str, ...]:
     """Return the names in a module's `REPLAY`; () if it has none.
 
-    Raise BadFirmware for a name that is no setting, or if `REPLAY` is no tuple or list of texts.
+    Raise BadFirmware for a name that is not a setting, or if `REPLAY` is not a tuple or list of texts.
     """
     given: object = getattr(module, "REPLAY", ())
     kind = getattr(module, "Settings", None)
@@ -298,7 +298,10 @@ _shared: dict[tuple[type, str], object] = {}
 
 
 def shared(kind: type[T], given: dict[str, object], who: str) -> T:
-    """Return an object as `filled` does. If the dataclass is frozen, objects with equal values come from a cache."""
+    """Return an object with the given values, and raise errors, as `filled` does.
+
+    If `kind` is a frozen dataclass, the objects are cached: equal values return the same object again.
+    """
     if not cast(Any, kind).__dataclass_params__.frozen:
         return filled(kind, given, who)
     key = kind, repr(given)

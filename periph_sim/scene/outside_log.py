@@ -35,7 +35,7 @@ LONGEST_LINE = 1 << 20  # a line with this number of characters or more is rejec
 
 
 class BadLog(ValueError):
-    """Error: a file is no log of a session, cannot be read, is damaged, or does not fit the case.
+    """Error: a file is not the log of a session, cannot be read, is damaged, or does not fit the case.
 
     The message is one sentence, with the line if a line is wrong.
     """
@@ -164,7 +164,7 @@ class LogReader:
                 return None
             value: object = json.loads(text)
         except (ValueError, RecursionError):
-            # The line is no JSON, is not UTF-8, is too long, or has a number with more digits than Python accepts.
+            # The line is not JSON, is not UTF-8, is too long, or has a number with more digits than Python accepts.
             raise self._bad(self._lines + 1, "a damaged line", "JSON") from None
         self._lines += 1
         return value

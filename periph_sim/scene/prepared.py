@@ -134,7 +134,7 @@ def length_and_firmware(
 ) -> tuple[Fraction | None, dict[str, Firmware]]:
     """Return the duration of a run in seconds, and the firmware of units, from the arguments of `PreparedScene.run`.
 
-    Raise BadCase if `seconds` is no duration, or if the case has no unit with one of the names.
+    Raise BadCase if `seconds` is not a duration, or if the case has no unit with one of the names.
     """
     try:
         length = None if seconds is None else duration(seconds)

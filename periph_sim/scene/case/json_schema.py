@@ -198,7 +198,8 @@ def case_schema() -> Schema:
 def _one_of(kinds: Mapping[str, object], schemas: Schema) -> Schema:
     """Return the schema of a table whose key `kind` decides which other keys the table has.
 
-    kinds: the kinds, as keys of `schemas` such as "fault spike". schemas: the schemas of the other keys.
+    kinds: the kinds, with the name of the table, such as "fault spike".
+    schemas: a dictionary from each of these names to the schema of the keys that only this kind has.
     """
     common = {"properties": {}, "required": ["kind"]}
     choices = [_with_own_keys(common, schemas[name], "kind", [name.partition(" ")[2]]) for name in kinds]

@@ -89,12 +89,15 @@ def built(case: Case, source: Source) -> Case:
 
 
 def case_of(tree: dict[str, Any], path: Path) -> Case:
-    """Return the case in a tree as if it had been read from the file `path`. Raise BadCase if the tree is not valid."""
+    """Return the case that a tree of TOML tables describes, as if it had been read from the file `path`.
+
+    Raise BadCase if the tree is not valid.
+    """
     return _case_in(Source(path, "", values=tuple(texts_in(tree))), copied(tree))
 
 
 def case_of_tables(tree: dict[str, Any], label: str, changes: Sequence[str] = ()) -> Case:
-    """Return the case in tables that were not read from a file, with `key=value` changes applied.
+    """Return the case that these tables describe, which were not read from a file, with `key=value` changes applied.
 
     Raise BadCase if the case is not valid.
 

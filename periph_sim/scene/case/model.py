@@ -88,7 +88,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @classmethod
     def model_validate(cls, tree: object) -> Case:
-        """Return the case in a tree. Raise BadTable if the tree is not valid."""
+        """Return the case that a tree of TOML tables describes. Raise BadTable if the tree is not valid."""
         return convert(cls, tree).completed()
 
     def completed(self) -> Case:
@@ -192,7 +192,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def rx_sender(self) -> str:
-        """The name of the sender on RX: the host, or the outside party that replaces it; "" if there is neither."""
+        """What sends on RX, as a phrase: "the host"; "the outside" if an outside party replaces the host; else ""."""
         return "the host" if self.host is not None else "the outside" if "host" in self._replaced else ""
 
     @property
@@ -241,8 +241,8 @@ class Case(Table, frozen=True, kw_only=True):
     def line(self, *place: str | int) -> int:
         """Return the line of a key in the case's file.
 
-        If the key is not written there, return the line with the header of its table, or of a table around it. Return 0
-        if there is none, or no file.
+        If the file does not contain the key, return the line of the header of the key's table, or else of a table that
+        contains this table. Return 0 if the file has no such header, or if the case was not read from a file.
         """
         return 0 if self._source is None else line_of(self._source.text, self._written(place))
 

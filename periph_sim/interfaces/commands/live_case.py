@@ -62,7 +62,8 @@ def files_of(log: Path, given: str | None) -> tuple[dict[Path, str], Path]:
         "outside": {"wires": list(head.wires), "log": relpath(log, place.parent)},
     }
     target = place.with_name(f"{place.name}.toml")
-    # A [[budget]] that [outside] leaves out is only in the tree; a budget of another table only in the case.
+    # The tree has every [[budget]] of the file, also those that cannot be judged with [outside]. `case.budget` lacks
+    # these, but also has the budgets that are made from other tables, such as [watch].
     if not tree.get("budget") and not case.budget:
         tree["budget"] = _as_seen(tree, target)
     return {target: toml(tree)}, target

@@ -217,7 +217,10 @@ def _refuse_others(option: str, effective: Sequence[str]) -> None:
 
 
 def _draw(found: Coverage, certain: Sequence[CertainFailure], place: Path) -> list[Path]:
-    """Draw the windows to a file; in a folder, draw the shares of runs that fail, too. Return the files."""
+    """Write a diagram of the windows of phases in which budgets break. Return the written files.
+
+    place: an .svg file, or a folder, which also gets a diagram of the shares of runs that fail.
+    """
     from ..reports.baselines.files import write_all
     from ..reports.phase_picture import picture, picture_of_shares
 

@@ -1,4 +1,4 @@
-"""Result of `periph-sim prove` as text: a table of the budgets, and lines about the windows in which they break."""
+"""Result of `periph-sim prove` as text: a table of the budgets, and the windows of phases in which they break."""
 
 from __future__ import annotations
 

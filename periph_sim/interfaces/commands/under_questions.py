@@ -28,7 +28,7 @@ def judge_under_questions(
     make: Callable[[str, Sequence[str]], Row] | None = None,
     left_out: Mapping[str, str] | None = None,
 ) -> Sequence[Dependence]:
-    """Judge a case with other answers, show the verdicts, and return them.
+    """Judge a case with other answers. Show and return the verdicts of each budget in all runs.
 
     command: the command and its option --questions, for the JSON output.
     length: the duration of each run in seconds; None for that of the case.

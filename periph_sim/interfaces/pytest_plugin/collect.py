@@ -118,7 +118,7 @@ class CaseItem(pytest.Item):
 
 
 class CoverageItem(CaseItem):
-    """A test that runs the phases of the worst values in the case's coverage file again, and compares the values.
+    """A test that repeats the runs with the worst values of the case's coverage file, and compares the values.
 
     A file that is out of date or incomplete does not make the test fail; a section of the report says so.
     """

@@ -72,14 +72,14 @@ class CertainFailure(NamedTuple):
 
 
 def certain_failures(coverage: Coverage) -> list[CertainFailure]:
-    """Return the result for each end of a window beside which a phase was run alone and held, at most MOST_ENDS."""
+    """Return the result for each end of a window that `_ends` yields, for at most MOST_ENDS ends."""
     runs = _Runs(coverage)
     ends = [(window.name, phase) for window in coverage.windows for phase in _ends(window, coverage)]
     return [_certain(name, phase, runs) for name, phase in ends[:MOST_ENDS]]
 
 
 def _ends(window: Window, coverage: Coverage) -> Iterator[int]:
-    """Yield the ends of a window beside which a phase was run alone and held."""
+    """Yield the first and the last phase of a window, each only if its neighbour outside was run alone and held."""
     count = coverage.case.phases.count
     for phase, beside in ((window.first, window.first - 1), (window.last, window.last + 1)):
         beside = beside % count if coverage.is_whole else beside
@@ -134,7 +134,10 @@ def steps_of(records: Sequence[Record]) -> Steps:
 
 @cache
 def _is_compared(what: str) -> bool:
-    """Return False for an access to a register that yields data or a count of time."""
+    """Return True if the values of an access are compared: if its register yields neither data nor a count of time.
+
+    what: the access, such as "R I2C-A.I2CSTR".
+    """
     module, _, name = what.partition(" ")[2].partition(".")
     register = register_of(module, name)
     return register is None or register.yields is Yields.STATE

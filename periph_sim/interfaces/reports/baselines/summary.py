@@ -68,11 +68,11 @@ def summary(
     refused: Sequence[RejectedCase] = (),
     since: tuple[str, Baselines] | None = None,
 ) -> str:
-    """Return the Markdown text.
+    """Return the summary of a check as Markdown, with a section for each case.
 
     refused: cases that could not be run.
     since: a commit, and a dictionary from paths to the baselines in this commit. A column shows the change of each
-        value since the commit. None for no such column.
+        value since the commit. If `since` is None, there is no such column.
     """
     good = sum(one.passed for one in checks)
     lines = [f"## periph-sim check: {good} of {len(checks) + len(refused)} as they should be", ""]

@@ -127,8 +127,8 @@ def shown_violations(over: OverTime, worst_at: int) -> tuple[tuple[int, int], ..
 
 
 FIELD_WIDTH = 1000  # width of the field (the plot area) in the units of the SVG paths
-# A limit is drawn if its distance from the values is at most this multiple of the values' range; if all values are
-# equal, of the value.
+# A limit is drawn if its distance from the range of the values is at most NEAR times the width of this range. If all
+# values are equal, it is drawn if its distance from them is at most NEAR times their absolute value.
 NEAR = 1.5
 ROOM = 0.08  # margin above and below the values and the drawn limits, as a fraction of their range
 

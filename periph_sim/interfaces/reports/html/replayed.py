@@ -101,7 +101,7 @@ def _whole(report: Report) -> BudgetReport:
 
 
 def _budget(case: Case, per_second: int, verdict: Verdict, window: Window | None) -> BudgetReport:
-    """Return the report of a budget, which only the replay of a session (I2C and UART together) judges."""
+    """Return the report of a budget. Only the replay of a session (I2C and UART together) judges budgets."""
     timeline = None if window is None else lanes_of(case, window).timeline()
     wrong = failure(verdict, False, None, None, per_second)
     limits = ((verdict.which, f"{verdict.limit}"),)

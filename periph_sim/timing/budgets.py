@@ -93,7 +93,7 @@ class BudgetJudge:
                     part._found = f"{part.budget.measure!r} has no value for {lacks} of {what}"
 
     def leave_out_bus(self, why: str) -> None:
-        """Do not judge the budget because of `why` if it depends on events of the bus, unless it is broken."""
+        """If the budget depends on events of the bus and no value breaks it, it is not judged. why: the reason."""
         for part in self.parts:
             measure = part.measure
             if isinstance(measure, EventMeasure) and Kind.BUS in measure.kinds:

@@ -116,7 +116,7 @@ class Reply(Measure):
             self._settle()
 
     def sent(self, tick: int) -> None:
-        """Note that a send to the SCI that has to reply begins at `tick`."""
+        """Handle the start of a send, at `tick`, to the SCI from which replies are expected."""
         for one in self._open:
             if one.next_send == NO_TIME < one.since < tick:
                 one.next_send = tick
@@ -305,9 +305,9 @@ class Unsolicited(Measure):
             self._until = tick if self._until == NO_TIME else min(self._until, tick)
 
     def forbids(self, begin: int) -> bool:
-        """Return True if an unsolicited character that begins at `begin` counts. Only the last silence is considered.
+        """Return True if an unsolicited character that begins at tick `begin` is one of those that this measure counts.
 
-        For a measure of the whole run, the result is always True.
+        In a silence, it counts if it begins in the last silence. In the whole run, every unsolicited character counts.
         """
         in_time = NO_TIME < self._since <= begin and (self._until == NO_TIME or begin < self._until)
         return in_time or not self.name

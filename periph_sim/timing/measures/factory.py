@@ -256,8 +256,10 @@ def _gap(said: ParsedMeasure, scope: Scope) -> Maker:
 
 
 def _latency(said: ParsedMeasure, scope: Scope) -> Maker:
-    """Return the maker of an interrupt's latency: from the rise of its PIEIFR flag to the entry of its service routine,
-    or to the first register access in this routine.
+    """Return the maker of the measure of an interrupt's latency.
+
+    The latency is the time from the rise of the interrupt's PIEIFR flag to the entry of its service routine, or to the
+    first register access in this routine. Raise BadEvent for an interrupt that does not come through the PIE.
     """
     unit = scope.vector(said.unit, said.name)
     if said.name not in LINES:

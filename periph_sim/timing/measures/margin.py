@@ -96,7 +96,9 @@ class Margin(Measure):
     def needed(self, let_go: int, rose: int) -> None:
         """Take the margin of a byte, after SCL has risen for its first bit.
 
-        let_go: the tick at which the controller released SCL. rose: the tick at which SCL rose.
+        let_go: the tick at which the controller released SCL, or a later tick at which the last other party except the
+            unit released it.
+        rose: the tick at which SCL rose.
         """
         self.occasion(rose)
         self._copied()

@@ -255,10 +255,10 @@ class Modifies(RecordSink):
         return "; ".join(f"{what}, {counted(count, 'time')}" for what, count in counts.items() if count)
 
     def _cleared(self, name: str) -> Iterator[tuple[str, Cleared]]:
-        """Yield (text, count) for each flag and each place in the firmware. name: as for `cleared`.
+        """Yield (text, clears) for each flag and each place in the firmware. name: as for `cleared`.
 
-        The text names the flag and the place. The count is that of unintentional clears of the flag by writes at the
-        place.
+        text: names the flag and the place.
+        clears: how often writes at this place cleared the flag unintentionally, and the first time.
         """
         for (unit, title), register in self._registers.items():
             if not register.status and self._status:

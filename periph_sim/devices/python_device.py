@@ -28,9 +28,9 @@ from .targets import PlainReply, TargetContext
 class DevicePin:
     """A wire, named in the case, that the device reads and drives with an open drain.
 
-    level: the present level of the wire. A drive changes it when the hook or function that drives has returned. It is
-        right at every instant, because every edge is simulated on a wire to which a device is attached. On other
-        wires, the edges of a byte or frame may be skipped.
+    level: the present level of the wire. A call of `drive` changes it only after the hook that made the call has
+        returned. It is right at every instant, because every edge is simulated on a wire to which a device is attached.
+        On other wires, the edges of a byte or frame may be skipped.
     """
 
     def __init__(self, wire: Wire, who: str) -> None:
@@ -84,7 +84,10 @@ class DeviceBus:
         kernel.call_at(kernel.now + self._ticks(length), call)
 
     def pin(self, name: str) -> DevicePin:
-        """Return the pin of this device on a wire that is named in a unit's `pins`; each wire has one."""
+        """Return this device's pin on the wire `name`, which a unit's `pins` must contain.
+
+        Repeated calls return the same object. Raise Misuse if there is no such wire.
+        """
         try:
             if name not in self._pins:
                 self._pins[name] = DevicePin(self._place.wire(name), self._place.who)

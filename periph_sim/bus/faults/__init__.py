@@ -67,7 +67,7 @@ class When:
             raise ValueError("spread is longer than every, so faults would be out of order; shorten it")
 
 
-LONG_HIGH = 10  # a high phase of SCL that is longer than this multiple of the low phase before it is no clock
+LONG_HIGH = 10  # a high phase of SCL that is longer than this multiple of the low phase before it is not a clock
 
 
 class SdaPuller(Agent):
@@ -109,7 +109,7 @@ class SdaPuller(Agent):
         self._pin.drive(not pulls)
 
     def _expect_fall(self) -> None:
-        """Release SDA if SCL stays high, because no controller makes clocks while it waits for SDA."""
+        """Release SDA later if SCL stays high until then, because the controller waits for the rise of SDA."""
         self._kernel.call_at(self._kernel.now + LONG_HIGH * self._low, partial(self._not_clocked, self._falls))
 
     def _not_clocked(self, falls: int) -> None:

@@ -158,7 +158,7 @@ class BitSkip(Shortcut):
         """Initialize without parties, which are collected at the first byte.
 
         controller: the agent that clocks the bus, or None if only units clock it.
-        stand_in: for each agent on the lines that is no BitParty, such as that of a unit, the BitParty to use instead.
+        stand_in: for each agent on the lines that is not a BitParty, such as a unit, the BitParty that represents it.
         """
         self.passed = 0
         self._kernel = kernel

@@ -327,7 +327,7 @@ class I2cController(BitParty):
 
     def _byte_end(self, ack: bool) -> None:
         phase = self._phase
-        # True for a NACK by the target. A NACK by this controller is no refusal: it ends each read.
+        # True for a NACK by the target. A NACK by this controller is not a refusal: it ends a read.
         refused = not ack and (self._index < 0 or not self._receiving)
         if self._index < 0:
             phase.acked = ack

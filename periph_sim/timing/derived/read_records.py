@@ -155,7 +155,7 @@ class ByteRecords:
         self._unknown = 0
 
     def transfer(self, transfer: Transfer) -> None:
-        """Compare the bytes that the reads of a complete transfer returned with the bytes that would have been right."""
+        """Compare the bytes that the reads of a complete transfer returned with the right bytes."""
         phase: Phase
         for phase in transfer.phases:
             if phase.read:

@@ -83,7 +83,11 @@ def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
 
 
 def text(imu: ImuParameters, found: Fit) -> str:
-    """Format a fit, and a table of `turn` with the parameters `imu` at the yaws of Figure 5.1."""
+    """Format the earth field, and a table of the magnetometer's values at the yaws of Figure 5.1 (see `turn`).
+
+    imu: the parameters of the magnetometer in the table.
+    found: the result of `fit`.
+    """
     ys, zs = ([f"{abs(field[axis]):.4f}" for field in found.fields] for axis in (1, 2))
     says = [
         ("y at 0 and 180 is about the bias: |Hy|", *ys, f"d = {found.along_y:.2f}"),

@@ -128,7 +128,7 @@ def zero_period(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Ext
 
 
 def refused(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[ExtremeFinding]:
-    """Check that the parameter sets reject non-finite values and a Ts of 0."""
+    """Yield a finding for a Ts of 0 and for several non-finite parameters: each must be refused."""
     tried: tuple[tuple[str, Callable[[], object]], ...] = (
         ("Ts = 0", lambda: ImuParameters(period=0.0)),
         ("Ts infinite", lambda: ImuParameters(period=inf)),

@@ -76,9 +76,10 @@ def _covariance(m: int, n: int, length: int) -> float:
     weights = np.outer([-1, 2, -1], [-1, 2, -1]).ravel() / (2.0 * m * n)
 
     def term(lag: Floats) -> Floats:
-        """Return the number of pairs of differences that are `lag` samples apart, times the square of their covariance.
+        """Return the number of pairs with a distance of `lag`, times the square of the covariance of such a pair.
 
-        A pair consists of a difference of averages over m samples and a difference of averages over n samples.
+        A pair consists of a difference of two averages over m samples, and of a difference of two averages over n
+        samples that begins `lag` samples later.
         """
         shared = -(np.abs(lag[:, np.newaxis] - corners) @ weights)
         pairs = np.minimum(places_n, places_m + lag) - np.maximum(0.0, lag)

@@ -200,7 +200,7 @@ class Accelerometer(SensorEquations[T]):
 
 
 def gravity(a: Arithmetic[T], angles: Angles[T]) -> Triple[T]:
-    """Return A_pig of equation 4.2, in g."""
+    """Return the acceleration of gravity in the axes of the body, A_pig of equation 4.2, in g."""
     return (
         a.neg(angles.s_theta),
         a.mul(angles.c_theta, angles.s_phi),

@@ -212,7 +212,7 @@ class Session:
     def advance(self, until: BigInt) -> list[Change]:
         """Run up to tick `until`, exclusive, and return the changes of lines by the case.
 
-        Raise OutsideError if `until` is past or is no whole number.
+        Raise OutsideError if `until` is past or is not a whole number.
         """
         self._check_tick(until)
         if until < self._now:
@@ -251,8 +251,8 @@ class Session:
 
         If a line is moved several times in one tick, only the last call has an effect.
 
-        Raise OutsideError, and move no line, if the tick is past or no whole number, a line does not lead outside, or a
-        level is invalid.
+        Raise OutsideError, and move no line, if the tick is past or not a whole number, or if a line does not lead
+        outside, or a level is invalid.
         """
         self._check_tick(at)
         if at < self._now:

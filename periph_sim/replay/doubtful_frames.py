@@ -9,8 +9,8 @@ An item is a decoded frame, or a rejected start that some receivers accept.
 Receivers may read an ambiguous frame in different ways. If a glitch is in a data, parity or stop bit, this bit may be
 read as 0 or 1. If a glitch is in the start bit, or the start bit is hardly long enough, a receiver may read a frame or
 none. If the receiver decides differently from the decoder, it may also read different frames up to the next pause. The
-comparison then skips some items and words. It resumes where the most of the following words agree, but not later than
-at the first item after the pause.
+comparison then skips some items and words. It resumes at the place after which the largest number of words agrees with
+the items, but not later than at the first item after the pause.
 
 If a line is decoded at a wrong rate, in a wrong format or inverted, frames have errors. A receiver with the same wrong
 settings reads the same bytes with the same errors, so agreement between capture and receiver proves nothing.
@@ -134,11 +134,11 @@ class Settled:
         return best
 
     def _agreeing(self, item: int, word: int) -> int:
-        """Return how many words, from index `word` on, fit the items from index `item` on.
+        """Return how many words, from index `word` on, fit the items from index `item` on; at most AHEAD.
 
-        At most AHEAD words are compared, up to the first one that does not fit its item. The result is also AHEAD, the
-        best possible result, if fewer words are compared and all of them fit, because the next item has an uncertain
-        start bit, or because the items and the words end together.
+        The comparison ends at the first word that does not fit its item. It also ends before an item with an uncertain
+        start bit, and where the items and the words end together. In these two cases, nothing contradicts the choice of
+        `item` and `word`, so the result is AHEAD, the best possible one.
         """
         items, found = self._items[item : item + AHEAD], self._received[word : word + AHEAD]
         for number, event in enumerate(items):

@@ -97,7 +97,7 @@ def _marked(one: Divergence, alone: tuple[Divergence, ...], tolerance: Fraction)
 
 
 def asked_once_more(expected: Sequence[Happened], first: Divergence, own: Sequence[int]) -> str:
-    """Return the reason why the first divergence is no error of the firmware, but one more NACK while it is busy.
+    """Return the reason why the first divergence is not an error of the firmware, but one more NACK while it is busy.
 
     In the capture, a target that has answered before refuses its address at least once, and then acknowledges it. If
     the firmware refuses its address there once more, it is only busy for longer. A real controller would continue to
@@ -251,7 +251,7 @@ class I2cReplay(SlaveReplay):
     def _with_agents(self, outcome: Comparison) -> Comparison:
         """Return the outcome, with a cause for each divergence that also occurs without the firmware.
 
-        If the first judged divergence is certainly no error of the firmware, set `_agents_parted` to the reason;
+        If the first judged divergence is certainly not an error of the firmware, set `_agents_parted` to the reason;
         otherwise set it to "".
         """
         self._agents_parted = ""

@@ -216,7 +216,10 @@ class Serial(SerialBase):  # type: ignore[misc]
             warnings.warn(said, RuntimeWarning, stacklevel=2)
 
     def clock(self) -> float:
-        """Return the time of the port's clock, in simulated seconds."""
+        """Return the reading of a clock that counts simulated seconds from an arbitrary instant.
+
+        If pace=0, this is the time of the session. Otherwise, it is computed from the computer's clock.
+        """
         if self._thread is None:
             return self._session.now / self._session.ticks_per_second
         return time.monotonic() * float(self._pace)
@@ -276,9 +279,9 @@ class Serial(SerialBase):  # type: ignore[misc]
     def _wait_until(self, over: Callable[[], bool], timeout: float | None) -> None:
         """Wait until `over` returns True, at most `timeout` seconds of real time, or simulated seconds if pace=0.
 
-        timeout: None for no limit. If pace=0, the limit is then FOREVER.
+        timeout: None for no limit of real time, or for FOREVER simulated seconds.
 
-        A failure of the session also ends the wait; if pace=0, with a SerialException.
+        If the session fails, the wait ends. If pace=0, a SerialException is then raised.
         """
         if self._thread is not None:
             with self._queue.changed:

@@ -92,7 +92,9 @@ class Chip:
         self.notes: list[Note] = []  # the notes since the owner last cleared the list
         self.loaded = 0  # bit i: 1 if the data register at offset i took a value after the owner last cleared this bit
         self.touched: set[str] = set()  # names of the options (open questions) on which the run has depended so far
-        self.writes = 0  # number of writes, resets and clock gate changes: only these inputs change the `steady` words
+        # Number of inputs that can change the `steady` words: writes, resets, changes of the clock gate. A chip may
+        # leave out writes that have no effect on these words.
+        self.writes = 0
 
     def note(self, code: str, text: str, source: str) -> None:
         """Add a note for the user."""

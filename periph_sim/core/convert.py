@@ -134,7 +134,7 @@ class Key:
 
     @cached_property
     def convert(self) -> Converter:
-        """The converter of the value, which is made at the first use."""
+        """The function that converts the key's value. It is made at the first use."""
         return converter_of(self.annotation)
 
 

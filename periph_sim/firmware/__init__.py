@@ -1,4 +1,4 @@
-"""The names that Python firmware imports: the class `Dsp`, start-up functions, and types of settings.
+"""The names that Python firmware imports: the class `Dsp`, start-up functions, and types and conversions of settings.
 
     from periph_sim.firmware import Dsp, Duration, start_i2c, start_pie
 

@@ -1,4 +1,6 @@
-"""Start-up code for one of the three SCIs, which then sends and receives on its usual pins.
+"""Start-up code for one of the three SCIs, which then sends and receives.
+
+RX and TX are GPIO28 and GPIO29 for SCI-A, GPIO19 and GPIO18 for SCI-B, GPIO62 and GPIO63 for SCI-C.
 
 Source: SPRUFB0D sections 5.1 (PCLKCR) and 6 (GPIO); SPRUFZ5A chapter 2.
 """

@@ -7,10 +7,10 @@
 The simulator calls `_changed` when a line changes. A timer calls `_woken` when one of our pins may change, and `_woken`
 advances the session's time. Both are plain callbacks, because waking a cocotb task takes several times as long.
 
-A change of our pin is shown in the first step at or after its tick. A change of a line is applied at the tick that
-contains its step, with one exception. To show a change of our own pin at tick n, the timer has to advance the session,
-which runs the case, to tick n + 1. If a line changes after that, but in a step that tick n contains, the change is
-applied at tick n + 1.
+A change of our pin is shown in the first step at or after its tick, and later than the line change that caused it: at
+the earliest in the step after that change. A change of a line is applied at the tick that contains its step, with one
+exception. To show a change of our own pin at tick n, the timer has to advance the session, which runs the case, to tick
+n + 1. If a line changes after that, but in a step that tick n contains, the change is applied at tick n + 1.
 
 The session receives the resolved level of a line, which includes our own pull. So after we release a line that another
 party still holds low, the session sees no rise until that party has released it, too.

@@ -85,7 +85,7 @@ NORMAL = BuildSettings({}, FLAGS)
 # In a build with the settings HARD, every fault raises an exception or ends the process.
 # Cython's code checks for None and for overflows. The sanitizers check for bad addresses and undefined behaviour of C.
 # The flags `-fwrapv`, `-DNDEBUG` and `-w` are left out, because they would hide faults.
-# `asan-stack=0` limits the address sanitizer to the heap, because greenlets copy their stacks.
+# `asan-stack=0` turns off the address sanitizer's checks of the stack, because greenlets copy their stacks.
 HARD = BuildSettings(
     {"nonecheck": True, "overflowcheck": True},
     (

@@ -1,12 +1,13 @@
-"""Check that the C code that Cython writes obeys the directives of its .pxd file.
+"""Check that the C code that Cython writes obeys the directives of its .pxd file, and the directive `trashcan`.
 
     @cython.final            no class can be derived from this class
     @cython.freelist(16)     the deallocator keeps up to 16 deleted objects for reuse
     @cython.locals(at=...)   the function declares this variable with this C type
     trashcan (every class)   a deallocator that releases other objects uses Python's trashcan, so it does not recurse
 
-Cython silently ignores a directive in an unexpected place. `declarations` writes no other directives than these. Cython
-obeys `freelist` only in the source, so `source_copy` writes it there, too.
+Cython silently ignores a directive in an unexpected place. `declarations` writes the first three into the .pxd file and
+no others. Cython obeys `freelist` only in the source, so `source_copy` writes it there, too. `build` passes `trashcan`
+to Cython as an option, for all classes.
 """
 
 from __future__ import annotations

@@ -288,7 +288,10 @@ class Source:
 
     @cached_property
     def called_on_others(self) -> set[str]:
-        """The names of methods that the module calls on objects other than `self`. Only `C only` makes them cdef."""
+        """The names of methods that the module calls on objects other than `self`.
+
+        Such a method is cdef only if it has the mark `C only`.
+        """
         calls = (node.func for node in walked(self.tree) if isinstance(node, ast.Call))
         return {one.attr for one in calls if isinstance(one, ast.Attribute) and ast.unparse(one.value) != "self"}
 

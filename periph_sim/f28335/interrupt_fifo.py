@@ -110,7 +110,7 @@ class InterruptFifo:
         return not before & ENABLE and self.is_requesting()
 
     def show(self) -> int:
-        """Return the value of the register with the number of words in it, as the CPU reads it."""
+        """Return the value that the CPU reads from the FIFO's register, including the number of words in the FIFO."""
         return self.control | min(len(self.words), DEPTH) << STATUS
 
     def clear(self) -> None:

@@ -176,7 +176,8 @@ class I2cMasterLines:
         self._stopping = False  # True from the module's STOP until this has passed the noise filter
         self._own_restart = False
         # With ten_bit_read = full_address_first, the module sends the full 10-bit address, makes a repeated START by
-        # itself, and sends the first address byte again. This list has the bytes to send after it; else it is empty.
+        # itself, and sends the first address byte again. Until then, this list has the bytes to send after the repeated
+        # START. Otherwise it is empty.
         self._restart_next: list[int] = []
 
     def _latch_command(self) -> None:

@@ -126,18 +126,18 @@ class I2cRequests:
         return first != self.code and self._rank(first) < self._rank(self.code)
 
     def _rank(self, code: int) -> int:
-        """Return the sort key of a code; the code with the lowest key goes first."""
+        """Return the sort key of a code; the code with the lowest key has the highest priority."""
         return code if self.options.int_priority.assume(self.touched) == "ascending" else -code
 
     def _first(self) -> int:
-        """Return the code of the pending request that goes first, or 0."""
+        """Return the code of the pending request with the highest priority; 0 if no request is pending."""
         codes = [bit + 1 for bit in range(7) if self._pending >> bit & 1]
         if len(codes) > 1:
             return min(codes, key=self._rank)
         return codes[0] if codes else 0
 
     def load_code(self, now: int) -> None:
-        """Load INTCODE, if it is 0, with the code of the pending request that goes first, and request I2CINT1A.
+        """Load INTCODE, if it is 0, with the pending request of the highest priority, and request I2CINT1A.
 
         With the option isrc_preempt, the new code may replace an unread one, without a request. Call this after the
         arbiter's delay (`code_at`).

@@ -23,7 +23,7 @@ BREAK_TICKS = {"10": 80, "9.625": 77}
 
 @final
 class SciFormat:
-    """Format of a frame. The start bit is bit 0. Ticks are counted from the first low sample of the start bit.
+    """Format of a frame. The start bit is bit 0. Ticks are SCICLK periods from the first low sample of the start bit.
 
     stop_bit: the index of the first stop bit.
     bits: how many bits the frame has, with start and stop bits.

@@ -57,7 +57,7 @@ VCO_MAX_HZ = 300_000_000  # section 5.2.1
 GATE_DELAY = 2  # SYSCLKOUT cycles from a PCLKCR write to its effect, section 5.1.1
 WDINTS_DELAY = 2  # SYSCLKOUT cycles from a change of WDINT to that of SCSR.WDINTS, Table 27
 WDRST_CYCLES = WDINT_OSCCLKS // 4  # duration of a watchdog reset in SYSCLKOUT cycles; SYSCLKOUT is OSCCLK/4 in a reset
-WDFLAG_DELAY = WDRST_CYCLES + 8192  # SYSCLKOUT cycles from the start of a watchdog reset to WDFLAG = 1, below Table 30
+WDFLAG_DELAY = WDRST_CYCLES + 8192  # SYSCLKOUT cycles from the start of a watchdog reset to WDFLAG = 1 (below Table 30)
 
 DIVIDE = (4, 4, 2, 1)  # for each value of DIVSEL, the divider from the PLL's output to SYSCLKOUT
 DIVSEL = PLLSTS["DIVSEL"]

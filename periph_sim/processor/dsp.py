@@ -327,7 +327,7 @@ class Dsp(FirmwareView):
         self._kernel.call_at(self.clock.tick(self.clock.cycle_at(tick)), partial(self._hold_in_reset, not level))
 
     def _hold_in_reset(self, held: bool) -> None:
-        """Begin or end a reset by XRS. At its end, reset the modules again, because their models count during it."""
+        """Begin or end a reset by XRS. At its end, reset the modules again, because timers count during it."""
         self._held_in_reset = held
         if held:
             self._enter_reset()
@@ -395,5 +395,5 @@ def start_up(control: SystemControl, pll: int) -> int:
     control.wake(locked)
     write(locked + 1, "PLLSTS", 0)
     write(locked + 2, "PLLSTS", 2 << 7)
-    control.touched.clear()  # the settings before main do not affect the run
+    control.touched.clear()  # the run does not depend on options that only the time before main used
     return locked + 100

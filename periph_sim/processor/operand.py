@@ -45,7 +45,7 @@ class Operand:
     looks: True if the value of `Chip.see` is all that a read needs: the register has 16 bits, a read has no effect, the
         module needs no update, and no callback receives the record of the read.
     reads, writes: the topics of the records of reads and writes; set only if `recorded`.
-    placed: True if records of reads contain the statement.
+    placed: True if records of reads contain the firmware's statement.
     """
 
     reads: Topic
@@ -98,9 +98,9 @@ class Operand:
         self.looks = self.looks and not reads.makes_records()
 
     def records_place(self) -> bool:
-        """Return True if records of reads of this operand contain the statement.
+        """Return True if records of reads of this operand contain the firmware's statement.
 
-        A subscriber may need statements only for modifies. Then records of reads of a field do not contain them.
+        If subscribers need statements only for read-modify-writes, records of reads of a single field contain none.
         """
         return self.reads.places > (OF_MODIFIES if self.field is not None else NOWHERE)
 

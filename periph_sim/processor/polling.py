@@ -1,7 +1,7 @@
 """Waits in progress: the reads of a pass, and the time for which further passes have the same result.
 
 A wait is a loop that reads registers until a condition is true; a pass is one execution of the loop. A pass whose reads
-have no side effect has the same result until a bit that it has tested changes. So the CPU can sleep in place of further
+have no side effect has the same result until a bit that it has read changes. So the CPU can sleep in place of further
 passes. When a change wakes the CPU, the pass in progress is replayed from its start: its reads before the change return
 the values of the executed pass.
 """
@@ -145,7 +145,7 @@ NO_SOCKETS: list[Socket] = []  # a shared empty list, which is never changed
 
 @final
 class Lease(ChipObserver):
-    """The time for which further passes of a wait have the same result: until a bit that the pass has tested changes.
+    """The time for which further passes of a wait have the same result: until a bit that the pass has read changes.
 
     While the CPU sleeps, this object observes the modules that the pass has read, and wakes the CPU at a change.
     """

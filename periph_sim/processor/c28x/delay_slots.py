@@ -1,7 +1,7 @@
 """Delay slots of the FPU: find instructions that read a late result too early, and model the value that they read.
 
     MPYF32 R0H,R1H,R2H    latency 2p: the late result, R0H, is written only after the next instruction
-    NOP                   the delay slot: an instruction that does not use R0H, because the CPU does not wait for it
+    NOP                   the delay slot: an instruction that must not use R0H, because the CPU does not wait for R0H
     ADDF32 R3H,R0H,R4H    reads the result
 
 `not_kept` finds instructions in a delay slot that read the register or the flags of the late result. An operation that

@@ -300,7 +300,7 @@ def _one_of(field: str, names: Mapping[str, int], shown: Callable[[int], str]) -
 
 
 def _bit_names(field: str, bits: Mapping[str, int]) -> Part:
-    """Return the part for a mask, whose text is the names of its bits, "NF,ZF". Bits without a name are one number.
+    """Return the part for a mask, whose text lists the names of its bits: "NF,ZF". A number stands for unnamed bits.
 
     bits: for each name, the number of its bit.
     """

@@ -84,8 +84,8 @@ class Library:
     def answer(self, log: array[int]) -> ctypes.c_uint64:
         """Let runtime.c answer reads and requests for time from a log, as long as they equal the items of the log.
 
-        runtime.c leaves the last two items to Python; the log ends in the last one. Return the variable of runtime.c
-        that has the index of the next item.
+        runtime.c answers only while at least three items are left. So Python always handles the last item, the
+        computation during which the log ends. Return the variable of runtime.c that has the index of the next item.
         """
         ctypes.c_uint64.in_dll(self._library, "c28x_log").value = log.buffer_info()[0]
         ctypes.c_uint64.in_dll(self._library, "c28x_log_end").value = max(len(log) - 1, 0)

@@ -104,23 +104,26 @@ class DataMarks:
     # Accesses of the present instruction -----------------------------------------------
 
     def loaded(self, address: int) -> None:
-        """Receive the address of a word of RAM that was read."""
+        """Note that the present instruction has read this word of RAM."""
         if self.memory[address]:
             self._has_read = True
 
     def stored(self, address: int) -> None:
-        """Receive the address of a word of RAM that was written."""
+        """Note that the present instruction has written this word of RAM."""
         self._stores[self._stored] = address
         self._stored += 1
 
     def loaded_register(self, operand: Operand) -> None:
-        """Receive a register that was read."""
+        """Note that the present instruction has read this register of a module."""
         name = operand.register.name
         if name in OF_DATA or name in LINES:
             self._has_read = True
 
     def stored_elsewhere(self, operand: Operand | None, value: int) -> None:
-        """Receive a write of a value to a register of a module, or, with None, to memory whose words have no marks."""
+        """Note that the present instruction has written a value to a register of a module.
+
+        operand: the register; None for memory whose words have no marks.
+        """
         if operand is None:
             self._setting = "memory outside of RAM"
         elif not operand.to_send:
@@ -128,7 +131,7 @@ class DataMarks:
             self._is_master = self._setting == "I2CMDR" and value & (MDR_DLB | MDR_MST) != 0
 
     def decoded(self, address: int) -> None:
-        """Receive the address of a word that is decoded as an instruction."""
+        """Set `found` if a word that is decoded as an instruction is marked. address: that of the word."""
         if self.memory[address]:
             self._find(address, "data are executed as an instruction")
 

@@ -365,9 +365,9 @@ class Cpu:
             self.go_to(free)
 
     def _before_write(self) -> None:
-        """Execute the code that compiled firmware has between two accesses.
+        """Let the time pass that compiled firmware needs between two accesses. An interrupt can be taken during it.
 
-        In a wait, there is no such code; a pass with a write is not skipped.
+        In a wait, no time passes here. The present pass is marked so that it is not skipped, because it writes.
         """
         spin = self.program.spin
         self._reads = 0

@@ -23,10 +23,10 @@ Number = TypeVar("Number", np.int64, np.bool_)
 
 SHORTEST_PASS, LONGEST_PASS = 4, 400  # minimum and maximum cycles of a pass of a polling loop
 MOST_READS = 3  # maximum number of reads of one register in a pass
-# The length of a pass is assumed to be the most frequent length of the recorded passes. PASSES_AGREE: more than this
-# share of the recorded passes must have a length that is a multiple of the assumed one, if a pass has one read.
-# MORE_AGREE: the same, if a pass has several reads. GAPS_AGREE: at least this share of the changes must be in gaps that
-# fit the assumed length.
+# The length of a pass is assumed to be the most frequent length of the recorded passes. The assumption is used only if
+# the lengths of enough recorded passes are multiples of it: more than the share PASSES_AGREE if a pass has one read,
+# more than MORE_AGREE if it has several. Besides, at least the share GAPS_AGREE of the changes must be in gaps that fit
+# the assumed length.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
 # If no recorded pass is at most LONGEST_PASS long, all are gaps, and the loop is assumed to have one read per pass. The
 # greatest common divisor of the gaps is then the length of a pass, if there are at least FEW_GAPS gaps.

@@ -205,10 +205,11 @@ def transmit_register_overwritten(run: Run, options: Options) -> Iterator[Fault]
 
 
 OWN_ADDRESS = (
-    "changes I2COAR while I2CSTR.BB = 1: which address the transfer under way is compared with is not documented"
+    "changes I2COAR while I2CSTR.BB = 1: the manual does not say whether the present transfer is compared with "
+    "the old or the new address"
 )
 PRESCALER = "changes I2CPSC.IPSC while I2CMDR.IRS = 1; the module clock does not follow before IRS goes from 0 to 1"
-RESET = "clears IRS while the module takes part in a transfer (BB = 1): the byte under way is lost, and SDA is let go"
+RESET = "clears IRS while the module takes part in a transfer (BB = 1): the byte in progress is lost, and SDA released"
 
 
 @finds("own address changed in mid-transfer (BB = 1, IRS = 1)")

@@ -21,7 +21,7 @@ class Time(Enum):
     CYCLES = "cycles of the unit's clock"
     RECORDS = "numbers of records"
 
-    __hash__ = object.__hash__  # that of Enum is slow, and a normal state needs hundreds of them
+    __hash__ = object.__hash__  # the hash method of Enum is slow, and a normal state needs hundreds of hashes
 
 
 class State:

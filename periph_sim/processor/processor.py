@@ -303,7 +303,10 @@ class Processor(Agent):
         return self.reach(core.ready - core.entry_cycles + core.vector_delay) and self._go_on()
 
     def iret(self) -> bool:
-        """Execute IRET: restore the context and continue after 8 cycles. Result: as `reach`. Errors: see `frame`."""
+        """Execute IRET: restore the context and continue after 8 cycles.
+
+        Return False if the program must stop; see `Program.run`. Raise InterruptFault if the context is not in RAM.
+        """
         core, cycle = self.core, self.time.cycle
         words: list[int] = list(self.bus.ram.words(self.frame(cycle, core.returning_sp), CONTEXT_WORDS))
         core.iret(cycle, words[ST1_WORD], words[IER_WORD])

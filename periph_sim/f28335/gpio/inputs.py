@@ -151,9 +151,9 @@ class GpioInputs(GpioSettings):
     _last_qualified: BigInt
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
-        """For comparisons of states, leave out pad levels from before an edge of an earlier cycle.
+        """For comparisons of states, leave out `_before` if the last edges were in an earlier cycle.
 
-        See `proof.normal_state`.
+        It has an effect only in the cycle of these edges. See `proof.normal_state`.
         """
         return {"_before": self._before if self._edge_at == cycle else None}
 

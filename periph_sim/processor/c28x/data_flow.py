@@ -68,10 +68,10 @@ CNDF = ("NF", "NF", "NF", "NF", "NF", "NF", "", "", "", "", "TF", "TF", "LVF", "
 REPLACED = re.compile(r"(?:^| )(?:(N|Z|C|TC|NF|ZF|NI|ZI|TF)|(N):exact|(N|Z|C|V|NF|OVC)=[01])(?= |$)")
 OF_RESULT = re.compile(r"nz@(AX|ACC)")
 ACC_FIELDS = (0xA8, 0xA9)  # values of field l for @AH and @AL, or @ACC
-UNCONDITIONAL = " with UNCF"  # the flags before this text are written only without a condition
+UNCONDITIONAL = " with UNCF"  # in the column `flags`: the flags before this text are written if field w is UNCF
 SELECTED_BY_ARP = ("XAR[ARP]", "AR[ARP]")
-PARTIAL = (*SELECTED_BY_ARP, "ST0", "STF")  # registers of which an instruction need not write everything
-# Instructions that need not write the whole of any register.
+PARTIAL = (*SELECTED_BY_ARP, "ST0", "STF")  # registers that an instruction may write only in part
+# Forms whose instructions may write each of their registers only in part.
 PARTLY = re.compile(r"[LM]SB|POP_AR1H_AR0H|NORM|par_MOV32_RcH")
 WINDOW_FORMS = ("MOV32_loc32_ind_0_16", "MOV32_ind_0_16_loc32")
 FLOAT_WINDOW = range(FPU_FIRST, FPU_FIRST + 8 * FPU_APART, FPU_APART)  # addresses with which these move from or to RnH

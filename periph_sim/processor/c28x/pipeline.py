@@ -44,7 +44,7 @@ from .execution.cpu import Operation
 
 DP, SP, BY_ARP = 1 << 8, 1 << 9, 1 << 10
 REGISTERS = 0x3FF  # mask of XAR0 to XAR7, DP and SP
-NAMES = (*(f"XAR{n}" for n in range(8)), "DP", "SP")  # of the registers in REGISTERS, in the order of their bits
+NAMES = (*(f"XAR{n}" for n in range(8)), "DP", "SP")  # of the bits of REGISTERS, from bit 0 on
 # For a name in the columns `reads` and `writes`, the mask of the register.
 MASKS = {name: 1 << bit for bit, name in enumerate(NAMES)} | {f"AR{n}": 1 << n for n in range(8)}
 MASKS |= {"XAR[ARP]": BY_ARP, "AR[ARP]": BY_ARP}

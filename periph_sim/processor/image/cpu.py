@@ -54,7 +54,7 @@ class ImageCpu(ImageMemory):
         self.reset()
 
     def reset(self) -> None:
-        """Set the registers to their values at the end of the boot ROM. Memory keeps its contents.
+        """Set the registers to the values that the boot ROM's program leaves. Memory keeps its contents.
 
         Registers of the frames that are not modelled are reset, too.
         """

@@ -36,7 +36,7 @@ FIRST_EXAMINED = 2  # number of passes of a loop before a pass is examined
 LONGEST = 1024  # maximum number of passes between two examined passes of a loop that is not found to be a wait
 COUNTS_FROM = 64  # number of passes before a loop is analysed for counters, which is slow
 FEWEST = 8  # a loop that counts: if fewer passes than this can be skipped, they are executed instead
-# used only in sleeps, in replays, or outside of sleeps
+# Attributes that affect the run only in some states: in sleeps, in replays, or outside of sleeps.
 NOT_ALWAYS = ("began", "live_from", "_next", "_examine_at", "_period", "_most", "_spin", "_values")
 TRIES = 3  # number of failed analyses for counters after which a loop is not analysed again
 
@@ -88,7 +88,7 @@ class PollSkipper:
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
         """Return the parts of a sleep or replay that affect the future of the program. See `proof.normal_state`."""
         found: dict[str, object] = dict.fromkeys(NOT_ALWAYS)
-        if not (self.asleep and self.skips):  # the end of such a sleep sets it
+        if not (self.asleep and self.skips):  # the end of such a sleep sets `_examine_at`
             found["_examine_at"] = self._examine_at - self._passes
         if self.replaying:
             found["live_from"] = self.live_from - cycle

@@ -83,7 +83,7 @@ class ImageProgram(LoadedImage):
         self._sp = 0  # SP after the last instruction
 
     def begin(self) -> None:
-        """Start the program: set PC to the entry, and the other registers to their values at the end of the boot ROM.
+        """Start the program: set PC to the entry, and the other registers as the boot ROM's program leaves them.
 
         Memory keeps its contents.
         """
@@ -99,10 +99,7 @@ class ImageProgram(LoadedImage):
             self._calls.began(self._entry, self._processor.time.cycle)
 
     def kill(self) -> None:
-        """End the program, and its sleep if it sleeps, so that a later reset of registers does not wake it.
-
-        how: not used.
-        """
+        """End the program, and its sleep if it sleeps, so that a later reset of registers does not wake it."""
         LoadedImage.kill(self)
         time = self._processor.time
         now = self._clock.cycle_at(time.instant()[1])

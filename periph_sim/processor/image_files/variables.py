@@ -34,7 +34,7 @@ OF_MEMBERS = ("DW_TAG_structure_type", "DW_TAG_union_type", "DW_TAG_class_type")
 ARRAY = "DW_TAG_array_type"
 WORDS = (1, 2)  # numbers of words that the CPU can read in one access
 DW_OP_PLUS_UCONST = 0x23
-MOST_NAMES = 64  # maximum number of typedefs and qualifiers of one type in undamaged debug data
+MOST_NAMES = 64  # maximum number of typedefs and qualifiers around a type; more are a cycle in damaged data
 STEP = re.compile(r"\.([^.\[]+)|\[(\d{1,6})\]")
 
 

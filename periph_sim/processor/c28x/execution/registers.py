@@ -18,7 +18,7 @@ PMA = 0x3F_0000  # the upper bits of program addresses in C2xLP instructions
 SIGN16, SIGN32 = 1 << 15, 1 << 31
 ACC_UNIT = 1 << 32  # weight of bit 0 of ACC in ACC:P
 
-ST1_RESET = 0x0A0B  # value of ST1 at the end of the boot ROM: OBJMODE, M0M1MAP, VMAP, DBGM and INTM are 1
+ST1_RESET = 0x0A0B  # value of ST1 after the boot ROM's program: OBJMODE, M0M1MAP, VMAP, DBGM and INTM are 1
 SP_RESET = 0x400
 ARP, ARP_MASK = 13, 0xE000  # lowest bit and mask of the field ARP in ST1
 SPA = 1 << 4

@@ -195,7 +195,7 @@ def run_command() -> None:
             sys.exit(MISTAKE)
         import traceback
 
-        click.echo("periph-sim: a fault of its own; please report it with the command and what follows.", err=True)
+        click.echo("periph-sim: internal error; please report it with the command and what follows.", err=True)
         traceback.print_exc()
         sys.exit(FAULT)
 

@@ -117,8 +117,8 @@ def asked_once_more(expected: Sequence[Happened], first: Divergence, own: Sequen
     if before[-1] != "NACK" or not before[-2].startswith(f"address {address} "):
         return ""
     return (
-        f"the firmware does not acknowledge {address} once more where the captured target answers after NACKs: a "
-        "controller that polls would repeat, and the replayed one polls as often as in the capture"
+        f"the firmware refuses {address} once more than the captured target did: a controller that polls would try "
+        "again, but here it polls only as often as in the capture"
     )
 
 

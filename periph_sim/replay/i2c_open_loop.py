@@ -240,8 +240,8 @@ class I2cOpenReplay(SlaveReplay):
         if spare:
             most = max(spare, key=lambda one: one.captured - one.needed)
             notes.append(
-                f"long low phases of the capture that the chip would not have made: {len(spare)} of {len(long)}; "
-                f"at {float(most.at):.6f} s it has {_us(most.captured)}, the chip held SCL for {_us(most.needed)} of it"
+                f"long low phases of SCL that the chip would have ended earlier: {len(spare)} of {len(long)}; "
+                f"that at {float(most.at):.6f} s lasts {_us(most.captured)}, and the chip needs {_us(most.needed)}"
             )
         if late:
             worst = max(late, key=lambda one: one.late)

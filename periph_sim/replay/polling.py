@@ -134,8 +134,8 @@ class PolledCapture:
         self.left.clear()
         self._continue_at(number, _acknowledged(sources[phases[-1][0]], phases[-1][1]), phases[-1][1])
         self.notes.append(
-            f"the capture ends before {poll.address:02X} answers its polls, and the firmware answers: the rest of the "
-            "polls is not played"
+            f"the firmware answers a poll of {poll.address:02X}, but the capture ends before the captured target "
+            "answers: the remaining polls are not played"
         )
         return True
 

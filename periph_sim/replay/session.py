@@ -113,8 +113,8 @@ class SessionReplay(I2cReplay):
         scene.kernel.call_at(self._serial_origin, self._plan_frames)
         if longest_low is None:
             self._part.notes.append(
-                "SCL's low phases are the capture's, so a stretch shorter than those does not show; "
-                "with --longest-low TIME they are left to the firmware"
+                "the controller holds SCL low as long as in the capture, so a shorter stretch by the firmware is not "
+                "visible; --longest-low TIME shortens these low phases"
             )
 
     def _build(self, case: Case, prepared: Case, subscribe: Subscribe | None) -> Scene:

@@ -239,14 +239,14 @@ def played(capture: Capture, scl: str | int, sda: str | int, first: int | None =
     check_length(capture, capture.length if last.stop is None else last.stop.at)
     notes = []
     if pulses := sum(len(transfer.lead) for transfer in found if not transfer.phases):
-        notes.append(f"clock pulses before the capture's first START, of a transfer unknown and not played: {pulses}")
+        notes.append(f"clock pulses before the capture's first START, of an unknown transfer, not played: {pulses}")
     if last.stop is None:
         cut_bytes = last.phases[-1].bytes
         bits = len(cut_bytes[-1].bits) if cut_bytes else 0
         inside = f"in the middle of a byte, after {counted(bits, 'bit')}" if 0 < bits < BYTE else "before a STOP"
         notes.append(f"the capture ends {inside}: the rest of its last transfer is not compared")
     if shared := decode.shared_edges(capture, scl, sda):
-        notes.append(f"samples with an edge of both lines, where SDA is put half a sample off SCL's edge: {shared}")
+        notes.append(f"samples with an edge of both lines, in which SDA's edge is moved by half a sample: {shared}")
     notes += stamp_notes(capture)
     lines = capture.channel(scl), capture.channel(sda)
     notes += gap_notes(capture, *lines)
@@ -338,8 +338,8 @@ def _settings(part: Played, address: int, lead: Fraction, in_reach: bool) -> dic
         return {"replies": target.replies}
     if target.refused:
         part.notes.append(
-            f"refusals of {target.address:02X} that follow neither a write that a STOP ended nor the start, "
-            f"which the firmware cannot be set to repeat: {target.refused}"
+            f"NACKs of {target.address:02X} that the firmware cannot be set to repeat, because they follow neither a "
+            f"write with a STOP nor the start of the capture: {target.refused}"
         )
     answered = [turn.answer.ack for turn in part.turns if turn.address == address]
     if answered and not any(answered):

@@ -157,9 +157,9 @@ def _origins_of(scene: Scene) -> Origins:
         return FrameOrigins(host_frames())
     codes = scene.model.codes()
     if codes is None:
-        raise _mistake(scene.case, "the firmware has sensor models, but no setting says their arithmetic")
+        raise _mistake(scene.case, "the firmware has sensor models, but no setting states their arithmetic")
     if MODEL_PIN not in scene.wires:
-        what = "what sensor models show can be checked only with the pin that is high while they run"
+        what = "the results of sensor models can be checked only with a pin that is high while they run"
         raise _mistake(scene.case, f"{what}; give the unit pins = {{ {MODEL_PIN} = 34 }}")
     origins = ModelOrigins(codes)
     watch([scene.wires[MODEL_PIN]], origins.model_pin)

@@ -130,7 +130,7 @@ def limit_plans(ticks: CaseTicks, scope: Scope) -> tuple[BudgetPlan, ...]:
     names: set[str] = set()
     for entry, budget in enumerate(case.budget):
         if budget.name in names:
-            what = f"there are two budgets {budget.name!r}; verdicts are known by name, so give one another name"
+            what = f"there are two budgets {budget.name!r}; verdicts are known by name, so rename one of them"
             raise case.mistake(what, "budget", entry, "name")
         names.add(budget.name)
         try:

@@ -148,8 +148,8 @@ def test_firmware_that_is_busy_behind_the_last_captured_poll_is_not_judged():
     report = replay(polls(True, False, False, True, data=False), "unit.dsp.settings.busy=['5 ms']", case=RESPONDER)
     assert report.verdict == "not judged" and report.divergences[0].found == "NACK"
     assert report.unjudged == (
-        "the firmware does not acknowledge 50 once more where the captured target answers after NACKs: a controller "
-        "that polls would repeat, and the replayed one polls as often as in the capture"
+        "the firmware refuses 50 once more than the captured target did: a controller that polls would try again, "
+        "but here it polls only as often as in the capture"
     )
 
 

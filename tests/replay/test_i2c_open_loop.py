@@ -114,8 +114,8 @@ def test_a_stretch_that_the_chip_does_not_need_is_told_and_is_no_failure(tmp_pat
     report = replay(one_read(stretched=400), "unit.dsp.settings.wait=60", case=slow_case(tmp_path))
     assert report.verdict == "pass" and report.late_worst_us == 0
     assert 45 < report.stretch_worst_us < 55 and report.captured_stretch_us == 100
-    (note,) = [note for note in report.notes if "would not have made" in note]
-    assert "would not have made: 1 of 1; at 0.000300 s it has 105.000 us, the chip held SCL for 50." in note
+    (note,) = [note for note in report.notes if "would have ended earlier" in note]
+    assert "would have ended earlier: 1 of 1; that at 0.000300 s lasts 105.000 us, and the chip needs 50." in note
 
 
 def test_a_chip_that_is_not_addressed_is_neither_late_nor_early(tmp_path):
@@ -128,8 +128,8 @@ def test_of_several_late_or_spare_pauses_the_longest_is_named(tmp_path):
     capture = reads(*[(0x50, 0xA7, stretched) for stretched in (0, 400, 300, 200, 50, 100)])
     report = replay(capture, "unit.dsp.settings.wait=60", case=slow_case(tmp_path))
     spare, late = report.notes[-2:]
-    assert spare.startswith("long low phases of the capture that the chip would not have made: 3 of 5; at 0.000600 s")
-    assert "it has 105.000 us, the chip held SCL for 50.3" in spare
+    assert spare.startswith("long low phases of SCL that the chip would have ended earlier: 3 of 5; that at 0.000600 s")
+    assert "lasts 105.000 us, and the chip needs 50.3" in spare
     assert late.startswith("stretches that the chip would have made and the capture lacks: 3; the longest 45.3")
     assert late.endswith(" us past SCL's rise at 0.000200 s")
     assert report.late_worst_us == pytest.approx(45.36, abs=0.05)

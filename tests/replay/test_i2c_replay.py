@@ -124,8 +124,8 @@ def test_refusals_that_no_setting_can_imitate_are_told():
     """Behind a read, or behind a write that a repeated START ended, nothing says how long the target was busy."""
     report = replay(traffic("S A1+ 12- P .200 S A0- P .200 S A0- P .200 S A0+ P"))
     assert report.notes == [
-        "refusals of 50 that follow neither a write that a STOP ended nor the start, "
-        "which the firmware cannot be set to repeat: 2"
+        "NACKs of 50 that the firmware cannot be set to repeat, because they follow neither a write with a STOP nor "
+        "the start of the capture: 2"
     ]
 
 

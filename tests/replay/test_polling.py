@@ -204,7 +204,7 @@ def test_a_session_keeps_the_captured_polls(memory: Path):
     report = SessionReplay(
         case, capture, "SCL", "SDA", idle, "RX", wanted=Line(Fraction(115200)), addresses=[MEMORY]
     ).run()
-    assert report.verdict == "not judged" and "polls as often as in the capture" in report.unjudged
+    assert report.verdict == "not judged" and "polls only as often as in the capture" in report.unjudged
 
 
 def test_without_a_change_of_the_polls_the_replay_is_that_of_the_capture(memory: Path):
@@ -266,7 +266,8 @@ def test_firmware_that_answers_polls_which_the_capture_never_shows_answered_is_n
     stop = 1 if bits is None or not again else 0
     assert report.agreed == report.events == 8 + (3 if again else 4) * polls + 3 + stop
     assert report.notes[-1] == (
-        "the capture ends before 50 answers its polls, and the firmware answers: the rest of the polls is not played"
+        "the firmware answers a poll of 50, but the capture ends before the captured target answers: "
+        "the remaining polls are not played"
     )
 
 

@@ -166,8 +166,8 @@ def test_an_open_loop(tmp_path: Path):
         "simulated_s": 0.002235,
         "notes": [
             NOT_FILLED.format(tmp_path),
-            "long low phases of the capture that the chip would not have made: 1 of 1; at 0.000625 s it has "
-            "105.000 us, the chip held SCL for 50.353 us of it",
+            "long low phases of SCL that the chip would have ended earlier: 1 of 1; that at 0.000625 s lasts "
+            "105.000 us, and the chip needs 50.353 us",
             "stretches that the chip would have made and the capture lacks: 1; the longest 45.380 us past SCL's rise "
             "at 0.000925 s",
         ],

@@ -77,7 +77,7 @@ def test_clock_pulses_before_the_first_start_are_told():
     pulses = bytes([0b11] * 20 + ([0b10] * 20 + [0b11] * 20) * 3)
     one = played(of_bytes(pulses + bytes(wave.samples), ("SCL", "SDA"), 4_000_000), "SCL", "SDA")
     assert one.notes == [
-        "clock pulses before the capture's first START, of a transfer unknown and not played: 3",
+        "clock pulses before the capture's first START, of an unknown transfer, not played: 3",
     ]
 
 

@@ -152,7 +152,7 @@ def refusal(folder: Path, old: str, new: str) -> str:
         (
             VALUE,
             "at = 2\nevery = '1 ms'",
-            "device.adc.register.0: VALUE: every needs values or step, which define the new value",
+            "device.adc.register.0: VALUE: 'every' needs 'values' or 'step', which define the new value",
         ),
         (VALUE, "at = 2\nread_only = 3\nwrite_1_clears = 1", "bits of VALUE are both read_only and write_1_clears"),
         (
@@ -215,7 +215,7 @@ def refusal(folder: Path, old: str, new: str) -> str:
         (
             MEMORY,
             f"{MEMORY}\n[[device.memory.fault]]\nkind = 'nack'\nafter = '2 ms'\nuntil = '1 ms'",
-            "until comes before after",
+            "'until' is not later than 'after'",
         ),
     ],
 )

@@ -84,7 +84,7 @@ def test_a_jitter_of_one_value_has_none_and_of_none_says_why():
     jitter = measure_named("jitter of edge SCL rise", ONE)
     assert jitter.missing() == "no event matched 'edge SCL rise'"
     tell(jitter, records("5 edge SCL level 1\n6 edge SCL level 1"))
-    assert jitter.silent and jitter.missing() == "there was one value, which has none before it"
+    assert jitter.silent and jitter.missing() == "there was only one value, and a jitter needs two"
     tell(jitter, records("9 edge SCL level 1\n10 edge SCL level 1"))
     assert came(jitter) == (2, 6, 2, 2)  # periods of 1, 3 and 1
 

@@ -62,9 +62,9 @@ class When:
 
     def __post_init__(self) -> None:
         if self.every is None and self.times is not None:
-            raise ValueError("times needs every; give every, or remove times")
+            raise ValueError("'times' needs 'every'; give 'every', or remove 'times'")
         if self.every is not None and self.spread > self.every:
-            raise ValueError("spread is longer than every, so faults would be out of order; shorten it")
+            raise ValueError("'spread' is longer than 'every', so faults would be out of order; shorten 'spread'")
 
 
 LONG_HIGH = 10  # a high phase of SCL that is longer than this multiple of the low phase before it is not a clock

@@ -93,13 +93,13 @@ class RegisterTable(Table, frozen=True, kw_only=True):
                 f"bits of {self.name} are both read_only and write_1_clears; a written 1 clears or does not"
             )
         if (self.every is not None) != (bool(self.values) or bool(self.step)):
-            raise ValueError(f"{self.name}: every needs values or step, which define the new value")
+            raise ValueError(f"{self.name}: 'every' needs 'values' or 'step', which define the new value")
         if bool(self.values) + bool(self.step) + bool(self.updates) > 1:
-            raise ValueError(f"{self.name} has more than one of updates, values and step; keep one")
+            raise ValueError(f"{self.name} has more than one of 'updates', 'values' and 'step'; keep one")
         if self.first is not None and self.every is None:
-            raise ValueError(f"{self.name}: first needs every; give every, or remove first")
+            raise ValueError(f"{self.name}: 'first' needs 'every'; give 'every', or remove 'first'")
         if self.every == 0:
-            raise ValueError(f"{self.name}: every must be longer than 0")
+            raise ValueError(f"{self.name}: 'every' must be longer than 0")
 
 
 class Settings(Table, frozen=True, kw_only=True):

@@ -345,7 +345,7 @@ def _check_places(settings: Settings) -> None:
     reach = 1 << 8 * settings.pointer_bytes
     for entry, table in enumerate(settings.registers):
         if table.name in names:
-            raise BadDevice(f"there are two registers {table.name!r}; give one another name", "register", entry, "name")
+            raise BadDevice(f"there are two registers {table.name!r}; rename one of them", "register", entry, "name")
         names.add(table.name)
         for pointer in range(table.at, table.at + _span(settings, table)):
             if pointer in taken:

@@ -37,7 +37,7 @@ class Settings(Table, frozen=True, kw_only=True):
 
     def check_together(self, given: Set[str]) -> None:
         if self.first is not None and self.first < self.after:
-            raise ValueError("first is before after, up to which edges are ignored; lower after")
+            raise ValueError("'first' is before 'after', up to which edges are ignored; lower 'after'")
 
 
 class Blink:

@@ -41,9 +41,9 @@ class Settings(Table, frozen=True, kw_only=True):
         if times != sorted(times):
             raise ValueError("edges are not in order of time; sort them")
         if self.since == "first edge" and times[0]:
-            raise ValueError("since is the first edge, so the first time is 0; give times from it on")
+            raise ValueError("'since' is the first edge, so the first time must be 0; give the times since that edge")
         if self.since == "start" and times[0] <= self.after:
-            raise ValueError("the first edge is before after, up to which edges are ignored; change one of them")
+            raise ValueError("the first edge is not later than 'after', up to which edges are ignored; lower 'after'")
 
 
 class Edges:

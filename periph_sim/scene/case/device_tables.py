@@ -94,7 +94,7 @@ class DeviceFault(FaultTrigger, frozen=True, kw_only=True):
         if self.kind in ("wrong", "flip") and (self.access == "write" or 0 in self.bytes):
             raise ValueError(f"a fault of kind {self.kind!r} is about bytes that the device sends, 1 and up of a read")
         if self.until is not None and self.until <= self.after:
-            raise ValueError("until comes before after, so nothing would happen; make it later")
+            raise ValueError("'until' is not later than 'after', so nothing would happen; make 'until' later")
 
 
 class BusParty(Table, frozen=True, kw_only=True):

@@ -252,4 +252,4 @@ class HostTable(Table, frozen=True, kw_only=True):
 
 def _begins_in_order(table: Controller | HostTable) -> None:
     if table.jitter > table.period:
-        raise ValueError("jitter is longer than period, so one would begin before the last; shorten it")
+        raise ValueError("jitter is longer than period, so starts could be out of order; shorten it")

@@ -112,7 +112,7 @@ class Unit(Table, frozen=True, kw_only=True):
             raise ValueError(f"a unit has one program; give {' or '.join(programs)}, not both")
         if self.sources and "settings" in given:
             raise ValueError(
-                "settings is of Python firmware; sources take [unit.NAME.compile] defines, so leave it out"
+                "only Python firmware has settings; sources take [unit.NAME.compile] defines, so leave it out"
             )
         if self.memory and not self.image:
             raise ValueError("memory is of an image's variables; settings are what Python firmware takes")

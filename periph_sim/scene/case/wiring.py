@@ -317,7 +317,7 @@ def on_pairs(case: Case) -> list[OnPair]:
             raise case.mistake(f"{table.on} has a transceiver already; an SCI has one", "transceiver", entry, "on")
         unit, pin = de_pin(case, entry)
         if unit != sci.unit:
-            what = f"{table.de} is a pin of {unit}, but {table.on} is of {sci.unit}, whose firmware turns it round"
+            what = f"{table.de} is a pin of {unit}, but {table.on} is of {sci.unit}, whose firmware switches it"
             raise case.mistake(what, "transceiver", entry, "de")
         if "GPIO" not in case.unit[unit].modules:
             what = f"unit {unit} has no GPIO, which would drive {table.de}; add it to its modules"

@@ -171,7 +171,7 @@ class SerialSide:
         sci = sci_named(self._case, table.to, *place, "to")
         name = table.name or f"send {number}"
         if name in self.sends:
-            raise self._case.mistake(f"there are two sends {name!r}; give one another name", *place, "name")
+            raise self._case.mistake(f"there are two sends {name!r}; rename one of them", *place, "name")
         burst = self._burst(name, table, *place)
         sender = self._sender(sci, *place)
         send = self.sends[name] = Send(name, table, self._context, sender, burst, self._table.value("ppm", table))

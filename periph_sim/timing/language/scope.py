@@ -241,9 +241,9 @@ class Scope(Struct):
         Raise BadEvent if there is no such unit, or if `unit` is "" and there are several such units.
         """
         if unit and self.unit(unit) not in self.images:
-            raise BadEvent(f"{unit} runs Python firmware; this is of a unit that runs an image")
+            raise BadEvent(f"{unit} runs Python firmware; this measure needs a unit that runs an image")
         if not unit and not self.images:
-            raise BadEvent("no unit runs an image, and this is of one that does; give it image in place of firmware")
+            raise BadEvent("no unit runs an image, which this measure needs; give a unit image in place of firmware")
         return unit or self._one(list(self.images), "one")
 
     def variable(self, unit: str, name: str) -> str:

@@ -183,7 +183,7 @@ class Measure(Listener):
     def missing(self) -> str:  # core: python
         """Return the reason why nothing was measured; "" if no reason is known."""
         if self._before is not None and not self.count:
-            return "there was one value, which has none before it"
+            return "there was only one value, and a jitter needs two"
         return self.why_silent()
 
     def why_silent(self) -> str:  # core: python

@@ -182,8 +182,8 @@ class Race(Measure):
     def why_silent(self) -> str:
         if self._unplaced:
             return (
-                f"of {self._unplaced} skipped waits for {self.watched.text} the polls beside a change are not known; "
-                "skip_polls = false in the unit's table makes and records each of them"
+                f"in {self._unplaced} skipped waits for {self.watched.text}, the polls next to a change are not known; "
+                "skip_polls = false in the unit's table makes and records each poll"
             )
         return f"no read of {self.watched.text} had a change to be compared with"
 

@@ -212,11 +212,11 @@ def test_without_every_a_fault_comes_once_and_without_times_for_ever():
         ("spike", {"at": "1 us", "wire": "SCL", "width": "0 s"}, "it must be longer than 0"),
         ("spike", {"at": 3, "wire": "SCL", "width": "1 us"}, '3 has no unit; write for instance "3 ms"'),
         ("spike", {"at": "-1 us", "wire": "SCL", "width": "1 us"}, "'-1 us' is negative; a duration is 0 or more"),
-        ("spike", {"at": "1 us", "times": 3, "wire": "SCL", "width": "1 us"}, "times needs every"),
+        ("spike", {"at": "1 us", "times": 3, "wire": "SCL", "width": "1 us"}, "'times' needs 'every'"),
         (
             "spike",
             {"at": "1 us", "every": "1 us", "spread": "2 us", "wire": "SCL", "width": "1 us"},
-            "spread is longer than every, so faults would be out of order; shorten it",
+            "'spread' is longer than 'every', so faults would be out of order; shorten 'spread'",
         ),
         ("hold", {"at": "1 us", "wire": "SDA"}, "either for a length or for a number of clocks; give one of them"),
         ("hold", {"at": "1 us", "wire": "SDA", "length": "1 us", "clocks": 9}, "give one of them"),

@@ -151,7 +151,7 @@ def test_a_fault_of_its_own_gives_3_and_asks_for_a_report(periph_sim: Run, desk:
     monkeypatch.setattr("periph_sim.interfaces.commands.run.Scene", broken)
     came = periph_sim("run", "small.toml")
     assert came.status == 3
-    assert came.err.startswith("periph-sim: a fault of its own; please report it with the command and what follows.")
+    assert came.err.startswith("periph-sim: internal error; please report it with the command and what follows.")
     assert "AssertionError: a bug" in came.err
 
 

@@ -230,7 +230,7 @@ def test_what_the_host_has_replaced_ends_the_run_with_its_place(folder: Path, bo
         ('unit.dsp.sources=["echo.c", "echo.c"]', "int main(void) { return 0; }", "echo.c define 'main'; leave one"),
         ('unit.dsp.sources=["none.c"]', "", "there is no source file"),
         ('unit.dsp.image="x.out"', "", "a unit has one program; give image or sources, not both"),
-        ("unit.dsp.settings.x=1", "", "settings is of Python firmware; sources take [unit.NAME.compile] defines"),
+        ("unit.dsp.settings.x=1", "", "only Python firmware has settings; sources take [unit.NAME.compile] defines"),
     ],
 )
 def test_what_gcc_and_the_case_refuse_is_one_sentence(folder: Path, change: str, text: str, sentence: str):

@@ -154,7 +154,7 @@ def edited(path: Path, line: str, by: str) -> Path:
         (
             'order = ["gyroscope"]',
             'order = []\nperiod = "10 ms"\njitter = "11 ms"',
-            "small.toml, line 11: controller: jitter is longer than period, so one would begin before the last; "
+            "small.toml, line 11: controller: jitter is longer than period, so starts could be out of order; "
             "shorten it",
         ),
         (
@@ -330,7 +330,7 @@ def test_not_utf8(case_file: Path):
         (
             "controller.jitter=1 s",
             "small.toml, line 11 with --set 'controller.jitter=1 s': controller: jitter is longer than period, "
-            "so one would begin before the last; shorten it",
+            "so starts could be out of order; shorten it",
         ),
     ],
 )

@@ -46,7 +46,7 @@ def values(**table: Any) -> dict[str, Any]:
         (unit(PYTHON), ""),
         (unit({"modules": []}), "a unit needs a program; give firmware, or image"),
         (unit(PYTHON, image="x.out"), "a unit has one program; give firmware or image, not both"),
-        (unit(SOURCES, settings={}), "settings is of Python firmware; sources take [unit.NAME.compile] defines"),
+        (unit(SOURCES, settings={}), "only Python firmware has settings; sources take [unit.NAME.compile] defines"),
         (unit(IMAGE, memory={"x": 1}), ""),
         (unit(PYTHON, memory={"x": 1}), "memory is of an image's variables; settings are what Python firmware takes"),
         (unit(IMAGE, pll=10), "pll is of Python firmware; an image says that by itself, so leave it out"),
@@ -165,7 +165,7 @@ def test_a_stretch_may_be_a_length_alone():
         ({"kind": "off", "after": "1 ms", "until": "2 ms"}, ""),
         ({"kind": "off", "share": "50 %"}, "a fault of kind 'off' has no share; leave it out"),
         ({"kind": "off", "bytes": [1], "access": "read"}, "a fault of kind 'off' has no access and no bytes"),
-        ({"kind": "off", "after": "1 ms", "until": "1 ms"}, "until comes before after, so nothing would happen"),
+        ({"kind": "off", "after": "1 ms", "until": "1 ms"}, "'until' is not later than 'after', so nothing"),
         ({"kind": "off", "after": "1 ms", "until": "1.001 ms"}, ""),
     ],
 )

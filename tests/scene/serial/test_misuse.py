@@ -203,7 +203,7 @@ def small(tmp_path: Path) -> Path:
             "",
             '\n[[budget]]\nname = "told"\nmeasure = "overruns"\nmax = 0\n',
             "line 15: serial.expect.told.name: there are two budgets 'told'; "
-            "verdicts are known by name, so give one another name",
+            "verdicts are known by name, so rename one of them",
         ),
         (
             "",

@@ -395,5 +395,5 @@ def start_up(control: SystemControl, pll: int) -> int:
     control.wake(locked)
     write(locked + 1, "PLLSTS", 0)
     write(locked + 2, "PLLSTS", 2 << 7)
-    control.touched.clear()  # the run does not depend on options that only the time before main used
+    control.touched.clear()  # options that were used only before main do not affect the run
     return locked + 100

@@ -114,7 +114,8 @@ class Host(Agent):
         if schedule.starts:
             self._first = schedule.starts[0]
         self._due: array[int] = array("q", [self._first])
-        self._due_next: int = self._first  # the due tick of the next frame; after the last frame, its due tick
+        # The due tick of the next frame. After the last frame: its due tick, or NEVER with a list of starts.
+        self._due_next: int = self._first
         self._plan(self._first)
 
     @property

@@ -102,7 +102,7 @@ class Settings(Table, frozen=True, kw_only=True):
     """An EEPROM: `24c`, `24lc` or `24aa`, then 02, 04, 08, 16, 32, 64, 128, 256 or 512.
 
     contents: bytes from address 0, or a `.bin` or Intel `.hex` file; the rest is 0xFF
-    page: page size in bytes; otherwise 8 (02), 16 (04 to 16), 32 (32, 64), 64 (128, 256), 128 (512)
+    page: page size in bytes; if omitted, 8 (02), 16 (04 to 16), 32 (32, 64), 64 (128, 256), 128 (512)
     write_time: duration or range of a write
     write_protect: `true`, or a wire of `pins` that protects while high
     """

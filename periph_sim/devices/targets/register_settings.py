@@ -48,7 +48,7 @@ class RegisterTable(Table, frozen=True, kw_only=True):
     read_clears: bits cleared by reading
     updates: values by time: `[["5 ms", 0x12], ["7 ms", 0x34]]`, or a `.csv` file with rows `5 ms,0x12`
     every: period of `values` or `step`
-    first: time of the first update; otherwise one period
+    first: time of the first update; one period if omitted
     values: values of successive updates; the register keeps the last one
     step: number added at each update; the sum wraps around
     sets: bits of another register set by each update: `{ register = "STATUS", bits = 0x01 }`

@@ -175,7 +175,7 @@ MOTIONS = (
         ONE_COUNT,
     ),
     InputSweep("yaw step in one sample", "from rest, as built", "deg", 0, 359, yaw_step),
-    InputSweep("roll rate", "full scale is 2000, the converter's last code 2279", "deg/s", 0, 8000, rolling),
+    InputSweep("roll rate", "full scale is 2000, the converter's highest code 2279", "deg/s", 0, 8000, rolling),
     InputSweep(
         "roll rate beyond frames",
         "angles of any size; cross-axis sensitivity takes y and z to full scale at 114 000",

@@ -112,7 +112,7 @@ def _remarks(report: ExtremesReport) -> list[str]:
             of = "" if finding.arithmetic == EVERY else f", {finding.arithmetic}"
             remarks.append(f"{finding.extreme}{of}: {finding.note}")
     if REFERENCE in report.names:
-        remarks.append(f"{REFERENCE} is the reference: at full scale its converter returns its last code")
+        remarks.append(f"{REFERENCE} is the reference: at full scale its converter returns its lowest or highest code")
     return [line for remark in remarks for line in paragraph(remark)]
 
 

@@ -18,7 +18,7 @@ from .shared_options import JSON, MAP, RATE, SALVAGE
     "--mode",
     required=True,
     type=click.Choice(["standard", "fast", "fast-plus"]),
-    help="Of the bus: to 100 kHz, 400 kHz or 1 MHz.",
+    help="Mode of the bus: up to 100 kHz, 400 kHz or 1 MHz.",
 )
 @MAP
 @RATE

@@ -209,7 +209,9 @@ OWN_ADDRESS = (
     "the old or the new address"
 )
 PRESCALER = "changes I2CPSC.IPSC while I2CMDR.IRS = 1; the module clock does not follow before IRS goes from 0 to 1"
-RESET = "clears IRS while the module takes part in a transfer (BB = 1): the byte in progress is lost, and SDA released"
+RESET = (
+    "clears IRS while the module takes part in a transfer (BB = 1): the byte in progress is lost, and SDA is released"
+)
 
 
 @finds("own address changed in mid-transfer (BB = 1, IRS = 1)")

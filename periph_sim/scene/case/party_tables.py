@@ -225,7 +225,7 @@ class HostTable(Table, frozen=True, kw_only=True):
     lose: omitted bytes as [frame, byte] from 0: `[[3, 5]]`
     silent: spans without frames, [begin, length]: `[["1 s", "200 ms"]]`
     twice: frames sent twice, numbered from 0: `[7]`
-    motion: frame contents, `[host.motion]`; otherwise a ramp; see sensors.md
+    motion: frame contents, `[host.motion]`; a ramp if omitted; see sensors.md
     encoding: scale, byte order and overflow, `[host.encoding]`; see sensors.md
     """
 

@@ -85,8 +85,8 @@ class SendTable(SerialEntry, frozen=True, kw_only=True):
     name: name in messages, in `after_send` and in `--set`
     to: receiving SCI: `"dsp.SCI-A"`, or `"SCI-A"` if one unit has it
     break: time the line is held low
-    address: character sent first, by `multiprocessor`: with address bit 1, or 11 bits or more after earlier sends on
-        its line
+    address: address character, sent first. `multiprocessor` determines how it is marked: by address bit 1, or by 11 or
+        more idle bits after earlier sends on its line
     after_text, after_bytes: characters from the SCI that trigger the send
     delay: time from the event to the first start bit
     period: time between repetitions after the first event

@@ -35,7 +35,7 @@ def scenarios(case: str | Path, changes: Sequence[str] = ()) -> Scenarios:
 
     A start is the beginning of a round of the controller, or of a frame of the host. This function runs the case to
     make its closed table (docs/proof.md), which takes seconds to minutes. `Scenarios.values` then looks up the values
-    of many sequences in the table, without further runs.
+    of many sequences in the table, without further runs. `Scenarios.starts` draws sequences from seeds, as runs do.
 
     case: the path of a case with one unit, which runs an image. The times at which rounds start are free, or those at
         which frames start, but not both.

@@ -1,7 +1,7 @@
 """Exact values of budgets for many sequences of starts at once, from a closed table, without running the sequences.
 
 closed table: entry --> values of a round, state of rest after it
-starts [scenario, round] --for each round, one look-up for all scenarios together--> values [scenario, round]
+seeds --> starts [scenario, round] --for each round, one look-up for all scenarios together--> values [scenario, round]
 
 Each round of each scenario equals a round that was run for the table. So its values are those that `Scene` gives for
 these starts.
@@ -9,7 +9,7 @@ these starts.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +23,7 @@ from .stretch import CoveredCase, Job
 
 FIRST = RestPlace(-1, 0)  # the key of the first round in `_worst`
 NO_SERIES = "it has one number for the whole run"
+EARLIER = "it has values before the first start"
 JOINED = "it has the key `and`"
 
 
@@ -33,7 +34,8 @@ class Scenarios:
     left_out: for each other budget, the reason why it has no values.
     moved: what starts, "rounds" or "frames".
     ticks_per_second: the number of ticks per second.
-    first: the tick of the first start, counted from the start of the run.
+    first: the tick of the first start, counted from the start of the run. If the starts of the case have jitter, the
+        first start is free, and this is its least tick.
     apart: the least distance of two starts, in ticks.
 
     Raise BadCase if the case cannot be read, has no closed table, or fails in a run of its table.
@@ -47,11 +49,12 @@ class Scenarios:
     ) -> None:
         """case: the path of the case. changes: "key=value" texts. on_progress: as for `TableMaker`."""
         covered = CoveredCase(Job(str(case), tuple(changes)))
+        self._phases = covered.phases
         self._worst: dict[str, dict[RestPlace, float]] = {}
         self._without_values: dict[str, str] = {}
         self._differing: dict[str, str] = {}  # budgets with two values in rounds from equal states
         try:
-            maker = TableMaker(covered, on_progress, on_run=self._observe, rests_first=False)
+            maker = TableMaker(covered, on_progress, on_run=self._observe)
             table = maker.make()
         except NotClosed as error:
             raise BadCase(f"{covered.case.name} has no closed table: {error}") from None
@@ -60,10 +63,9 @@ class Scenarios:
             raise BadCase(
                 f"{covered.case.name}: {broken} failed in a run of its table; `periph-sim prove --table` shows it"
             )
-        assert maker.first is not None
         self.moved = covered.phases.moved
         self.ticks_per_second = covered.phases.ticks_per_second
-        self.first = covered.phases.first_start()
+        self.first = table.first_rest + 1 if table.rests_first else covered.phases.first_start()
         self.apart = table.apart
         self.left_out = covered.not_whole | table.not_proven(covered) | self._without_values
         self.budgets = tuple(one.name for one in covered.case.budget if one.name not in self.left_out)
@@ -73,38 +75,50 @@ class Scenarios:
                 raise Contradiction(f"{what}; please report this as a defect of periph-sim")
         self._set_arrays(maker)
 
+    def starts(self, seeds: Iterable[int], rounds: int) -> NDArray[np.int64]:
+        """Return the starts of the first rounds, or frames, in runs of the case with these seeds, int64[n, rounds].
+
+        Without jitter, all seeds have the same starts.
+
+        Raise ValueError if there is no seed, if the case does not have that many rounds, or if it has starts that are
+        less than `apart` ticks apart.
+        """
+        most = self._phases.most_starts
+        if rounds < 1 or (most is not None and rounds > most):
+            expected = "1 or more" if most is None else f"1 to {most}, since the case has no more {self.moved}"
+            raise ValueError(f"rounds: {rounds}; expected {expected}")
+        delays = [self._phases.delays(int(seed), rounds) for seed in seeds]
+        late = np.array(delays, np.int64).reshape(-1, rounds)
+        if self._phases.adds_delays:
+            late = late.cumsum(axis=1)
+        starts = np.array(self._phases.due_starts(rounds)) + late
+        self._check(starts)
+        return starts
+
     def values(self, starts: NDArray[np.int64]) -> dict[str, NDArray[np.float64]]:
         """Return a dictionary from each budget to its worst value in each round, float64[n, rounds].
 
         Values are in the unit of `Verdict.worst`, such as microseconds.
 
         starts: int64[n, rounds], the starts of n scenarios in ticks from the start of the run. The first start of each
-            is `first`, and the others are at least `apart` after the one before.
+            is `first`, or not before `first` if it is free. The others are at least `apart` after the one before.
 
         Raise ValueError for other starts.
         """
         self._check(starts)
-        count, rounds = starts.shape
-        found = {name: np.empty((count, rounds)) for name in self.budgets}
-        orbit = np.full(count, self._after_first.orbit)
-        tick = np.full(count, self._after_first.tick)
-        rest = starts[:, 0] + self._first_length
-        for number in range(rounds):
-            entry = np.full(count, len(self._lengths) - 1)  # the first round is the last item of the arrays
-            if number:
-                tick = (tick + starts[:, number] - rest) % self._periods[orbit]
-                entry = self._offsets[orbit] + tick
-                rest = starts[:, number] + self._lengths[entry]
-                orbit, tick = self._orbits[entry], self._ticks[entry]
-            for name, values in found.items():
-                values[:, number] = self._values[name][entry]
-        return found
+        entry, entries = np.array(-1), np.empty(starts.shape[::-1], np.int64)
+        for number, distance in enumerate(np.diff(starts.T, axis=0, prepend=0)):
+            entry = self._offsets[entry] + (self._shifts[entry] + distance) % self._periods[entry]
+            entries[number] = entry
+        return {name: values[entries].T for name, values in self._values.items()}
 
     def _check(self, starts: NDArray[np.int64]) -> None:
         if starts.ndim != 2 or not starts.size or starts.dtype != np.int64:
             raise ValueError(f"starts: {starts.dtype} of shape {starts.shape}; expected int64 of shape (n, rounds)")
-        if (starts[:, 0] != self.first).any():
-            raise ValueError(f"starts: a first start is not at tick {self.first}, where the table begins")
+        is_free, earliest = self._phases.has_jitter, starts[:, 0].min()
+        if earliest < self.first or (not is_free and (starts[:, 0] != self.first).any()):
+            expected = f"before tick {self.first}" if is_free else f"not at tick {self.first}"
+            raise ValueError(f"starts: a first start is {expected}, where the table begins")
         if (np.diff(starts, axis=1) < self.apart).any():
             raise ValueError(
                 f"starts: two starts are less than {self.apart} ticks apart, the least distance of the table"
@@ -112,8 +126,8 @@ class Scenarios:
 
     def _observe(self, run: FreeRun, begun: Sequence[RestPlace]) -> None:
         """Keep the worst value of each budget in each round of a run."""
-        places = [FIRST, *begun]
         starts = np.array(run.frames or run.rounds)
+        places = begun if self._phases.has_jitter else [FIRST, *begun]
         for limit in run.scene.limits:
             name = limit.budget.name
             reason = JOINED if limit.joined else "" if limit.measure.series else NO_SERIES
@@ -121,6 +135,9 @@ class Scenarios:
                 self._without_values[name] = reason
                 continue
             values, known = limit.values(run.scene.start), self._worst.setdefault(name, {})
+            if self._phases.has_jitter and values is not None and values.at.min(initial=starts[0]) < starts[0]:
+                self._without_values[name] = EARLIER
+                continue
             for number, nearest in [] if values is None else _worst_in_rounds(values, starts):
                 value = float(limit.show(nearest))
                 before = known.setdefault(places[number], value)
@@ -128,19 +145,28 @@ class Scenarios:
                     self._differing.setdefault(name, f"{before} and {value}")
 
     def _set_arrays(self, maker: TableMaker) -> None:
-        """Set the arrays of the entries, in the order of orbits and ticks."""
-        assert maker.first is not None
-        self._after_first, self._first_length = maker.first.after, maker.first.length
-        self._periods = np.array(maker.table.orbits)
-        self._offsets = np.concatenate([[0], np.cumsum(self._periods)[:-1]])
+        """Set the arrays of the entries, by orbit and tick. Behind them is the first round, if it is not free.
+
+        In the orbit after the round of entry e, the round that starts d ticks after it has the entry
+
+            _offsets[e] + (_shifts[e] + d) % _periods[e]
+
+        The last item of these three arrays is for the first round; its d counts from the start of the run.
+        """
+        periods = np.array(maker.table.orbits)
+        offsets = np.concatenate([[0], np.cumsum(periods)[:-1]])
         places = [RestPlace(orbit, tick) for orbit, period in enumerate(maker.table.orbits) for tick in range(period)]
-        entries = [*(maker.entries[place] for place in places), maker.first]
-        self._lengths = np.array([entry.length for entry in entries])
-        self._orbits = np.array([entry.after.orbit for entry in entries])
-        self._ticks = np.array([entry.after.tick for entry in entries])
-        self._values = {
-            name: np.array([self._worst[name][place] for place in (*places, FIRST)]) for name in self.budgets
-        }
+        entries = [maker.entries[place] for place in places]
+        begin = 0, periods[0], -maker.table.first_rest  # the first rest is tick 0 of the first orbit
+        if maker.first is not None:
+            begin = len(entries), 1, 0
+            places.append(FIRST)
+            entries.append(maker.first)
+        orbits = [entry.after.orbit for entry in entries]
+        self._offsets = np.append(offsets[orbits], begin[0])
+        self._periods = np.append(periods[orbits], begin[1])
+        self._shifts = np.append([entry.after.tick - entry.length for entry in entries], begin[2])
+        self._values = {name: np.array([self._worst[name][place] for place in places]) for name in self.budgets}
 
 
 def _worst_in_rounds(values: Values, starts: NDArray[np.int64]) -> list[tuple[int, int]]:

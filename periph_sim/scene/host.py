@@ -19,7 +19,7 @@ from ..bus.uart.sender import UartSender
 from ..devices.host_frames import FrameSource, host_frames
 from ..devices.host_pc import Host, HostSchedule
 from ..devices.truth import Axes, LineBetweenFrames, Truth
-from .case.party_tables import HostTable
+from .case.party_tables import HOST_SEED, HostTable
 from .context import CaseTicks, SceneContext
 from .firmware_loader import BadSetting
 from .unit import FirmwareModel
@@ -83,7 +83,7 @@ class HostAgent:
             self.truth = model.truth(self.frames.motion, table.first)
         self._line = bit, UartFormat()
         self.peer = UartSender(context.kernel, context.recorder, context.wire("RX"), bit)
-        seed = context.case.seed + 1
+        seed = context.case.seed + HOST_SEED
         encode = partial(kind.encode, byte_order=encoding.byte_order)
         self.host = Host(context.kernel, self.peer, schedule, self.values, encode, seed)
 

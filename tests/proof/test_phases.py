@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import pytest
@@ -47,6 +48,13 @@ def test_with_one_of_them_its_own_starts_move_from_their_times_in_the_case() -> 
     frames = phases(host={"first": "7 ms"}).inputs([0])[0].frames
     assert rounds is not None and frames is not None
     assert rounds[0] == frames[0] == 7 * MS + WARM_UP * 20 * MS
+
+
+@pytest.mark.parametrize(("jitter", "ticks"), [("0 us", 0), ("1 us", 3000), ("1.365 us", 2**12 - 1)])
+def test_delays_are_those_that_the_sensor_head_draws(jitter: str, ticks: int) -> None:
+    found = phases(controller={**REQUEST, "jitter": jitter})
+    random = Random(7)
+    assert found.delays(7, 100) == [random.randrange(ticks + 1) for _ in range(100)]
 
 
 def test_sends_are_later_by_the_phase() -> None:

@@ -1,11 +1,12 @@
 """Values from a closed table: those of ordinary runs with the same starts, round by round.
 
-starts --table--> values [scenario, round]
-       --Scene--> kept values of the budget, by round
+starts, drawn from seeds or not --table--> values [scenario, round]
+                                --Scene--> kept values of the budget, by round
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -16,13 +17,27 @@ from numpy.typing import NDArray
 from periph_sim.proof.scenarios import Scenarios
 from periph_sim.scene.case.inputs_table import InputsTable
 from periph_sim.scene.case.load import load
-from periph_sim.scene.case.model import BadCase
+from periph_sim.scene.case.model import BadCase, Case
 from periph_sim.scene.scene import Scene
 from tests.proof.proven_slave import write_slave
 from tests.proof.test_closed_table import write_echo
 from tests.scene.runs import TIMING
 
 ROUNDS = 12
+SEEDS = (0, 1, 2, 77)
+DELAYED = ["host.first=10 ms", "host.jitter=3 ms"]
+ANSWER = """
+[[budget]]
+name = "answer"
+measure = "from bus START to access W I2C-A.I2CDXR, same transfer"
+max = "1 ms"
+coverage = "10 %"
+
+[[budget]]
+name = "set-up"
+measure = "from access W I2C-A.I2CIER to access W PIE.PIEACK, next"
+max = "1 s"
+"""
 NEVER = '\n[[budget]]\nname = "never"\nmeasure = "from access W I2C-A.I2CSAR to bus STOP"\nmax = "1 s"\n'
 
 
@@ -31,6 +46,13 @@ def echo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Scenarios]:
     """Return the case of the fast echo, and its scenarios."""
     case = write_echo(tmp_path_factory.mktemp("echo"))
     return case, Scenarios(case)
+
+
+@pytest.fixture(scope="module")
+def delayed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Scenarios]:
+    """Return the case of the fast echo, and its scenarios with the jitter of DELAYED."""
+    case = write_echo(tmp_path_factory.mktemp("delayed"))
+    return case, Scenarios(case, DELAYED)
 
 
 def drawn(scenarios: Scenarios, count: int, seed: int) -> NDArray[np.int64]:
@@ -42,21 +64,32 @@ def drawn(scenarios: Scenarios, count: int, seed: int) -> NDArray[np.int64]:
     return np.cumsum(distances, axis=1)
 
 
+def in_run(case: Case, starts: NDArray[np.int64], budget: str) -> NDArray[np.float64]:
+    """Run a case and return the largest value of a budget in each round; NaN for none.
+
+    starts: the starts of the rounds, and one that comes after the end of the run.
+    """
+    found = np.full(starts.shape, np.nan)
+    scene = Scene(case, keep_values=True)
+    end = Fraction(int(starts[-1]) - 1, scene.timebase.per_second)
+    scene.run(end)
+    (limit,) = (one for one in scene.limits if one.budget.name == budget)
+    values = limit.values(scene.start)
+    assert values is not None
+    for value, at in zip(values.values, values.at, strict=True):
+        place = int(np.searchsorted(starts, at, "right")) - 1
+        found[place] = np.fmax(found[place], float(limit.show(int(value))))
+    return found[:-1]
+
+
 def in_runs(case: Path, scenarios: Scenarios, starts: NDArray[np.int64], budget: str) -> NDArray[np.float64]:
     """Run each scenario, and return the largest value of a budget in each round; NaN for none."""
     found = np.full(starts.shape, np.nan)
     for number, row in enumerate(starts):
         times = tuple(Fraction(int(start), scenarios.ticks_per_second) for start in row)
         inputs = InputsTable(frames=times) if scenarios.moved == "frames" else InputsTable(rounds=times)
-        end = Fraction(int(row[-1]) + scenarios.apart, scenarios.ticks_per_second)
-        scene = Scene(load(case).model_copy(update={"inputs": inputs, "duration": end}), keep_values=True)
-        scene.run()
-        (limit,) = (one for one in scene.limits if one.budget.name == budget)
-        values = limit.values(scene.start)
-        assert values is not None
-        for value, at in zip(values.values, values.at, strict=True):
-            place = number, int(np.searchsorted(row, at, "right")) - 1
-            found[place] = np.fmax(found[place], float(limit.show(int(value))))
+        loaded = load(case).model_copy(update={"inputs": inputs})
+        found[number] = in_run(loaded, np.append(row, row[-1] + scenarios.apart), budget)
     return found
 
 
@@ -80,6 +113,53 @@ def test_rounds_of_a_controller_and_budgets_that_are_left_out(tmp_path: Path):
     }
     starts = drawn(scenarios, 10, 2)
     assert np.array_equal(scenarios.values(starts)["reaction"], in_runs(case, scenarios, starts, "reaction"))
+
+
+def check_seeds(case: Path, scenarios: Scenarios, changes: Sequence[str], budget: str) -> None:
+    """Check that the values for some seeds are those of runs with these seeds, and differ."""
+    starts = scenarios.starts(SEEDS, ROUNDS + 1)
+    values = scenarios.values(starts[:, :-1])[budget]
+    cases = [load(case, [*changes, f"seed={seed}"]) for seed in SEEDS]
+    runs = [in_run(one, row, budget) for one, row in zip(cases, starts, strict=True)]
+    assert np.array_equal(values, runs)
+    assert len(np.unique(values)) > 10
+
+
+@pytest.mark.parametrize("paced_by", ["schedule", "pause"])
+def test_frames_drawn_from_seeds_are_those_of_runs(paced_by: str, delayed: tuple[Path, Scenarios]):
+    case, scenarios = delayed
+    changes = [*DELAYED, f"host.paced_by={paced_by}"]
+    if paced_by == "pause":
+        scenarios = Scenarios(case, changes)
+    check_seeds(case, scenarios, changes, "echo")
+
+
+def test_rounds_drawn_from_seeds_are_those_of_runs(tmp_path: Path):
+    changes = ["controller.jitter=3 ms", "controller.first=10 ms"]
+    case = write_slave(tmp_path, ANSWER)
+    scenarios = Scenarios(case, changes)
+    assert scenarios.left_out["set-up"] == "it has values before the first start"
+    check_seeds(case, scenarios, changes, "answer")
+
+
+def test_without_jitter_all_seeds_have_the_starts_of_the_case(echo: tuple[Path, Scenarios]):
+    case, scenarios = echo
+    starts = scenarios.starts([3, 4], ROUNDS)
+    assert np.array_equal(starts[0], starts[1])
+    values = scenarios.values(starts[:, :-1])["echo"]
+    assert np.array_equal(values[0], in_run(load(case), starts[0], "echo"))
+
+
+def test_starts_of_seeds_that_the_case_does_not_have(delayed: tuple[Path, Scenarios], tmp_path: Path):
+    case, scenarios = delayed
+    with pytest.raises(ValueError, match=r"^rounds: 0; expected 1 or more$"):
+        scenarios.starts([1], 0)
+    with pytest.raises(ValueError, match=r"^starts: int64 of shape \(0, 3\)"):
+        scenarios.starts([], 3)
+    limited = Scenarios(case, [*DELAYED, "host.frames=3"])
+    assert limited.starts([1], 3).tolist() == scenarios.starts([1], 3).tolist()
+    with pytest.raises(ValueError, match=r"^rounds: 4; expected 1 to 3, since the case has no more frames$"):
+        limited.starts([1], 4)
 
 
 def test_more_scenarios_are_as_good_as_fewer(echo: tuple[Path, Scenarios]):
@@ -109,6 +189,13 @@ def test_a_budget_without_values_is_left_out(tmp_path: Path):
 def test_starts_that_the_table_does_not_cover(starts: NDArray[np.int64], reason: str, echo: tuple[Path, Scenarios]):
     with pytest.raises(ValueError, match=f"^starts: .*{reason}"):
         echo[1].values(starts)
+
+
+def test_first_starts_that_are_free(delayed: tuple[Path, Scenarios]):
+    scenarios = delayed[1]
+    assert scenarios.values(np.array([[scenarios.first], [scenarios.first + 12345]]))["echo"].shape == (2, 1)
+    with pytest.raises(ValueError, match=f"^starts: a first start is before tick {scenarios.first}, where"):
+        scenarios.values(np.array([[scenarios.first], [scenarios.first - 1]]))
 
 
 def test_starts_that_are_too_close(echo: tuple[Path, Scenarios]):

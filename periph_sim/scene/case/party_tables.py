@@ -209,6 +209,9 @@ class OutsideTable(Table, frozen=True, kw_only=True):
     log: str | None = None
 
 
+HOST_SEED = 1  # the seed of the delays of frames is the seed of the case plus this number
+
+
 class HostTable(Table, frozen=True, kw_only=True):
     """Sends 12-byte frames on RX: six signed 16-bit values, low byte first unless `encoding` changes it.
 

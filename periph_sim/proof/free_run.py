@@ -134,6 +134,7 @@ class FreeRun:
             assert scene.host is not None
             self.frames.append(frames - scene.start)
             scene.host.start_frame(frames)
+            self._program.cpu.marks.frame_begins()
         scene.advance(max(starts))
 
     def settle(self) -> None:

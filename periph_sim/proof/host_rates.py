@@ -118,7 +118,7 @@ def plan_rates(maker: PairMaker, ignored: Sequence[str], within: Fraction) -> Ra
         raise NotClosed(f"start-up code may notice the rate of the first frame: {pair.runner.first_noticed}")
     orbit = pair.runner.at[0]
     frame = (cells.first - known.orbits.known[orbit].origin) % cells.period
-    delay, scene = pair.run(orbit, Task(Group(None, frame), 0, None)).delay, pair.runner.run.scene
+    delay, scene = pair.run(Task(orbit, Group(None, frame), 0, None)).delay, pair.runner.run.scene
     assert scene.host is not None
     data, line, bit = scene.host.last_data, UartFormat(), _bit(covered, host.error)
     last = (len(data) - 1) * (line.length + host.gap)
@@ -213,7 +213,7 @@ def _run_rate(job: Job, ignored: Sequence[str], known: Known, task: RateTask, se
         if orbit >= orbits:
             raise NotClosed(OTHER_REST)
         one = random.choice(groups[orbit])
-        found = pair.run(orbit, Task(one.group, offset, None))
+        found = pair.run(Task(orbit, one.group, offset, None))
         lengths.append(found.length)
         return one.run, found
 

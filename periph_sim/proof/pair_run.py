@@ -1,6 +1,6 @@
 """Runs of groups (`pair_groups`), in this process or in others.
 
-    tasks: groups, all from one orbit --PairRun--> runs of scenes --> Done: the runs of the groups, new orbits, outcomes
+    tasks: groups --PairRun--> runs of scenes --> Done: the runs of the groups, new orbits, outcomes
 
 A run of a scene has many groups, one after the other.
 """
@@ -31,8 +31,12 @@ CHUNK = 256  # number of groups in one run
 
 
 class Task(NamedTuple):
-    """A group to run. offset, sleep: as for `GroupRunner.run_group`."""
+    """A group to run.
 
+    orbit: the number of the orbit from which it starts. offset, sleep: as for `GroupRunner.run_group`.
+    """
+
+    orbit: int
     group: Group
     offset: int
     sleep: Sleep | None
@@ -82,13 +86,32 @@ class PairRun:
         self.done = Done(len(known.orbits.known), [], [], [], [], [], 0, set(), set(), set(), set())
         self._begin()
 
-    def run(self, orbit: int, task: Task) -> GroupRun:
-        """Run a group from an orbit. Raise NotClosed if the orbit cannot be reached."""
+    def run_all(self, tasks: Sequence[Task]) -> list[GroupRun]:
+        """Run groups and return their runs, in the order of `tasks`.
+
+        The next group is one from the present orbit, if such a group is left, so that few runs are made only to reach
+        another orbit. Raise NotClosed if an orbit cannot be reached.
+        """
+        left: dict[int, list[int]] = {}  # for each orbit, the indices of its tasks that are left, last one first
+        for index in reversed(range(len(tasks))):
+            left.setdefault(tasks[index].orbit, []).append(index)
+        runs: dict[int, GroupRun] = {}
+        while left:
+            here = self.runner.at[0]
+            orbit = here if here in left else max(left, key=lambda one: len(left[one]))
+            index = left[orbit].pop()
+            if not left[orbit]:
+                del left[orbit]
+            runs[index] = self.run(tasks[index])
+        return [runs[index] for index in range(len(tasks))]
+
+    def run(self, task: Task) -> GroupRun:
+        """Run a group from its orbit. Raise NotClosed if the orbit cannot be reached."""
         if len(self.runner.run.frames) + len(self.runner.run.rounds) > 2 * CHUNK:
             self.end()
             self._begin()
-        self.reach(orbit)
-        return self._group(task)
+        self.reach(task.orbit)
+        return self._group(task.group, task.offset, task.sleep)
 
     def reach(self, orbit: int) -> None:
         """Advance to an orbit. Raise NotClosed if it cannot be reached.
@@ -101,9 +124,9 @@ class PairRun:
                 return
             step = first_step(self._known.ways, self.runner.at[0], partial(eq, orbit))
             if step is not None:
-                self._group(Task(step, 0, None))
+                self._group(step)
             elif self._last is not None and tries % 2 == 0:
-                self._group(Task(self.runner.like(self._last), 0, None))
+                self._group(self.runner.like(self._last))
             else:
                 self.end()
                 self._begin()
@@ -129,12 +152,12 @@ class PairRun:
         self._measures.rest(self.runner.run.now, STARTS)
         self.done.first_rest = self.runner.run.now - self.runner.run.scene.start
 
-    def _group(self, task: Task) -> GroupRun:
+    def _group(self, group: Group, offset: int = 0, sleep: Sleep | None = None) -> GroupRun:
         orbit = self.runner.at[0]
-        found = self.runner.run_group(*task)
-        self._known.ways.setdefault(orbit, {}).setdefault(found.after, task.group)
-        self._last = task.group
-        starts = zip(STARTS, (task.group.round, task.group.frame), strict=True)
+        found = self.runner.run_group(group, offset, sleep)
+        self._known.ways.setdefault(orbit, {}).setdefault(found.after, group)
+        self._last = group
+        starts = zip(STARTS, (group.round, group.frame), strict=True)
         self._measures.rest(self.runner.run.now, [start for start, at in starts if at is not None])
         return found
 
@@ -148,10 +171,9 @@ def alone(orbits: Orbits, number: int, cells: Cells | None, cycle: int) -> list[
     return groups
 
 
-def run_tasks(job: Job, ignored: Sequence[str], known: Known, orbit: int, tasks: Sequence[Task]) -> Done:
-    """Run groups from one orbit. Another process can call this. The outcome depends on the arguments only."""
+def run_tasks(job: Job, ignored: Sequence[str], known: Known, tasks: Sequence[Task]) -> Done:
+    """Run groups. Another process can call this. The outcome depends on the arguments only."""
     pair = PairRun(within_round(case_of(job, Path.cwd())), ignored, deepcopy(known))
-    for task in tasks:
-        pair.done.runs.append(pair.run(orbit, task))
+    pair.done.runs += pair.run_all(tasks)
     pair.end()
     return pair.done

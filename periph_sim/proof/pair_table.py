@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from copy import deepcopy
-from itertools import count, islice
+from itertools import count, islice, zip_longest
 from math import gcd
 from random import Random
 from statistics import median
@@ -111,10 +111,11 @@ class PairMaker:
         Raise NotClosed if it cannot be closed, or if two runs of a group differ.
         """
         table = self.table
-        number = 0
-        while number < len(self._orbits.known) and not table.has_failed:
-            self._close(number)
-            number += 1
+        closed = 0
+        while closed < len(self._orbits.known) and not table.has_failed:
+            numbers = range(closed, len(self._orbits.known))
+            self._close(numbers)
+            closed = numbers.stop
         if not table.has_failed:
             self._again()
         table.apart += self.long  # within a cell, the rest can come later by a step of `FreeRun.settle`
@@ -136,12 +137,12 @@ class PairMaker:
         self._scene_seconds = process_time() - begun  # CPU time to the first rest of a scene
         orbit = pair.runner.at[0]
         for group in self._alone(orbit):
-            self._keep(orbit, group, pair.run(orbit, Task(group, 0, None)))
+            self._keep(orbit, group, pair.run(Task(orbit, group, 0, None)))
         tasks, _ = self.tasks(orbit, self.find_waits(pair, orbit))
         times = []
         for task in [self._random.choice(tasks) for _ in range(TIMED)]:
             begun = process_time()
-            self._keep(orbit, task.group, pair.run(orbit, task))
+            self._keep(orbit, task.group, pair.run(task))
             times.append(process_time() - begun)
         self._seconds = median(times)
         pair.end()
@@ -158,45 +159,53 @@ class PairMaker:
             scenes = groups / CHUNK + len(rates)
             self._on_estimate(self._expected, self._seconds * groups + self._scene_seconds * scenes)
 
-    def _close(self, number: int) -> None:
-        """Run the groups from an orbit: the first and last group of each cell, and all groups that are in no cell."""
+    def _close(self, numbers: Sequence[int]) -> None:
+        """Run the groups from these orbits: the first and last group of each cell, and all that are in no cell."""
         pair = PairRun(self.covered, self._ignored, self.known)
-        waits = self.find_waits(pair, number)
+        waits = {number: self.find_waits(pair, number) for number in numbers}
         pair.end()
         self._add(pair.done)
         self._run(
-            number, [Task(group, offset, None) for group in self._alone(number) for offset in self._offsets(group)]
+            [
+                Task(number, group, offset, None)
+                for number in numbers
+                for group in self._alone(number)
+                for offset in self._offsets(group)
+            ]
         )
-        tasks, cells = self.tasks(number, waits)
-        self._run(number, tasks)
+        found = [self.tasks(number, waits[number]) for number in numbers]
+        # each call has groups from all these orbits (`PairRun.run_all`)
+        self._run([task for some in zip_longest(*(tasks for tasks, _ in found)) for task in some if task is not None])
+        cells = [cell for _, cells in found for cell in cells]
         for _ in range(MOST_SHRINKS):
             if self.table.has_failed:
                 return
             self.cells += [cell for cell in cells if self._is_cell(cell)]
             cells = [cell.shrunk() for cell in cells if cell.groups > 2 and not self._is_cell(cell)]
             ends = [(cell, frame) for cell in cells for frame in sorted({cell.first, cell.last})]
-            self._run(number, [Task(Group(cell.round, frame), 0, cell.sleep) for cell, frame in ends])
+            self._run([Task(cell.orbit, Group(cell.round, frame), 0, cell.sleep) for cell, frame in ends])
         if cells:
             raise NotClosed("service routines of the SCI within one wait have different effects")
-        self.table.orbits.append(
-            sum(group[0] == number for group in self.runs)
-            + sum(cell.groups - 2 for cell in self.cells if cell.orbit == number)
-        )
+        for number in numbers:
+            self.table.orbits.append(
+                sum(orbit == number for orbit, _ in self.runs)
+                + sum(cell.groups - 2 for cell in self.cells if cell.orbit == number)
+            )
 
     def _again(self) -> None:
         """Run random groups again, and compare them with the first runs."""
         wanted = max(self._least_again, len(self.runs) // REVISITED)
-        by_orbit: dict[int, list[tuple[Task, GroupRun]]] = {}
-        for orbit, group, expected in islice(self.random_groups(), wanted):
+        tasks: list[Task] = []
+        expected: list[GroupRun] = []
+        for orbit, group, run in islice(self.random_groups(), wanted):
             offset = self._random.randrange(self._frames.period)
-            task = Task(group, 0 if group.frame is None else offset, None)
-            by_orbit.setdefault(orbit, []).append((task, expected))
-        for orbit, pairs in by_orbit.items():
-            runs = self._run(orbit, [task for task, _ in pairs], keep=False)
-            if self.table.has_failed:
-                return
-            for (task, expected), found in zip(pairs, runs, strict=True):
-                self._compare(orbit, task.group, expected, found)
+            tasks.append(Task(orbit, group, 0 if group.frame is None else offset, None))
+            expected.append(run)
+        runs = self._run(tasks, keep=False)
+        if self.table.has_failed:
+            return
+        for task, before, found in zip(tasks, expected, runs, strict=True):
+            self._compare(task.orbit, task.group, before, found)
         self.table.again = wanted
 
     def random_groups(self, number: int | None = None, is_alone: bool | None = None) -> Iterator[KnownGroup]:
@@ -263,19 +272,19 @@ class PairMaker:
                 end = min(len(distances), (high - first) // step + 1)
                 if end - begin <= 2 * apart // step:
                     continue
-                tasks += self._near(cycle, distances[near:begin])
+                tasks += self._near(number, cycle, distances[near:begin])
                 for one in distances[begin : begin + apart // step]:
                     last = one + (distances[end - 1] - one) // apart * apart
                     cells.append(Cell(number, cycle, one, last, apart, sleep))
-                    tasks.append(Task(Group(cycle, one), 0, sleep))
-                    tasks.append(Task(Group(cycle, last), frames.period - 1, sleep))
+                    tasks.append(Task(number, Group(cycle, one), 0, sleep))
+                    tasks.append(Task(number, Group(cycle, last), frames.period - 1, sleep))
                 near = end
-            tasks += self._near(cycle, distances[near:])
+            tasks += self._near(number, cycle, distances[near:])
         return tasks, cells
 
-    def _near(self, cycle: int, distances: range) -> Iterator[Task]:
+    def _near(self, orbit: int, cycle: int, distances: range) -> Iterator[Task]:
         for number, distance in enumerate(distances):
-            yield Task(Group(cycle, distance), self._frames.period - 1 if number % 2 else 0, None)
+            yield Task(orbit, Group(cycle, distance), self._frames.period - 1 if number % 2 else 0, None)
 
     def _is_cell(self, cell: Cell) -> bool:
         first, last = self._of(cell, cell.first), self._of(cell, cell.last)
@@ -286,14 +295,14 @@ class PairMaker:
 
     # Runs ---------------------------------------------------------------------------
 
-    def _run(self, orbit: int, tasks: Sequence[Task], keep: bool = True) -> list[GroupRun]:
+    def _run(self, tasks: Sequence[Task], keep: bool = True) -> list[GroupRun]:
         """Run groups, and return their runs in order, up to the first failure. keep: True to add them to the table."""
         found: list[GroupRun] = []
-        for done in self._outcomes(orbit, tasks):
+        for done in self._outcomes(tasks):
             runs = self._add(done)
             if keep:
                 for task, run in zip(tasks[len(found) : len(found) + len(runs)], runs, strict=True):
-                    self._keep(orbit, task.group, run)
+                    self._keep(task.orbit, task.group, run)
             found += runs
             if self._on_progress is not None:
                 self._on_progress(min(1, len(self.runs) / max(1, self._expected)))
@@ -301,7 +310,7 @@ class PairMaker:
                 break
         return found
 
-    def _outcomes(self, orbit: int, tasks: Sequence[Task]) -> Iterator[Done]:
+    def _outcomes(self, tasks: Sequence[Task]) -> Iterator[Done]:
         """Run groups, and yield the outcome of each CHUNK of them, in order.
 
         The orbits that the first CALLS calls find are known to the next ones. So the arguments of a call do not depend
@@ -310,7 +319,7 @@ class PairMaker:
         for first in range(0, len(tasks), CHUNK * CALLS):
             known, some = deepcopy(self.known), tasks[first : first + CHUNK * CALLS]
             chunks = [some[begin : begin + CHUNK] for begin in range(0, len(some), CHUNK)]
-            yield from self._call_all(run_tasks, [(self._job, self._ignored, known, orbit, one) for one in chunks])
+            yield from self._call_all(run_tasks, [(self._job, self._ignored, known, one) for one in chunks])
 
     def _add(self, done: Done) -> list[GroupRun]:
         """Add the outcome of runs to the table. Return the runs, with the numbers of orbits in the table."""

@@ -16,6 +16,7 @@ from __future__ import annotations
 from zlib import crc32
 
 from ..core.records import UNWANTED, Kind, Listener
+from ..processor.image.data_marks import routes_lines
 
 # Registers of the watchdog, of the PLL and of the divider of LSPCLK. The normal state leaves out the watchdog and the
 # PLL, and the edges of LSPCLK depend on all former values of the divider.
@@ -24,8 +25,6 @@ SCI = "SCI"  # the names of SCI modules and of their interrupts begin with this
 SENDING = "SCITXBUF"
 OF_XINTS = ("PIEIFR1", "PIEIFR12")
 PADS = ("GPADAT", "GPBDAT", "GPCDAT")
-OUTPUTS = ("SET", "CLEAR", "TOGGLE")  # ends of the names of the GPIO registers that only change the levels of outputs
-CLOCKS = ("PCLKCR", "LPMCR")  # how the names of registers begin that stop clocks
 ROUTINE, SERIAL, SENDS, PIE, READ, WRITE, SHOWS_LINE, ROUTES_LINE = range(8)  # roles of records
 
 
@@ -107,9 +106,7 @@ class GroupDigest(RoundDigest):
                 self._roles[tag] = SENDS if register == SENDING else SERIAL
             elif (module == "GPIO" and register.startswith(PADS)) or module == "XINT" or register in OF_XINTS:
                 self._roles[tag] = SHOWS_LINE
-            elif what.startswith("W ") and (
-                (module == "GPIO" and not register.endswith(OUTPUTS)) or register.startswith(CLOCKS)
-            ):
+            elif what.startswith("W ") and routes_lines(module, register):
                 self._roles[tag] = ROUTES_LINE
             elif module == "PIE":
                 self._roles[tag] = PIE

@@ -42,6 +42,10 @@ def test_an_echo_holds_for_any_data(tmp_path: Path) -> None:
             "data decide the effect of an instruction at _echo (echo.asm:54, ",
         ),
         (f"{READ}          MOV   @SCIRXST,AL\n", "data are written to SCIRXST at _echo (echo.asm:53, "),
+        (
+            f"{READ}          MOV   @SCICTL1,#0x23\n",
+            "SCICTL1 is written while frames come, and data can decide what is received at _echo (echo.asm:53, ",
+        ),
     ],
 )
 def test_a_use_of_data_is_named(tmp_path: Path, code: str, use: str) -> None:

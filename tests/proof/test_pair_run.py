@@ -39,13 +39,33 @@ def test_each_run_of_a_scene_is_judged(monkeypatch: pytest.MonkeyPatch):
     covered: Any = SimpleNamespace(finish=finish, unknowns=set())
     monkeypatch.setattr(pair_run, "GroupRunner", runner)
     pair = PairRun(covered, (), Known(Orbits(), None, {}))
-    pair._group(Task(Group(None, 0), 0, None))
+    pair._group(Group(None, 0))
     pair.reach(2)
     monkeypatch.setattr(pair_run, "CHUNK", 0)
-    pair.run(3, Task(Group(None, 0), 0, None))
+    pair.run(Task(3, Group(None, 0), 0, None))
     pair.end()
     done, names = pair.done, {"0", "1", "2", "3"}
     assert [outcome.failures for outcome in done.outcomes] == [{name} for name in sorted(names)]
     assert (done.frames, done.rounds) == ([one.run.frames for one in runners], [[]] * 4)
     assert done.spanning == done.unknowns == {name for _, name in done.empty} == names
     assert done.data_use == "use 0"
+
+
+def test_groups_of_two_orbits_are_run_in_turn_if_each_group_leads_to_the_other_orbit(monkeypatch: pytest.MonkeyPatch):
+    """The groups 0 to 2 start from orbit 0, and the groups 3 to 5 from orbit 1. The length of a run is its group."""
+    begun: list[int] = []
+
+    def run_group(group: Group, *_: object) -> GroupRun:
+        assert group.round is not None
+        begun.append(group.round)
+        runner.at = (1 - runner.at[0], 0)
+        return GroupRun(runner.at[0], 0, 0, 0, 0, group.round, True)
+
+    run = SimpleNamespace(scene=SimpleNamespace(limits=[], start=0), now=0, frames=[], rounds=[])
+    runner: Any = SimpleNamespace(at=(0, 0), run=run, run_group=run_group)
+    monkeypatch.setattr(pair_run, "GroupRunner", lambda *_: runner)
+    covered: Any = SimpleNamespace()
+    tasks = [Task(int(number > 2), Group(number, None), 0, None) for number in range(6)]
+    runs = PairRun(covered, (), Known(Orbits(), None, {})).run_all(tasks)
+    assert begun == [0, 3, 1, 4, 2, 5]
+    assert [one.length for one in runs] == [*range(6)]

@@ -282,7 +282,7 @@ def test_firmware_that_notices_more_of_a_frame_is_refused(old: str, new: str, re
     with pytest.raises(NotClosed, match=reason):
         pair = PairRun(covered, check_pair(covered.case), Known(Orbits(), None, {}))
         find_cells(pair.runner)
-        pair.run(pair.runner.at[0], Task(Group(0, None), 0, None))
+        pair.run(Task(pair.runner.at[0], Group(0, None), 0, None))
 
 
 FLAG = """asked:    MOVW  DP,#_taken >> 6

@@ -30,6 +30,10 @@ from ..operand import Operand
 OF_DATA = frozenset(["SCIRXBUF", "SCIRXEMU", "SCITXBUF", "SPIRXBUF", "SPIRXEMU", "SPITXBUF", "SPIDAT", "I2CDXR"])
 LINES = frozenset(["GPADAT", "GPBDAT", "GPCDAT"])  # registers that show the levels of lines with data
 LOOPED = "I2CDRR"  # it has data of a frame only if the module receives what it sends, or a target answers with it
+# Registers that decide how an SCI receives.
+RECEPTION = frozenset(["SCICCR", "SCICTL1", "SCIHBAUD", "SCILBAUD", "SCIFFCT"])
+OUTPUTS = ("SET", "CLEAR", "TOGGLE")  # ends of the names of the GPIO registers that only change the levels of outputs
+CLOCKS = ("PCLKCR", "LPMCR")  # how the names of registers begin that stop clocks
 MARKED = 0x1FF  # the mark of a word. A word with the saved ST0 has the marks of its fields instead.
 FIELDS = 22  # the number of the lowest bit of ST0 in a mask of parts
 # For each of the first 8 words of the context that an interrupt saves, the part that it contains; 0 for ST0.
@@ -57,7 +61,7 @@ class DataMarks:
     """
 
     STATE = State(
-        "registers memory found _late _due _changes _kept_registers _kept_changes",
+        "registers memory found _late _due _has_frames _changes _kept_registers _kept_changes",
         results="_changes",
     )
 
@@ -73,6 +77,7 @@ class DataMarks:
         self.found: DataUse | None = None
         self._late = 0  # marks of FPU registers whose old values the next instruction may still read
         self._due = 0  # marks of FPU registers that may be written only after the next instruction
+        self._has_frames = False  # True if the first frame has begun
         self._changes = 0  # number of changes of `memory`
         self._kept_registers = self._kept_changes = 0  # the values at the last call of `is_as_before`
         # what the present instruction has done so far:
@@ -81,6 +86,7 @@ class DataMarks:
         self._stored = 0  # number of entries of `_stores`, the addresses to which it has written
         self._is_master = False  # True if it has made an I2C module a master, or has switched on its loopback mode
         self._setting = ""  # the name of the register or memory to which it has written, and which must not be marked
+        self._receives_otherwise = False  # True if it has written to a register that decides how lines are received
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
         """Return remainders in place of the marks of words. See `proof.normal_state`."""
@@ -100,6 +106,10 @@ class DataMarks:
     def both(self) -> tuple[int, int]:
         """Return the marks of registers, and the number of changes of marks of words."""
         return self.registers, self._changes
+
+    def frame_begins(self) -> None:
+        """Receive the beginning of a frame. From now on, the way in which lines are received must not change."""
+        self._has_frames = True
 
     # Accesses of the present instruction -----------------------------------------------
 
@@ -129,6 +139,10 @@ class DataMarks:
         elif not operand.to_send:
             self._setting = operand.register.name
             self._is_master = self._setting == "I2CMDR" and value & (MDR_DLB | MDR_MST) != 0
+            module: str = operand.place.name
+            self._receives_otherwise = self._has_frames and (
+                self._setting in RECEPTION or module == "XINT" or routes_lines(module, self._setting)
+            )
 
     def decoded(self, address: int) -> None:
         """Set `found` if a word that is decoded as an instruction is marked. address: that of the word."""
@@ -162,7 +176,10 @@ class DataMarks:
         self.registers |= due
         if self._is_master:
             self._find(f.address, "I2CMDR makes the module a master or its own receiver, and data sent can decide")
-        self._has_read, self._is_master, self._stored, self._setting = False, False, 0, ""
+        if self._receives_otherwise:
+            self._find(f.address, f"{self._setting} is written while frames come, and data can decide what is received")
+        self._has_read, self._is_master, self._receives_otherwise = False, False, False
+        self._stored, self._setting = 0, ""
 
     def _mark_stores(self, mark: int) -> None:
         at: int
@@ -210,6 +227,11 @@ class DataMarks:
     def forget(self, address: int) -> None:
         """Remove the mark of a word that is cleared."""
         self._put(address, 0)
+
+
+def routes_lines(module: str, register: str) -> bool:
+    """Return True if a write to a register can change which modules receive a line, or stop one of them."""
+    return (module == "GPIO" and not register.endswith(OUTPUTS)) or register.startswith(CLOCKS)
 
 
 def _set_flow(f: Operation) -> None:

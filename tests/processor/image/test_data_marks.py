@@ -28,12 +28,17 @@ OPERANDS = (0x41, 0x05, 0x84, 0x85, 0xA1, 0xA8, 0xA9, 0xAB, 0xC4, 0xCC, 0xC5)  #
 PLAIN = [row for row in FORMS if row.kind in ("core", "fpu") and "PC" not in row.writes]
 
 
-def marked(source: str, *modules: str, **options: Value) -> tuple[DataMarks, Rig]:
-    """Run a program in which the words of DATA are marked, and return the marks at its end."""
+def marked(source: str, *modules: str, frames: bool = False, **options: Value) -> tuple[DataMarks, Rig]:
+    """Run a program in which the words of DATA are marked, and return the marks at its end.
+
+    frames: True if a frame has begun before.
+    """
     rig = Rig(HEAD + source + " ESTOP0", *modules, **options)
     for address in (*DATA, *OTHER):
         rig.cpu.fill(address, 0x1234)
     rig.cpu.marks = DataMarks(DATA)
+    if frames:
+        rig.cpu.marks.frame_begins()
     rig.run()
     assert rig.program.finished
     return rig.cpu.marks, rig
@@ -111,6 +116,31 @@ def test_uses_of_data_that_decide(source: str, how: str | None) -> None:
     else:
         assert marks.found is not None and how in marks.found.how
         assert rig.program.place_at(marks.found.address).startswith("_c_int00")
+
+
+@pytest.mark.parametrize(
+    ("address", "name"),
+    [
+        *zip(range(0x7050, 0x7054), ("SCICCR", "SCICTL1", "SCIHBAUD", "SCILBAUD"), strict=True),
+        (0x705C, "SCIFFCT"),
+        (0x7070, "XINT1CR"),
+        (0x6F86, "GPAMUX1"),
+        (0x6FE0, "GPIOXINT1SEL"),
+        (0x701C, "PCLKCR0"),
+        (0x7054, ""),  # SCICTL2
+        (0x705B, ""),  # SCIFFRX
+        (0x6FC2, ""),  # GPASET
+    ],
+)
+def test_a_write_to_a_register_that_decides_what_is_received(address: int, name: str) -> None:
+    source = f" EALLOW\n MOVL XAR6,#{address}\n MOV AL,*XAR6\n MOV *XAR6,AL\n"
+    before, after = (marked(source, "SCI-A", "GPIO", "XINT", frames=frames)[0].found for frames in (False, True))
+    assert before is None
+    if name:
+        assert after is not None
+        assert after.how == f"{name} is written while frames come, and data can decide what is received"
+    else:
+        assert after is None
 
 
 def test_a_late_result_of_the_fpu_is_marked_although_the_delay_slot_writes_the_same_register() -> None:

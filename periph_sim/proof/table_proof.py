@@ -5,7 +5,7 @@ case --clock_errors--> changed cases --TableMaker--> Part, Part, ... --> worst v
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -18,10 +18,12 @@ from .cover import is_worse
 from .free_run import NotClosed
 from .host_rates import plan_rates, prove_rates
 from .other_data import data_use, follow_data
+from .pair_budgets import within_round
 from .pair_table import PairMaker
 from .stretch import CoveredCase, Job
 from .table_cases import check_pair
 
+DIGITS = 15  # decimal digits of a time in seconds, so that it is rounded to the intended tick
 HELD = "held"  # the word for a budget that no run broke, and that the tables do not prove
 
 
@@ -167,15 +169,15 @@ def prove(
     Raise NotClosed if a table cannot be closed, and BadCase for a case without free starts.
     """
     covered = CoveredCase(job)
+    errors = [None] if within is None else _errors(covered.case, within)
+    jobs = [job if error is None else _with_clock(covered, job, error) for error in errors]
+    first = covered if within is None else CoveredCase(jobs[0])
     if covered.phases.is_relative:
-        if within is not None:
-            raise NotClosed("--ppm is for a case with a [controller] and without [host]")
-        return _of_pairs(covered, job, rates, on_progress, on_estimate, call_all)
+        return _of_pairs(
+            TableProof(within_round(covered), within, [], rates), job, jobs, on_progress, on_estimate, call_all
+        )
     if rates is not None:
         raise NotClosed("--host-ppm is for a case with both a [host] and a [controller]")
-    errors = [None] if within is None else _errors(covered.case, within)
-    jobs = [job if error is None else _with_clock(job, error) for error in errors]
-    first = covered if within is None else CoveredCase(jobs[0])
     least_again = -(-LEAST_REVISITED // len(jobs))
     rests_first = None if within is None else True
     parts: list[Part] = []
@@ -202,31 +204,45 @@ def prove(
 
 
 def _of_pairs(
-    covered: CoveredCase,
+    made: TableProof,
     job: Job,
-    rates: Fraction | None,
+    jobs: Sequence[Job],
     on_progress: Callable[[float], None] | None,
     on_estimate: Callable[[int, int, float], None] | None,
     call_all: CallAll,
 ) -> TableProof:
-    """Make the table of a case whose rounds and frames are free. See `prove`."""
+    """Make the tables of a case whose rounds and frames are free. See `prove`.
+
+    made: the proof without tables. jobs: for each table, the case of `job` with further changes.
+    """
+
+    def advance(done: float) -> None:
+        if on_progress is not None:
+            on_progress((len(made.parts) + done) / len(jobs))
 
     def estimate(groups: int, seconds: float) -> None:
-        if on_estimate is not None:
-            on_estimate(1, groups, seconds)
+        if on_estimate is not None and not made.parts:
+            on_estimate(len(jobs), groups, seconds * len(jobs))
 
-    ignored = check_pair(covered.case)
-    reason = covered.phases.not_exact()
+    ignored = check_pair(made.covered.case)
+    reason = made.covered.phases.not_exact()
     if reason:
         raise NotClosed(reason)
-    maker = PairMaker(covered, job, ignored, on_progress, estimate, call_all, LEAST_REVISITED)
-    maker.explore()
-    plan = None if rates is None else plan_rates(maker, ignored, rates)
-    maker.estimate([len(starts) for _, starts in plan or ()])
-    table = maker.make()
-    if plan is not None and not table.has_failed:
-        prove_rates(plan, maker, job, ignored, LEAST_REVISITED, call_all)
-    return TableProof(covered, None, [Part(covered, table, ())], rates, _data_use(maker.covered, table))
+    uses = []
+    for one in jobs:
+        covered = CoveredCase(one)
+        maker = PairMaker(covered, one, ignored, advance, estimate, call_all, LEAST_REVISITED)
+        maker.explore()
+        plan = None if made.rates is None else plan_rates(maker, ignored, made.rates)
+        maker.estimate([len(starts) for _, starts in plan or ()])
+        table = maker.make()
+        if plan is not None and not table.has_failed:
+            prove_rates(plan, maker, one, ignored, LEAST_REVISITED, call_all)
+        made.parts.append(Part(covered, table, one.changes[len(job.changes) :]))
+        uses.append(_data_use(maker.covered, table))
+        if table.has_failed:
+            break
+    return made._replace(data_use=None if made.has_failed else next(filter(None, uses), ""))
 
 
 def _data_use(covered: CoveredCase, table: StartTable) -> str | None:
@@ -240,15 +256,21 @@ def make_table(job: Job, rests_first: bool, least_again: int) -> StartTable:
 
 def _errors(case: Case, within: Fraction) -> list[Fraction]:
     """Return the errors of the controller's clock that need a table. Raise NotClosed if no range can be proven."""
-    if case.controller is None or case.host is not None:
+    if case.controller is None:
         raise NotClosed("--ppm is for the clock of a [controller], and the bits of a [host] have too many lengths")
     if case.controller.initialise is not None:
         raise NotClosed("--ppm: the start-up of controller.initialise would come at another tick for each clock")
     return clock_errors(case, within)
 
 
-def _with_clock(job: Job, error: Fraction) -> Job:
-    return Job(job.file, (*job.changes, f"controller.ppm={_decimal(error)}"), job.start_up, job.rounds)
+def _with_clock(covered: CoveredCase, job: Job, error: Fraction) -> Job:
+    """Return the case with another error of the controller's clock. If it has a host, the first round does not move."""
+    changes = [f"controller.ppm={_decimal(error)}"]
+    if covered.phases.is_relative:
+        ticks = covered.phases.first_starts()["rounds"]
+        first = ticks * (1 + error / 10**6) / covered.phases.ticks_per_second
+        changes.append(f"controller.first={_decimal(Fraction(round(first * 10**DIGITS), 10**DIGITS))} s")
+    return Job(job.file, (*job.changes, *changes), job.start_up, job.rounds)
 
 
 def _decimal(value: Fraction) -> str:

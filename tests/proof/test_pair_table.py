@@ -18,8 +18,9 @@ import pytest
 
 from periph_sim import form
 from periph_sim.core.chip import NEVER
-from periph_sim.proof import pair_table
+from periph_sim.proof import pair_table, table_proof
 from periph_sim.proof.calls import call_here
+from periph_sim.proof.closed_table import StartTable
 from periph_sim.proof.frame_cells import find_cells
 from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.pair_budgets import within_round
@@ -43,14 +44,24 @@ ANSWER = """
 name = "answer"
 measure = "from bus START to 2nd bus byte of transfer, same transfer"
 max = "1 s"
+
+[[budget]]
+name = "transfer"
+measure = "from bus START to bus STOP, same transfer"
+max = "26.26 us"
 """
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> TableProof:
+def job(tmp_path_factory: pytest.TempPathFactory) -> Job:
     path = write_lonely(tmp_path_factory.mktemp("lonely"))
     path.write_text(path.read_text(encoding="utf-8") + ANSWER, encoding="utf-8")
-    return prove(Job(str(path)))
+    return Job(str(path))
+
+
+@pytest.fixture(scope="module")
+def whole(job: Job) -> TableProof:
+    return prove(job)
 
 
 def runner_of(path: Path) -> GroupRunner:
@@ -75,7 +86,7 @@ def test_few_groups_stand_for_all_meetings_of_a_round_and_a_frame(whole: TablePr
     assert not whole.has_failed
     assert 1000 < whole.entries < whole.entry_count / 100
     assert whole.again >= 200
-    assert {name for name, word in whole.words().items() if word == PROVEN} == {"latency", "service"}
+    assert {name for name, word in whole.words().items() if word == PROVEN} == {"latency", "service", "transfer"}
     assert whole.covered.left_out["line"] == "a frame can move 'edge RX fall' in a way that is not run"
     assert whole.covered.left_out["age"] == "its values depend on the whole run"
     assert whole.not_proven()["answer"].startswith("a round has too few measured values")  # no request is answered
@@ -115,6 +126,44 @@ def test_the_run_of_the_worst_value_has_it(whole: TableProof):
     scene = covered.scene_of(covered.phases.inputs_at(starts, rounds), end, covered.case.seed)
     (again,) = (verdict for verdict in scene.run().budgets if verdict.name == "latency")
     assert again.worst == worst.verdict.worst
+
+
+@compiled_only
+def test_a_limit_that_only_a_slow_clock_of_the_controller_breaks(job: Job, whole: TableProof):
+    """With the clock of the case, a transfer lasts 26.25 us, and with clocks from about -400 ppm on, 26.271 us."""
+    assert worst_of(whole, "transfer") == 26.25
+    made = prove(job, Fraction(500))
+    worst = made.worst()["transfer"]
+    assert (made.has_failed, made.words()["transfer"], worst.verdict.worst) == (True, "broken", 26.271)
+    assert [part.changes for part in made.parts] == [("controller.ppm=-500.0", "controller.first=0.011994 s")]
+
+
+@compiled_only
+def test_each_clock_of_the_controller_has_a_table_with_the_same_first_starts(
+    job: Job, whole: TableProof, monkeypatch: pytest.MonkeyPatch
+):
+    made: list[CoveredCase] = []
+
+    class Maker:
+        def __init__(self, covered: CoveredCase, *_: object) -> None:
+            made.append(covered)
+            self.covered = within_round(covered)
+
+        def explore(self) -> None:
+            pass
+
+        def estimate(self, rates: object) -> None:
+            pass
+
+        def make(self) -> StartTable:
+            return whole.parts[0].table
+
+    monkeypatch.setattr(table_proof, "PairMaker", Maker)
+    proof = prove(job, Fraction(16))
+    assert [part.changes[0] for part in proof.parts] == [f"controller.ppm={ppm}" for ppm in (-16.0, 0.0, 16.0)]
+    assert [covered.phases.first_starts() for covered in made] == [{"frames": 9_000_000, "rounds": 12_000_000}] * 3
+    assert [float(covered.case.controller.ppm) for covered in made if covered.case.controller] == [-16, 0, 16]
+    assert (proof.words()["latency"], proof.data_use) == (PROVEN, "")
 
 
 @compiled_only
@@ -389,11 +438,6 @@ def test_frames_before_a_late_first_round_are_not_in_the_table(tmp_path: Path):
     maker.explore()
     assert maker.table.apart > 43 * 10**6
     assert covered.phases.least_distance() == 20 * 10**6
-
-
-def test_a_range_of_clocks_is_refused(tmp_path: Path):
-    with pytest.raises(NotClosed, match=r"--ppm is for a case with a \[controller\] and without \[host\]"):
-        prove(Job(str(write_lonely(tmp_path))), Fraction(10))
 
 
 def test_the_scene_of_a_runner_is_released(tmp_path: Path):

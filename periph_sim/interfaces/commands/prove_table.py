@@ -221,7 +221,7 @@ def _exact(ticks: int, per_second: int) -> str:
 def _assumed(made: TableProof) -> str:
     """Return the inputs for which the proof holds only as they are in the case."""
     if made.rates is not None:
-        inputs = ["the clock of the controller"]
+        inputs = [] if made.within is not None else ["the clock of the controller"]
     else:
         inputs = ["rates"] if made.within is not None else ["clocks", "rates"]
     if made.data_use != "":

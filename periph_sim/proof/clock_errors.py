@@ -28,9 +28,13 @@ def clock_errors(case: Case, within: Fraction) -> list[Fraction]:
     """Return errors of the controller's clock, in ppm and in ascending order.
 
     Each error that differs from `controller.ppm` by at most `within` gives the same lengths as one of the returned
-    errors. Raise NotClosed if there are more than MOST_CLOCKS.
+    errors. Raise NotClosed if there are more than MOST_CLOCKS, and BadCase for a case that cannot have a range.
     """
-    assert case.controller is not None
+    if case.controller is None:
+        raise case.mistake("--ppm needs a [controller]; the bits of a [host] have too many lengths", "name")
+    if case.controller.initialise is not None:
+        what = "--ppm: the start-up of the chips would come at another tick for each clock; remove the key"
+        raise case.mistake(what, "controller", "initialise")
     found: dict[object, Fraction] = {}
 
     def lengths(error: Fraction) -> object:

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ..scene.case.model import Case
 from ..timing.verdict import BROKEN, NOT_JUDGED, PROVEN, Verdict
 from .calls import CallAll, call_here
 from .clock_errors import clock_errors
@@ -169,15 +168,15 @@ def prove(
     Raise NotClosed if a table cannot be closed, and BadCase for a case without free starts.
     """
     covered = CoveredCase(job)
-    errors = [None] if within is None else _errors(covered.case, within)
+    if rates is not None and not covered.phases.is_relative:
+        raise covered.case.mistake("--host-ppm needs both a [host] and a [controller]", "name")
+    errors = [None] if within is None else clock_errors(covered.case, within)
     jobs = [job if error is None else _with_clock(covered, job, error) for error in errors]
     first = covered if within is None else CoveredCase(jobs[0])
     if covered.phases.is_relative:
         return _of_pairs(
             TableProof(within_round(covered), within, [], rates), job, jobs, on_progress, on_estimate, call_all
         )
-    if rates is not None:
-        raise NotClosed("--host-ppm is for a case with both a [host] and a [controller]")
     least_again = -(-LEAST_REVISITED // len(jobs))
     rests_first = None if within is None else True
     parts: list[Part] = []
@@ -252,15 +251,6 @@ def _data_use(covered: CoveredCase, table: StartTable) -> str | None:
 def make_table(job: Job, rests_first: bool, least_again: int) -> StartTable:
     """Return the table of a case. rests_first, least_again: as for `TableMaker`. Another process can call this."""
     return TableMaker(CoveredCase(job), rests_first=rests_first, least_again=least_again).make()
-
-
-def _errors(case: Case, within: Fraction) -> list[Fraction]:
-    """Return the errors of the controller's clock that need a table. Raise NotClosed if no range can be proven."""
-    if case.controller is None:
-        raise NotClosed("--ppm is for the clock of a [controller], and the bits of a [host] have too many lengths")
-    if case.controller.initialise is not None:
-        raise NotClosed("--ppm: the start-up of controller.initialise would come at another tick for each clock")
-    return clock_errors(case, within)
 
 
 def _with_clock(covered: CoveredCase, job: Job, error: Fraction) -> Job:

@@ -25,6 +25,7 @@ from periph_sim.proof.pair_table import PairMaker
 from periph_sim.proof.stretch import CoveredCase, Job
 from periph_sim.proof.table_cases import check_pair
 from periph_sim.proof.table_proof import prove
+from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import PROVEN
 from tests.proof.pair_cases import write_lonely
@@ -207,5 +208,5 @@ def test_a_request_with_an_earlier_character_is_refused(tmp_path: Path, monkeypa
 
 
 def test_rates_need_a_host_and_a_controller(tmp_path: Path) -> None:
-    with pytest.raises(NotClosed, match="--host-ppm is for a case with both"):
+    with pytest.raises(BadCase, match=r"--host-ppm needs both a \[host\] and a \[controller\]"):
         prove(Job(str(write_slave(tmp_path))), rates=Fraction(1))

@@ -37,6 +37,7 @@ class Scenarios:
     first: the tick of the first start, counted from the start of the run. If the starts of the case have jitter, the
         first start is free, and this is its least tick.
     apart: the least distance of two starts, in ticks.
+    most: the number of starts that the case has; None if there is no limit.
 
     Raise BadCase if the case cannot be read, has no closed table, or fails in a run of its table.
     """
@@ -67,6 +68,7 @@ class Scenarios:
         self.ticks_per_second = covered.phases.ticks_per_second
         self.first = table.first_rest + 1 if table.rests_first else covered.phases.first_start()
         self.apart = table.apart
+        self.most = covered.phases.most_starts
         self.left_out = covered.not_whole | table.not_proven(covered) | self._without_values
         self.budgets = tuple(one.name for one in covered.case.budget if one.name not in self.left_out)
         for name in self.budgets:
@@ -83,10 +85,9 @@ class Scenarios:
         Raise ValueError if there is no seed, if the case does not have that many rounds, or if it has starts that are
         less than `apart` ticks apart.
         """
-        most = self._phases.most_starts
-        if rounds < 1 or (most is not None and rounds > most):
-            expected = "1 or more" if most is None else f"1 to {most}, since the case has no more {self.moved}"
-            raise ValueError(f"rounds: {rounds}; expected {expected}")
+        if rounds < 1 or (self.most is not None and rounds > self.most):
+            until = "or more" if self.most is None else f"to {self.most}, since the case has no more {self.moved}"
+            raise ValueError(f"rounds: {rounds}; expected 1 {until}")
         delays = [self._phases.delays(int(seed), rounds) for seed in seeds]
         late = np.array(delays, np.int64).reshape(-1, rounds)
         if self._phases.adds_delays:
@@ -138,7 +139,7 @@ class Scenarios:
             if self._phases.has_jitter and values is not None and values.at.min(initial=starts[0]) < starts[0]:
                 self._without_values[name] = EARLIER
                 continue
-            for number, nearest in [] if values is None else _worst_in_rounds(values, starts):
+            for number, nearest in [] if values is None else worst_in_rounds(values, starts):
                 value = float(limit.show(nearest))
                 before = known.setdefault(places[number], value)
                 if before != value:
@@ -169,7 +170,7 @@ class Scenarios:
         self._values = {name: np.array([self._worst[name][place] for place in places]) for name in self.budgets}
 
 
-def _worst_in_rounds(values: Values, starts: NDArray[np.int64]) -> list[tuple[int, int]]:
+def worst_in_rounds(values: Values, starts: NDArray[np.int64]) -> list[tuple[int, int]]:
     """Return, for each round with a value, its number and the value nearest to a limit, or farthest beyond it.
 
     starts: the starts of the rounds, in ticks from the start of the run. Earlier values belong to the first round.

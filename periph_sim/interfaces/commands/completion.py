@@ -135,9 +135,10 @@ def complete_optimization(context: click.Context, parameter: click.Parameter, be
 @silently
 def complete_row(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
     """Offer the names that rows in the table of `trade` can have, except rows that are made from other cases."""
-    from ..reports.trade.rows import ARITHMETICS, AS_GIVEN, RECORDINGS
+    from ..reports.trade.rows import ARITHMETICS, AS_GIVEN, RECORDINGS, TABLE
 
     names = [AS_GIVEN, *(f"arithmetic={name}" for name in ARITHMETICS), *(f"record {name}" for name in RECORDINGS)]
+    names.append(TABLE)
     return [name for name in names if name.startswith(begun)]
 
 

@@ -60,11 +60,14 @@ def trade(
     arithmetic of the sensor models; or a recording. Each row is compared with the most accurate row: the number of
     budgets with the same verdict, and the largest differences of times and of samples in the chips' answers. The n-th
     value of a row is compared with the n-th value of the most accurate row. This row and the case as given are always
-    run.
+    run. The row `table` has the closed table of the case, if it has one: values of budgets for many seeds, without
+    runs (docs/proof.md).
     """
     from ...scene.case.load import load
+    from ..reports import REFUSED
     from ..reports.trade import trade as report
-    from ..reports.trade.rows import chosen, rows_of
+    from ..reports.trade.rows import HAS_TABLE, chosen, rows_of
+    from ..reports.trade.table_row import tabulated
 
     with running_user_code():
         bound = inf if max_error is None else float(time_given("--max-error", max_error))
@@ -75,7 +78,13 @@ def trade(
             return load(case, [*changes, *more])
 
         rows = chosen(rows_of(make, [load(other) for other in others]), names)
+        table = None
         with progress(loaded.name) as on_progress:
-            found = report.trade(make, rows, length, bound, on_progress)
-    print_answer("trade", report.as_json(found) if as_json else "\n".join(report.text(found)))
+            found = report.trade(make, [row for row in rows if row != HAS_TABLE], length, bound, on_progress)
+            if HAS_TABLE in rows:
+                try:
+                    table = tabulated(case, changes, loaded, on_progress)
+                except REFUSED as error:
+                    found.refused[HAS_TABLE.name] = str(error)
+    print_answer("trade", report.as_json(found, table) if as_json else "\n".join(report.text(found, table)))
     return 0

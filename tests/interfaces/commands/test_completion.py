@@ -95,6 +95,7 @@ def complete(
         (["run", "case.toml", "--set", "fid"], []),
         (["run", "case.toml", "--disable", "b"], ["bits"]),
         (["trade", "case.toml", "--row", "rec"], ["'record .psr'", "'record .vcd'"]),
+        (["trade", "case.toml", "--row", "ta"], ["table"]),
         (["regs", "i2cst"], ["I2CSTR"]),
         (["regs", "I2C-A.I2CS"], ["I2C-A.I2CSTR", "I2C-A.I2CSAR"]),
         (["regs", "SC"], ["SCI-A", "SCI-B", "SCI-C"]),

@@ -33,6 +33,19 @@ def test_one_json_object_with_every_row(periph_sim: Run):
     assert told["recommended"] == "as given" and (told["start_s"], told["timed_s"]) == (0.01, 0.01)
 
 
+def test_a_table_is_a_row_of_a_case_that_has_one(periph_sim: Run):
+    slave = str(TIMING / "variants" / "image_register_slave.toml")
+    budget = 'budget=[{name="reaction", measure="reaction", max="1 us", coverage="40 %"}]'
+    arguments = ("--row", "table", "--seconds", "0.02", "--json")
+    told = periph_sim("trade", slave, "--set", budget, *arguments).told
+    assert (told["table"]["budgets"], told["table"]["error"]["amount"], told["refused"]) == (["reaction"], 0, {})
+    told = periph_sim("trade", slave, *arguments).told
+    assert told["table"] is None and told["refused"]["table"].startswith("no budget has values: wrong bytes: ")
+    told = periph_sim("trade", RESPONDER, *arguments).told
+    assert told["table"] is None and told["refused"]["table"].startswith("unit dsp runs no image")
+    assert periph_sim(*QUICK, "--json").told["refused"] == {}
+
+
 def test_rows_may_be_named_by_the_old_option(periph_sim: Run):
     told = periph_sim("trade", RESPONDER, "--seconds", "0.02", "--level", "record .psr", "--json").told
     assert [row["name"] for row in told["rows"]] == ["as given", "record .psr"]

@@ -3,6 +3,7 @@
 firmware     the firmware of the case or of another case: an image, C sources, or Python with stated costs
 arithmetic   the number format of sensor models in Python firmware, at the cost that the case states
 recording    none, .psr or .vcd
+table        no runs, but values of budgets from the closed table of the case, if it has one
 """
 
 from __future__ import annotations
@@ -11,6 +12,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from ....core.phrases import did_you_mean
+from ....proof.free_run import NotClosed
+from ....proof.phases import moved_starts
+from ....proof.table_cases import check
 from ....scene.case.model import BadCase, Case
 from ....scene.case.unit_table import Unit
 from ....scene.firmware_loader import BadFirmware, BadSetting, load_firmware, settings_for
@@ -21,6 +25,7 @@ ARITHMETICS = ("float64", "float32", "q16")
 RECORDINGS = (".psr", ".vcd")
 BYTES = "bytes"  # the value of the setting `arithmetic` for firmware without sensor models
 AS_GIVEN = "as given"
+TABLE = "table"
 Make = Callable[[Sequence[str]], Case]
 
 
@@ -31,12 +36,14 @@ class Row:
     changes: the changes of the case, as texts "key=value".
     units: another case whose units are used; None to use the units of the case itself.
     record: the suffix of the recording to write; "" for no recording.
+    missing: the reason why the case does not have this row; "" if it has.
     """
 
     name: str
     changes: tuple[str, ...] = ()
     units: Case | None = None
     record: str = ""
+    missing: str = ""
 
     def case(self, make: Make) -> Case:
         """Return the case to run. Raise BadCase if the changes do not fit the case.
@@ -45,6 +52,9 @@ class Row:
         """
         case = make(self.changes)
         return case if self.units is None else case.model_copy(update={"unit": self.units.unit})
+
+
+HAS_TABLE = Row(TABLE)  # the row of a case that may have a closed table; it is not run
 
 
 def rows_of(make: Make, others: Sequence[Case]) -> list[Row]:
@@ -58,13 +68,14 @@ def rows_of(make: Make, others: Sequence[Case]) -> list[Row]:
     firmware = [(kind_of(case), [*_arithmetics(case, Row(AS_GIVEN))])]
     firmware += [(kind, [Row(f"{kind} of {other.name}", units=other)]) for other in others if (kind := kind_of(other))]
     found = [row for _, rows in sorted(firmware, key=lambda one: KINDS.index(one[0])) for row in rows]
-    return [*found, *(Row(f"record {suffix}", record=suffix) for suffix in RECORDINGS)]
+    recorded = [Row(f"record {suffix}", record=suffix) for suffix in RECORDINGS]
+    return [*found, *recorded, Row(TABLE, missing=why_no_table(case))]
 
 
 def chosen(rows: Sequence[Row], names: Sequence[str]) -> list[Row]:
     """Return the rows with these names, and always the most accurate row and the row of the unchanged case, "as given".
 
-    If no name is given, return all rows.
+    If no name is given, return all rows that the case has.
 
     Raise BadCase if there is no row with one of these names.
     """
@@ -72,7 +83,19 @@ def chosen(rows: Sequence[Row], names: Sequence[str]) -> list[Row]:
     for name in names:
         if name not in known:
             raise BadCase(f"there is no row {name!r} of this case; {did_you_mean(name, known)}")
-    return [row for row in rows if not names or row.name in (rows[0].name, AS_GIVEN, *names)]
+    if not names:
+        return [row for row in rows if not row.missing]
+    return [row for row in rows if row.name in (rows[0].name, AS_GIVEN, *names)]
+
+
+def why_no_table(case: Case) -> str:
+    """Return why a case cannot have a closed table; "" if it can, as far as is known before the table is made."""
+    try:
+        check(case)
+        moved_starts(case)
+    except (NotClosed, BadCase) as error:
+        return str(error)
+    return ""
 
 
 def kind_of(case: Case) -> str:

@@ -12,8 +12,7 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from itertools import pairwise
-from math import inf, isinf, sqrt
-from statistics import quantiles
+from math import inf, isinf
 from time import process_time
 
 from ....core.text_table import paragraph, text_table
@@ -21,30 +20,13 @@ from ....processor.user_code import output_muted
 from ....scene.case.model import BadCase, Case
 from ....timing.verdict import duration_text
 from .. import REFUSED
+from .cost import Cost, cost_of
 from .observe import Error, Errors, Observed, built, compare, observe
-from .rows import AS_GIVEN, Make, Row
+from .rows import AS_GIVEN, TABLE, Make, Row
+from .table_row import Tabulated
 
 FEWEST, MOST = 5, 15  # minimum and maximum number of runs of each row
 PATIENCE = 20.0  # in seconds of CPU time; after this time, the measurement is not repeated any more
-
-
-@dataclass(frozen=True)
-class Cost:
-    """The CPU time of a row.
-
-    cpu_s: CPU seconds per simulated second, the median of all runs.
-    spread_s: the interquartile range divided by the square root of the number of runs. This is about the standard error
-        of the median.
-    runs: the number of runs.
-    """
-
-    cpu_s: float
-    spread_s: float
-    runs: int
-
-    def is_below(self, other: Cost) -> bool:
-        """Return True if this cost is lower than another cost by more than the sum of both spreads."""
-        return other.cpu_s - self.cpu_s > self.spread_s + other.spread_s
 
 
 def costs_of(rows: Mapping[str, tuple[Case, str]], start: Fraction, length: Fraction) -> dict[str, Cost]:
@@ -63,7 +45,7 @@ def costs_of(rows: Mapping[str, tuple[Case, str]], start: Fraction, length: Frac
             seconds[name].append(_cpu_s(case, record, start, length))
         runs = len(next(iter(seconds.values())))
         if runs >= FEWEST:
-            costs = {name: _cost(found) for name, found in seconds.items()}
+            costs = {name: cost_of(found) for name, found in seconds.items()}
             if are_apart([*costs.values()]) or runs >= MOST or process_time() - began > PATIENCE:
                 return costs
 
@@ -80,11 +62,6 @@ def _cpu_s(case: Case, record: str, start: Fraction, length: Fraction) -> float:
         began = process_time()
         scene.run(length)
     return (process_time() - began) / float(length)
-
-
-def _cost(seconds: Sequence[float]) -> Cost:
-    low, median, high = quantiles(seconds, n=4, method="inclusive")
-    return Cost(median, (high - low) / sqrt(len(seconds)), len(seconds))
 
 
 START, TIMED = Fraction(1, 10), Fraction(1)  # simulated seconds before the measurement of CPU time, and during it
@@ -181,6 +158,9 @@ class _Runs:
         self.cases: dict[str, Case] = {}
         self.refused: dict[str, str] = {}
         for row in rows:
+            if row.missing:
+                self.refused[row.name] = row.missing
+                continue
             with self._refusing(row):
                 self.cases[row.name] = row.case(make)
 
@@ -258,8 +238,11 @@ def _best(outcomes: Sequence[Outcome], max_error_s: float) -> tuple[Outcome, str
 TITLES = ("row", "budgets agree", "time error", "value error", "CPU s/s", "spread")
 
 
-def text(found: Trade) -> Iterator[str]:
-    """Yield the lines of the comparison: a header, a table, notes, and the recommended row."""
+def text(found: Trade, table: Tabulated | None = None) -> Iterator[str]:
+    """Yield the lines of the comparison: a header, a table, notes, and the recommended row.
+
+    table: the closed table of the case, as one more row; None for no such row.
+    """
     reference = found.outcomes[0]
     ran, half = duration_text(found.ran_s), duration_text(found.ran_s / 2)
     settled = f"{', '.join(found.changed)} changed since {half}" if found.changed else f"{half} gives the same errors"
@@ -269,9 +252,13 @@ def text(found: Trade) -> Iterator[str]:
     )
     yield from paragraph(f"CPU time: {reference.cost.runs} runs of {timed} after the first {start}")
     yield ""
-    yield from text_table(
-        TITLES, [_table_row(outcome, outcome is reference) for outcome in found.outcomes], range(1, 6)
-    )
+    rows = [_table_row(outcome, outcome is reference) for outcome in found.outcomes]
+    if table is not None:
+        rows.append(_row_of_table(found, table))
+    yield from text_table(TITLES, rows, range(1, 6))
+    if table is not None:
+        for sentence in table.sentences:
+            yield from paragraph(sentence)
     for outcome in found.outcomes:
         if outcome.errors.differ:
             yield from paragraph(f"{outcome.row.name} judges differently: {', '.join(outcome.errors.differ)}")
@@ -292,14 +279,24 @@ def text(found: Trade) -> Iterator[str]:
 
 
 def _table_row(outcome: Outcome, is_reference: bool) -> tuple[str, ...]:
-    cost = outcome.cost
     agree, time, value = outcome.errors.cells
     cells = (agree, "reference", "reference") if is_reference else (agree, time, value)
-    return (outcome.row.name, *cells, f"{cost.cpu_s:.3g}", f"{cost.spread_s / cost.cpu_s:.1%}")
+    return (outcome.row.name, *cells, *outcome.cost.cells)
 
 
-def as_json(found: Trade) -> dict[str, object]:
-    """Return the whole comparison as a dictionary for JSON. An infinite error is the text "infinite"."""
+def _row_of_table(found: Trade, table: Tabulated) -> tuple[str, ...]:
+    """Return the cells of the table, whose errors are those of the unchanged case if it agrees with a run."""
+    (given,) = (outcome.errors for outcome in found.outcomes if outcome.row.name == AS_GIVEN)
+    agree = len(set(table.budgets).difference(given.differ))
+    error = table.error if table.error.amount else given.time
+    return (TABLE, f"{agree} of {given.judged}", error.text, "-", *table.cost.cells)
+
+
+def as_json(found: Trade, table: Tabulated | None = None) -> dict[str, object]:
+    """Return the whole comparison as a dictionary for JSON. An infinite error is the text "infinite".
+
+    table: as for `text`.
+    """
     return {
         "case": found.case,
         "ran_s": found.ran_s,
@@ -319,6 +316,7 @@ def as_json(found: Trade) -> dict[str, object]:
             }
             for outcome in found.outcomes
         ],
+        "table": None if table is None else asdict(table),
         "refused": found.refused,
         "recommended": found.best.row.name,
         "why": found.why,

@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 from periph_sim.interfaces.reports.trade import trade
+from periph_sim.interfaces.reports.trade.cost import Cost
 from periph_sim.interfaces.reports.trade.observe import Error, Errors, Observed
 from periph_sim.interfaces.reports.trade.rows import AS_GIVEN, Row, rows_of
 from periph_sim.interfaces.reports.trade.trade import (
     FEWEST,
     MOST,
     PATIENCE,
-    Cost,
     Outcome,
     Trade,
     are_apart,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ...core.input_files import note_inputs_of
-from ...proof.saved_paths import coverage_path, proof_path
+from ...proof.saved_paths import coverage_path, proof_path, unfinished_path
 from ...scene.case.load import CaseFile, apply
 from ...scene.case.model import BadCase
 from ...scene.case.origin import named_files, texts_in
@@ -127,11 +127,13 @@ def note_inputs(cases: Iterable[Path], changes: Sequence[str] = (), written: Col
 
 
 def note_saved_results(case: Path, written: Collection[Path] = ()) -> None:
-    """Register the baseline, the coverage file and the proof file of a case as inputs, so that no output replaces them.
+    """Register the saved results of a case as inputs, so that no output replaces them.
+
+    These are the baseline, the coverage file, the proof file, and the results of an unfinished table.
 
     written: those of these files that the command writes, which are left out.
     """
-    saved = (baseline_path(case), coverage_path(case), proof_path(case))
+    saved = (baseline_path(case), coverage_path(case), proof_path(case), unfinished_path(case))
     note_inputs_of(file for file in saved if file not in written)
 
 

@@ -113,6 +113,7 @@ CASES = {
     "page over baseline": ("run", "small.toml", "--html", "baselines/small.json", *SHORT),
     "page over proof": ("run", "small.toml", "--html", "proofs/small.json", *SHORT),
     "rows over proof": ("sweep", "small.toml", "--vary", "seed=0,1", "--csv", "proofs/small.json", *SHORT),
+    "page over an unfinished table": ("run", "small.toml", "--html", "proofs/small.unfinished", *SHORT),
     "functions over proof": ("profile", "small.toml", "--lcov", "proofs/small.json", *SHORT),
     "page over a case in a folder": ("check", ".", "--html", "small.toml"),
     "rows over case": ("sweep", "small.toml", "--vary", "seed=0,1", "--csv", "small.toml", *SHORT),
@@ -130,7 +131,14 @@ def test_an_output_over_an_input(periph_sim: Run, desk: Path, arguments: tuple[s
     (desk / "again.toml").write_text(
         (desk / "small.toml").read_text() + '[outside]\nwires = ["RX"]\nlog = "live.jsonl"\n'
     )
-    for name in ("live.jsonl", "baselines/small.json", "coverage/small.json", "proofs/small.json", "rest.csv"):
+    for name in (
+        "live.jsonl",
+        "baselines/small.json",
+        "coverage/small.json",
+        "proofs/small.json",
+        "proofs/small.unfinished",
+        "rest.csv",
+    ):
         (desk / name).parent.mkdir(exist_ok=True)
         (desk / name).write_text("as it was\n")
     before = {file: file.read_bytes() for file in desk.rglob("*") if file.is_file()}

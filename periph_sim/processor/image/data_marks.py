@@ -84,9 +84,8 @@ class DataMarks:
         self._has_read = False  # True if it has read a marked word
         self._stores = [0] * MOST_STORES
         self._stored = 0  # number of entries of `_stores`, the addresses to which it has written
-        self._is_master = False  # True if it has made an I2C module a master, or has switched on its loopback mode
         self._setting = ""  # the name of the register or memory to which it has written, and which must not be marked
-        self._receives_otherwise = False  # True if it has written to a register that decides how lines are received
+        self._reason = ""  # a phrase about a value that it has written and with which data can decide what happens
 
     def normal_state(self, cycle: int, tick: int) -> dict[str, object]:
         """Return remainders in place of the marks of words. See `proof.normal_state`."""
@@ -138,11 +137,13 @@ class DataMarks:
             self._setting = "memory outside of RAM"
         elif not operand.to_send:
             self._setting = operand.register.name
-            self._is_master = self._setting == "I2CMDR" and value & (MDR_DLB | MDR_MST) != 0
             module: str = operand.place.name
-            self._receives_otherwise = self._has_frames and (
+            if self._setting == "I2CMDR" and value & (MDR_DLB | MDR_MST):
+                self._reason = "I2CMDR makes the module a master or its own receiver, and data sent can decide"
+            elif self._has_frames and (
                 self._setting in RECEPTION or module == "XINT" or routes_lines(module, self._setting)
-            )
+            ):
+                self._reason = f"{self._setting} is written while frames come, and data can decide what is received"
 
     def decoded(self, address: int) -> None:
         """Set `found` if a word that is decoded as an instruction is marked. address: that of the word."""
@@ -174,12 +175,9 @@ class DataMarks:
             self.registers &= ~f.replaces
             self._mark_stores(0)
         self.registers |= due
-        if self._is_master:
-            self._find(f.address, "I2CMDR makes the module a master or its own receiver, and data sent can decide")
-        if self._receives_otherwise:
-            self._find(f.address, f"{self._setting} is written while frames come, and data can decide what is received")
-        self._has_read, self._is_master, self._receives_otherwise = False, False, False
-        self._stored, self._setting = 0, ""
+        if self._reason:
+            self._find(f.address, self._reason)
+        self._has_read, self._stored, self._setting, self._reason = False, 0, "", ""
 
     def _mark_stores(self, mark: int) -> None:
         at: int

@@ -6,46 +6,21 @@ data in 0x8200 ... --random instructions--> `found` is None: the same cycles wit
 from __future__ import annotations
 
 import random
-from typing import Any
 
 import pytest
 
-from periph_sim.core.options import Value
 from periph_sim.processor.c28x.data_flow import BITS
 from periph_sim.processor.image.counting_loop import CountingLoop
 from periph_sim.processor.image.data_marks import DataMarks
-from periph_sim.processor.image_files.model import Image, Section
-from periph_sim.processor.user_code import FirmwareError
 from tests.processor.c28x.execution.random_instructions import FORMS, pair_of
-from tests.processor.image.rig import HEAD, Rig, timer
+from tests.processor.image.marked_programs import BEGIN, DATA, OTHER, known, marked, ran, words
+from tests.processor.image.rig import HEAD, Rig
 
-DATA, OTHER, FREE = range(0x8200, 0x8210), range(0x8210, 0x8220), range(0x8220, 0x8300)
-BEGIN = " MOVL XAR4,#0x8200\n MOVL XAR5,#0x8220\n"
 SENDS = " MOVW DP,#0x7050 >> 6\n"  # the page of SCI-A
 PROGRAMS = 300
 LENGTH = 8  # random instructions in a program
 OPERANDS = (0x41, 0x05, 0x84, 0x85, 0xA1, 0xA8, 0xA9, 0xAB, 0xC4, 0xCC, 0xC5)  # values of field l
 PLAIN = [row for row in FORMS if row.kind in ("core", "fpu") and "PC" not in row.writes]
-
-
-def marked(source: str, *modules: str, frames: bool = False, **options: Value) -> tuple[DataMarks, Rig]:
-    """Run a program in which the words of DATA are marked, and return the marks at its end.
-
-    frames: True if a frame has begun before.
-    """
-    rig = Rig(HEAD + source + " ESTOP0", *modules, **options)
-    for address in (*DATA, *OTHER):
-        rig.cpu.fill(address, 0x1234)
-    rig.cpu.marks = DataMarks(DATA)
-    if frames:
-        rig.cpu.marks.frame_begins()
-    rig.run()
-    assert rig.program.finished
-    return rig.cpu.marks, rig
-
-
-def words(marks: DataMarks) -> set[int]:
-    return {address for address, mark in enumerate(marks.memory) if mark} - {*DATA}
 
 
 @pytest.mark.parametrize(
@@ -107,6 +82,13 @@ def test_words_that_data_reach(source: str, found: set[int]) -> None:
             "data are executed as an instruction",
         ),
         (f"{SENDS} MOV AL,@0x7055\n SB next,NEQ\nnext: NOP\n", None),
+        # PUSH writes I2CMDR, and then I2CISRC
+        (
+            " MOV AL,#0x7909\n MOV @SP,AL\n MOVL XAR0,#0x0420\n MOVL XAR1,#0\n PUSH AR1:AR0\n",
+            "I2CMDR makes the module a master",
+        ),
+        # of two uses, the first one is named
+        (" MOVZ AR0,*XAR4\n TBIT *XAR4,#0\n SB next,TC\nnext: MOV AL,*+XAR5[AR0]\n", "data decide a branch"),
     ],
 )
 def test_uses_of_data_that_decide(source: str, how: str | None) -> None:
@@ -197,74 +179,27 @@ def test_a_pass_that_changes_marks_does_more_than_count(in_memory: bool) -> None
     assert loop.does_more
 
 
+def test_states_with_other_marks_of_words_differ() -> None:
+    n_and_z = [DataMarks(), DataMarks()]
+    for marks, flag in zip(n_and_z, "NZ", strict=True):
+        marks.registers = BITS[flag]
+        marks.entered(0x400)
+    states = [one.normal_state(0, 0)["memory"] for one in (*n_and_z, *map(DataMarks, ((), DATA, DATA[1:], OTHER)))]
+    assert all(states.count(state) == 1 for state in states)
+
+
+def test_an_instruction_marks_only_the_words_that_it_writes() -> None:
+    """The first instruction reads data, and writes nothing."""
+    rig, _ = ran([0x06C4, 0x7625], [0] * len(DATA), 0)  # MOVL ACC,*XAR4; ESTOP0
+    assert rig.cpu.marks is not None
+    assert words(rig.cpu.marks) == set()
+
+
 def test_cleared_words_have_no_mark() -> None:
     rig = Rig(HEAD)
     rig.cpu.marks = DataMarks(DATA)
     rig.cpu.forget(range(0x8204, 0x8210))
     assert [address for address, mark in enumerate(rig.cpu.marks.memory) if mark] == [*range(0x8200, 0x8204)]
-
-
-# Interrupts -------------------------------------------------------------------------------------------------
-
-
-LOOP = (
-    BEGIN
-    + """\
- MOVB XAR6,#20
- CLRC INTM
-"""
-)
-ROUTINE = """
- .global _routine
-_routine: PUSH XAR4
- MOVL XAR4,#0x8200
- {use}
- POP XAR4
- MOVW DP,#0x0CE0 >> 6
- MOV @0x0CE1,#1
- IRET
-"""
-
-
-@pytest.mark.parametrize(
-    ("loop", "use", "found", "how"),
-    [
-        # the routine leaves data in AL and in the flags N and Z, which IRET restores: none reach the program
-        (" MOVB AL,#0\n RPT #60 || NOP\n NOP\n MOV *XAR5++,AL\n", "MOV AL,*XAR4", set(), None),
-        # the program has data in AL, which the interrupt saves and IRET restores
-        (" MOV AL,*XAR4\n RPT #60 || NOP\n NOP\n MOV *XAR5++,AL\n", "MOVB AL,#0", {*range(0x8220, 0x8235)}, None),
-        # the same at an odd SP
-        (
-            " MOV AL,*XAR4\n RPT #60 || NOP\n NOP\n MOV *XAR5++,AL\n ADDB SP,#1\n",
-            "MOVB AL,#0",
-            {*range(0x8220, 0x8235)},
-            None,
-        ),
-        # AR2 is not saved
-        (" NOP\n MOV *XAR5,AR2\n RPT #60 || NOP\n", "MOVZ AR2,*XAR4", {0x8220}, None),
-        # N and Z are data, TC is not, when the interrupt comes between the test and the branch
-        (" MOV AL,*XAR4\n TBIT *XAR5,#0\n RPT #60 || NOP\n SB on,TC\non: NOP\n", "NOP", set(), None),
-        (" MOV AL,*XAR4\n TBIT *XAR5,#0\n RPT #60 || NOP\n SB on,NEQ\non: NOP\n", "NOP", set(), "decide a branch"),
-    ],
-)
-def test_marks_of_registers_that_an_interrupt_saves(loop: str, use: str, found: set[int], how: str | None) -> None:
-    source = f"{timer(100)}{LOOP}again:{loop} BANZ again,AR6--\n SETC INTM\n ESTOP0\n{ROUTINE.format(use=use)}"
-    marks, rig = marked(source, "TIMER0")
-    assert sum(one.what == "TINT0" for one in rig.records) > 10
-    assert words(marks) - {*range(0x400, 0x440)} == found
-    assert (marks.found is None) if how is None else (marks.found is not None and how in marks.found.how)
-
-
-def test_the_flags_of_a_saved_context_are_marked_one_by_one() -> None:
-    marks = DataMarks()
-    marks.registers = saved = BITS["N"] | BITS["AL"]
-    marks.entered(0x400)
-    marks.registers = BITS["C"] | BITS["AH"]
-    marks.returned(0x400, 0)
-    assert (marks.registers, words(marks)) == (saved, {0x400, 0x402})
-    marks.registers = 0
-    marks.entered(0x400)
-    assert words(marks) == set()
 
 
 def test_a_loop_whose_marks_still_change_is_not_taken_for_a_wait() -> None:
@@ -284,45 +219,6 @@ def test_a_loop_whose_marks_still_change_is_not_taken_for_a_wait() -> None:
 # Random programs ----------------------------------------------------------------------------------------------
 
 
-def ran(code: list[int], values: list[int], seed: int) -> tuple[Rig, str]:
-    """Run words of code on these values of DATA, from random registers. Return the unit, and how the run ended."""
-    rig = Rig(Image("assembled", 0x9000, (Section(".text", 0x9000, 0x9000, len(code), code, code=True),)))
-    draw, cpu = random.Random(seed), rig.cpu
-    for address in (*OTHER, *FREE, *range(0x400, 0x500), *range(0x4, 0x10)):
-        cpu.fill(address, draw.getrandbits(16))
-    for address, value in zip(DATA, values, strict=True):
-        cpu.fill(address, value)
-    cpu.acc, cpu.p, cpu.xt = (draw.getrandbits(32) for _ in range(3))
-    cpu.put_st0(draw.getrandbits(16) & 0xFFFF)
-    cpu.r = [draw.getrandbits(32) for _ in range(8)]
-    cpu.xar = [draw.randrange(8), draw.randrange(8), 0x8212, 0x8218, 0x8200, 0x8240, 0x8260, 0x8280]
-    cpu.dp, cpu.sp = 0x8240 >> 6, 0x440
-    cpu.marks = DataMarks(DATA)
-    try:
-        rig.run(60_000)
-    except FirmwareError as error:
-        return rig, str(error).partition(", ACC=")[0]
-    return rig, f"at {rig.program.returned_at}"
-
-
-def known(rig: Rig) -> dict[Any, object]:
-    """The words and parts of registers that have no mark."""
-    marks, cpu = rig.cpu.marks, rig.cpu
-    assert marks is not None
-    halves = {"acc": ("AL", "AH"), "p": ("PL", "PH"), "xt": ("TL", "T")}
-    found: dict[Any, object] = {}
-    for name, (low, high) in halves.items():
-        found[low], found[high] = getattr(cpu, name) & 0xFFFF, getattr(cpu, name) >> 16
-    for n in range(8):
-        found |= {f"AR{n}": cpu.xar[n] & 0xFFFF, f"AR{n}H": cpu.xar[n] >> 16, f"R{n}H": cpu.r[n]}
-    found |= {"N": cpu.n, "Z": cpu.z, "C": cpu.c, "V": cpu.v, "TC": cpu.tc, "OVC": cpu.ovc, "PM": cpu.pm}
-    found = {part: value for part, value in found.items() if not marks.registers & BITS[part]}
-    plain = (*range(0x800), *DATA, *OTHER, *FREE)
-    memory = list(marks.memory)
-    found |= {address: rig.word(address) for address in plain if not memory[address]}
-    return found | {"sp": cpu.sp, "dp": cpu.dp, "st1": cpu.whole_st1(), "marks": (marks.registers, memory)}
-
-
 def program(draw: random.Random) -> list[int]:
     """Random instructions, of which the first two read data."""
     code = [0x06C4, 0xE2AF, 0x00C4]  # MOVL ACC,*XAR4; MOV32 R0H,*XAR4
@@ -330,10 +226,7 @@ def program(draw: random.Random) -> list[int]:
         row = draw.choice(PLAIN if draw.random() < 0.9 else FORMS)
         pair = pair_of(row, draw)
         if "l" in row.fields and draw.random() < 0.8:
-            place, field = (
-                row.fields["l"],
-                draw.choice((0x41, 0x05, 0x84, 0x85, 0xA1, 0xA8, 0xA9, 0xAB, 0xC4, 0xCC, 0xC5)),
-            )
+            place, field = row.fields["l"], draw.choice(OPERANDS)
             pair = pair & ~(place.mask << place.shift) | field << place.shift
         code += [pair >> 16, pair & 0xFFFF][: row.words]
     return [*code, 0x7625]  # ESTOP0

@@ -384,14 +384,15 @@ class TableMaker:
         self._timed_from = self._timed_from or process_time()
 
 
-def starts_text(moved: str, apart: str) -> str:
+def starts_text(moved: str, apart: str, any_tick: bool) -> str:
     """Return a phrase that says for which starts a table holds.
 
-    moved: "rounds", "frames" or BOTH. apart: the least distance of two starts, as text.
+    moved: "rounds", "frames" or BOTH. apart: the least distance of two starts, as text. any_tick: as in `TableProof`.
     """
     if moved != BOTH:
         return f"all sequences of {moved} that start at least {apart} apart"
-    return f"all rounds that start at least {apart} apart, and all frames that do"
+    where = "" if any_tick else "with a cycle of the CPU, and "
+    return f"all rounds that start {where}at least {apart} apart, and all frames that start at least as far apart"
 
 
 def milliseconds(ticks: int, per_second: int) -> str:

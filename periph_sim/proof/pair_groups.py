@@ -34,7 +34,7 @@ PASSES = 8  # a wait must be as before at most this number of passes after a ser
 class Group(NamedTuple):
     """A round, a frame, or both, that start from an orbit of states of rest (`closed_table`).
 
-    round: the cycle of the orbit at which the round starts, modulo `Orbits.own`; None for a frame alone.
+    round: the tick of the orbit at which the round starts, modulo `Orbits.own` cycles; None for a frame alone.
     frame: the distance from the round to the first tick of the frame's cell, in ticks; None for a round alone. For a
         frame alone, it is counted from the beginning of the orbit.
     """
@@ -195,7 +195,7 @@ class GroupRunner:
             assert group.frame is not None
             at = group.frame
         else:
-            at = self._round_in(orbit, group) * cycle
+            at = self._round_in(orbit, group)
         start = from_orbit + at
         later = 0 if group.round is None else group.frame or 0
         while start + min(0, later + min(0, offset)) <= now:
@@ -236,8 +236,8 @@ class GroupRunner:
         """Run a round alone and return the waits in it. The first wait has begun before the round."""
         run, kernel = self.run, self.run.scene.kernel
         orbit = self.orbits.known[self.at[0]]
-        start = run.now + (self._round_in(orbit, group) - self.at[1]) % orbit.cycles * self.cycle
-        start += orbit.cycles * self.cycle
+        period = orbit.cycles * self.cycle
+        start = run.now + (self._round_in(orbit, group) - self.at[1] * self.cycle) % period + period
         run.start(rounds=start)
         found: list[Sleep] = []
         asleep, begun = self._asleep(), -NEVER
@@ -289,7 +289,7 @@ class GroupRunner:
         return self.records.accessed_since <= allowed
 
     def _round_in(self, orbit: Orbit, group: Group) -> int:
-        """Return a cycle of an orbit for the start of a group's round, such that the frame starts with a cell."""
+        """Return a tick of an orbit for the start of a group's round, such that the frame starts with a cell."""
         assert group.round is not None
         if group.frame is None:
             return group.round
@@ -297,11 +297,15 @@ class GroupRunner:
         assert found, "no round of the orbit has a frame at this distance"
         return found[0]
 
-    def rounds_in(self, orbit: Orbit, cycle: int, frame: int) -> list[int]:
+    def rounds_in(self, orbit: Orbit, tick: int, frame: int) -> list[int]:
+        """Return the ticks of an orbit, from `tick` on in steps of the own period, at which a group's round can start.
+
+        frame: the distance of the group's frame, which must start with a cell.
+        """
         assert self.cells is not None
         first, period = orbit.origin + frame - self.cells.first, self.cells.period
-        places = range(cycle, orbit.cycles, self.orbits.own)
-        return [at for at in places if (first + at * self.cycle) % period == 0]
+        places = range(tick, orbit.cycles * self.cycle, self.orbits.own * self.cycle)
+        return [at for at in places if (first + at) % period == 0]
 
     def like(self, group: Group) -> Group:
         """Return the group of the present orbit that is most similar to `group`, a group of another orbit.

@@ -162,9 +162,12 @@ class PairRun:
         return found
 
 
-def alone(orbits: Orbits, number: int, cells: Cells | None, cycle: int) -> list[Group]:
-    """Return the groups of an orbit that are a round alone or a frame alone. cycle: the number of ticks of a cycle."""
-    orbit, groups = orbits.known[number], [Group(at, None) for at in range(orbits.own)]
+def alone(orbits: Orbits, number: int, cells: Cells | None, cycle: int, rounds: Sequence[int]) -> list[Group]:
+    """Return the groups of an orbit that are a round alone or a frame alone.
+
+    cycle: the number of ticks of a cycle. rounds: the ticks at which rounds start.
+    """
+    orbit, groups = orbits.known[number], [Group(at, None) for at in rounds]
     if cells is not None:
         first = (cells.first - orbit.origin) % cells.period
         groups += [Group(None, tick) for tick in range(first, orbit.cycles * cycle, cells.period)]

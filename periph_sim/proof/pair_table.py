@@ -15,7 +15,7 @@ by one. Random groups, some of them from within cells, are run again after other
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from itertools import count, islice, zip_longest
 from math import gcd
@@ -24,6 +24,10 @@ from statistics import median
 from time import process_time
 from typing import NamedTuple
 
+from msgspec.structs import astuple
+
+from ..scene.controller import head_plan
+from ..scene.plan import ScenePlan
 from .calls import CallAll
 from .closed_table import StartTable
 from .frame_cells import find_cells
@@ -77,6 +81,7 @@ class PairMaker:
     on_estimate: called with the number of groups, and an estimate of the CPU time in seconds.
     call_all: makes the calls that run groups.
     least_again: the least number of groups that are run again.
+    any_tick: True if rounds can start at any tick, False if they start with a cycle of the CPU.
     covered: the case, without the budgets that the table cannot judge.
     long: see `FreeRun`.
     runs: the runs so far, by the number of the orbit and the group.
@@ -92,10 +97,12 @@ class PairMaker:
         on_estimate: Callable[[int, float], None] | None,
         call_all: CallAll,
         least_again: int,
+        any_tick: bool = False,
     ) -> None:
         self.covered, self._job, self._ignored = within_round(covered), job, ignored
         self._on_progress, self._on_estimate, self._call_all = on_progress, on_estimate, call_all
         self._least_again = least_again
+        self._any_tick = any_tick
         self._random = Random(1)
         self._orbits = Orbits()
         self._ways: dict[int, dict[int, Group]] = {}
@@ -130,6 +137,7 @@ class PairMaker:
         self._frames = pair.runner.cells = find_cells(pair.runner)
         self.long = pair.runner.run.long
         self._cycle = pair.runner.cycle
+        self._places = round_offsets(self.covered, self._cycle) if self._any_tick else (0,)
         pair.end()
         self._add(pair.done)
         begun = process_time()
@@ -237,20 +245,24 @@ class PairMaker:
         return Known(self._orbits, self._frames, self._ways)
 
     def _alone(self, number: int) -> list[Group]:
-        return alone(self._orbits, number, self._frames, self._cycle)
+        return alone(self._orbits, number, self._frames, self._cycle, self._rounds())
+
+    def _rounds(self) -> list[int]:
+        """Return the ticks of an orbit at which rounds are started, modulo the orbit's own period."""
+        return [cycle * self._cycle + place for cycle in range(self._orbits.own) for place in self._places]
 
     def _offsets(self, group: Group) -> tuple[int, ...]:
         return (0,) if group.frame is None else (0, self._frames.period - 1)
 
-    def find_waits(self, pair: PairRun, number: int) -> list[list[Sleep]]:
-        """Return, for each cycle of an orbit at which a round can start, the waits in this round alone."""
-        waits = []
-        for cycle in range(self._orbits.own):
+    def find_waits(self, pair: PairRun, number: int) -> dict[int, list[Sleep]]:
+        """Return, for each tick of an orbit at which a round is started, the waits in this round alone."""
+        waits = {}
+        for tick in self._rounds():
             pair.reach(number)
-            waits.append(pair.runner.sleeps(Group(cycle, None)))
+            waits[tick] = pair.runner.sleeps(Group(tick, None))
         return waits
 
-    def tasks(self, number: int, waits: Sequence[Sequence[Sleep]]) -> tuple[list[Task], list[Cell]]:
+    def tasks(self, number: int, waits: Mapping[int, Sequence[Sleep]]) -> tuple[list[Task], list[Cell]]:
         """Return the groups with a round and a frame that must be run from an orbit, and the cells of the orbit.
 
         Of each cell, only the first and the last group are among the groups to run.
@@ -262,29 +274,29 @@ class PairMaker:
         least = -max(length for group, length in lengths if group.round is None) - frames.period
         most = max(length for group, length in lengths if group.frame is None)
         step = gcd(self._orbits.own * self._cycle, frames.period)
-        for cycle in range(self._orbits.own):
-            first = least + (frames.first - orbit.origin - cycle * self._cycle - least) % step
+        for tick, sleeps in waits.items():
+            first = least + (frames.first - orbit.origin - tick - least) % step
             distances = range(first, most + 1, step)
             near = 0  # index of the first distance that is in no task yet
-            for low, high, sleep in far_ranges(waits[cycle], frames, self._cycle):
+            for low, high, sleep in far_ranges(sleeps, frames, self._cycle):
                 apart = sleep.period * step // gcd(sleep.period, step)
                 begin = max(near, -(-(low - first) // step))
                 end = min(len(distances), (high - first) // step + 1)
                 if end - begin <= 2 * apart // step:
                     continue
-                tasks += self._near(number, cycle, distances[near:begin])
+                tasks += self._near(number, tick, distances[near:begin])
                 for one in distances[begin : begin + apart // step]:
                     last = one + (distances[end - 1] - one) // apart * apart
-                    cells.append(Cell(number, cycle, one, last, apart, sleep))
-                    tasks.append(Task(number, Group(cycle, one), 0, sleep))
-                    tasks.append(Task(number, Group(cycle, last), frames.period - 1, sleep))
+                    cells.append(Cell(number, tick, one, last, apart, sleep))
+                    tasks.append(Task(number, Group(tick, one), 0, sleep))
+                    tasks.append(Task(number, Group(tick, last), frames.period - 1, sleep))
                 near = end
-            tasks += self._near(number, cycle, distances[near:])
+            tasks += self._near(number, tick, distances[near:])
         return tasks, cells
 
-    def _near(self, orbit: int, cycle: int, distances: range) -> Iterator[Task]:
+    def _near(self, orbit: int, tick: int, distances: range) -> Iterator[Task]:
         for number, distance in enumerate(distances):
-            yield Task(orbit, Group(cycle, distance), self._frames.period - 1 if number % 2 else 0, None)
+            yield Task(orbit, Group(tick, distance), self._frames.period - 1 if number % 2 else 0, None)
 
     def _is_cell(self, cell: Cell) -> bool:
         first, last = self._of(cell, cell.first), self._of(cell, cell.last)
@@ -359,3 +371,18 @@ class PairMaker:
         if not run.is_like(known):
             what = f"{group} from orbit {orbit}: {known} and {run}"
             raise NotClosed(f"two runs of one meeting differ, so more than the service routine matters ({what})")
+
+
+def round_offsets(covered: CoveredCase, cycle: int) -> tuple[int, ...]:
+    """Return the ticks in a cycle at which rounds are run, so that they stand for all ticks of the cycle.
+
+    All delays of a controller, and a cycle, are multiples of some number of ticks, the grid. The unit acts when cycles
+    begin. So rounds that start between the same two multiples of the grid have all events in the same order, and the
+    times between their events change linearly. The first and the last of them are run, and the multiples themselves.
+
+    cycle: the number of ticks of a cycle.
+    """
+    plan = head_plan(ScenePlan(covered.case).ticks)
+    grid = gcd(cycle, *astuple(plan.timing), plan.schedule.gap, plan.stuck_after, plan.clear_after)
+    multiples = range(0, cycle, grid)
+    return tuple(sorted({begin + place for begin in multiples for place in (0, min(1, grid - 1), grid - 1)}))

@@ -163,17 +163,18 @@ class Phases:
             return {self.moved: self.first_start()}
         return {"frames": self._plan.host[0].first, "rounds": self.first_start()}
 
-    def not_exact(self) -> str:
+    def not_exact(self, any_tick: bool) -> str:
         """Return why a first start of the case is not at an exact time, or why rounds do not start with a CPU cycle.
 
-        Return "" if neither applies.
+        Return "" if neither applies. any_tick: True if rounds need not start with a cycle.
         """
         host, rounds = self._plan.host[0], self._plan.head.schedule
         for name, jitter in (("host", host.jitter), ("controller", rounds.jitter)):
             if jitter:
                 return f'{name}.jitter moves the first start; set it to "0 ms", since all later starts are free anyway'
-        if any(tick % self.cycle for tick in (self._start, rounds.first, Fraction(rounds.period))):
-            return "its rounds do not start with cycles of the CPU; choose controller.first, period and ppm so"
+        if not any_tick and any(tick % self.cycle for tick in (self._start, rounds.first, Fraction(rounds.period))):
+            way = "add --any-tick, or choose controller.first, period and ppm so"
+            return f"its rounds do not start with cycles of the CPU; {way}"
         return ""
 
     def due(self, number: int) -> int:

@@ -59,6 +59,7 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     within_ppm: the greatest difference from `controller.ppm` that the proof covers; None for the case's clock only.
     host_within_ppm: the greatest difference from the bit rate of the host that the proof covers, in ppm; None for the
         rate in the case only.
+    any_tick: as in `TableProof`.
     any_data: True if the proof holds for frames with any data, except for the budgets in `following_data`.
     first: the tick of the case's first start or, if `rests_first` is True, of the first rest, from the start of the
         run.
@@ -76,6 +77,7 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     ticks_per_second: Annotated[int, Meta(ge=1)]
     within_ppm: float | None
     host_within_ppm: float | None = None
+    any_tick: bool = False
     any_data: bool = False
     following_data: tuple[str, ...] = ()
     first: int
@@ -97,7 +99,8 @@ class ProofFile(Struct, frozen=True, kw_only=True):
             clocks += f", and all bit rates of the host within {self.host_within_ppm:g} ppm"
         if self.any_data:
             clocks += f", and any data of the frames{except_for(self.following_data)}"
-        return f"{len(self.proven)} of {counted(of, 'budget')} proven for {starts_text(self.moved, apart)}{clocks}"
+        starts = starts_text(self.moved, apart, self.any_tick)
+        return f"{len(self.proven)} of {counted(of, 'budget')} proven for {starts}{clocks}"
 
 
 def except_for(names: Sequence[str]) -> str:
@@ -123,6 +126,7 @@ def proof_of(made: TableProof, dependencies: Dependencies) -> ProofFile:
         ticks_per_second=covered.phases.ticks_per_second,
         within_ppm=None if made.within is None else float(made.within),
         host_within_ppm=None if made.rates is None else float(made.rates),
+        any_tick=made.any_tick,
         any_data=made.data_use == "",
         following_data=tuple(made.following_data()),
         first=made.first,

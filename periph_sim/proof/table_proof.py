@@ -61,6 +61,8 @@ class TableProof(NamedTuple):
     parts: the tables.
     rates: the greatest difference from the bit rate of the host that the table covers, in ppm; None for the rate of the
         case only.
+    any_tick: True if the proof holds for rounds that start at any tick, False if it holds for rounds that start with a
+        cycle of the CPU. It only has a meaning if both rounds and frames are free.
     data_use: as `other_data.data_use`; None for a case without a host, or with a table that has failed.
     """
 
@@ -68,6 +70,7 @@ class TableProof(NamedTuple):
     within: Fraction | None
     parts: list[Part]
     rates: Fraction | None = None
+    any_tick: bool = False
     data_use: str | None = None
 
     @property
@@ -157,10 +160,11 @@ def prove(
     on_estimate: Callable[[int, int, float], None] | None = None,
     call_all: CallAll = call_here,
     rates: Fraction | None = None,
+    any_tick: bool = False,
 ) -> TableProof:
     """Make the tables of a case, up to the first one that fails.
 
-    within, rates: as in `TableProof`.
+    within, rates, any_tick: as in `TableProof`.
     on_progress: called with the fraction of the known entries that were run, 0 to 1.
     on_estimate: called with the number of tables, the number of entries in each, and the estimated CPU time in seconds.
     call_all: makes the calls that make tables. The first of several tables is always made in this process.
@@ -168,15 +172,15 @@ def prove(
     Raise NotClosed if a table cannot be closed, and BadCase for a case without free starts.
     """
     covered = CoveredCase(job)
-    if rates is not None and not covered.phases.is_relative:
-        raise covered.case.mistake("--host-ppm needs both a [host] and a [controller]", "name")
+    for option, given in (("--host-ppm", rates is not None), ("--any-tick", any_tick)):
+        if given and not covered.phases.is_relative:
+            raise covered.case.mistake(f"{option} needs both a [host] and a [controller]", "name")
     errors = [None] if within is None else clock_errors(covered.case, within)
     jobs = [job if error is None else _with_clock(covered, job, error) for error in errors]
     first = covered if within is None else CoveredCase(jobs[0])
     if covered.phases.is_relative:
-        return _of_pairs(
-            TableProof(within_round(covered), within, [], rates), job, jobs, on_progress, on_estimate, call_all
-        )
+        made = TableProof(within_round(covered), within, [], rates, any_tick)
+        return _of_pairs(made, job, jobs, on_progress, on_estimate, call_all)
     least_again = -(-LEAST_REVISITED // len(jobs))
     rests_first = None if within is None else True
     parts: list[Part] = []
@@ -199,7 +203,7 @@ def prove(
         advance(0)
         if table.has_failed:
             break
-    return TableProof(covered, within, parts, None, _data_use(covered, parts[-1].table))
+    return TableProof(covered, within, parts, data_use=_data_use(covered, parts[-1].table))
 
 
 def _of_pairs(
@@ -224,13 +228,13 @@ def _of_pairs(
             on_estimate(len(jobs), groups, seconds * len(jobs))
 
     ignored = check_pair(made.covered.case)
-    reason = made.covered.phases.not_exact()
+    reason = made.covered.phases.not_exact(made.any_tick)
     if reason:
         raise NotClosed(reason)
     uses = []
     for one in jobs:
         covered = CoveredCase(one)
-        maker = PairMaker(covered, one, ignored, advance, estimate, call_all, LEAST_REVISITED)
+        maker = PairMaker(covered, one, ignored, advance, estimate, call_all, LEAST_REVISITED, made.any_tick)
         maker.explore()
         plan = None if made.rates is None else plan_rates(maker, ignored, made.rates)
         maker.estimate([len(starts) for _, starts in plan or ()])

@@ -26,14 +26,16 @@ from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.pair_budgets import within_round
 from periph_sim.proof.pair_groups import Cells, Group, GroupRunner, Orbits, far_ranges
 from periph_sim.proof.pair_run import Known, PairRun, Task, alone
-from periph_sim.proof.pair_table import TIMED, PairMaker
+from periph_sim.proof.pair_table import TIMED, PairMaker, round_offsets
 from periph_sim.proof.stretch import CoveredCase, Job
 from periph_sim.proof.table_cases import check_pair
 from periph_sim.proof.table_proof import TableProof, prove
 from periph_sim.scene.case.inputs_table import InputsTable
+from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import PROVEN
 from tests.proof.pair_cases import write_lonely
+from tests.proof.proven_slave import write_slave
 
 SAMPLE, PASS = 80, 100  # ticks
 compiled_only = pytest.mark.skipif(form.running == form.INTERPRETED, reason="a whole table takes minutes interpreted")
@@ -49,6 +51,11 @@ max = "1 s"
 name = "transfer"
 measure = "from bus START to bus STOP, same transfer"
 max = "26.26 us"
+
+[[budget]]
+name = "noticed"
+measure = "from bus START to flag I2C-A.I2CSTR.BB = 1, next"
+max = "1 us"
 """
 
 
@@ -61,7 +68,7 @@ def job(tmp_path_factory: pytest.TempPathFactory) -> Job:
 
 @pytest.fixture(scope="module")
 def whole(job: Job) -> TableProof:
-    return prove(job)
+    return prove(job, any_tick=True)
 
 
 def runner_of(path: Path) -> GroupRunner:
@@ -86,7 +93,12 @@ def test_few_groups_stand_for_all_meetings_of_a_round_and_a_frame(whole: TablePr
     assert not whole.has_failed
     assert 1000 < whole.entries < whole.entry_count / 100
     assert whole.again >= 200
-    assert {name for name, word in whole.words().items() if word == PROVEN} == {"latency", "service", "transfer"}
+    assert {name for name, word in whole.words().items() if word == PROVEN} == {
+        "latency",
+        "service",
+        "transfer",
+        "noticed",
+    }
     assert whole.covered.left_out["line"] == "a frame can move 'edge RX fall' in a way that is not run"
     assert whole.covered.left_out["age"] == "its values depend on the whole run"
     assert whole.not_proven()["answer"].startswith("a round has too few measured values")  # no request is answered
@@ -96,13 +108,13 @@ def test_few_groups_stand_for_all_meetings_of_a_round_and_a_frame(whole: TablePr
 def test_no_ordinary_run_is_worse_than_the_table_and_some_are_as_bad(whole: TableProof):
     """Half of the frames begin within 40 ticks of a place at which their service routine meets the wait's end."""
     random, case, per_second = Random(7), whole.covered.case, whole.covered.phases.ticks_per_second
-    seen: dict[str, list[float]] = {"latency": [], "service": []}
+    seen: dict[str, list[float]] = {"latency": [], "service": [], "noticed": []}
     for _ in range(60):
         rounds, frames = [], []
         at = per_second // 50
         for number in range(12):
-            at += whole.apart + random.randrange(4000) * 10
-            rounds.append(at - at % 10)
+            at += whole.apart + random.randrange(40_000)
+            rounds.append(at)
             near = random.choice([-77_000, -50_000]) + random.randrange(-40, 40) * 10
             frames.append(at + (near if number % 2 else random.randrange(-2_000_000, 2_000_000)))
             at = max(rounds[-1], frames[-1])
@@ -115,6 +127,26 @@ def test_no_ordinary_run_is_worse_than_the_table_and_some_are_as_bad(whole: Tabl
                 assert verdict.worst is not None
                 seen[verdict.name].append(verdict.worst)
     assert {name: max(values) for name, values in seen.items()} == {name: worst_of(whole, name) for name in seen}
+
+
+@pytest.mark.parametrize(
+    ("change", "offsets"),
+    [
+        ("seed=1", (0, 1, 9)),
+        ('controller.filter="50 ns"', (0, 1, 9)),
+        ('controller.filter="55 ns"', (0, 1, 4, 5, 6, 9)),
+        ('controller.filter="52 ns"', (0, 1, 2, 3, 4, 5, 6, 7, 8, 9)),
+        ('controller.gap="51 ns"', tuple(range(10))),
+        ("controller.ppm=-400", tuple(range(10))),  # SCL is low for 1251 ticks
+    ],
+)
+def test_rounds_that_stand_for_those_at_all_ticks_of_a_cycle(change: str, offsets: tuple[int, ...], tmp_path: Path):
+    assert round_offsets(CoveredCase(Job(str(write_lonely(tmp_path)), (change,))), 10) == offsets
+
+
+def test_only_a_case_with_rounds_and_frames_can_have_rounds_between_two_cycles(tmp_path: Path):
+    with pytest.raises(BadCase, match=r"--any-tick needs both a \[host\] and a \[controller\]"):
+        prove(Job(str(write_slave(tmp_path, ""))), any_tick=True)
 
 
 @compiled_only
@@ -190,7 +222,7 @@ def test_frames_of_one_sample_are_received_alike(tmp_path: Path):
     assert runner.cells is not None
     assert (runner.cells.period, runner.orbits.own * runner.cycle) == (SAMPLE, PASS)
     orbit = runner.at[0]
-    for group in alone(runner.orbits, orbit, runner.cells, runner.cycle)[-2:]:
+    for group in alone(runner.orbits, orbit, runner.cells, runner.cycle, [0])[-2:]:
         runs = []
         while len(runs) < 4:
             here = runner.at[0]
@@ -229,15 +261,15 @@ def test_each_meeting_is_run_or_in_a_cell(tmp_path: Path):
     assert sum(map(len, maker.table.starts)) > TIMED
     frame = max(run.length for (_, group), run in maker.runs.items() if group.round is None) + SAMPLE
     most = max(run.length for (_, group), run in maker.runs.items() if group.frame is None)
-    for waits in (maker.find_waits(pair, 0), [[]] * (PASS // 10)):
+    for waits in (maker.find_waits(pair, 0), dict.fromkeys(range(0, PASS, 10), ())):
         tasks, cells = maker.tasks(0, waits)
         ends = {Group(cell.round, frame) for cell in cells for frame in (cell.first, cell.last)}
         assert ends <= {task.group for task in tasks}
         assert all((cell.last - cell.first) % cell.step == cell.step % cell.sleep.period == 0 for cell in cells)
-        assert bool(cells) == any(waits)
-        for cycle in range(PASS // 10):
-            found = [task.group.frame for task in tasks if task.group.round == cycle and task.group not in ends]
-            for cell in (cell for cell in cells if cell.round == cycle):
+        assert bool(cells) == any(waits.values())
+        for tick in range(0, PASS, 10):
+            found = [task.group.frame for task in tasks if task.group.round == tick and task.group not in ends]
+            for cell in (cell for cell in cells if cell.round == tick):
                 found += range(cell.first, cell.last + 1, cell.step)
             distances = sorted(one for one in found if one is not None)
             assert {two - one for one, two in pairwise(distances)} == {20}

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 MOST_PPM = 10_000  # highest value of --ppm
 STEP = 97  # the default of --step in cycles; it has no common divisor with usual clock dividers or lengths of waits
 # The parameters that are allowed with --table, and with --questions.
-WITH_TABLE = ("case", "changes", "folder", "table", "ppm", "rates", "save", "questions", "as_json")
+WITH_TABLE = ("case", "changes", "folder", "table", "ppm", "rates", "any_tick", "save", "questions", "as_json")
 WITH_QUESTIONS = ("case", "changes", "step", "only", "rounds", "start_up", "table", "questions", "jobs", "as_json")
 
 
@@ -73,6 +73,7 @@ WITH_QUESTIONS = ("case", "changes", "step", "only", "rounds", "start_up", "tabl
     callback=lambda context, option, text: None if text is None else _ppm_given("--host-ppm", text),
     help="With --table and a [controller]: cover all bit rates of the host within PPM of the case's.",
 )
+@click.option("--any-tick", is_flag=True, help="With --table, [host] and [controller]: let rounds start at any tick.")
 @click.option(
     "--save",
     is_flag=True,
@@ -94,6 +95,7 @@ def prove(
     table: bool,
     ppm: Fraction | None,
     rates: Fraction | None,
+    any_tick: bool,
     save: bool,
     questions: bool,
     svg: Path | None,
@@ -111,9 +113,10 @@ def prove(
     With --table, the states between rounds and frames are compared, and each start is run from each of these states.
     If no further state appears, the budgets are proven for all starts. This needs one unit, with ppm 0, that runs an
     image, and constant data. With --ppm, this is done for each clock of the controller that gives other lengths in
-    ticks. With --host-ppm, frames are run at all rates that the SCI samples differently. Allowed with --table are
-    --set, --witness, --save, --json, --ppm, --host-ppm and --questions, and --jobs with --ppm, --questions, or a case
-    that has a [host] and a [controller].
+    ticks. With --host-ppm, frames are run at all rates that the SCI samples differently. With --any-tick, rounds are
+    also started between two cycles of the CPU, which takes longer. Allowed with --table are --set, --witness, --save,
+    --json, --ppm, --host-ppm, --any-tick and --questions, and --jobs with --ppm, --questions, or a case that has a
+    [host] and a [controller].
 
     With --questions, the phases or the table are run again with each other answer to the open questions, and with
     pairs of related answers. The output names the budgets whose verdict depends on an answer.
@@ -134,7 +137,7 @@ def prove(
 
     if save and changes:
         raise click.UsageError("--save with --set: a saved result is of the unchanged case; remove one of them")
-    for option, given in (("--ppm", ppm), ("--host-ppm", rates)):
+    for option, given in (("--ppm", ppm), ("--host-ppm", rates), ("--any-tick", any_tick or None)):
         if given is not None and not table:
             raise click.UsageError(f"{option} needs --table; add it")
     if table:
@@ -155,7 +158,7 @@ def prove(
 
         if save:
             _check_writable(proof_path(case))
-        return prove_with_table(Job(str(case), changes), ppm, rates, jobs, folder, save, as_json)
+        return prove_with_table(Job(str(case), changes), ppm, rates, any_tick, jobs, folder, save, as_json)
     if save and start_up:
         raise click.UsageError("--save with --start-up: a coverage file covers the rounds; remove one of them")
     with running_user_code():

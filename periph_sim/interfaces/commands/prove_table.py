@@ -38,6 +38,7 @@ def prove_with_table(
     job: Job,
     within: Fraction | None,
     rates: Fraction | None,
+    any_tick: bool,
     jobs: int | None,
     folder: Path | None,
     save: bool,
@@ -45,7 +46,7 @@ def prove_with_table(
 ) -> int:
     """Make the table of a case, show it, and return the exit status: 0 if all covered budgets are proven, else 1.
 
-    within, rates: the values of --ppm and --host-ppm; None for an option that is not given.
+    within, rates: the values of --ppm and --host-ppm; None for an option that is not given. any_tick: --any-tick.
     jobs: the number of worker processes; None for the number of cores. It has an effect if there are several tables,
         or if both rounds and frames start.
     folder: the folder for the witnesses, which are cases that show the worst values; None to write none.
@@ -67,7 +68,7 @@ def prove_with_table(
                 is_same = before is not None and not before.differences(case.parent)
                 return dependencies(case.parent, [*read, *loaded.files()]) if is_same else None
 
-            made = _proof(job, within, rates, jobs or os.cpu_count() or 1, kept, depends)
+            made = _proof(job, within, rates, any_tick, jobs or os.cpu_count() or 1, kept, depends)
             proof = None
             if before is not None and not made.has_failed:
                 proof = proof_of(made, dependencies(case.parent, [*read, *made.covered.case.files()]))
@@ -92,6 +93,7 @@ def _proof(
     job: Job,
     within: Fraction | None,
     rates: Fraction | None,
+    any_tick: bool,
     jobs: int,
     kept: KeptCalls | None,
     depends: Callable[[], Dependencies | None],
@@ -120,7 +122,7 @@ def _proof(
                 return results_of(workers[0], work, calls)
 
             keeping = call_all if kept is None else kept.call_all(call_all, depends)
-            return prove(job, within, on_progress, announce, keeping, rates)
+            return prove(job, within, on_progress, announce, keeping, rates, any_tick)
     except NotClosed as error:
         if kept is not None:
             kept.remove()
@@ -179,9 +181,7 @@ def _show(made: TableProof, files: Sequence[Path]) -> None:
     if made.has_failed and last.changes:
         say(f"broken: with {', '.join(last.changes)}, the first of these clocks that breaks a budget")
     if PROVEN in words.values():
-        _say(f"proven: for {starts_text(moved, milliseconds(made.apart, per_second))}")
-        if moved == BOTH:
-            _say("proven: for rounds that start with a cycle of the CPU, and frames that start at any time")
+        _say(f"proven: for {starts_text(moved, milliseconds(made.apart, per_second), made.any_tick)}")
         if made.within is not None:
             _say(f"proven: for all clocks of the controller within {float(made.within):g} ppm of that in the case")
         if made.rates is not None:
@@ -239,6 +239,7 @@ def _object(made: TableProof, files: Sequence[Path]) -> dict[str, object]:
             "moved": made.moved,
             "tables": len(made.parts),
             "within_ppm": None if made.within is None else float(made.within),
+            "any_tick": made.any_tick,
             "host_within_ppm": None if made.rates is None else float(made.rates),
             "data_use": made.data_use,
             "orbits": [orbit for part in made.parts for orbit in part.table.orbits],

@@ -128,13 +128,20 @@ def test_a_range_of_clocks_needs_a_table(option: str, periph_sim: Run, tmp_path:
     assert f"{option} needs --table; add it" in periph_sim.refused("prove", str(write_slave(tmp_path)), option, "1")
 
 
+def test_rounds_at_any_tick_need_a_table(periph_sim: Run, tmp_path: Path):
+    said = "--any-tick needs --table; add it"
+    assert said in periph_sim.refused("prove", str(write_slave(tmp_path)), "--any-tick")
+
+
 @compiled_only
 def test_a_proof_for_all_rates_of_a_host_says_so(periph_sim: Run, tmp_path: Path):
     case = write_lonely(tmp_path)
     case.write_text(case.read_text(encoding="utf-8").replace("baud = 1562500", "baud = 1562500\nerror = 0.16"), "utf-8")
     came = periph_sim("prove", str(case), "--table", "--host-ppm", "5", "--save", "--jobs", "2", "--json")
     assert came.told["table"]["host_within_ppm"] == 5.0
-    line = ", and all bit rates of the host within 5 ppm, and any data of the frames\n"
+    assert came.told["table"]["any_tick"] is False
+    line = "for all rounds that start with a cycle of the CPU, and at least 6.1005 ms apart, and all frames that start "
+    line += "at least as far apart, and all bit rates of the host within 5 ppm, and any data of the frames\n"
     assert " ".join(line.split()) in " ".join(periph_sim("run", str(case)).out.split())
 
 

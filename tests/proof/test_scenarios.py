@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from periph_sim import sweep
 from periph_sim.proof.scenarios import Scenarios
 from periph_sim.scene.case.inputs_table import InputsTable
 from periph_sim.scene.case.load import load
@@ -140,6 +141,15 @@ def test_rounds_drawn_from_seeds_are_those_of_runs(tmp_path: Path):
     scenarios = Scenarios(case, changes)
     assert scenarios.left_out["set-up"] == "it has values before the first start"
     check_seeds(case, scenarios, changes, "answer")
+
+
+def test_the_worst_values_of_seeds_are_those_of_a_sweep(delayed: tuple[Path, Scenarios]):
+    case, scenarios = delayed
+    changes = [[*DELAYED, f"seed={seed}"] for seed in SEEDS]
+    came = sweep(case, changes, seconds="110 ms", jobs=1)
+    values = scenarios.values(scenarios.starts(SEEDS, 5))["echo"]
+    assert came.worst["echo"].tolist() == values.max(axis=1).tolist()
+    assert set(came.verdict.tolist()) == {"pass"}
 
 
 def test_without_jitter_all_seeds_have_the_starts_of_the_case(echo: tuple[Path, Scenarios]):

@@ -192,7 +192,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def rx_sender(self) -> str:
-        """What sends on RX, as a phrase: "the host"; "the outside" if an outside party replaces the host; else ""."""
+        """A phrase for the sender on RX: "the host"; "the outside" if an outside party replaces the host; else ""."""
         return "the host" if self.host is not None else "the outside" if "host" in self._replaced else ""
 
     @property

@@ -49,7 +49,7 @@ class Tabulated:
 
     @property
     def sentences(self) -> list[str]:
-        """What the table gives and what it leaves out, as text."""
+        """Sentences that say what the table gives and what it leaves out."""
         made = f"table: made in {self.made_s:.1f} s of CPU"
         gives = (
             f"it gives the worst values in {self.rounds} {self.moved} of {SEEDS} seeds, but no data, counts and wires"

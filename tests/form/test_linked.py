@@ -104,12 +104,12 @@ def test_a_chain_of_20_000_is_released_in_256_kilobytes_of_stack(link: tuple[str
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("link", sorted(CHAINS), ids=".".join)
-def test_a_chain_of_a_million_is_released_in_256_kilobytes_of_stack(link: tuple[str, str, str]):
-    release(1_000_000, link)
+def test_each_chain_of_100_000_is_released_in_256_kilobytes_of_stack():
+    """The links that are printed come before the first one that overflows the stack."""
+    release(100_000, *sorted(CHAINS))
 
 
 def test_a_chain_through_attributes_that_hold_any_object_is_released_as_well():
     links = [(*owner, attribute) for owner, attribute in sorted(untyped().items())]
     assert len(links) > 30
-    release(10_000, *links, kilobytes=128)  # the same share of the stack for each link as above
+    release(5_000, *links, kilobytes=64)  # the same share of the stack for each link as above

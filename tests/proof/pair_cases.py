@@ -7,8 +7,15 @@ is faster than to read it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import pytest
+
+from periph_sim.proof import pair_table
+from periph_sim.proof.pair_groups import Sleep
+from periph_sim.proof.pair_run import Task
+from periph_sim.proof.pair_table import Cell, PairMaker
 from tests.scene.runs import TIMING
 
 FIRMWARE = TIMING.parent / "firmware" / "c28x"
@@ -88,3 +95,18 @@ def write_pair(folder: Path, text: str, *changes: tuple[str, str]) -> Path:
     case = folder / "pair.toml"
     case.write_text(text, encoding="utf-8")
     return case
+
+
+def keep_a_tenth(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out the meetings in which the round does not start at tick 0 of an orbit: nine of ten in `write_lonely`.
+
+    For tests of what happens with a table of any size. tests/proof/test_pair_table.py makes a whole one.
+    """
+    all_tasks = PairMaker.tasks
+
+    def some(maker: PairMaker, number: int, waits: Mapping[int, Sequence[Sleep]]) -> tuple[list[Task], list[Cell]]:
+        tasks, cells = all_tasks(maker, number, waits)
+        return [task for task in tasks if task.group.round == 0], [cell for cell in cells if cell.round == 0]
+
+    monkeypatch.setattr(PairMaker, "tasks", some)
+    monkeypatch.setattr(pair_table, "TIMED", 20)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from math import floor
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 from hypothesis import given
@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 from periph_sim import form
 from periph_sim.bus.uart.frame_format import UartFormat
 from periph_sim.core.records import Kind
-from periph_sim.proof import host_rates
+from periph_sim.proof import host_rates, pair_table, table_proof
 from periph_sim.proof.calls import call_here
 from periph_sim.proof.free_run import NotClosed
-from periph_sim.proof.host_rates import RatePlan, edge_places, plan_rates, rate_runs, run_rate
+from periph_sim.proof.host_rates import RatePlan, edge_places, plan_rates, prove_rates, rate_runs, run_rate
 from periph_sim.proof.pair_groups import Group
 from periph_sim.proof.pair_table import PairMaker
 from periph_sim.proof.stretch import CoveredCase, Job
@@ -28,7 +28,7 @@ from periph_sim.proof.table_proof import prove
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import PROVEN
-from tests.proof.pair_cases import write_lonely
+from tests.proof.pair_cases import keep_a_tenth, write_lonely
 from tests.proof.proven_slave import write_slave
 from tests.proof.test_pair_table import runner_of
 
@@ -93,21 +93,57 @@ def test_edges_are_where_the_host_makes_them(gap: Fraction, tmp_path: Path) -> N
 # Proofs ------------------------------------------------------------------------------
 
 
+@pytest.fixture(autouse=True)
+def tables_repeat_seldom(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Few groups are run to explore a table, and again; test_pair_table has the numbers of a whole one."""
+    monkeypatch.setattr(pair_table, "TIMED", 20)
+    monkeypatch.setattr(table_proof, "LEAST_REVISITED", 10)
+
+
+class Planned(NamedTuple):
+    """A plan of rates, and what is necessary to run it. The table is explored, but not closed."""
+
+    maker: PairMaker
+    job: Job
+    ignored: Sequence[str]
+    plan: RatePlan
+
+    def prove(self) -> None:
+        """Run the frames of the plan, as `prove` does after the table is closed."""
+        prove_rates(self.plan, self.maker, self.job, self.ignored, 10, call_here)
+
+
+def planned(folder: Path, within: int, *changes: str, firmware: tuple[tuple[str, str], ...] = ()) -> Planned:
+    job = Job(str(write_lonely(folder, *firmware)), changes)
+    covered = CoveredCase(job)
+    ignored = check_pair(covered.case)
+    maker = PairMaker(covered, job, ignored, None, None, call_here, 0)
+    maker.explore()
+    return Planned(maker, job, ignored, plan_rates(maker, ignored, Fraction(within)))
+
+
 @compiled_only
-def test_a_frame_at_each_rate_is_a_frame_of_the_table(tmp_path: Path) -> None:
+def test_a_frame_at_each_rate_is_a_frame_of_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     lengths: list[int] = []
+    before: list[tuple[int, int]] = []
 
     def call_all(work: Any, calls: Any) -> Iterator[Any]:
         for found in call_here(work, calls):
             lengths.extend([found] if work is run_rate else ())
             yield found
 
-    job = Job(str(write_lonely(tmp_path)), ("host.error=0.16",))
-    one, made = prove(job), prove(job, call_all=call_all, rates=Fraction(10))
-    assert one.rates is None and made.rates == 10
-    assert made.words() == one.words() and PROVEN in made.words().values()
-    assert made.entries == one.entries and one.again + 200 <= made.again < one.again + 400
-    assert made.apart >= one.apart and made.apart > max(lengths) > 2_000_000  # a rest begins 2 ms after a frame
+    def after_closing(plan: RatePlan, maker: PairMaker, *others: Any) -> None:
+        before.append((maker.table.again, maker.table.apart))
+        prove_rates(plan, maker, *others)
+
+    keep_a_tenth(monkeypatch)
+    monkeypatch.setattr(table_proof, "prove_rates", after_closing)
+    made = prove(Job(str(write_lonely(tmp_path)), ("host.error=0.16",)), call_all=call_all, rates=Fraction(10))
+    assert made.rates == 10
+    assert {name for name, word in made.words().items() if word == PROVEN} == {"latency", "service"}
+    ((again, apart),) = before
+    assert again + 10 <= made.again < again + 200
+    assert made.apart >= apart and made.apart > max(lengths) > 2_000_000  # a rest begins 2 ms after a frame
 
 
 @compiled_only
@@ -130,23 +166,14 @@ def test_the_announced_time_includes_the_rates(tmp_path: Path) -> None:
 @compiled_only
 def test_a_rate_at_which_a_character_is_lost_is_noticed(tmp_path: Path) -> None:
     """The SCI receives all characters up to a rate that is 3.8945 % too high."""
-    job = Job(str(write_lonely(tmp_path)), ("host.error=3.8943",))
+    found = planned(tmp_path, 20, "host.error=3.8943")
     with pytest.raises(NotClosed, match=r"^at a host.error of 3\.89\d* %, a frame has 0 service routines of the SCI"):
-        prove(job, rates=Fraction(20))
-
-
-def planned(folder: Path, within: int, *changes: str, firmware: tuple[tuple[str, str], ...] = ()) -> RatePlan:
-    job = Job(str(write_lonely(folder, *firmware)), changes)
-    covered = CoveredCase(job)
-    ignored = check_pair(covered.case)
-    maker = PairMaker(covered, job, ignored, None, None, call_here, 0)
-    maker.explore()
-    return plan_rates(maker, ignored, Fraction(within))
+        found.prove()
 
 
 @compiled_only
 def test_more_rates_than_can_be_run_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert len(planned(tmp_path, 60)) > 3
+    assert len(planned(tmp_path, 60).plan) > 3
     monkeypatch.setattr(host_rates, "MOST_RATES", 3)
     with pytest.raises(NotClosed, match="more than 3 different sequences of samples in this range of rates"):
         planned(tmp_path, 60)
@@ -155,7 +182,7 @@ def test_more_rates_than_can_be_run_are_refused(tmp_path: Path, monkeypatch: pyt
 @compiled_only
 def test_the_range_is_around_the_rate_of_the_case(tmp_path: Path) -> None:
     """100 ppm of the rate are 148 ppm of the baud rate, since the error of the rate is 47.568 %."""
-    plan = planned(tmp_path, 100, "host.baud=1100000", "host.error=47.568182")
+    plan = planned(tmp_path, 100, "host.baud=1100000", "host.error=47.568182").plan
     rate = 1_100_000 * Fraction("1.47568182") * Fraction(10_001, 10_000)
     assert plan[0][0] == 1_000_000_000 / rate  # a tick is a nanosecond
     assert plan[0][0] * Fraction(100_018, 100_000) < plan[-1][0] <= plan[0][0] * Fraction(10_001, 9_999)
@@ -177,9 +204,9 @@ def test_both_ends_of_a_range_of_starts_are_run(tmp_path: Path, monkeypatch: pyt
         return [(bit, ((0, given[2] - 1),)) for bit, _ in real(*given)]
 
     monkeypatch.setattr(host_rates, "rate_runs", too_wide)
-    job = Job(str(write_lonely(tmp_path)), ("host.error=0.16",))
+    found = planned(tmp_path, 10, "host.error=0.16")
     with pytest.raises(NotClosed, match="a frame has other effects than each frame of the table"):
-        prove(job, rates=Fraction(10))
+        found.prove()
 
 
 @compiled_only

@@ -12,7 +12,7 @@ import pytest
 
 from periph_sim.proof import pair_table
 from tests.interfaces.commands.conftest import Came, Run
-from tests.proof.pair_cases import write_lonely
+from tests.proof.pair_cases import keep_a_tenth, write_lonely
 from tests.proof.proven_slave import write_slave
 from tests.proof.test_closed_table import PERIOD, write_echo
 from tests.proof.test_host_rates import compiled_only
@@ -134,7 +134,8 @@ def test_rounds_at_any_tick_need_a_table(periph_sim: Run, tmp_path: Path):
 
 
 @compiled_only
-def test_a_proof_for_all_rates_of_a_host_says_so(periph_sim: Run, tmp_path: Path):
+def test_a_proof_for_all_rates_of_a_host_says_so(periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    keep_a_tenth(monkeypatch)
     case = write_lonely(tmp_path)
     case.write_text(case.read_text(encoding="utf-8").replace("baud = 1562500", "baud = 1562500\nerror = 0.16"), "utf-8")
     came = periph_sim("prove", str(case), "--table", "--host-ppm", "5", "--save", "--jobs", "2", "--json")
@@ -177,7 +178,8 @@ def test_a_table_that_was_stopped_continues_to_the_same_proof(
 ):
     write_lonely(tmp_path)
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(pair_table, "TIMED", 20)
+    keep_a_tenth(monkeypatch)
+    monkeypatch.setattr(pair_table, "CHUNK", 16)
     table, unfinished = ("prove", "pair.toml", "--table", "--jobs", "1"), Path("proofs/pair.unfinished")
     way, parts, calls = f"; the same command continues from {unfinished}\n", list[int](), list[int]()
 

@@ -94,7 +94,7 @@ def goes_on(case: Case, state: Snapshot, until: int, records: list[Record]) -> S
     return scene
 
 
-@pytest.mark.parametrize(("count", "ahead"), [(1, 400), pytest.param(40, 200, marks=pytest.mark.long)])
+@pytest.mark.parametrize(("count", "ahead"), [(1, 400), pytest.param(10, 200, marks=pytest.mark.long)])
 def test_the_emulator_goes_on_from_random_instants_as_it_did(count: int, ahead: int):
     case, random = load(TIMING / "imu_hil_c.toml"), Random(1)
     whole, records = recorded(case)

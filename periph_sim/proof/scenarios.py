@@ -21,7 +21,6 @@ from .closed_table import Contradiction, RestPlace, TableMaker
 from .free_run import FreeRun, NotClosed
 from .stretch import CoveredCase, Job
 
-FIRST = RestPlace(-1, 0)  # the key of the first round in `_worst`
 NO_SERIES = "it has one number for the whole run"
 EARLIER = "it has values before the first start"
 JOINED = "it has the key `and`"
@@ -51,7 +50,7 @@ class Scenarios:
         """case: the path of the case. changes: "key=value" texts. on_progress: as for `TableMaker`."""
         covered = CoveredCase(Job(str(case), tuple(changes)))
         self._phases = covered.phases
-        self._worst: dict[str, dict[RestPlace, float]] = {}
+        self._worst: dict[str, dict[RestPlace | None, float]] = {}  # None is the key of the first round
         self._without_values: dict[str, str] = {}
         self._differing: dict[str, str] = {}  # budgets with two values in rounds from equal states
         try:
@@ -128,7 +127,7 @@ class Scenarios:
     def _observe(self, run: FreeRun, begun: Sequence[RestPlace]) -> None:
         """Keep the worst value of each budget in each round of a run."""
         starts = np.array(run.frames or run.rounds)
-        places = begun if self._phases.has_jitter else [FIRST, *begun]
+        places = begun if self._phases.has_jitter else [None, *begun]
         for limit in run.scene.limits:
             name = limit.budget.name
             reason = JOINED if limit.joined else "" if limit.measure.series else NO_SERIES
@@ -156,12 +155,13 @@ class Scenarios:
         """
         periods = np.array(maker.table.orbits)
         offsets = np.concatenate([[0], np.cumsum(periods)[:-1]])
-        places = [RestPlace(orbit, tick) for orbit, period in enumerate(maker.table.orbits) for tick in range(period)]
-        entries = [maker.entries[place] for place in places]
+        rests = [RestPlace(orbit, tick) for orbit, period in enumerate(maker.table.orbits) for tick in range(period)]
+        entries = [maker.entries[rest] for rest in rests]
+        places: list[RestPlace | None] = [*rests]
         begin = 0, periods[0], -maker.table.first_rest  # the first rest is tick 0 of the first orbit
         if maker.first is not None:
             begin = len(entries), 1, 0
-            places.append(FIRST)
+            places.append(None)
             entries.append(maker.first)
         orbits = [entry.after.orbit for entry in entries]
         self._offsets = np.append(offsets[orbits], begin[0])

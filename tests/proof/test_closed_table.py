@@ -211,6 +211,19 @@ def test_a_case_whose_starts_are_closer_than_those_of_the_table_is_not_proven(wh
     assert set(table.not_proven(jitter)) == {"echo"}
 
 
+class Announced(Exception):
+    """Ends a table when its number of entries is announced."""
+
+
+@pytest.mark.parametrize(("rests_first", "entries"), [(False, PERIOD), (True, 2 * PERIOD)])
+def test_a_second_orbit_is_expected_if_the_first_start_is_free(rests_first: bool, entries: int, tmp_path: Path):
+    def announce(number: int, seconds: float) -> None:
+        raise Announced(number)
+
+    with pytest.raises(Announced, match=f"^{entries}$"):
+        TableMaker(covered(write_echo(tmp_path), 'host.first="12 ms"'), None, announce, None, rests_first).make()
+
+
 def test_firmware_that_counts_does_not_close(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Register AH is different after each character, so each round leads to a new orbit."""
     monkeypatch.setattr(closed_table, "MAX_ENTRIES", 5 * PERIOD)

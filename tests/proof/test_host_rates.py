@@ -7,6 +7,7 @@ from fractions import Fraction
 from itertools import pairwise
 from math import floor
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import pytest
@@ -88,6 +89,16 @@ def test_edges_are_where_the_host_makes_them(gap: Fraction, tmp_path: Path) -> N
     bit = scene.timebase.per_second / (Fraction(1562500) * Fraction(1005, 1000))
     places = edge_places(scene.host.last_data, gap)
     assert [tick - edges[0] for tick in edges] == [floor(place * bit) for place in places]
+
+
+def test_groups_that_are_run_again_are_shared_among_the_rates_with_starts(tmp_path: Path) -> None:
+    job, table = Job(str(write_lonely(tmp_path))), SimpleNamespace(again=3, apart=0)
+    known = SimpleNamespace(orbits=SimpleNamespace(known=[None]))
+    maker: Any = SimpleNamespace(covered=CoveredCase(job), known=known, table=table, long=10)
+    maker.random_groups = lambda *_: iter(())
+    plan = [(Fraction(64), starts) for starts in (((0, 1),), (), ((2, 3), (5, 8)))]
+    prove_rates(plan, maker, job, (), 21, lambda work, calls: iter([5, 7, 6]))
+    assert (table.again, table.apart) == (3 + 11 + 11, 7 + 1 + 10)
 
 
 # Proofs ------------------------------------------------------------------------------

@@ -12,6 +12,7 @@ import pytest
 
 from periph_sim.proof.closed_table import StartTable, TableMaker
 from periph_sim.proof.other_data import TimesDigest, acts_on_data, data_use, follow_data
+from periph_sim.proof.pair_groups import EXTERNAL
 from periph_sim.proof.stretch import CoveredCase
 from tests.proof.test_closed_table import covered, write_echo
 
@@ -56,6 +57,16 @@ def test_frames_of_a_ramp_show_an_effect_that_no_mark_explains(tmp_path: Path) -
     case, table = tabled(tmp_path, COMPARE)
     table.data_use = ""
     assert data_use(case, table) == "frames with other data have other effects"
+
+
+def test_an_external_interrupt_is_refused(tmp_path: Path) -> None:
+    setting = "MOV   @SCICCR,#0x07"
+    path = write_echo(tmp_path, 2.0, (setting, f"{setting}\n          MOV   @0x7070,#1        ; XINT1CR"))
+    case = covered(path)
+    start, per_second = case.phases.first_start(), case.phases.ticks_per_second
+    table = StartTable([1], 1, 0, per_second // 100, start + per_second // 500, False, [], [[start]], set(), set())
+    assert data_use(case, table) == ""  # the module is missing
+    assert data_use(covered(path, 'unit.dsp.modules=["SCI-A", "GPIO", "XINT"]'), table) == EXTERNAL
 
 
 def test_a_host_far_from_the_rate_of_the_sci_is_refused(tmp_path: Path) -> None:

@@ -351,6 +351,13 @@ WAIT = "asked:    TBIT  @I2CSTR,#AAS\n"
             "it accesses dsp R SCI-A.SCIFFRX outside of the service routine",
         ),
         (
+            WAIT,
+            "asked:    TBIT  @I2CSTR,#12       ; BB\n          SB    quiet,NTC\n          EALLOW\n"
+            "          MOVW  DP,#0x6F80 >> 6\n          MOV   @0x6F80,#0\n          EDIS\n"
+            "          MOVW  DP,#I2CMDR >> 6\nquiet:    TBIT  @I2CSTR,#AAS\n",
+            "it accesses dsp W GPIO.GPACTRL, which can change how the frame is received",
+        ),
+        (
             ACK,
             ACK + "          MOVW  DP,#GPBSET >> 6\n          MOV   AH,@GPADAT\n",
             "its service routine accesses dsp R GPIO.GPADAT",

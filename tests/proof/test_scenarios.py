@@ -15,11 +15,12 @@ import pytest
 from numpy.typing import NDArray
 
 from periph_sim import sweep
-from periph_sim.proof.scenarios import Scenarios
+from periph_sim.proof.scenarios import Scenarios, worst_in_rounds
 from periph_sim.scene.case.inputs_table import InputsTable
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase, Case
 from periph_sim.scene.scene import Scene
+from periph_sim.timing.budgets import Values
 from tests.proof.proven_slave import write_slave
 from tests.proof.test_closed_table import write_echo
 from tests.scene.runs import TIMING
@@ -114,6 +115,13 @@ def test_rounds_of_a_controller_and_budgets_that_are_left_out(tmp_path: Path):
     }
     starts = drawn(scenarios, 10, 2)
     assert np.array_equal(scenarios.values(starts)["reaction"], in_runs(case, scenarios, starts, "reaction"))
+
+
+@pytest.mark.parametrize(("limits", "worst"), [({"max": 10}, 12), ({"min": 3}, -5), ({"min": 3, "max": 10}, -5)])
+def test_the_worst_value_of_a_round_is_the_one_nearest_to_a_limit(limits: dict[str, int], worst: int):
+    values, at = np.array([7, 12, -5, 4, 9, 5]), np.array([1, 12, 14, 15, 22, 23])
+    found = worst_in_rounds(Values("count", values, at, limits), np.array([10, 20, 30]))
+    assert found == [(0, worst), (1, 9 if "max" in limits else 5)]
 
 
 def check_seeds(case: Path, scenarios: Scenarios, changes: Sequence[str], budget: str) -> None:

@@ -35,11 +35,13 @@ ECHOED = "from frame RX end to frame TX begin, in order"
 ECHO_BUDGETS = [
     ("pause", "from last frame TX end of burst to first frame RX begin of burst", 'max = "3 ms"'),
     ("whole burst", "from last frame RX end of burst to frame TX end, next", 'max = "30 us"'),
+    ("whole burst in order", "from last frame RX end of burst to frame TX end, in order", 'max = "30 us"'),
     ("level", "level of SCI-A.SCICTL2.TXRDY at frame RX begin", "max = 1"),
     ("late echo", ECHOED, 'max = "1 us"\nafter = "300 ms"'),
     ("early echo", ECHOED, 'max = "1 us"\nafter = "7 ms"'),
 ]
-ECHO_REASONS = {"echo": "", "pause": LASTS, "whole burst": "", "level": "", "late echo": AFTER, "early echo": ""}
+ECHO_REASONS = dict.fromkeys(("echo", "whole burst", "whole burst in order", "level", "early echo"), "")
+ECHO_REASONS |= {"pause": LASTS, "late echo": AFTER}
 SLAVE_BUDGETS = [
     ("slack", "slack", 'min = "3 ms"'),
     ("own slack", "from record round end to record round next", 'min = "3 ms"'),

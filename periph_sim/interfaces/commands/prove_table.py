@@ -20,7 +20,7 @@ from ...proof.dependencies import Dependencies, dependencies, files_read
 from ...proof.free_run import NotClosed
 from ...proof.proof_file import except_for, proof_of
 from ...proof.saved_file import text_of
-from ...proof.saved_paths import proof_path
+from ...proof.saved_paths import proof_path, unfinished_path
 from ...proof.stretch import CoveredCase, Job
 from ...proof.table_proof import TableProof, WorstInProof, prove
 from ...scene.case.load import load
@@ -56,7 +56,7 @@ def prove_with_table(
     """
     case = Path(job.file)
     with running_user_code():
-        note_inputs([case], job.changes, written=[proof_path(case)] if save else [])
+        note_inputs([case], job.changes, written=[proof_path(case), unfinished_path(case)] if save else [])
         kept = KeptCalls(case) if save else None  # its file is no dependency
         with files_read() as read:
             loaded = load(case, list(job.changes))

@@ -199,4 +199,5 @@ def test_a_table_that_was_stopped_continues_to_the_same_proof(
     whole = run(counting(calls), "--save")
     assert "continued" not in whole.err and parts == calls and len(calls) > 8
     assert (whole.status, whole.out) == (continued.status, continued.out)
+    assert "ms apart, and all frames that start at least as far apart" in whole.out
     assert Path("proofs/pair.json").read_bytes() == proof

@@ -75,10 +75,8 @@ def with_budgets(text: str, budgets: list[tuple[str, str, str]]) -> str:
 
 def table_of(path: Path) -> tuple[CoveredCase, StartTable]:
     """Return a case and its table. Few entries are run again, because the tests of this file need no comparison."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(closed_table, "LEAST_REVISITED", 10)
-        case = covered(path)
-        return case, TableMaker(case).make()
+    case = covered(path)
+    return case, TableMaker(case, least_again=10).make()
 
 
 @pytest.fixture(scope="module")
@@ -270,9 +268,7 @@ def test_the_first_start_of_a_case_with_jitter_is_free(tmp_path: Path):
     with pytest.raises(NotClosed, match=r"must come after the firmware has been at rest for 2 ms"):
         made(early, "host.jitter=1 ms")
     late = covered(early, "host.jitter=1 ms", "host.first=10 ms")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(closed_table, "LEAST_REVISITED", 10)
-        table = TableMaker(late).make()
+    table = TableMaker(late, least_again=10).make()
     assert table.rests_first and table.first_rest < late.phases.first_start()
     assert min(starts[0] for starts in table.starts) < late.phases.first_start()
 
@@ -283,9 +279,7 @@ def test_rounds_that_are_late_by_their_jitter_are_not_proven(tmp_path: Path):
     case = write_slave(tmp_path, with_budgets("", late))
     changes = ("controller.first=20 ms", "controller.period=20 ms", "controller.jitter=4 ms")
     plan = covered(case, *changes)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(closed_table, "LEAST_REVISITED", 10)
-        table = TableMaker(plan).make()
+    table = TableMaker(plan, least_again=10).make()
     assert table.not_proven(plan) == {"late": "its values depend on the jitter of the round"}
     verdicts = {one.name: one for one in Scene(load(case, [*changes, "duration=200 ms"])).run().budgets}
     assert verdicts["late"].broken

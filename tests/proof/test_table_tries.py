@@ -17,6 +17,7 @@ from periph_sim.proof.closed_table import StartTable, TableMaker
 from periph_sim.proof.free_run import FreeRun, NotClosed
 from periph_sim.proof.measures_at_rest import MeasuresAtRest
 from periph_sim.proof.stretch import CoveredCase
+from periph_sim.proof.table_cases import check
 from periph_sim.proof.table_proof import Part, TableProof
 from periph_sim.scene.case.inputs_table import InputsTable
 from periph_sim.scene.case.load import load
@@ -338,6 +339,21 @@ def test_firmware_whose_state_does_not_repeat_is_refused(old: str, new: str, rea
     """A long pause changes what such firmware does next."""
     with pytest.raises(NotClosed, match=reason):
         made(write_echo(tmp_path, 1.0, (old, new)))
+
+
+def test_two_units_are_refused(tmp_path: Path):
+    case = covered(write_echo(tmp_path)).case
+    with pytest.raises(NotClosed, match="it has more than one unit, and the phases of their clocks are free"):
+        check(case.model_copy(update={"unit": {**case.unit, "other": case.unit["dsp"]}}))
+
+
+def test_the_longest_time_for_which_a_controller_waits_is_compared_with_a_rest():
+    case = load(SLAVE, ["controller.rate=1 kHz"])
+    assert case.controller is not None
+    for part in ("low", "high"):
+        one = case.controller.model_copy(update={part: Fraction(501, 10**6)})
+        with pytest.raises(NotClosed, match="a bit of the controller lasts longer than 1 ms"):
+            check(case.model_copy(update={"controller": one}))
 
 
 @pytest.mark.parametrize("rate", ["100 Hz", "200 Hz", "900 Hz"])

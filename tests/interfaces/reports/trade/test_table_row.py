@@ -15,7 +15,6 @@ from periph_sim.interfaces.reports.trade.observe import Error
 from periph_sim.interfaces.reports.trade.rows import HAS_TABLE, rows_of
 from periph_sim.interfaces.reports.trade.table_row import Tabulated, tabulated
 from periph_sim.interfaces.reports.trade.trade import as_json, text, trade
-from periph_sim.proof import closed_table
 from periph_sim.proof.scenarios import Scenarios
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
@@ -33,8 +32,7 @@ coverage = "40 %"
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The table runs few entries again, and few seeds are drawn."""
-    monkeypatch.setattr(closed_table, "LEAST_REVISITED", 10)
+    """Few seeds are drawn."""
     monkeypatch.setattr(table_row, "SEEDS", 20)
 
 

@@ -185,6 +185,7 @@ class PairMaker:
         # each call has groups from all these orbits (`PairRun.run_all`)
         self._run([task for some in zip_longest(*(tasks for tasks, _ in found)) for task in some if task is not None])
         cells = [cell for _, cells in found for cell in cells]
+        within = [sum(cell.groups - 2 for cell in cells) for _, cells in found]  # groups that are in cells and not run
         for _ in range(MOST_SHRINKS):
             if self.table.has_failed:
                 return
@@ -194,11 +195,8 @@ class PairMaker:
             self._run([Task(cell.orbit, Group(cell.round, frame), 0, cell.sleep) for cell, frame in ends])
         if cells:
             raise NotClosed("service routines of the SCI within one wait have different effects")
-        for number in numbers:
-            self.table.orbits.append(
-                sum(orbit == number for orbit, _ in self.runs)
-                + sum(cell.groups - 2 for cell in self.cells if cell.orbit == number)
-            )
+        counts = zip(numbers, found, within, strict=True)
+        self.table.orbits += [len(self._alone(number)) + len(tasks) + inner for number, (tasks, _), inner in counts]
 
     def _again(self) -> None:
         """Run random groups again, and compare them with the first runs."""

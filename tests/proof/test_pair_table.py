@@ -9,7 +9,7 @@ from __future__ import annotations
 import gc
 from collections.abc import Callable
 from fractions import Fraction
-from itertools import pairwise
+from itertools import islice, pairwise
 from pathlib import Path
 from random import Random
 from weakref import ref
@@ -24,9 +24,9 @@ from periph_sim.proof.closed_table import StartTable
 from periph_sim.proof.frame_cells import find_cells
 from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.pair_budgets import within_round
-from periph_sim.proof.pair_groups import Cells, Group, GroupRunner, Orbits, far_ranges
+from periph_sim.proof.pair_groups import Cells, Group, GroupRun, GroupRunner, Orbits, Sleep, far_ranges
 from periph_sim.proof.pair_run import Known, PairRun, Task, alone
-from periph_sim.proof.pair_table import PairMaker, round_offsets
+from periph_sim.proof.pair_table import Cell, PairMaker, round_offsets
 from periph_sim.proof.stretch import CoveredCase, Job
 from periph_sim.proof.table_cases import check_pair
 from periph_sim.proof.table_proof import TableProof, prove
@@ -282,6 +282,17 @@ def test_each_meeting_is_run_or_in_a_cell(tmp_path: Path):
             distances = sorted(one for one in found if one is not None)
             assert {two - one for one, two in pairwise(distances)} == {20}
             assert 0 <= distances[0] + frame < 20 and 0 <= most - distances[-1] < 20
+
+
+def test_random_groups_of_a_cell_are_within_it(tmp_path: Path):
+    job = Job(str(write_lonely(tmp_path)))
+    covered = CoveredCase(job)
+    maker = PairMaker(covered, job, check_pair(covered.case), None, None, call_here, 200)
+    run = GroupRun(0, 0, 0, 0, 0, 0, True)
+    maker.cells = [Cell(0, 10, -500, 500, 100, Sleep(-NEVER, NEVER, 100, ()))]
+    maker.runs = {(0, Group(10, -500)): run, (0, Group(10, 500)): run}
+    drawn = {one.group for one in islice(maker.random_groups(), 200)}
+    assert drawn == {Group(10, frame) for frame in range(-500, 501, 100)}
 
 
 # Noticed -----------------------------------------------------------------------------

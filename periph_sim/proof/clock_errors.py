@@ -31,7 +31,7 @@ def clock_errors(case: Case, within: Fraction) -> list[Fraction]:
     errors. Raise NotClosed if there are more than MOST_CLOCKS, and BadCase for a case that cannot have a range.
     """
     if case.controller is None:
-        raise case.mistake("--ppm needs a [controller]; the bits of a [host] have too many lengths", "name")
+        raise case.mistake("--ppm needs a [controller], because it is about its clock; remove the option", "name")
     if case.controller.initialise is not None:
         what = "--ppm: the start-up of the chips would come at another tick for each clock; remove the key"
         raise case.mistake(what, "controller", "initialise")

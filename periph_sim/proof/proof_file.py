@@ -90,6 +90,13 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     dependencies: Dependencies
 
     @property
+    def command(self) -> str:
+        """The command, without the case, that makes this proof again."""
+        clocks = {"--ppm": self.within_ppm, "--host-ppm": self.host_within_ppm}
+        ranges = "".join(f" {option} {within:g}" for option, within in clocks.items() if within is not None)
+        return f"prove --table{ranges}{' --any-tick' if self.any_tick else ''} --save"
+
+    @property
     def line(self) -> str:
         """A sentence with the number of proven budgets, and the starts for which the proof holds."""
         of = len(self.proven) + len(self.not_proven)

@@ -10,6 +10,7 @@ these starts.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from operator import index
 from pathlib import Path
 
 import numpy as np
@@ -81,13 +82,13 @@ class Scenarios:
 
         Without jitter, all seeds have the same starts.
 
-        Raise ValueError if there is no seed, if the case does not have that many rounds, or if it has starts that are
-        less than `apart` ticks apart.
+        Raise TypeError for a seed that is not an integer. Raise ValueError if there is no seed, if the case does not
+        have that many rounds, or if it has starts that are less than `apart` ticks apart.
         """
         if rounds < 1 or (self.most is not None and rounds > self.most):
             until = "or more" if self.most is None else f"to {self.most}, since the case has no more {self.moved}"
             raise ValueError(f"rounds: {rounds}; expected 1 {until}")
-        delays = [self._phases.delays(int(seed), rounds) for seed in seeds]
+        delays = [self._phases.delays(index(seed), rounds) for seed in seeds]
         late = np.array(delays, np.int64).reshape(-1, rounds)
         if self._phases.adds_delays:
             late = late.cumsum(axis=1)
@@ -105,6 +106,7 @@ class Scenarios:
 
         Raise ValueError for other starts.
         """
+        starts = np.asarray(starts)
         self._check(starts)
         entry, entries = np.array(-1), np.empty(starts.shape[::-1], np.int64)
         for number, distance in enumerate(np.diff(starts.T, axis=0, prepend=0)):
@@ -119,10 +121,11 @@ class Scenarios:
         if earliest < self.first or (not is_free and (starts[:, 0] != self.first).any()):
             expected = f"before tick {self.first}" if is_free else f"not at tick {self.first}"
             raise ValueError(f"starts: a first start is {expected}, where the table begins")
-        if (np.diff(starts, axis=1) < self.apart).any():
-            raise ValueError(
-                f"starts: two starts are less than {self.apart} ticks apart, the least distance of the table"
-            )
+        close = np.argwhere(np.diff(starts, axis=1) < self.apart)
+        if close.size:
+            which, number = close[0]
+            what = f"starts[{which}]: the starts {number} and {number + 1} are less than {self.apart} ticks apart"
+            raise ValueError(f"{what}, the least distance of the table")
 
     def _observe(self, run: FreeRun, begun: Sequence[RestPlace]) -> None:
         """Keep the worst value of each budget in each round of a run."""

@@ -24,7 +24,7 @@ from ..f28335.pie.register_map import PIEIFR
 from ..processor.user_code import FirmwareError
 from ..scene.case.inputs_table import InputsTable
 from ..scene.case.load import load
-from ..scene.case.model import Case
+from ..scene.case.model import BadCase, Case
 from ..scene.plan import ScenePlan
 from ..scene.result import Result
 from ..scene.scene import Scene
@@ -101,7 +101,7 @@ class CoveredCase:
             if percentiles:
                 self.not_whole[budget.name] = PERCENTILE
         if not kept:
-            raise case.mistake("there is no budget that can be judged at single phases", "budget")
+            raise self._nothing_to_judge(case)
         self._plan = ScenePlan(case.model_copy(update={"budget": tuple(kept)}), whole)
         self.phases = Phases(self._plan, job.start_up, job.rounds)
         self.left_out |= _inputs_left_out(case, self.phases)
@@ -136,10 +136,15 @@ class CoveredCase:
         """Leave out a further budget. Raise BadCase if no budget is left."""
         case = self.case
         kept = tuple(budget for budget in case.budget if budget.name != name)
-        if not kept:
-            raise case.mistake("there is no budget that can be judged at single phases", "budget")
         self.left_out[name] = self.not_whole[name] = reason
+        if not kept:
+            raise self._nothing_to_judge(case)
         self._plan = ScenePlan(case.model_copy(update={"budget": kept}), self._plan)
+
+    def _nothing_to_judge(self, case: Case) -> BadCase:
+        reasons = "; ".join(f"{name}: {reason}" for name, reason in self.left_out.items())
+        what = "there is no budget that a single round or phase can break; add one, such as a limit of `reaction`"
+        return case.mistake(what + (f" ({reasons})" if reasons else ""), "budget")
 
     def scene(self, phases: Sequence[int], seed: int) -> Scene:
         """Return a scene, not yet run, in which the moved starts have these phases."""

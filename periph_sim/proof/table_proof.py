@@ -174,7 +174,7 @@ def prove(
     covered = CoveredCase(job)
     for option, given in (("--host-ppm", rates is not None), ("--any-tick", any_tick)):
         if given and not covered.phases.is_relative:
-            raise covered.case.mistake(f"{option} needs both a [host] and a [controller]", "name")
+            raise covered.case.mistake(f"{option} needs both a [host] and a [controller]; remove the option", "name")
     errors = [None] if within is None else clock_errors(covered.case, within)
     jobs = [job if error is None else _with_clock(covered, job, error) for error in errors]
     first = covered if within is None else CoveredCase(jobs[0])

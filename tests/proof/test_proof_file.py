@@ -8,6 +8,7 @@ from __future__ import annotations
 from fractions import Fraction
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from periph_sim.proof.proof_file import ProofFile, current, read
@@ -33,6 +34,13 @@ def test_a_budget_is_proven_if_all_its_limits_are(desk: tuple[Path, ProofFile]):
         "load": "it is a share of a whole run",
     }
     assert proof.line.startswith("2 of 5 budgets proven for all sequences of rounds that start at least ")
+
+
+def test_the_command_that_renews_a_proof_has_its_ranges(desk: tuple[Path, ProofFile]):
+    proof = desk[1]
+    assert proof.command == "prove --table --save"
+    wide = msgspec.structs.replace(proof, within_ppm=5.0, host_within_ppm=0.5, any_tick=True)
+    assert wide.command == "prove --table --ppm 5 --host-ppm 0.5 --any-tick --save"
 
 
 def test_what_is_read_is_what_was_written(desk: tuple[Path, ProofFile]):

@@ -201,12 +201,17 @@ def test_a_budget_without_values_is_left_out(tmp_path: Path):
         (np.array([1]), r"int64 of shape \(1,\); expected int64 of shape \(n, rounds\)"),
         (np.zeros((0, 3), np.int64), r"int64 of shape \(0, 3\)"),
         (np.array([[0.5]]), "float64 of shape"),
-        (np.array([[1, 2]]), "a first start is not at tick "),
+        ([[1, 2]], "a first start is not at tick "),
     ],
 )
 def test_starts_that_the_table_does_not_cover(starts: NDArray[np.int64], reason: str, echo: tuple[Path, Scenarios]):
     with pytest.raises(ValueError, match=f"^starts: .*{reason}"):
         echo[1].values(starts)
+
+
+def test_seeds_are_integers(echo: tuple[Path, Scenarios]):
+    with pytest.raises(TypeError, match="'float' object cannot be interpreted as an integer"):
+        echo[1].starts([1.5], 3)  # type: ignore[list-item]
 
 
 def test_first_starts_that_are_free(delayed: tuple[Path, Scenarios]):
@@ -219,7 +224,7 @@ def test_first_starts_that_are_free(delayed: tuple[Path, Scenarios]):
 def test_starts_that_are_too_close(echo: tuple[Path, Scenarios]):
     scenarios = echo[1]
     starts = np.array([[scenarios.first, scenarios.first + scenarios.apart - 1]])
-    with pytest.raises(ValueError, match=f"two starts are less than {scenarios.apart} ticks apart"):
+    with pytest.raises(ValueError, match=f"the starts [0-9] and [0-9] are less than {scenarios.apart} ticks apart"):
         scenarios.values(starts)
     assert scenarios.values(np.add(starts, [[0, 1]]))["echo"].shape == (1, 2)
 

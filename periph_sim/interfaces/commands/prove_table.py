@@ -61,7 +61,7 @@ def prove_with_table(
         with files_read() as read:
             loaded = load(case, list(job.changes))
             if jobs is not None and within is None and (loaded.host is None or loaded.controller is None):
-                raise click.UsageError("--jobs has no effect with --table; remove it")
+                raise click.UsageError("--jobs has no effect with --table for this case; remove it")
             before = dependencies(case.parent, loaded.files()) if save else None
 
             def depends() -> Dependencies | None:
@@ -178,6 +178,8 @@ def _show(made: TableProof, files: Sequence[Path]) -> None:
     print_table(("budget", "worst", "limit", ""), rows, right=(1, 2), whole=(1, 2, 3))
     for reason in last.table.outcomes[-1].reasons.values():
         say(f"for example: {reason}")
+    if made.has_failed and not files:
+        _say("--witness FOLDER writes cases that show the worst values")
     if made.has_failed and last.changes:
         say(f"broken: with {', '.join(last.changes)}, the first of these clocks that breaks a budget")
     if PROVEN in words.values():

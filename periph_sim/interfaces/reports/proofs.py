@@ -56,7 +56,7 @@ def proof_report(case: Path, changes: Sequence[str] = ()) -> ProofReport:
     path = proof_path(case)
     if not path.exists():
         return ProofReport("", otherwise=f"there is no {path.as_posix()}; prove --table --save writes it")
-    from ...proof.proof_file import RENEW, current  # imported here, because few cases have a proof
+    from ...proof.proof_file import current  # imported here, because few cases have a proof
     from ...proof.saved_file import BadSavedFile
 
     if changes:
@@ -70,7 +70,7 @@ def proof_report(case: Path, changes: Sequence[str] = ()) -> ProofReport:
     file, differences = found
     if differences:
         more = f" and {len(differences) - 1} more" if len(differences) > 1 else ""
-        line = f"{path.as_posix()} is out of date: {differences[0]}{more}; {RENEW}"
+        line = f"{path.as_posix()} is out of date: {differences[0]}{more}; write it again with {file.command}"
         return ProofReport(line, otherwise=line)
     line = f"{path.as_posix()}: {file.line}"
     return ProofReport(line, frozenset(file.proven), file.not_proven, f"{path.as_posix()} has no entry for it")

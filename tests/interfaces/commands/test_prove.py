@@ -296,7 +296,7 @@ def test_a_coverage_that_cannot_be_written_is_refused_before_anything_runs(perip
 def test_a_case_without_a_budget_that_prove_can_judge_is_refused(periph_sim: Run) -> None:
     text = Path("listener.toml").read_text(encoding="utf-8")
     Path("listener.toml").write_text(text.partition("[[budget]]")[0], encoding="utf-8")
-    assert "there is no budget that can be judged at single phases" in periph_sim.refused(*HERE, "--jobs", "1")
+    assert "there is no budget that a single round or phase can break" in periph_sim.refused(*HERE, "--jobs", "1")
 
 
 @pytest.mark.parametrize("options", [[], ["--table"], ["--questions"]])

@@ -228,7 +228,7 @@ def _best(outcomes: Sequence[Outcome], max_error_s: float) -> tuple[Outcome, str
     cheapest = min(fitting, key=lambda one: one.cost.cpu_s)
     best = next(one for one in fitting if not cheapest.cost.is_below(one.cost))
     if best is reference:
-        return best, "it is the most accurate row, and no row whose budgets all agree with it is cheaper"
+        return best, "it is the most accurate row, and no other run whose budgets all agree with it is cheaper"
     errors = f"errors of times: {best.errors.time.text}, of values: {best.errors.value.text}"
     share = best.cost.cpu_s / reference.cost.cpu_s
     share_text = f"it takes {share:.0%} of the CPU time of {reference.row.name}"

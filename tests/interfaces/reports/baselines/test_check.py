@@ -308,7 +308,7 @@ def test_a_case_that_cannot_run_is_reported_and_the_others_go_on(cases: Path):
 def test_two_budgets_of_one_name_are_refused(cases: Path):
     path = put(cases)
     path.write_text(path.read_text().replace('name = "model"', 'name = "response"'), encoding="utf-8")
-    with pytest.raises(BadCheck, match=r"line 30: budget.2.name: there are two budgets 'response'; .* another name$"):
+    with pytest.raises(BadCheck, match=r"line 30: budget.2.name: there are two budgets 'response'; .* rename one"):
         check([path], jobs=1)
 
 

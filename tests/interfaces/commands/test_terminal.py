@@ -23,13 +23,14 @@ class Typed:
         command = [sys.executable, "-m", "periph_sim", "terminal", str(case), *options]
         self._process = subprocess.Popen(command, stdin=its, stdout=its, stderr=its)
         os.close(its)
+        self._output = ""  # what was read, and is behind the last text for which `until` waited
 
     def until(self, end: str) -> str:
-        """Wait until the output from now on contains this text, and return the output."""
-        shown = ""
-        while end not in shown:
-            shown += os.read(self.file, 1000).decode()
-        return shown
+        """Wait until the further output contains this text, and return the output up to it."""
+        while end not in self._output:
+            self._output += os.read(self.file, 1000).decode()
+        shown, _, self._output = self._output.partition(end)
+        return shown + end
 
     def ended(self) -> int:
         status = self._process.wait(60)

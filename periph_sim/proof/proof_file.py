@@ -93,7 +93,7 @@ class ProofFile(Struct, frozen=True, kw_only=True):
     def command(self) -> str:
         """The command, without the case, that makes this proof again."""
         clocks = {"--ppm": self.within_ppm, "--host-ppm": self.host_within_ppm}
-        ranges = "".join(f" {option} {within:g}" for option, within in clocks.items() if within is not None)
+        ranges = "".join(f" {option} {within:.15g}" for option, within in clocks.items() if within is not None)
         return f"prove --table{ranges}{' --any-tick' if self.any_tick else ''} --save"
 
     @property
@@ -101,9 +101,11 @@ class ProofFile(Struct, frozen=True, kw_only=True):
         """A sentence with the number of proven budgets, and the starts for which the proof holds."""
         of = len(self.proven) + len(self.not_proven)
         apart = milliseconds(self.apart, self.ticks_per_second)
-        clocks = "" if self.within_ppm is None else f", and all clocks of the controller within {self.within_ppm:g} ppm"
+        clocks = (
+            "" if self.within_ppm is None else f", and all clocks of the controller within {self.within_ppm:.15g} ppm"
+        )
         if self.host_within_ppm is not None:
-            clocks += f", and all bit rates of the host within {self.host_within_ppm:g} ppm"
+            clocks += f", and all bit rates of the host within {self.host_within_ppm:.15g} ppm"
         if self.any_data:
             clocks += f", and any data of the frames{except_for(self.following_data)}"
         starts = starts_text(self.moved, apart, self.any_tick)

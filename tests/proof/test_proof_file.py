@@ -39,8 +39,9 @@ def test_a_budget_is_proven_if_all_its_limits_are(desk: tuple[Path, ProofFile]):
 def test_the_command_that_renews_a_proof_has_its_ranges(desk: tuple[Path, ProofFile]):
     proof = desk[1]
     assert proof.command == "prove --table --save"
-    wide = msgspec.structs.replace(proof, within_ppm=5.0, host_within_ppm=0.5, any_tick=True)
-    assert wide.command == "prove --table --ppm 5 --host-ppm 0.5 --any-tick --save"
+    wide = msgspec.structs.replace(proof, within_ppm=5.0, host_within_ppm=12.3456789, any_tick=True)
+    assert wide.command == "prove --table --ppm 5 --host-ppm 12.3456789 --any-tick --save"
+    assert "within 5 ppm, and all bit rates of the host within 12.3456789 ppm" in wide.line
 
 
 def test_what_is_read_is_what_was_written(desk: tuple[Path, ProofFile]):

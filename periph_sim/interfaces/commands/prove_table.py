@@ -185,9 +185,9 @@ def _show(made: TableProof, files: Sequence[Path]) -> None:
     if PROVEN in words.values():
         _say(f"proven: for {starts_text(moved, milliseconds(made.apart, per_second), made.any_tick)}")
         if made.within is not None:
-            _say(f"proven: for all clocks of the controller within {float(made.within):g} ppm of that in the case")
+            _say(f"proven: for all clocks of the controller within {float(made.within):.15g} ppm of that in the case")
         if made.rates is not None:
-            _say(f"proven: for all bit rates of the host within {float(made.rates):g} ppm of that in the case")
+            _say(f"proven: for all bit rates of the host within {float(made.rates):.15g} ppm of that in the case")
         if made.data_use == "":
             _say(f"proven: for any data of the frames{except_for(made.following_data())}")
         when = "after" if made.rests_first else "exactly at"

@@ -1,6 +1,6 @@
-"""An I2C controller alone on two wires, and a partner that pulls them by hand: all a diagram needs.
+"""A rig for timing diagrams: an I2C controller on two wires, and a partner that pulls them low at given ticks.
 
-One column is UNIT ticks; the controller's times are whole columns.
+One column is UNIT ticks; the controller's times are multiples of a column.
 """
 
 from __future__ import annotations
@@ -23,7 +23,10 @@ TIMING = BusTiming(
 
 
 class I2cRig:
-    """Rows of a diagram: SCL, SDA as they are; scl, sda what the partner does (0 pulls low)."""
+    """The controller, its partner and the edges of the wires.
+
+    Rows of a diagram: SCL and SDA are the levels of the wires; scl and sda are what the partner drives (0 pulls low).
+    """
 
     def __init__(
         self, stuck_after: int = 0, clear_after: int = 0, filter_width: int = 0, gives_up: bool = False
@@ -57,7 +60,7 @@ class I2cRig:
         return transfer
 
     def pull(self, *moves: tuple[int, str, int]) -> None:
-        """The partner pulls or releases lines: (tick, line, level)."""
+        """Schedule moves of the partner, which pulls or releases a line: (tick, line, level)."""
         for tick, line, level in moves:
             self.kernel.call_at(tick, partial(self.partner[line].drive, level))
 

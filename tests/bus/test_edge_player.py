@@ -1,4 +1,4 @@
-"""Edges are replayed with one event each; only the player is heard on a one-way line, others are seen on its back."""
+"""Replay of edges: one event for each edge; on a one-way wire only the player drives, and others drive its back."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from periph_sim.core.sampler import watch
 from periph_sim.core.wire import Wire
 
 
-def test_edges_come_when_they_are_due_and_cost_an_event_each():
+def test_edges_are_replayed_at_their_ticks_with_one_event_each():
     kernel = Kernel()
     wire = Wire(kernel, "RX", Recorder())
     seen: list[tuple[int, int]] = []
@@ -22,7 +22,7 @@ def test_edges_come_when_they_are_due_and_cost_an_event_each():
     assert seen == edges and kernel.events == 4
 
 
-def test_no_edges_is_an_idle_line():
+def test_a_line_without_edges_is_idle():
     kernel = Kernel()
     wire = Wire(kernel, "RX", Recorder())
     EdgePlayer(kernel, wire, [])
@@ -30,12 +30,12 @@ def test_no_edges_is_an_idle_line():
     assert (kernel.events, wire.level) == (0, 1)
 
 
-def test_others_pull_the_back_and_hear_the_player():
+def test_other_parties_drive_the_back_and_observe_the_player():
     kernel = Kernel()
     wire = OneWayWire(kernel, "SDA", Recorder())
     player, chip = wire.attach("capture"), wire.attach("dsp.SDAA")
-    heard: list[tuple[int, int]] = []
-    watch([wire], lambda now, level: heard.append((now, level)))
+    observed: list[tuple[int, int]] = []
+    watch([wire], lambda now, level: observed.append((now, level)))
     steps = [(10, chip, 0), (20, player, 0), (30, chip, 1), (40, player, 1)]
     for at, pin, level in steps:
         kernel.call_at(at, lambda pin=pin, level=level: pin.drive(level))
@@ -44,5 +44,5 @@ def test_others_pull_the_back_and_hear_the_player():
         kernel.run_until(at)
         seen.append((wire.level, wire.back.level))
     assert seen == [(1, 0), (0, 0), (0, 1), (1, 1)]
-    assert heard == [(20, 0), (40, 1)]
+    assert observed == [(20, 0), (40, 1)]
     assert wire.parties() == ["capture"] and wire.back.parties() == ["dsp.SDAA"]

@@ -1,4 +1,4 @@
-"""Fault agents on bare wires, as timing diagrams: a column is 10 ns."""
+"""Fault agents on wires without other devices, as timing diagrams. A column is 10 ns."""
 
 from __future__ import annotations
 
@@ -18,8 +18,11 @@ from periph_sim.core.wire import Wire
 from tests.waves import DiagramRig
 
 
-class Desk(DiagramRig):
-    """Rows of a diagram: SCL, SDA, dsp.XRS as they are; scl, sda what a partner does."""
+class FaultRig(DiagramRig):
+    """A fault agent and a partner on three wires.
+
+    Rows of a diagram: SCL, SDA and dsp.XRS are the levels of the wires; scl and sda are what the partner drives.
+    """
 
     def __init__(self, kind: str, seed: int = 0, **settings: object) -> None:
         self.kernel = Kernel()
@@ -58,7 +61,7 @@ DIAGRAMS = [
         < SCL  1..0.1....
         < SDA  1.........
         """,
-        id="a spike is a short low and leaves the other line alone",
+        id="a spike is a short low level and leaves the other line unchanged",
     ),
     pytest.param(
         "spike",
@@ -67,7 +70,7 @@ DIAGRAMS = [
         > scl  1.0..1....
         < SCL  1.0...1...
         """,
-        id="a spike on a low line shows only where it outlasts it",
+        id="a spike on a low line is visible only after the line is released",
     ),
     pytest.param(
         "hold",
@@ -93,7 +96,7 @@ DIAGRAMS = [
         > scl  10101.010101010
         < SDA  1...0...1......
         """,
-        id="a line is held until scl has fallen so often",
+        id="a line is held until scl has fallen the given number of times",
     ),
     pytest.param(
         "reset",
@@ -102,7 +105,7 @@ DIAGRAMS = [
         < dsp.XRS  1.0...1...
         < SDA      1.........
         """,
-        id="a reset pulls the units pin",
+        id="a reset pulls the reset pin of the unit low",
     ),
     pytest.param(
         "condition",
@@ -113,7 +116,7 @@ DIAGRAMS = [
         < SCL  1.0.1...0.1...0..
         < SDA  1..0.....1..0.1..
         """,
-        id="a start that nobody gave is a fall of sda within the next 1",
+        id="a false start is a fall of sda within the next 1",
     ),
     pytest.param(
         "condition",
@@ -124,7 +127,7 @@ DIAGRAMS = [
         < SCL  1.0.1...0.1...0..
         < SDA  1..0........1....
         """,
-        id="a stop that nobody gave is a rise of sda within the next 1",
+        id="a false stop is a rise of sda within the next 1",
     ),
     pytest.param(
         "condition",
@@ -134,7 +137,7 @@ DIAGRAMS = [
         > sda  1..0......1......0.1......
         < SDA  1..0......1......0.1...01.
         """,
-        id="the clock of a stop is no bit and not followed by a start",
+        id="the clock of a stop is not a bit and no false start is put in it",
     ),
     pytest.param(
         "condition",
@@ -144,7 +147,7 @@ DIAGRAMS = [
         > sda  1............................0..
         < SDA  1.....0...................1..0..
         """,
-        id="a start that nobody gave ends if nobody makes clocks while sda is low",
+        id="a false start ends if no clock follows while sda is low",
     ),
     pytest.param(
         "flip",
@@ -165,7 +168,7 @@ DIAGRAMS = [
         > sda  1..0..1.......
         < SDA  1.0...1.0...1.
         """,
-        id="a flip lets a stop pass",
+        id="a flip does not prevent a stop",
     ),
     pytest.param(
         "flip",
@@ -175,35 +178,35 @@ DIAGRAMS = [
         > sda  1..0...1.......................0......
         < SDA  1..0........................1..0......
         """,
-        id="a flip ends if nobody makes clocks while sda is low",
+        id="a flip ends if no clock follows while sda is low",
     ),
 ]
 
 
 @pytest.mark.parametrize(("kind", "settings", "diagram"), DIAGRAMS)
 def test_diagram(kind: str, settings: dict[str, object], diagram: str):
-    Desk(kind, **settings).check(diagram)
+    FaultRig(kind, **settings).check(diagram)
 
 
-def test_a_held_line_names_who_holds_it():
-    desk = Desk("hold", wire="SDA", at="20 ns", length="60 ns")
+def test_a_held_line_names_the_fault_that_holds_it():
+    desk = FaultRig("hold", wire="SDA", at="20 ns", length="60 ns")
     desk.run_until(50)
     assert desk.wires["SDA"].held_by() == ["fault 0"]
 
 
-def test_faults_come_again_and_again_a_little_late_by_chance():
+def test_repeated_faults_are_late_by_a_random_part_of_the_spread():
     settings = {"wire": "SDA", "at": "1 us", "every": "500 ns", "spread": "200 ns", "times": 20, "width": "10 ns"}
-    falls = Desk("spike", seed=4, **settings).falls("SDA", 10**6)
+    falls = FaultRig("spike", seed=4, **settings).falls("SDA", 10**6)
     late = [fall - 1000 - 500 * number for number, fall in enumerate(falls)]
     assert len(falls) == 20 and len(set(late)) > 10 and all(0 <= tick <= 200 for tick in late)
-    assert falls == Desk("spike", seed=4, **settings).falls("SDA", 10**6)
-    assert falls != Desk("spike", seed=5, **settings).falls("SDA", 10**6)
+    assert falls == FaultRig("spike", seed=4, **settings).falls("SDA", 10**6)
+    assert falls != FaultRig("spike", seed=5, **settings).falls("SDA", 10**6)
 
 
-def test_without_every_a_fault_comes_once_and_without_times_for_ever():
+def test_a_fault_without_every_occurs_once_and_without_times_endlessly():
     once = {"wire": "SDA", "at": "0 ns", "width": "10 ns"}
-    assert Desk("spike", **once).falls("SDA", 10**6) == [0]
-    assert len(Desk("spike", **once, every="100 ns").falls("SDA", 10**6)) == 10**4 + 1
+    assert FaultRig("spike", **once).falls("SDA", 10**6) == [0]
+    assert len(FaultRig("spike", **once, every="100 ns").falls("SDA", 10**6)) == 10**4 + 1
 
 
 @pytest.mark.parametrize(
@@ -223,13 +226,13 @@ def test_without_every_a_fault_comes_once_and_without_times_for_ever():
         ("hold", {"at": "1 us", "wire": "SDA", "clocks": 0}, "expected 1 or more"),
     ],
 )
-def test_settings_that_cannot_be_are_refused(kind: str, settings: dict[str, object], sentence: str):
+def test_contradictory_settings_are_rejected(kind: str, settings: dict[str, object], sentence: str):
     with pytest.raises(BadTable) as caught:
-        Desk(kind, **settings)
+        FaultRig(kind, **settings)
     assert sentence in str(caught.value)
 
 
 @pytest.mark.parametrize("name", kinds())
-def test_every_kind_says_when_it_happens(name: str):
+def test_every_kind_of_fault_has_the_settings_of_its_time(name: str):
     assert issubclass(kinds()[name].Settings, When)
     assert {"at", "every", "spread", "times"} <= {f.name for f in fields(kinds()[name].Settings)}

@@ -1,6 +1,7 @@
-"""The controller's edges on bare wires, drawn. One column is 10 ticks; a bit is 2 columns low, 2 high.
+"""The controller's edges on wires without other devices, as timing diagrams.
 
-`sda` and `scl` are what the partner does, SCL and SDA what the lines then show.
+One column is 10 ticks; a bit is 2 columns low and 2 high. `sda` and `scl` are what the partner drives, SCL and SDA the
+levels of the lines.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from tests.waves import play, tidy
 
 
 def played(diagram: str, *phases: Phase, **options: int) -> tuple[I2cRig, Transfer]:
-    """A rig whose controller makes this transfer as drawn. options: those of the rig."""
+    """Make a transfer of these phases and check the diagram. Return the rig and the transfer. options: of the rig."""
     rig = I2cRig(**options)
     transfer = rig.begin(*phases)
     drawn(rig, diagram)
@@ -57,10 +58,10 @@ def test_two_bytes_are_read_and_the_first_is_acknowledged_by_the_controller():
     rig.pull((33 * UNIT + 1, "sda", 0), (37 * UNIT + 1, "sda", 1))
     rig.run_until(120 * UNIT)
     assert transfer.phases[0].got == b"\xff\xff" and transfer.phases[0].acks == [True, False]
-    assert (70 * UNIT, "SDA", 0) in rig.edges and (74 * UNIT, "SDA", 1) in rig.edges  # the ACK, a hold after SCL's fall
+    assert (70 * UNIT, "SDA", 0) in rig.edges and (74 * UNIT, "SDA", 1) in rig.edges  # the ACK, one hold after SCL fell
 
 
-def test_an_address_that_nobody_acknowledges_ends_with_a_stop():
+def test_an_address_that_is_not_acknowledged_is_followed_by_a_stop():
     _, transfer = played(
         """
         < SCL 1 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. 0.1. .
@@ -94,20 +95,20 @@ def test_no_second_phase_follows_an_address_that_was_not_acknowledged():
 
 
 @pytest.mark.parametrize(("gives_up", "phases"), [(True, 1), (False, 2)])
-def test_after_a_refused_byte_it_gives_up_or_goes_on_with_the_next_phase(gives_up: bool, phases: int):
+def test_after_a_refused_byte_it_ends_the_transfer_or_begins_the_next_phase(gives_up: bool, phases: int):
     rig = I2cRig(gives_up=gives_up)
     transfer = rig.begin(Phase(0x53, read=False, data=b"\x01\x02"), Phase(0x53, read=True, count=1))
-    rig.pull((33 * UNIT, "sda", 0))  # acknowledges the address, and nothing else
+    rig.pull((33 * UNIT, "sda", 0))  # acknowledges the address and no other byte
     rig.pull((37 * UNIT, "sda", 1))
     rig.run_until(400 * UNIT)
     assert transfer.phases[0].acked and transfer.phases[0].acks == [False]
     assert sum(phase.start_at >= 0 for phase in transfer.phases) == phases
     refused = [("byte", 0x01 << 1 | 1), ("NACK", 1)]
     assert [mark for mark in rig.marks if mark[0] in ("byte", "NACK")][:2] == refused
-    assert rig.marks.count(("NACK", 0)) == (not gives_up)  # the address to read
+    assert rig.marks.count(("NACK", 0)) == (not gives_up)  # the address of the read phase
 
 
-def test_the_byte_that_a_reader_refuses_itself_is_no_nack_of_the_target():
+def test_the_nack_of_the_reading_controller_is_not_recorded_as_a_nack_of_the_target():
     rig = I2cRig()
     rig.begin(Phase(0x53, read=True, count=1))
     rig.pull((33 * UNIT, "sda", 0), (37 * UNIT, "sda", 1))
@@ -115,7 +116,7 @@ def test_the_byte_that_a_reader_refuses_itself_is_no_nack_of_the_target():
     assert [what for what, _ in rig.marks] == ["START", "address", "byte", "STOP"]
 
 
-def test_scl_held_low_by_the_partner_is_waited_for_and_measured():
+def test_the_controller_waits_while_the_partner_holds_scl_low_and_measures_the_stretch():
     _, transfer = played(
         """
         > scl 1 .... .... .... .... .... .... .... .... .0.....1.. .... ..
@@ -129,17 +130,17 @@ def test_scl_held_low_by_the_partner_is_waited_for_and_measured():
     assert transfer.acked and transfer.stop_at == 45 * UNIT
 
 
-def test_a_partner_that_lets_go_at_the_very_tick_stretches_by_nothing():
+def test_a_partner_that_releases_scl_at_the_same_tick_does_not_stretch():
     rig = I2cRig()
     transfer = rig.begin(Phase(0x53, read=False))
     rig.pull((2 * UNIT, "scl", 0))
-    rig.pull((3 * UNIT, "scl", 1))  # asked first, done first: before the controller lets go
+    rig.pull((3 * UNIT, "scl", 1))  # scheduled first, so it runs before the controller releases SCL
     rig.run_until(60 * UNIT)
     assert transfer.phases[0].stretch == 0
     assert transfer.stop_at == 40 * UNIT
 
 
-def test_a_low_bus_while_a_one_is_sent_loses_arbitration_and_lets_go():
+def test_a_low_sda_while_a_one_is_sent_loses_arbitration_and_releases_the_bus():
     rig, transfer = played(
         """
         > sda 1 .... .0.. .... .... .
@@ -152,7 +153,7 @@ def test_a_low_bus_while_a_one_is_sent_loses_arbitration_and_lets_go():
     assert rig.wires["SDA"].held_by() == ["partner"] and rig.wires["SCL"].held_by() == []
 
 
-def test_no_byte_is_under_way_while_the_transfer_after_a_lost_address_waits_for_the_bus():
+def test_no_byte_is_in_progress_while_the_transfer_after_a_lost_address_waits_for_the_bus():
     rig = I2cRig()
     transfer = rig.begin(Phase(0x7F, read=True, count=1))
     rig.pull((6 * UNIT, "sda", 0))
@@ -163,15 +164,15 @@ def test_no_byte_is_under_way_while_the_transfer_after_a_lost_address_waits_for_
     assert rig.controller.bytes_under_way() == 0
 
 
-def test_a_low_bus_while_a_zero_is_sent_loses_nothing():
+def test_a_low_sda_while_a_zero_is_sent_does_not_lose_arbitration():
     rig = I2cRig()
     transfer = rig.begin(Phase(0x00, read=False))
     rig.pull((3 * UNIT, "sda", 0))
     rig.run_until(60 * UNIT)
-    assert not transfer.lost and transfer.acked  # whoever holds SDA low acknowledges, too
+    assert not transfer.lost and transfer.acked  # SDA is still low in the ACK slot
 
 
-def test_the_next_start_keeps_the_bus_free_time_and_the_last_stop():
+def test_the_next_start_waits_for_the_last_stop_and_the_bus_free_time():
     rig = I2cRig()
     first = rig.begin(Phase(0x53, read=False))
     rig.run_until(first.stop_at if first.stop_at >= 0 else 40 * UNIT)
@@ -180,11 +181,11 @@ def test_the_next_start_keeps_the_bus_free_time_and_the_last_stop():
     assert second.phases[0].start_at - first.stop_at == TIMING.free
 
 
-def test_another_controllers_transfer_is_waited_for_even_while_both_its_lines_are_high():
+def test_the_controller_waits_for_the_transfer_of_another_one_even_while_both_lines_are_high():
     rig = I2cRig()
     rig.pull((0, "sda", 0))  # START
     rig.pull((5, "scl", 0), (8, "sda", 1))
-    rig.pull((12, "scl", 1))  # a long one-bit: both lines high, but the bus is not free
+    rig.pull((12, "scl", 1))  # a long 1: both lines are high, but the bus is not free
     rig.pull((400, "scl", 0), (410, "sda", 0), (420, "scl", 1))
     rig.pull((430, "sda", 1))  # STOP
     rig.run_until(50)
@@ -193,14 +194,14 @@ def test_another_controllers_transfer_is_waited_for_even_while_both_its_lines_ar
     assert transfer.phases[0].start_at == 430 + TIMING.free
 
 
-def test_one_transfer_at_a_time():
+def test_a_second_transfer_at_the_same_time_is_rejected():
     rig = I2cRig()
     rig.begin(Phase(0x53, read=False))
     with pytest.raises(ValueError, match="controller: asked for transfer 'test' while 'test' runs"):
         rig.begin(Phase(0x53, read=False))
 
 
-def test_scl_held_low_too_long_is_reported_once_with_who_holds_it():
+def test_scl_held_low_too_long_is_reported_once_with_the_party_that_holds_it():
     rig = I2cRig(stuck_after=50 * UNIT)
     rig.begin(Phase(0x53, read=False))
     rig.pull((6 * UNIT, "scl", 0))
@@ -208,7 +209,7 @@ def test_scl_held_low_too_long_is_reported_once_with_who_holds_it():
     assert rig.stuck == [(57 * UNIT, "SCL", ["partner"])]
 
 
-def test_sda_held_low_before_a_start_is_reported_with_who_holds_it():
+def test_sda_held_low_before_a_start_is_reported_with_the_party_that_holds_it():
     rig = I2cRig(stuck_after=50 * UNIT)
     rig.partner["sda"].drive(0)
     rig.begin(Phase(0x53, read=False))
@@ -216,7 +217,7 @@ def test_sda_held_low_before_a_start_is_reported_with_who_holds_it():
     assert rig.stuck == [(50 * UNIT, "SDA", ["partner"])]
 
 
-def test_a_bus_that_is_merely_used_by_another_controller_is_not_stuck():
+def test_a_bus_that_another_controller_uses_is_not_stuck():
     rig = I2cRig(stuck_after=50 * UNIT)
     rig.pull((0, "sda", 0))
     for i in range(40):
@@ -229,7 +230,7 @@ def test_a_bus_that_is_merely_used_by_another_controller_is_not_stuck():
     assert transfer.phases[0].start_at == 85 * UNIT + TIMING.free
 
 
-def test_a_line_let_go_in_time_is_not_reported():
+def test_a_line_released_in_time_is_not_reported():
     rig = I2cRig(stuck_after=50 * UNIT)
     transfer = rig.begin(Phase(0x53, read=False))
     rig.pull((6 * UNIT, "scl", 0), (56 * UNIT, "scl", 1))
@@ -250,18 +251,21 @@ def test_any_first_byte_can_be_sent():
     [(1, 9, "00"), (8, 9, "00"), (15, 9, "00"), (8, 20, "00"), (10, 20, "80"), (12, 13, "80")],
 )
 def test_a_level_shorter_than_the_filter_is_not_read(before: int, width: int, seen: str):
-    """A byte of zeros; SDA is let go for `width`, `before` the end of the first bit's high phase. The filter is 10."""
+    """The target sends zeros but releases SDA for `width` ticks.
+
+    The release begins `before` ticks before the end of the first bit's high phase. The filter width is 10 ticks.
+    """
     rig = I2cRig(filter_width=10)
     transfer = rig.begin(Phase(0x10, read=True, count=1))
     rig.pull((33 * UNIT, "sda", 0))  # ACK, and eight zeros
-    sampled = 41 * UNIT  # SCL falls behind the first bit
+    sampled = 41 * UNIT  # SCL falls after the first bit
     rig.pull((sampled - before, "sda", 1), (sampled - before + width, "sda", 0), (69 * UNIT, "sda", 1))
     rig.run_until(2000)
     assert transfer.phases[0].got.hex() == seen
 
 
-def test_spikes_of_an_idle_bus_are_no_start_and_no_stop():
-    """One 20 ticks before a START is due would be a STOP, so that the bus was not free for long enough."""
+def test_spikes_on_an_idle_bus_are_not_a_start_or_stop():
+    """If the spike, 20 ticks before the START is due, counted as a STOP, the bus free time would begin again."""
     rig = I2cRig(filter_width=10)
     rig.pull((80, "sda", 0), (88, "sda", 1))
     rig.run_until(100)
@@ -270,8 +274,8 @@ def test_spikes_of_an_idle_bus_are_no_start_and_no_stop():
     assert transfer.phases[0].start_at == 100
 
 
-def test_a_spike_right_behind_a_stop_does_not_undo_it():
-    """It begins 3 ticks behind the STOP and lasts 4: the bus is free from its end on."""
+def test_a_spike_shortly_after_a_stop_does_not_cancel_it():
+    """The spike begins 3 ticks after the STOP and lasts 4. The bus stays free."""
     rig = I2cRig(filter_width=10)
     first = rig.begin(Phase(0x10, read=False))
     rig.run_until(390)

@@ -1,4 +1,4 @@
-"""A bus without a controller agent: its bytes, its records, which equal those of an agent, and stuck lines."""
+"""Observers of a bus without a controller agent: counted bytes, records equal to those of an agent, stuck lines."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tests.scene.runs import TIMING, run_file
         ("11 1" + "0100" * 9, "11 1" + "1111" * 9, 0),  # no START
     ],
 )
-def test_whole_bytes_between_start_and_stop_count(scl, sda, counted):
+def test_complete_bytes_between_start_and_stop_are_counted(scl, sda, counted):
     kernel = Kernel()
     lines = [Wire(kernel, name, Recorder()) for name in ("SCL", "SDA")]
     pins = [wire.attach("hand") for wire in lines]
@@ -37,8 +37,8 @@ def test_whole_bytes_between_start_and_stop_count(scl, sda, counted):
     assert counter.bytes == counted
 
 
-def heard(name: str, seconds: str, *changes: str) -> tuple[list[Record], list[Record]]:
-    """What the controller of a case records, and what is said of its wires beside it."""
+def recorded(name: str, seconds: str, *changes: str) -> tuple[list[Record], list[Record]]:
+    """The records of a case's controller, and those of a BusRecorder on its wires."""
     found: list[Record] = []
 
     def subscribe(recorder: Recorder, timebase: Timebase) -> None:
@@ -52,13 +52,13 @@ def heard(name: str, seconds: str, *changes: str) -> tuple[list[Record], list[Re
 
 
 @pytest.mark.parametrize("name", ["imu_hil_published", "late_model", "wrong_order", "real_chips"])
-def test_it_says_what_the_controller_says(name: str):
-    told, beside = heard(name, "0.1")
-    assert [(r.what, r.value) for r in beside] == [(r.what, r.value) for r in told] != []
-    assert all(0 <= b.tick - a.tick <= 3 for a, b in zip(told, beside, strict=True))
+def test_a_recorder_of_the_wires_makes_the_records_of_the_controller(name: str):
+    of_controller, of_wires = recorded(name, "0.1")
+    assert [(r.what, r.value) for r in of_wires] == [(r.what, r.value) for r in of_controller] != []
+    assert all(0 <= b.tick - a.tick <= 3 for a, b in zip(of_controller, of_wires, strict=True))
 
 
-def test_a_master_that_is_firmware_has_budgets_on_the_bus():
+def test_budgets_on_the_bus_work_with_a_master_that_is_firmware():
     texts = {
         "count of bus START": "min=6",
         "bus load": 'max="99 %"',
@@ -78,7 +78,7 @@ def test_a_master_that_is_firmware_has_budgets_on_the_bus():
 
 
 @pytest.mark.parametrize(
-    ("moves", "told"),
+    ("moves", "reported"),
     [
         ({10: 0}, [110]),
         ({10: 0, 109: 1}, []),
@@ -87,15 +87,15 @@ def test_a_master_that_is_firmware_has_budgets_on_the_bus():
         ({10: 0, 130: 1, 200: 0}, [110, 300]),
     ],
 )
-def test_a_line_is_stuck_from_the_limit_on(moves: dict[int, int], told: list[int]):
+def test_a_line_that_is_low_for_the_limit_is_stuck(moves: dict[int, int], reported: list[int]):
     kernel, recorder = Kernel(), Recorder()
     marks: list[int] = []
     recorder.subscribe([Kind.BUS], lambda record: marks.append(record.tick))
     wire = Wire(kernel, "SDA", recorder)
-    came: list[int] = []
-    StuckWatch(wire, 100, lambda line: came.append(kernel.now))
-    pin = wire.attach("somebody")
+    called: list[int] = []
+    StuckWatch(wire, 100, lambda line: called.append(kernel.now))
+    pin = wire.attach("party")
     for tick, level in moves.items():
         kernel.call_at(tick, lambda level=level: pin.drive(level))  # type: ignore[misc]
     kernel.run_until(1000)
-    assert came == told == marks
+    assert called == reported == marks

@@ -1,4 +1,4 @@
-"""What a listener makes of a bus is what the bus's own controller reports."""
+"""A monitor of a bus reports the same transfers as the controller of the bus."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from periph_sim.core.wire import Wire
 
 
 def both(answers: dict[int, list[Answer]], *transfers: list[Phase]) -> tuple[list[Transfer], list[Transfer]]:
-    """The controller's reports and the listener's, of the same transfers."""
+    """The transfers that the controller reports, and those that the monitor reports."""
     kernel, recorder = Kernel(), Recorder()
     scl, sda = Wire(kernel, "SCL", recorder), Wire(kernel, "SDA", recorder)
     ScriptedTarget(kernel, scl, sda, answers, hold=30)
     controller = I2cController(kernel, recorder, scl, sda, BusTiming(100, 100, 20, 100, 100, 100, 200))
 
-    heard: list[Transfer] = []
-    I2cMonitor(scl, sda, heard.append, {0x53: "accelerometer"})
+    monitored: list[Transfer] = []
+    I2cMonitor(scl, sda, monitored.append, {0x53: "accelerometer"})
     done: list[Transfer] = []
     for phases in transfers:
         controller.begin(Transfer("accelerometer", phases), done.append)
         kernel.run_until(kernel.now + 100_000)
-    return done, heard
+    return done, monitored
 
 
 READ, WRITE = Phase(0x53, True, count=2), Phase(0x53, False, data=b"\x32\x07")

@@ -1,6 +1,7 @@
-"""One side of a bus replayed: the edges of the player, drawn, and the answers that a controller on the wires gets.
+"""Replay of one side of a bus: the edges of the master player, and the answers of the scripted target.
 
-One column is 10 ticks; `scl` and `sda` are what a partner does to the lines."""
+In the diagrams, one column is 10 ticks; `scl` and `sda` are what a partner drives.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +55,7 @@ def drawn(rig: PlayerRig, diagram: str) -> None:
     assert play(diagram, rig, UNIT) == tidy(diagram)
 
 
-def test_moves_are_made_in_their_time():
+def test_moves_are_made_at_their_times():
     rig = PlayerRig()
     rig.begin(START_AND_TWO_BITS)
     drawn(
@@ -68,7 +69,7 @@ def test_moves_are_made_in_their_time():
     assert (rig.player.delay, rig.player.longest, rig.player.waiting_since) == (0, 0, NO_TIME)
 
 
-def test_a_clock_held_low_moves_all_that_follows():
+def test_a_clock_held_low_delays_all_later_moves():
     rig = PlayerRig()
     rig.begin(START_AND_TWO_BITS)
     drawn(
@@ -79,12 +80,12 @@ def test_a_clock_held_low_moves_all_that_follows():
         < SDA 0 . . . . . . . . . 1 . .
         """,
     )
-    # Let go at 4, rose at 7: 3 columns. What the partner does at 12, in the high phase, is no stretch.
+    # The player releases SCL at 4 and it rises at 7: 3 columns. The low level at 12, in a high phase, is not a stretch.
     assert (rig.player.delay, rig.player.longest) == (3 * UNIT, 3 * UNIT)
 
 
 def asked(answers: dict[int, list[Answer]], *transfers: list[Phase]) -> list[Transfer]:
-    """The transfers, one after the other, when these answers are on the bus."""
+    """Make the transfers one after the other on a bus with these answers, by address, and return them."""
     kernel, recorder = Kernel(), Recorder()
     scl, sda = Wire(kernel, "SCL", recorder), Wire(kernel, "SDA", recorder)
     ScriptedTarget(kernel, scl, sda, answers, hold=30)
@@ -97,7 +98,7 @@ def asked(answers: dict[int, list[Answer]], *transfers: list[Phase]) -> list[Tra
     return done
 
 
-def test_a_read_gets_the_answers_bytes_and_ones_behind_them():
+def test_a_read_gets_the_bytes_of_the_answer_and_then_ones():
     (done,) = asked({0x53: [Answer(True, b"\x12\x80")]}, [Phase(0x53, read=True, count=3)])
     assert done.acked and done.phases[0].got == b"\x12\x80\xff"
 
@@ -124,7 +125,7 @@ def test_answers_go_in_order_across_transfers_and_repeated_starts():
     assert not fourth.acked, "no answer is left"
 
 
-def test_an_address_of_nobody_is_left_alone():
+def test_an_address_without_answers_is_not_acknowledged():
     (done,) = asked({0x53: [Answer(True)]}, [Phase(0x54, read=True, count=1)])
     assert not done.acked
 
@@ -139,8 +140,8 @@ def test_an_address_of_nobody_is_left_alone():
     ],
 )
 @pytest.mark.parametrize("read", [True, False])
-def test_it_stretches_where_its_answer_says_so(stretches: tuple, where: str, read: bool):
-    """The controller's low is 100, so of 700 ticks 600 are beyond it."""
+def test_it_stretches_at_the_place_given_by_the_answer(stretches: tuple, where: str, read: bool):
+    """The controller's own low phase is 100 ticks, so a stretch of 700 ticks delays it by 600."""
     phase = Phase(0x53, read, data=b"" if read else b"\x01\x02", count=2 if read else 0)
     (done,) = asked({0x53: [Answer(True, b"\x12\x34", stretches=stretches)]}, [phase])
     assert done.acked and done.phases[0].stretch == 600

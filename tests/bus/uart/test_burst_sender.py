@@ -1,4 +1,4 @@
-"""Bursts on a wire: right and wrong characters bit by bit, breaks, and one burst after the other."""
+"""Bursts on a wire: the bits of correct and faulty characters, breaks, and consecutive bursts."""
 
 from __future__ import annotations
 
@@ -37,19 +37,23 @@ def test_bits_of_a_character(character: Character, form: UartFormat, drawn: str)
     assert levels(character, form) == drawn.replace(" ", "")
 
 
-class Desk:
-    """A wire and the sender on it; `edges` as they happen, `told` of begins and ends."""
+class SenderRig:
+    """A sender on a wire.
+
+    edges: (tick, level) of each edge of the wire
+    calls: ("begin" or "end", tick) of each callback of the sender
+    """
 
     def __init__(self) -> None:
         self.kernel = Kernel(0)
         wire = Wire(self.kernel, "RX", Recorder())
         self.edges: list[tuple[int, int]] = []
-        self.told: list[tuple[str, int]] = []
+        self.calls: list[tuple[str, int]] = []
         watch([wire], lambda tick, level: self.edges.append((tick, level)))
         self.sender = BurstSender(self.kernel, wire.attach("serial"), "serial")
 
     def send(self, at: int, burst: Burst) -> None:
-        begins, ends = (lambda tick, what=what: self.told.append((what, tick)) for what in ("begin", "end"))
+        begins, ends = (lambda tick, what=what: self.calls.append((what, tick)) for what in ("begin", "end"))
         self.kernel.call_at(at, lambda: self.sender.send(burst, begins, ends))
 
     def run(self) -> list[tuple[int, int]]:
@@ -57,34 +61,34 @@ class Desk:
         return self.edges
 
 
-def test_characters_with_a_gap_and_what_is_told():
-    desk = Desk()
-    desk.send(50, Burst(BIT, UartFormat(), (Character(0xFF), Character(0xFF)), gap=30))
-    assert desk.run() == [(50, 0), (150, 1), (1080, 0), (1180, 1)]
-    assert desk.told == [("begin", 50), ("end", 2080)]
-    assert desk.sender.characters == 2
+def test_characters_with_a_gap_and_the_callbacks_at_begin_and_end():
+    rig = SenderRig()
+    rig.send(50, Burst(BIT, UartFormat(), (Character(0xFF), Character(0xFF)), gap=30))
+    assert rig.run() == [(50, 0), (150, 1), (1080, 0), (1180, 1)]
+    assert rig.calls == [("begin", 50), ("end", 2080)]
+    assert rig.sender.characters == 2
 
 
-def test_bursts_follow_each_other_and_an_address_waits_for_an_idle_line():
-    desk = Desk()
+def test_bursts_are_sent_in_order_and_an_address_waits_for_an_idle_line():
+    rig = SenderRig()
     one = (Character(0xFF),)
-    desk.send(50, Burst(BIT, UartFormat(), one))
-    desk.send(60, Burst(BIT, UartFormat(), one))
-    desk.send(70, Burst(BIT, UartFormat(), one, idle=11))
-    desk.run()
-    assert [tick for what, tick in desk.told if what == "begin"] == [50, 1050, 2050 + 1100]
+    rig.send(50, Burst(BIT, UartFormat(), one))
+    rig.send(60, Burst(BIT, UartFormat(), one))
+    rig.send(70, Burst(BIT, UartFormat(), one, idle=11))
+    rig.run()
+    assert [tick for what, tick in rig.calls if what == "begin"] == [50, 1050, 2050 + 1100]
 
 
-def test_a_break_lasts_as_long_as_it_says():
-    desk = Desk()
-    desk.send(50, Burst(BIT, UartFormat(), low=1234))
-    assert desk.run() == [(50, 0), (1284, 1)]
-    assert desk.told == [("begin", 50), ("end", 1284)]
+def test_a_break_lasts_for_its_given_length():
+    rig = SenderRig()
+    rig.send(50, Burst(BIT, UartFormat(), low=1234))
+    assert rig.run() == [(50, 0), (1284, 1)]
+    assert rig.calls == [("begin", 50), ("end", 1284)]
 
 
-def test_bits_of_a_rate_that_is_no_whole_number_do_not_drift():
-    desk = Desk()
+def test_bits_of_a_fractional_number_of_ticks_do_not_drift():
+    rig = SenderRig()
     bit = Fraction(1000, 3)
-    desk.send(0, Burst(bit, UartFormat(), tuple(Character(0xFF) for _ in range(9))))
-    falls = [tick for tick, level in desk.run() if not level]
+    rig.send(0, Burst(bit, UartFormat(), tuple(Character(0xFF) for _ in range(9))))
+    falls = [tick for tick, level in rig.run() if not level]
     assert falls == [int(10 * n * bit) for n in range(9)]

@@ -1,4 +1,4 @@
-"""A frame's levels by its format: what is sent is kept, and any other start bit, parity or stop bit is told."""
+"""Levels of a UART frame: the levels that a format makes are valid in it, and all others are not."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from periph_sim.bus.uart.frame_format import UartFormat
 @pytest.mark.parametrize("parity", ["none", "even", "odd"])
 @pytest.mark.parametrize("stop", [1, 2])
 @pytest.mark.parametrize("address", [False, True])
-def test_a_format_is_kept_by_the_frames_that_it_makes_and_no_others(parity: str, stop: int, address: bool) -> None:
+def test_exactly_the_levels_that_a_format_makes_are_valid_in_it(parity: str, stop: int, address: bool) -> None:
     form = UartFormat(3, parity, stop, address)
     made = {tuple(form.levels(byte, bit)) for byte in range(8) for bit in range(1 + address)}
     for levels in product((0, 1), repeat=form.length):

@@ -1,4 +1,4 @@
-"""The UART sender's edges: every one at the exact rational of its bit, rounded down to a tick."""
+"""Edges of the UART sender: each is at the exact rational time of its bit, rounded down to a tick."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ NONE = Fraction(0)
 
 
 class Line:
-    """A peer on a wire, the edges it made, and when each burst was said to be over."""
+    """A UART sender on a wire.
+
+    edges: (tick, level) of each edge; over: the tick at which each burst was reported as over
+    """
 
     def __init__(self, bit: Fraction, frame: UartFormat | None = None, start: int = 0) -> None:
         self.kernel = Kernel(start)
@@ -39,7 +42,7 @@ class Line:
 
 
 def levels(edges: list[tuple[int, int]], bit: int, bits: int) -> str:
-    """The level in the middle of each bit."""
+    """The level in the middle of each of `bits` bits, as a string of 0 and 1. `bit`: ticks of a bit."""
     shown, level, left = "", 1, list(edges)
     for n in range(bits):
         while left and left[0][0] <= n * bit + bit // 2:
@@ -48,8 +51,8 @@ def levels(edges: list[tuple[int, int]], bit: int, bits: int) -> str:
     return shown
 
 
-def test_each_byte_is_recorded_as_the_number_that_it_is() -> None:
-    """From 128 on, too: compiled, the bytes of a typed `bytes` are signed."""
+def test_each_byte_is_recorded_as_an_unsigned_number() -> None:
+    """In compiled code, the bytes of a typed `bytes` object would be signed from 128 on."""
     line = Line(Fraction(100))
     line.send(bytes([0, 127, 128, 0xE8, 255]))
     assert [record.value for record in line.frames] == [0, 127, 128, 0xE8, 255]
@@ -70,14 +73,14 @@ def test_each_byte_is_recorded_as_the_number_that_it_is() -> None:
         (UartFormat(bits=5, parity="even", stop=2), 0x1F, "0 11111 1 11"),
     ],
 )
-def test_a_frame_least_significant_bit_first(frame: UartFormat, byte: int, wire: str):
+def test_a_frame_is_sent_least_significant_bit_first(frame: UartFormat, byte: int, wire: str):
     bits = wire.replace(" ", "")
     line = Line(Fraction(100), frame)
     assert levels(line.send(bytes([byte])), 100, len(bits)) == bits
     assert line.over == [100 * len(bits)]
 
 
-def test_frames_follow_at_once_or_after_a_gap_in_bits():
+def test_frames_follow_immediately_or_after_a_gap_in_bits():
     assert levels(Line(Fraction(100)).send(b"\x00\x00"), 100, 20) == "00000000010000000001"
     assert levels(Line(Fraction(100)).send(b"\x00\x00", Fraction(3)), 100, 23) == "0000000001" + "111" + "0000000001"
     assert Line(Fraction(100)).send(b"\x00\x00", Fraction(1, 3))[2] == (1033, 0)
@@ -89,7 +92,7 @@ def test_frames_follow_at_once_or_after_a_gap_in_bits():
     gap=st.fractions(min_value=0, max_value=20, max_denominator=16),
     start=st.integers(min_value=0, max_value=10**16),
 )
-def test_every_edge_stands_at_its_exact_bit_whatever_the_rate(data: bytes, bit: Fraction, gap: Fraction, start: int):
+def test_every_edge_is_at_the_exact_time_of_its_bit_at_any_rate(data: bytes, bit: Fraction, gap: Fraction, start: int):
     line = Line(bit, start=start)
     expected, level, at = [], 1, Fraction(0)
     for byte in data:
@@ -125,7 +128,7 @@ def test_a_burst_without_bytes_is_over_at_once():
     assert line.send(b"") == [] and line.over == [7]
 
 
-def test_each_byte_is_recorded_where_its_start_bit_is():
+def test_each_byte_is_recorded_at_its_start_bit():
     line = Line(Fraction(100))
     line.send(b"\x12\x34", Fraction(2))
     assert [(r.tick, r.where, r.what, r.value) for r in line.frames] == [

@@ -1,14 +1,17 @@
-"""What ideal sensors show in an attitude, by the matrices of the dissertation's section 4.1, with no code of ours."""
+"""Readings of ideal sensors in an attitude, by the matrices of the dissertation's section 4.1.
+
+The functions use no code of the product, so that tests can compare it with them.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
-FIELD = np.array([0.18, -0.07, -0.12])  # gauss, north, east, down: somewhere in the south of Brazil, about
+FIELD = np.array([0.18, -0.07, -0.12])  # gauss, north, east, down: approximately the field in the south of Brazil
 
 
 def to_body(roll: float, pitch: float, yaw: float) -> np.ndarray:
-    """Rx(roll) Ry(pitch) Rz(yaw): takes a vector from north, east, down to the body."""
+    """Rx(roll) Ry(pitch) Rz(yaw), which rotates a vector from north, east, down to the body."""
     cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (np.cos, np.sin))
     about_x = np.array([[1, 0, 0], [0, cr, sr], [0, -sr, cr]])
     about_y = np.array([[cp, 0, -sp], [0, 1, 0], [sp, 0, cp]])
@@ -23,7 +26,7 @@ def at_rest(roll: float, pitch: float, yaw: float) -> tuple[np.ndarray, np.ndarr
 
 
 def body_rates(angles: np.ndarray, rates: np.ndarray) -> np.ndarray:
-    """p, q, r of appendix B, of roll, pitch, yaw and their derivatives; float64[n, 3] each, radians."""
+    """p, q, r of appendix B from roll, pitch, yaw and their derivatives; float64[n, 3] each, in radians."""
     (roll, pitch, _), (d_roll, d_pitch, d_yaw) = angles.T, rates.T
     return np.stack(
         [

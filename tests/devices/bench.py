@@ -1,4 +1,4 @@
-"""One chip with registers on two wires, and a controller that reads and writes it; edges are kept for the decoder."""
+"""A bench for one register chip: two wires, a controller that reads and writes, and the edges for the decoder."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ DELAY = 300
 
 
 class Asked:
-    """A source that gives the number of times it was asked, in LSB on each axis, and notes when."""
+    """A source whose value is the number of its calls, in LSB on each axis. at: the tick of each call."""
 
     def __init__(self, lsb_per_unit: Fraction) -> None:
         self.at: list[int] = []
@@ -45,13 +45,13 @@ def words(data: bytes, order: Literal["big", "little"] = "big") -> list[int]:
 
 
 def steady(*values: float) -> Callable[[int], Sequence[Fraction]]:
-    """A source that always gives these, exactly."""
+    """Return a source that always gives exactly these values."""
     exact = tuple(Fraction(str(value)) for value in values)
     return lambda tick: exact
 
 
 class Bench:
-    """A bus at 400 kHz. The clock stands at 1 s when a test begins; chips are powered at 0."""
+    """A bus at 400 kHz. Chips are powered at 0, and a test begins at 1 s."""
 
     def __init__(self, *chips: RegisterChip, timing: BusTiming = FAST, begin: int = SECOND) -> None:
         self.kernel = Kernel(begin)
@@ -68,7 +68,7 @@ class Bench:
         self.done: list[Transfer] = []
 
     def transfer(self, *phases: Phase) -> Transfer:
-        """Make it, and stop the clock at its STOP."""
+        """Make a transfer and run until its STOP."""
         transfer = Transfer("test", list(phases))
         self.controller.begin(transfer, lambda done: self.kernel.stop())
         self.kernel.run_until(self.kernel.now + SECOND)
@@ -77,11 +77,11 @@ class Bench:
         return transfer
 
     def write(self, number: int, *values: int) -> bool:
-        """Pointer and data in one transfer; whether the address was acknowledged."""
+        """Write pointer and data in one transfer. Return True if the address was acknowledged."""
         return self.transfer(Phase(self.address, False, bytes([number, *values]))).acked
 
     def read(self, number: int, count: int = 1, by_stop: bool = False) -> bytes:
-        """Pointer, repeated START (or STOP and START), `count` bytes."""
+        """Write the pointer and, after a repeated START (or STOP and START), read `count` bytes."""
         phases = [Phase(self.address, False, bytes([number])), Phase(self.address, True, count=count)]
         if by_stop:
             self.transfer(phases[0])
@@ -89,7 +89,7 @@ class Bench:
         return bytes(self.transfer(*phases).phases[1].got)
 
     def read_on(self, count: int = 1) -> bytes:
-        """Without a pointer."""
+        """Read without writing the pointer first."""
         return bytes(self.transfer(Phase(self.address, True, count=count)).phases[0].got)
 
     @property
@@ -100,7 +100,7 @@ class Bench:
         self.kernel.run_until(self.kernel.now + ticks)
 
     def decoded(self) -> list[i2c.Transfer]:
-        """What a decoder that knows nothing of all this makes of the wires."""
+        """The transfers that the decoder finds in the edges of the wires."""
         channels = []
         for index, (name, edges) in enumerate(self.edges.items()):
             ticks = np.array([tick for tick, _ in edges], np.int64)

@@ -1,10 +1,10 @@
-"""What each chip would read back while it measures nothing, said as simply as it can be: a dictionary and a pointer."""
+"""Models of the chips' registers while nothing is measured, as simple as possible: a dictionary and a pointer."""
 
 from __future__ import annotations
 
 from tests.devices.register_tables import ADXL345, HMC5883L, ITG3200
 
-BITS = {  # of registers that software may write; all eight where none are named
+BITS = {  # bits that software can write; all eight where a register is not named
     ADXL345: {0x2A: 0x0F, 0x2C: 0x1F, 0x2D: 0x3F, 0x31: 0xEF},
     ITG3200: {0x00: 0x7F, 0x16: 0x1F, 0x17: 0xF5},
     HMC5883L: {0x00: 0x7F, 0x02: 0x83},
@@ -12,7 +12,11 @@ BITS = {  # of registers that software may write; all eight where none are named
 
 
 class Oracle:
-    """memory: register -> value at power-on. pointer: 0 at first."""
+    """Registers of a chip.
+
+    memory: value of each register, at first the one at power-on
+    pointer: number of the register that is read or written next, at first 0
+    """
 
     def __init__(self, table: str) -> None:
         rows = [line.split() for line in table.strip().splitlines()]
@@ -44,7 +48,7 @@ class Oracle:
 
 
 class AdxlOracle(Oracle):
-    """In standby: an empty FIFO has reached its watermark if that is 0."""
+    """An ADXL345 in standby. Its empty FIFO has reached the watermark if that is 0."""
 
     def __init__(self) -> None:
         super().__init__(ADXL345)
@@ -54,7 +58,7 @@ class AdxlOracle(Oracle):
 
 
 class ItgOracle(Oracle):
-    """Asleep."""
+    """A sleeping ITG-3200."""
 
     def __init__(self) -> None:
         super().__init__(ITG3200)
@@ -65,7 +69,7 @@ class ItgOracle(Oracle):
 
 
 class HmcOracle(Oracle):
-    """Idle: LOCK is all that moves."""
+    """An idle HMC5883L, in which only LOCK changes."""
 
     def __init__(self) -> None:
         super().__init__(HMC5883L)

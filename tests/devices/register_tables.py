@@ -1,4 +1,4 @@
-"""The register tables of the data sheets as they were typed for the tests: number, name, access, value at power-on."""
+"""Register tables, typed from the data sheets: number, name, access, value at power-on."""
 
 ADXL345 = """
 00 DEVID R E5

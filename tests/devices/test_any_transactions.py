@@ -1,6 +1,6 @@
-"""Any transactions, whole or cut anywhere: the bus protocol holds, and what is read is what a simple oracle says.
+"""Random transactions, complete or cut anywhere: chips keep the bus protocol, and reads agree with a simple model.
 
-The judge of the protocol is the decoder, which shares no code with chips, targets and controller.
+The decoder checks the protocol; it shares no code with chips, targets and controller.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from tests.devices.bench import DELAY, TIMEBASE, US, Bench, steady
 from tests.devices.oracles import AdxlOracle, HmcOracle, ItgOracle, Oracle
 
 KEEP_QUIET = {"adxl345": (0x2D, 0x37), "itg3200": (0x3E, 0x00), "hmc5883l": (0x02, 0x02)}
-# A register that would start measurements, and the bits of it that do not: what is written there is cut to them.
+# The register that starts measurements, and its bits that do not start any: writes to it are masked with these bits.
 
 
 def world(name: str) -> tuple[Bench, Oracle]:
@@ -45,7 +45,7 @@ transactions = st.one_of(
 
 
 def quiet(name: str, number: int, data: bytes) -> bytes:
-    """The data of a write, changed where they would set the chip to work (ITG-3200: wake it)."""
+    """The data of a write, changed so that they do not start measurements (ITG-3200: do not wake the chip)."""
     register, bits = KEEP_QUIET[name]
     following = world(name)[1].following
     out = bytearray()
@@ -59,7 +59,7 @@ def quiet(name: str, number: int, data: bytes) -> bytes:
 @pytest.mark.parametrize("name", KEEP_QUIET)
 @settings(max_examples=40, deadline=None)
 @given(st.lists(transactions, min_size=1, max_size=8))
-def test_reads_are_the_oracles_and_the_wires_say_the_same(name: str, sequence: list[tuple]):
+def test_reads_agree_with_the_oracle_and_with_the_decoded_wires(name: str, sequence: list[tuple]):
     bench, oracle = world(name)
     own = bench.address
     expected: list[tuple[int, bool, bool, bytes]] = []  # phases: address, read, acknowledged, data
@@ -92,7 +92,10 @@ def test_reads_are_the_oracles_and_the_wires_say_the_same(name: str, sequence: l
 
 
 def phases_of(transfers: list[i2c.Transfer]) -> list[tuple[int, bool, bool, bytes]]:
-    """What the decoder saw, which must be whole: no byte cut, ACKs of the right party, a STOP behind each transfer."""
+    """The decoded phases as (address, read, acknowledged, data).
+
+    All must be complete: no byte is cut, ACKs are as expected, and each transfer ends with a STOP.
+    """
     found = []
     for transfer in transfers:
         assert transfer.complete and not transfer.lead
@@ -112,7 +115,7 @@ def phases_of(transfers: list[i2c.Transfer]) -> list[tuple[int, bool, bool, byte
 @pytest.mark.parametrize("name", KEEP_QUIET)
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.tuples(st.booleans(), st.integers(0, 1)), max_size=120), st.integers(0, 2**16 - 1))
-def test_whatever_the_lines_do_sda_moves_under_low_scl_alone_and_nine_pulses_free_it(
+def test_after_random_edges_a_target_changes_sda_only_when_scl_fell_and_nine_pulses_free_the_bus(
     name: str, moves: list[tuple[bool, int]], bits: int
 ):
     bench, _ = world(name)
@@ -120,7 +123,7 @@ def test_whatever_the_lines_do_sda_moves_under_low_scl_alone_and_nine_pulses_fre
     hands = {True: scl.attach("hand"), False: sda.attach("hand")}
     chip = type(bench.chips[0]).__name__
     own = [bench.address << 1 | read for read in (0, 1)]
-    address = [(False, 0), (True, 0)]  # often the chip is meant: START and its address
+    address = [(False, 0), (True, 0)]  # START and the chip's address, which half of the examples begin with
     for bit in range(7, -1, -1):
         address += [(False, own[bits & 1] >> bit & 1), (True, 1), (True, 0)]
 
@@ -129,7 +132,7 @@ def test_whatever_the_lines_do_sda_moves_under_low_scl_alone_and_nine_pulses_fre
         kernel.call_at(kernel.now + US, partial(hands[clock].drive, level))
         kernel.run_until(kernel.now + US + 2 * DELAY)
         if scl.level or not clock:
-            assert (chip in sda.held_by()) is before, "a target changed its SDA, and SCL had not fallen"
+            assert (chip in sda.held_by()) is before, "the target changed SDA without a falling edge of SCL"
 
     for clock, level in [*(address if bits & 2 else []), *moves, (False, 1)]:
         move(clock, level)

@@ -17,7 +17,7 @@ from tests.devices.chips import test_adxl345, test_hmc5883l, test_itg3200
     ("options", "module"),
     [(Adxl345Options, test_adxl345), (Itg3200Options, test_itg3200), (Hmc5883lOptions, test_hmc5883l)],
 )
-def test_each_is_tested_with_every_answer(options: type, module: ModuleType):
+def test_each_open_question_is_tested_with_every_answer(options: type, module: ModuleType):
     fields = {field.name: field for field in dataclasses.fields(options)}
     tests = {name.removeprefix("test_open_"): test for name, test in vars(module).items() if "test_open_" in name}
     assert set(tests) == set(fields)

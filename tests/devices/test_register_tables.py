@@ -1,4 +1,4 @@
-"""The register maps against the tables, and the tables against the chips as a controller sees them at power-on."""
+"""The register maps agree with the tables of the data sheets, and so do the chips when they are read over the bus."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def chip_of(kind: type[RegisterChip]) -> RegisterChip:
 
 
 @pytest.mark.parametrize(("kind", "table"), CHIPS)
-def test_the_map_is_the_data_sheets(kind: type[RegisterChip], table: str):
+def test_the_register_map_agrees_with_the_data_sheet(kind: type[RegisterChip], table: str):
     typed = [
         (register.offset, register.name, "RW" if register.mask(OnWrite.STORE) else "R", register.reset)
         for register in kind.MAP
@@ -52,7 +52,7 @@ def test_every_register_reads_its_power_on_value_over_the_bus(kind: type[Registe
 
 
 @pytest.mark.parametrize(("kind", "table"), CHIPS)
-def test_a_write_stays_where_software_may_write_and_is_noted_where_not(kind: type[RegisterChip], table: str):
+def test_a_write_is_stored_where_software_can_write_and_noted_elsewhere(kind: type[RegisterChip], table: str):
     for number, name, access, value in rows(table):
         chip = chip_of(kind)
         bench = Bench(chip)
@@ -68,7 +68,7 @@ def test_a_write_stays_where_software_may_write_and_is_noted_where_not(kind: typ
 
 
 @pytest.mark.parametrize(("kind", "table"), CHIPS)
-def test_reserved_registers_read_0_and_take_nothing(kind: type[RegisterChip], table: str):
+def test_reserved_registers_read_0_and_ignore_writes(kind: type[RegisterChip], table: str):
     known = {number for number, *_ in rows(table)}
     chip = chip_of(kind)
     bench = Bench(chip)

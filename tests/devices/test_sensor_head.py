@@ -1,4 +1,4 @@
-"""The sensor head's schedule on bare wires: nobody answers, so each transfer is START, address, NACK, STOP."""
+"""The sensor head's schedule on a bus without devices: each transfer is START, address, NACK, STOP."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from periph_sim.devices.sensor_rounds import Request, Round, Schedule
 from periph_sim.imu.sensors import SENSORS as CHIPS
 from tests.bus.i2c_rig import TIMING, UNIT, I2cRig
 
-NACKED = 40 * UNIT  # a transfer that nobody acknowledges
+NACKED = 40 * UNIT  # duration of a transfer that is not acknowledged
 GYRO = Request("gyroscope", 0x68, 0x1D, 6)
 PLAIN = Request("plain", 0x10, None, 2)
 
 
-class Desk:
+class HeadRig:
     def __init__(self, schedule: Schedule, requests: list[Request], **more: Any) -> None:
         self.rig = I2cRig()
         self.head = SensorHead(self.rig.kernel, self.rig.controller, requests, schedule, **more)
@@ -37,8 +37,8 @@ class Desk:
         return self.rounds
 
 
-def test_rounds_come_every_period_each_request_after_the_gap():
-    desk = Desk(Schedule(first=100, period=2000, gap=50, rounds=2), [PLAIN, PLAIN])
+def test_rounds_begin_every_period_and_requests_follow_after_the_gap():
+    desk = HeadRig(Schedule(first=100, period=2000, gap=50, rounds=2), [PLAIN, PLAIN])
     rounds = desk.run(10_000)
     assert [(r.number, r.due, r.start, r.end) for r in rounds] == [
         (1, 100, 100, 100 + 2 * NACKED + 50),
@@ -49,14 +49,14 @@ def test_rounds_come_every_period_each_request_after_the_gap():
     assert desk.head.who == desk.rig.controller.who
 
 
-def test_a_gap_shorter_than_the_bus_free_time_is_the_bus_free_time():
-    desk = Desk(Schedule(first=0, period=5000, gap=1, rounds=1), [PLAIN, PLAIN])
+def test_a_gap_is_at_least_the_bus_free_time():
+    desk = HeadRig(Schedule(first=0, period=5000, gap=1, rounds=1), [PLAIN, PLAIN])
     desk.run(5000)
     assert desk.transfers[1].phases[0].start_at == NACKED + TIMING.free
 
 
-def test_a_round_due_while_the_last_one_runs_is_missed():
-    desk = Desk(Schedule(first=0, period=NACKED - 1, gap=0, rounds=5), [PLAIN])
+def test_a_round_due_while_the_last_one_is_running_is_missed():
+    desk = HeadRig(Schedule(first=0, period=NACKED - 1, gap=0, rounds=5), [PLAIN])
     rounds = desk.run(10_000)
     assert [r.number for r in rounds] == [1, 3, 5]
     assert (desk.head.missed, desk.head.rounds) == (2, 3)
@@ -65,8 +65,8 @@ def test_a_round_due_while_the_last_one_runs_is_missed():
 
 
 @pytest.mark.parametrize(("more", "begin", "missed"), [({}, 2000, 1), ({"ahead": 4 * NACKED}, 2000 - 4 * NACKED, 0)])
-def test_chips_are_set_up_ahead_of_the_first_round_and_that_is_no_round(more: dict[str, int], begin: int, missed: int):
-    desk = Desk(
+def test_the_set_up_of_chips_before_the_first_round_is_not_a_round(more: dict[str, int], begin: int, missed: int):
+    desk = HeadRig(
         Schedule(first=2000, period=4000, gap=0, rounds=2, **more), [PLAIN], startup=[GYRO, PLAIN], by_stop=True
     )
     assert desk.head.at_rest
@@ -79,23 +79,23 @@ def test_chips_are_set_up_ahead_of_the_first_round_and_that_is_no_round(more: di
     assert desk.transfers[0].phases[0].start_at == begin
 
 
-def test_a_round_held_up_by_a_stretching_slave_makes_the_next_one_missed():
-    desk = Desk(Schedule(first=0, period=1000, gap=0, rounds=3), [PLAIN])
+def test_a_round_delayed_by_a_stretching_slave_makes_the_next_one_missed():
+    desk = HeadRig(Schedule(first=0, period=1000, gap=0, rounds=3), [PLAIN])
     desk.rig.pull((60, "scl", 0), (1500, "scl", 1))
     rounds = desk.run(10_000)
     assert [r.number for r in rounds] == [1, 3]
     assert desk.head.missed == 1
 
 
-def test_jitter_comes_from_the_seed_alone_and_does_not_add_up():
+def test_jitter_depends_on_the_seed_alone_and_does_not_accumulate():
     schedule = Schedule(first=0, period=2000, gap=0, jitter=900, rounds=20)
-    starts = [r.start for r in Desk(schedule, [PLAIN], seed=1).run(60_000)]
-    assert Desk(schedule, [PLAIN]).run(60_000) == Desk(schedule, [PLAIN], seed=0).run(60_000)
-    assert starts == [r.start for r in Desk(schedule, [PLAIN], seed=1).run(60_000)]
-    assert starts != [r.start for r in Desk(schedule, [PLAIN], seed=2).run(60_000)]
+    starts = [r.start for r in HeadRig(schedule, [PLAIN], seed=1).run(60_000)]
+    assert HeadRig(schedule, [PLAIN]).run(60_000) == HeadRig(schedule, [PLAIN], seed=0).run(60_000)
+    assert starts == [r.start for r in HeadRig(schedule, [PLAIN], seed=1).run(60_000)]
+    assert starts != [r.start for r in HeadRig(schedule, [PLAIN], seed=2).run(60_000)]
     late = [start - 2000 * n for n, start in enumerate(starts)]
     assert all(0 <= x <= 900 for x in late) and len(set(late)) > 5
-    assert [r.due for r in Desk(schedule, [PLAIN], seed=1).run(60_000)] == [2000 * n for n in range(20)]
+    assert [r.due for r in HeadRig(schedule, [PLAIN], seed=1).run(60_000)] == [2000 * n for n in range(20)]
 
 
 @pytest.mark.parametrize(
@@ -120,7 +120,7 @@ def test_the_transfers_of_a_request(request_: Request, by_stop: bool, phases: li
     [
         ("gyroscope", "0001 0002 fffd", (1, 2, -3)),
         ("accelerometer", "0100 0200 fdff", (1, 2, -3)),
-        ("magnetometer", "0001 0002 fffd", (1, -3, 2)),  # the HMC5883L sends x, z, y
+        ("magnetometer", "0001 0002 fffd", (1, -3, 2)),  # the HMC5883L sends the axes in the order x, z, y
     ],
 )
 def test_the_values_in_the_bytes_of_a_chip(chip: str, data: str, values: tuple[int, ...]):
@@ -128,7 +128,7 @@ def test_the_values_in_the_bytes_of_a_chip(chip: str, data: str, values: tuple[i
 
 
 def test_a_chip_that_acknowledges_is_not_counted_as_nacked():
-    desk = Desk(Schedule(first=0, period=5000, gap=0, rounds=1), [Request("w", 0x10, None, 0, write=b"\xff")])
+    desk = HeadRig(Schedule(first=0, period=5000, gap=0, rounds=1), [Request("w", 0x10, None, 0, write=b"\xff")])
     for slot in (33, 33 + 36):  # the ACK slots
         desk.rig.kernel.call_at(slot * UNIT + 1, partial(desk.rig.partner["sda"].drive, 0))
         desk.rig.kernel.call_at((slot + 4) * UNIT + 1, partial(desk.rig.partner["sda"].drive, 1))
@@ -136,9 +136,9 @@ def test_a_chip_that_acknowledges_is_not_counted_as_nacked():
     assert [(r.nacked, r.transfers) for r in rounds] == [(0, 1)]
 
 
-def test_a_clock_that_is_off_keeps_to_its_own_rounds_without_drift():
-    """Half a tick in 1000 periods would show."""
+def test_a_slow_clock_schedules_rounds_without_rounding_drift():
+    """The test would detect an error of half a tick in 1000 periods."""
     period = Fraction(1000) / (1 - Fraction(30, 1_000_000))
-    desk = Desk(Schedule(first=0, period=period, gap=0), [PLAIN])
+    desk = HeadRig(Schedule(first=0, period=period, gap=0), [PLAIN])
     dues = [r.due for r in desk.run(2_000_000)]
     assert dues == [n * 1_000_000_000 // 999_970 for n in range(len(dues))] and len(dues) > 1990

@@ -1,4 +1,4 @@
-"""The line between host frames, ideal sensors on a motion, and distances round a 16-bit word."""
+"""True values: straight lines between host frames, ideal sensors on a motion, and distances modulo a 16-bit word."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ LINE = LineBetweenFrames(ramp, PERIOD, shown)
 
 
 @given(st.integers(0, 100_000))
-def test_at_a_frame_it_is_the_frame(number: int):
+def test_at_a_frame_the_truth_is_the_frame(number: int):
     truth = LINE.at(number * PERIOD)
     assert truth == {name: list(axes) for name, axes in shown(ramp(number)).items()}
     assert list(truth["gyroscope"]) + list(truth["accelerometer"]) == list(ramp(number))
 
 
 @given(st.integers(0, 100_000), st.fractions(0, 1))
-def test_between_two_frames_each_value_moves_evenly(number: int, part: Fraction):
+def test_between_two_frames_each_value_changes_linearly(number: int, part: Fraction):
     began, later = LINE.at(number * PERIOD), LINE.at((number + part) * PERIOD)
     for chip, steps in {"gyroscope": (1, 3, 5), "accelerometer": (7, 11, 13)}.items():
         for before, now, step in zip(began[chip], later[chip], steps, strict=True):
             assert distance(now, before) == step * part
 
 
-def test_before_the_first_frame_it_is_the_first_frame():
+def test_before_the_first_frame_the_truth_is_the_first_frame():
     assert LINE.at(Fraction(-3)) == LINE.at(Fraction(0))
 
 
@@ -52,12 +52,12 @@ def test_before_the_first_frame_it_is_the_first_frame():
         (0x7FFF, 0, 0x7FFF),
     ],
 )
-def test_distances_go_the_shorter_way_round(a: float, b: float, apart: float):
+def test_distances_wrap_to_the_shorter_way(a: float, b: float, apart: float):
     assert distance(a, b) == apart
 
 
-def test_of_sensor_models_it_is_what_ideal_sensors_show_of_the_motion_at_that_instant():
-    """At rest, level and north: the expected means of Table 5.1's model, in LSB."""
+def test_the_truth_of_sensor_models_is_the_reading_of_ideal_sensors_at_that_time():
+    """At rest, level and facing north, the truth is the expected mean of the model of Table 5.1, in LSB."""
     truth = MotionTruth(ImuParameters(), kinds()["static"].motion(Pose()), Fraction(2, 1000)).at(Fraction(5))
     expected = {name: [one.mean for one in axes] for name, axes in expected_at_rest(ImuParameters()).items()}
     assert truth["gyroscope"] == pytest.approx(np.array(expected["gyroscope"]) * 14.375, abs=0.1)
@@ -65,7 +65,7 @@ def test_of_sensor_models_it_is_what_ideal_sensors_show_of_the_motion_at_that_in
     assert truth["magnetometer"] == pytest.approx(np.array(expected["magnetometer"]) * 660, abs=0.1)
 
 
-def test_its_seconds_count_from_the_first_frame():
+def test_the_seconds_of_the_motion_count_from_the_first_frame():
     moving = sines.motion(sines.Settings(angles=(sines.AngleWave("theta", 0.5, 0.5),)))
     early, late = (
         MotionTruth(ImuParameters(), moving, Fraction(1, 10)),

@@ -1,4 +1,4 @@
-"""ADXL345 as a controller sees it: formats, rates, DATA_READY, Overrun, the FIFO's four modes, and what is left open.
+"""ADXL345 over the bus: formats, rates, DATA_READY, Overrun, the FIFO's four modes, and the open questions.
 
 Source: ADXL345 data sheet Rev 0.
 """
@@ -18,12 +18,12 @@ BW_RATE, POWER_CTL, INT_ENABLE, INT_SOURCE, DATA_FORMAT, DATA = 0x2C, 0x2D, 0x2E
 FIFO_CTL, FIFO_STATUS = 0x38, 0x39
 READY, WATERMARK, OVERRUN = 0x80, 0x02, 0x01
 MEASURE, SLEEP = 0x08, 0x04
-FIRST = 11_100 * US  # at 100 Hz: one period and 1.1 ms
+FIRST = 11_100 * US  # the first sample at 100 Hz: one period and 1.1 ms
 PERIOD = 10 * MS
 
 
 class Counter:
-    """A source that gives 1, 2, 3 ... LSB on x, one more each time it is asked, and notes when."""
+    """A source that gives 1, 2, 3 ... LSB on x, one more at each call. asked: the tick of each call."""
 
     def __init__(self) -> None:
         self.asked: list[int] = []
@@ -46,7 +46,7 @@ def measuring(*g: float, data_format: int = 0x08, **more: object) -> Bench:
 
 
 def counting(fifo_ctl: int, **options: object) -> tuple[Bench, Adxl345]:
-    """A chip that measures at 100 Hz from this moment on and shows how many samples it took."""
+    """A chip that measures at 100 Hz from the start of the test, with the number of samples so far as its value."""
     chip = Adxl345(TIMEBASE, Counter(), options=Adxl345Options(**options))
     bench = Bench(chip)
     chip.write(SECOND, DATA_FORMAT, 0x0B)
@@ -56,19 +56,20 @@ def counting(fifo_ctl: int, **options: object) -> tuple[Bench, Adxl345]:
 
 
 def after(samples: int) -> int:
-    """A moment between sample `samples` and the next."""
+    """A tick between sample `samples` and the next one."""
     return SECOND + FIRST + (samples - 1) * PERIOD + PERIOD // 2
 
 
 @pytest.mark.parametrize(("address", "other"), [(0x53, 0x1D), (0x1D, 0x53)])
-def test_it_answers_its_address_and_no_other(address: int, other: int):
+def test_it_acknowledges_its_address_and_no_other(address: int, other: int):
     chip = Adxl345(TIMEBASE, steady(0, 0, 0), address)
     bench = Bench(chip)
     assert bench.read(0x00) == b"\xe5"
     chip.address = other
     assert bench.write(0x1D) is True
     chip.address = address
-    bench.chips = (Adxl345(TIMEBASE, steady(0, 0, 0), other),)  # whom the controller asks, but nobody is there
+    # Bench addresses this chip, which is not on the bus.
+    bench.chips = (Adxl345(TIMEBASE, steady(0, 0, 0), other),)
     assert bench.write(0x00) is False
 
 
@@ -78,14 +79,14 @@ def test_in_standby_nothing_is_measured():
     assert not bench.read(INT_SOURCE)[0] & READY
 
 
-def test_x_y_z_come_low_byte_first_256_lsb_a_g():
+def test_x_y_z_are_sent_low_byte_first_with_256_lsb_per_g():
     assert measuring(0.25, -0.5, 1).read(DATA, 6).hex(" ") == "40 00 80 ff 00 01"
 
 
 @pytest.mark.parametrize("span", [0, 1, 2, 3])
 @pytest.mark.parametrize("full", [False, True])
 def test_scale_bits_and_saturation_of_every_range(span: int, full: bool):
-    """Full resolution: 256 LSB/g and 10 to 13 bits. Else 10 bits of 256, 128, 64, 32 LSB/g."""
+    """At full resolution 256 LSB/g and 10 to 13 bits, otherwise 10 bits and 256, 128, 64 or 32 LSB/g."""
     most = 512 << span if full else 512
     per_g = 256 if full else 256 >> span
     bench = measuring(1.5, 100, -100, data_format=span | full << 3)
@@ -93,8 +94,8 @@ def test_scale_bits_and_saturation_of_every_range(span: int, full: bool):
 
 
 @pytest.mark.parametrize(("data_format", "x"), [(0x04, 0x4000), (0x0C, 0x4000), (0x0F, 0x0800), (0x07, 0x0800)])
-def test_justify_moves_the_bits_to_the_left(data_format: int, x: int):
-    """1 g: of 10 bits at 2 g 256 << 6, of 13 bits at 16 g 256 << 3; of 10 bits at 16 g 32 << 6."""
+def test_justify_shifts_the_bits_to_the_left(data_format: int, x: int):
+    """1 g is 256 << 6 with 10 bits at 2 g, 256 << 3 with 13 bits at 16 g, and 32 << 6 with 10 bits at 16 g."""
     assert words(measuring(1, 0, 0, data_format=data_format).read(DATA, 2)) == [x]
 
 
@@ -105,7 +106,7 @@ def test_offsets_are_added_in_steps_of_4_lsb_at_full_resolution():
     assert words(bench.read(DATA, 6)) == [4, -4, 508]
 
 
-def test_halves_go_to_the_even_number():
+def test_halves_are_rounded_to_the_even_number():
     assert words(measuring(0.5 / 256, 1.5 / 256, -0.5 / 256).read(DATA, 6)) == [0, 2, 0]
 
 
@@ -113,7 +114,7 @@ def test_halves_go_to_the_even_number():
     ("code", "hertz"),
     [(0xF, 3200), (0xE, 1600), (0xD, 800), (0xC, 400), (0xB, 200), (0xA, 100), (9, 50), (8, 25), (7, 12.5), (6, 6.25)],
 )
-def test_the_first_sample_comes_a_period_and_1100_us_after_measure_then_one_a_period(code: int, hertz: float):
+def test_the_first_sample_is_a_period_and_1100_us_after_measure_and_then_one_each_period(code: int, hertz: float):
     source = Counter()
     chip = Adxl345(TIMEBASE, source)
     chip.write(0, BW_RATE, code)
@@ -135,10 +136,10 @@ def test_rates_do_not_drift():
     month = 30 * 24 * 3600 * SECOND
     chip.read(month, INT_SOURCE)
     assert (source.asked[-1] - source.asked[0]) % 312_500 == 0
-    assert month - source.asked[-1] < 312_500 and len(source.asked) < 100, "samples that nobody can see cost nothing"
+    assert month - source.asked[-1] < 312_500 and len(source.asked) < 100, "unobservable samples are skipped"
 
 
-def test_data_ready_rises_with_a_sample_and_falls_with_its_reading():
+def test_data_ready_is_set_by_a_sample_and_cleared_by_reading_it():
     bench, _ = counting(0)
     bench.kernel.run_until(SECOND + FIRST - 100 * US)
     assert bench.read(INT_SOURCE)[0] == WATERMARK
@@ -146,10 +147,10 @@ def test_data_ready_rises_with_a_sample_and_falls_with_its_reading():
     assert bench.read(INT_SOURCE)[0] == READY | WATERMARK
     assert words(bench.read(DATA, 6)) == [1, 0, -256]
     assert bench.read(INT_SOURCE)[0] == WATERMARK
-    assert words(bench.read(DATA, 2)) == [1], "the last sample stays"
+    assert words(bench.read(DATA, 2)) == [1], "the last sample is still in the registers"
 
 
-def test_overrun_says_that_an_unread_sample_was_replaced():
+def test_overrun_is_set_when_an_unread_sample_is_replaced():
     bench, _ = counting(0)
     bench.kernel.run_until(after(2))
     assert bench.read(INT_SOURCE)[0] == READY | WATERMARK | OVERRUN
@@ -157,7 +158,7 @@ def test_overrun_says_that_an_unread_sample_was_replaced():
     assert bench.read(INT_SOURCE)[0] == WATERMARK
 
 
-def test_six_bytes_of_one_burst_are_of_one_sample():
+def test_the_six_bytes_of_a_burst_belong_to_one_sample():
     """At 3200 Hz and 10 kHz SCL a burst lasts 20 samples."""
     chip = Adxl345(TIMEBASE, lambda tick: (Fraction(tick // 1000 % 512, 256),) * 3)
     chip.write(0, DATA_FORMAT, 0x0B)
@@ -169,11 +170,11 @@ def test_six_bytes_of_one_burst_are_of_one_sample():
     assert words(slow.read(DATA, 6))[0] != x
 
 
-def test_the_pointer_survives_stop_and_repeated_start_alike():
+def test_the_pointer_is_kept_over_a_stop_and_a_repeated_start():
     bench = measuring(0.25, -0.5, 1)
     assert bench.read(DATA, 6, by_stop=True) == bench.read(DATA, 6)
     bench.write(DATA)
-    assert bench.read_on(2) + bench.read_on(2) == bench.read(DATA, 4), "it goes on where it was left"
+    assert bench.read_on(2) + bench.read_on(2) == bench.read(DATA, 4), "a read continues where the last one ended"
 
 
 # FIFO ------------------------------------------------------------------------------
@@ -192,12 +193,12 @@ def test_fifo_mode_keeps_the_first_33_and_stops():
     bench.kernel.run_until(after(60))
     assert bench.read(FIFO_STATUS)[0] == 32
     assert bench.read(INT_SOURCE)[0] == READY | WATERMARK | OVERRUN
-    chip.write(bench.kernel.now, POWER_CTL, 0)  # standby does not empty it
+    chip.write(bench.kernel.now, POWER_CTL, 0)  # standby does not empty the FIFO
     assert [words(bench.read(DATA, 6))[0] for _ in range(34)] == [*range(1, 34), 33]
     assert bench.read(FIFO_STATUS)[0] == 0 and not bench.read(INT_SOURCE)[0] & READY
 
 
-@pytest.mark.parametrize("mode", [0x80, 0xC0])  # nothing triggers
+@pytest.mark.parametrize("mode", [0x80, 0xC0])  # in trigger mode, no trigger occurs
 def test_stream_and_trigger_mode_keep_the_last_33(mode: int):
     bench, chip = counting(mode | 10)
     bench.kernel.run_until(after(50))
@@ -215,7 +216,7 @@ def test_bypass_empties_the_fifo():
 
 
 @pytest.mark.parametrize("mode", [0x00, 0x40, 0x80, 0xC0])
-def test_only_another_mode_forgets_what_was_overrun(mode: int):
+def test_overrun_is_cleared_only_by_a_change_of_the_mode(mode: int):
     for written, kept in ((mode | 9, True), (mode ^ 0x40, False)):
         _, chip = counting(mode | 4)
         assert chip.read(after(60), INT_SOURCE) & OVERRUN
@@ -248,14 +249,14 @@ def test_sleep_stops_the_samples():
         (POWER_CTL, 0x10, "unknown", "AUTO_SLEEP"),
     ],
 )
-def test_what_leaves_a_note(number: int, value: int, code: str, what: str):
+def test_settings_that_are_not_modelled_or_allowed_leave_a_note(number: int, value: int, code: str, what: str):
     bench = Bench(Adxl345(TIMEBASE, steady(0, 0, 0)))
     bench.write(number, value)
     (note,) = bench.chips[0].notes
     assert note.code == code and what in note.text and note.source.startswith("ADXL345 Rev 0")
 
 
-def test_what_this_model_does_leaves_no_note():
+def test_modelled_settings_leave_no_note():
     """Measure, sleep and each wake-up rate; low power at the ends of its rates."""
     bench = Bench(Adxl345(TIMEBASE, steady(0, 0, 0)))
     for number, value in ((POWER_CTL, 0x0F), (POWER_CTL, 0x08), (BW_RATE, 0x0F), (BW_RATE, 0x17), (BW_RATE, 0x1C)):
@@ -263,12 +264,12 @@ def test_what_this_model_does_leaves_no_note():
     assert not bench.chips[0].notes
 
 
-def test_a_source_that_gives_no_number_is_a_mistake():
+def test_a_source_that_gives_nan_is_rejected():
     with pytest.raises(ValueError, match="source gave nan"):
         Adxl345(TIMEBASE, lambda tick: (float("nan"), 0, 0)).formatted((float("nan"), 0, 0))
 
 
-# What the sheet leaves open -----------------------------------------------------------
+# Open questions of the data sheet -----------------------------------------------------------
 
 
 @pytest.mark.parametrize(("answer", "following"), [("goes_on", 0x3A), ("wraps_to_0", 0x00), ("stays", 0x39)])

@@ -1,4 +1,4 @@
-"""HMC5883L as a controller sees it: modes, rates, gain, overflow, averages, RDY, LOCK, the pointer, what is left open.
+"""HMC5883L over the bus: modes, rates, gain, overflow, averages, RDY, LOCK, the pointer, and the open questions.
 
 Source: Honeywell HMC5883L data sheet.
 """
@@ -26,7 +26,7 @@ def continuous(*gauss: float, **more: object) -> Bench:
 
 
 def tick(periods: int | Fraction, begin: int = 0) -> int:
-    """The tick in which a measurement is there, so many periods after `begin` and the 50 ms of the analog part."""
+    """The tick at which a measurement ends, `periods` periods after `begin` or after the analog part's first 50 ms."""
     return max(begin, 50 * MS) + -(-2 * PERIOD // 1) + int((periods - 2) * PERIOD)
 
 
@@ -39,11 +39,11 @@ def test_it_acknowledges_200_us_after_power():
     assert bench.write(CRA)
 
 
-def test_it_says_who_it_is():
+def test_the_identification_registers_read_h43():
     assert continuous(0, 0, 0).read(ID, 3) == b"H43"
 
 
-def test_six_bytes_are_x_z_y_high_byte_first_at_1090_lsb_a_gauss():
+def test_six_bytes_are_x_z_y_high_byte_first_with_1090_lsb_per_gauss():
     assert words(continuous(0.1, 0.2, -0.3).read(DATA, 6)) == [109, -327, 218]
 
 
@@ -61,7 +61,7 @@ def test_gain_and_overflow(code: int, lsb: int):
     assert words(bench.read(DATA, 6)) == [-2048, 0, -4096]
 
 
-def test_a_new_gain_holds_from_the_second_measurement_on():
+def test_a_new_gain_applies_from_the_second_measurement():
     chip = Hmc5883l(TIMEBASE, steady(1, 0, 0))
     chip.write(0, MODE, CONTINUOUS)
     assert [chip.read(tick(3), n) for n in range(3, 9)][:2] == [0x04, 0x42]  # 1090
@@ -70,7 +70,7 @@ def test_a_new_gain_holds_from_the_second_measurement_on():
     assert shown == [1090, 660, 660]
 
 
-def test_a_new_gain_when_nobody_looks_for_several_measurements():
+def test_a_new_gain_applies_when_several_measurements_are_not_read():
     chip = Hmc5883l(TIMEBASE, steady(1, 0, 0))
     chip.write(0, MODE, CONTINUOUS)
     chip.write(tick(3) + 1, CRB, 3 << 5)
@@ -78,7 +78,7 @@ def test_a_new_gain_when_nobody_looks_for_several_measurements():
 
 
 @pytest.mark.parametrize(("code", "hertz"), [(0, 0.75), (1, 1.5), (2, 3), (3, 7.5), (4, 15), (5, 30), (6, 75)])
-def test_continuous_measurements_come_two_periods_after_the_mode_then_every_period(code: int, hertz: float):
+def test_continuous_measurements_end_two_periods_after_the_mode_and_then_every_period(code: int, hertz: float):
     source = Asked(Fraction(1090))
     chip = Hmc5883l(TIMEBASE, source)
     chip.write(SECOND, CRA, code << 2)
@@ -114,7 +114,7 @@ def test_a_single_measurement_takes_6_ms_and_leaves_the_chip_idle():
     assert bench.read(MODE)[0] == IDLE
     bench.chips[0].source = steady(1, 1, 1)
     bench.wait(SECOND)
-    assert words(bench.read(DATA, 6)) == [109, 327, 218], "idle: nothing new"
+    assert words(bench.read(DATA, 6)) == [109, 327, 218], "an idle chip makes no new measurement"
 
 
 def test_a_single_measurement_that_ends_while_data_are_being_read_is_lost():
@@ -126,7 +126,7 @@ def test_a_single_measurement_that_ends_while_data_are_being_read_is_lost():
     assert words(bench.read(DATA, 6)) == [0, 0, 0]
 
 
-def test_rdy_is_low_for_250_us_while_data_are_placed_and_until_the_next_once_they_are_read():
+def test_rdy_is_0_for_250_us_while_data_are_placed_and_after_they_are_read():
     chip = Hmc5883l(TIMEBASE, steady(0, 0, 0))
     chip.write(0, MODE, CONTINUOUS)
     status = [chip.read(tick(2) + t, STATUS) for t in (-1, 0, 250 * US - 1, 250 * US)]
@@ -140,7 +140,7 @@ def test_rdy_is_low_for_250_us_while_data_are_placed_and_until_the_next_once_the
 
 @pytest.mark.parametrize("how", ["some data read", "mode read"])
 @pytest.mark.parametrize("release", ["all six read", "mode written", "CRA written"])
-def test_lock_keeps_new_data_out(how: str, release: str):
+def test_lock_keeps_new_data_out_of_the_registers(how: str, release: str):
     source = Asked(Fraction(1090))
     chip = Hmc5883l(TIMEBASE, source)
     chip.write(0, MODE, CONTINUOUS)
@@ -159,7 +159,7 @@ def test_lock_keeps_new_data_out(how: str, release: str):
     assert chip.stored[DATA + 1] > 1
 
 
-def test_all_six_have_to_be_read_anew_after_they_were_read():
+def test_lock_needs_all_six_reads_again_after_it_was_cleared():
     chip = Hmc5883l(TIMEBASE, steady(0, 0, 0))
     chip.write(0, MODE, CONTINUOUS)
     locked = []
@@ -172,12 +172,12 @@ def test_all_six_have_to_be_read_anew_after_they_were_read():
 @pytest.mark.parametrize(
     ("mode", "cra", "end"),
     [
-        (CONTINUOUS, 0x30, 2 * PERIOD),  # more samples in an average: the rate stays
-        (CONTINUOUS, 0x14, 5 * MS + Fraction(2 * SECOND, 30)),  # 30 Hz: a new measurement begins
+        (CONTINUOUS, 0x30, 2 * PERIOD),  # more samples in an average: the rate does not change
+        (CONTINUOUS, 0x14, 5 * MS + Fraction(2 * SECOND, 30)),  # a change to 30 Hz: a new measurement begins
         (SINGLE, 0x14, 6 * MS),
     ],
 )
-def test_only_a_new_rate_in_continuous_mode_gives_up_a_measurement(mode: int, cra: int, end: Fraction):
+def test_only_a_new_rate_in_continuous_mode_restarts_a_measurement(mode: int, cra: int, end: Fraction):
     """CRA is written 5 ms after the mode."""
     source = Asked(Fraction(1090))
     chip = Hmc5883l(TIMEBASE, source)
@@ -204,13 +204,13 @@ def test_averages_are_spread_over_the_period(ma: int, number: int):
 @pytest.mark.parametrize(("ms", "sign"), [(1, 1), (2, -1)])
 def test_the_self_test_bias(ms: int, sign: int):
     bench = continuous(0, 0, 0)
-    bench.write(CRB, 5 << 5)  # 390 LSB a gauss
+    bench.write(CRB, 5 << 5)  # 390 LSB per gauss
     bench.write(CRA, 0x10 | ms)
     bench.wait(SECOND)
     assert words(bench.read(DATA, 6)) == [sign * 452, sign * 421, sign * 452]  # 1.16, 1.08, 1.16 gauss
 
 
-def test_the_pointer_goes_from_08_to_03_and_from_0c_to_00():
+def test_the_pointer_wraps_from_08_to_03_and_from_0c_to_00():
     bench = continuous(0.1, 0.2, 0.3)
     first = bench.read(DATA, 6)
     assert bench.read_on(6) == first and bench.read_on(7) == first + first[:1]
@@ -218,7 +218,7 @@ def test_the_pointer_goes_from_08_to_03_and_from_0c_to_00():
     assert bench.read(STATUS, 5)[1:] == b"H43\x10"
 
 
-def test_the_pointer_is_set_by_a_transfer_of_its_own():
+def test_the_pointer_can_be_set_in_a_separate_transfer():
     bench = continuous(0.1, 0.2, 0.3)
     assert bench.read(ID, 3, by_stop=True) == b"H43"
 
@@ -234,14 +234,14 @@ def test_the_pointer_is_set_by_a_transfer_of_its_own():
         (0x20, 0x00, "duty", "reserved"),
     ],
 )
-def test_what_leaves_a_note(number: int, value: int, code: str, what: str):
+def test_settings_that_are_not_modelled_or_allowed_leave_a_note(number: int, value: int, code: str, what: str):
     bench = continuous(0, 0, 0)
     bench.write(number, value)
     (note,) = bench.chips[0].notes
     assert note.code == code and what in note.text
 
 
-# What the sheet leaves open -----------------------------------------------------------
+# Open questions of the data sheet -----------------------------------------------------------
 
 
 @pytest.mark.parametrize("code", [2, 3])

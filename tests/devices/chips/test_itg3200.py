@@ -1,4 +1,4 @@
-"""ITG-3200 as a controller sees it: start-up, rates, scale, temperature, INT, standby, reset, and what is left open.
+"""ITG-3200 over the bus: start-up, rates, scale, temperature, INT, standby, reset, and the open questions.
 
 Source: InvenSense ITG-3200 Product Specification rev 1.4.
 """
@@ -33,11 +33,11 @@ def test_it_does_not_acknowledge_in_the_first_20_ms():
 
 
 @pytest.mark.parametrize(("address", "who"), [(0x68, 0x68), (0x69, 0x69)])
-def test_who_am_i(address: int, who: int):
+def test_who_am_i_is_the_address(address: int, who: int):
     assert bench_of(0, 0, 0, address=address).read(0x00)[0] == who
 
 
-def test_x_y_z_come_high_byte_first_and_14_375_lsb_a_degree_a_second():
+def test_x_y_z_are_sent_high_byte_first_with_14_375_lsb_per_degree_per_second():
     assert words(bench_of(10, -20, 30).read(GYRO, 6)) == [144, -288, 431]  # 143.75, -287.5, 431.25
 
 
@@ -46,17 +46,17 @@ def test_it_saturates_beyond_full_scale():
 
 
 @pytest.mark.parametrize(("celsius", "raw"), [(35, -13200), (25, -16000), (85, 800), (200, 32767)])
-def test_temperature_is_280_lsb_a_degree_and_minus_13200_at_35(celsius: float, raw: int):
+def test_temperature_is_280_lsb_per_degree_and_minus_13200_at_35(celsius: float, raw: int):
     bench = bench_of(0, 0, 0, temperature=lambda tick: celsius)
     assert words(bench.read(TEMP, 2)) == [raw]
 
 
-def test_temperature_and_axes_in_one_burst_of_eight():
+def test_a_burst_of_eight_bytes_has_temperature_and_axes():
     assert words(bench_of(1, 2, 3).read(TEMP, 8)) == [-16000, 14, 29, 43]
 
 
 @pytest.mark.parametrize(("cfg", "div", "hertz"), [(0, 0, 8000), (0, 7, 1000), (3, 0, 1000), (6, 19, 50), (1, 255, 0)])
-def test_the_sample_rate(cfg: int, div: int, hertz: int):
+def test_the_sample_rate_follows_from_filter_and_divider(cfg: int, div: int, hertz: int):
     source = Asked(Fraction(115, 8))
     chip = Itg3200(TIMEBASE, source)
     chip.write(0, DLPF_FS, 0x18 | cfg)
@@ -73,12 +73,12 @@ def test_the_sample_rate(cfg: int, div: int, hertz: int):
 def test_samples_begin_50_ms_after_power():
     bench = bench_of(10, 10, 10, begin=30 * MS)
     assert words(bench.read(GYRO, 2)) == [0]
-    assert bench.chips[0].touched == set(), "zeros are no sample: they depend on no open question"
+    assert bench.chips[0].touched == set(), "zeros before the first sample depend on no open question"
     bench.kernel.run_until(50 * MS + 125 * US)
     assert words(bench.read(GYRO, 2)) == [144]
 
 
-def test_raw_data_rdy_only_if_enabled_and_cleared_by_the_status_read():
+def test_raw_data_rdy_is_set_only_if_enabled_and_cleared_by_reading_the_status():
     bench = bench_of(0, 0, 0)
     bench.write(SMPLRT_DIV, 79)  # 100 Hz
     bench.wait(30 * MS)
@@ -91,7 +91,7 @@ def test_raw_data_rdy_only_if_enabled_and_cleared_by_the_status_read():
     assert bench.read(INT_STATUS)[0] == 0
 
 
-def test_int_anyrd_2clear_lets_any_read_clear_it():
+def test_with_int_anyrd_2clear_any_read_clears_raw_data_rdy():
     bench = bench_of(0, 0, 0)
     bench.write(SMPLRT_DIV, 79)
     bench.write(INT_CFG, RAW_EN | ANY_READ)
@@ -100,10 +100,10 @@ def test_int_anyrd_2clear_lets_any_read_clear_it():
     assert bench.read(INT_STATUS)[0] == 0
 
 
-def test_itg_rdy_comes_1_ms_after_the_clock_source_was_chosen():
+def test_itg_rdy_is_set_1_ms_after_the_clock_source_was_chosen():
     bench = bench_of(0, 0, 0)
     bench.write(INT_CFG, RDY_EN)
-    assert bench.read(INT_STATUS)[0] == RDY, "it has been ready since power-on"
+    assert bench.read(INT_STATUS)[0] == RDY, "the clock source of power-on has settled"
     bench.write(PWR_MGM, 0x01)
     assert bench.read(INT_STATUS)[0] == 0
     bench.wait(1 * MS)
@@ -111,11 +111,11 @@ def test_itg_rdy_comes_1_ms_after_the_clock_source_was_chosen():
     assert bench.read(INT_STATUS)[0] == 0
 
 
-def test_the_settling_of_the_clock_source_ends_to_the_tick():
+def test_the_settling_of_the_clock_source_ends_at_the_exact_tick():
     chip = Itg3200(TIMEBASE, steady(0, 0, 0))
     chip.write(SECOND, INT_CFG, RDY_EN)
     chip.write(SECOND, PWR_MGM, 0x01)
-    chip.read(SECOND, INT_STATUS)  # of the source before
+    chip.read(SECOND, INT_STATUS)  # clears RDY of the source before
     assert [chip.read(SECOND + MS + t, INT_STATUS) for t in (-1, 0, 1)] == [0, RDY, 0]
 
 
@@ -143,7 +143,7 @@ def test_sleep_keeps_the_last_sample_and_waking_takes_50_ms():
     assert words(bench.read(GYRO, 2)) == [asleep + 1]
 
 
-def test_h_reset_puts_every_register_back_and_clears_itself():
+def test_h_reset_resets_every_register_and_clears_itself():
     bench = bench_of(10, 10, 10)
     bench.write(SMPLRT_DIV, 9, 0x1B, RAW_EN)
     bench.write(PWR_MGM, RESET | 0x03)
@@ -153,7 +153,7 @@ def test_h_reset_puts_every_register_back_and_clears_itself():
         assert words(bench.read(GYRO, 6)) == [shown] * 3
 
 
-def test_a_burst_write_goes_from_register_to_register():
+def test_a_burst_write_fills_consecutive_registers():
     bench = bench_of(0, 0, 0)
     bench.write(SMPLRT_DIV, 7, 0x1B, RAW_EN)
     assert bench.read(SMPLRT_DIV, 3).hex(" ") == "07 1b 01"
@@ -171,14 +171,14 @@ def test_reserved_settings_leave_a_note(number: int, value: int, what: str):
 
 
 @pytest.mark.parametrize(("clk_sel", "codes"), [(0, []), (3, []), (4, ["unknown"]), (5, ["unknown"]), (7, ["duty"])])
-def test_an_external_clock_leaves_a_note_since_it_is_not_modelled(clk_sel: int, codes: list[str]):
+def test_an_external_clock_leaves_a_note_because_it_is_not_modelled(clk_sel: int, codes: list[str]):
     bench = bench_of(0, 0, 0)
     bench.write(PWR_MGM, clk_sel)
     assert [note.code for note in bench.chips[0].notes] == codes
     assert all(f"CLK_SEL = {clk_sel} " in note.text for note in bench.chips[0].notes)
 
 
-# What the specification leaves open -----------------------------------------------------
+# Open questions of the specification -----------------------------------------------------
 
 
 @pytest.mark.parametrize(("answer", "who"), [("ad0", 0x69), ("zero", 0x68)])
@@ -217,7 +217,7 @@ def test_open_fs_sel_other(answer: str, x: int):
     assert "fs_sel_other" in bench.chips[0].touched
 
 
-def test_with_fs_sel_3_no_read_depends_on_the_others():
+def test_with_fs_sel_3_no_read_depends_on_the_open_question_of_other_values():
     bench = bench_of(10, 0, 0)
     bench.write(DLPF_FS, 0x18)
     bench.wait(MS)
@@ -233,7 +233,7 @@ def test_a_reserved_register_reads_0_and_leaves_a_note():
 
 @pytest.mark.parametrize("answer", ["coherent", "live"])
 def test_open_burst(answer: str):
-    """At 8 kHz and 10 kHz SCL every byte sees another sample, unless the burst keeps the first."""
+    """With 8 kHz samples and SCL at 10 kHz, each byte is of another sample unless the burst keeps the first one."""
     slow = BusTiming(50 * US, 50 * US, 300, 50 * US, 50 * US, 50 * US, 50 * US)
     bench = Bench(Itg3200(TIMEBASE, Asked(Fraction(115, 8)), options=Itg3200Options(burst=answer)), timing=slow)
     bench.read(GYRO, 1)

@@ -1,4 +1,4 @@
-"""The base of register chips: what chips of the last release may still do."""
+"""The base class of register chips accepts chips that were written for the last release."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tests.devices.bench import TIMEBASE
 SECOND = 10**9  # in ticks of TIMEBASE
 
 
-def test_a_chip_with_the_former_name_of_advance_to_works_and_is_warned_about():
+def test_a_chip_that_overrides_the_former_name_of_advance_to_works_with_a_warning():
     called: list[int] = []
     with pytest.warns(DeprecationWarning, match=r"^Former\.catch_up is now called advance_to; "):
 
@@ -20,7 +20,7 @@ def test_a_chip_with_the_former_name_of_advance_to_works_and_is_warned_about():
                 called.append(now)
 
     def samples(kind: type[Hmc5883l]) -> list[int]:
-        """The ticks at which the chip samples its source within a second."""
+        """The ticks within a second at which a chip of this class samples its source."""
         asked: list[int] = []
         chip = kind(TIMEBASE, lambda tick: (asked.append(tick) or 0, 0, 0), 0x1E)
         chip.write(0, 2, 0x00)  # continuous measurement

@@ -1,4 +1,4 @@
-"""What chips feel: tables, arrays and rules as functions of time."""
+"""Sources of sensed values: tables, arrays and rules as functions of time."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from periph_sim.devices.chips.sensed_values import held, numbered, scaled
 from tests.devices.bench import TIMEBASE
 
 
-def test_a_row_holds_until_the_next():
+def test_a_row_is_valid_until_the_next():
     source = held([10, 20], [(1, 0, 0), (2, 0, 0)])
     assert [source(tick)[0] for tick in (-5, 10, 19, 20, 1000)] == [1, 1, 1, 2, 2]
 
 
-def test_arrays_do_as_well_and_go_through_a_chip():
+def test_arrays_are_accepted_and_can_feed_a_chip():
     source = held(np.array([0, 10_000_000], np.int64), np.array([[0.25, 0.5, 1], [-0.25, -0.5, -1]]))
     chip = Adxl345(TIMEBASE, source)
     assert chip.formatted(source(0)).hex() == "400080000001"
@@ -25,7 +25,7 @@ def test_arrays_do_as_well_and_go_through_a_chip():
 
 
 @pytest.mark.parametrize(("ticks", "number"), [([1, 1], 2), ([2, 1], 2), ([1], 2), ([], 0)])
-def test_times_that_do_not_fit_are_refused(ticks: list[int], number: int):
+def test_times_that_do_not_rise_or_do_not_match_the_rows_are_rejected(ticks: list[int], number: int):
     with pytest.raises(ValueError, match=r"must rise|each row needs one"):
         held(ticks, [(0, 0, 0)] * number)
 
@@ -41,12 +41,12 @@ def test_numbers_change_every_period_and_are_zero_before_the_first():
     ]
 
 
-def test_lsb_become_units_exactly():
+def test_lsb_are_converted_to_units_exactly():
     source = scaled(lambda tick: (115, -1, 0), Fraction(115, 8))
     assert source(0) == (8, Fraction(-8, 115), 0)
 
 
-def test_a_frame_is_worked_out_once_however_often_it_is_sampled_in_a_row():
+def test_a_frame_is_computed_once_for_consecutive_samples():
     asked: list[int] = []
     source = scaled(numbered(0, 10, lambda n: (asked.append(n), (n, 0, 2 * n))[1]), Fraction(2))
     ticks = (0, 4, 9, 10, 11, 5, 19)

@@ -1,4 +1,4 @@
-"""What the drivers of the sensor head write before the first round, as the chips take it."""
+"""The settings that the drivers of the sensor head write before the first round, as the chips receive them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ G_2, GAUSS_2_5, DEG_S_2000 = 0, 3, 3  # codes of full scales
         ("magnetometer", "hmc5883l", {"CRA.MA": 0, "CRA.DO": 6, "CRA.MS": 0, "CRB.GN": GAUSS_2_5, "Mode.MD": 0}),
     ],
 )
-def test_a_driver_finds_its_chip_and_sets_rate_scale_and_mode(name: str, model: str, fields: dict[str, int]):
+def test_a_driver_sets_rate_scale_and_mode_of_its_chip(name: str, model: str, fields: dict[str, int]):
     bench = Bench(chip_models()[model](TIMEBASE, steady(0, 0, 0)))
     for request in CHIPS[name].startup:
         for transfer in request.transfers(by_stop=False):

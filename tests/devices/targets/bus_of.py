@@ -1,6 +1,6 @@
-"""The devices of a case on a bus, and a controller that is told what to do in the notation of the I2C specification.
+"""The devices of a case on a bus, and a controller whose transfers are written like those of the I2C specification.
 
-bus.do("50 W 00 1c 07 Sr 50 R 2")  ->  "50 00 1c 07 Sr 50 aa bb"      what went over the wires; ! is a NACK
+bus.do("50 W 00 1c 07 Sr 50 R 2")  ->  "50 00 1c 07 Sr 50 aa bb"      the bytes on the wires; ! is a NACK
 """
 
 from __future__ import annotations
@@ -19,7 +19,10 @@ FAST = BusTiming(low=1300, high=1200, hold=300, start_hold=600, start_setup=600,
 
 
 class Bus:
-    """folder: of the case. faults: its [[fault]] tables. device: its [device.NAME] tables."""
+    """A bus with devices.
+
+    folder: folder of the case. faults: its [[fault]] tables. device: its [device.NAME] tables.
+    """
 
     def __init__(
         self,
@@ -39,11 +42,11 @@ class Bus:
         self.last = Transfer("", [])
 
     def do(self, text: str) -> str:
-        """Make a transfer; the clock stands at its STOP then."""
+        """Make a transfer, run until its STOP, and return the bytes on the wires."""
         self.last = Transfer("test", [_phase(part) for part in text.split(" Sr ")])
         self.controller.begin(self.last, lambda done: self.kernel.stop())
         self.kernel.run_until(self.kernel.now + SECOND)
-        return " Sr ".join(_told(phase) for phase in self.last.phases if phase.start_at >= 0)
+        return " Sr ".join(_bytes_on_wires(phase) for phase in self.last.phases if phase.start_at >= 0)
 
     def wait(self, ticks: int) -> None:
         self.kernel.run_until(self.kernel.now + ticks)
@@ -59,7 +62,7 @@ def _phase(text: str) -> Phase:
     return Phase(int(address, 16), False, bytes.fromhex("".join(rest)))
 
 
-def _told(phase: Phase) -> str:
+def _bytes_on_wires(phase: Phase) -> str:
     data = phase.got if phase.read else phase.data[: len(phase.acks)]
     acks = [True] * len(phase.got) if phase.read else phase.acks
     marks = [f"{byte:02x}{'' if ack else '!'}" for byte, ack in zip(data, acks, strict=True)]

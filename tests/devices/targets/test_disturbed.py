@@ -1,4 +1,4 @@
-"""Devices that stretch or are faulty: which bytes are struck, with what, and that equal seeds strike alike."""
+"""Devices that stretch or are faulty: the bytes that are affected, the effect, and its dependence on the seed."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def faulty(**fault: Any) -> Bus:
 
 
 @pytest.mark.parametrize(
-    ("fault", "told"),
+    ("fault", "shown"),
     [
         ({"kind": "nack"}, "50!"),
         ({"kind": "nack", "bytes": [2]}, "50 00 00! Sr 50 11 22 33 44"),
@@ -32,23 +32,23 @@ def faulty(**fault: Any) -> Bus:
         ({"kind": "flip", "bit": 7, "bytes": [1, 4]}, "50 00 00 Sr 50 91 22 33 c4"),
     ],
 )
-def test_a_faulty_byte(fault: dict[str, Any], told: str):
-    assert faulty(**fault).do(READ) == told
+def test_faults_change_the_selected_bytes(fault: dict[str, Any], shown: str):
+    assert faulty(**fault).do(READ) == shown
 
 
-def test_a_refused_byte_is_not_taken():
+def test_a_refused_byte_is_not_stored():
     bus = faulty(kind="nack", access="write", bytes=[4])
     assert bus.do("50 W 00 00 aa bb") == "50 00 00 aa bb!"
     assert bus.scene.devices["memory"].target.memory[:2] == b"\xaa\x22"
 
 
-def test_phases_count_from_1_and_those_of_the_access_alone():
+def test_phases_are_counted_from_1_and_per_access():
     bus = faulty(kind="wrong", value=0, access="read", phases=[2])
     reads = [bus.do("50 W 00 00 Sr 50 R 1")[-2:] for _ in range(3)]
     assert reads == ["11", "00", "11"]
 
 
-def test_from_one_time_to_the_other():
+def test_a_fault_is_active_between_after_and_until():
     bus = faulty(kind="wrong", value=0, after="200 us", until="400 us")
     reads = []
     for _ in range(3):
@@ -84,14 +84,14 @@ def shares(seed: int) -> list[int]:
     return stretches
 
 
-def test_by_chance_and_equal_in_every_run():
+def test_random_stretches_are_equal_in_every_run():
     first = shares(1)
     assert first == shares(1) != shares(2)
     struck = [stretch for stretch in first if stretch]
     assert 3 < len(struck) < 17 and len(set(struck)) > 2
 
 
-def test_sda_is_held_for_so_many_clocks():
+def test_sda_is_held_for_a_number_of_clocks():
     bus = faulty(kind="hold", access="read", bytes=[2], clocks=4, phases=[1])
     assert bus.do(READ) == "50 00 00 Sr 50 11 02 33 44"  # 22 begins with 0010: its first four bits are 0 now
     assert bus.do(READ).endswith("11 22 33 44")
@@ -103,15 +103,15 @@ def test_sda_held_for_a_time_is_a_stuck_line():
     assert bus.last.phases[1].got[0] == 0
 
 
-def test_without_power_it_lets_go_answers_nobody_and_comes_back():
+def test_without_power_a_device_releases_the_bus_and_does_not_acknowledge():
     bus = faulty(kind="off", after="100 us", until="300 us")
-    assert bus.do(READ) == "50 00 00 Sr 50 3f ff ff ff"  # after two bits of 0x11 the line is high
+    assert bus.do(READ) == "50 00 00 Sr 50 3f ff ff ff"  # after two bits of 0x11, SDA is always high
     assert bus.do("50 W") == "50!"
     bus.wait(200 * US)
     assert bus.do(READ).endswith("11 22 33 44")
 
 
-def test_registers_forget_without_power():
+def test_registers_are_reset_by_a_loss_of_power():
     register = [{"name": "R", "at": 0, "reset": 1}]
     bus = Bus(
         it={
@@ -147,6 +147,6 @@ CHIP = {
         ({"stretch": "30 us"}, ["stretch"]),
     ],
 )
-def test_sensor_chips_are_disturbed_alike(disturbed: dict[str, Any], broken: list[str]):
+def test_sensor_chips_have_the_same_disturbances(disturbed: dict[str, Any], broken: list[str]):
     chip = {"it": {**CHIP["chip"]["it"], **disturbed}}  # type: ignore[index,call-overload]
     assert run_case(Case.model_validate({**CHIP, "chip": chip}), "0.01").broken() == broken

@@ -1,4 +1,4 @@
-"""24C02 to 24LC512 on the wires: pages, busy times, addresses, contents. Figures are those of the data sheets."""
+"""EEPROMs 24C02 to 24LC512: pages, write times, addresses, contents. The figures are from the data sheets."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tests.devices.targets.bus_of import Bus
 
 MS = 10**6  # ticks
 
-# (model, bytes, page, bytes of the word address, addresses): Microchip and Atmel data sheets, table of each first page
+# (model, bytes, page, bytes of the word address, addresses), from page 1 of the Microchip and Atmel data sheets
 SHEETS = [
     ("24c02", 256, 8, 1, "50"),
     ("24c04", 512, 16, 1, "50 51"),
@@ -47,7 +47,7 @@ def test_sizes_pages_and_addresses_are_those_of_the_data_sheets(
     assert read == ["dd", *["ee"] * (page - 1), read[-1]] and read[-1] in ("ff", f"{page:02x}")
 
 
-def test_a_page_write_goes_round_in_its_page():
+def test_a_page_write_wraps_within_its_page():
     bus = eeprom()
     bus.do("50 W 00 fe 11 22 33 44")
     assert bus.notes("eeprom") == ["the write at 0x00fe went beyond its page's end, 0x00ff, on to 0x00e0"]
@@ -56,7 +56,7 @@ def test_a_page_write_goes_round_in_its_page():
     assert bus.do("50 W 00 e0 Sr 50 R 3") == "50 00 e0 Sr 50 33 44 ff"
 
 
-def test_a_page_may_be_a_single_byte():
+def test_a_page_can_be_a_single_byte():
     bus = eeprom(page=1)
     bus.do("50 W 00 07 11 22")
     assert bus.notes("eeprom") == ["the write at 0x0007 went beyond its page's end, 0x0007, on to 0x0007"]
@@ -64,14 +64,14 @@ def test_a_page_may_be_a_single_byte():
     assert bus.do("50 W 00 07 Sr 50 R 2") == "50 00 07 Sr 50 22 ff"
 
 
-def test_a_page_written_whole_stays_in_it():
+def test_a_write_of_a_full_page_does_not_change_other_pages():
     bus = eeprom("24c02")
     bus.do("50 W 08 01 02 03 04 05 06 07 08")
     assert bus.notes("eeprom") == []
 
 
 @pytest.mark.parametrize(("given", "longest"), [({}, 5.0), ({"write_time": "3.3 ms"}, 3.3)])
-def test_it_is_busy_from_the_stop_for_its_write_time(given: dict[str, str], longest: float):
+def test_it_is_busy_for_its_write_time_after_the_stop(given: dict[str, str], longest: float):
     bus = eeprom(**given)
     bus.do("50 W 00 00 55")
     stop = bus.kernel.now
@@ -96,14 +96,14 @@ def test_a_range_of_write_times_is_drawn_by_the_seed():
     assert polls() == polls() and len(set(polls())) > 1
 
 
-def test_a_pointer_alone_writes_nothing_and_keeps_nobody_waiting():
+def test_a_pointer_alone_writes_nothing_and_does_not_make_it_busy():
     bus = eeprom(contents="0a 0b")
     assert bus.do("50 W 00 01") == "50 00 01"
     assert bus.do("50 R 1") == "50 0b"
-    assert bus.do("50 R 1") == "50 ff"  # goes on where the last read ended
+    assert bus.do("50 R 1") == "50 ff"  # continues where the last read ended
 
 
-def test_a_write_that_a_start_ends_is_not_stored():
+def test_a_write_that_ends_with_a_start_is_not_stored():
     bus = eeprom()
     assert bus.do("50 W 00 00 55 Sr 50 R 1") == "50 00 00 55 Sr 50 ff"
     bus.do("50 W 00 00 Sr 50 R 1")
@@ -111,23 +111,23 @@ def test_a_write_that_a_start_ends_is_not_stored():
     assert bus.scene.devices["eeprom"].target.memory[0] == 0xFF
 
 
-def test_a_write_that_a_stop_cuts_in_the_middle_of_a_byte_is_not_stored():
+def test_a_write_that_ends_in_the_middle_of_a_byte_is_not_stored():
     cut = {"kind": "condition", "condition": "STOP", "at": "100 us", "late": "500 ns"}  # in the second byte of data
     bus = Bus(faults=(cut,), eeprom={"model": "24lc64"})
     bus.do("50 W 00 00 ff ff")
     assert bus.notes("eeprom") == ["the write at 0x0000 is not stored: a STOP in the middle of a byte ended it"]
-    assert bus.do("50 W") == "50"  # nothing is written, so nobody has to wait
+    assert bus.do("50 W") == "50"  # nothing is written, so it is not busy
 
 
-def test_block_bits_of_the_device_address_are_the_upper_word_address():
+def test_block_bits_of_the_device_address_are_the_upper_bits_of_the_word_address():
     bus = eeprom("24c16")
     bus.do("53 W 10 77")
     bus.wait(5 * MS)
     assert bus.scene.devices["eeprom"].target.memory[0x310] == 0x77
-    assert bus.do("50 W 10 Sr 53 R 1") == "50 10 Sr 53 77"  # those of the read count
+    assert bus.do("50 W 10 Sr 53 R 1") == "50 10 Sr 53 77"  # the block bits of the read apply
 
 
-def test_write_protection_acknowledges_and_stores_nothing():
+def test_a_write_protected_memory_acknowledges_and_stores_nothing():
     bus = eeprom(write_protect=True)
     assert bus.do("50 W 00 00 55") == "50 00 00 55"
     assert bus.do("50 W 00 00 Sr 50 R 1") == "50 00 00 Sr 50 ff"  # at once: there is no write cycle
@@ -137,12 +137,12 @@ def test_write_protection_acknowledges_and_stores_nothing():
 INTEL_HEX = ":0400100001020304E2\n:020000040000FA\n:01FFFE0009F9\n:00000001FF\n"
 
 
-def test_contents_may_fill_a_memory_to_its_last_byte():
+def test_contents_can_fill_a_memory_to_its_last_byte():
     bus = eeprom("24c02", contents=[*range(0x100)])
     assert bus.do("50 W fe Sr 50 R 3") == "50 fe Sr 50 fe ff 00"
 
 
-def test_contents_come_from_files_beside_the_case(tmp_path: Path):
+def test_contents_are_read_from_files_beside_the_case(tmp_path: Path):
     (tmp_path / "a.bin").write_bytes(b"\x01\x02")
     (tmp_path / "b.hex").write_text(INTEL_HEX)
     bus = Bus(
@@ -156,7 +156,7 @@ def test_contents_come_from_files_beside_the_case(tmp_path: Path):
 
 
 def record(kind: int, address: int, *data: int) -> str:
-    """A line of Intel HEX."""
+    """Return a line of Intel HEX."""
     raw = bytes([len(data), *address.to_bytes(2, "big"), kind, *data])
     return f":{raw.hex()}{-sum(raw) & 0xFF:02X}"
 
@@ -168,7 +168,7 @@ END = record(1, 0)
     ("records", "memory"),
     [
         (["", record(0, 2, 0x11, 0x22), "", END], b"\xff\xff\x11\x22"),
-        ([record(0, 2, 0x11), record(0, 0, 0x33, 0x44, 0x55), END], b"\x33\x44\x55"),  # the later one counts
+        ([record(0, 2, 0x11), record(0, 0, 0x33, 0x44, 0x55), END], b"\x33\x44\x55"),  # the later record applies
         ([record(5, 0, 0, 0, 1, 0), record(3, 0, 0, 1, 0, 0), record(0, 0, 0x11), END], b"\x11"),  # start addresses
         ([record(4, 0, 0, 1), record(0, 1, 0x11), END], bytes([0xFF]) * 0x10001 + b"\x11"),
         ([record(2, 0, 0, 1), record(0, 1, 0x11), END, "anything"], bytes([0xFF]) * 0x11 + b"\x11"),
@@ -191,7 +191,7 @@ def test_records_of_intel_hex(records: list[str], memory: bytes, tmp_path: Path)
         (["", END[:-1] + "E"], "line 2: its checksum is 0xfe, but 0xff was expected"),
     ],
 )
-def test_records_that_are_none(records: list[str], sentence: str, tmp_path: Path):
+def test_invalid_records_are_rejected_with_their_line(records: list[str], sentence: str, tmp_path: Path):
     (tmp_path / "a.hex").write_text("\n".join(records))
     with pytest.raises(ValueError, match=f"a.hex, {sentence}"):
         image(tmp_path / "a.hex")

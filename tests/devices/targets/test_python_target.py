@@ -1,4 +1,4 @@
-"""A class of the user's own as a device: its hooks, what it may ask for, and how its mistakes are told."""
+"""A class of the user as a device: its hooks, the services of its bus, and the messages about its mistakes."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ def device(folder: Path, text: str, **more: object) -> Bus:
     return Bus(folder, mine={"model": "mine.py", "address": 0x42, **more})
 
 
-def test_bytes_go_to_its_hooks(tmp_path: Path):
+def test_bytes_are_passed_to_its_hooks(tmp_path: Path):
     bus = device(tmp_path, ECHO)
     assert bus.do("42 W 0f Sr 42 R 2") == "42 0f Sr 42 f0 f0"
     assert bus.do("42 W 01 ee") == "42 01 ee!"
     assert bus.do("43 R 1") == "43!"
 
 
-def test_what_it_cannot_do_is_not_acknowledged(tmp_path: Path):
+def test_an_access_without_a_hook_is_not_acknowledged(tmp_path: Path):
     bus = device(
         tmp_path, "class Device:\n    def __init__(self, bus): ...\n    def on_read(self):\n        return 1\n"
     )
@@ -76,8 +76,8 @@ class Device:
 """
 
 
-def test_it_knows_the_time_stretches_calls_later_and_notes(tmp_path: Path):
-    bus = device(tmp_path, ALL, first=9, stretch={"length": "10 us", "access": "write"})  # the longer one counts
+def test_its_bus_gives_the_time_stretches_calls_back_later_and_takes_notes(tmp_path: Path):
+    bus = device(tmp_path, ALL, first=9, stretch={"length": "10 us", "access": "write"})  # the longer stretch applies
     assert bus.do("42 W 01 Sr 42 R 1") == "42 01 Sr 42 09"
     phase = bus.last.phases[0]
     assert phase.stretch == 40 * US - 1300  # from the fall of SCL, of which the controller holds 1.3 us itself
@@ -101,7 +101,7 @@ class Device:
 """
 
 
-def test_its_pins_drive_wires_and_show_their_levels(tmp_path: Path):
+def test_its_pins_drive_wires_and_read_their_levels(tmp_path: Path):
     unit = {"firmware": "responder", "modules": ["I2C-A", "GPIO"], "pins": {"DRDY": 12}}
     (tmp_path / "mine.py").write_text(PINS, encoding="utf-8")
     tables = {"name": "x", "duration": "1 s", "unit": {"dsp": unit}, "device": {"mine": {"model": "mine.py"}}}
@@ -133,7 +133,7 @@ class Device:
 """
 
 
-def test_a_pin_is_one_however_often_it_is_asked_for_and_its_level_changes_after_the_hook(tmp_path: Path):
+def test_repeated_requests_return_the_same_pin_and_its_level_changes_after_the_hook(tmp_path: Path):
     unit = {"firmware": "responder", "modules": ["I2C-A", "GPIO"], "pins": {"DRDY": 12}}
     (tmp_path / "mine.py").write_text(LATE, encoding="utf-8")
     mine = {"model": "mine.py", "address": 0x42}
@@ -156,7 +156,7 @@ class Device:
 """
 
 
-def test_a_stretch_called_later_holds_scl_of_an_idle_bus_and_is_of_no_phase(tmp_path: Path):
+def test_a_stretch_after_the_transfer_holds_scl_and_belongs_to_no_phase(tmp_path: Path):
     bus = device(tmp_path, IDLE)
     assert bus.do("42 W 01") == "42 01"
     shown = []
@@ -202,7 +202,9 @@ def test_a_stretch_called_later_holds_scl_of_an_idle_bus_and_is_of_no_phase(tmp_
         (ALL, {"frist": 3}, "device mine.py has no setting 'frist'; did you mean first?"),
     ],
 )
-def test_a_file_that_is_no_device_is_told_in_a_sentence(tmp_path: Path, text: str, more: dict[str, int], sentence: str):
+def test_a_file_that_is_not_a_device_is_rejected_with_a_sentence(
+    tmp_path: Path, text: str, more: dict[str, int], sentence: str
+):
     with pytest.raises(BadCase) as caught:
         device(tmp_path, text, **more)
     assert sentence in str(caught.value) and "case.toml" in str(caught.value) and "\n" not in str(caught.value)
@@ -219,7 +221,7 @@ def test_a_file_that_is_no_device_is_told_in_a_sentence(tmp_path: Path, text: st
         ("self.bus.after('1 us', self.fail)", "device mine: ZeroDivisionError at line 5 of mine.py: integer division"),
     ],
 )
-def test_what_a_hook_gets_wrong_is_told_with_its_line(tmp_path: Path, line: str, sentence: str):
+def test_a_mistake_of_a_hook_is_reported_with_its_line(tmp_path: Path, line: str, sentence: str):
     text = f"""\
 class Device:
     def __init__(self, bus):

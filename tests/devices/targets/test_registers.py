@@ -1,4 +1,4 @@
-"""A device of registers by its map: pointer, widths, kinds of bits, updates, the interrupt pin."""
+"""A device described by its register map: pointer, widths, kinds of bits, updates, the interrupt pin."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ COUNTED = [{**WORDS[0], "at": 0}, {**WORDS[1], "at": 1}]
 @pytest.mark.parametrize(
     ("registers", "more", "read"),
     [
-        (BYTES, {}, "10 11 12 00 00"),  # behind the map: unmapped
+        (BYTES, {}, "10 11 12 00 00"),  # the last two bytes are beyond the map
         (BYTES, {"unmapped": 0xFF}, "10 11 12 ff ff"),
         (BYTES, {"wrap": "map"}, "10 11 12 10 11"),
         (BYTES, {"auto_increment": False}, "10 10 10 10 10"),
@@ -42,17 +42,17 @@ COUNTED = [{**WORDS[0], "at": 0}, {**WORDS[1], "at": 1}]
         (COUNTED, {"pointer_counts": "registers", "wrap": "map"}, "11 22 33 44 11"),
     ],
 )
-def test_a_read_from_the_first_register_on(registers: list[dict[str, Any]], more: dict[str, Any], read: str):
+def test_a_read_of_five_bytes_from_the_first_register(registers: list[dict[str, Any]], more: dict[str, Any], read: str):
     assert device(*registers, **more).do("48 W 00 Sr 48 R 5") == f"48 00 Sr 48 {read}"
 
 
-def test_a_write_goes_on_behind_a_gap_of_the_map():
+def test_a_write_continues_after_a_gap_of_the_map():
     bus = device(*GAP)
     bus.do("48 W 00 aa bb cc dd")
     assert bus.do("48 W 00 Sr 48 R 4") == "48 00 Sr 48 aa 00 00 dd"
 
 
-def test_the_pointer_outlives_a_stop_and_may_have_two_bytes():
+def test_the_pointer_is_kept_over_a_stop_and_can_have_two_bytes():
     bus = device(
         {"name": "FAR", "at": 0x1234, "reset": 0x77}, {"name": "NEXT", "at": 0x1235, "reset": 0x78}, pointer_bytes=2
     )
@@ -62,27 +62,27 @@ def test_the_pointer_outlives_a_stop_and_may_have_two_bytes():
 
 
 @pytest.mark.parametrize(("size", "last"), [(1, 0xFF), (2, 0xFFFF)])
-def test_a_register_beyond_what_the_pointer_names_is_refused(size: int, last: int):
+def test_a_register_beyond_the_range_of_the_pointer_is_rejected(size: int, last: int):
     word = {"name": "WORD", "width": 16}
     device({**word, "at": last - 1}, pointer_bytes=size)
     with pytest.raises(BadCase, match=rf"WORD reaches {last + 1:#x}, beyond {last:#x}, the last that a pointer of"):
         device({**word, "at": last}, pointer_bytes=size)
 
 
-def test_the_pointer_goes_from_its_last_value_to_0():
+def test_the_pointer_wraps_from_its_last_value_to_0():
     bus = device({"name": "LAST", "at": 0xFF, "reset": 1}, {"name": "FIRST", "at": 0, "reset": 2})
     assert bus.do("48 W ff Sr 48 R 2") == "48 ff Sr 48 01 02"
 
 
-def test_read_only_bits_stay_and_written_ones_clear():
+def test_read_only_bits_are_kept_and_writing_1_clears_others():
     bus = device({"name": "MIXED", "at": 0, "reset": 0xF3, "read_only": 0xC0, "write_1_clears": 0x03})
-    bus.do("48 W 00 01")  # bits 7:6 stay, 5:4 take 0, of 1:0 the written one is cleared
+    bus.do("48 W 00 01")  # bits 7:6 are kept, 5:4 become 0, and of 1:0 the one written with 1 is cleared
     assert bus.do("48 W 00 Sr 48 R 1").endswith("c2")
     bus.do("48 W 00 30")
     assert bus.do("48 W 00 Sr 48 R 1").endswith("f2")
 
 
-def test_a_write_to_what_is_read_only_is_noted():
+def test_a_write_to_a_read_only_register_is_noted():
     bus = device({"name": "ID", "at": 0, "reset": 0x42, "read_only": True})
     assert bus.do("48 W 00 55 66") == "48 00 55 66"
     assert bus.do("48 W 00 Sr 48 R 1").endswith("42")
@@ -92,7 +92,7 @@ def test_a_write_to_what_is_read_only_is_noted():
     ]
 
 
-def test_bits_that_a_read_clears_are_read_once():
+def test_bits_with_read_clears_are_read_as_1_once():
     bus = device({"name": "STATUS", "at": 0, "reset": 0x81, "read_clears": 0x01})
     assert bus.do("48 W 00 Sr 48 R 1").endswith("81")
     assert bus.do("48 W 00 Sr 48 R 1").endswith("80")
@@ -100,7 +100,7 @@ def test_bits_that_a_read_clears_are_read_once():
 
 def test_a_register_of_16_bits_changes_with_its_last_byte():
     bus = device(*WORDS)
-    bus.do("48 W 00 aa")  # its first byte alone
+    bus.do("48 W 00 aa")  # its first byte only
     assert bus.do("48 W 00 Sr 48 R 2").endswith("11 22")
     bus.do("48 W 00 aa bb")
     assert bus.do("48 W 00 Sr 48 R 2").endswith("aa bb")
@@ -108,14 +108,14 @@ def test_a_register_of_16_bits_changes_with_its_last_byte():
     assert bus.do("48 W 00 Sr 48 R 2").endswith("aa cc")
 
 
-def test_a_value_that_changes_between_its_bytes_is_read_whole():
+def test_a_value_that_changes_between_its_bytes_is_read_consistently():
     bus = device({"name": "COUNT", "at": 0, "width": 16, "every": "1 us", "values": [0x0100, 0x02FF] * 500})
     reads = [bus.do("48 W 00 Sr 48 R 2")[-5:] for _ in range(4)]
     assert set(reads) <= {"01 00", "02 ff"}
 
 
 @pytest.mark.parametrize(("width", "counts"), [(8, "bytes"), (16, "registers")])
-def test_a_register_that_the_pointer_stays_on_is_read_anew_each_time(width: int, counts: str):
+def test_without_auto_increment_each_read_returns_the_new_value(width: int, counts: str):
     register = {"name": "COUNT", "at": 0, "width": width, "every": "1 us", "step": 1}
     read = device(register, auto_increment=False, pointer_counts=counts).do("48 W 00 Sr 48 R 6")
     data = bytes.fromhex(read.partition(" Sr 48 ")[2])
@@ -125,7 +125,7 @@ def test_a_register_that_the_pointer_stays_on_is_read_anew_each_time(width: int,
 
 @pytest.mark.parametrize("width", [8, 16])
 @pytest.mark.parametrize("key", ["reset", "read_only", "write_1_clears", "read_clears", "values", "updates"])
-def test_a_number_of_a_register_has_no_more_bits_than_it(width: int, key: str):
+def test_numbers_with_more_bits_than_their_register_are_rejected(width: int, key: str):
     def given(value: int) -> dict[str, Any]:
         more = {"values": {"every": "1 ms", "values": [value]}, "updates": {"updates": [["1 ms", value]]}}
         return {"name": "R", "at": 0, "width": width, **more.get(key, {key: value})}
@@ -151,7 +151,7 @@ def test_a_number_of_a_register_has_no_more_bits_than_it(width: int, key: str):
         ({"every": "1 ms", "step": 1, "first": "0 s"}, ""),
     ],
 )
-def test_keys_that_contradict_each_other(given: dict[str, Any], said: str):
+def test_keys_that_contradict_each_other_are_rejected(given: dict[str, Any], said: str):
     if not said:
         device({"name": "R", "at": 0, **given})
         return
@@ -169,7 +169,7 @@ def test_keys_that_contradict_each_other(given: dict[str, Any], said: str):
         ("x", "steps.csv, line 2: '1 ms,x' is no time and value; write them as 5 ms,0x12"),
     ],
 )
-def test_the_values_of_a_file_have_to_fit_their_register(value: str, said: str, tmp_path: Path):
+def test_values_in_a_file_that_do_not_fit_their_register_are_rejected(value: str, said: str, tmp_path: Path):
     (tmp_path / "steps.csv").write_text(f"at,value\n1 ms,{value}\n")
     if not said:
         bus = device({"name": "R", "at": 0, "updates": "steps.csv"}, folder=tmp_path)
@@ -192,7 +192,7 @@ def test_the_values_of_a_file_have_to_fit_their_register(value: str, said: str, 
         ({"every": "1 ms", "step": -1, "reset": 2}, "02 01 00 ff fe"),
     ],
 )
-def test_updates_at_each_millisecond(changes: dict[str, Any], values: str, tmp_path: Path):
+def test_values_at_each_millisecond_follow_the_updates(changes: dict[str, Any], values: str, tmp_path: Path):
     (tmp_path / "steps.csv").write_text("time,value\n1 ms,0x05\n3 ms,7\n")
     bus = device({"name": "R", "at": 0, **changes}, folder=tmp_path)
     read = []
@@ -230,7 +230,7 @@ def test_the_interrupt_pin_follows_its_bits(active: str):
 
 
 @pytest.mark.parametrize("active", ["low", "high"])
-@pytest.mark.parametrize(("bits", "expected"), [(1, "01000001"), (2, "11000011")])  # set by updates; set by the reset
+@pytest.mark.parametrize(("bits", "expected"), [(1, "01000001"), (2, "11000011")])  # updates set 1, the reset sets 2
 def test_without_power_the_interrupt_pin_is_idle_and_updates_are_skipped(bits: int, expected: str, active: str):
     unit = {"firmware": "responder", "modules": ["I2C-A", "GPIO"], "pins": {"DRDY": 12}}
     fault = {"kind": "off", "after": "1500 us", "until": "3500 us"}
@@ -242,13 +242,13 @@ def test_without_power_the_interrupt_pin_is_idle_and_updates_are_skipped(bits: i
     for half_ms in range(1, 9):
         scene.kernel.run_until(half_ms * scene.timebase.per_second // 2000)
         levels.append(scene.wires["DRDY"].level)
-    # every 1 ms an update; no power from 1.5 to 3.5 ms
+    # an update every 1 ms; no power from 1.5 to 3.5 ms
     assert levels == [int(pending == (active == "high")) for pending in map(int, expected)]
     target = scene.devices["it"].target
     assert isinstance(target, RegisterDevice) and target.values["DATA"] == 1
 
 
-def test_data_ready_is_set_with_each_update_and_cleared_by_its_read():
+def test_data_ready_is_set_by_each_update_and_cleared_by_its_read():
     bus = device(STATUS, DATA)
     read = []
     for wait in (500_000, 1_000_000, 10_000):

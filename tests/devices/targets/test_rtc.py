@@ -1,4 +1,4 @@
-"""A clock with two-byte register addresses on the wires: its write enable, its calendar, what it refuses and notes."""
+"""A real-time clock with two-byte register addresses: write enable, calendar, rejected settings and notes."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ def unlocked(**more: object) -> Bus:
 
 
 def shown(bus: Bus, wait: int = 0) -> str:
-    """The registers of the time that it shows after so many ticks."""
+    """The time registers, read after `wait` ticks."""
     bus.wait(wait)
     return bus.do(TIME).partition(" Sr 6f ")[2]
 
 
-def test_it_counts_from_the_time_that_the_case_gives():
+def test_it_counts_from_the_time_given_in_the_case():
     bus = clock(time="2012-02-29 23:59:58")
     assert shown(bus) == "58 59 a3 29 02 12 03 20"  # a Wednesday
     assert shown(bus, wait=SECOND) == "59 59 a3 29 02 12 03 20"
@@ -47,22 +47,20 @@ def test_its_calendar_has_the_years_1900_to_2099(time: str, registers: str):
     assert shown(clock(time=time)) == registers
 
 
-def test_its_crystal_may_be_fast():
+def test_its_crystal_can_be_fast():
     fast, exact = clock(time="2012-01-01 00:00:00", ppm=1000), clock(time="2012-01-01 00:00:00")
     fast.wait(SECOND - SECOND // 1000 + 1000)
     exact.wait(SECOND - SECOND // 1000 + 1000)
     assert (shown(fast)[:2], shown(exact)[:2]) == ("01", "00")
 
 
-def test_its_crystal_is_exact_where_the_case_does_not_say_otherwise():
+def test_its_crystal_is_exact_by_default():
     bus = clock(time="2012-01-01 00:00:00")
-    assert (
-        shown(bus, wait=1000 * SECOND - MS // 2)[:5] == "39 16"
-    )  # it was addressed less than half a millisecond before 00:16:40
+    assert shown(bus, wait=1000 * SECOND - MS // 2)[:5] == "39 16"  # addressed at most 0.5 ms before 00:16:40
     assert shown(bus, wait=MS)[:5] == "40 16"
 
 
-def test_a_read_shows_one_moment_however_long_it_takes():
+def test_all_bytes_of_a_long_read_are_of_one_time():
     bus = Bus(
         clock={"model": "isl12026", "time": "2012-01-01 00:00:59", "stretch": {"length": "20 ms", "access": "read"}}
     )
@@ -70,9 +68,9 @@ def test_a_read_shows_one_moment_however_long_it_takes():
     assert shown(bus)[:5] == "00 01"
 
 
-def test_it_is_set_by_eight_bytes_once_both_latches_are():
+def test_its_time_is_set_by_eight_bytes_while_both_latches_are_set():
     bus = clock()
-    assert bus.do("6f W 00 3f Sr 6f R 1").split()[-1] == "01"  # RTCF: it lost its time
+    assert bus.do("6f W 00 3f Sr 6f R 1").split()[-1] == "01"  # RTCF is set: the time was lost
     assert bus.do("6f W 00 30 50") == "6f 00 30 50!"
     bus.do(WEL)
     bus.do("6f W 00 30 50")
@@ -86,14 +84,14 @@ def test_it_is_set_by_eight_bytes_once_both_latches_are():
     ]
 
 
-def test_one_register_after_the_other_keeps_what_the_others_are():
+def test_a_write_of_one_register_keeps_the_others():
     bus = unlocked(time="2012-03-01 15:39:50")
     for at, value in (("37", "20"), ("35", "07"), ("34", "12"), ("33", "03"), ("31", "10"), ("30", "20")):
         bus.do(f"6f W 00 {at} {value}")
     assert shown(bus) == "20 10 95 03 12 07 04 20"
 
 
-def test_zeros_take_the_latches_back_and_nothing_else_sets_both():
+def test_zeros_clear_the_latches_and_only_the_right_sequence_sets_both():
     bus = unlocked()
     bus.do("6f W 00 3f 00")
     assert bus.do("6f W 00 30 50") == "6f 00 30 50!"
@@ -106,9 +104,9 @@ def test_zeros_take_the_latches_back_and_nothing_else_sets_both():
     ]
 
 
-def test_what_is_stored_for_good_takes_its_time_and_locks_again():
+def test_a_write_of_nonvolatile_registers_takes_the_write_time_and_clears_rwel():
     bus = unlocked(write_time="2 ms")
-    bus.do("6f W 00 0e aa bb cc")  # round in eight registers
+    bus.do("6f W 00 0e aa bb cc")  # wraps within eight registers
     assert bus.do("6f W 00 0e") == "6f!"
     bus.wait(2 * MS)
     assert bus.do("6f W 00 0e Sr 6f R 2").split()[-2:] == ["aa", "bb"]
@@ -116,14 +114,14 @@ def test_what_is_stored_for_good_takes_its_time_and_locks_again():
     assert bus.do("6f W 00 3f Sr 6f R 1").split()[-1] == "03"  # WEL and RTCF
 
 
-def test_a_write_that_no_stop_ends_counts_for_nothing():
+def test_a_write_without_a_stop_has_no_effect():
     bus = unlocked(time="2012-03-01 15:39:50")
     bus.do("6f W 00 30 11 Sr 6f R 1")
     assert shown(bus)[:2] == "50"
     assert bus.notes("clock") == ["the write at 0x30 has no effect: a START instead of a STOP ended it"]
 
 
-def test_an_hour_without_mil_is_one_of_twelve():
+def test_an_hour_without_mil_is_read_as_12_hour_format():
     bus = unlocked(time="2012-03-01 15:39:50")
     bus.do("6f W 00 32 15")
     assert shown(bus)[:8] == "50 39 15"
@@ -133,14 +131,14 @@ def test_an_hour_without_mil_is_one_of_twelve():
 
 
 @pytest.mark.parametrize(("battery", "after"), [(True, "01"), (False, "00")])
-def test_a_battery_carries_it_over_an_outage(battery: bool, after: str):
+def test_a_battery_keeps_the_time_over_a_loss_of_power(battery: bool, after: str):
     fault = [{"kind": "off", "after": "0.5 s", "until": "0.7 s"}]
     bus = unlocked(time="2012-03-01 15:39:00", battery=battery, fault=fault)
     assert shown(bus, wait=SECOND + 10 * MS)[:2] == after
     assert bus.do("6f W 00 3f Sr 6f R 1").split()[-1] == ("00" if battery else "01")
 
 
-def test_registers_that_it_does_not_have_are_noted():
+def test_accesses_to_missing_registers_are_noted():
     bus = unlocked()
     bus.do("6f W 00 18 11")
     bus.do("6f W 00 38 11")
@@ -152,7 +150,7 @@ def test_registers_that_it_does_not_have_are_noted():
     ]
 
 
-def test_an_address_beyond_its_registers_counts_modulo_their_number():
+def test_an_address_beyond_its_registers_is_taken_modulo_their_number():
     bus = unlocked()
     bus.do("6f W 01 45 aa")
     bus.wait(10 * MS)
@@ -160,7 +158,7 @@ def test_an_address_beyond_its_registers_counts_modulo_their_number():
     assert bus.do("6f W 02 05 Sr 6f R 1").split()[-1] == "aa"
 
 
-def test_registers_go_there_and_back():
+def test_times_are_equal_after_conversion_to_registers_and_back():
     for hour in range(24):
         for whole_day in (True, False):
             time = CalendarTime(datetime(1999, 12, 31, hour, 59, 8), 6, whole_day)
@@ -178,7 +176,7 @@ def test_registers_go_there_and_back():
         ("50 39 13 01 03 12 04 20", "HR 0x13 is no hour of 12"),
     ],
 )
-def test_registers_that_are_no_time(registers: str, sentence: str):
+def test_registers_without_a_valid_time_are_rejected(registers: str, sentence: str):
     with pytest.raises(BadTime, match=sentence):
         time_in(bytes.fromhex(registers))
 
@@ -194,7 +192,7 @@ def test_registers_that_are_no_time(registers: str, sentence: str):
         ({"tiem": "2012-03-01 15:39:50"}, "a isl12026 has no such key"),
     ],
 )
-def test_refused_in_one_sentence(given: dict[str, object], sentence: str):
+def test_invalid_settings_are_rejected_with_one_sentence(given: dict[str, object], sentence: str):
     with pytest.raises(BadCase, match=sentence) as error:
         clock(**given)
     assert "\n" not in str(error.value)

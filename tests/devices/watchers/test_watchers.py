@@ -1,6 +1,6 @@
-"""Watched wires, as timing diagrams: what is expected, what comes, the verdict.
+"""Watchers of wires: settings, a timing diagram of the wire, and the verdict.
 
-__~~~__~     a character is 100 us: low, high; it rises at 200 us, falls at 0.000500 s, rises at 700 us
+__~~~__~     a character is 100 us, low or high; this wire rises at 200 us, falls at 500 us, rises at 700 us
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ def case(**watch: Any) -> Case:
 
 
 def drawn(diagram: str, **watch: Any) -> Verdict:
-    """The verdict of a wire that somebody moves so."""
+    """The verdict about a wire that a party drives as in the diagram."""
     scene = Scene(case(**watch))
-    wire = scene.wires["LED"].attach("somebody")
+    wire = scene.wires["LED"].attach("party")
     wire.drive(int(diagram[0] == "~"))
     for number, (before, after) in enumerate(pairwise(diagram), 1):
         if before != after:
@@ -43,14 +43,14 @@ def drawn(diagram: str, **watch: Any) -> Verdict:
     return verdict
 
 
-def told(verdict: Verdict) -> tuple[str, float | None, str]:
+def summary(verdict: Verdict) -> tuple[str, float | None, str]:
     return verdict.verdict, verdict.worst, verdict.found
 
 
 TOO_FEW = " of LED occurred, and a period needs two; let the run last longer"
 STOPPED = "LED stopped: its last rise was at 0.000500 s"
 EDGES = [["200 us", "rise"], ["510 us", "fall"], ["700 us", "rise"]]
-# expected edges, the diagram, what is told: verdict, worst deviation in us, in words
+# settings of the watcher; the diagram; verdict, worst deviation in us, explanation
 DIAGRAMS: list[tuple[dict[str, Any], str, tuple[str, float | None, str]]] = [
     ({"edges": EDGES}, "__~~~__~~", ("pass", 10.0, "")),
     ({"edges": EDGES}, "__~~__~~~", ("fail", 110.0, "")),
@@ -64,7 +64,7 @@ DIAGRAMS: list[tuple[dict[str, Any], str, tuple[str, float | None, str]]] = [
     ({"edges": EDGES}, "__~~~__~_", ("fail", 10.0, "a fall of LED came at 0.000800 s, after the last expected one")),
     ({"edges": EDGES, "more": True}, "__~~~__~_", ("pass", 10.0, "")),
     ({"edges": EDGES}, "__~~~_", ("pass", 10.0, "")),  # the last one is not due yet
-    ({"edges": EDGES}, "__~~~__", ("pass", 10.0, "")),  # the last one is due, and may come 20 us late
+    ({"edges": EDGES}, "__~~~__", ("pass", 10.0, "")),  # the last one is due, but can still be up to 20 us late
     ({"edges": EDGES}, "_", ("not judged", None, "the run ended before the first edge was due; let it last longer")),
     ({"edges": EDGES, "after": "150 us"}, "~___~__~~", ("fail", 200.0, "")),
     ({"edges": [["0 us", "rise"], ["200 us", "fall"]], "since": "first edge"}, "____~~__", ("pass", 0.0, "")),
@@ -75,20 +75,20 @@ DIAGRAMS: list[tuple[dict[str, Any], str, tuple[str, float | None, str]]] = [
         ("fail", None, "a rise of LED was expected from 0.000000 s on, and did not come"),
     ),
     ({"kind": "blink", "rate": "2.5 kHz"}, "_~~__~~__~~_", ("pass", 0.0, "")),
-    ({"kind": "blink", "rate": "2.5 kHz"}, "_~___~~__~__", ("pass", 0.0, "")),  # how long it is on is not asked
+    ({"kind": "blink", "rate": "2.5 kHz"}, "_~___~~__~__", ("pass", 0.0, "")),  # the on-time is not judged
     ({"kind": "blink", "rate": "2.5 kHz", "duty": "50 %"}, "_~___~~__~_", ("fail", 100.0, "")),
     ({"kind": "blink", "rate": "2.5 kHz"}, "_~~__~~___~~", ("fail", 100.0, "")),
     ({"kind": "blink", "rate": "2.5 kHz"}, "_~~__~~______", ("fail", 0.0, STOPPED)),
     ({"kind": "blink", "rate": "2.5 kHz"}, "____________", ("fail", None, "LED did not rise by 0.000800 s")),
     ({"kind": "blink", "rate": "2.5 kHz"}, "_________~~__~~_", ("fail", 0.0, "LED did not rise by 0.000800 s")),
-    ({"kind": "blink", "rate": "2.5 kHz"}, "________~~__~~__", ("pass", 0.0, "")),  # at the latest time
+    ({"kind": "blink", "rate": "2.5 kHz"}, "________~~__~~__", ("pass", 0.0, "")),  # just in time
     ({"kind": "blink", "rate": "2.5 kHz", "first": "2 ms"}, "_________", ("not judged", None, f"no rise{TOO_FEW}")),
     ({"kind": "blink", "rate": "2.5 kHz"}, "_~~_", ("not judged", None, f"one rise{TOO_FEW}")),
     ({"kind": "blink", "rate": "2.5 kHz"}, "_~~__", ("not judged", None, f"one rise{TOO_FEW}")),  # one is due
     ({"kind": "blink", "rate": "2.5 kHz"}, "________", ("not judged", None, f"no rise{TOO_FEW}")),  # one is due
     ({"kind": "blink", "rate": "2.5 kHz", "after": "300 us"}, "~_~_~~__~~__", ("pass", 0.0, "")),
     (
-        {"kind": "blink", "rate": "2.5 kHz", "after": "400 us"},  # at which it rises, and that is not looked at
+        {"kind": "blink", "rate": "2.5 kHz", "after": "400 us"},  # the rise at this time is not judged
         "~_~_~~__~~__",
         ("not judged", None, f"one rise{TOO_FEW}"),
     ),
@@ -101,15 +101,15 @@ DIAGRAMS: list[tuple[dict[str, Any], str, tuple[str, float | None, str]]] = [
 
 
 @pytest.mark.parametrize(("watch", "diagram", "expected"), DIAGRAMS)
-def test_a_diagram(watch: dict[str, Any], diagram: str, expected: tuple[str, float | None, str]):
+def test_the_verdict_about_a_diagram(watch: dict[str, Any], diagram: str, expected: tuple[str, float | None, str]):
     verdict = drawn(diagram, **{"kind": "edges", **watch})
-    assert told(verdict) == expected
+    assert summary(verdict) == expected
     assert (verdict.name, verdict.measure, verdict.limit) == ("led", "watch:led", 20.0)
 
 
 @pytest.mark.parametrize(("level", "missing"), [(1, ""), (0, "")])
-def test_the_end_of_the_run_is_no_reason_where_edges_came(level: int, missing: str):
-    """Of the wrong kind, or the expected one."""
+def test_edges_at_the_end_of_the_run_are_not_reported_as_missing(level: int, missing: str):
+    """The only edge is the expected one, or one in the wrong direction."""
     refuted: list[str] = []
     place = WatchContext(
         "LED", lambda seconds: int(seconds * 10**6), 0, 5, lambda *_: None, lambda why, _: refuted.append(why)
@@ -140,13 +140,13 @@ def test_the_end_of_the_run_is_no_reason_where_edges_came(level: int, missing: s
         ({"edges": EDGES}, "kind"),
     ],
 )
-def test_refused_in_one_sentence(watch: dict[str, Any], sentence: str):
+def test_invalid_settings_are_rejected_with_one_sentence(watch: dict[str, Any], sentence: str):
     with pytest.raises((BadCase, ValueError)) as error:
         Scene(case(**watch))
     assert sentence in str(error.value)
 
 
-def test_a_mistake_names_its_line(tmp_path: Path):
+def test_a_mistake_is_reported_with_its_line(tmp_path: Path):
     text = """name = "watched"
 duration = "1 ms"
 [unit.dsp]
@@ -173,7 +173,7 @@ rate = "1 kHz"
         assert sentence in str(error.value), change
 
 
-def test_a_budget_of_ones_own_may_limit_percentiles():
+def test_a_budget_of_the_case_can_limit_percentiles():
     watch = {"kind": "blink", **COMMON, "rate": "1 Hz"}
     own = {"name": "most", "measure": "watch:led", "p50": "1 us"}
     more = Case.model_validate({**TABLES, "watch": {"led": watch}, "budget": [own]})

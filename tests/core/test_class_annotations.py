@@ -1,6 +1,6 @@
-"""Annotations of classes of modules without the future import `annotations`, which Python 3.14 stores otherwise."""
+"""Classes of modules without the future import `annotations`, whose annotations Python 3.14 stores differently."""
 
-# No future import here: this file is what it tests.
+# This file has no future import, because it is itself the module under test.
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -19,6 +19,6 @@ class Settings(Base):
     name: "str" = ""
 
 
-def test_the_keys_of_such_a_class_are_converted() -> None:
+def test_keys_of_a_class_without_the_future_import_are_converted() -> None:
     made = convert(Settings, {"length": "2 ms", "name": "a"})
     assert (made.length, made.count, made.name) == (Fraction(1, 500), 3, "a")

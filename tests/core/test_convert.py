@@ -1,4 +1,4 @@
-"""Values of files against types: what is taken, and every mistake with its place, what was expected and found."""
+"""Conversion of values of files to types: which values are accepted, and what is reported of each mistake."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from periph_sim.core.table import Duration, Table
 
 
 class AfterValidator:
-    """A check of another library's."""
+    """Stands for an annotation that belongs to another library."""
 
     def __init__(self, function: object) -> None:
         self.function = function
@@ -102,7 +102,7 @@ def mistakes(kind: Any, value: object) -> list[Mistake]:
         (Open, {"name": "a", "page": 3}, Open(name="a", rest={"page": 3})),
     ],
 )
-def test_what_is_taken(kind: Any, value: object, made: object):
+def test_valid_values_are_converted(kind: Any, value: object, made: object):
     found: list[Mistake] = []
     came = converter_of(kind)(value, (), found)
     assert (came, type(came), found) == (made, type(made), [])
@@ -142,13 +142,13 @@ def test_what_is_taken(kind: Any, value: object, made: object):
         (tuple[tuple[int, Annotated[int, msgspec.Meta(le=7)]], ...], [[1, 8]], "expected 7 or less"),
     ],
 )
-def test_what_is_refused(kind: Any, value: object, what: str):
+def test_invalid_values_are_refused(kind: Any, value: object, what: str):
     (one,) = mistakes(kind, value)
     assert one.what.startswith(what) or what in one.what
     assert one.found in (value, NOTHING) or one.place
 
 
-def test_every_mistake_of_a_table_is_told_with_its_place():
+def test_every_mistake_of_a_table_is_reported_with_its_place():
     with pytest.raises(BadTable) as caught:
         convert(Outer, {"inner": [{"length": 3}, {"length": "1 s", "times": 6}], "lo": 1, "high": "x"})
     told = [(one.place, one.what, one.found) for one in caught.value.mistakes[1:-1]]
@@ -163,7 +163,7 @@ def test_every_mistake_of_a_table_is_told_with_its_place():
     assert caught.value.first is unknown
 
 
-def test_keys_that_contradict_each_other_are_told_of_the_table():
+def test_keys_that_contradict_each_other_are_a_mistake_of_the_table():
     for tree, what in (({"low": 5, "high": 4}, "low is above high"), ({"high": 4}, "high needs low")):
         with pytest.raises(BadTable) as caught:
             convert(Outer, {"from": "a", **tree})
@@ -176,18 +176,18 @@ class WithCache:
     cache: OnlyForTypeCheckers | None = field(init=False, default=None)  # noqa: F821
 
 
-def test_the_type_of_a_field_that_is_no_key_is_not_looked_up():
+def test_the_type_of_a_field_that_is_not_a_key_is_not_looked_up():
     assert convert(WithCache, {"gain": 3}) == WithCache(3)
 
 
-def test_a_dataclass_inside_refuses_a_key_that_it_has_not():
+def test_a_nested_dataclass_refuses_an_unknown_key():
     with pytest.raises(BadTable, match=r"costs\.egde: there is no such key"):
         convert(Settings, {"costs": {"egde": "5 ms"}})
     with pytest.raises(BadTable, match=r"^wait is negative$"):
         convert(Settings, {"wait": -1})
 
 
-def test_a_copy_has_other_values_and_is_a_table_of_its_own():
+def test_a_copy_has_the_changed_values_and_leaves_the_original():
     one = Outer(from_="a", low=1)
     other = one.model_copy(update={"low": 2})
     assert (one.low, other.low, other.from_) == (1, 2, "a")
@@ -208,14 +208,14 @@ class Limits(TypedDict):
 
 @dataclass
 class Nested:
-    """Structures that firmware may have among its settings."""
+    """Settings of firmware that contain a struct, a dictionary and a typed dictionary."""
 
     costs: Cycles = field(default_factory=Cycles)
     named: dict[str, Cycles] = field(default_factory=dict)
     limits: Limits | None = None
 
 
-def test_structs_and_typed_dictionaries_are_walked_as_tables():
+def test_structs_and_typed_dictionaries_are_converted_like_tables():
     found = convert(Nested, {"costs": {"edge": 4}, "named": {"a": {"byte": 6}}, "limits": {"least": 1, "most": "2 s"}})
     assert (found.costs, found.named) == (Cycles(4, 5), {"a": Cycles(3, 6)})
     assert found.limits == {"least": 1, "most": Fraction(2)}
@@ -231,14 +231,14 @@ def test_structs_and_typed_dictionaries_are_walked_as_tables():
         ({"limits": 3}, [Mistake(("limits",), "expected a table", 3)]),
     ],
 )
-def test_a_misspelt_key_inside_them_is_a_mistake(tree: dict[str, object], mistakes: list[Mistake]):
+def test_a_misspelt_key_of_a_struct_or_typed_dictionary_is_a_mistake(tree: dict[str, object], mistakes: list[Mistake]):
     with pytest.raises(BadTable) as refused:
         convert(Nested, tree)
     assert refused.value.mistakes == mistakes
 
 
-def test_what_one_type_of_several_takes_holds_nothing_of_the_caller():
-    """The errors of the other types have tracebacks, and these lead to the frames of all who called."""
+def test_converting_to_one_of_several_types_keeps_no_reference_to_the_caller():
+    """The errors of the types that did not match have tracebacks, which refer to the frames of all callers."""
 
     class Caller:
         pass

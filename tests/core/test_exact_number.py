@@ -1,4 +1,4 @@
-"""Numbers of users are exact, and a text that would take long to compute is refused at once."""
+"""Numbers in user input are parsed exactly, and texts that would take long to compute are refused at once."""
 
 from __future__ import annotations
 
@@ -59,14 +59,14 @@ def test_other_texts_are_refused_in_a_short_sentence(said: str, texts: list[str]
         ("5 ² ms", "unit '² ms' is none of ns, us, ms, s, min, h, d"),
     ],
 )
-def test_a_mistyped_time_is_answered_with_the_fix(text, hint):
+def test_the_error_of_a_mistyped_time_suggests_the_correction(text, hint):
     with pytest.raises(TimeError) as error:
         seconds(text)
     assert str(error.value) == f"{text!r}: {hint}"
 
 
 @pytest.mark.parametrize("text", ["1e999999999 s", "1e-99999999 s", "1e400s", "1/" + "3" * 60 + " s"])
-def test_a_time_is_such_a_number(text):
+def test_the_number_of_a_time_has_the_same_limits(text):
     with pytest.raises(TimeError, match=r"exponent beyond 40|more than 40 digits"):
         seconds(text)
 
@@ -78,6 +78,6 @@ def test_a_time_above_a_thousand_years_is_refused(text):
     assert seconds("365250 d") == 365_250 * 86_400
 
 
-def test_times_are_in_the_largest_unit_in_which_they_are_not_below_one():
+def test_a_short_time_has_the_largest_unit_in_which_it_is_at_least_one():
     texts = [short_time(Fraction(ns)) for ns in (0, -999, 1000, 1_234_567, 10**9, 2 * 10**12)]
     assert texts == ["0 ns", "-999 ns", "1 us", "1.235 ms", "1 s", "2000 s"]

@@ -1,4 +1,4 @@
-"""Changes of register fields as records: of all words of a register, each under the write that made it."""
+"""Changes of register fields are recorded in each word of a register, with the causing write as their cause."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_a_pin_of_either_half_of_a_port_records_its_changes(pin: int):
 
 
 @pytest.mark.parametrize("name", ["I2COAR", "I2CIER", "I2CCLKL", "I2CCLKH", "I2CSAR", "I2CPSC", "I2CCNT"])
-def test_a_register_that_only_holds_a_value_records_its_writes_and_its_reset(name: str):
+def test_a_register_without_hardware_effects_records_its_writes_and_its_reset(name: str):
     kernel, recorder, seen = Kernel(), Recorder(), list[Record]()
     recorder.subscribe([Kind.FLAG], seen.append)
     dsp = Dsp(kernel, Timebase(150_000_000), recorder, DspPlan("dsp", ("I2C-A",), {}, code=BARE))

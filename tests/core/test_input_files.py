@@ -1,4 +1,4 @@
-"""While a command runs, a file that it has read is known by each of its names; afterwards by none."""
+"""Files that the running command has read are recognized as its inputs by each of their names."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_a_command_forgets_its_inputs_at_its_end_and_one_inside_it_does_not(tmp_
     assert not is_input(tmp_path)
 
 
-def test_a_file_that_does_not_exist_is_no_input(tmp_path: Path):
+def test_a_file_that_did_not_exist_when_noted_is_not_an_input(tmp_path: Path):
     with inputs_of_one_command():
         note_input(tmp_path / "later")
         (tmp_path / "later").write_text("")

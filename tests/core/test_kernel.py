@@ -1,4 +1,4 @@
-"""One total order: time, then phase, then who asked first; wires settle at the end of each phase."""
+"""Events are ordered by time, phase and order of scheduling; wires settle at the end of each phase."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def test_events_run_in_the_order_of_their_keys(asked):
 
 
 class Diary(Agent):
-    """Notes when it acted, and under which tag."""
+    """Agent that logs the time and the tag of each of its events."""
 
     def __init__(self, kernel: Kernel) -> None:
         self.kernel = kernel
@@ -31,7 +31,7 @@ class Diary(Agent):
         self.notes.append((self.kernel.now, tag))
 
 
-def test_an_agent_acts_under_the_tags_it_asked_for():
+def test_an_agent_acts_with_the_tags_that_it_scheduled():
     kernel = Kernel()
     diary = Diary(kernel)
     for time, tag in ((7, 1), (3, 2), (7, 0)):
@@ -40,7 +40,7 @@ def test_an_agent_acts_under_the_tags_it_asked_for():
     assert diary.notes == [(3, 2), (7, 1), (7, 0)]
 
 
-def test_a_promise_that_was_kept_stays_kept_and_takes_no_other_with_it():
+def test_cancelling_an_event_that_has_run_cancels_no_other():
     kernel = Kernel()
     diary = Diary(kernel)
     kept = kernel.schedule(3, diary)
@@ -52,7 +52,7 @@ def test_a_promise_that_was_kept_stays_kept_and_takes_no_other_with_it():
 
 
 @given(st.lists(st.tuples(st.integers(0, 20), st.booleans()), max_size=30))
-def test_cancelled_ones_alone_are_left_out(asked):
+def test_all_events_but_the_cancelled_ones_run(asked):
     kernel = Kernel()
     diary = Diary(kernel)
     events = [kernel.schedule(time, diary, number) for number, (time, _) in enumerate(asked)]
@@ -65,8 +65,8 @@ def test_cancelled_ones_alone_are_left_out(asked):
 
 
 @given(st.lists(st.tuples(st.integers(0, 3), st.booleans(), st.integers(0, 5)), min_size=1, max_size=30))
-def test_a_renewed_promise_has_its_place_like_a_new_one(asked):
-    """One agent renews its only event, whether kept or taken back; another one asks anew each time."""
+def test_a_rescheduled_event_is_ordered_like_a_new_one(asked):
+    """One run reschedules a single event, whether it has run or was cancelled; the other schedules new events."""
     logs = []
     for renews in (True, False):
         kernel, log = Kernel(), Diary(Kernel())
@@ -86,7 +86,7 @@ def test_a_renewed_promise_has_its_place_like_a_new_one(asked):
     assert logs[0] == logs[1]
 
 
-def test_a_promise_still_to_come_is_not_renewed():
+def test_a_queued_event_cannot_be_rescheduled():
     kernel = Kernel()
     event = kernel.schedule(3, Diary(kernel))
     with pytest.raises(ValueError, match=r"Diary: cannot schedule at t=5 an event that is already queued for t=3"):
@@ -99,7 +99,7 @@ def test_a_promise_still_to_come_is_not_renewed():
 
 
 class Party(SampledParty):
-    """Notes its rank when told, and what else it then asks for."""
+    """Sampled party that logs its rank when notified and then requests samples for `then`."""
 
     def __init__(self, kernel: Kernel, log: list[int]) -> None:
         self.due = self.plain = False
@@ -116,7 +116,7 @@ class Party(SampledParty):
 
 
 class Line(Settleable):
-    """Notes its rank, negative, as it settles; has these parties told."""
+    """Wire that logs its negated rank when it settles and then requests samples for its parties."""
 
     def __init__(self, kernel: Kernel, log: list[int], tells: list[Party]) -> None:
         self.rank = kernel.rank()
@@ -129,8 +129,8 @@ class Line(Settleable):
 
 
 @given(st.permutations(range(4)), st.permutations(range(5)), st.permutations(range(6)), st.integers(0, 4))
-def test_wires_settle_by_rank_and_parties_are_told_by_rank_and_then_as_wires_move(lines, asked, told, split):
-    """`asked` ask by themselves; the wires have `told` told, each its own, in the order in which the wires settle."""
+def test_wires_settle_by_rank_and_parties_are_notified_by_rank_then_in_settling_order(lines, asked, told, split):
+    """`asked`: parties that request their sample themselves; `told`: parties for which a settling wire requests it."""
     kernel, log = Kernel(), []
     parties = [Party(kernel, log) for _ in range(11)]
     wires = [Line(kernel, log, [parties[5 + one] for one in told[i::4]]) for i in range(4)]
@@ -148,7 +148,7 @@ def test_wires_settle_by_rank_and_parties_are_told_by_rank_and_then_as_wires_mov
     assert log == [-12, -13, -14, -15, *by_rank, *by_wires, *(party.rank for party in late)]
 
 
-def test_an_agent_that_does_not_say_what_it_does_is_named():
+def test_the_error_of_an_agent_without_act_names_it():
     class Lazy(Agent):
         pass
 
@@ -158,10 +158,10 @@ def test_an_agent_that_does_not_say_what_it_does_is_named():
         kernel.run_until(1)
 
 
-def test_the_past_is_refused_with_who_asked():
+def test_scheduling_in_the_past_is_refused_with_the_name_of_the_caller():
     kernel = Kernel(100)
     with pytest.raises(
-        ValueError, match=r"test_the_past.*cannot schedule an event at t=50, because it is already t=100"
+        ValueError, match=r"test_scheduling_in_the_past.*cannot schedule an event at t=50, because it is already t=100"
     ):
         kernel.call_at(50, lambda: None)
     with pytest.raises(ValueError, match="already t=100"):
@@ -184,7 +184,7 @@ def test_stop_ends_a_run_in_the_present_event():
     assert kernel.now == 3
 
 
-def test_a_lease_ends_at_the_next_event_or_after_the_horizon():
+def test_quiet_until_is_the_next_event_or_the_tick_after_the_run():
     kernel, seen = Kernel(), []
     kernel.call_at(2, lambda: seen.append(kernel.quiet_until()))
     kernel.call_at(7, lambda: seen.append(kernel.quiet_until()))
@@ -192,7 +192,7 @@ def test_a_lease_ends_at_the_next_event_or_after_the_horizon():
     assert seen == [7, 21]
 
 
-def test_a_storm_inside_one_tick_is_told():
+def test_endless_events_within_one_tick_end_the_run():
     kernel = Kernel()
 
     def again() -> None:
@@ -204,7 +204,10 @@ def test_a_storm_inside_one_tick_is_told():
 
 
 class Waits(Agent):
-    """Waits in the middle of its turn for the turn that it asks for at `until`, and notes how that came out."""
+    """Agent that runs a nested loop inside its event until its next event, at `until`, releases it.
+
+    came: for each nested loop, whether the wait was over at its end, and the time.
+    """
 
     def __init__(self, kernel: Kernel, until: int) -> None:
         self.kernel, self.until = kernel, until
@@ -219,7 +222,7 @@ class Waits(Agent):
             self.came.append((helped, self.kernel.now))
 
 
-def test_who_waits_in_the_middle_of_a_turn_does_what_is_due_until_it_is_released():
+def test_a_nested_loop_runs_due_events_until_it_is_released():
     kernel = Kernel()
     waits, diary = Waits(kernel, 20), Diary(kernel)
     kernel.schedule(10, waits)
@@ -230,7 +233,7 @@ def test_who_waits_in_the_middle_of_a_turn_does_what_is_due_until_it_is_released
     assert kernel.events == 5 and kernel.nested_owner is None
 
 
-def test_what_is_due_after_the_end_of_the_run_is_left_by_a_helper():
+def test_a_nested_loop_leaves_events_after_the_end_of_the_run():
     kernel = Kernel()
     waits = Waits(kernel, 40)
     kernel.schedule(10, waits)
@@ -238,7 +241,7 @@ def test_what_is_due_after_the_end_of_the_run_is_left_by_a_helper():
     assert waits.came == [(False, 10)] and kernel.next_time() == 40 and kernel.now == 30
 
 
-def test_a_plain_function_is_not_called_in_the_turn_of_a_helper():
+def test_a_nested_loop_does_not_call_plain_functions():
     kernel, log = Kernel(), []
     waits = Waits(kernel, 20)
     kernel.schedule(10, waits)
@@ -247,8 +250,8 @@ def test_a_plain_function_is_not_called_in_the_turn_of_a_helper():
     assert waits.came == [(False, 10)] and log == [None]
 
 
-def test_events_of_one_instant_keep_their_order_whoever_does_them():
-    """What an event moves settles before those of a later phase, also where a helper did the one and not the other."""
+def test_events_of_one_tick_keep_their_order_in_nested_and_outer_loops():
+    """Wires settle between phases even if the nested loop runs the events of one phase and the outer loop the next."""
     kernel = Kernel()
     waits, diary = Waits(kernel, 10), Diary(kernel)
     for tag, phase in ((3, PROBE), (2, CPU), (1, PADS)):

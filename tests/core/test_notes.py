@@ -1,4 +1,4 @@
-"""What a chip notes: told once in a run's summary, recorded each time with how often it was noted so far."""
+"""Notes of a chip: a run's summary lists each once, and each occurrence is recorded with its number."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from periph_sim.core.time import Clock, Timebase
 from tests.processor.flag_chip import FlagChip
 
 
-def test_a_note_is_told_once_and_counted_each_time():
+def test_a_note_is_listed_once_and_recorded_with_its_count_each_time():
     kernel, recorder, seen = Kernel(), Recorder(), list[Record]()
     recorder.subscribe([Kind.NOTE], seen.append)
     chip = FlagChip([])
@@ -23,7 +23,10 @@ def test_a_note_is_told_once_and_counted_each_time():
         chip.notes += notes
         socket.publish(cycle)
     clock.retune(5, Fraction(10**8))
-    assert socket.notes == [(1, lost), (3, duty)]  # the times at which they were made, whatever the clock does then
+    assert socket.notes == [
+        (1, lost),
+        (3, duty),
+    ]  # the times are those of the first clock: retuning it does not change them
     assert [(r.tick, r.where, r.what, r.value, r.text) for r in seen] == [
         (1, "unit.FLAGS", "lost", 1, "a byte is lost [T1]"),
         (3, "unit.FLAGS", "lost", 2, "a byte is lost [T1]"),

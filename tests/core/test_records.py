@@ -1,4 +1,4 @@
-"""Who is told of what: kinds, and of edges, flags and accesses the subjects that are enough."""
+"""Subscriptions to records: by kind, and for edges, flags and accesses also by subject."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from periph_sim.core.records import Kind, Listener, Record, Recorder, RecordSink
 
 
-def test_a_sink_is_told_of_its_kinds_only():
+def test_a_sink_receives_records_of_its_kinds_only():
     recorder, told = Recorder(), list[Record]()
     recorder.subscribe([Kind.BUS], told.append)
     recorder.emit(5, Kind.BUS, "controller", "START")
@@ -16,7 +16,7 @@ def test_a_sink_is_told_of_its_kinds_only():
     assert recorder.wants(Kind.BUS) and not recorder.wants(Kind.NOTE)
 
 
-def test_what_is_wanted_of_some_subjects_is_not_wanted_of_others():
+def test_a_subscription_to_some_subjects_excludes_the_others():
     recorder = Recorder()
     recorder.subscribe([Kind.EDGE, Kind.BUS], print, only={Kind.EDGE: {"SCL"}})
     recorder.subscribe([Kind.EDGE], print, only={Kind.EDGE: {"TX"}})
@@ -26,7 +26,7 @@ def test_what_is_wanted_of_some_subjects_is_not_wanted_of_others():
     assert recorder.subjects(Kind.EDGE) == {"SCL", "TX"} and recorder.subjects(Kind.BUS) is None
 
 
-def test_one_who_wants_all_makes_all_wanted():
+def test_a_subscription_without_subjects_includes_all_of_them():
     recorder = Recorder()
     recorder.subscribe([Kind.FLAG], print, only={Kind.FLAG: {"dsp.I2C-A.I2CSTR"}})
     recorder.subscribe([Kind.FLAG], print)
@@ -34,7 +34,7 @@ def test_one_who_wants_all_makes_all_wanted():
     assert recorder.subjects(Kind.ACCESS) == set()
 
 
-def test_only_who_is_told_of_records_may_keep_what_it_finds_meanwhile():
+def test_records_are_made_as_objects_for_callbacks_only():
     recorder = Recorder()
     recorder.subscribe([Kind.ACCESS], Listener())
     recorder.subscribe([Kind.ACCESS], RecordSink())
@@ -43,7 +43,7 @@ def test_only_who_is_told_of_records_may_keep_what_it_finds_meanwhile():
 
 
 class Asked(Listener):
-    """Keeps what it is asked for a tag of, and hears."""
+    """Listener that stores the topics for which a tag is requested, and the times of its records."""
 
     def __init__(self) -> None:
         self.asked: list[tuple[Kind, str, str]] = []
@@ -58,7 +58,7 @@ class Asked(Listener):
 
 
 @pytest.mark.parametrize("topics_first", [True, False])
-def test_who_names_the_things_that_it_hears_of_is_asked_about_no_others(topics_first: bool):
+def test_a_listener_that_names_its_topics_is_asked_for_no_other_tags(topics_first: bool):
     recorder, one = Recorder(), Asked()
 
     def topics() -> None:

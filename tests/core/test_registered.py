@@ -1,4 +1,4 @@
-"""Names of packages that are imported when they are first used."""
+"""Packages whose names are imported at first use."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ PACKAGES = ("periph_sim.timing",)
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_each_name_is_there_and_an_unknown_one_is_none(package: str) -> None:
+def test_each_name_is_found_and_an_unknown_one_is_an_error(package: str) -> None:
     module = importlib.import_module(package)
     assert [getattr(module, name).__name__ for name in module.__all__] == module.__all__
     with pytest.raises(AttributeError, match=f"module '{package}' has no attribute 'betwen'"):
@@ -20,7 +20,7 @@ def test_each_name_is_there_and_an_unknown_one_is_none(package: str) -> None:
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_importing_the_package_loads_nothing_of_it(package: str) -> None:
+def test_importing_the_package_loads_none_of_its_modules(package: str) -> None:
     code = f"import sys, {package}; print([m for m in sys.modules if m.startswith(('{package}.', 'numpy'))])"
     came = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert came.stdout == "[]\n"

@@ -1,4 +1,4 @@
-"""Registers as data: four separate axes, checked maps, decoded values."""
+"""Registers as data: access types, resets, write effects, validation of register maps, and decoded values."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_a_read_shows_no_write_only_field_and_clears_what_reads_clear():
         ("HIDDEN", 0, 1, 1),
     ],
 )
-def test_what_a_write_does_is_the_fields_own_rule(name, stored, written, after):
+def test_a_write_changes_a_field_by_its_access_type(name, stored, written, after):
     f = EVERY[name]
     value, _ = EVERY.write(f.put(0, stored), f.put(0, written))
     assert f.extract(value) == after
@@ -70,13 +70,13 @@ def test_a_strobe_fires_and_stores_nothing():
     assert fired == EVERY["FIRE"].mask and not stored & fired
 
 
-def test_in_one_cycle_the_tie_says_who_wins():
+def test_the_tie_decides_between_write_and_hardware_in_one_cycle():
     stored, _ = EVERY.write(FLAG | HARD, FLAG | HARD, set_now=FLAG | HARD)
     assert stored & FLAG == 0 and stored & HARD == HARD
 
 
 @given(stored=st.integers(0, 0xFFFF), written=st.integers(0, 0xFFFF))
-def test_no_write_touches_what_only_hardware_owns(stored, written):
+def test_no_write_changes_fields_that_only_hardware_changes(stored, written):
     value, _ = EVERY.write(stored, written)
     owned = RO | EVERY["CODE"].mask
     assert value & owned == stored & owned
@@ -99,7 +99,7 @@ def test_a_map_that_contradicts_itself_is_refused(fields, message):
         Register("R", 0, "test", fields)
 
 
-def test_unknown_names_get_the_nearest_right_one():
+def test_the_error_of_an_unknown_name_suggests_the_nearest_one():
     with pytest.raises(RegisterMapError, match="access 'RX' is none of R/W"):
         field("A", "0", "RX")
     with pytest.raises(KeyError, match=r"EVERY has no field 'FLAGG'; did you mean FLAG\?"):
@@ -111,6 +111,6 @@ def test_unknown_names_get_the_nearest_right_one():
         RegisterMap("M", "test", (EVERY, EVERY))
 
 
-def test_decoding_names_what_is_not_zero():
+def test_decoding_shows_the_fields_that_are_not_zero():
     assert EVERY.decode(0x5800) == "EVERY=0x5800 (RW=0x5 RO=0x1)"
     assert EVERY.decode(0) == "EVERY=0x0000 (all zero)"

@@ -1,4 +1,4 @@
-"""Snapshots of declared state, and objects that get them back."""
+"""Snapshots of declared state, and restoring them into other objects."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class Derived(Owner):
 
 
 class Silent:
-    """Declares nothing."""
+    """Declares no state."""
 
 
 def taken(owner: object, **more: object) -> Snapshot:
@@ -93,7 +93,7 @@ def moved(snapshot: Snapshot, target: object, **more: object) -> None:
 
 
 def through(held: object) -> tuple[object, Any]:
-    """Return what a snapshot has of a held value, and what another owner holds after it was restored."""
+    """Return a held value as stored in a snapshot, and the value that another owner has after restoring it."""
     owner, other = Owner(), Owner()
     owner.held = held
     snapshot = taken(owner)
@@ -101,21 +101,21 @@ def through(held: object) -> tuple[object, Any]:
     return snapshot.values["one.held"], other.held
 
 
-def test_a_class_declares_together_with_its_bases():
+def test_the_state_of_a_class_includes_that_of_its_bases():
     state = state_of(Derived)
     assert state is not None and not state.made
     assert state.times["due"] is Time.TICKS and state.times["more"] is Time.NONE and state.chains == {"first"}
     assert state_of(Silent) is None
 
 
-def test_instants_are_counted_from_now():
+def test_instants_are_stored_relative_to_now():
     owner = Owner()
     owner.due, owner.since, owner.cause = 1010, [65, 90], 48
     values = taken(owner).values
     assert (values["one.due"], values["one.since"], values["one.cause"]) == (10, PlainContainer("list", (-5, 20)), -2)
 
 
-def test_an_instant_that_is_none_stays_as_it_is():
+def test_values_that_stand_for_no_instant_are_stored_unchanged():
     for due in (NEVER, -NEVER, -1, None):
         owner = Owner()
         owner.due = due
@@ -124,7 +124,7 @@ def test_an_instant_that_is_none_stays_as_it_is():
     assert taken(Owner()).values["one.due"] == -1000
 
 
-def test_of_a_tuple_its_first_integer_is_the_instant():
+def test_the_first_integer_of_a_tuple_is_its_instant():
     owner, other = Owner(), Owner()
     owner.due = [("A", 1200, 7), ("B", NEVER, 8)]
     snapshot = taken(owner)
@@ -147,24 +147,24 @@ def test_instants_are_restored_for_another_time():
         Time.TICKS, Pair(1, 2), {(1, 2): [3]}, [[], [1]],
     ],
 )  # fmt: skip
-def test_containers_of_values_come_back(held: object):
+def test_containers_of_values_are_restored(held: object):
     _, came = through(held)
     assert came == held and type(came) is type(held)
 
 
-def test_a_random_generator_goes_on():
+def test_a_random_generator_continues_its_sequence():
     held = Random(3)
     held.random()
     _, came = through(held)
     assert came is not held and came.random() == held.random()
 
 
-def test_an_object_that_is_declared_whole_is_made_again():
+def test_an_object_with_a_complete_state_is_created_again():
     value, came = through(Item([1], 1500))
     assert value == Made(f"{HERE}.Item") and (came.value, came.at) == ([1], 1500)
 
 
-def test_an_object_in_its_place_keeps_its_wiring():
+def test_restoring_an_existing_object_keeps_its_undeclared_attributes():
     owner, other = Owner(), Owner()
     owner.held, other.held = Owner(), Owner()
     owner.held.due = 7
@@ -173,7 +173,7 @@ def test_an_object_in_its_place_keeps_its_wiring():
     assert other.held is kept and kept.wiring is wiring and kept.due == 7
 
 
-def test_one_object_in_two_places_stays_one():
+def test_one_object_in_two_places_is_restored_as_one_object():
     shared = Item(1)
     value, came = through(Pair(shared, [shared]))
     assert came.first is came.second[0] and came.first is not shared and isinstance(value, Made)
@@ -188,7 +188,7 @@ def test_an_object_of_a_module_is_a_reference_to_it():
     assert other.held is its_part
 
 
-def test_methods_and_functions():
+def test_methods_and_functions_are_restored_by_name():
     owner, other = Owner(), Owner()
     owner.held = partial(owner.called, 1, word=2)
     snapshot = taken(owner)
@@ -198,7 +198,7 @@ def test_methods_and_functions():
     assert (other.held.func, other.held.args, other.held.keywords) == (other.called, (1,), {"word": 2})
 
 
-def test_the_owner_of_a_method_gets_its_name_there():
+def test_the_owner_of_a_method_is_stored_under_the_name_of_the_method():
     owner, other, part, its_part = Owner(), Owner(), Owner(), Owner()
     owner.call, other.call = part.called, its_part.called
     part.due = 1234
@@ -208,7 +208,7 @@ def test_the_owner_of_a_method_gets_its_name_there():
     assert other.call == its_part.called and its_part.due == 1234
 
 
-def test_a_chain_is_linked_in_its_order():
+def test_a_chain_is_restored_in_its_order():
     owner, other = Owner(), Owner()
     owner.first, owner.first.following = Item("a"), Item("b")  # type: ignore[union-attr]
     other.first = Item("c")
@@ -219,7 +219,7 @@ def test_a_chain_is_linked_in_its_order():
     assert other.first.following.value == "b" and other.first.following.following is None
 
 
-def test_a_place_in_a_chain_names_no_object():
+def test_an_object_with_state_inside_a_chain_is_stored_as_foreign():
     owner = Owner()
     owner.first = Item(Owner())
     assert taken(owner).values["one.first[0].value"] == Foreign(f"{HERE}.Owner")
@@ -227,7 +227,7 @@ def test_a_place_in_a_chain_names_no_object():
     assert taken(owner).values["one.first[0].value"] == Foreign("Owner.called")
 
 
-def test_what_is_found_by_a_key():
+def test_an_object_of_a_keyed_class_is_restored_by_its_key():
     owner, other, silent = Owner(), Owner(), Silent()
     owner.held = silent
     keys = {Silent: Keyed(lambda found: (1, "x"), lambda number, text: (text, number))}
@@ -238,7 +238,7 @@ def test_what_is_found_by_a_key():
 
 
 @pytest.mark.parametrize("held", [Silent(), {Silent(): 1}, [Silent()], (lambda x: lambda: x)(1)])
-def test_what_declares_no_state_is_refused_by_its_name(held: object):
+def test_an_object_without_declared_state_is_refused_with_its_name(held: object):
     owner, other = Owner(), Owner()
     owner.held, owner.due, other.held = held, 5, "as it was"
     with pytest.raises(NotRestorable, match=r"^one\.held.* declares no state, so it cannot be restored$"):
@@ -246,7 +246,7 @@ def test_what_declares_no_state_is_refused_by_its_name(held: object):
     assert (other.held, other.due, other.derived) == ("as it was", 0, 0)
 
 
-def test_an_object_that_cannot_be_made_is_refused_and_nothing_else_is_restored():
+def test_an_object_that_cannot_be_created_is_refused_and_nothing_is_restored():
     owner, other = Owner(), Owner()
     owner.held, owner.due = Owner(), 5
     with pytest.raises(NotRestorable, match=f"one.held is a {HERE}.Owner in the snapshot, and the scene has none"):
@@ -266,7 +266,7 @@ def test_other_modules_and_other_classes_are_refused():
         moved(taken(Owner()), other)
 
 
-def test_differences_name_what_differs():
+def test_differences_name_the_values_that_differ():
     one, other = Owner(), Owner()
     one.held, other.held = [1, 2, 3], [1, 5, 3]
     one.due = 9
@@ -313,7 +313,7 @@ def declared() -> list[tuple[str, ast.ClassDef, frozenset[str]]]:
 
 
 def test_each_declared_attribute_is_one_of_its_class():
-    """A name that no object has would be left out of every state without a word."""
+    """A declared name that no object has would silently be missing from every snapshot."""
     classes = declared()
     assert len(classes) > 120
     wrong: list[str] = []

@@ -1,4 +1,4 @@
-"""Tables of a case file: what each who is handed one may change."""
+"""Separate copies of tables of a case file: changes of a copy do not reach the original."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Outer(Table, frozen=True, kw_only=True):
     name: str = ""
 
 
-def test_a_separate_table_has_dicts_and_lists_of_its_own():
+def test_changes_of_a_separate_table_leave_the_original():
     one = Outer(inner=(Inner(pins={"a": 1}),), settings={"deep": [{"x": 1}], "n": 3}, name="o")
     other = separate(one)
     assert other == one
@@ -28,7 +28,7 @@ def test_a_separate_table_has_dicts_and_lists_of_its_own():
     assert one == Outer(inner=(Inner(pins={"a": 1}),), settings={"deep": [{"x": 1}], "n": 3}, name="o")
 
 
-def test_what_nobody_can_change_is_the_same_object():
+def test_immutable_values_are_not_copied():
     plain = (1, "a", Fraction(1, 3), (b"b", None))
     assert separate(plain) is plain
     several = separate((Fraction(1), [plain]))

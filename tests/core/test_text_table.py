@@ -1,4 +1,4 @@
-"""Tables as text: widths, breaks between words, numbers that stay whole."""
+"""Tables as text: widths of columns, and line breaks between words but not inside numbers."""
 
 from __future__ import annotations
 

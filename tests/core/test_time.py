@@ -1,4 +1,4 @@
-"""Time converts exactly or refuses; a clock that does not divide never drifts."""
+"""Times are converted exactly or refused; a clock whose period is no whole number of ticks does not drift."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def test_at_150_mhz_a_tick_is_a_third_of_a_nanosecond():
 
 
 @pytest.mark.parametrize("mhz", [30, 60, 75, 100, 120, 150])
-def test_every_usual_clock_divides(mhz):
+def test_the_period_of_each_usual_clock_is_a_whole_number_of_ticks(mhz):
     timebase = Timebase(mhz * 1_000_000)
     clock = Clock(timebase, mhz * 1_000_000)
     assert clock.tick(mhz * 1_000_000) == timebase.per_second
@@ -49,7 +49,7 @@ def test_rounding_of_negative_ratios():
         ("20ns", Fraction(1, 50_000_000)),
     ],
 )
-def test_texts_are_taken_exactly(text, value):
+def test_texts_are_converted_exactly(text, value):
     assert seconds(text) == value
 
 
@@ -62,13 +62,13 @@ def test_texts_are_taken_exactly(text, value):
         ("1/0 ms", "is not a number"),
     ],
 )
-def test_bad_texts_say_what_is_wrong(text, message):
+def test_the_error_of_a_bad_text_says_what_is_wrong(text, message):
     with pytest.raises(TimeError, match=message):
         seconds(text)
 
 
 @given(ppm=st.integers(-500, 500), cycle=st.integers(0, 150_000_000 * THIRTY_DAYS))
-def test_a_clock_that_does_not_divide_is_never_a_tick_off_after_thirty_days(ppm, cycle):
+def test_a_clock_with_a_fractional_period_is_less_than_a_tick_off_after_thirty_days(ppm, cycle):
     timebase = Timebase(150_000_000)
     hz = Fraction(150_000_000) * (1_000_000 + ppm) / 1_000_000
     clock = Clock(timebase, hz)
@@ -78,25 +78,27 @@ def test_a_clock_that_does_not_divide_is_never_a_tick_off_after_thirty_days(ppm,
 
 
 @given(hz=st.fractions(Fraction(1000), Fraction(10**9)), tick=st.integers(0, 10**16))
-def test_cycle_at_is_the_first_that_begins_at_or_after(hz, tick):
+def test_cycle_at_is_the_first_cycle_that_begins_at_or_after_a_tick(hz, tick):
     clock = Clock(Timebase(), hz)
     cycle = clock.cycle_at(tick)
     assert clock.tick(cycle) >= tick > clock.tick(cycle - 1)
     assert clock.tick(clock.cycle_after(tick)) > tick
 
 
-def test_retuning_keeps_what_came_before():
+def test_retuning_keeps_the_start_of_the_present_cycle():
     timebase = Timebase(150_000_000)
     clock = Clock(timebase, 15_000_000)
     clock.retune(100, 150_000_000)
-    assert clock.tick(99) == clock.tick(100) - 20  # asked backwards the new length holds; nobody asks
+    assert (
+        clock.tick(99) == clock.tick(100) - 20
+    )  # cycles before the change are converted with the new length, too; the product never asks for them
     assert clock.tick(100) == 100 * 200
     assert clock.tick(101) == 100 * 200 + 20
     with pytest.raises(TimeError, match="a clock cannot have"):
         clock.retune(200, 0)
 
 
-def test_times_for_people():
+def test_times_are_shown_in_a_fitting_unit():
     timebase = Timebase(150_000_000)
     assert [timebase.show(timebase.ticks(t)) for t in ("250 us", "20 ms", "30 d")] == [
         "250.000 us",
@@ -117,7 +119,7 @@ def test_a_run_that_ends_with_the_last_tick_is_the_longest():
         base.end_of_run(11, longest - base.seconds(10))
 
 
-def test_a_crystal_that_makes_ticks_short_is_told_with_the_way_out():
+def test_the_error_of_a_run_too_long_for_its_ticks_suggests_a_round_crystal_frequency():
     base = Timebase(149_999_999)
     with pytest.raises(TimeError, match=r"a run of 60 s ends .* is 30\.7 s; a crystal of a round frequency, its"):
         base.end_of_run(0, Fraction(60))

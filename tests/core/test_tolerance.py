@@ -1,4 +1,4 @@
-"""Tolerances: times with their units, and cycles."""
+"""Tolerances are times with a unit, or numbers of cycles."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_a_tolerance_is_a_time_or_a_number_of_cycles(text: str, tolerance: Toler
         ("2O ms", "'2O ms': '2O' is not a number; write 20"),
     ],
 )
-def test_a_wrong_tolerance_is_answered_with_all_units(text: str, sentence: str):
+def test_the_error_of_a_wrong_tolerance_names_all_units(text: str, sentence: str):
     with pytest.raises(ValueError) as error:
         parse_tolerance(text)
     assert str(error.value) == sentence

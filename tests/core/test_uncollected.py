@@ -1,4 +1,4 @@
-"""While many objects are made that all stay, the garbage collector looks for none of them, and works again after."""
+"""`uncollected` disables the garbage collector in its block and then restores its former state."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from periph_sim.core.uncollected import uncollected
 
 
-def test_nothing_is_collected_meanwhile() -> None:
+def test_the_collector_is_disabled_in_the_block() -> None:
     @uncollected()
     def build() -> bool:
         return gc.isenabled()
@@ -18,14 +18,14 @@ def test_nothing_is_collected_meanwhile() -> None:
     assert gc.isenabled()
 
 
-def test_it_is_on_again_after_an_error() -> None:
+def test_the_collector_is_enabled_again_after_an_error() -> None:
     with pytest.raises(ValueError, match="as it builds"), uncollected():
         assert not gc.isenabled()
         raise ValueError("as it builds")
     assert gc.isenabled()
 
 
-def test_who_had_it_off_finds_it_off() -> None:
+def test_a_disabled_collector_stays_disabled() -> None:
     gc.disable()
     try:
         with uncollected():

@@ -1,4 +1,4 @@
-"""A wire is low while anybody pulls, remembers who, and tells only what outlasts an instant."""
+"""A wire is low while at least one party pulls it; changes that end within their tick are not reported."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ def wired(*who: str):
 
 
 def recorded(*kinds: Kind) -> tuple[Kernel, Recorder, Wire, list[Record]]:
-    """A wire, and the list of its records of these kinds."""
+    """Return a kernel, its recorder, a wire, and the list of the wire's records of these kinds."""
     kernel, recorder, seen = Kernel(), Recorder(), list[Record]()
     recorder.subscribe(kinds, seen.append)
     return kernel, recorder, Wire(kernel, "SDA", recorder), seen
 
 
-def test_low_wins_and_the_last_to_let_go_raises_the_line():
+def test_the_line_rises_when_its_last_party_releases_it():
     kernel, wire, (a, b), told = wired("controller", "target")
     for tick, pin, level in ((1, a, 0), (2, b, 0), (3, a, 1), (4, b, 1)):
         kernel.call_at(tick, lambda pin=pin, level=level: pin.drive(level))
@@ -40,7 +40,7 @@ def test_low_wins_and_the_last_to_let_go_raises_the_line():
     assert told == [(1, 0), (4, 1)]
 
 
-def test_a_pulse_inside_one_instant_is_heard_by_nobody():
+def test_a_pulse_within_one_tick_is_not_reported():
     kernel, _, (a,), told = wired("a")
     kernel.call_at(1, lambda: a.drive(0))
     kernel.call_at(1, lambda: a.drive(1))
@@ -48,7 +48,7 @@ def test_a_pulse_inside_one_instant_is_heard_by_nobody():
     assert told == []
 
 
-def test_a_hand_over_inside_one_instant_shows_no_glitch():
+def test_a_hand_over_within_one_tick_has_no_glitch():
     kernel, wire, (a, b), told = wired("a", "b")
     kernel.call_at(1, lambda: a.drive(0))
     kernel.call_at(2, lambda: a.drive(1))
@@ -57,7 +57,7 @@ def test_a_hand_over_inside_one_instant_shows_no_glitch():
     assert told == [(1, 0)] and wire.held_by() == ["b"]
 
 
-def test_who_looks_at_a_wire_in_the_instant_in_which_it_moves_sees_it_as_it_was():
+def test_a_wire_has_its_old_level_until_the_end_of_the_phase_in_which_it_changes():
     kernel, wire, (a,), _ = wired("a")
     seen = []
     kernel.call_at(1, lambda: a.drive(0))
@@ -68,7 +68,7 @@ def test_who_looks_at_a_wire_in_the_instant_in_which_it_moves_sees_it_as_it_was(
 
 
 @pytest.mark.parametrize("first", [0, 1])
-def test_wires_that_move_in_one_instant_are_told_at_once(first: int):
+def test_wires_that_change_in_one_tick_are_reported_together(first: int):
     kernel, recorder, seen = Kernel(), Recorder(), []
     recorder.subscribe([Kind.EDGE, Kind.NOTE], seen.append)
     wires = [Wire(kernel, name, recorder) for name in ("SCL", "SDA")]
@@ -82,18 +82,20 @@ def test_wires_that_move_in_one_instant_are_told_at_once(first: int):
     assert told == [(1, 0b00), (2, 0b10)]
     scl, sda, heard, rise, then = seen
     assert [edge.where for edge in (scl, sda, rise)] == ["SCL", "SDA", "SDA"]
-    assert (heard.cause, then.cause) == (scl.number, rise.number), "the first of the lines that moved"
+    assert (heard.cause, then.cause) == (scl.number, rise.number), (
+        "the cause is the edge of the first line that changed"
+    )
 
 
-def test_a_line_is_a_wire_or_what_its_owner_says():
+def test_a_line_of_a_sampler_follows_a_wire_or_is_set_directly():
     kernel, wire, (a,), _ = wired("a")
     told: list[tuple[int, int]] = []
     sampler = Sampler(kernel, wire.recorder, lambda tick, levels: told.append((tick, levels)), 0b111)
     sampler.listen(0, wire)
     moves = [
-        (1, lambda: (a.drive(0), sampler.put(2, 0))),  # the wire and a line by hand
-        (2, lambda: sampler.put(2, 0)),  # as it was
-        (3, lambda: sampler.put(0, 1)),  # no longer the wire
+        (1, lambda: (a.drive(0), sampler.put(2, 0))),  # the wire, and a line that is set directly
+        (2, lambda: sampler.put(2, 0)),  # no change
+        (3, lambda: sampler.put(0, 1)),  # the line is no longer connected to the wire
         (4, lambda: a.drive(1)),
         (5, sampler.request_sample),
         (6, lambda: sampler.listen(1, wire)),
@@ -112,7 +114,7 @@ def test_watching_nothing_is_a_mistake():
 
 @given(st.permutations([(0, 1), (1, 2), (2, 3)]), st.integers(0, 1))
 def test_the_cause_of_an_edge_does_not_depend_on_the_order_of_calls(calls: list[tuple[int, int]], level: int):
-    """It is the last record under which anybody pulled, for a fall, or let go, for a rise."""
+    """The cause is the latest record under which a party pulled, for a fall, or released the line, for a rise."""
     kernel, recorder, wire, seen = recorded(Kind.EDGE)
     pins = [wire.attach(name) for name in "abc"]
     for pin in pins:
@@ -131,7 +133,7 @@ def test_the_cause_of_an_edge_does_not_depend_on_the_order_of_calls(calls: list[
     assert [(edge.tick, edge.value, edge.cause) for edge in seen] == [(5, level, 3)]
 
 
-def test_an_answer_in_the_same_instant_is_told_after_every_watcher_heard_the_cause():
+def test_a_change_made_by_a_watcher_is_reported_after_all_watchers_received_its_cause():
     kernel = Kernel()
     wire = Wire(kernel, "SCL", Recorder())
     a, b = wire.attach("a"), wire.attach("b")
@@ -144,7 +146,7 @@ def test_an_answer_in_the_same_instant_is_told_after_every_watcher_heard_the_cau
     assert log == ["first 0", "second 0", "first 1", "second 1", "first 0", "second 0"]
 
 
-def test_who_leaves_a_wire_as_that_tells_of_a_move_is_told_all_the_same():
+def test_a_sampler_that_leaves_a_wire_during_a_notification_is_still_notified():
     kernel, wire, (a,), _ = wired("a")
     told: list[tuple[int, int]] = []
     watch([wire], lambda tick, level: leaving.put(0, level))
@@ -158,7 +160,7 @@ def test_who_leaves_a_wire_as_that_tells_of_a_move_is_told_all_the_same():
     assert told == [(1, 0), (2, 1)]
 
 
-def test_wires_that_never_rest_are_told():
+def test_wires_that_do_not_settle_end_the_run():
     kernel = Kernel()
     wire = Wire(kernel, "SDA", Recorder())
     pin = wire.attach("a")
@@ -181,7 +183,7 @@ def test_the_level_is_the_and_of_all_parties(moves):
     assert all(a != b for a, b in pairwise(levels))
 
 
-def test_an_edge_is_recorded_with_who_pulls_and_is_the_cause_of_what_follows():
+def test_an_edge_is_recorded_with_the_pulling_party_and_is_the_cause_of_its_effects():
     kernel, recorder, wire, seen = recorded(Kind.EDGE, Kind.NOTE)
     pin = wire.attach("target")
     watch([wire], lambda tick, level: recorder.emit(tick, Kind.NOTE, "watcher", "heard", level))
@@ -199,10 +201,10 @@ def test_an_edge_is_recorded_with_who_pulls_and_is_the_cause_of_what_follows():
     assert heard.cause == edge.number and recorder.cause == 0
 
 
-def test_who_holds_a_low_is_recorded_when_it_changes():
+def test_each_change_of_the_parties_that_hold_a_line_low_is_recorded():
     """a     \\____/
     b         \\__________/
-    c                  \\__/       at the instant at which b lets go: a hand-over
+    c                  \\__/       falls in the tick in which b releases the line
     EDGE  a            HOLD: "a, b", "b", then "c", and the rise
     """
     kernel, _, wire, seen = recorded(Kind.EDGE, Kind.HOLD)
@@ -221,7 +223,7 @@ def test_who_holds_a_low_is_recorded_when_it_changes():
     ]
 
 
-def test_who_joins_in_holding_a_line_is_the_effect_of_what_it_was_made_under():
+def test_the_cause_of_another_party_holding_a_line_is_the_record_under_which_it_pulled():
     kernel, _, wire, seen = recorded(Kind.EDGE, Kind.HOLD)
     a, b = wire.attach("a"), wire.attach("b")
     watch([wire], lambda tick, level: b.drive(0))

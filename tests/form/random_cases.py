@@ -1,4 +1,4 @@
-"""Random variants of the shipped cases, each run and recorded: a seed goes in, one line a case comes out.
+"""Run and record random variants of the shipped cases, and print one line for each seed.
 
     python -m tests.form.random_cases --seed 7 --count 500
 
@@ -24,7 +24,9 @@ from tests.bench.record_hashes import TIMING, recorded
 from tests.interfaces.commands.test_all_measures import MEASURED
 
 CASES = sorted(path.stem for path in TIMING.glob("*.toml"))
-COMPILED_BY_A_C_COMPILER = "imu_hil_c"  # seconds each, and its polls are interpreted in any form
+COMPILED_BY_A_C_COMPILER = (
+    "imu_hil_c"  # compiling it takes seconds, and its polls are interpreted in both forms of the core
+)
 OPTIONS: dict[str, type] = {"i2c": I2cOptions, "sci": SciOptions, "system": SystemOptions}
 CHANGES = {
     "controller": {
@@ -57,12 +59,18 @@ CHANGES = {
         "code.isr_epilogue": ("0", "40"),
     },
 }
-MOST_REFUSED = 200  # drawings in a row that no scene can be made of
+MAX_REFUSED = 200  # maximum number of consecutive drawn cases that are refused
 
 
 @dataclasses.dataclass
 class Drawn:
-    """A shipped case's name, `key=value` changes, measures of additional budgets, and seconds to run."""
+    """A drawn variant of a shipped case.
+
+    name: the name of the shipped case.
+    changes: changed keys, as `key=value`.
+    measures: measures of the additional budgets.
+    seconds: duration of the run.
+    """
 
     name: str
     changes: list[str]
@@ -98,12 +106,12 @@ def values_of(of: dataclasses.Field[Any]) -> list[str]:
 
 
 def line_of(seed: int) -> tuple[str, Drawn]:
-    """The line of the first drawing that a scene can be made of, and the drawing.
+    """Return the line of the first drawn case that is not refused, and that case.
 
-    It tells how many were refused before: forms that refuse different ones are no equal forms.
+    The line contains the number of refused cases before it, so that forms that refuse different cases are not equal.
     """
     random = Random(seed)
-    for refused in range(MOST_REFUSED):
+    for refused in range(MAX_REFUSED):
         drawn = draw(random)
         try:
             case = load(TIMING / f"{drawn.name}.toml", drawn.changes)
@@ -112,16 +120,16 @@ def line_of(seed: int) -> tuple[str, Drawn]:
             return f"{seed} {refused} {recorded(drawn.name, case, drawn.seconds)}", drawn
         except BadCase:
             continue
-        except Exception as error:  # ends a run in any form, or it is a difference
+        except Exception as error:  # an error that does not end the run in both forms is a difference
             return f"{seed} {refused} {drawn.name} {type(error).__name__}: {error}", drawn
-    raise AssertionError(f"seed {seed}: {MOST_REFUSED} drawings in a row make no scene")
+    raise AssertionError(f"seed {seed}: {MAX_REFUSED} consecutive drawn cases were refused")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--count", type=int, default=500)
-    parser.add_argument("--show", action="store_true", help="print what was drawn, too")
+    parser.add_argument("--show", action="store_true", help="also print the drawn case")
     given = parser.parse_args()
     for seed in range(given.seed, given.seed + given.count):
         line, drawn = line_of(seed)

@@ -1,4 +1,4 @@
-"""Builds of small modules: equal in both forms, compiled only where changed; a missing compiler is told in a line."""
+"""Builds of small modules: both forms are equal, only changed modules are compiled, and errors are one message."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def test_without_pythons_headers_their_package_is_named(monkeypatch, tmp_path: P
 
 
 @pytest.mark.parametrize("said", ["two", "0", "-1", "1.5"])
-def test_a_number_of_jobs_that_is_none_is_told(monkeypatch, capsys, said: str):
+def test_an_invalid_number_of_jobs_is_reported(monkeypatch, capsys, said: str):
     monkeypatch.setenv("JOBS", said)
     assert build.main() == 1
     assert capsys.readouterr().err == (
@@ -71,7 +71,7 @@ def test_a_number_of_jobs_that_is_none_is_told(monkeypatch, capsys, said: str):
     )
 
 
-def test_an_unknown_prefix_is_told(capsys):
+def test_an_unknown_prefix_is_reported(capsys):
     assert build.main(["--hrad"]) == 1
     said = "the core stays interpreted: no compiled module's name begins with '--hrad'\n"
     assert capsys.readouterr().err == said
@@ -88,7 +88,7 @@ def test_an_unknown_prefix_is_told(capsys):
     ],
     ids=["a folder that cannot be written", "a compiler that is killed"],
 )
-def test_an_error_that_the_system_causes_is_told(monkeypatch, capsys, error: Exception, said: str):
+def test_an_error_of_the_operating_system_is_reported(monkeypatch, capsys, error: Exception, said: str):
     def fail(*given: object) -> None:
         raise error
 
@@ -98,7 +98,7 @@ def test_an_error_that_the_system_causes_is_told(monkeypatch, capsys, error: Exc
 
 
 @pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
-def test_what_does_not_compile_is_told_with_the_compilers_words_and_the_last_build_stays(tmp_path: Path, monkeypatch):
+def test_a_compilation_error_quotes_the_compiler_and_the_last_build_is_kept(tmp_path: Path, monkeypatch):
     built = tmp_path / "built"
     package = written(tmp_path, "own", one="# core: compiled\nclass One:\n    here: 'Annotated[list[One], 4]'\n")
     built.mkdir()
@@ -123,7 +123,7 @@ class Two:
 
 
 @pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
-def test_code_to_which_no_checks_can_be_added_is_told_in_a_line(tmp_path: Path, monkeypatch, capsys):
+def test_code_to_which_no_checks_can_be_added_is_reported_in_one_line(tmp_path: Path, monkeypatch, capsys):
     package = written(tmp_path, "arrays", one=TWO_ARRAYS)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(build, "compiler", lambda: "cc")
@@ -146,7 +146,7 @@ class One:
 
 
 @pytest.mark.skipif(find_spec("Cython") is None or which("cc") is None, reason="Cython or a C compiler is missing")
-def test_modules_of_one_name_are_apart_in_the_library_and_only_what_changed_is_compiled(tmp_path, monkeypatch, capsys):
+def test_modules_of_one_name_are_distinct_and_only_changed_ones_are_compiled(tmp_path, monkeypatch, capsys):
     package, built = tmp_path / "rooms", tmp_path / "built"
     for room in ("left", "right"):
         (package / room).mkdir(parents=True)
@@ -156,7 +156,7 @@ def test_modules_of_one_name_are_apart_in_the_library_and_only_what_changed_is_c
     monkeypatch.syspath_prepend(tmp_path)
     imported = ["rooms", "rooms.left", "rooms.left.one", "rooms.right", "rooms.right.one"]
     for name in imported:
-        monkeypatch.setitem(sys.modules, name, None)  # none of them is left behind the test
+        monkeypatch.setitem(sys.modules, name, None)  # so that none of them remains imported after the test
         del sys.modules[name]
     monkeypatch.setattr(sys, "path_importer_cache", {})
 
@@ -174,7 +174,7 @@ def test_modules_of_one_name_are_apart_in_the_library_and_only_what_changed_is_c
     modules, _ = form.usable(package, built)
     assert modules == ["left.one", "right.one"]
 
-    for name in imported:  # the build has imported the sources
+    for name in imported:  # because the build has imported the sources
         del sys.modules[name]
     monkeypatch.setattr(sys, "path_importer_cache", {})
     monkeypatch.setattr(sys, "path_hooks", [form.finders(package, built, [*modules, "left.two"]), *sys.path_hooks])
@@ -188,7 +188,7 @@ def test_modules_of_one_name_are_apart_in_the_library_and_only_what_changed_is_c
 
 
 def compiler_that(folder: Path, does: str) -> str:
-    """A C compiler that runs these lines of a shell."""
+    """Return the path of a "C compiler" that is a shell script with these lines."""
     script = folder / "cc"
     script.write_text(f"#!/bin/sh\n{does}\n")
     script.chmod(0o755)
@@ -196,7 +196,7 @@ def compiler_that(folder: Path, does: str) -> str:
 
 
 @pytest.mark.posix("a shell script as the compiler")
-def test_a_linker_that_cannot_sort_links_all_the_same(tmp_path: Path):
+def test_a_linker_without_the_sorting_option_is_called_again_without_it(tmp_path: Path):
     cc = compiler_that(tmp_path, f'case "$*" in *{build.SORTED}*) exit 1;; esac\necho "$@" > {LIBRARY}')
     build.link(["core.one", "core.two"], tmp_path, cc)
     assert (tmp_path / LIBRARY).read_text() == f"-shared core.one.o core.two.o -o {LIBRARY}\n"
@@ -204,7 +204,7 @@ def test_a_linker_that_cannot_sort_links_all_the_same(tmp_path: Path):
 
 @pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
 @pytest.mark.posix("a shell script as the compiler")
-def test_the_compiler_is_told_that_tracebacks_are_rare(tmp_path: Path, monkeypatch):
+def test_the_function_that_adds_tracebacks_is_declared_cold(tmp_path: Path, monkeypatch):
     package = written(tmp_path, "rooms", one="def more(count):\n    return count + 1\n")
     (package / "one.pxd").write_text("")
     monkeypatch.chdir(tmp_path)
@@ -228,7 +228,7 @@ def test_on_macos_the_linker_leaves_the_names_of_python_to_the_loader(monkeypatc
 
 
 @pytest.mark.posix("a shell script as the compiler")
-def test_what_does_not_link_is_told_with_the_linkers_words(tmp_path: Path):
+def test_a_link_error_quotes_the_linker(tmp_path: Path):
     cc = compiler_that(tmp_path, "echo no space left >&2; exit 1")
     with pytest.raises(build.NoBuild, match=r"(?s)the compiled modules do not link; .*cc says:\nno space left"):
         build.link(["core.one"], tmp_path, cc)
@@ -237,7 +237,7 @@ def test_what_does_not_link_is_told_with_the_linkers_words(tmp_path: Path):
 @pytest.mark.long
 @pytest.mark.skipif(not form.usable(PACKAGE, form.BUILT)[0], reason="no core compiled of these sources: make core")
 def test_clocks_convert_the_same_in_both_forms():
-    """Compiled integers end at 64 bits: 0.001 to 1000 ppm, cycles up to the longest run, negative ones."""
+    """Compiled integers have 64 bits: 0.001 to 1000 ppm, with negative cycles and cycles up to the longest run."""
     code = COMPARE.format(rates=RATES, cycles=CYCLES)
     compiled, interpreted = (
         subprocess.run(
@@ -253,7 +253,7 @@ def test_clocks_convert_the_same_in_both_forms():
     assert compiled[1:] == interpreted[1:] and len(compiled) == 1 + len(RATES) * len(CYCLES)
 
 
-def test_a_source_without_declarations_is_told_in_a_line(monkeypatch, capsys, tmp_path: Path):
+def test_a_source_without_declarations_is_reported_in_one_line(monkeypatch, capsys, tmp_path: Path):
     (tmp_path / "one.py").write_text("# core: compiled\nclass One:\n    def set(self, it):\n        self.it = it.it\n")
     monkeypatch.setattr(build, "PACKAGE", tmp_path)
     monkeypatch.setattr(build, "BUILT", tmp_path / "built")
@@ -266,8 +266,8 @@ def test_a_source_without_declarations_is_told_in_a_line(monkeypatch, capsys, tm
 
 @pytest.mark.posix("signals to a group of processes")
 @pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
-def test_ctrl_c_ends_a_build_without_the_modules_that_wait(tmp_path: Path):
-    """Each process of the terminal's group receives the signal while the first of eight modules is compiled."""
+def test_ctrl_c_ends_a_build_without_compiling_the_remaining_modules(tmp_path: Path):
+    """All processes of the terminal's group receive the signal while the first of eight modules is being compiled."""
     built, calls = tmp_path / "built", tmp_path / "calls.txt"
     modules = {f"m{number}": "# core: compiled\n\n\nclass One:\n    pass\n" for number in range(8)}
     package = written(tmp_path, "rooms", **modules)

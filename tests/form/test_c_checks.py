@@ -1,4 +1,4 @@
-"""Checks in C: an index outside of its array ends the process; setters refuse None."""
+"""Checks added to the C code: an index outside of its array ends the process, and setters refuse None."""
 
 # core: compiled
 
@@ -51,7 +51,7 @@ def test_every_array_declaration_of_the_package_is_read():
     assert len(lines) == sum(bool(arrays_of([line])) for line in lines) > 10
 
 
-def test_indices_are_checked_but_for_numbers():
+def test_all_indices_but_literal_numbers_are_checked():
     text = "/* Module declarations from */\na->low[3] = p->seen[p->_at] + q->low[(r->seen[i] & 7)];\n"
     made = with_index_checks(text, arrays_of([PXD])).replace(CHECK, "")
     assert made.split("\n")[1] == (
@@ -146,9 +146,9 @@ def test_an_attribute_without_one_setter_fails_the_build(c_text: str):
         with_none_refused(c_text, [("Party", "wire")])
 
 
-@pytest.mark.skipif(form.running == form.INTERPRETED, reason="setters are of the compiled core")
+@pytest.mark.skipif(form.running == form.INTERPRETED, reason="only the compiled core has setters")
 @pytest.mark.parametrize("name", ["kernel", "recorder"])
-def test_a_wire_of_the_compiled_core_keeps_its_kernel(name: str):
+def test_a_compiled_wire_keeps_its_kernel_and_recorder(name: str):
     wire = Wire(Kernel(), "SDA", Recorder())
     before = getattr(wire, name)
     with pytest.raises(TypeError, match=f"Wire.{name} cannot be None"):
@@ -159,8 +159,8 @@ def test_a_wire_of_the_compiled_core_keeps_its_kernel(name: str):
     wire.cause = 0
 
 
-@pytest.mark.skipif(form.running == form.INTERPRETED, reason="setters are of the compiled core")
-def test_an_event_of_the_compiled_core_keeps_its_agent():
+@pytest.mark.skipif(form.running == form.INTERPRETED, reason="only the compiled core has setters")
+def test_a_compiled_event_keeps_its_agent():
     event = Kernel().event(Agent())
     with pytest.raises(TypeError, match=r"Event.agent cannot be None"):
         event.agent = None  # type: ignore[assignment]

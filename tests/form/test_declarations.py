@@ -40,7 +40,7 @@ def half(value: int) -> int:
 
 
 def declared(tmp_path: Path, source: str) -> list[str]:
-    """The lines of the .pxd file of a module beside `other`, without those that every file has."""
+    """Return the lines of the .pxd file of a module next to `other`, without the lines that every .pxd file has."""
     (tmp_path / "other.py").write_text(OTHER)
     (tmp_path / "one.py").write_text(f"# core: compiled\n{source}")
     text = declarations(Sources(tmp_path)["one"]).text
@@ -113,7 +113,7 @@ cdef class A:
     cdef public object place
 """,
     ),
-    "a class with a base, of which nobody makes subclasses": (
+    "a final class with a base": (
         """
 from .other import Agent
 @final
@@ -129,7 +129,7 @@ cdef class A(Agent):
     cpdef long long more(self) except? PERIPH_SIM_RAISED
 """,
     ),
-    "an override that others override": (
+    "an override in a class that may have subclasses": (
         """
 from .other import Agent
 class A(Agent):
@@ -311,20 +311,20 @@ BAD = {
 
 
 @pytest.mark.parametrize("source", BAD)
-def test_what_cannot_be_declared_is_told_with_its_line(tmp_path: Path, source: str):
+def test_the_error_of_a_source_that_cannot_be_declared_names_its_line(tmp_path: Path, source: str):
     with pytest.raises(BadDeclaration, match=f"^{re.escape(BAD[source])}$"):
         declared(tmp_path, source)
 
 
-def test_a_module_that_says_something_else_of_itself_is_told(tmp_path: Path):
+def test_a_misspelt_mark_of_a_module_is_reported(tmp_path: Path):
     (tmp_path / "one.py").write_text("\n# core: compild\n")
     said = "one.py:2: '# core: compild'; expected '# core: compiled' or '# core: compiled without checks for None'"
     with pytest.raises(BadDeclaration, match=f"^{re.escape(said)}$"):
         Sources(tmp_path).compiled()
 
 
-def test_a_module_is_built_anew_where_types_change_that_it_uses(tmp_path: Path):
-    """core.clock uses the types of core.time, which uses those of core.chip; core.fifo uses none of them."""
+def test_a_module_is_rebuilt_if_types_that_it_uses_change(tmp_path: Path):
+    """core.clock uses types of core.time, and core.time those of core.chip; core.fifo imports a type without using it."""
     (tmp_path / "core").mkdir()
     sources = {
         "chip": "class Chip: ...\n",

@@ -1,4 +1,4 @@
-"""Directives of a .pxd file: each is found in the C code, or named."""
+"""Each directive of a .pxd file has an effect in the C code, or the build stops and names it."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def c_code(folder: Path, pxd: str, monkeypatch: pytest.MonkeyPatch) -> str:
     return build.generate("one", "directed").read_text("utf-8")
 
 
-def test_directives_that_cython_obeys_are_found(tmp_path, monkeypatch):
+def test_directives_that_have_an_effect_are_not_named(tmp_path, monkeypatch):
     assert list(disobeyed(PXD, c_code(tmp_path, PXD, monkeypatch))) == []
 
 
@@ -73,7 +73,7 @@ def test_a_class_that_is_not_final_in_c_is_named(tmp_path, monkeypatch):
     assert list(disobeyed(PXD, text)) == ["@cython.final of class Chained has no effect in the C code"]
 
 
-def test_the_build_ends_at_a_directive_without_effect(tmp_path, monkeypatch):
+def test_the_build_stops_at_a_directive_without_effect(tmp_path, monkeypatch):
     pxd = PXD.replace("@cython.final", "@cython.freelist(16)")
     c_code(tmp_path, pxd, monkeypatch)
     with pytest.raises(build.NoBuild, match=r"one\.pxd: @cython\.freelist\(16\) of class Chained has no effect"):
@@ -81,7 +81,7 @@ def test_the_build_ends_at_a_directive_without_effect(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("kept", ["Plain", "Inherits"])
-def test_the_build_ends_where_a_typed_method_of_another_module_is_passed_on(tmp_path, monkeypatch, kept):
+def test_the_build_stops_if_a_typed_method_of_another_module_is_passed_as_a_value(tmp_path, monkeypatch, kept):
     c_code(tmp_path, PXD, monkeypatch)
     pxd = "from .one cimport Plain\n\ncdef class Inherits(Plain):\n    pass\n\n"
     pxd += f"cdef class Again:\n    cdef {kept} plain\n"

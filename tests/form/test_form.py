@@ -1,4 +1,4 @@
-"""Only a build of these very sources runs; whatever differs is told, and the sources run."""
+"""The compiled core is used only if it was built from the present sources; otherwise the reason is reported."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MODULES = ["core.one", "core.two"]
 
 @pytest.fixture
 def package(tmp_path: Path, monkeypatch) -> Path:
-    """A package of two modules, and a build of it."""
+    """Return the folder of a package of two modules that has a build."""
     monkeypatch.syspath_prepend(tmp_path)
     package = tmp_path / "package"
     (package / "core").mkdir(parents=True)
@@ -34,13 +34,13 @@ def package(tmp_path: Path, monkeypatch) -> Path:
     return package
 
 
-def test_a_build_of_these_sources_runs(package: Path):
+def test_a_build_of_the_present_sources_is_usable(package: Path):
     assert usable(package, package.parent / "built") == (MODULES, "")
 
 
 @pytest.mark.parametrize(("unread", "runs"), [(0, True), (1, False)])
-def test_sources_are_compared_only_if_one_was_written_since(package: Path, unread: int, runs: bool):
-    """By size and time; here no digest of the sources agrees."""
+def test_sources_are_compared_only_if_one_was_written_after_the_build(package: Path, unread: int, runs: bool):
+    """Size and time of each source are compared first; the digest in this manifest never agrees."""
     written = stamps(package, MODULES)
     written[0][0] += unread
     manifest = {"digest": "of others", "stamps": written, "size": 0, "modules": MODULES}
@@ -49,7 +49,7 @@ def test_sources_are_compared_only_if_one_was_written_since(package: Path, unrea
 
 
 @pytest.mark.parametrize("file", ["one.py", "two.py"])
-def test_a_build_of_other_sources_is_told_and_never_used(package: Path, file: str):
+def test_a_build_of_other_sources_is_not_usable(package: Path, file: str):
     with (package / "core" / file).open("a") as source:
         source.write("\n")
     modules, why = usable(package, package.parent / "built")
@@ -57,7 +57,7 @@ def test_a_build_of_other_sources_is_told_and_never_used(package: Path, file: st
 
 
 @pytest.mark.parametrize("change", ["no source", "no library", "another size", "no manifest", "no JSON", "no digest"])
-def test_a_build_that_is_not_whole_is_told(package: Path, change: str):
+def test_an_incomplete_build_is_not_usable(package: Path, change: str):
     built = package.parent / "built"
     if change == "no source":
         (package / "core" / "one.py").unlink()
@@ -75,22 +75,24 @@ def test_a_build_that_is_not_whole_is_told(package: Path, change: str):
 
 @pytest.fixture
 def found_first(package: Path, monkeypatch) -> None:
-    """Of that package, the build runs. Its library has no content: what one of another C library comes to."""
+    """Import the compiled form of that package. Its library is empty, so it fails to load, like one for another libc."""
     monkeypatch.setattr(sys, "path_importer_cache", {})
     monkeypatch.setattr(sys, "path_hooks", [form.finders(package, package.parent / "built", MODULES), *sys.path_hooks])
 
 
-def test_a_module_that_cannot_be_loaded_is_told_with_the_ways_out(found_first):
+def test_the_error_of_a_library_that_does_not_load_names_the_remedies(found_first):
     with pytest.raises(form.DoesNotLoad) as told:
         importlib.import_module("package.core.one")
     assert str(told.value).startswith("the compiled core does not load here: ")
     assert str(told.value).endswith("; `make core` builds it anew, PERIPH_SIM_FORM=interpreted leaves it alone")
 
 
-def test_who_rewrites_assertions_of_all_modules_leaves_compiled_ones(package: Path, found_first, monkeypatch):
-    """As cocotb has pytest do it, before anything else is imported."""
+def test_a_hook_that_rewrites_assertions_of_all_modules_leaves_compiled_ones(package: Path, found_first, monkeypatch):
+    """cocotb makes pytest install such a hook before all other imports."""
     (package / "core" / "three.py").write_text("NAME = 'three'\n")
-    monkeypatch.setattr(sys, "meta_path", list(sys.meta_path))  # in which a configuration puts a hook of its own, too
+    monkeypatch.setattr(
+        sys, "meta_path", list(sys.meta_path)
+    )  # because creating a pytest configuration adds a hook to this list, too
     hook = AssertionRewritingHook(Config.fromdictargs({}, ["-o", "python_files=*.py"]))
     sys.meta_path.insert(0, hook)
     assert importlib.import_module("package.core.three").__loader__ is hook
@@ -98,7 +100,7 @@ def test_who_rewrites_assertions_of_all_modules_leaves_compiled_ones(package: Pa
         importlib.import_module("package.core.two")
 
 
-def test_the_command_line_tells_it_in_one_line(monkeypatch, capsys):
+def test_the_command_line_reports_a_library_that_does_not_load_in_one_line(monkeypatch, capsys):
     def refuse(*given: object, **options: object) -> None:
         raise form.DoesNotLoad("the compiled core does not load here: no such symbol")
 
@@ -109,7 +111,7 @@ def test_the_command_line_tells_it_in_one_line(monkeypatch, capsys):
     assert capsys.readouterr().err == "Error: the compiled core does not load here: no such symbol\n"
 
 
-def test_a_name_of_the_form_is_in_the_version():
+def test_the_version_contains_the_name_of_the_form():
     environment = {**os.environ, form.VARIABLE: form.INTERPRETED}
     command = [sys.executable, "-m", "periph_sim", "--version"]
     came = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
@@ -117,7 +119,7 @@ def test_a_name_of_the_form_is_in_the_version():
 
 
 @pytest.mark.parametrize(("value", "what"), [("nowhere/", "build"), ("interpretd", "form"), ("compiled", ""), ("", "")])
-def test_a_misspelt_value_of_the_variable_is_one_sentence(value: str, what: str):
+def test_a_misspelt_value_of_the_variable_is_reported_in_one_sentence(value: str, what: str):
     came = subprocess.run(
         [sys.executable, "-m", "periph_sim", "--version"],
         env={**os.environ, form.VARIABLE: value},

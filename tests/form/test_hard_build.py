@@ -1,4 +1,4 @@
-"""The hard build stops at the first fault: one of each kind ends it, and the same call without a fault does not."""
+"""The hard build ends a process at a fault of each kind; the same call without the fault succeeds."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
             build, "declarations", lambda source: SimpleNamespace(text=TYPES)
-        )  # a function in C is planted, too
+        )  # because TYPES also contains a C function
         patch.syspath_prepend(made)
         build.build(planted, made / "built", 1, build.HARD)
     return made

@@ -1,8 +1,9 @@
-"""Chains of objects are released in a loop: in a thread whose stack is small, in the form of the core that runs.
+"""Chains of objects are released in a loop, without recursion: tested in threads with a small stack.
 
 A chain that is released by recursion overflows the C stack once it is long enough. Every class of the build has the
-directive `trashcan`, with which a chain of any length is released in a loop; the build verifies that it reached C. A
-new link makes a test fail until it is named in CHAINS, or in NO_CHAINS with the reason why it is none.
+directive `trashcan`, with which a chain of any length is released in a loop; the build verifies that it has an effect
+in the C code. An attribute that links objects of one class must be listed in CHAINS, or in NO_CHAINS with the reason
+why it forms no chain; otherwise a test fails.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ NO_CHAINS = {
 
 
 def links() -> set[tuple[str, str, str]]:
-    """Module, class and attribute where an attribute may hold an object that has this attribute, too."""
+    """Return the module, class and name of each attribute whose value may be an object that also has this attribute."""
     return {
         (owner.source.name, owner.name, name)
         for owner in classes()
@@ -48,10 +49,10 @@ def links() -> set[tuple[str, str, str]]:
 
 
 def untyped() -> dict[tuple[str, str], str]:
-    """An attribute that holds any object, of each class that has one, by module and class."""
+    """Return, by module and class, one attribute of each class whose type is any object."""
     found: dict[tuple[str, str], str] = {}
     for owner in classes():
-        if any("__setattr__" in one.defined for one in (owner, *owner.bases)):  # it takes values of registers
+        if any("__setattr__" in one.defined for one in (owner, *owner.bases)):  # setting an attribute writes a register
             continue
         for name, kind in owner.attributes.items():
             if kind.c == OBJECT and not name.startswith("__"):
@@ -64,7 +65,7 @@ import gc, sys, threading
 from importlib import import_module
 from itertools import repeat
 
-gc.disable()  # to look through the chain for garbage takes longer than to make it
+gc.disable()  # because collecting garbage would take longer than making the chain
 length = int(sys.argv[1])
 
 def chain(module, name, attribute):
@@ -105,11 +106,11 @@ def test_a_chain_of_20_000_is_released_in_256_kilobytes_of_stack(link: tuple[str
 
 @pytest.mark.long
 def test_each_chain_of_100_000_is_released_in_256_kilobytes_of_stack():
-    """The links that are printed come before the first one that overflows the stack."""
+    """If one overflows the stack, the output ends with the link before it."""
     release(100_000, *sorted(CHAINS))
 
 
 def test_a_chain_through_attributes_that_hold_any_object_is_released_as_well():
     links = [(*owner, attribute) for owner, attribute in sorted(untyped().items())]
     assert len(links) > 30
-    release(5_000, *links, kilobytes=64)  # the same share of the stack for each link as above
+    release(5_000, *links, kilobytes=64)  # as much stack per link as in the tests above

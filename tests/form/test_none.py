@@ -1,6 +1,7 @@
-"""No public call of a compiled class takes None into C: it is an exception or has no effect, in either form.
+"""None as an argument of a public method raises an exception or has no effect, compiled or interpreted.
 
-All compiled classes are called in one process. A crash ends it, and its last line is the call that did it.
+The public methods of all compiled classes are called in one process. If one crashes, the last line of the output is
+that call.
 """
 
 from __future__ import annotations
@@ -80,7 +81,7 @@ def test_no_call_with_none_ends_the_process():
     ],
     ids=["schedule", "event", "reschedule", "cancel", "moved", "request_sample", "replay", "agent"],
 )
-def test_none_in_place_of_an_object_of_the_kernel_is_an_exception_at_the_latest_when_it_is_due(call):
+def test_none_instead_of_an_event_agent_or_party_raises_an_exception_by_the_time_it_is_due(call):
     kernel = Kernel()
     with pytest.raises((TypeError, AttributeError)):
         call(kernel)

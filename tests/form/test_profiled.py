@@ -1,4 +1,4 @@
-"""A build that is optimized for cases: counts of a run are used, and every refusal leaves the existing build."""
+"""A build that is optimized for cases uses the counts of their runs; if it fails, the existing build is kept."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_the_module_is_compiled_with_the_counts_of_the_run(own: Path, capfd):
     profiled.build_for(["27", "6171"], own, built, 1)
     assert capfd.readouterr().out.split("\n") == ["1/1 work"] * 2 + ["counted 27", "counted 6171", "1/1 work", ""]
     assert (built / LIBRARY).read_bytes() != ordinary
-    assert b"gcov" not in (built / LIBRARY).read_bytes()  # the build that is left does not count
+    assert b"gcov" not in (built / LIBRARY).read_bytes()  # the final build has no counters
     build.build(own, built, 1)
     assert capfd.readouterr().out == f"{build.NOTHING_TO_DO}\n"
 
@@ -78,7 +78,7 @@ def test_the_module_is_compiled_with_the_counts_of_the_run(own: Path, capfd):
     ],
     ids=["a case that does not run", "a process that is killed", "a run without the compiled core"],
 )
-def test_without_counts_the_build_is_left(own: Path, text: str, case: str, said: str):
+def test_without_counts_the_existing_build_is_kept(own: Path, text: str, case: str, said: str):
     (own / "__init__.py").write_text(text)
     with pytest.raises(build.NoBuild, match=said):
         profiled.build_for([case], own, own / "compiled", 1)
@@ -86,7 +86,7 @@ def test_without_counts_the_build_is_left(own: Path, text: str, case: str, said:
 
 
 @pytest.mark.posix("a shell script as the compiler")
-def test_a_compiler_other_than_gcc_is_named_with_its_words(own: Path, tmp_path: Path, monkeypatch, capsys):
+def test_the_error_for_another_compiler_than_gcc_quotes_the_compiler(own: Path, tmp_path: Path, monkeypatch, capsys):
     script = tmp_path / "other"
     script.write_text("#!/bin/sh\necho \"error: unknown argument: '-fprofile-partial-training'\" >&2; exit 1\n")
     script.chmod(0o755)

@@ -1,6 +1,7 @@
-"""Records are equal to the byte in both forms: each shipped case, runs of a day and of decades with a round at the end.
+"""Recordings of both forms of the core are identical, byte for byte.
 
-Skipped where no core is compiled of these sources: `make core`. A process a form and what it is asked for.
+Each shipped case is run, and idle runs of a day and of decades with one round at the end. Each form runs in its own
+process. Skipped unless the compiled core is built from these sources (`make core`).
 """
 
 from __future__ import annotations
@@ -81,15 +82,15 @@ def lines_of(form: str, *given: str) -> list[str]:
     return done.stdout.splitlines()
 
 
-def test_each_shipped_case_records_the_same() -> None:
+def test_each_shipped_case_has_the_same_records_in_both_forms() -> None:
     command = ("-m", "tests.bench.record_hashes", "--seconds", "0.03")
     compiled, interpreted = lines_of(COMPILED, *command), lines_of(INTERPRETED, *command)
     assert compiled == interpreted
     assert len(compiled) == len(list(ROOT.glob("timing/*.toml")))
 
 
-def test_a_round_after_a_day_or_decades_of_nothing_is_the_same(tmp_path: Path) -> None:
-    """Clocks off by ppm: what calculates with cycle * numerator ends at 64 bits within an hour."""
+def test_a_round_after_an_idle_day_or_idle_decades_has_the_same_records_in_both_forms(tmp_path: Path) -> None:
+    """With a clock error in ppm, the product of cycle and numerator exceeds 64 bits within an hour."""
     for name, (first, duration, ppm) in LATE.items():
         text = CASE.format(firmware=ROOT / "firmware/python/responder.py", first=first, duration=duration, ppm=ppm)
         (tmp_path / f"{name}.toml").write_text(text)

@@ -1,4 +1,4 @@
-"""Sources as Cython compiles them: what is Cython's is in place, and lines keep their numbers."""
+"""The copies of sources that Cython compiles contain its decorators and types, and lines keep their numbers."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def copied(tmp_path: Path, source: str) -> str:
     return text.removeprefix(HEAD)
 
 
-def test_a_free_list_is_above_its_class_where_cython_obeys_it(tmp_path: Path):
+def test_the_directive_for_a_free_list_is_inserted_above_its_class(tmp_path: Path):
     text = copied(tmp_path, "ONE = 1\n\n\nclass Kept:  # core: freelist 4\n    pass\n")
     assert text.startswith('"""A module."""\n# core: compiled\nfrom __future__ import annotations; import cython\n')
     assert text.endswith("ONE = 1\n@cython.freelist(4)\n@cython.cclass\nclass Kept:  # core: freelist 4\n    pass\n")
@@ -50,7 +50,7 @@ def test_a_free_list_is_above_its_class_where_cython_obeys_it(tmp_path: Path):
     assert text.endswith("ONE = 1\n\n@cython.freelist(4)\n@cython.cclass\nclass Kept:  # core: freelist 4\n    pass\n")
 
 
-def test_every_free_list_of_the_package_reaches_its_class():
+def test_every_free_list_of_the_package_is_inserted():
     kept = [kind for kind in classes() if kind.marks]
     assert len(kept) > 1
     for kind in kept:
@@ -73,7 +73,7 @@ class Plain(NamedTuple):
     assert copied(tmp_path, source) == expected
 
 
-def test_bare_returns_of_functions_without_a_result_have_one(tmp_path: Path):
+def test_bare_returns_of_functions_without_a_result_return_false(tmp_path: Path):
     source = """\
 class Box:
     def act(self, tag: int) -> None:
@@ -110,7 +110,7 @@ def test_a_c_function_that_is_used_as_a_value_is_imported(tmp_path: Path):
     assert copied(tmp_path, source) == source
 
 
-def test_a_look_up_by_name_is_spelled_out(tmp_path: Path):
+def test_a_look_up_in_globals_becomes_comparisons_of_names(tmp_path: Path):
     source = """\
 __all__ = ("NOP", "bind")
 def NOP(cpu: object) -> None:
@@ -142,11 +142,11 @@ def bind(cpu: object, name: str) -> None:
     assert "globals" not in text
 
 
-def test_what_the_declarations_define_is_not_defined_again(tmp_path: Path):
+def test_types_that_the_declarations_define_are_not_defined_again(tmp_path: Path):
     assert copied(tmp_path, "Run = CFunction[[int], None]\nx = 1\n") == "\nx = 1\n"
 
 
-def test_a_source_without_any_of_this_stays(tmp_path: Path):
+def test_a_source_without_these_constructs_is_unchanged(tmp_path: Path):
     source = "def f(x: int) -> int:\n    y: int = x\n    return y\n"
     assert copied(tmp_path, source) == source
 
@@ -163,18 +163,18 @@ class Box:
 """
 
 
-def test_constants_stand_in_their_places():
+def test_constants_replace_their_names():
     text = with_constants(SOURCE, {"WORD": 16, "LOW": -3, "at": chip})
     assert text.splitlines()[-1] == f"        return x | 16 if x > {chip.NO_CHANGE} else (-3)"
     assert len(text.splitlines()) == len(SOURCE.splitlines())
 
 
-def test_what_is_no_whole_number_stays():
+def test_names_of_other_values_than_integers_are_unchanged():
     text = with_constants(SOURCE, {"WORD": True, "LOW": "low", "at": chip})
     assert text.splitlines()[-1] == f"        return x | WORD if x > {chip.NO_CHANGE} else LOW"
 
 
-def test_a_wide_constant_is_declared_as_wide_as_it_is():
+def test_a_wide_constant_is_declared_as_long_long():
     text = with_constants(SOURCE, {"WORD": 1 << 62})
     assert f"PERIPH_SIM_{1 << 62}" in text
     assert f"const long long PERIPH_SIM_{1 << 62}" in declared(text, "")
@@ -197,24 +197,24 @@ from .records import (
 class Own(Kind):
     µ = Kind.EDGE; also = Kind.FLAG
 
-def told(kind):
+def is_flag(kind):
     return kind is Kind.FLAG or Kind.FLAG.value == Kind.names or Own.EDGE or other.Kind.EDGE
 """
 
 
-def test_a_member_is_bound_where_its_class_is_imported():
+def test_a_member_of_an_enumeration_is_bound_where_its_class_is_imported():
     lines = with_constants(MEMBERS, {"Kind": Kind, "Own": Kind}).split("\n")
     assert lines[3].startswith(")") and sorted(lines[3].split("; ")[1:]) == [
         "Kind_EDGE = Kind.EDGE",
         "Kind_FLAG = Kind.FLAG",
     ]
     assert lines[6] == "    µ = Kind_EDGE; also = Kind_FLAG"
-    # what is no member, a class of this very module and a class of another stay
+    # unchanged: an attribute that is no member, a class of this module, and a class of another module
     said = "    return kind is Kind_FLAG or Kind_FLAG.value == Kind.names or Own.EDGE or other.Kind.EDGE"
     assert lines[9] == said
     assert len(lines) == len(MEMBERS.split("\n"))
     ast.parse("\n".join(lines))
 
 
-def test_what_is_no_enumeration_stays():
+def test_members_of_other_classes_than_enumerations_are_unchanged():
     assert with_constants(MEMBERS, {"Kind": object()}) == MEMBERS

@@ -1,10 +1,10 @@
-"""Which test proves which rule: what runs of pytest came to and the not-modelled list go in, a table comes out.
+"""Make a table of the rules and the tests that prove them, from outcomes of pytest and the list of unmodelled rules.
 
-    pytest --rules build/rules.json --> outcomes --> rules that passed tests name --> build/rules.md, gaps
+    pytest --rules build/rules.json --> outcomes --> rules named by passed tests --> build/rules.md, gaps
 
-`python -m tests.rules.coverage` comes after those runs. It writes the table with the rules' texts, prints one line a
-family, and fails on a rule that no passed test names and docs/fidelity.md does not explain. A test that was skipped,
-failed, or is expected to fail proves nothing; nor does one that was not run.
+Run `python -m tests.rules.coverage` after those runs of pytest. It writes the table with the texts of the rules, prints
+one line per family, and fails if a rule is neither named by a passed test nor listed as not modelled in
+docs/fidelity.md. A test that did not run, was skipped, failed or is expected to fail proves nothing.
 """
 
 from __future__ import annotations
@@ -27,14 +27,18 @@ NOT_MODELLED = re.compile(r"^\| ((?:I2C|SCI|SPI|SYS)-\d{3}) \| (.+) \|$", re.MUL
 
 @dataclass
 class Named:
-    """The tests that name a rule, without their parameters. passed: name -> how many of its cases; others: outcome."""
+    """The tests that name a rule, without their parameters.
+
+    passed: the number of passed cases of each test that has some.
+    others: the outcome of each other test.
+    """
 
     passed: dict[str, int] = field(default_factory=dict)
     others: dict[str, str] = field(default_factory=dict)
 
 
 def named_rules(outcomes: Mapping[str, Mapping[str, object]]) -> dict[str, Named]:
-    """Every rule that a collected test names."""
+    """Return the tests of every rule that a collected test names."""
     found: dict[str, Named] = {}
     for node, entry in outcomes.items():
         test = node.partition("[")[0]
@@ -48,22 +52,24 @@ def named_rules(outcomes: Mapping[str, Mapping[str, object]]) -> dict[str, Named
 
 
 def not_modelled() -> dict[str, str]:
-    """rule -> the reason that docs/fidelity.md gives."""
+    """Return the reason that docs/fidelity.md gives for each rule that is not modelled."""
     text = (ROOT / "docs" / "fidelity.md").read_text(encoding="utf-8")
     return dict(NOT_MODELLED.findall(text))
 
 
 def gaps(named: Mapping[str, Named], left_out: Mapping[str, str]) -> list[str]:
-    """What is wrong, one sentence each; empty when every rule is proved or explained."""
+    """Return a sentence for each rule that is neither proved nor listed as not modelled, or that is listed wrongly."""
     wrong = [
-        f"{rule} stands as not modelled in docs/fidelity.md, but there is no such rule"
+        f"{rule} is listed as not modelled in docs/fidelity.md, but there is no such rule"
         for rule in left_out
         if rule not in texts()
     ]
     for rule, (text, _) in texts().items():
         one = named.get(rule, Named())
         if rule in left_out and one.passed:
-            wrong.append(f"{rule} stands as not modelled in docs/fidelity.md, but {next(iter(one.passed))} proves it")
+            wrong.append(
+                f"{rule} is listed as not modelled in docs/fidelity.md, but {next(iter(one.passed))} proves it"
+            )
         elif not one.passed and rule not in left_out:
             but = "".join(f"; {test} {outcome}" for test, outcome in one.others.items())
             wrong.append(f"{rule} is proved by no test, and docs/fidelity.md gives no reason{but}: {text}")
@@ -71,7 +77,7 @@ def gaps(named: Mapping[str, Named], left_out: Mapping[str, str]) -> list[str]:
 
 
 def table(named: Mapping[str, Named], left_out: Mapping[str, str]) -> str:
-    """Every rule with its text, its source and its tests, as Markdown."""
+    """Return a Markdown table of all rules with their texts, sources and tests."""
     lines = ["| rule | what it says | source | proved by |", "|---|---|---|---|"]
     for rule, (text, source) in texts().items():
         passed = named.get(rule, Named()).passed
@@ -84,7 +90,9 @@ def table(named: Mapping[str, Named], left_out: Mapping[str, str]) -> str:
 def main() -> int:
     outcomes = read_outcomes(OUTCOMES)
     if not outcomes:
-        sys.exit(f"{OUTCOMES.relative_to(ROOT)}: there is none; run pytest with --rules {OUTCOMES.relative_to(ROOT)}")
+        sys.exit(
+            f"{OUTCOMES.relative_to(ROOT)}: there is no such file; run pytest with --rules {OUTCOMES.relative_to(ROOT)}"
+        )
     named, left_out = named_rules(outcomes), not_modelled()
     TABLE.write_text(table(named, left_out), encoding="utf-8")
     for family in FAMILIES:

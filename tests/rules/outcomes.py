@@ -1,10 +1,10 @@
-"""A pytest plugin: what each test that names rules came to goes into a file, as pytest itself saw it.
+"""A pytest plugin that writes the outcome of each test that names rules to a file.
 
     marks of collected items --> reports of setup, call, teardown --> {node id: {rules, outcome}} in `--rules FILE`
 
-Only marks that pytest has on an item count. A test has passed if its call passed and neither its setup nor its teardown
-failed; a skipped, failed, errored or expectedly failing test proves nothing. With xdist the workers' reports come to
-the process that started them, which alone writes. Several runs add to one file.
+Only the marks that pytest finds on an item count. A test has passed if its call passed and neither its setup nor its
+teardown failed; a test that was skipped, failed or is expected to fail proves nothing. With xdist, the workers send
+their reports to the main process, and only this process writes the file. Several runs add to one file.
 """
 
 from __future__ import annotations
@@ -16,12 +16,14 @@ import pytest
 
 from tests.rules.texts import texts
 
-PROPERTY = "rules"  # of a report's user_properties, which xdist carries from a worker
+PROPERTY = "rules"  # a key of `user_properties` of a report, which xdist transfers from the worker
 PASSED = "passed"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--rules", type=Path, metavar="FILE", help="Add which rules were named by tests, and what came.")
+    parser.addoption(
+        "--rules", type=Path, metavar="FILE", help="Add the tests that name rules, and their outcomes, to FILE."
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -31,7 +33,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """UsageError for a mark that names no rule: a slip of the number would otherwise prove nothing, silently."""
+    """Raise UsageError if a mark names an unknown rule; a wrong number would otherwise go unnoticed."""
     known = texts()
     for item in items:
         rules = rules_of(item)
@@ -43,12 +45,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def rules_of(item: pytest.Item) -> list[str]:
-    """The rules that a test's marks name, nearest mark first, each once."""
+    """Return the rules that the marks of a test name, those of the nearest mark first, without duplicates."""
     return list(dict.fromkeys(str(rule) for mark in item.iter_markers("rule") for rule in mark.args))
 
 
 class Outcomes:
-    """Collects one run's reports and adds them to a file at its end."""
+    """Collects the reports of a run and adds them to a file at the end of the run."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -71,6 +73,6 @@ class Outcomes:
 
 
 def read_outcomes(path: Path) -> dict[str, dict[str, object]]:
-    """What runs have added to a file so far; empty if there is none."""
+    """Return the outcomes that earlier runs have added to a file; empty if it does not exist."""
     found: dict[str, dict[str, object]] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     return found

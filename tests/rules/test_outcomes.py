@@ -1,4 +1,4 @@
-"""What counts as proof of a rule is what pytest collected, ran and passed."""
+"""A rule is proved only by a test that pytest has collected and run, and that passed."""
 
 from __future__ import annotations
 
@@ -93,19 +93,21 @@ def found(project: pytest.Pytester, file: str = "build/rules.json") -> dict[str,
 
 
 @pytest.mark.parametrize("workers", [(), ("-n", "2")], ids=["one process", "xdist"])
-def test_outcomes_are_those_of_pytest(project: pytest.Pytester, workers: tuple[str, ...]) -> None:
+def test_the_outcome_of_each_test_that_names_a_rule_is_written(
+    project: pytest.Pytester, workers: tuple[str, ...]
+) -> None:
     run(project, "--rules", "build/rules.json", *workers)
     assert found(project) == OUTCOMES
 
 
-def test_two_runs_of_parts_add_up(project: pytest.Pytester) -> None:
+def test_two_partial_runs_add_up_to_one_file(project: pytest.Pytester) -> None:
     run(project, "--rules", "build/rules.json", "-k", "table or fails")
     assert set(found(project)) < set(OUTCOMES)
     run(project, "--rules", "build/rules.json", "-k", "not (table or fails)", "-n", "2")
     assert found(project) == OUTCOMES
 
 
-def test_a_test_that_is_not_run_is_not_there(project: pytest.Pytester) -> None:
+def test_a_test_that_is_not_run_has_no_outcome(project: pytest.Pytester) -> None:
     run(project, "--rules", "only.json", "-k", "test_passes")
     assert found(project, "only.json") == {"test_passes": (["I2C-001"], "passed")}
 

@@ -1,4 +1,4 @@
-"""The rule lists hold what they promise, and the gate finds what is missing."""
+"""The lists of rules are complete and well-formed, and `gaps` finds each rule that is not proved."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ def proved() -> dict[str, Named]:
     return {rule: Named({"test_x.py::test_x": 1}) for rule in texts() if rule not in not_modelled()}
 
 
-def test_rules_are_numbered_without_a_gap_and_say_something():
+def test_rules_are_numbered_consecutively_and_have_text_and_source():
     for family, count in COUNTS.items():
         rules = [rule for rule in texts() if rule.startswith(f"{family}-")]
         assert rules == [f"{family}-{number:03}" for number in range(1, count + 1)]
     assert sum(COUNTS.values()) == len(texts())
     for rule, (text, source) in texts().items():
         assert len(text) > 8 and source, rule
-        assert not set("|\n") & set(text + source), rule  # both stand in a table
+        assert not set("|\n") & set(text + source), rule  # both are cells of a Markdown table
 
 
-def test_where_all_is_proved_there_is_no_gap():
+def test_there_is_no_gap_if_all_rules_are_proved():
     assert gaps(proved(), not_modelled()) == []
 
 
@@ -44,15 +44,15 @@ def test_a_rule_whose_tests_did_not_pass_is_a_gap_with_its_text():
     assert told[1].startswith("SCI-001 is proved by no test") and len(told) == 2
 
 
-def test_what_is_not_modelled_is_neither_proved_nor_unknown():
+def test_a_rule_listed_as_not_modelled_must_exist_and_must_not_be_proved():
     named = proved() | {"I2C-007": Named({"test_dma.py::test_dma": 1})}
     assert gaps(named, not_modelled()) == [
-        "I2C-007 stands as not modelled in docs/fidelity.md, but test_dma.py::test_dma proves it"
+        "I2C-007 is listed as not modelled in docs/fidelity.md, but test_dma.py::test_dma proves it"
     ]
-    assert gaps(proved(), not_modelled() | {"I2C-999": "no"})[0].startswith("I2C-999 stands as not modelled")
+    assert gaps(proved(), not_modelled() | {"I2C-999": "no"})[0].startswith("I2C-999 is listed as not modelled")
 
 
-def test_only_what_passed_counts_case_by_case():
+def test_only_passed_cases_of_a_test_prove_its_rules():
     outcomes = {
         "a.py::test[1]": {"rules": ["I2C-001", "I2C-002"], "outcome": "passed"},
         "a.py::test[2]": {"rules": ["I2C-001"], "outcome": "passed"},
@@ -69,7 +69,7 @@ def test_only_what_passed_counts_case_by_case():
     )
 
 
-def test_options_that_sources_name_exist():
+def test_options_that_are_named_as_sources_exist():
     known = {one.name for kind in (I2cOptions, SciOptions, SpiOptions, SystemOptions) for one in fields(kind)}
     named = {option for _, source in texts().values() for option in re.findall(r"`(\w+)`", source)}
     assert len(named) > 50 and named - known == set()

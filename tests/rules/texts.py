@@ -1,4 +1,4 @@
-"""The numbered rules of the manuals: number -> text, read from the lists beside this file."""
+"""The numbered rules of the manuals, read from the .toml files in this folder."""
 
 from __future__ import annotations
 
@@ -12,7 +12,11 @@ LISTS = ("i2c", "sci", "spi", "system")
 
 
 class Rule(NamedTuple):
-    """text: the rule in a sentence of ours. source: where the manual has it; `sources` of the list says which one."""
+    """One rule.
+
+    text: the rule in our own words.
+    source: its place in the manual; the table `sources` of its list explains the abbreviations.
+    """
 
     text: str
     source: str
@@ -20,7 +24,7 @@ class Rule(NamedTuple):
 
 @cache
 def texts() -> dict[str, Rule]:
-    """Every rule, in the order of the lists."""
+    """Return all rules by number, in the order of the lists."""
     found = {}
     for name in LISTS:
         tree = tomllib.loads((FOLDER / f"{name}.toml").read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""Rigs that a test of an open question keeps must show that the option mattered."""
+"""Checks that a test of an open question used its option in a rig that it kept."""
 
 from __future__ import annotations
 

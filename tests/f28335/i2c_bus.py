@@ -1,16 +1,16 @@
-"""A wired-AND I2C bus in SYSCLKOUT cycles: bare chips, scripted partners, and what was said on it.
+"""A wired-AND I2C bus with bare chips and scripted partners, in SYSCLKOUT cycles, and a decoder of its traffic.
 
     chips, Target, Foreign  -->  wires  -->  edges  -->  decode()  -->  "S 50W A 12 A P"
 
-`Bus` owns the time. Within a cycle the partners move first, then the wires settle, then
-the chips wake, then the firmware (the test) has its turn. Every edge is recorded. `decode`
-reads transfers out of the edges alone and shares no code with the model. `Bench` adds
-firmware: registers and fields under the manual's names, and the signals of timing diagrams
-(`tests/waves.py`).
+`Bus` advances the time. Within a cycle, first the partners act, then the wires settle, then
+the chips wake, then the firmware (the test) acts. Every edge is recorded. `decode` derives
+the transfers from the edges alone and shares no code with the model. `Bench` adds the
+firmware side: registers and fields with the manual's names, and the signals of timing
+diagrams (`tests/waves.py`).
 
-In the notation of transfers S is a START (also a repeated one), P a STOP, A and N the
-receiver's answer, 50W an address byte, other bytes are hexadecimal, ~101 a byte that was
-cut off after three bits.
+In the notation of transfers, S is a START (also a repeated one), P a STOP, A and N are the
+receiver's ACK and NACK, 50W is an address byte, other bytes are hexadecimal, and ~101 is
+a byte that was cut off after three bits.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Edge(NamedTuple):
 
 
 class Party(Protocol):
-    """Anything that drives the two wires: a chip, or a scripted partner."""
+    """A chip or scripted partner that drives the two wires."""
 
     next_wake: int
     out: int
@@ -53,25 +53,29 @@ class Party(Protocol):
     def wake(self, now: int) -> None: ...
 
 
-# ---- what was said ------------------------------------------------------------------------------
+# ---- decoding -----------------------------------------------------------------------------------
 
 
 class Said(NamedTuple):
-    """One item of a transfer. start: cycle of the START, STOP or of the first SCL rise of the byte."""
+    """One item of a transfer. start: cycle of the START or STOP, or of the first SCL rise of the byte."""
 
     start: int
     text: str
 
 
 def decode(edges: Iterable[Edge], bits: int = 8, free: bool = False) -> list[Said]:
-    """The transfers in the edges. bits: in a data byte; free: no address byte follows a START."""
+    """Return the items of the transfers in the edges.
+
+    bits: the number of bits in a data byte.
+    free: True if no address byte follows a START.
+    """
     level = [1, 1]
     said: list[Said] = []
-    got: list[int] = []  # bits of the byte under way, the answer included
+    got: list[int] = []  # bits of the current byte, including the acknowledge bit
     rises: list[int] = []
     active, first = False, False
 
-    def cut() -> None:  # START and STOP need SCL high: that rise was no bit
+    def cut() -> None:  # at a START or STOP, SCL is high: its last rise was not that of a bit
         if got:
             got.pop()
         if got:
@@ -89,7 +93,7 @@ def decode(edges: Iterable[Edge], bits: int = 8, free: bool = False) -> list[Sai
         elif line == SCL and new and active:
             got.append(level[SDA])
             rises.append(time)
-        elif line == SCL and active:  # a byte is only known to be complete when SCL falls after its answer
+        elif line == SCL and active:  # a byte is complete when SCL falls after its acknowledge bit
             address = first and not free
             if len(got) == (8 if address else bits) + 1:
                 *data, answer = got
@@ -106,12 +110,13 @@ def decode(edges: Iterable[Edge], bits: int = 8, free: bool = False) -> list[Sai
 
 
 class Target:
-    """A device that answers `address`, gives `gives` when read and keeps what it gets in `got`.
+    """A device that acknowledges `address`, sends `gives` when read, and stores received bytes in `got`.
 
-    nack: numbers of received bytes it refuses (0 is the first data byte). stretch: SCL is held low
-    for so many cycles after fall `bit` of byte `byte` (0 is the address byte; fall 9 follows the
-    answer). free: no address, "r" receives, "t" transmits from the first byte on. also: further
-    address bytes that it acknowledges (0 is the general call).
+    nack: numbers of the received bytes that it does not acknowledge (0 is the first data byte).
+    stretch: (byte, bit) -> the number of cycles for which it holds SCL low after fall `bit` of byte
+        `byte` (0 is the address byte; fall 9 is that of the acknowledge bit).
+    free: there is no address; "r" receives, "t" transmits from the first byte on.
+    also: further address bytes that it acknowledges (0 is the general call).
     """
 
     def __init__(
@@ -134,16 +139,18 @@ class Target:
         self.free = free
         self.also = set(also)
         self.absent = absent
-        self.later: dict[int, int] = {}  # from this byte on (0 is the address byte) data have so many bits
+        self.later: dict[
+            int, int
+        ] = {}  # first byte (0 is the address byte) -> the number of bits of data from that byte on
         self.got: list[int] = []
-        self.answers: list[int] = []  # of the master, to bytes given: 0 acknowledges
+        self.answers: list[int] = []  # acknowledge bits of the master to the sent bytes; 0 is ACK
         self.out = RELEASED
         self.next_wake = NEVER
         self._due: list[tuple[int, int, int]] = []  # (time, line, level)
         self._level = [1, 1]
-        self._role = ""  # "a" address, "2" second address byte, "r", "t"; "" not spoken to
+        self._role = ""  # "a" address, "2" second address byte, "r" or "t" as in `free`, "" if not addressed
         self._ten = False  # the 10-bit address has been matched since the last STOP
-        self._next = ""  # role in the next byte
+        self._next = ""  # the role in the next byte
         self._byte = self._bit = self._value = self._given = 0
 
     def _later(self, time: int, line: int, level: int) -> None:
@@ -207,7 +214,7 @@ class Target:
         self._later(now + HOLD, SDA, level)
 
     def _judge(self) -> int:
-        """The answer to a byte that has come in full; sets the role for the next one."""
+        """Return the acknowledge bit for a complete byte, and set the role for the next byte."""
         role, value = self._role, self._value
         self._next = ""
         if role == "r":
@@ -233,7 +240,7 @@ class Target:
 
 
 class Wait(NamedTuple):
-    """What a scripted master waits for: so many cycles, or `line` at `level` if that comes earlier."""
+    """Wait of a scripted master for a number of cycles, or until `line` has `level` if that happens earlier."""
 
     cycles: int
     line: int = -1
@@ -241,12 +248,16 @@ class Wait(NamedTuple):
 
 
 class Foreign:
-    """Another master that plays a script: "S 50W 12 P", "S 50R ?A ?N P", "+500" cycles of nothing.
+    """Another master that plays a script such as "S 50W 12 P" or "S 50R ?A ?N P"; "+500" is a pause of 500 cycles.
 
-    at: the cycle at which it begins, or None to pull SDA down as soon as somebody else does
-    (that is: both start together). low, high: its own clock. `lost` once it released SDA and read
-    0 while sending. It asks nobody whether the bus is free. `got` holds the bytes it read, `heard`
-    the answers to what it sent.
+    at: the cycle in which it begins, or None to pull SDA in the same cycle as another party, so that
+        both masters start together.
+    low, high: the times of its own clock.
+    lost: True once it has released SDA and sampled 0 while sending.
+    got: the bytes that it has read.
+    heard: the acknowledge bits for the bytes that it has sent.
+
+    It does not check whether the bus is free.
     """
 
     def __init__(self, script: str, at: int | None = 0, *, low: int = LOW, high: int = HIGH) -> None:
@@ -341,7 +352,7 @@ class Foreign:
         yield Wait(HOLD)
 
     def _raise(self, sda: int) -> Generator[Wait, None, None]:
-        """Low phase: SDA put out, SCL let go after our low period, and really high."""
+        """Put a bit on SDA in the low phase, release SCL at the end of the low period, and wait until SCL is high."""
         yield Wait(HOLD)
         if sda:
             self._release(SDA)
@@ -352,7 +363,7 @@ class Foreign:
         yield Wait(NEVER // 2, SCL, 1)
 
     def _clock(self, sda: int) -> Generator[Wait, None, int]:
-        """One clock pulse with this bit on SDA; what SDA really was."""
+        """Send one clock pulse with this bit on SDA, and return the actual level of SDA."""
         yield from self._raise(sda)
         level = self._level[SDA]
         yield Wait(self.high, SCL, 0)
@@ -361,7 +372,7 @@ class Foreign:
 
 
 class Hand:
-    """A wire on each line that the test pulls down and lets go, now or later."""
+    """A driver on each line that the test pulls and releases, now or later."""
 
     def __init__(self) -> None:
         self.out = RELEASED
@@ -372,7 +383,7 @@ class Hand:
         self.out = self.out & ~(1 << line) | level << line
 
     def put_later(self, time: int, line: int, level: int) -> None:
-        """Times must not fall from call to call."""
+        """Schedule a level. The times of successive calls must not decrease."""
         self._due.append((time, line, level))
         self.next_wake = self._due[0][0]
 
@@ -389,7 +400,7 @@ class Hand:
 
 
 class Bus(DiagramRig):
-    """Two wires. rise: cycles that a line needs to become high after the last driver let go."""
+    """Two wires. rise: cycles from the release by the last driver until the line is high."""
 
     def __init__(self, chips: Iterable[I2c], partners: Iterable[Party] = (), rise: int = 0) -> None:
         self.now = 0
@@ -406,7 +417,7 @@ class Bus(DiagramRig):
         partner.pins(self.now, self.level[SCL] | self.level[SDA] << 1)
 
     def settle(self) -> None:
-        """Until no wire moves any more."""
+        """Update the wires and notify all parties until no wire changes."""
         moved = True
         while moved:
             moved = False
@@ -437,7 +448,7 @@ class Bus(DiagramRig):
         return min(*self._rising, *(p.next_wake for p in (*self.partners, *self.chips)))
 
     def _event(self) -> None:
-        """Everything that is due in this cycle."""
+        """Run everything that is due in this cycle."""
         for _ in range(50):
             for partner in self.partners:
                 if partner.next_wake <= self.now:
@@ -449,7 +460,7 @@ class Bus(DiagramRig):
             self.settle()
             if self.nearest() > self.now:
                 return
-        raise AssertionError(f"somebody asks to be woken at {self.now} again and again")
+        raise AssertionError(f"a partner or chip repeatedly requests a wake-up at {self.now}")
 
     def run_until(self, time: int) -> None:
         while self.nearest() <= time:
@@ -461,21 +472,23 @@ class Bus(DiagramRig):
         self.run_until(self.now + cycles)
 
     def until(self, done: Callable[[], object], cycles: int = 400 * SLOT) -> int:
-        """The cycle at which `done` holds, looked at after every event; AssertionError if it takes longer."""
+        """Run until `done` holds after an event, and return the cycle; raise AssertionError after `cycles`."""
         limit = self.now + cycles
         while not done():
             nearest = self.nearest()
             if nearest > limit:
-                raise AssertionError(f"not within {cycles} cycles; said until then: {self.said()}")
+                raise AssertionError(
+                    f"the condition did not hold within {cycles} cycles; transfers until then: {self.said()}"
+                )
             self.run_until(nearest)
         return self.now
 
     def said(self, since: int = 0, **how: bool | int) -> str:
-        """What `decode` reads from the edges of cycle `since` on."""
+        """Return the decoded transfers from cycle `since` on, as text."""
         return " ".join(s.text for s in decode(self.edges, **how) if s.start >= since)  # type: ignore[arg-type]
 
     def said_after(self, cycles: int) -> str:
-        """Runs for so long; what was said."""
+        """Run for some cycles and return all decoded transfers as text."""
         self.run(cycles)
         return self.said()
 
@@ -483,7 +496,7 @@ class Bus(DiagramRig):
         return [e.time for e in self.edges if e.line == line and e.level == level and e.time >= since]
 
     def edge(self, line: int, level: int, number: int = 1) -> int:
-        """Runs until so many such edges have come from now on; the cycle of the last."""
+        """Run until this edge has occurred `number` times from now on, and return the cycle of the last."""
         start, have = self.now, len(self.times(line, level))
         self.until(lambda: len(self.times(line, level)) >= have + number)
         assert self.now >= start
@@ -498,7 +511,7 @@ class Bus(DiagramRig):
         self.settle()
 
     def pulse(self, line: int, cycles: int) -> None:
-        """A spike of the opposite level, as far as open-drain wires allow: low for so many cycles."""
+        """Pull a line low for a number of cycles."""
         self.pull(line)
         self.run(cycles)
         self.let_go(line)
@@ -508,7 +521,7 @@ class Bus(DiagramRig):
 
 
 def mdr(names: str, bc: int = 0) -> int:
-    """The value of I2CMDR with these bits set, IRS always among them."""
+    """Return the value of I2CMDR in which IRS and these bits are set."""
     value = MDR["IRS"] | bc
     for name in names.split():
         value |= MDR[name]
@@ -516,9 +529,10 @@ def mdr(names: str, bc: int = 0) -> int:
 
 
 class Bench(Bus):
-    """`m`: the module under test, enabled with TI's clock setting and I2CSAR = 0x50.
+    """A bus with the module under test, `m`, which is enabled with TI's clock setting and I2CSAR = 0x50.
 
-    second: options of a second module `s`, or None for none. own: I2COAR of `m`.
+    second: options of a second module `s`, or None if there is no second module.
+    own: I2COAR of `m`.
     """
 
     def __init__(
@@ -552,12 +566,12 @@ class Bench(Bus):
 
     @property
     def target(self) -> Target:
-        """The first device on the bus."""
+        """Return the first device on the bus."""
         return next(one for one in self.partners if isinstance(one, Target))
 
     @property
     def foreign(self) -> Foreign:
-        """The first other master."""
+        """Return the first other master."""
         return next(one for one in self.partners if isinstance(one, Foreign))
 
     # registers
@@ -577,7 +591,7 @@ class Bench(Bus):
     def mode(
         self, names: str, bc: int = 0, chip: I2c | None = None, count: int | None = None, data: int | None = None
     ) -> None:
-        """Writes I2CMDR with these bits set, IRS always among them. count, data: to I2CCNT and I2CDXR before."""
+        """Write I2CMDR with IRS and these bits set. count, data: values written to I2CCNT and I2CDXR before."""
         if count is not None:
             self.w("I2CCNT", count, chip)
         if data is not None:
@@ -585,35 +599,35 @@ class Bench(Bus):
         self.w("I2CMDR", mdr(names, bc), chip)
 
     def set(self, names: str, chip: I2c | None = None) -> None:
-        """Read-modify-write of I2CMDR: these bits become 1."""
+        """Set bits of I2CMDR by a read-modify-write access."""
         value = self.r("I2CMDR", chip)
         for name in names.split():
             value |= MDR[name]
         self.w("I2CMDR", value, chip)
 
     def flag(self, name: str, chip: I2c | None = None) -> int:
-        """A bit of I2CSTR or I2CMDR as a debugger sees it."""
+        """Return a bit of I2CSTR or I2CMDR, read without side effects."""
         if name in FLAGS:
             return int(bool(self.peek("I2CSTR", chip) & FLAGS[name]))
         return int(bool(self.peek("I2CMDR", chip) & MDR[name]))
 
     def flags(self, names: str, chip: I2c | None = None) -> str:
-        """Those of `names` that are 1."""
+        """Return the names of the flags that are 1."""
         return " ".join(n for n in names.split() if self.flag(n, chip))
 
     def clear(self, names: str, chip: I2c | None = None) -> None:
         self.w("I2CSTR", sum(FLAGS[n] for n in names.split()), chip)
 
-    # what firmware does
+    # sequences of firmware accesses
 
     def feed(self, data: Iterable[int], chip: I2c | None = None, cycles: int = 400 * SLOT) -> None:
-        """Writes each byte to I2CDXR as soon as XRDY is 1."""
+        """Write each byte to I2CDXR as soon as XRDY is 1."""
         for byte in data:
             self.until(lambda: self.flag("XRDY", chip), cycles)
             self.w("I2CDXR", byte, chip)
 
     def drain(self, count: int, chip: I2c | None = None, cycles: int = 400 * SLOT) -> list[int]:
-        """Reads I2CDRR each time RRDY is 1."""
+        """Read I2CDRR each time RRDY is 1, and return the bytes."""
         got = []
         for _ in range(count):
             self.until(lambda: self.flag("RRDY", chip), cycles)
@@ -623,7 +637,7 @@ class Bench(Bus):
     def send(
         self, data: Iterable[int], extra: str = "STP", bc: int = 0, count: int | None = None, until: str = ""
     ) -> None:
-        """START, address in I2CSAR, the bytes; `extra` are further bits of I2CMDR. until: runs until this flag is 1."""
+        """Send bytes to the address in I2CSAR. extra: further bits of I2CMDR; until: run until this flag is 1."""
         data = list(data)
         self.mode(f"MST TRX STT {extra}", bc, count=len(data) if count is None else count)
         self.feed(data)
@@ -631,31 +645,31 @@ class Bench(Bus):
             self.until(lambda: self.flag(until))
 
     def stopped(self, cycles: int = 400 * SLOT) -> int:
-        """Runs until the module has sent its STOP and the bus is free; the cycle."""
+        """Run until the module has sent its STOP and the bus is free, and return the cycle."""
         return self.until(lambda: self.level == [1, 1] and not self.flag("BB") and not self.flag("STP"), cycles)
 
     def said_at_stop(self, since: int = 0, **how: bool | int) -> str:
-        """Runs until the module has sent its STOP; what was said."""
+        """Run until the module has sent its STOP, and return the decoded transfers as text."""
         self.stopped()
         return self.said(since, **how)
 
     def stop(self) -> None:
-        """Sets STP, and runs until the STOP was sent."""
+        """Set STP and run until the STOP was sent."""
         self.set("STP")
         self.stopped()
 
     def after(self, flag: str, clocks: int = 1) -> None:
-        """Runs until a flag is 1, and so many clocks of SCL more."""
+        """Run until a flag is 1, and then for a number of SCL periods."""
         self.until(lambda: self.flag(flag))
         self.run(clocks * SLOT)
 
     def suspend(self, on: bool) -> None:
-        """A breakpoint is met, or the debugger lets the CPU run on."""
+        """Stop at a breakpoint (True), or continue (False)."""
         self.m.suspend(self.now, on)
         self.settle()
 
     def write_all(self, data: Iterable[int], extra: str = "STP", bc: int = 0) -> str:
-        """A whole transfer; what was said."""
+        """Send all bytes and a STOP, and return the decoded transfer as text."""
         since = self.now
         self.send(data, extra, bc)
         self.stopped()
@@ -669,19 +683,19 @@ class Bench(Bus):
         return got
 
     def held(self, cycles: int = 4 * SLOT) -> bool:
-        """SCL is low now and stays so for the given time."""
+        """Run for the given time and return True if SCL was low throughout."""
         before = len(self.times(SCL, 1))
         self.run(cycles)
         return self.level[SCL] == 0 and len(self.times(SCL, 1)) == before
 
     def quiet(self, cycles: int = 20 * SLOT) -> bool:
-        """No wire moves for the given time."""
+        """Run for the given time and return True if no wire changed."""
         before = len(self.edges)
         self.run(cycles)
         return len(self.edges) == before
 
     def duties(self, chip: I2c | None = None) -> list[Note]:
-        """The notes about broken duties since they were last asked for."""
+        """Return the "duty" notes of a chip, which report broken rules, and remove all its notes."""
         notes = (chip or self.m).notes
         found = [n for n in notes if n.code == "duty"]
         notes.clear()
@@ -690,7 +704,7 @@ class Bench(Bus):
     # timing diagrams
 
     def drive(self, now: int, signal: str, level: int) -> None:
-        """SCL, SDA: pulled down with 0 by the test's hand; a register is written; a bit of I2CMDR is set."""
+        """Pull (0) or release (1) SCL or SDA, write a register, or set a bit of I2CMDR."""
         self.run_until(now)
         if signal in LINES:
             (self.let_go if level else self.pull)(LINES.index(signal))
@@ -706,5 +720,5 @@ class Bench(Bus):
 
 
 def with_(**options: Value) -> I2cOptions:
-    """Options, checked; those not named keep their default."""
+    """Return options with these values, after validation; the others have their default."""
     return options_from(I2cOptions, options)

@@ -1,7 +1,7 @@
-"""The I2C module's registers as the tests know them: offsets, bits and codes, typed from SPRUG03B's tables.
+"""Registers of the I2C module for the tests: offsets, bits and codes, copied from the tables of SPRUG03B.
 
-Not from the model's map: a slip in the map must show up in the tests. A flag is named by its text ("XRDY") where it is
-looked at, and by its mask (XRDY) where a register's whole value is written or compared.
+They are independent of the model's register map, so that the tests detect mistakes in it. Tests name a single flag by
+its text ("XRDY"), and use its mask (XRDY) to write or compare the value of a whole register.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ MDR = {
 # I2CIER, Table 9.
 IE_AL, IE_NACK, IE_ARDY, IE_RRDY, IE_XRDY, IE_SCD, IE_AAS = (1 << n for n in range(7))
 
-# I2CFFTX and I2CFFRX, Tables 21 and 22: the enable is in I2CFFTX, the rest has the same places in both.
+# I2CFFTX and I2CFFRX, Tables 21 and 22: FFEN is in I2CFFTX only; the other bits have the same positions in both.
 FFEN, FFRST, FFINT, FFINTCLR, FFIENA = 1 << 14, 1 << 13, 1 << 7, 1 << 6, 1 << 5
 
 CODES = {"": 0, "AL": 1, "NACK": 2, "ARDY": 3, "RRDY": 4, "XRDY": 5, "SCD": 6, "AAS": 7}  # I2CISRC

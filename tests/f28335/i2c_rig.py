@@ -1,10 +1,10 @@
-"""A bare I2C module on the bus of i2c_bus.py, opposite a master that the test moves edge by edge.
+"""A bare I2C module on the bus of i2c_bus.py, and a master whose edges the test controls.
 
-The master's pulses are cut at the places of which the rules speak: `rise` and `fall` end exactly
-at the cycle of that edge, so that after the eighth `clock` of a byte the test stands at fall 8. A
-data bit changes a quarter of a bit after SCL fell. SCL is released half a bit after it fell, and
-if the chip still pulls it, the master waits. What was said can be read as transfers (`said`);
-for timing diagrams the rig has drive, run_until and show (tests/waves.py).
+The methods of the master end at the edges that the rules mention: `rise` and `fall` end exactly
+in the cycle of that edge, so the eighth `clock` of a byte ends at fall 8. A data bit changes a
+quarter of a bit after SCL fell. The master releases SCL half a bit after it fell, and waits if
+the chip still pulls it. `said` returns the decoded transfers; `drive`, `run_until` and `show`
+are those of timing diagrams (tests/waves.py).
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ NO_FILTER: dict[str, Value] = {"noise_filter_cycles": 0}
 
 
 class Module(I2c):
-    """A class of Python, compiled or not: tests put calls of their own in the place of its methods."""
+    """A Python class, so that tests can replace its methods even if the core is compiled."""
 
 
 class Rig(Bus):
-    """chip: the module under test, clocked, with IPSC 14 and its module in reset until `begin`.
+    """A bus with the module under test, `chip`. Its clock is on, IPSC is 14, and it is in reset until `begin`.
 
-    Options are those of I2cOptions. Here the noise filter is off unless a test asks for it,
-    so that a flag moves in the cycle of its edge.
+    The options are those of I2cOptions. The noise filter is off unless a test enables it, so that
+    a flag changes in the cycle of its edge.
     """
 
     def __init__(self, *, bit: int = BIT, **options: Value) -> None:
         self.chip = Module(options_from(I2cOptions, NO_FILTER | options))
         self.bit = bit
-        self.hold = bit // 8  # diagrams: how long after its column's begin the master moves SDA
-        self.sampled = 1  # SDA just before the last fall of SCL
+        self.hold = bit // 8  # in diagrams: cycles from the start of a column until the master changes SDA
+        self.sampled = 1  # the level of SDA just before the last fall of SCL
         self.interrupts: list[tuple[int, int]] = []  # (cycle, lines)
         super().__init__([self.chip])
         self.set_up()
@@ -49,7 +49,7 @@ class Rig(Bus):
     # Registers
 
     def set_up(self) -> None:
-        """The module's clock on, and the rates."""
+        """Enable the clock of the module and set its rates."""
         self.chip.gate(self.now, True)
         self.write("I2CPSC", 14)
         self.write("I2CCLKL", 10)
@@ -63,7 +63,7 @@ class Rig(Bus):
         return value
 
     def write(self, name: str, *values: int) -> None:
-        """One value after the other."""
+        """Write values to a register, one after the other."""
         for value in values:
             self.chip.write(self.now, OFFSET[name], value)
             self.settle()
@@ -77,7 +77,7 @@ class Rig(Bus):
     def begin(
         self, mode: int = 0, oar: int = OWN, *, ier: int = 0, bcm: int | None = None, fifos: tuple[int, int] = (0, 0)
     ) -> Self:
-        """Enables, BCM unless None, I2CFFTX and I2CFFRX, own address and mode, then IRS = 1."""
+        """Set I2CIER, BCM unless None, I2CFFTX and I2CFFRX, and I2COAR; then write I2CMDR with IRS = 1."""
         if ier:
             self.write("I2CIER", ier)
         if bcm is not None:
@@ -89,42 +89,42 @@ class Rig(Bus):
         return self
 
     def begin_again(self, mode: int = 0) -> None:
-        """IRS = 0, then 1."""
+        """Write IRS = 0, then 1."""
         self.write("I2CMDR", 0)
         self.write("I2CMDR", mode | IRS)
 
     def write_other(self, count: int = 1) -> None:
-        """As master: START, and a first byte for OTHER."""
+        """Make the chip a master that sends a START and a first byte to OTHER."""
         self.write("I2CSAR", OTHER)
         self.write("I2CCNT", count)
         self.write("I2CDXR", 0x77)
         self.write("I2CMDR", IRS | MST | TRX | STT)
 
     def reset(self) -> None:
-        """XRS, and the module's clock on again."""
+        """Apply a system reset and enable the clock of the module again."""
         self.chip.reset(self.now)
         self.chip.gate(self.now, True)
 
     def set_fifos(self, tx: int, rx: int) -> None:
-        """Writes I2CFFTX and I2CFFRX."""
+        """Write I2CFFTX and I2CFFRX."""
         self.write("I2CFFTX", tx)
         self.write("I2CFFRX", rx)
 
     def status(self, bits: int = 0xFFFF) -> int:
-        """I2CSTR, cut to `bits`, as a debugger sees it."""
+        """Return I2CSTR masked with `bits`, read without side effects."""
         return self.peek("I2CSTR") & bits
 
     def flag(self, name: str) -> int:
         return int(self.status(FLAGS[name]) != 0)
 
     def duties(self) -> list[str]:
-        """The "duty" notes since last asked."""
+        """Return the texts of the "duty" notes, which report broken rules, and remove all notes."""
         texts = [note.text for note in self.chip.notes if note.code == "duty"]
         self.chip.notes.clear()
         return texts
 
     def asked(self, wait: int = 0) -> int:
-        """The interrupt lines that have pulsed since last asked, after so many cycles."""
+        """Wait for a number of cycles, then return the interrupt lines that were requested since the last call."""
         self.wait(wait)
         lines = 0
         for _, mask in self.interrupts:
@@ -133,9 +133,9 @@ class Rig(Bus):
         return lines
 
     def supply(self, *data: int) -> None:
-        """As a slave-transmitter's firmware does: each byte to I2CDXR as soon as XRDY is 1."""
+        """Write each byte to I2CDXR, 40 cycles apart; XRDY must be 1 for each."""
         for byte in data:
-            assert self.flag("XRDY"), f"I2CDXR does not take {byte:#x}"
+            assert self.flag("XRDY"), f"XRDY is 0 before {byte:#x} is written to I2CDXR"
             self.write("I2CDXR", byte)
             self.wait(40)
 
@@ -143,7 +143,7 @@ class Rig(Bus):
 
     @property
     def line(self) -> int:
-        """The levels on the bus: SCL in bit 0, SDA in bit 1."""
+        """Return the levels on the bus: SCL in bit 0, SDA in bit 1."""
         return self.level[SCL] | self.level[SDA] << 1
 
     @property
@@ -156,7 +156,7 @@ class Rig(Bus):
 
     @property
     def released(self) -> bool:
-        """The chip pulls neither line."""
+        """True if the chip pulls neither line."""
         return self.chip.out == RELEASED
 
     def settle(self) -> None:
@@ -166,7 +166,7 @@ class Rig(Bus):
             self.chip.requests = 0
 
     def put(self, scl: int | None = None, sda: int | None = None) -> None:
-        """The master releases (1) or pulls (0) a line, or both at once, now."""
+        """Release (1) or pull (0) a line, or both lines at once, as the master."""
         for line, level in ((SCL, scl), (SDA, sda)):
             if level is not None:
                 self.hand.put(line, level)
@@ -176,17 +176,17 @@ class Rig(Bus):
         self.run_until(self.now + cycles)
 
     def wait_for(self, condition: Callable[[], object], limit: int = 20_000) -> int:
-        """Cycles until the condition holds, looked at in every cycle."""
+        """Run until the condition holds, which is checked in every cycle, and return the number of cycles."""
         begun = self.now
         while not condition():
-            assert self.now - begun < limit, f"waited {limit} cycles in vain"
+            assert self.now - begun < limit, f"the condition did not hold within {limit} cycles"
             self.run_until(self.now + 1)
         return self.now - begun
 
-    # The master as master: edges
+    # Edges of the master
 
     def rise(self, sda: int = 1) -> None:
-        """SCL has just fallen: put a bit on SDA, release SCL; ends at the cycle at which SCL is high."""
+        """After a fall of SCL, put a bit on SDA and release SCL. Ends in the cycle in which SCL is high."""
         self.wait(self.bit // 4)
         self.put(sda=sda)
         self.wait(self.bit // 4)
@@ -197,27 +197,27 @@ class Rig(Bus):
             self.run_until(min(max(self.chip.next_wake, self.now + 1), given_up))
 
     def fall(self) -> None:
-        """SCL has just risen: pull it half a bit later; ends at that cycle."""
+        """After a rise of SCL, pull SCL half a bit later. Ends in that cycle."""
         self.wait(self.bit // 2)
         self.sampled = self.level[SDA]
         self.put(scl=0)
 
     def clock(self, sda: int = 1) -> int:
-        """One pulse; the level of SDA at its end. Ends at the fall."""
+        """Send one pulse of SCL and return the level of SDA at its end. Ends at the fall."""
         self.rise(sda)
         self.fall()
         return self.sampled
 
     def start(self) -> None:
-        """START on a free bus; ends at the fall of SCL that follows."""
+        """Send a START on a free bus. Ends at the fall of SCL that follows."""
         self.wait(self.bit)
         self.put(sda=0)
         self.fall()
 
     def restart(self, first: int | None = None) -> bool:
-        """Repeated START; SCL has just fallen. Ends at the fall of SCL that follows, or at fall 9 of its first byte.
+        """Send a repeated START after a fall of SCL. Ends at the next fall of SCL, or at fall 9 of the first byte.
 
-        Returns whether that byte was acknowledged.
+        Return True if that byte was acknowledged.
         """
         self.rise(1)
         self.wait(self.bit // 4)
@@ -226,24 +226,24 @@ class Rig(Bus):
         return first is not None and self.send(first)
 
     def stop(self) -> None:
-        """STOP; SCL has just fallen. Ends at the rise of SDA."""
+        """Send a STOP after a fall of SCL. Ends at the rise of SDA."""
         self.rise(0)
         self.wait(self.bit // 4)
         self.put(sda=1)
 
-    # The master as master: bytes
+    # Bytes of the master
 
     def send_bits(self, value: int, bits: int = 8) -> None:
-        """Data bits, most significant first; ends at the fall of the last."""
+        """Send data bits, most significant first. Ends at the fall after the last."""
         for n in reversed(range(bits)):
             self.clock(value >> n & 1)
 
     def acked(self) -> bool:
-        """The ninth pulse, SDA left to the chip; ends at fall 9."""
+        """Send the ninth pulse with SDA released, and return True if the chip acknowledges. Ends at fall 9."""
         return self.clock(1) == 0
 
     def send(self, value: int, bits: int = 8) -> bool:
-        """A byte to the chip; whether it was acknowledged. Ends at fall 9."""
+        """Send a byte to the chip and return True if it was acknowledged. Ends at fall 9."""
         self.send_bits(value, bits)
         return self.acked()
 
@@ -254,43 +254,46 @@ class Rig(Bus):
         return value
 
     def take(self, ack: bool = True, bits: int = 8) -> int:
-        """A byte from the chip, answered with ACK or NACK. Ends at fall 9."""
+        """Read a byte from the chip, and send ACK or NACK. Ends at fall 9."""
         value = self.take_bits(bits)
         self.clock(0 if ack else 1)
         return value
 
     def address(self, address: int = OWN, read: int = 0) -> bool:
-        """START and the address byte; whether it was acknowledged. Ends at fall 9."""
+        """Send a START and the address byte, and return True if it was acknowledged. Ends at fall 9."""
         self.start()
         return self.send(address << 1 | read)
 
     def receive(self, *data: int, address: int = OWN) -> None:
-        """START, address byte and bytes to the chip, whatever it answers. Ends at fall 9."""
+        """Send a START, the address byte and data bytes, whether acknowledged or not. Ends at fall 9."""
         self.address(address)
         for byte in data:
             self.send(byte)
 
     def deliver(self, byte: int) -> int:
-        """A byte to the chip, which acknowledges it: what its CPU reads."""
-        assert self.send(byte), f"{byte:#x} is refused"
+        """Send a byte, which the chip must acknowledge, and return what its CPU reads."""
+        assert self.send(byte), f"{byte:#x} is not acknowledged"
         return self.read("I2CDRR")
 
     def give(self, byte: int, ack: bool = True) -> int:
-        """A byte from the chip, whose CPU writes it now, answered with ACK or NACK: what the master reads."""
+        """Write I2CDXR as the chip's CPU, and return the byte that the master reads and answers with ACK or NACK."""
         self.write("I2CDXR", byte)
         return self.take(ack)
 
     def ask(self) -> None:
-        """START and the address byte of a read, but for its ninth pulse."""
+        """Send a START and the address byte of a read without its ninth pulse."""
         self.start()
         self.send_bits(OWN << 1 | 1)
 
     # Timing diagrams
 
     def drive(self, now: int, signal: str, level: int) -> None:
-        """SCL, SDA: the master, SDA a little after SCL; LINES: both at once, as a mask. DXR: the CPU writes it.
+        """Change a line as the master or access a register as the CPU.
 
-        DRR, ISRC: the CPU reads it.
+        SCL, SDA: the level of the line; SDA changes `hold` cycles later.
+        LINES: both levels at once, SCL in bit 0.
+        DXR: the value that is written to I2CDXR.
+        DRR, ISRC: the register is read.
         """
         self.run_until(now)
         if signal == "SCL":
@@ -307,7 +310,7 @@ class Rig(Bus):
             raise ValueError(f"a diagram can drive SCL, SDA, LINES, DXR, DRR and ISRC; not {signal}")
 
     def show(self, signal: str) -> int:
-        """The bus (SCL, SDA), what the chip leaves released (scl, sda), a flag of I2CSTR, a FIFO count or a code."""
+        """Return a level of the bus (SCL, SDA) or of the chip's outputs (scl, sda), a flag, a FIFO count or a code."""
         if signal in FLAGS:
             return self.flag(signal)
         if signal == "INTCODE":

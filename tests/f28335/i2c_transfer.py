@@ -1,4 +1,4 @@
-"""A transfer as a table, a column a byte: what the master does, what the firmware does behind it, the flags then.
+"""Transfers as tables with one column per byte: the master's actions, the firmware's accesses, the flags afterwards.
 
     > bus    S  48W  00  S  48R  11  22N  P
     > read   -  -    DRR -  -    -   -    -
@@ -7,12 +7,12 @@
     < ack    -  0    0   -  0    -   -    -
     < SDIR   0  .    .   .  1    .   .    0
 
-S is a START, also a repeated one, P a STOP, + a pause in which only the firmware acts; 48W and 48R are address bytes;
-two digits are a byte that the master writes or, behind 48R, one that it must read and acknowledge, with an N one that
-it refuses. A column ends at the ninth fall of SCL (of a START or STOP at its edge of SDA), SOON cycles for the
-firmware, and SOON more. `>` rows are played; `<` rows are what came: ack is the ninth bit of what the master sent,
-hold is 1 where the chip holds SCL low, asks is the code in I2CISRC, the others are flags of I2CSTR. "." is as before,
-"-" nothing.
+S is a START (also a repeated one), P a STOP, + a pause in which only the firmware acts; 48W and 48R are address bytes.
+Two digits are a byte that the master writes or, after 48R, one that it must read and acknowledge; with an N it answers
+with a NACK. In each column, the bus action ends at the ninth fall of SCL (a START or STOP at its edge of SDA); SOON
+cycles later the firmware acts, and SOON cycles after that the flags are sampled. `>` rows are played; `<` rows are
+results: ack is the ninth bit of a byte that the master sent, hold is 1 if the chip holds SCL low, asks is the code in
+I2CISRC, and the others are flags of I2CSTR. "." means unchanged, "-" means none.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ SOON = 40  # cycles
 
 
 def play(table: str, rig: Rig) -> Diagram:
-    """The table as the rig showed it."""
+    """Play the `>` rows of a table on a rig, and return the table with the results of that run."""
     rows = [line.split() for line in tidy(table).splitlines()]
     words = rows[0][2:]
-    assert rows[0][:2] == [">", "bus"], "the first row is the master's"
+    assert rows[0][:2] == [">", "bus"], "the first row must be '> bus'"
     assert all(len(row) == len(rows[0]) for row in rows), f"rows of different length: {[len(row) for row in rows]}"
     came: list[list[str]] = [row[:2] for row in rows]
     last: dict[str, str] = {}
@@ -55,7 +55,7 @@ def play(table: str, rig: Rig) -> Diagram:
 
 
 def _said(rig: Rig, word: str, reading: bool) -> tuple[str, str]:
-    """The word as it came out, and the chip's answer to it: "0", "1", or "-" where the master sent no byte."""
+    """Play a word; return the word as it occurred and the chip's acknowledge bit, "-" if the master sent no byte."""
     if word == "S":
         rig.start() if not rig.flag("BB") else rig.restart()
     elif word == "P":
@@ -88,7 +88,7 @@ def _shown(rig: Rig, name: str) -> str:
 
 
 def same(table: str) -> Diagram:
-    """A table as a test writes it, in the form in which `play` hands it back."""
+    """Return a table in the normalized form of the result of `play`."""
     return _columns([line.split() for line in tidy(table).splitlines()])
 
 

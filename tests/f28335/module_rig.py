@@ -1,4 +1,4 @@
-"""A bare serial module as its owner drives it: wake-ups, then the CPU; outputs are looked at after every call."""
+"""A bare serial module driven by the test: wake-ups run before each CPU access, outputs are checked after each call."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ from tests.waves import DiagramRig
 
 
 class ModuleRig(DiagramRig):
-    """register_of: which register a field is in. Registers of one value are named as registers.
+    """Rig of a serial module.
 
-    asked: when each interrupt line was asked for. edges: (time, outputs) of each change of the outputs.
+    register_of: field -> its register. A register with a single value is named like a register.
+    asked: interrupt line -> the times of its requests.
+    edges: (time, outputs) of each change of the outputs.
     """
 
     register_of: Mapping[str, Register]
@@ -28,7 +30,7 @@ class ModuleRig(DiagramRig):
         self.look()
 
     def look(self) -> None:
-        """Do what the owner of a chip does after each call."""
+        """Record changes of the outputs and requests, as the owner of a chip does after each call."""
         chip = self.chip
         if chip.out != self._out:
             self._out = chip.out
@@ -42,17 +44,17 @@ class ModuleRig(DiagramRig):
         chip = self.chip
         while chip.next_wake <= time:
             due = chip.next_wake
-            assert due >= self.now, f"asks to be woken at {due}, but it is already {self.now}"
+            assert due >= self.now, f"the chip requests a wake-up at {due}, but it is already {self.now}"
             self.now = due
             chip.wake(due)
             self.look()
-            assert chip.next_wake > due, f"asks to be woken again in cycle {due}"
+            assert chip.next_wake > due, f"the chip requests another wake-up in cycle {due}"
         self.now = max(self.now, time)
 
     # Signals of a diagram.
 
     def drive(self, now: int, signal: str, level: int) -> None:
-        """A register (written); a field (read-modify-write); "READ" (the receive buffer); "SUSPEND"; "GATE"."""
+        """Write a register, set a field by read-modify-write, read the receive buffer (READ), SUSPEND or GATE."""
         self.run_until(now)
         if signal == "READ":
             self.read(self.buffer)
@@ -67,7 +69,7 @@ class ModuleRig(DiagramRig):
         self.look()
 
     def received(self, wait: float = 0, mask: int = 0xFFFF) -> list[int]:
-        """All words in the receive FIFO after so many bits, taken out, oldest first; of each the bits of a mask."""
+        """Wait for a number of bits, then read all words in the receive FIFO, and return them masked, oldest first."""
         self.wait(wait)
         return [self.read(self.buffer) & mask for _ in range(self.get("RXFFST"))]
 
@@ -77,7 +79,7 @@ class ModuleRig(DiagramRig):
     # Registers.
 
     def write(self, register: str, *values: int) -> None:
-        """One value after the other."""
+        """Write values to a register, one after the other."""
         for value in values:
             self.run_until(self.now)
             self.chip.write(self.now, self.chip.MAP[register].offset, value)
@@ -93,7 +95,7 @@ class ModuleRig(DiagramRig):
         return self.chip.peek(self.now, self.chip.MAP[register].offset)
 
     def set(self, **fields: int) -> None:
-        """One read-modify-write for each register that the fields are in."""
+        """Change fields with one read-modify-write access for each register."""
         for register in self.chip.MAP:
             names = [name for name in fields if self.register_of.get(name) is register]
             if names:
@@ -103,14 +105,14 @@ class ModuleRig(DiagramRig):
                 self.write(register.name, value)
 
     def get(self, name: str) -> int:
-        """A field or a whole register, looked at without side effects."""
+        """Return a field or a whole register, read without side effects."""
         if name in self.chip.MAP:
             return self.peek(name)
         register = self.register_of[name]
         return register[name].extract(self.peek(register.name))
 
     def status(self, name: str) -> int:
-        """A field as the CPU reads it."""
+        """Return a field from a CPU read of its register, with its side effects."""
         register = self.register_of[name]
         return register[name].extract(self.read(register.name))
 

@@ -1,4 +1,4 @@
-"""The tests of open questions: one `test_open_NAME` for each option, tried with every value, in rigs that are kept."""
+"""Checks of the tests of open questions: each option has a test `test_open_NAME`, which runs with every value."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from .module_rig import ModuleRig
 
 T = TypeVar("T", bound=ModuleRig)
 
-kept: dict[str, list[ModuleRig]] = {}  # by option: the rigs that the test under way has made
+kept: dict[str, list[ModuleRig]] = {}  # option -> the rigs that the current test has kept for it
 
 
 def keep(option: str, rig: T) -> T:
-    """Have a rig checked at the end of the test: one of those kept for an option must list it among those touched."""
+    """Keep a rig until the end of the test, where at least one rig kept for an option must list it in `touched`."""
     kept.setdefault(option, []).append(rig)
     return rig
 
 
 def check_tests_of(options: type, module: str) -> None:
-    """Fail if an option has no test in this module, or one that leaves a value out; the first value is the default."""
+    """Fail if an option has no test in this module, if the test omits a value, or if the default is not the first."""
     for option in dataclasses.fields(options):
         test = getattr(sys.modules[module], f"test_open_{option.name}", None)
         assert test is not None, option.name

@@ -1,13 +1,13 @@
-"""A bare SCI and a few lines around it: frames and register writes go in; TXD edges, fields and requests come out.
+"""A bare SCI and a rig that drives RXD and registers and records edges of TXD and interrupt requests.
 
     levels ("0 10101010 1") --> RXD --> Sci --> TXD --> edges --> levels
-                 register fields --> Sci --> requests, counted
+                 register fields --> Sci --> requests (counted)
 
-The rig shares nothing with the model but its register map (names) and its options. Its
-own view of time: cycles of SYSCLKOUT, an SCICLK is `sciclk` of them, a bit is `bit`.
-The model's SCICLK runs freely, so the rig first finds where it ticks (a twin sends one
-character and its start bit is looked at) and then lets every diagram begin half an
-SCICLK off the ticks: column n of a diagram in SCICLK holds exactly sample n.
+The rig shares only the register map (names) and the options with the model. Times are in
+cycles of SYSCLKOUT; an SCICLK has `sciclk` cycles, and a bit has `bit` cycles.
+The model's SCICLK runs freely. So the rig first finds the cycles of its ticks: it lets a
+second module send a character and measures the start bit. Every diagram begins half an
+SCICLK before a tick, so that column n of a diagram in SCICLK contains exactly sample n.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ from periph_sim.f28335.sci.options import SciOptions
 from periph_sim.f28335.sci.register_map import SCI_MAP
 from tests.f28335.module_rig import ModuleRig
 
-START = 4000  # cycles from switching on to the first column, so that nothing of the set-up is left under way
+START = 4000  # cycles from enabling the clock to the first column; all effects of the set-up are over by then
 
-# Which register a field is in. Registers of one value (SCIHBAUD, SCITXBUF, ...) are named as registers.
+# Field -> its register. Registers with a single value (SCIHBAUD, SCITXBUF, ...) are named like registers.
 REGISTER_OF = {f.name: r for r in SCI_MAP for f in r.fields if f.name not in SCI_MAP}
 
-RUNNING = {"SCICHAR": 7, "RXENA": 1, "TXENA": 1, "SWRESET": 1}  # 8-N-1, both directions on
+RUNNING = {"SCICHAR": 7, "RXENA": 1, "TXENA": 1, "SWRESET": 1}  # 8-N-1, receiver and transmitter enabled
 FIFO = {"SCIRST": 1, "SCIFFENA": 1, "TXFIFOXRESET": 1, "RXFIFORESET": 1}
 
 
 def levels(text: str) -> str:
-    """A frame as it is drawn, "0 10101010 1", without the blanks."""
+    """Return a frame such as "0 10101010 1" without the blanks."""
     return text.replace(" ", "")
 
 
 def frame(
     data: int, bits: int = 8, *, address: int | None = None, parity: str = "none", stops: int = 1, bad: str = ""
 ) -> str:
-    """The levels of one frame, one character a bit. bad: "parity" or "stop", which is then sent inverted."""
+    """Return the levels of a frame, one character per bit. bad: "parity" or "stop", the bit that is inverted."""
     body = [data >> i & 1 for i in range(bits)]
     if address is not None:
         body.append(address)
@@ -49,11 +49,11 @@ def frame(
 
 
 class Module(Sci):
-    """A class of Python, compiled or not: tests put calls of their own in the place of its methods."""
+    """A Python class, so that tests can replace its methods even if the core is compiled."""
 
 
 class _Line(ModuleRig):
-    """The chip and its line RXD. level: of RXD."""
+    """The chip and its input. level: the level of RXD."""
 
     register_of = REGISTER_OF
     buffer = "SCIRXBUF"
@@ -94,9 +94,12 @@ class _Line(ModuleRig):
 
 
 class SciRig(_Line):
-    """options: open questions by name. fields: register fields by name, beside 8-N-1 with both directions on.
+    """A rig whose module is set to 8-N-1, with receiver and transmitter enabled.
 
-    fifo=True switches the FIFOs on; raw=True leaves every register at its reset value.
+    options: option -> value.
+    fields: further register fields, by name.
+    fifo: enable the FIFOs.
+    raw: leave all registers at their reset values.
     """
 
     def __init__(
@@ -122,7 +125,7 @@ class SciRig(_Line):
     # Time.
 
     def align(self) -> int:
-        """Now is the next cycle that lies half an SCICLK off the ticks."""
+        """Run until the next cycle that is half an SCICLK before a tick, and return it."""
         self.run_until(self.now + (self._half - self.now) % self.sciclk)
         return self.now
 
@@ -135,14 +138,14 @@ class SciRig(_Line):
         return self.bit, self.now
 
     def drive(self, now: int, signal: str, level: int) -> None:
-        """RXD, or as for any module."""
+        """Set RXD, or a signal that every module has."""
         if signal == "RXD":
             self.rxd(now, level)
         else:
             super().drive(now, signal, level)
 
     def show(self, signal: str) -> int:
-        """RXD, TXD, a field, a whole register, or how often RXINT or TXINT was asked for (last hex digit)."""
+        """Return RXD, TXD, a field, a register, or the number of requests of RXINT or TXINT (last hex digit)."""
         if signal in ("RXINT", "TXINT"):
             return self.count(signal) % 16
         if signal == "TXD":
@@ -152,14 +155,14 @@ class SciRig(_Line):
         return self.get(signal)
 
     def reset(self) -> None:
-        """System reset, and the module's clock switched on again, which the reset had switched off."""
+        """Apply a system reset, and enable the clock of the module again."""
         self.chip.reset(self.now)
         self.look()
         self.chip.gate(self.now, True)
         self.look()
 
     def set_brr(self, brr: int) -> None:
-        """Writes both halves; `sciclk` and `bit` follow. The ticks lie anywhere afterwards."""
+        """Write both halves of BRR and update `sciclk` and `bit`. The phase of the ticks is unknown afterwards."""
         self.write("SCIHBAUD", brr >> 8)
         self.write("SCILBAUD", brr & 0xFF)
         self.sciclk = 4 * (max(brr, 1) + 1)
@@ -168,10 +171,11 @@ class SciRig(_Line):
     # RXD.
 
     def send(self, text: str, *, bit: float = 0, glitches: tuple[tuple[int, int], ...] = (), at: int = -1) -> int:
-        """When the first bit began. Plays levels into RXD, one a bit, and stays there to the end of the last.
+        """Send levels on RXD, one per bit, run until the end of the last bit, and return the start of the first.
 
-        bit: the sender's bit in cycles, the receiver's own if 0. glitches: (bit, sub-sample 1..8) sent inverted.
-        at: when to begin; the next cycle half an SCICLK off the ticks if not given.
+        bit: length of a bit in cycles; 0: that of the receiver.
+        glitches: (bit, sub-sample 1 to 8) of each sub-sample that is sent inverted.
+        at: start; by default, the next cycle that is half an SCICLK before a tick.
         """
         length = bit or self.bit
         begin = self.align() if at < 0 else at
@@ -189,21 +193,21 @@ class SciRig(_Line):
         return begin
 
     def send_samples(self, text: str) -> int:
-        """When the first sample's column began. The same with one level an SCICLK."""
+        """Send levels on RXD, one per SCICLK, and return the start of the first."""
         return self.send(text, bit=self.sciclk)
 
     def heard(self, text: str) -> Self:
-        """Plays levels into RXD."""
+        """Send levels on RXD, and return the rig."""
         self.send(text)
         return self
 
     def take(self, text: str) -> int:
-        """Plays levels into RXD, and reads SCIRXBUF."""
+        """Send levels on RXD, and read SCIRXBUF."""
         self.send(text)
         return self.read("SCIRXBUF")
 
     def restart(self) -> None:
-        """SW RESET is written 0, then 1."""
+        """Write SW RESET = 0, then 1."""
         self.set(SWRESET=0)
         self.set(SWRESET=1)
 
@@ -221,7 +225,7 @@ class SciRig(_Line):
         return level
 
     def sent(self, start: int, count: int) -> str:
-        """The levels in the middle of `count` bits of TXD from `start` on; the rig runs on until they are over."""
+        """Return the levels in the middle of `count` bits of TXD from `start` on, after running until their end."""
         self.run_until(max(self.now, start + count * self.bit))
         return "".join(str(self.txd_at(start + i * self.bit + self.bit // 2)) for i in range(count))
 
@@ -232,7 +236,7 @@ class SciRig(_Line):
         return self
 
     def transmit(self, word: int, count: int) -> str:
-        """Writes `word` to SCITXBUF of an idle transmitter: the first `count` bits from its start bit on."""
+        """Write SCITXBUF of an idle transmitter, and return the first `count` bits from the start bit on."""
         seen = len(self.edges)
         self.write("SCITXBUF", word)
         self.wait(3)
@@ -240,7 +244,7 @@ class SciRig(_Line):
         return self.sent(self.edges[seen][0], count)
 
     def frames(self, length: int) -> list[tuple[int, str]]:
-        """(start, levels) of every frame on TXD so far, each `length` bits long; the rig's own decoder."""
+        """Return (start, levels) of every frame on TXD so far, decoded without the model. length: bits of a frame."""
         found: list[tuple[int, str]] = []
         for fall in self.falls():
             if not found or fall >= found[-1][0] + length * self.bit - self.bit // 2:
@@ -249,12 +253,12 @@ class SciRig(_Line):
         return found
 
     def characters(self, bits: int = 8, extra: int = 0, wait: float = 0) -> list[int]:
-        """The data of every frame on TXD after so many bits; extra: bits between data and the single stop bit."""
+        """Wait for some bits and return the data of all frames on TXD. extra: bits between data and stop bit."""
         self.wait(wait)
         return [int(text[1 : 1 + bits][::-1], 2) for _, text in self.frames(bits + 2 + extra)]
 
     def changes(self, signal: str, cycles: int) -> Iterator[tuple[int, int]]:
-        """(time, new value) whenever `signal` changes within the next `cycles`, looked at in every cycle."""
+        """Yield (time, new value) of each change of a signal in the next `cycles`, checked in every cycle."""
         before = self.show(signal)
         for time in range(self.now + 1, self.now + cycles + 1):
             self.run_until(time)

@@ -1,7 +1,7 @@
-"""An SPI module, or several on the same wires, as their owner drives them; and an SPI of a few lines to compare with.
+"""Rigs of one SPI module or of several on the same wires, and a simple SPI master and decoder to compare with.
 
-`SpiRig` is one module whose inputs the test drives. `Wires` joins modules pin to pin. `decode` reads recorded edges
-and shares no code with the model.
+`SpiRig` is one module whose inputs the test drives. `Wires` connects the pins of several modules. `decode` reads the
+characters from recorded edges and shares no code with the model.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ HALF = BIT // 2
 PINS = ("SIMO", "SOMI", "CLK", "STE")
 HIGH = 0b1111
 
-# Which register a field is in. Registers of one value (SPIBRR, SPITXBUF, ...) are named as registers.
+# Field -> its register. Registers with a single value (SPIBRR, SPITXBUF, ...) are named like registers.
 REGISTER_OF = {f.name: r for r in SPI_MAP for f in r.fields}
 
 MASTER = {"SPICHAR": 7, "SPISWRESET": 1, "MASTER_SLAVE": 1, "TALK": 1, "SPIBRR": 3}
@@ -32,9 +32,11 @@ SCHEMES = [(polarity, phase) for polarity in (0, 1) for phase in (0, 1)]
 
 
 class SpiRig(ModuleRig):
-    """options: open questions by name. setting: MASTER or SLAVE. fields: fields or whole registers, beside these.
+    """A rig of one module. It begins one cycle before an LSPCLK edge, so a transfer begins in the column of its write.
 
-    The rig begins one cycle before an LSPCLK edge, so that a transfer begins in the column of its write.
+    options: option -> value.
+    setting: MASTER or SLAVE.
+    fields: further fields or whole registers, by name.
     """
 
     chip: Spi
@@ -73,9 +75,9 @@ class SpiRig(ModuleRig):
         return HALF, self.now
 
     def drive(self, now: int, signal: str, level: int) -> None:
-        """A pin, or as for any module.
+        """Set a pin, or a signal that every module has.
 
-        SPITXBUF and SPIDAT take the digit as their upper four bits: a character of four bits.
+        The digit of SPITXBUF or SPIDAT is the four upper bits of the word: a character of four bits.
         """
         if signal in PINS:
             self.pin(now, **{signal: level})
@@ -83,7 +85,7 @@ class SpiRig(ModuleRig):
             super().drive(now, signal, level << 12 if signal in ("SPITXBUF", "SPIDAT") else level)
 
     def pin(self, now: int, **levels: int) -> None:
-        """Drive inputs."""
+        """Change inputs of the chip."""
         self.run_until(now - 1)
         self.now = now
         for name, level in levels.items():
@@ -93,9 +95,9 @@ class SpiRig(ModuleRig):
         self.look()
 
     def show(self, signal: str) -> int:
-        """An output; "SIMO?" whether it is driven; RXINT or TXINT: how often asked for; a field; a register.
+        """Return an output, whether it is driven ("SIMO?"), a number of requests (RXINT, TXINT), a field or a register.
 
-        Of SPIRXBUF and SPIDAT the lower four bits.
+        The result is reduced to the lower four bits of fields and registers such as SPIRXBUF and SPIDAT.
         """
         if signal in PINS:
             return self.chip.out >> PINS.index(signal) & 1
@@ -106,23 +108,23 @@ class SpiRig(ModuleRig):
         return self.get(signal) & 0xF
 
     def send(self, word: int, bits: float) -> None:
-        """Write SPITXBUF, and wait for so many bits."""
+        """Write SPITXBUF, and wait for a number of bits."""
         self.write("SPITXBUF", word)
         self.wait(bits)
 
-    # A master that is no module, for a slave.
+    # A simple master for a module that is a slave.
 
     def select(self, low: bool = True) -> None:
         self.pin(self.now + HALF, STE=0 if low else 1)
 
     def select_idle(self) -> Self:
-        """SPICLK goes to 0, its idle level with CLKPOLARITY = 0; then SPISTE falls."""
+        """Set SPICLK to 0, its idle level with CLKPOLARITY = 0, and then SPISTE to 0."""
         self.pin(self.now, CLK=0)
         self.select()
         return self
 
     def clock(self, bits: str, half: int = HALF) -> list[int]:
-        """Make a period of SPICLK for each bit, which SPISIMO has; return SPISOMI as a master would latch it.
+        """Make a period of SPICLK for each bit of SPISIMO, and return the levels of SPISOMI that a master latches.
 
         half: cycles of half a period.
         """
@@ -130,7 +132,7 @@ class SpiRig(ModuleRig):
         came = []
         for bit in bits:
             begin, data = self.now, {"SIMO": int(bit)}
-            if phase:  # the bit is there half a period before the leading edge
+            if phase:  # the bit is output half a period before the leading edge
                 self.pin(begin + 1, **data)
             self.run_until(begin + half - 1)
             if phase:
@@ -143,13 +145,13 @@ class SpiRig(ModuleRig):
         return came
 
     def exchange(self, word: int, bits: int = 8, half: int = HALF) -> int:
-        """One character from a master that is no module, most significant bit first: what it gets back."""
+        """Send a character from the simple master, most significant bit first, and return the one that it receives."""
         came = self.clock(f"{word:0{bits}b}", half)
         return int("".join(map(str, came)), 2)
 
 
 class Wires:
-    """Modules joined pin to pin: a wire is 0 if any of them drives it to 0. history: (time, levels) of the wires."""
+    """Connected modules: a wire is 0 if any module drives it to 0. history: (time, levels of the wires)."""
 
     def __init__(self, *rigs: SpiRig) -> None:
         self.rigs = rigs
@@ -158,7 +160,7 @@ class Wires:
         self.settle()
 
     def settle(self) -> None:
-        """Show the wires to all modules until none changes its outputs."""
+        """Pass the levels of the wires to all modules until no module changes its outputs."""
         while True:
             levels = HIGH
             for rig in self.rigs:
@@ -193,9 +195,9 @@ class Wires:
 
 
 def decode(history: Sequence[tuple[int, int]], polarity: int, phase: int, bits: int) -> tuple[list[int], list[int]]:
-    """The characters on SIMO and on SOMI, as a logic analyser reads them while STE is 0; bits over at the end are left.
+    """Return the characters on SIMO and on SOMI, like a logic analyser; an incomplete last character is ignored.
 
-    history: (time, levels), levels as bits SIMO, SOMI, CLK, STE from bit 0 on.
+    history: (time, levels); bits 0 to 3 of the levels are SIMO, SOMI, CLK and STE. Edges count while STE is 0.
     """
     streams: tuple[list[int], list[int]] = ([], [])
     for (_, before), (_, after) in itertools.pairwise(history):
@@ -204,7 +206,7 @@ def decode(history: Sequence[tuple[int, int]], polarity: int, phase: int, bits: 
         latches = clock == polarity if phase == 0 else clock != polarity
         if edge and latches:
             for i, stream in enumerate(streams):
-                stream.append(before >> i & 1)  # as it was up to the edge
+                stream.append(before >> i & 1)  # the level just before the edge
     words = [[0] * (len(stream) // bits) for stream in streams]
     for stream, found in zip(streams, words, strict=True):
         for n, bit in enumerate(stream[: len(found) * bits]):

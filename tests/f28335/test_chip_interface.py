@@ -1,4 +1,4 @@
-"""What every chip shows before anything happened to it, and the names of its pins and lines."""
+"""The interface of every chip: names of its pins, its initial outputs and wake-up, and unused words and bits."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ CHIPS: list[tuple[Callable[[], Any], tuple[str, ...], tuple[str, ...], int, int,
 
 
 @pytest.mark.parametrize(("make", "inputs", "outputs", "width", "out", "wake"), CHIPS)
-def test_new_chip(
+def test_initial_values_of_a_new_chip(
     make: Callable[[], Any],
     inputs: tuple[str, ...],
     outputs: tuple[str, ...],
@@ -55,7 +55,7 @@ def test_new_chip(
 
 
 @pytest.mark.parametrize("make", [row[0] for row in CHIPS])
-def test_words_without_a_register_and_bits_without_a_field_read_0_and_take_no_write(make: Callable[[], Any]):
+def test_words_without_a_register_and_bits_without_a_field_read_0_and_ignore_writes(make: Callable[[], Any]):
     chip = make()
     chip.gate(0, True)
     words = {r.offset + half: (r, half) for r in chip.MAP for half in range(-(-r.width // 16))}
@@ -77,11 +77,11 @@ def test_a_chip_without_inputs_refuses_levels(make: Callable[[], Any]):
 
 
 @pytest.mark.parametrize("chip", [Xint(), Pie(SYSTEM)])
-def test_chips_without_time_have_nothing_to_look_at(chip: Any):
+def test_a_wake_up_of_a_chip_without_timing_changes_nothing(chip: Any):
     assert chip.wake(0) == NO_CHANGE
 
 
-def test_i2c_filter_width_follows_the_module_clock_that_irs_takes_over():
+def test_i2c_filter_width_follows_ipsc_at_the_end_of_a_reset_by_irs():
     rig = Rig(noise_filter_cycles=3)
     widths = [rig.chip.filter_width]
     rig.begin()
@@ -97,7 +97,7 @@ def test_i2c_filter_width_follows_the_module_clock_that_irs_takes_over():
 
 
 @pytest.mark.parametrize("divider", [1, 2, 4, 6, 8, 10, 12, 14])
-def test_sci_takes_the_dividers_of_lospcp(divider: int):
+def test_sci_accepts_the_dividers_of_lospcp(divider: int):
     chip = Sci()
     chip.gate(0, True)
     chip.set_lspclk(0, divider, 0)
@@ -113,8 +113,8 @@ def test_sci_takes_the_dividers_of_lospcp(divider: int):
     assert (rise - fall, fall % divider) == (2 * 8 * 10 * divider, 0)
 
 
-def test_sci_that_is_woken_late_has_done_at_a_pin_what_was_due_before_it():
-    """The pin moves in the last cycle of the start bit on TXD: 0 then, 1 in the next."""
+def test_sci_applies_overdue_changes_before_a_change_of_its_input():
+    """The input changes in the last cycle of the start bit on TXD: TXD is 0 then, and 1 in the next cycle."""
     chip = Sci()
     chip.gate(0, True)
     chip.write(0, 1, 0x22)

@@ -1,4 +1,4 @@
-"""Descriptors: what a part is made of, and what is refused in one."""
+"""Descriptors of the modules of a part, and errors in descriptors."""
 
 from __future__ import annotations
 

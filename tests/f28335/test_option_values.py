@@ -1,6 +1,6 @@
-"""Answers to open questions that are numbers or yes and no: which are taken, and which one without being asked.
+"""Values of options that are numbers or booleans: the allowed values and the defaults.
 
-Answers that are words are in the `test_open_...` of each question.
+Values that are words are tested in the `test_open_...` of each option.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ RANGES = [
 
 
 @pytest.mark.parametrize("kind", ANSWERS)
-def test_answers_that_are_not_words(kind: type):
+def test_allowed_values_that_are_not_words(kind: type):
     found = {
         of.name: of.metadata["values"]
         for of in dataclasses.fields(kind)
@@ -91,14 +91,16 @@ def test_answers_that_are_not_words(kind: type):
 
 
 @pytest.mark.parametrize("kind", ANSWERS)
-def test_the_first_answer_of_every_question_is_the_default(kind: type):
+def test_the_first_value_of_every_option_is_the_default(kind: type):
     for of in dataclasses.fields(kind):
         if "values" in of.metadata:
             assert kind().unrecorded()[of.name] == of.metadata["values"][0], of.name
 
 
 @pytest.mark.parametrize(("kind", "name", "default", "least", "most"), RANGES)
-def test_a_number_is_taken_from_its_least_to_its_most(kind: type, name: str, default: int, least: int, most: int):
+def test_a_number_is_accepted_from_its_minimum_to_its_maximum(
+    kind: type, name: str, default: int, least: int, most: int
+):
     assert kind().unrecorded()[name] == default
     for value in (least, most):
         assert options_from(kind, {name: value}).unrecorded()[name] == value
@@ -107,13 +109,13 @@ def test_a_number_is_taken_from_its_least_to_its_most(kind: type, name: str, def
             options_from(kind, {name: value})
 
 
-def test_every_number_is_in_the_table():
+def test_every_option_with_a_range_is_in_the_table():
     ranged = {(kind, of.name) for kind in ANSWERS for of in dataclasses.fields(kind) if "least" in of.metadata}
     assert ranged == {(kind, name) for kind, name, *_ in RANGES}
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "sentence"),
     [
         ({"bcm_reset": 2}, "option bcm_reset is 2; expected 1 or 0"),
         ({"bcm_reset": True}, "option bcm_reset is True; expected 1 or 0"),
@@ -124,7 +126,7 @@ def test_every_number_is_in_the_table():
         ({"bcm_rest": 1}, "there is no option 'bcm_rest'; did you mean bcm_reset or emdr_present?"),
     ],
 )
-def test_what_is_no_answer_is_refused_with_those_that_are(given: dict[str, Value], told: str):
+def test_the_error_of_a_wrong_value_names_the_allowed_ones(given: dict[str, Value], sentence: str):
     with pytest.raises(ValueError) as error:
         options_from(I2cOptions, given)
-    assert str(error.value) == told
+    assert str(error.value) == sentence

@@ -1,4 +1,4 @@
-"""Parts of the family: the data of each, and refusals of what a part does not have."""
+"""Parts of the family: the data of each part, and errors for addresses that a part does not have."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_each_file_is_a_part_and_has_its_name():
     ("part", "sectors", "part_id"), [(f28335.PART, 8 * 0x8000, 0x00EF), (f28334.PART, 8 * 0x4000, 0x00EE)]
 )
 def test_data_of_a_part_are_those_of_the_manual(part: Part, sectors: int, part_id: int):
-    """Flash: SPRS439M Figures 3-2 and 3-3, eight sectors each, the last of which ends with the passwords."""
+    """Each part has eight sectors of flash; the last one ends with the passwords (SPRS439M Figures 3-2 and 3-3)."""
     assert (len(part.flash), part.flash.stop, part.part_id) == (sectors, 0x34_0000, part_id)
     assert part.modules == f28335.PART.modules
 
@@ -59,7 +59,7 @@ def test_an_image_reads_the_id_and_the_flash_of_its_part():
         assert Rig(HEAD + READS.format(address=0x0882), part=part).run().cpu.acc & 0xFFFF == 0x00EF
 
 
-def test_flash_that_the_part_does_not_have_is_nothing():
+def test_access_to_flash_that_the_part_does_not_have_is_an_error():
     source = HEAD + READS.format(address=0x31_FFFF)
     assert Rig(source).run().cpu.acc & 0xFFFF == 0xFFFF
     with pytest.raises(FirmwareLost, match="0x31ffff is read, where the F28334 has nothing"):

@@ -324,7 +324,7 @@ def test_a_misspelt_mark_of_a_module_is_reported(tmp_path: Path):
 
 
 def test_a_module_is_rebuilt_if_types_that_it_uses_change(tmp_path: Path):
-    """core.clock uses types of core.time, and core.time those of core.chip; core.fifo imports a type without using it."""
+    """core.clock uses types of core.time, which uses those of core.chip; core.fifo imports a type without using it."""
     (tmp_path / "core").mkdir()
     sources = {
         "chip": "class Chip: ...\n",

@@ -75,7 +75,7 @@ def test_an_incomplete_build_is_not_usable(package: Path, change: str):
 
 @pytest.fixture
 def found_first(package: Path, monkeypatch) -> None:
-    """Import the compiled form of that package. Its library is empty, so it fails to load, like one for another libc."""
+    """Import the compiled form of that package. Its library is empty, so it fails to load like one for another libc."""
     monkeypatch.setattr(sys, "path_importer_cache", {})
     monkeypatch.setattr(sys, "path_hooks", [form.finders(package, package.parent / "built", MODULES), *sys.path_hooks])
 

@@ -1,6 +1,6 @@
-"""CPU interrupt logic, alone and behind the PIE. Rules SYS-095, 106 to 112, 124 to 129, 132 to 139, 141 to 153.
+"""CPU interrupt logic, alone and with the PIE. Rules SYS-095, 106 to 112, 124 to 129, 132 to 139, 141 to 153.
 
-Rules about instruction boundaries inside running code (SYS-130, 131) need the host.
+Rules about instruction boundaries in running code (SYS-130, 131) are tested with the processor.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ IFR_DELAY = 4
 
 
 class Core(CpuInterrupts):
-    """With the memory that a host has: what an entry saves lies there until IRET takes it."""
+    """CPU interrupt logic with a memory for the contexts that interrupt entries save and IRET restores."""
 
     def __init__(self, options: SystemOptions) -> None:
         super().__init__(options)
-        self.memory: dict[int, Context] = {}  # by SP before the entry
+        self.memory: dict[int, Context] = {}  # SP before the entry -> saved context
 
     def save(self, number: int, first_instruction: int) -> Context:
         context = super().save(number, first_instruction)
@@ -52,13 +52,13 @@ class Core(CpuInterrupts):
         return context
 
     def back(self, now: int) -> None:
-        """IRET, with what is on the stack."""
+        """Execute IRET with the context on the stack."""
         context = self.memory[self.returning_sp]
         self.iret(now, context.st1, context.ier)
 
 
 def cpu(*, ier: int = 0xFFFF, intm: bool = False, raised: int = 0, **options: int | str | bool) -> Core:
-    """A CPU with these interrupts enabled, ready from cycle 0. raised: a line that pulses in cycle 0."""
+    """Return a CPU with these interrupts enabled, ready from cycle 0. raised: a line that is requested in cycle 0."""
     core = Core(options_from(SystemOptions, dict(options)))
     core.ier = ier
     if not intm:
@@ -73,14 +73,14 @@ def bit(number: int) -> int:
 
 
 def in_isr(number: int = 9, **options: str) -> tuple[Core, int]:
-    """A CPU that has just begun a service routine, and that cycle."""
+    """Return a CPU that has just begun a service routine, and the present cycle."""
     core = cpu(**options, raised=number)
     core.enter(IFR_DELAY, number)
     return core, core.ready
 
 
 def returned(**options: str) -> tuple[Core, int]:
-    """A CPU whose routine began in that cycle, and ends with IRET 20 cycles later; the next request waits."""
+    """Return a CPU and the cycle in which its routine began and was requested again; IRET is 20 cycles later."""
     core, now = in_isr(**options)
     core.raise_line(now, 9)
     core.back(now + 20)
@@ -88,10 +88,10 @@ def returned(**options: str) -> tuple[Core, int]:
 
 
 class Rig(DiagramRig):
-    """PIE and CPU as a board joins them, running code whose every cycle is an instruction boundary.
+    """A PIE and a CPU connected as in the device. Each cycle of the running code is an instruction boundary.
 
-    REQ requests lines of group 9, REQ8 of group 8. ISR is 1 while a routine runs (from its first
-    instruction), TAKEN the group entered, LINE the line its vector stands for.
+        REQ requests lines of group 9, and REQ8 lines of group 8. ISR is 1 while a routine runs, from its
+    first instruction on. TAKEN is the group of the last entry, and LINE the line of its vector.
     """
 
     def __init__(self, ier: int = 0xFFFF, **options: int) -> None:
@@ -184,7 +184,7 @@ def test_the_ifr_bit_rises_4_cycles_after_the_request_and_stays():
         lambda core, now: core.raise_line(now, EMUINT),
     ],
 )
-def test_whatever_comes_next_finds_the_ifr_bit_of_a_request_that_has_arrived(instruction):
+def test_each_access_to_ifr_or_the_masks_finds_the_bit_of_a_request_that_is_due(instruction):
     core = cpu(ier=0, raised=9)
     instruction(core, IFR_DELAY)
     assert (core.ifr, core.next_wake) == (bit(9), NEVER)
@@ -193,7 +193,7 @@ def test_whatever_comes_next_finds_the_ifr_bit_of_a_request_that_has_arrived(ins
 @pytest.mark.rule("SYS-138", "SYS-139")
 @pytest.mark.parametrize("latency", [14, 13, 15, 16])
 def test_open_int_latency(latency):
-    """The vector is always chosen 9 cycles before the first instruction; the rest of the latency comes before."""
+    """The vector is always fetched 9 cycles before the first instruction; the rest of the latency is before that."""
     core = cpu(int_latency=latency)
     core.raise_line(100, 9)
     assert core.next_taken(103) == 0
@@ -209,7 +209,7 @@ def test_open_int_latency(latency):
     ("waits", "isr"), [(0, "0... .... .... ...1 ..."), (1, "0... .... .... .... 1.."), (2, "0... .... .... .... .1.")]
 )
 def test_open_vector_fetch_waits(waits, isr):
-    """The vector is chosen when its fetch begins; what the fetch takes longer comes behind that."""
+    """The vector is chosen when its fetch begins; wait states of the fetch delay only the first instruction."""
     Rig(vector_fetch_waits=waits).check(f"""
         > REQ    .1.. .... .... .... ...
         < TAKEN  0... .9.. .... .... ...
@@ -228,7 +228,7 @@ def test_open_vector_fetch_waits_of_trap(waits):
 
 @pytest.mark.rule("SYS-139")
 @given(rest=st.integers(0, 7))
-def test_the_rest_of_the_current_instruction_comes_on_top(rest):
+def test_the_rest_of_the_current_instruction_is_added_to_the_latency(rest):
     core = cpu(raised=9)
     core.enter(IFR_DELAY + rest, 9)
     assert core.ready == 14 + rest
@@ -236,7 +236,7 @@ def test_the_rest_of_the_current_instruction_comes_on_top(rest):
 
 @pytest.mark.rule("SYS-127")
 @given(at=st.lists(st.integers(0, 40), min_size=1, max_size=5))
-def test_every_cycle_is_sampled(at):
+def test_requests_in_any_cycles_set_their_ifr_bits(at):
     core = cpu(ier=0)
     numbers = dict(enumerate(sorted(at), start=1))
     for number, now in numbers.items():
@@ -248,7 +248,7 @@ def test_every_cycle_is_sampled(at):
 
 @pytest.mark.rule("SYS-106", "SYS-107")
 def test_the_vector_is_chosen_one_cycle_after_the_entry_began():
-    """Line 2 comes in the last cycle in which it can still overtake line 4; a cycle later it has to wait."""
+    """Line 2 is served before line 4 if it is requested up to this cycle; one cycle later it has to wait."""
     Rig().check("""
         > REQ   4... .2.. ....
         < LINE  0... .2.. ....
@@ -261,7 +261,7 @@ def test_the_vector_is_chosen_one_cycle_after_the_entry_began():
 
 @pytest.mark.rule("SYS-112")
 def test_of_two_groups_the_lower_is_served_first():
-    # A routine of two instructions; the second entry begins when IRET is over.
+    # The second entry begins when IRET of the first routine has been executed.
     Rig().check("""
         > REQ    1... .... .... .... .... .... .... .... ....
         > REQ8   2... .... .... .... .... .... .... .... ....
@@ -273,7 +273,7 @@ def test_of_two_groups_the_lower_is_served_first():
 
 
 @pytest.mark.rule("SYS-108", "SYS-125")
-def test_pieier_cleared_on_the_way_runs_line_1():
+def test_a_request_disabled_in_pieier_before_the_vector_fetch_runs_line_1():
     Rig().check("""
         > REQ      3... .... .... ....
         > PIEIER9  .... 0... .... ....
@@ -283,11 +283,11 @@ def test_pieier_cleared_on_the_way_runs_line_1():
 
 
 @pytest.mark.rule("SYS-110", "SYS-137")
-def test_nothing_is_taken_between_approval_and_the_first_instruction():
+def test_no_interrupt_is_taken_between_the_entry_and_the_first_instruction():
     core = cpu(raised=9)
     core.raise_line(1, 1)
     core.enter(IFR_DELAY, 9)
-    core.st1 &= ~INTM  # even if nothing masked it
+    core.st1 &= ~INTM  # even without the mask that the entry has set
     assert [core.next_taken(now) for now in range(IFR_DELAY, 14)] == [0] * 10
     assert core.next_taken(14) == 1
 
@@ -308,7 +308,7 @@ def test_taken_if_ier_and_intm_allow_it_else_pending(number, ier, intm):
 
 
 @pytest.mark.rule("SYS-129")
-def test_priority():
+def test_interrupts_are_served_in_the_order_of_priority():
     core = cpu()
     order = [EMUINT, NMI, RTOSINT, *range(1, 15), DLOGINT]
     for number in reversed(order):
@@ -349,7 +349,7 @@ def test_nmi_ignores_the_masks_and_leaves_ifr_and_ier(number):
 @pytest.mark.parametrize(
     ("xnmicr", "source"), [(0, "TINT1"), (1, "TINT1"), (0xD, "TINT1"), (2, "XNMI_XINT13"), (3, "XNMI_XINT13")]
 )
-def test_what_drives_int13(xnmicr, source):
+def test_the_source_of_int13_depends_on_xnmicr(xnmicr, source):
     assert int13_source(xnmicr) == source
 
 
@@ -374,7 +374,7 @@ def test_sp_rises_by_15_and_wraps_at_16_bits(sp, after, first):
 
 
 @pytest.mark.rule("SYS-132", "SYS-135", "SYS-136")
-def test_what_entry_changes():
+def test_registers_and_stack_after_an_entry():
     core = cpu(ier=0x0140)
     core.st1 |= LOOP | EALLOW | IDLESTAT | OBJMODE
     core.st1 &= ~DBGM
@@ -388,7 +388,7 @@ def test_what_entry_changes():
 
 
 @pytest.mark.rule("SYS-141")
-def test_iret_takes_8_cycles_and_restores_ier_and_st1_but_for_three_bits():
+def test_iret_takes_8_cycles_and_restores_ier_and_st1_except_three_bits():
     core = cpu(ier=0x0140)
     core.st1 = EALLOW | LOOP | IDLESTAT | M0M1MAP | OBJMODE | VMAP
     core.ifr = bit(9)
@@ -427,14 +427,14 @@ def test_open_irq_after_iret_after_one_instruction():
     assert core.touched == {"int_latency", "irq_after_iret", "vector_fetch_waits"}
 
 
-def test_a_host_can_plan_with_the_instruction_owed():
+def test_earliest_includes_the_instruction_after_iret():
     core, now = returned(irq_after_iret="after_one_instruction")
     assert core.earliest() == now + 29
     core.owes_instruction = False
     assert core.earliest() == now + 28
 
 
-def test_an_interrupt_instruction_pays_the_one_owed_after_iret():
+def test_an_eallow_counts_as_the_instruction_after_iret():
     core, now = returned(irq_after_iret="after_one_instruction")
     core.set_eallow(now + 28, True)
     assert core.next_taken(now + 32) == 9
@@ -542,11 +542,11 @@ def test_idle_waits_for_an_enabled_interrupt(intm, then):
     if then:
         core.enter(24, 9)
         core.back(40)
-        assert core.next_taken(48) == 0  # the instruction after IDLE
+        assert core.next_taken(48) == 0  # because the instruction after IDLE has not been executed
 
 
 @pytest.mark.rule("SYS-150")
-def test_idle_takes_5_cycles_even_if_something_waits():
+def test_idle_takes_5_cycles_even_if_an_interrupt_is_pending():
     core = cpu(ier=bit(9), intm=True)
     core.ifr = bit(9)
     core.idle(10)
@@ -556,7 +556,7 @@ def test_idle_takes_5_cycles_even_if_something_waits():
 @pytest.mark.rule("SYS-150")
 @pytest.mark.parametrize("wake", [0, 3, 16])
 def test_open_idle_wake(wake):
-    """IDLE from cycle 0, a request at 20: its IFR bit rises at 24, and `wake` cycles later the CPU goes on."""
+    """IDLE begins in cycle 0. The IFR bit of a request at 20 is set at 24; the CPU continues `wake` cycles later."""
     core = cpu(ier=bit(9), idle_wake=wake)
     core.idle(0)
     core.raise_line(20, 9)
@@ -568,7 +568,7 @@ def test_open_idle_wake(wake):
     assert core.touched == {"idle_wake", "int_latency", "vector_fetch_waits"}
 
 
-# Reset, duties -----------------------------------------------------------------------------------------
+# Reset, and notes about broken rules -------------------------------------------------------------------
 
 
 @pytest.mark.rule("SYS-151")
@@ -617,14 +617,14 @@ def test_pieack_and_eint_without_a_nop_between_are_reported(between, reported):
     assert [note.source for note in core.notes] == ["SPRZ272N section 3.1.1"] * reported
 
 
-def test_outside_of_routines_pieack_and_eint_are_no_nesting():
+def test_pieack_and_eint_outside_of_routines_are_not_reported_as_nesting():
     core = cpu(intm=True)
     core.wrote_pieack(0)
     core.clrc_intm(1)
     assert not core.notes
 
 
-# What a host plans with ----------------------------------------------------------------------------------
+# Earliest cycle of an interrupt entry --------------------------------------------------------------------
 
 
 @given(
@@ -632,7 +632,7 @@ def test_outside_of_routines_pieack_and_eint_are_no_nesting():
     ier=st.integers(0, 0x3FFF),
     intm=st.booleans(),
 )
-def test_earliest_is_when_next_taken_first_answers(requests, ier, intm):
+def test_earliest_is_the_first_cycle_in_which_next_taken_is_not_0(requests, ier, intm):
     core, twin = cpu(ier=ier, intm=intm), cpu(ier=ier, intm=intm)
     for now, number in sorted(requests):
         core.raise_line(now, number)
@@ -659,12 +659,12 @@ def test_instruction_costs_are_those_of_the_table_of_encodings():
     table["SB_ALWAYS"] = by_id()["SB_off8_COND"].cycles_of({"k": 15})[0]
     for mnemonic in ("SETC", "CLRC"):
         table[f"{mnemonic}_INTM"] = by_id()[f"{mnemonic}_mode"].cycles_of({"y": 1 << 4})[0]
-    table |= {"IFR_DELAY": 4, "VECTOR_AND_SAVE": 9}  # no instructions
+    table |= {"IFR_DELAY": 4, "VECTOR_AND_SAVE": 9}  # the costs of other things than instructions
     assert table == {name: value for name, value in vars(cpu_costs).items() if isinstance(value, int)}
 
 
 def test_iret_returns_through_a_frame_that_firmware_made_up():
-    """The first task of a real-time kernel was never interrupted."""
+    """A real-time kernel starts its first task, which was never interrupted, in this way."""
     core = cpu(ier=0, intm=True)
     core.sp = 0x41F
     core.iret(5, OBJMODE | VMAP | M0M1MAP, 0x0040)
@@ -672,20 +672,20 @@ def test_iret_returns_through_a_frame_that_firmware_made_up():
     assert (core.nested, core.ready) == (0, 13)
 
 
-# A reset in the middle --------------------------------------------------------------------------------------
+# Reset during entries and exits ------------------------------------------------------------------------------
 
 
-def test_reset_in_mid_entry_takes_what_comes_next_at_once():
+def test_after_a_reset_during_an_entry_an_nmi_is_taken_at_once():
     core, now = in_isr(9, irq_after_iret="after_one_instruction")
     core.raise_line(now, 1)
     core.clrc_intm(now)
     core.enter(now + 4, 1)
-    core.reset(now + 6)  # the routine's first instruction would be at now + 14
+    core.reset(now + 6)  # the first instruction of the routine would be at now + 14
     core.raise_line(now + 6, NMI)
     assert (core.ready, core.next_taken(now + 6), core.earliest()) == (now + 6, NMI, now + 6)
 
 
-def test_reset_pays_the_instruction_owed_after_iret():
+def test_after_a_reset_no_instruction_after_iret_is_required():
     core, now = in_isr(9, irq_after_iret="after_one_instruction")
     core.back(now)
     assert core.owes_instruction
@@ -693,7 +693,7 @@ def test_reset_pays_the_instruction_owed_after_iret():
     assert not core.owes_instruction
 
 
-def test_reset_forgets_what_was_latched_in_its_cycle():
+def test_a_reset_clears_an_ifr_bit_that_was_set_in_its_cycle():
     core = cpu(ier=0, raised=3)
     core.wake(IFR_DELAY)
     assert core.ifr == bit(3)
@@ -703,7 +703,7 @@ def test_reset_forgets_what_was_latched_in_its_cycle():
 
 
 @pytest.mark.parametrize("number", [NMI, EMUINT])
-def test_a_host_can_plan_with_what_no_mask_holds(number):
+def test_earliest_of_a_request_that_cannot_be_masked(number):
     core = cpu(ier=0, intm=True)
     core.setc_intm(10)
     core.raise_line(10, number)

@@ -1,4 +1,4 @@
-"""CPU timers. Rules SYS-015 and SYS-082 to SYS-094, SYS-097 where a timer shows it."""
+"""CPU timers. Rules SYS-015 and SYS-082 to SYS-094, and SYS-097 as far as it concerns timers."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def timer(**options: str) -> CpuTimer:
 
 
 def started(prd: int, tddr: int, tcr: int = 0, now: int = 0, **options: str) -> CpuTimer:
-    """A timer set up as TI's start-up code does it, reloaded and running from `now`."""
+    """Return a timer set up like in TI's start-up code, reloaded and running from `now`."""
     chip = timer(**options)
     chip.write(now, TCR.offset, TSS | TIF)
     chip.write(now, PRD.offset, prd & 0xFFFF)
@@ -56,7 +56,7 @@ def prescale(chip: CpuTimer, now: int) -> int:
 
 
 class TimerRig(DiagramRig):
-    """A running timer: TIM, PSC, TIF as a debugger sees them; TINT is 1 in the cycle of a request."""
+    """A running timer. TIM, PSC and TIF are read without side effects; TINT is 1 in the cycle of a request."""
 
     def __init__(self, chip: CpuTimer) -> None:
         self.chip = chip
@@ -97,7 +97,7 @@ def test_addresses():
 
 
 @pytest.mark.rule("SYS-083")
-def test_reset_state_and_that_it_runs():
+def test_the_timer_runs_from_its_reset_state():
     chip = timer()
     names = ("TIM", "TIMH", "PRD", "PRDH", "TCR", "TPR", "TPRH")
     expected = [0, 0, 0xFFFF, 0, 0, 0, 0]
@@ -113,7 +113,7 @@ def test_reset_state_and_that_it_runs():
 
 
 @pytest.mark.rule("SYS-084", "SYS-085", "SYS-087", "SYS-089")
-def test_counts_down_asks_at_zero_and_reloads():
+def test_the_timer_counts_down_requests_at_zero_and_reloads():
     TimerRig(started(3, 0, TIE)).check("""
         < TIM   3 2 1 0 3 2 1 0 3 2
         < TIF   0 . . 1 . . . . . .
@@ -171,7 +171,7 @@ def test_open_timer_late_tie(way, asks):
     assert chip.touched == {"timer_late_tie", "timer_tif_point"}
 
 
-def test_enabling_in_the_write_that_clears_tif_does_not_ask():
+def test_setting_tie_in_the_write_that_clears_tif_requests_nothing():
     chip = started(9, 0)
     chip.wake(9)
     chip.write(12, TCR.offset, TIE | TIF)
@@ -190,7 +190,7 @@ def test_trb_reloads_count_and_prescaler_and_reads_0():
 
 
 @pytest.mark.rule("SYS-091")
-def test_tss_stops_and_starts_again_where_it_stood():
+def test_tss_stops_the_count_and_lets_it_continue():
     TimerRig(started(3, 2)).check("""
         > TSS  ... . . 1 ... 0 . ...
         < PSC  210 2 1 0 ... . 2 102
@@ -198,7 +198,7 @@ def test_tss_stops_and_starts_again_where_it_stood():
     """)
 
 
-def test_without_its_clock_it_stands_still():
+def test_the_timer_stops_without_its_clock():
     TimerRig(started(6, 0)).check("""
         > CLOCK  . . . 0 . . 1 . .
         < TIM    6 5 4 3 . . . 2 1
@@ -206,7 +206,7 @@ def test_without_its_clock_it_stands_still():
 
 
 @pytest.mark.rule("SYS-092")
-def test_prd_acts_at_the_next_reload():
+def test_prd_takes_effect_at_the_next_reload():
     chip = started(5, 0)
     chip.write(2, PRD.offset, 2)
     assert [count(chip, now) for now in range(2, 12)] == [3, 2, 1, 0, 2, 1, 0, 2, 1, 0]
@@ -222,7 +222,7 @@ def test_psc_cannot_be_written():
 
 
 @pytest.mark.rule("SYS-094")
-def test_where_the_timer_interrupts_go():
+def test_interrupt_lines_of_the_timers():
     tint0, tint1, tint2 = (timer.interrupts[0].vector for timer in TIMERS)
     assert (LINES[tint0], CPU_VECTORS[tint1], CPU_VECTORS[tint2]) == ((1, 7), 13, 14)
 
@@ -249,7 +249,7 @@ def test_a_second_of_150_mhz_is_150_million_counts():
 
 
 def stepped(prd: int, tddr: int, cycles: int) -> list[tuple[int, int, int]]:
-    """The same timer counted cycle by cycle, as Tables 34 and 37 say it: (TIM, PSC, zeros so far)."""
+    """Return (TIM, PSC, number of zeros so far) for each cycle, counted step by step as in Tables 34 and 37."""
     tim, psc, zeros, out = prd, tddr, 0, []
     for _ in range(cycles):
         out.append((tim, psc, zeros))
@@ -263,7 +263,7 @@ def stepped(prd: int, tddr: int, cycles: int) -> list[tuple[int, int, int]]:
 
 
 @given(prd=st.integers(0, 12), tddr=st.integers(0, 5), looks=st.sets(st.integers(1, 150), max_size=6))
-def test_lazy_counting_equals_stepping(prd, tddr, looks):
+def test_the_computed_count_equals_counting_step_by_step(prd, tddr, looks):
     chip = started(prd, tddr, TIE)
     asked, track = 0, stepped(prd, tddr, 151)
     for now in range(151):
@@ -277,8 +277,8 @@ def test_lazy_counting_equals_stepping(prd, tddr, looks):
 
 
 @given(prd=st.integers(0, 9), tddr=st.integers(0, 3), tie=st.sampled_from([0, TIE]), clear=st.integers(1, 60))
-def test_next_wake_is_honest(prd, tddr, tie, clear):
-    """Cycle by cycle only the running counts change without a write or a due wake."""
+def test_nothing_but_the_counts_changes_without_a_write_or_a_due_wake_up(prd, tddr, tie, clear):
+    """Only the counts change in a cycle without a write or a due wake-up."""
     chip = started(prd, tddr, tie)
     shown = [r.offset for r in MAP if r.yields is not Yields.TIME]
     before: list[int] | None = None
@@ -294,21 +294,21 @@ def test_next_wake_is_honest(prd, tddr, tie, clear):
         before = state
 
 
-def test_a_timer_nobody_waits_for_does_not_wake():
+def test_a_timer_with_tif_set_and_no_interrupt_requests_no_wake_up():
     chip = started(9, 0)
     assert chip.next_wake == 9
     chip.wake(9)
-    assert chip.next_wake == NEVER  # TIF is 1 and stays so
+    assert chip.next_wake == NEVER  # TIF is 1 and does not change
     assert count(chip, 10**9) == 9 - 10**9 % 10
 
 
-def test_a_read_in_the_cycle_of_a_zero_takes_its_request_which_does_not_come_twice():
+def test_a_read_in_the_cycle_of_a_zero_makes_its_request_only_once():
     chip = started(9, 0, TIE)
     zero = chip.next_wake
     assert (chip.read(zero, TCR.offset) & TIF, chip.requests, chip.next_wake) == (TIF, 1, zero + 10)
 
 
-def test_a_stopped_timer_asks_for_nothing_until_it_runs_again():
+def test_a_stopped_timer_requests_no_wake_up_until_it_runs_again():
     chip = started(9, 0, TIE)
     chip.write(4, TCR.offset, TSS | TIE)
     assert chip.next_wake == NEVER
@@ -318,21 +318,21 @@ def test_a_stopped_timer_asks_for_nothing_until_it_runs_again():
     assert chip.next_wake == 105
 
 
-def test_reset_forgets_a_request():
+def test_reset_removes_a_request():
     chip = started(9, 0, TIE)
     chip.wake(9)
     chip.reset(9)
     assert (chip.requests, chip.next_wake) == (0, 9 + 0x10000)
 
 
-def test_a_write_of_the_count_acts_at_once():
+def test_a_write_of_the_count_takes_effect_at_once():
     chip = started(0x20000, 0)
     chip.write(4, TIM.offset, 5)
     chip.write(4, TIMH.offset, 1)
     assert [count(chip, now) for now in (4, 5)] == [0x10005, 0x10004]
 
 
-def test_a_write_moves_16_bits_whatever_stands_above_them():
+def test_bits_above_the_sixteenth_of_a_written_value_are_ignored():
     chip = started(0x20000, 0)
     for register, word in ((TIM, 5), (TIMH, 1), (PRD, 7), (PRDH, 2)):
         chip.write(0, register.offset, 0xF_0000 | word)

@@ -1,4 +1,4 @@
-"""The sampling qualifier: three or six equal samples in a row, one every `period` cycles."""
+"""The input qualifier: its output follows after three or six equal samples, one every `period` cycles."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tests.waves import DiagramRig, play, tidy
 
 
 class Rig(DiagramRig):
-    """`in` goes in as the synchronised level; `out` is what the qualifier makes of it; woken only when due."""
+    """A qualifier that is woken only when due. Signal `in` is its synchronised input, `out` its output."""
 
     def __init__(self, period: int, samples: int) -> None:
         self.qualifier = Qualifier(0, 0, period, samples, 0)
@@ -56,11 +56,11 @@ SIX_SAMPLES_EVERY_SECOND_CYCLE = """
         (SIX_SAMPLES_EVERY_SECOND_CYCLE, 2, 6),
     ],
 )
-def test_a_level_passes_with_the_last_of_enough_equal_samples(diagram, period, samples):
+def test_a_level_reaches_the_output_with_the_last_of_enough_equal_samples(diagram, period, samples):
     assert play(diagram, Rig(period, samples), 1) == tidy(diagram)
 
 
-def test_a_glitch_between_two_samples_is_not_seen():
+def test_a_glitch_between_two_samples_has_no_effect():
     Rig(3, 3).check("""
         > in   0 1 . . 0 1 . . . . . . .
         < out  0 . . . . . . . . 1 . . .
@@ -68,7 +68,7 @@ def test_a_glitch_between_two_samples_is_not_seen():
 
 
 def passes(period: int, samples: int, phase: int, width: int) -> bool:
-    """Does a high pulse that begins `phase` cycles after a sample come through?"""
+    """Return True if a high pulse that begins `phase` cycles after a sample reaches the output."""
     qualifier = Qualifier(0, 0, period, samples, 0)
     begin = period + phase
     qualifier.edge(begin, 1)
@@ -103,7 +103,7 @@ def test_the_erratum_pulse_passes_in_exactly_one_phase(period, samples):
 
 
 class BruteForce:
-    """The same qualifier taking each sample in turn, as the drawing has it."""
+    """Reference qualifier that processes each sample, as drawn in the manual."""
 
     def __init__(self, period: int, samples: int) -> None:
         self.period, self.samples, self.origin = period, samples, 0
@@ -126,7 +126,7 @@ ACTIONS = st.one_of(
 
 
 @given(PERIOD, st.sampled_from([3, 6]), st.lists(st.tuples(st.integers(1, 25), ACTIONS), max_size=30))
-def test_counting_samples_is_the_same_as_taking_them(period, samples, steps):
+def test_the_qualifier_equals_one_that_processes_each_sample(period, samples, steps):
     lazy, brute = Qualifier(0, 0, period, samples, 0), BruteForce(period, samples)
     now = 0
     for gap, action in [*steps, (80, 0)]:
@@ -135,7 +135,7 @@ def test_counting_samples_is_the_same_as_taking_them(period, samples, steps):
                 lazy.edge(cycle, action)
                 brute.level = action
             brute.cycle(cycle)
-            if lazy.due == cycle:  # never asked otherwise
+            if lazy.due == cycle:  # `advance` is never called in other cycles
                 lazy.advance(cycle)
             assert lazy.qualified == brute.qualified, f"cycle {cycle}"
             assert lazy.due > cycle
@@ -146,5 +146,5 @@ def test_counting_samples_is_the_same_as_taking_them(period, samples, steps):
             (brute.period, brute.samples), brute.origin = action, origin
 
 
-def test_a_steady_level_asks_for_no_wake_up():
+def test_a_constant_level_requests_no_wake_up():
     assert Qualifier(0, 1, 2, 6, 0).due == NEVER

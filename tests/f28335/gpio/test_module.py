@@ -1,8 +1,9 @@
-"""GPIO: latches and directions, the multiplexer, input qualification, and what the owner is told of it.
+"""GPIO: latches and directions, the multiplexer, input qualification, and changes reported to the owner.
 
-Diagrams have one SYSCLKOUT cycle a column. Rows: `GPIOn` an edge at the pad exactly on the
-cycle, `GPIOn~` one a little before it; `REG.FIELD` a bus write or what a read shows; `padn`
-what the chip drives on the pad (f: nothing); a signal's name what its module sees.
+Diagrams have one column per SYSCLKOUT cycle. Rows: `GPIOn` is an edge at the pad exactly at the
+start of the cycle, `GPIOn~` one shortly before it; `REG.FIELD` is a bus write or the result of a
+read; `padn` is the level that the chip drives on the pad (f: not driven); the name of a signal is
+the level that its module receives.
 """
 
 from __future__ import annotations
@@ -19,17 +20,17 @@ from periph_sim.f28335.system_options import SystemOptions
 from tests.waves import play, tidy
 
 FLOATING = 0xF
-LONG = 10_000  # cycles in which everything settles
+LONG = 10_000  # cycles after which no change is pending
 
 
 class Rig:
-    """A bare `Gpio` and what its owner does: 32-bit accesses as two halves, wake-ups when due."""
+    """A bare `Gpio`; the rig splits 32-bit accesses into halves and wakes the chip when due, as its owner does."""
 
     def __init__(self, gpio_out_delay: int = 1) -> None:
         self.gpio = Gpio(SystemOptions(gpio_out_delay=gpio_out_delay))
         self.now = 0
         self.seen = dict.fromkeys(INPUTS, 1)
-        self.coming: list[tuple[int, str, int]] = []  # levels on their way to a module
+        self.coming: list[tuple[int, str, int]] = []  # pending levels: (time, signal of a module, level)
 
     def write(self, name: str, value: int) -> None:
         register = GPIO[name]
@@ -41,7 +42,7 @@ class Rig:
         return sum(self.gpio.read(self.now, register.offset + h) << 16 * h for h in range(register.width // 16))
 
     def set(self, name: str, **fields: int) -> None:
-        """A read-modify-write of the register's fields."""
+        """Change fields of a register by a read-modify-write access."""
         value = self.read(name)
         for field, number in fields.items():
             value = GPIO[name][field].put(value, number)
@@ -57,12 +58,12 @@ class Rig:
         return self.gpio.driven_high >> pin & 1 if self.gpio.driven >> pin & 1 else FLOATING
 
     def pin(self, now: int, pin: int, level: int, exact: bool = True) -> None:
-        """A pad that is wired from now on has this level."""
+        """Connect a pad to a wire with this level."""
         self.gpio.wire(1 << pin)
         self.gpio.edges(now, self.gpio.pads & ~(1 << pin) | level << pin, exact)
 
     def edge(self, now: int, pin: int, level: int, exact: bool) -> None:
-        """What the router does with a pad's edge: tells the chip, and brings it to the module at its time."""
+        """Report an edge of a pad to the chip and schedule it for the module, as the router does."""
         gpio = self.gpio
         self.pin(now, pin, level, exact)
         for signal in INPUTS:
@@ -117,7 +118,7 @@ def settled(rig: Rig) -> Rig:
 
 
 def given_to(*routes: tuple[int, int], select: dict[int, int] | None = None, high: int | None = None) -> Rig:
-    """A rig with these MUX and qualifier selects in force, and with one pin that drives 1."""
+    """Return a rig with these multiplexer and qualifier settings, and optionally with one pin that drives 1."""
     rig = Rig()
     for pin, value in routes:
         rig.mux(pin, value)
@@ -135,10 +136,10 @@ def check(diagram: str, rig: Rig | None = None) -> None:
     assert play(diagram, rig, 1, start) == tidy(diagram)
 
 
-# The map ---------------------------------------------------------------------
+# Register map ----------------------------------------------------------------
 
 
-def test_the_cpu_sees_all_that_a_control_register_stores():
+def test_a_control_register_reads_as_all_bits_that_it_stores():
     for register in GPIO:
         if not register.name.endswith(("DAT", "SET", "CLEAR", "TOGGLE")):
             stored, _ = register.write(0, 0xFFFF_FFFF)
@@ -176,7 +177,7 @@ def test_pull_ups_are_on_except_on_gpio0_to_11():
     assert (rig.read("GPADAT"), rig.read("GPBDAT")) == (0xFFFF_F008, 0xFFFF_FFFE)
 
 
-def test_reset_lets_go_of_everything_at_once():
+def test_reset_releases_all_pins_and_routes_at_once():
     rig = given_to((32, 1), (33, 1))
     rig.write("GPASET", 0x10)
     rig.set("GPADIR", GPIO4=1)
@@ -192,7 +193,7 @@ def test_reset_lets_go_of_everything_at_once():
     assert [rig.read(f"GP{port}DAT") for port in "ABC"] == [0xFFFF_F000, 0xFFFF_FFFE, 0x00FF_FFFF]
 
 
-def test_a_reset_takes_back_a_level_on_its_way_to_the_pad():
+def test_a_reset_cancels_a_level_that_has_not_reached_the_pad():
     rig = Rig()
     rig.set("GPADIR", GPIO4=1)
     rig.gpio.reset(0)
@@ -200,7 +201,7 @@ def test_a_reset_takes_back_a_level_on_its_way_to_the_pad():
     assert rig.pad(4) == FLOATING
 
 
-def test_a_reset_takes_back_a_multiplexer_write_that_has_not_acted_yet():
+def test_a_reset_cancels_a_multiplexer_write_that_has_not_taken_effect():
     rig = Rig()
     rig.mux(28, 1)
     rig.run_until(1)
@@ -273,7 +274,7 @@ def test_the_latch_of_an_input_is_kept_and_drives_when_the_pin_becomes_an_output
 
 
 @pytest.mark.rule("SYS-058", "SYS-064")
-def test_a_pin_given_to_a_module_has_no_direction_and_drives_no_latch():
+def test_a_pin_assigned_to_a_module_ignores_direction_and_latch():
     check("""
         > GPASET.GPIO29   1 . . . . . . . . . .
         > GPADIR.GPIO29   1 . . . . . 0 . . 1 .
@@ -284,7 +285,7 @@ def test_a_pin_given_to_a_module_has_no_direction_and_drives_no_latch():
 
 @pytest.mark.rule("SYS-059")
 def test_a_read_modify_write_of_dat_copies_pad_levels_into_latches():
-    """GPIO5 drives 1 but its pad is held low from outside: setting GPIO4 by DAT clears GPIO5's latch."""
+    """GPIO5 drives 1, but its pad is held low from outside: setting GPIO4 through DAT clears the latch of GPIO5."""
     rig = Rig()
     rig.set("GPADIR", GPIO4=1, GPIO5=1)
     rig.write("GPASET", 1 << 5)
@@ -299,7 +300,7 @@ def test_a_read_modify_write_of_dat_copies_pad_levels_into_latches():
 
 @pytest.mark.rule("SYS-059", "SYS-066")
 def test_two_quick_dat_read_modify_writes_undo_the_first():
-    """The second read comes before the first pin reads back: a classic of firmware."""
+    """The second access reads DAT before the first pin has its new level, a common mistake of firmware."""
     rig = Rig()
     rig.write("GPADIR", 0b11)
     settled(rig)
@@ -382,7 +383,7 @@ ROUTES = [  # Tables 47, 48: signal, pin, MUX value
 
 
 @pytest.mark.parametrize(("signal", "pin", "mux"), ROUTES)
-def test_routes(signal, pin, mux):
+def test_the_route_of_each_modelled_signal(signal, pin, mux):
     rig = given_to((pin, mux))
     gpio = rig.gpio
     for other in INPUTS:
@@ -403,7 +404,7 @@ def test_no_other_multiplexer_value_reaches_a_modelled_module():
     assert found == {getattr(route, "values", route) for route in ROUTES}
 
 
-OTHER_MODULES = [  # samples of Tables 47 to 49, typed a second time
+OTHER_MODULES = [  # samples of Tables 47 to 49, copied from the manual
     *((0, 1, "EPWM1A"), (6, 2, "EPWMSYNCI"), (13, 3, "MDRB"), (14, 1, "TZ3"), (15, 3, "MFSXB")),
     *((24, 3, "MDXB"), (27, 2, "EQEP2S"), (28, 2, "XZCS6"), (31, 1, "CANTXA"), (32, 3, "ADCSOCAO"), (34, 1, "ECAP1")),
     *((37, 3, "XZCS7"), (47, 2, "XA7"), (48, 1, "ECAP5"), (63, 2, "XD16"), (64, 3, "XD15")),
@@ -413,7 +414,7 @@ OTHER_MODULES = [  # samples of Tables 47 to 49, typed a second time
 
 @pytest.mark.rule("SYS-049")
 @pytest.mark.parametrize(("pin", "mux", "name"), OTHER_MODULES)
-def test_a_pin_given_to_a_module_that_is_not_modelled_floats(pin, mux, name):
+def test_a_pin_assigned_to_a_module_that_is_not_modelled_floats(pin, mux, name):
     rig = Rig()
     rig.set(bit_register("DIR", pin), **{f"GPIO{pin}": 1})
     settled(rig)
@@ -427,7 +428,7 @@ def test_a_pin_given_to_a_module_that_is_not_modelled_floats(pin, mux, name):
 
 @pytest.mark.rule("SYS-049")
 @pytest.mark.parametrize(("pin", "mux"), [(0, 2), (0, 3), (4, 2), (38, 1), (47, 1)])
-def test_a_reserved_multiplexer_value_is_told(pin, mux):
+def test_a_reserved_multiplexer_value_is_noted(pin, mux):
     rig = given_to((pin, mux))
     assert [note.code for note in rig.gpio.notes] == ["duty"]
     assert f"GPIO{pin} is multiplexed to the reserved value {mux}" in rig.gpio.notes[0].text
@@ -442,7 +443,7 @@ def test_on_port_c_values_0_and_1_are_both_the_port():
 
 
 @pytest.mark.rule("SYS-050")
-def test_a_multiplexer_write_acts_after_two_cycles():
+def test_a_multiplexer_write_takes_effect_after_two_cycles():
     rig = Rig()
     rig.edge(0, 28, 0, exact=False)
     check(
@@ -456,7 +457,7 @@ def test_a_multiplexer_write_acts_after_two_cycles():
 
 
 @pytest.mark.rule("SYS-050")
-def test_routes_version_counts_when_the_write_acts():
+def test_routes_version_is_incremented_when_the_write_takes_effect():
     rig = Rig()
     before = rig.gpio.routes_version
     rig.mux(28, 1)
@@ -480,7 +481,7 @@ def test_an_input_without_a_pin_is_1_and_spiste_0(signal):
 
 @pytest.mark.rule("SYS-055")
 @pytest.mark.parametrize(("signal", "first", "second"), [("SCIRXDA", (28, 1), (36, 1)), ("SCIRXDB", (11, 2), (23, 3))])
-def test_an_input_with_two_pins_is_1_and_the_mistake_is_told(signal, first, second):
+def test_an_input_with_two_pins_is_1_and_noted(signal, first, second):
     rig = Rig()
     for pin, _ in (first, second):
         rig.pin(0, pin, 0)
@@ -573,7 +574,7 @@ def test_dat_shows_the_pad_in_every_multiplexer_setting(mux):
 
 @pytest.mark.rule("SYS-056", "SYS-070")
 @pytest.mark.parametrize("mux", [0, 1])
-def test_dat_and_module_show_the_level_behind_the_sampler(mux):
+def test_dat_and_module_have_the_output_of_the_sampler(mux):
     rig = given_to((28, mux), select={28: 1})
     check(
         f"""
@@ -586,7 +587,7 @@ def test_dat_and_module_show_the_level_behind_the_sampler(mux):
 
 
 @pytest.mark.rule("SYS-070", "SYS-067")
-def test_the_sampler_stands_behind_the_synchroniser():
+def test_the_input_of_the_sampler_is_the_synchronised_level():
     rig = given_to(select={28: 2})
     check(
         """
@@ -598,7 +599,7 @@ def test_the_sampler_stands_behind_the_synchroniser():
 
 
 @pytest.mark.rule("SYS-050")
-def test_a_qualifier_select_acts_after_two_cycles():
+def test_a_qualifier_select_takes_effect_after_two_cycles():
     check("""
         > GPAQSEL2.GPIO28  . . 1 . . . . . . .
         > GPIO28~          1 0 . 1 . 0 1 0 . .
@@ -607,7 +608,7 @@ def test_a_qualifier_select_acts_after_two_cycles():
 
 
 def falls_after(rig: Rig, pin: int) -> set[int]:
-    """For every phase against the prescaler: cycles from a pad's fall to DAT's, with a long pause between."""
+    """Return the delays from a fall of a pad to that of DAT, in cycles, for every phase of the prescaler."""
     came = set()
     rig.pin(rig.now, pin, 1)
     settled(rig)
@@ -624,7 +625,7 @@ def falls_after(rig: Rig, pin: int) -> set[int]:
 @pytest.mark.rule("SYS-071")
 @pytest.mark.parametrize(("prescale", "period"), [(0, 1), (1, 2), (3, 6), (7, 14), (255, 510)])
 def test_the_sampling_period(prescale, period):
-    """The fall shows with the third sample: 2 periods after the first, which comes within one."""
+    """DAT falls with the third sample, two periods after the first, which is taken within one period."""
     rig = Rig()
     rig.set("GPACTRL", QUALPRD1=prescale)
     rig.select(12, 1)
@@ -650,8 +651,8 @@ def test_the_sampling_period_is_set_for_eight_pins(pin):
 
 
 @pytest.mark.rule("SYS-072", "SYS-073", "SYS-074")
-def test_pulses_against_the_window_at_a_pin():
-    """QUALPRD = 2, three samples: 8 cycles never pass, 9 in one phase of four, 13 always."""
+def test_pulses_at_a_pin_pass_by_their_length_and_phase():
+    """QUALPRD = 2, three samples: a pulse of 8 cycles never passes, one of 9 in one phase of four, 12 and 13 always."""
     passed = {8: 0, 9: 0, 12: 0, 13: 0}
     for width in passed:
         rig = Rig()
@@ -672,7 +673,7 @@ def test_pulses_against_the_window_at_a_pin():
 def test_port_c_has_no_sampler():
     assert not {"GPCCTRL", "GPCQSEL1", "GPCQSEL2"} & {r.name for r in GPIO}
     rig = Rig()
-    for offset in (0x20, 0x21, 0x22, 0x23, 0x24, 0x25):  # where ports A and B have them
+    for offset in (0x20, 0x21, 0x22, 0x23, 0x24, 0x25):  # the offsets of these registers in ports A and B
         rig.gpio.write(0, offset, 0xFFFF)
     settled(rig)
     check(
@@ -687,7 +688,7 @@ def test_port_c_has_no_sampler():
 @pytest.mark.rule("SYS-076")
 @pytest.mark.parametrize("write", ["GPAMUX2.GPIO28", "GPADIR.GPIO28"])
 def test_multiplexer_and_direction_do_not_reset_the_sampler(write):
-    """Six samples; the pad is held from outside, the setting acts amid the run."""
+    """Six samples are needed; the pad is driven from outside, and the setting takes effect between two samples."""
     rig = Rig()
     rig.select(28, 2)
     rig.edge(0, 28, 1, exact=True)
@@ -718,7 +719,7 @@ def test_gpioinenclk_switches_off_and_resets_the_input_of_outputs():
 
 @pytest.mark.rule("SYS-077")
 def test_gpioinenclk_leaves_no_residue_in_the_sampler():
-    """With six samples the path begins again at 0 and needs six samples of 1."""
+    """With six samples, the qualifier starts again at 0 and needs six samples of 1."""
     rig = given_to(select={4: 2}, high=4)
     check(
         """
@@ -730,7 +731,7 @@ def test_gpioinenclk_leaves_no_residue_in_the_sampler():
 
 
 @pytest.mark.rule("SYS-077")
-def test_gpioinenclk_announces_what_the_sampler_will_show():
+def test_gpioinenclk_requests_a_wake_up_for_the_output_of_the_sampler():
     rig = given_to(select={4: 2}, high=4)
     begin = rig.now
     rig.gpio.gate(begin, False)
@@ -774,7 +775,7 @@ def test_gpioinenclk_does_not_touch_the_i2c_pins(mux):
 @pytest.mark.rule("SYS-077")
 @pytest.mark.parametrize("qsel", [0, 1, 3])
 def test_gpioinenclk_does_not_touch_a_peripheral_s_pin_that_is_an_input_too(qsel):
-    """The SPI drives SPICLKA as master and receives it as slave."""
+    """SPICLKA is an output of the SPI as master and an input of the SPI as slave."""
     rig = given_to((18, 1))
     rig.select(18, qsel)
     rig.pin(rig.now, 18, 1)
@@ -792,7 +793,7 @@ def test_gpioinenclk_does_not_touch_a_peripheral_s_pin_that_is_an_input_too(qsel
     )
 
 
-# What is due ------------------------------------------------------------------
+# Pending changes --------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -808,8 +809,8 @@ def test_gpioinenclk_does_not_touch_a_peripheral_s_pin_that_is_an_input_too(qsel
     ],
     ids=["peripheral_level", "gate", "xint_levels", "watch_xints", "wake", "peek", "write"],
 )
-def test_a_level_that_is_due_is_told_whoever_asks_next(ask):
-    """The owner did not wake the module when the third sample was taken."""
+def test_a_change_that_is_due_is_reported_by_the_next_call(ask):
+    """The owner did not wake the module at the third sample."""
     rig = given_to((32, 1), select={32: 1})
     rig.gpio.changed.clear()
     rig.pin(rig.now, 32, 0, exact=False)
@@ -819,8 +820,8 @@ def test_a_level_that_is_due_is_told_whoever_asks_next(ask):
     assert rig.gpio.peripheral_level(rig.now + 10, "SDAA") == 0
 
 
-def test_what_was_due_in_the_cycle_before_an_edge_comes_before_it():
-    """The sampler starts in cycle 2, from the level then, though nobody wakes the module for it; the edge is of 3."""
+def test_a_sample_due_in_the_cycle_before_an_edge_is_taken_before_it():
+    """The sampler starts in cycle 2 with the level of that cycle, even without a wake-up; the edge is in cycle 3."""
     rig = Rig()
     rig.select(12, 1)
     rig.pin(3, 12, 0)
@@ -852,7 +853,7 @@ def test_each_xint_line_selects_a_pin_of_its_port(line, select):
     assert f"XINT{line}" not in dict(rig.gpio.changed)
 
 
-def test_a_watched_line_tells_with_the_qualified_level():
+def test_a_watched_line_is_reported_with_its_qualified_level():
     rig = Rig()
     rig.select(7, 1)
     rig.set("GPIOXINT1SEL", GPIOSEL=7)
@@ -874,13 +875,13 @@ def test_a_later_edge_of_another_pin_does_not_hide_a_watched_one(exact):
     rig = Rig()
     rig.gpio.watch_xints(0, 0b1)
     rig.pin(10, 0, 1)
-    rig.pin(11, 20, 0, exact)  # the owner brings pads before wake-ups
+    rig.pin(11, 20, 0, exact)  # in each cycle, the owner reports pads before it wakes the chip
     rig.gpio.wake(11)
     assert rig.gpio.changed == [("XINT1", 1)]
 
 
-def test_a_pulse_that_no_cycle_sees_is_not_told():
-    """Up exactly on cycle 10, down before cycle 11: the synchroniser at 11 finds it low."""
+def test_a_pulse_within_one_cycle_is_not_reported():
+    """The pad rises exactly at cycle 10 and falls before cycle 11, where the synchroniser samples it low."""
     rig = Rig()
     rig.gpio.watch_xints(0, 0b1)
     rig.pin(10, 0, 1)
@@ -889,8 +890,8 @@ def test_a_pulse_that_no_cycle_sees_is_not_told():
     assert rig.gpio.changed == []
 
 
-def test_a_line_that_is_watched_amid_an_edge_tells_of_it():
-    """GPIO28 feeds SCIRXDA, which needs no word of its edges; XINT1 listens to it in the cycle of one."""
+def test_an_edge_in_the_cycle_in_which_its_line_becomes_watched_is_reported():
+    """GPIO28 is the pin of SCIRXDA, whose edges are not reported; XINT1 is enabled on it in the cycle of an edge."""
     rig = given_to((28, 1))
     rig.set("GPIOXINT1SEL", GPIOSEL=28)
     settled(rig)
@@ -907,16 +908,16 @@ def test_a_line_that_is_watched_amid_an_edge_tells_of_it():
 def test_selecting_a_pin_of_another_level_is_an_edge():
     rig = Rig()
     rig.gpio.watch_xints(0, 0b1)
-    rig.set("GPIOXINT1SEL", GPIOSEL=12)  # pulled up; GPIO0 is low
+    rig.set("GPIOXINT1SEL", GPIOSEL=12)  # GPIO12 is pulled up, and GPIO0 is low
     assert rig.gpio.changed == [("XINT1", 1)]
 
 
-# Cost, honesty, bad input ----------------------------------------------------
+# Wake-ups, and edges out of order ---------------------------------------------
 
 
 @pytest.mark.parametrize("select", [0, 3])
 @pytest.mark.parametrize("exact", [True, False])
-def test_a_module_s_pin_that_is_not_sampled_costs_no_wake_up(select, exact):
+def test_a_pin_of_a_module_without_sampling_requests_no_wake_up(select, exact):
     rig = given_to((32, 1), (33, 1), (28, 1))
     for pin in (28, 32, 33):
         rig.select(pin, select)
@@ -925,13 +926,13 @@ def test_a_module_s_pin_that_is_not_sampled_costs_no_wake_up(select, exact):
         for pin in (28, 32, 33):
             rig.pin(cycle, pin, cycle & 1, exact)
             assert rig.gpio.next_wake == NEVER
-        rig.gpio.watch_xints(cycle, 0)  # the settings are gone through anew amid the edges
+        rig.gpio.watch_xints(cycle, 0)  # all settings are evaluated again between the edges
         assert rig.gpio.next_wake == NEVER
     assert not rig.gpio.changed
 
 
-def test_a_pin_taken_from_its_module_amid_an_edge_announces_the_edge():
-    """The edge falls on the very cycle in which the multiplexer turns the pin back into a port input."""
+def test_an_edge_in_the_cycle_in_which_its_pin_becomes_a_port_input_requests_a_wake_up():
+    """The edge is in the cycle in which the multiplexer setting makes the pin a port input again."""
     rig = given_to((28, 1))
     rig.mux(28, 0)
     acts = rig.now + CONFIGURATION_DELAY
@@ -955,10 +956,10 @@ GATE = st.booleans()
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.tuples(st.integers(1, 40), st.one_of(WRITES, EDGES, EDGES, GATE)), max_size=25))
 def test_nothing_readable_changes_without_an_input_or_a_due_wake_up(steps):
-    """Two rigs: one asked only at inputs and due wake-ups, one in every cycle."""
+    """Two rigs are compared: one is woken only when due, the other one in every cycle."""
     lazy, eager = Rig(), Rig()
     for rig in (lazy, eager):
-        rig.gpio.watch_xints(0, 0x7F)  # so that pins of modules announce themselves, too
+        rig.gpio.watch_xints(0, 0x7F)  # so that edges of pins of modules are reported, too
     heard = 0
     shown = visible(eager)
     for gap, action in [*steps, (60, True)]:
@@ -980,8 +981,8 @@ def test_nothing_readable_changes_without_an_input_or_a_due_wake_up(steps):
 
 
 def unannounced(gpio: Gpio) -> int:
-    """Pins whose edges the owner itself carries to their module: DAT may follow a cycle later unannounced."""
-    selected = {0, 32}  # what XINT1 to XINT7 select after reset
+    """Return the pins whose edges the owner passes to a module; DAT may follow a cycle later unreported."""
+    selected = {0, 32}  # the pins that XINT1 to XINT7 select after reset
     sources = [gpio.source(signal) for signal in INPUTS]
     return sum(1 << pin for pin in sources if pin is not None and pin not in selected)
 
@@ -1001,7 +1002,7 @@ def act(rig: Rig, now: int, action: object) -> None:
         rig.write(f"GP{action[1]}{action[0]}", action[2])
 
 
-def test_edges_told_out_of_order():
+def test_edges_reported_out_of_order_are_refused():
     rig = Rig()
     rig.pin(5, 12, 0)
     with pytest.raises(ValueError, match="report edges in order"):

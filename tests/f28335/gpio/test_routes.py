@@ -1,4 +1,4 @@
-"""Pins: those that signals usually have, and notes of those given to what is not modelled, one for a module."""
+"""Default pins of signals, and notes about pins that are assigned to modules that are not modelled."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ def test_every_signal_that_is_not_modelled_has_a_module():
     assert [module_of(name) for name in ("TZ1", "MFSXB", "EPWMSYNCO", "XREADY")] == ["ePWM", "McBSP", "ePWM", "XINTF"]
 
 
-def test_pins_of_one_module_are_one_note():
-    """XINTF as TI's InitXintf gives it its pins, and two of McBSP."""
+def test_pins_of_one_unmodelled_module_are_joined_to_one_note():
+    """The pins are those that TI's InitXintf assigns to XINTF, and two of McBSP."""
     notes = [note_for(pin, 3) for pin in range(28, 88) if FUNCTIONS[pin][2].startswith("X")]
     told = joined((0, note) for note in [*notes, note_for(20, 2), note_for(21, 2)] if note is not None)
     texts = [note.text for _, note in told]
@@ -32,5 +32,5 @@ def test_pins_of_one_module_are_one_note():
 
 
 @pytest.mark.parametrize("signal", PART.pins)
-def test_the_usual_pin_of_a_signal_is_one_that_the_multiplexer_gives_it(signal: str) -> None:
+def test_the_default_pin_of_a_signal_is_one_that_the_multiplexer_offers(signal: str) -> None:
     assert signal in FUNCTIONS[PART.pins[signal]]

@@ -1,4 +1,4 @@
-"""BCM concerns a slave-transmitter alone: a master's lines, flags and requests are the same with either value."""
+"""BCM affects only a slave-transmitter: lines, flags and requests of a master are equal with both values."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import pytest
 
 from ..i2c_bus import SLOT, Bench, Target
 
-PROBES = 4  # a slot
+PROBES = 4  # per SCL period
 
 
 def seen(bcm: int, mode: str, data: list[int]) -> list[tuple[int, ...]]:
-    """Status, requests and pins of a master four times a clock pulse, while bytes are written as XRDY asks."""
+    """Return status, requests and outputs of a master, four times per SCL period; bytes are written when XRDY is 1."""
     b = Bench(Target(gives=[0x12, 0x34]))
     b.w("I2CEMDR", bcm)
     b.w("I2CIER", 0x7F)
@@ -33,4 +33,4 @@ def seen(bcm: int, mode: str, data: list[int]) -> list[tuple[int, ...]]:
 )
 def test_bcm_changes_nothing_for_a_master(mode: str, data: list[int]) -> None:
     assert seen(0, mode, data) == seen(1, mode, data)
-    assert len(set(seen(1, mode, data))) > 8, "something happens"
+    assert len(set(seen(1, mode, data))) > 8, "the observed values never change"

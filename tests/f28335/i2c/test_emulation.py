@@ -1,4 +1,4 @@
-"""I2C under a debugger: breakpoints (FREE) and reads without side effects. SPRUG03B Table 5 (FREE), Tables 10, 11."""
+"""The I2C at breakpoints (SPRUG03B Table 5, FREE), and debugger reads without side effects (Tables 10 and 11)."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_a_breakpoint_that_is_over_before_scl_falls_changes_nothing():
 
 
 @rule("I2C-325")
-def test_with_free_a_slave_goes_on():
+def test_with_free_a_slave_continues_at_a_breakpoint():
     b = Bench(Foreign("S 50W 12 34 P"), own=0x50)
     b.mode("FREE")
     b.edge(SCL, 0, 4)

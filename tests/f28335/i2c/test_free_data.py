@@ -87,7 +87,7 @@ def test_without_fdf_the_format_is_given_by_xa(xa: str, said: str):
 
 
 @rule("I2C-318", "I2C-089")
-def test_i2csar_0_is_no_general_call_in_the_free_data_format():
+def test_i2csar_0_is_not_a_general_call_in_the_free_data_format():
     b = Bench(Target(free="r"))
     b.w("I2CSAR", 0)
     b.send([0x12], extra="FDF", until="ARDY")
@@ -96,7 +96,7 @@ def test_i2csar_0_is_no_general_call_in_the_free_data_format():
 
 @pytest.mark.parametrize(("before", "behind", "said"), [("FDF", "", "S 5a A P"), ("", "FDF", "S 50W A 5a A P")])
 def test_the_format_is_that_of_the_write_that_sets_stt(before: str, behind: str, said: str):
-    """I2CMDR is written anew while the START is on the wires."""
+    """I2CMDR is written again after the fall of SDA of the START."""
     b = Bench(Target(free="r") if before else Target())
     b.mode(f"FREE MST TRX STT STP {before}", count=1, data=0x5A)
     b.edge(SDA, 0)

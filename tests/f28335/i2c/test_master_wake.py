@@ -1,4 +1,4 @@
-"""I2C master: `next_wake` tells of every change in time, spurious wakes are harmless, and any stretch is survived."""
+"""I2C master: outputs change only at inputs and at `next_wake`, and spurious wake-ups have no effect."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ DATA = [0x5A, 0xC3]
 
 
 def scene(name: str) -> Bench:
-    """A bench with a transfer just commanded."""
+    """Return a bench whose module has just been given a transfer."""
     if name == "transmit":
         b = Bench(Target(stretch={(0, 9): 400, (1, 4): 1000}))
     elif name == "receive":

@@ -1,4 +1,4 @@
-"""Repeat mode: STP ends a transfer behind what has been written, and at once where nothing waits."""
+"""STP in repeat mode: the STOP follows a byte that is waiting in I2CDXR, or else the byte being sent."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ..i2c_bus import SLOT, Bench, Target
 
 
 def begun() -> tuple[Bench, Target]:
-    """The first byte of a transfer in repeat mode is on the wire, and I2CDXR can take the next one."""
+    """Return a bench that sends the first byte of a transfer in repeat mode, with I2CDXR empty."""
     b = Bench(Target())
     b.mode("MST TRX RM STT")
     b.w("I2CDXR", 0x11)
@@ -17,7 +17,7 @@ def begun() -> tuple[Bench, Target]:
 
 
 @pytest.mark.rule("I2C-050", "I2C-059", "I2C-061")
-def test_a_byte_that_waits_is_sent_before_the_stop() -> None:
+def test_a_waiting_byte_is_sent_before_the_stop() -> None:
     b, target = begun()
     b.w("I2CDXR", 0x22)
     b.set("STP")
@@ -26,7 +26,7 @@ def test_a_byte_that_waits_is_sent_before_the_stop() -> None:
 
 
 @pytest.mark.rule("I2C-050", "I2C-059", "I2C-061")
-def test_where_nothing_waits_the_stop_follows_the_byte_on_the_wire() -> None:
+def test_without_a_waiting_byte_the_stop_follows_the_byte_being_sent() -> None:
     b, target = begun()
     b.set("STP")
     assert b.said_after(40 * SLOT) == "S 50W A 11 A P"

@@ -1,4 +1,4 @@
-"""I2CSTR of a slave through whole transfers, a column a byte. SPRUG03B Table 10; the notation is i2c_transfer.py's."""
+"""I2CSTR of a slave during whole transfers (SPRUG03B Table 10). i2c_transfer.py describes the notation."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_a_byte_that_is_not_read_waits_and_the_next_one_holds_scl(slave: Rig):
     assert play(transfer, slave) == same(transfer)
 
 
-def test_a_read_that_nothing_was_written_for_holds_scl_until_i2cdxr_is(slave: Rig):
+def test_a_read_holds_scl_until_i2cdxr_is_written(slave: Rig):
     transfer = """
         > bus   S  48R  +   11  +   22N  P
         > DXR   -  -    11  -   22  -    -
@@ -58,7 +58,7 @@ def test_a_read_that_nothing_was_written_for_holds_scl_until_i2cdxr_is(slave: Ri
 
 
 @pytest.mark.rule("I2C-201", "I2C-204")
-def test_a_byte_is_refused_and_nacksnt_outlasts_the_next_transfer(slave: Rig):
+def test_nacksnt_of_a_refused_byte_outlasts_the_next_transfer(slave: Rig):
     transfer = """
         > bus      S  48W  11    22   P  S  48W  44   P
         > read     -  -    DRR   DRR  -  -  -    DRR  -

@@ -1,4 +1,4 @@
-"""The address map: registers by address and by name, both halves of wide ones, and what stands nowhere."""
+"""The address map: registers by address and by name, halves of wide registers, and addresses without a register."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ def test_a_register_by_name_is_the_one_at_its_address(memory: AddressMap, name: 
     assert memory.at(address) == (place, place.socket.chip.MAP[register], 0)
 
 
-def test_the_upper_half_of_a_wide_register_is_one_word_on(memory: AddressMap) -> None:
+def test_the_upper_half_of_a_wide_register_is_at_the_next_address(memory: AddressMap) -> None:
     place = memory.places["GPIO"]
     found = [(place, place.socket.chip.MAP["GPADAT"], half) for half in (0, 1)]
     assert [memory.at(0x6FC0), memory.at(0x6FC1)] == found
 
 
-def test_the_words_of_an_access_are_told_apart_and_together_move_a_whole_register() -> None:
+def test_the_masks_of_the_words_of_an_access_add_up_to_the_register() -> None:
     assert (WORDS_MASK[LOW], WORDS_MASK[HIGH]) == (0xFFFF, 0xFFFF << 16)
     assert BOTH == LOW | HIGH
     assert WORDS_MASK[BOTH] == 0xFFFF_FFFF
@@ -63,8 +63,8 @@ def test_an_address_without_a_register(memory: AddressMap, address: int, sentenc
 
 
 @pytest.mark.rule("SYS-034", "SYS-035")
-def test_each_frame_has_wait_states_of_its_own() -> None:
-    """Reads, writes; those of frame 2 are options."""
+def test_each_frame_has_its_own_wait_states() -> None:
+    """Each pair is (reads, writes); those of frame 2 are options."""
     waits = WaitStates(options_from(SystemOptions, {"pf2_read_ws": 5, "pf2_write_ws": 7}))
     seen = {frame.name: (waits.read[frame], waits.write[frame]) for frame in Frame}
     assert seen == {"PF0": (1, 0), "PF1": (2, 0), "PF2": (5, 7)}

@@ -1,6 +1,6 @@
-"""Peripheral interrupt expansion. Rules SYS-096 to SYS-125 as far as the PIE decides them.
+"""The peripheral interrupt expansion. Rules SYS-096 to SYS-125 as far as they concern the PIE alone.
 
-What needs the CPU as well (SYS-112, 124, 126) is in test_interrupts.py.
+Rules that concern the CPU as well (SYS-112, 124, 126) are tested in test_interrupts.py.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def fresh(**options: int | str) -> Pie:
 
 
 def pie(enabled: dict[int, int] | None = None, **options: int | str) -> Pie:
-    """A PIE as start-up code leaves it: on, all groups acknowledged. enabled: PIEIER by group."""
+    """Return a PIE as start-up code leaves it: enabled, all groups acknowledged. enabled: group -> PIEIER."""
     chip = fresh(**options)
     chip.write(0, PIECTRL.offset, 1)
     chip.write(0, PIEACK.offset, ALL)
@@ -54,14 +54,14 @@ def flags(chip: Pie, group: int) -> int:
 
 
 def pulses(chip: Pie) -> list[int]:
-    """The INT numbers pulsed since last asked."""
+    """Return the numbers of the INT lines that have pulsed since the last call."""
     seen = [n for n in range(1, 13) if chip.pulses >> n - 1 & 1]
     chip.pulses = 0
     return seen
 
 
 class PieRig(DiagramRig):
-    """Group 9. REQ, HOLD, LETGO name the line; ACK writes PIEACK; FETCH is the CPU's vector fetch."""
+    """Group 9. REQ, HOLD and LETGO have the number of a line; ACK writes PIEACK; FETCH is a vector fetch of the CPU."""
 
     def __init__(self, chip: Pie) -> None:
         self.chip = chip
@@ -109,7 +109,7 @@ def test_one_request_from_flag_to_acknowledge():
 
 @pytest.mark.rule("SYS-096")
 @given(group=groups, line=lines, enabled=st.integers(0, 255))
-def test_a_request_is_flagged_whatever_pieier_says(group, line, enabled):
+def test_a_request_sets_its_flag_for_any_pieier(group, line, enabled):
     chip = pie({group: enabled})
     chip.request(1, group, line)
     assert [flags(chip, g) for g in range(1, 13)] == [(1 << line - 1) * (g == group) for g in range(1, 13)]
@@ -128,7 +128,7 @@ def test_enabling_a_flagged_line_sends_it():
 
 
 @pytest.mark.rule("SYS-100", "SYS-101", "SYS-110")
-def test_a_closed_group_collects_and_sends_at_the_acknowledge():
+def test_a_group_that_is_not_acknowledged_keeps_requests_until_the_acknowledge():
     PieRig(pie()).check("""
         > PIEIER  3 . . . . . . .
         > REQ     1 . 2 . . 1 . .
@@ -152,7 +152,7 @@ def test_writing_0_to_pieack_does_nothing():
 
 
 @pytest.mark.rule("SYS-103")
-def test_a_closed_group_holds_back_no_other():
+def test_a_group_that_is_not_acknowledged_blocks_no_other_group():
     chip = pie({8: 1, 9: 1})
     chip.request(1, 8, 1)
     assert pulses(chip) == [8]
@@ -175,8 +175,8 @@ def test_open_pieack_reset(value, sent):
     assert chip.touched == {"pieack_reset"}
 
 
-def test_program_that_never_acknowledges_first_is_served_after_reset():
-    """TI's examples for I2C, SCI and the timers enable a line and wait; PIEACK is written by the service routine."""
+def test_a_program_without_a_first_acknowledge_is_served_after_reset():
+    """TI's examples for I2C, SCI and the timers enable a line and wait; only the service routine writes PIEACK."""
     chip = fresh()
     chip.write(0, PIECTRL.offset, 1)
     enable(chip, 9, 1)
@@ -185,10 +185,10 @@ def test_program_that_never_acknowledges_first_is_served_after_reset():
     assert not chip.notes
 
 
-def test_request_that_reset_holds_is_noted_once_for_each_group():
+def test_a_request_blocked_by_the_reset_value_of_pieack_is_noted_once_per_group():
     chip = fresh(pieack_reset=0xFFF)
     enable(chip, 8, 2)
-    chip.request(1, 8, 1)  # line 1 is not enabled: nothing is held back
+    chip.request(1, 8, 1)  # line 1 is not enabled, so PIEACK blocks nothing
     assert not chip.notes
     chip.request(2, 8, 2)
     chip.request(3, 8, 2)
@@ -196,18 +196,18 @@ def test_request_that_reset_holds_is_noted_once_for_each_group():
         ("unknown", "request of group 8 is blocked by the reset value of PIEACK (pieack_reset = 0xfff)")
     ]
     chip.write(4, PIEACK.offset, 1 << 7)
-    chip.request(5, 8, 2)  # held by an acknowledge that is missing: firmware's own doing
+    chip.request(5, 8, 2)  # blocked because firmware has not acknowledged, not by the reset value
     assert len(chip.notes) == 1
 
 
-def test_software_that_acknowledges_first_does_not_depend_on_pieack_reset():
+def test_software_that_acknowledges_first_does_not_touch_pieack_reset():
     chip = pie({9: 1})
     chip.request(1, 9, 1)
     assert pulses(chip) == [9]
     assert not chip.touched
 
 
-def test_only_a_look_at_pieack_before_it_was_written_depends_on_its_reset_value():
+def test_only_a_read_of_pieack_before_its_first_write_touches_pieack_reset():
     chip, acknowledged = fresh(), pie()
     chip.read(0, PIECTRL.offset)
     acknowledged.read(1, PIEACK.offset)
@@ -242,7 +242,7 @@ def test_the_lowest_line_flagged_and_enabled_is_taken(group, flagged, enabled):
 
 
 @pytest.mark.rule("SYS-107", "SYS-111")
-def test_a_lower_line_that_comes_before_the_fetch_goes_first():
+def test_a_lower_line_that_is_requested_before_the_fetch_is_served_first():
     PieRig(pie()).check("""
         > PIEIER  f . . . . . .
         > REQ     4 2 . . . . .
@@ -255,7 +255,7 @@ def test_a_lower_line_that_comes_before_the_fetch_goes_first():
 
 
 @pytest.mark.rule("SYS-111")
-def test_two_lines_in_one_cycle_go_in_order_with_an_acknowledge_between():
+def test_two_lines_in_one_cycle_are_served_in_order_with_an_acknowledge_between():
     chip = pie({1: 0xFF})
     chip.request(1, 1, 8)
     chip.request(1, 1, 1)
@@ -268,7 +268,7 @@ def test_two_lines_in_one_cycle_go_in_order_with_an_acknowledge_between():
 
 
 @pytest.mark.rule("SYS-108", "SYS-125")
-def test_pieier_cleared_after_the_pulse_runs_line_1():
+def test_a_line_disabled_after_the_pulse_is_served_as_line_1():
     PieRig(pie()).check("""
         > PIEIER  4 . 0 . . .
         > REQ     3 . . . . .
@@ -285,11 +285,11 @@ def test_a_request_in_the_cycle_of_a_write_wins():
     chip.request(4, 9, 2)
     chip.request(5, 9, 1)
     chip.write(5, PIEIFR[8].offset, 0)
-    assert flags(chip, 9) == 1  # line 2 came a cycle earlier and falls
+    assert flags(chip, 9) == 1  # line 2 was requested a cycle earlier, so the write clears it
 
 
 @pytest.mark.rule("SYS-113")
-def test_a_request_after_the_write_in_its_cycle_counts():
+def test_a_request_after_a_write_in_the_same_cycle_sets_its_flag():
     chip = pie()
     chip.write(5, PIEIFR[8].offset, 0)
     chip.request(5, 9, 1)
@@ -297,7 +297,7 @@ def test_a_request_after_the_write_in_its_cycle_counts():
 
 
 @pytest.mark.rule("SYS-114")
-def test_a_read_modify_write_loses_the_request_between_and_says_so():
+def test_a_request_lost_by_a_read_modify_write_is_noted():
     chip = pie()
     chip.request(0, 9, 1)
     seen = chip.read(10, PIEIFR[8].offset)
@@ -356,7 +356,7 @@ def test_piectrl_shows_the_last_vector():
     chip.vector(2, 9)
     assert chip.read(2, PIECTRL.offset) == 0xDC4 | 1
     chip.cpu_vector(19)
-    assert chip.read(3, PIECTRL.offset) == 0xD27  # the manual's own example
+    assert chip.read(3, PIECTRL.offset) == 0xD27  # the example of the manual
     chip.write(4, PIECTRL.offset, 0xFFFE)
     assert chip.read(4, PIECTRL.offset) == 0xD26  # PIEVECT cannot be written
 
@@ -370,7 +370,7 @@ def test_addresses_of_the_vectors(group, line):
 
 
 @pytest.mark.rule("SYS-119", "SYS-120", "SYS-121", "SYS-122")
-def test_who_sits_where():
+def test_lines_of_groups_1_8_9_and_12():
     assert {name: LINES[name] for name in LINES if LINES[name][0] in (1, 8, 9, 12)} == {
         "SEQ1INT": (1, 1),
         "SEQ2INT": (1, 2),
@@ -401,7 +401,7 @@ def test_who_sits_where():
     }
 
 
-# Some rows of Table 112, typed from it.
+# Some rows of Table 112.
 TABLE_112 = """
     INT13 D1A       NMI D24        USER12 D3E     WAKEINT D4E    EPWM1_TZINT D50  ECAP6_INT D7A
     EQEP2_INT D82   SPITXINTA D92  MXINTA D9A     DINTCH1 DA0    I2CINT1A DB0     SCIRXINTC DB8
@@ -463,7 +463,7 @@ def test_open_pie_held_line_against_a_cpu_write(way, left):
     assert flags(chip, 9) == left
 
 
-def test_holding_a_held_line_does_not_ask_again():
+def test_holding_a_held_line_again_requests_nothing():
     chip = pie({9: 1})
     chip.hold(0, 9, 1, True)
     chip.vector(1, 9)

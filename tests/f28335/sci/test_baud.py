@@ -1,4 +1,4 @@
-"""The baud divider: LSPCLK and BRR in, the length of a bit out."""
+"""The length of a bit depends on LSPCLK and BRR."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SYSCLKOUT = 150_000_000
 
 
 def bit_length(rig: SciRig, divider: int = 4) -> int:
-    """The length of a bit on TXD in cycles, from the edges of one 0x55."""
+    """Return the length of a bit on TXD in cycles, measured from the edges of a sent 0x55."""
     seen = len(rig.edges)
     rig.put(0x55, cycles=12 * 8 * divider * (max(rig.brr, 1) + 1))
     times = [time for time, _ in rig.edges[seen:]]
@@ -26,7 +26,7 @@ def bit_length(rig: SciRig, divider: int = 4) -> int:
 
 @pytest.mark.rule("SCI-079", "SCI-080", "SCI-082", "SCI-028")
 @pytest.mark.parametrize(("brr", "baud"), [(1952, 2400), (976, 4798), (487, 9606), (243, 19211), (121, 38422)])
-def test_the_manuals_table_of_rates(brr, baud):
+def test_the_rates_in_the_table_of_the_manual(brr, baud):
     rig = SciRig(brr=brr)
     assert rig.flags("SCIHBAUD", "SCILBAUD") == {"SCIHBAUD": brr // 256, "SCILBAUD": brr % 256}
     assert 32 * (brr + 1) == bit_length(rig)
@@ -68,7 +68,7 @@ def test_the_receiver_follows_lspclk_too():
 
 @pytest.mark.rule("SCI-083")
 @pytest.mark.parametrize("phase", range(4))
-def test_edges_lie_on_lspclk_ticks(phase):
+def test_edges_are_at_lspclk_ticks(phase):
     rig = SciRig(brr=24)
     rig.chip.set_lspclk(rig.now, 4, phase)
     rig.wait(2)
@@ -91,7 +91,7 @@ def test_sw_reset_leaves_brr():
 
 
 @pytest.mark.rule("SCI-085")
-def test_a_new_rate_begins_when_the_sciclk_under_way_is_over():
+def test_a_new_rate_begins_at_the_end_of_the_current_sciclk():
     rig = SciRig(brr=24).put(0x55, sciclk=1)
     start = rig.falls()[0]
     rig.run_until(start + 350)
@@ -104,7 +104,7 @@ def test_a_new_rate_begins_when_the_sciclk_under_way_is_over():
 
 @settings(max_examples=25, deadline=None)
 @given(brr=st.integers(0, 3000), divider=st.sampled_from([1, 2, 4, 6, 8, 10, 12, 14]))
-def test_any_divider(brr, divider):
+def test_the_length_of_a_bit_with_any_brr_and_any_lospcp_divider(brr, divider):
     rig = SciRig(brr=brr)
     rig.chip.set_lspclk(rig.now, divider, 0)
     assert bit_length(rig, divider) == 8 * divider * (max(brr, 1) + 1)
@@ -112,8 +112,8 @@ def test_any_divider(brr, divider):
 
 @pytest.mark.rule("SCI-085")
 @pytest.mark.parametrize(("write", "bit"), [(399, 400 + 4 * 200), (400, 500 + 3 * 200), (401, 500 + 3 * 200)])
-def test_a_new_divider_is_loaded_with_the_next_sciclk_and_not_with_that_of_its_own_cycle(write: int, bit: int):
-    """A start bit of eight SCICLK of 100 cycles; some of them are 200 long."""
+def test_a_new_divider_is_loaded_with_an_sciclk_after_the_cycle_of_the_write(write: int, bit: int):
+    """A start bit has eight SCICLK: 100 cycles each before the new divider is loaded, then 200."""
     rig = SciRig().put(0x55, sciclk=1)
     start = rig.falls()[0]
     rig.run_until(start + write)
@@ -123,8 +123,8 @@ def test_a_new_divider_is_loaded_with_the_next_sciclk_and_not_with_that_of_its_o
 
 
 @pytest.mark.rule("SCI-085")
-def test_a_divider_that_was_just_loaded_counts_to_its_end():
-    """Written a cycle before an SCICLK and again in the cycle of it: that one SCICLK is 200 cycles long."""
+def test_a_divider_is_used_for_a_whole_sciclk_after_it_was_loaded():
+    """BRR is written one cycle before an SCICLK begins and again in that cycle: this SCICLK is 200 cycles long."""
     rig = SciRig().put(0x55, sciclk=1)
     start = rig.falls()[0]
     for write, brr in ((399, 49), (400, 24)):

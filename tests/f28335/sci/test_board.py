@@ -1,4 +1,4 @@
-"""The three SCIs in their chip: addresses, clock gates, LSPCLK and interrupt lines."""
+"""The three SCIs of a device: addresses, clock gates, LSPCLK and interrupt lines."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ OFFSETS = {r.name: r.offset for r in SCI_MAP}
 
 
 class Board:
-    """A chip with three SCIs in a kernel; accesses are a thousand cycles apart."""
+    """A device with three SCIs in a kernel; accesses are a thousand cycles apart."""
 
     def __init__(self) -> None:
         timebase = Timebase(150_000_000)
@@ -28,7 +28,7 @@ class Board:
         self.dsp = Dsp(self.kernel, timebase, Recorder(), DspPlan("dsp", tuple(BASES), {}))
 
     def wait(self, cycles: int = 1000) -> int:
-        """The cycle it is then."""
+        """Run for a number of cycles and return the present cycle."""
         clock = self.dsp.clock
         self.kernel.run_until(clock.tick(clock.cycle_at(self.kernel.now) + cycles))
         return clock.cycle_at(self.kernel.now)
@@ -41,13 +41,13 @@ class Board:
         return self.dsp.sockets[module].read(self.wait(), MAPS.get(module, SCI_MAP)[register].offset)
 
     def request(self, module: str, lines: int) -> None:
-        """The module asks: 1 RXINT, 2 TXINT, 3 both in one cycle."""
+        """Request interrupts of a module: 1 RXINT, 2 TXINT, 3 both in one cycle."""
         socket = self.dsp.sockets[module]
         socket.chip.requests |= lines
         socket.publish(self.wait())
 
     def start_bit_length(self, module: str) -> int:
-        """Cycles from the start bit of 0xFF to its first 1."""
+        """Return the length of the start bit of a sent 0xFF in cycles."""
         chip = self.dsp.sockets[module].chip
         self.write(module, "SCITXBUF", 0xFF)
         while chip.out:

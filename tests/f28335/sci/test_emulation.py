@@ -1,4 +1,4 @@
-"""What a stop of the debugger does to the SCI, by SOFT and FREE."""
+"""The SCI while the CPU is suspended by a debugger, with each value of SOFT and FREE."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_soft_1_stops_the_receiver_when_a_break_drops_the_frame_in_progress():
 
 @pytest.mark.rule("SCI-211")
 @pytest.mark.parametrize("soft", [0, 1])
-def test_free_1_runs_on(soft):
+def test_free_1_continues_to_send_and_receive(soft):
     rig = SciRig(fifo=True, SOFT=soft, FREE=1)
     rig.write("SCITXBUF", 0x11, 0x22, 0x33)
     rig.wait(3)
@@ -71,7 +71,7 @@ def test_free_1_runs_on(soft):
 
 @pytest.mark.rule("SCI-209", "SCI-210")
 @pytest.mark.parametrize("soft", [0, 1])
-def test_after_the_stop_everything_waiting_is_sent(soft):
+def test_after_the_suspension_all_waiting_words_are_sent(soft):
     rig = SciRig(fifo=True, SOFT=soft, FREE=0)
     rig.write("SCITXBUF", 0xFF)
     rig.put(0x22, 3)

@@ -1,4 +1,4 @@
-"""An enable that is set while its flag is already 1 asks then, and an option is touched when it first matters."""
+"""An interrupt enable that is set while its flag is 1 requests at once; an option is touched when it first matters."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ GOOD, BREAK = frame(0x4B) + "1", "0" * 25 + "1"
 
 @pytest.mark.rule("SCI-138", "SCI-094", "SYS-097")
 @pytest.mark.parametrize(("text", "flag"), [(GOOD, "RXRDY"), (BREAK, "BRKDT")])
-def test_rx_bk_int_ena_set_while_its_flag_is_1_asks_once(text: str, flag: str) -> None:
+def test_rx_bk_int_ena_set_while_its_flag_is_1_requests_once(text: str, flag: str) -> None:
     rig = SciRig(RXBKINTENA=0).heard(text)
     assert (rig.get(flag), rig.count("RXINT")) == (1, 0)
     rig.set(RXBKINTENA=1)
@@ -24,7 +24,7 @@ def test_rx_bk_int_ena_set_while_its_flag_is_1_asks_once(text: str, flag: str) -
 
 
 @pytest.mark.rule("SCI-138")
-def test_rx_bk_int_ena_set_while_its_flags_are_0_asks_nothing() -> None:
+def test_rx_bk_int_ena_set_while_its_flags_are_0_requests_nothing() -> None:
     rig = SciRig(RXBKINTENA=0)
     rig.take(GOOD)
     rig.set(RXBKINTENA=1)
@@ -32,7 +32,7 @@ def test_rx_bk_int_ena_set_while_its_flags_are_0_asks_nothing() -> None:
 
 
 @pytest.mark.rule("SCI-184")
-def test_rx_bk_int_ena_set_in_fifo_mode_asks_nothing() -> None:
+def test_rx_bk_int_ena_set_in_fifo_mode_requests_nothing() -> None:
     rig = SciRig(fifo=True, RXBKINTENA=0).heard(GOOD)
     assert rig.get("RXFFST") == 1
     rig.set(RXBKINTENA=1)
@@ -40,7 +40,7 @@ def test_rx_bk_int_ena_set_in_fifo_mode_asks_nothing() -> None:
 
 
 @pytest.mark.rule("SCI-140", "SYS-097")
-def test_rx_err_int_ena_set_while_rxerror_is_1_asks_once() -> None:
+def test_rx_err_int_ena_set_while_rxerror_is_1_requests_once() -> None:
     rig = SciRig(RXERRINTENA=0).heard(frame(0x11, bad="stop") + "1")
     assert (rig.get("RXERROR"), rig.count("RXINT")) == (1, 0)
     rig.set(RXERRINTENA=1)
@@ -48,7 +48,7 @@ def test_rx_err_int_ena_set_while_rxerror_is_1_asks_once() -> None:
     assert rig.count("RXINT") == 1
 
 
-def test_what_oe_means_in_fifo_mode_matters_from_the_second_unread_word_on() -> None:
+def test_oe_in_fifo_mode_is_touched_from_the_second_unread_word_on() -> None:
     rig = SciRig(fifo=True).heard(GOOD)
     assert "oe_in_fifo_mode" not in rig.chip.touched
     rig.send(GOOD)

@@ -1,7 +1,7 @@
-"""Glitches in a bit: what they must be long, and where they must lie, to change it.
+"""The length and position that a glitch must have to change a bit.
 
 sub-sample   1     2     3     4     5     6     7     8
-tick         |     |     |     |     |     |     |     |       100 cycles apart, two cycles behind the pin
+tick         |     |     |     |     |     |     |     |       100 cycles apart, two cycles after the pin
 vote                           ^     ^     ^
 """
 
@@ -20,7 +20,7 @@ STOP = 9  # the bit's number in the frame, the start bit being 0
 
 
 def received(place: int, begin: int, end: int) -> tuple[int, int]:
-    """(word, FE) of a frame whose bit `place` is inverted from one cycle to another, counted from that bit's tick 1."""
+    """Return (word, FE) of a frame whose bit `place` is inverted from `begin` to `end`, cycles after its tick 1."""
     rig = SciRig()
     start = rig.now
     tick = start + place * rig.bit + rig.sciclk // 2
@@ -35,7 +35,7 @@ def received(place: int, begin: int, end: int) -> tuple[int, int]:
 
 @pytest.mark.rule("SCI-031", "SCI-032", "SCI-033", "SCI-034", "SCI-035")
 @pytest.mark.parametrize("pattern", range(256))
-def test_every_pattern_of_a_bit_is_what_two_of_its_three_samples_are(pattern: int):
+def test_a_bit_is_the_majority_of_its_three_samples_in_every_pattern(pattern: int):
     seen = f"{pattern:08b}"
     rig = SciRig()
     rig.send_samples("0" * 8 + "1" * 16 + "0" * 8 + seen + "0" * 16 + "1" * 8 + "0" * 8 + "1" * 16)
@@ -47,19 +47,23 @@ def test_every_pattern_of_a_bit_is_what_two_of_its_three_samples_are(pattern: in
 @pytest.mark.parametrize(
     ("begin", "end", "flips"),
     [
-        (300, 401, True),  # from sub-sample 4 to 5, one cycle more than an SCICLK: the shortest that can
+        (
+            300,
+            401,
+            True,
+        ),  # sub-samples 4 and 5: one cycle longer than an SCICLK, the shortest glitch that flips the bit
         (301, 401, False),
         (300, 400, False),
-        (400, 501, True),  # 5 to 6
+        (400, 501, True),  # sub-samples 5 and 6
         (401, 501, False),
         (400, 500, False),
         (301, 500, False),  # sub-sample 5 alone, almost two SCICLK long
-        (-40, 400, False),  # from the bit's begin to sub-sample 4
+        (-40, 400, False),  # from the start of the bit to just before sub-sample 5
         (-40, 401, True),
-        (401, 740, False),  # sub-sample 6 and all that follows
+        (401, 740, False),  # sub-sample 6 and all later ones
     ],
 )
-def test_a_glitch_counts_where_it_covers_two_of_the_three_ticks(begin: int, end: int, flips: bool):
+def test_a_glitch_flips_a_bit_if_it_covers_two_of_the_three_ticks(begin: int, end: int, flips: bool):
     assert received(4, begin - SYNC, end - SYNC)[0] == (DATA ^ BIT_3 if flips else DATA)
 
 
@@ -67,14 +71,14 @@ def test_a_glitch_counts_where_it_covers_two_of_the_three_ticks(begin: int, end:
 @pytest.mark.parametrize(
     ("begin", "end", "fe"), [(300, 401, 1), (301, 401, 0), (400, 501, 1), (400, 500, 0), (200, 400, 0)]
 )
-def test_a_glitch_in_the_stop_bit_is_a_framing_error_by_the_same_measure(begin: int, end: int, fe: int):
+def test_a_glitch_in_the_stop_bit_is_a_framing_error_if_it_covers_two_ticks(begin: int, end: int, fe: int):
     assert received(STOP, begin - SYNC, end - SYNC) == (DATA, fe)
 
 
 @settings(max_examples=60, deadline=None)
 @given(begin=st.integers(-48, 700), length=st.integers(1, 700))
-def test_any_glitch_by_the_ticks_it_covers(begin: int, length: int):
-    """Bit 6, between two zeros, inverted within itself: its first tick is half an SCICLK behind its begin."""
+def test_the_effect_of_any_glitch_depends_on_the_ticks_that_it_covers(begin: int, length: int):
+    """Bit 6, which is between two zeros, is inverted in part; its first tick is half an SCICLK after its start."""
     end = min(begin + length, 706)
     covered = sum(begin <= tick < end for tick in (300, 400, 500))
     if begin >= end:
@@ -84,8 +88,8 @@ def test_any_glitch_by_the_ticks_it_covers(begin: int, length: int):
 
 @pytest.mark.rule("SCI-029", "SCI-030")
 @pytest.mark.parametrize(("length", "starts"), [(300, 0), (301, 1), (399, 1)])
-def test_a_low_on_an_idle_line_is_a_start_where_it_covers_four_ticks(length: int, starts: int):
-    """At the best phase: 3 SCICLK and a cycle are enough."""
+def test_a_low_on_an_idle_line_is_a_start_bit_if_it_covers_four_ticks(length: int, starts: int):
+    """The fall is in the cycle of a tick, so a low of 3 SCICLK and one cycle is enough."""
     rig = SciRig()
     first = rig.now + rig.sciclk // 2 - SYNC
     rig.rxd(first, 0)
@@ -96,7 +100,7 @@ def test_a_low_on_an_idle_line_is_a_start_where_it_covers_four_ticks(length: int
 
 @pytest.mark.rule("SCI-029", "SCI-030")
 @pytest.mark.parametrize(("length", "starts"), [(399, 0), (400, 1)])
-def test_a_low_that_just_misses_a_tick_is_a_start_from_four_sciclk_on(length: int, starts: int):
+def test_a_low_that_begins_just_after_a_tick_is_a_start_bit_from_four_sciclk_on(length: int, starts: int):
     rig = SciRig()
     missed = rig.now + rig.sciclk // 2 - SYNC + 1
     rig.rxd(missed, 0)

@@ -1,4 +1,4 @@
-"""RXINT and TXINT in standard mode. Rows RXINT and TXINT count the requests so far."""
+"""RXINT and TXINT in standard mode. The rows RXINT and TXINT of diagrams are the number of requests so far."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_without_rx_bk_int_ena_rxrdy_rises_and_requests_nothing():
 
 @pytest.mark.rule("SCI-140", "SCI-141", "SCI-142")
 @pytest.mark.parametrize(("rx_bk", "rx_err", "after_good", "after_bad"), [(0, 0, 0, 0), (0, 1, 0, 1), (1, 0, 1, 2)])
-def test_the_two_enables_do_not_need_each_other(rx_bk, rx_err, after_good, after_bad):
+def test_the_two_receive_interrupt_enables_are_independent(rx_bk, rx_err, after_good, after_bad):
     rig = SciRig(RXBKINTENA=rx_bk, RXERRINTENA=rx_err)
     rig.take(frame(0x11) + "1")
     assert rig.count("RXINT") == after_good
@@ -52,7 +52,7 @@ def test_a_parity_error_requests_rxint():
 
 
 @pytest.mark.rule("SCI-141")
-def test_without_rx_err_int_ena_no_error_requests_anything():
+def test_without_rx_err_int_ena_no_error_requests_an_interrupt():
     rig = SciRig(RXERRINTENA=0, PARITYENA=1).heard(
         frame(0x11, parity="even", bad="stop") + "1" + frame(0x22, parity="odd") + "1"
     )
@@ -116,7 +116,7 @@ def test_the_receive_interrupt_comes_three_cycles_after_rxrdy():
 
 
 @pytest.mark.rule("SCI-078", "SCI-138", "SCI-143")
-def test_receive_and_transmit_requests_do_not_mix():
+def test_receive_and_transmit_requests_are_independent():
     rig = SciRig(RXBKINTENA=1, TXINTENA=0)
     rig.write("SCITXBUF", 0x11)
     rig.send(frame(0x22) + "1")

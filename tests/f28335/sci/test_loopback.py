@@ -40,7 +40,7 @@ def test_an_overrun_happens_in_loop_back_too():
 
 
 @pytest.mark.rule("SCI-136")
-def test_a_whole_fifo_goes_round_in_order():
+def test_all_words_of_a_full_transmit_fifo_are_received_in_order():
     rig = SciRig(fifo=True, LOOPBKENA=1)
     rig.write("SCITXBUF", *range(0xA0, 0xB0))
     assert rig.received(wait=16 * 10 + 3) == list(range(0xA0, 0xB0))
@@ -48,13 +48,13 @@ def test_a_whole_fifo_goes_round_in_order():
 
 
 @pytest.mark.rule("SCI-135")
-def test_in_loop_back_the_pin_is_not_heard():
+def test_in_loop_back_the_pin_is_not_received():
     rig = SciRig(LOOPBKENA=1).heard(frame(0x4B) + "111")
     assert rig.get("RXRDY") == 0
 
 
 @pytest.mark.rule("SCI-137")
-def test_without_loop_back_the_directions_are_apart():
+def test_without_loop_back_the_directions_are_independent():
     rig = SciRig(LOOPBKENA=0).put(0x4B, 14)
     assert rig.get("RXRDY") == 0
     rig.send(frame(0xA5) + "1")

@@ -1,4 +1,4 @@
-"""From which sample on a receiver listens that SW RESET has just let go."""
+"""The first sample that counts after SW RESET releases the receiver."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from tests.f28335.sci_rig import SciRig
 
 
 def received(low_samples: int) -> int:
-    """RXRDY after SW RESET = 1 on a low line that stays low for so many SCICLK samples, and is high then."""
+    """Return RXRDY for a line that is low at the end of SW RESET and for `low_samples` more SCICLK, then high."""
     rig = SciRig()
     rig.set(SWRESET=0)
     rig.wait(2)

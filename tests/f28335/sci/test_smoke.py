@@ -1,4 +1,4 @@
-"""The SCI as a whole: frames in and out, loop-back of anything, the lazy receiver against a brute-force one."""
+"""The whole SCI: loop-back of any word, and the event-driven receiver compared with one that samples each SCICLK."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RXRDY, RXWAKE = 0x40, 0x02
 
 
 def running(sciccr: int = 7, brr: int = 1, at: int = 0) -> Sci:
-    """A module with both directions on; one bit is 32 * (brr + 1) cycles."""
+    """Return a module with receiver and transmitter enabled; one bit is 32 * (brr + 1) cycles."""
     sci = Sci()
     sci.gate(at, True)
     for offset, value in ((CCR, sciccr), (HBAUD, brr >> 8), (LBAUD, brr & 0xFF), (CTL1, 0x03), (CTL1, 0x23)):
@@ -24,7 +24,7 @@ def running(sciccr: int = 7, brr: int = 1, at: int = 0) -> Sci:
 
 
 def run(sci: Sci, until: int) -> list[tuple[int, int]]:
-    """(cycle, level) of every TXD edge up to `until`."""
+    """Run up to `until` and return (cycle, level) of every edge of TXD."""
     edges = []
     level = sci.out
     while sci.next_wake <= until:
@@ -41,7 +41,9 @@ def run(sci: Sci, until: int) -> list[tuple[int, int]]:
 @given(word=st.integers(0, 255), sciccr=st.integers(0, 255), brr=st.integers(0, 40), at=st.integers(100, 400))
 def test_loopback_returns_any_word_in_any_format_at_any_phase(word, sciccr, brr, at):
     if sciccr & 0x28 == 0x28:
-        sciccr &= ~0x20  # address-bit mode with parity: the erratum's early search starts frames in parity bits
+        sciccr &= (
+            ~0x20
+        )  # no parity in address-bit mode: the early search of the erratum would detect start bits in parity bits
     sci = running(sciccr | 0x10, brr)
     sci.write(at, TXBUF, word)
     run(sci, at + 14 * 32 * (max(brr, 1) + 1))
@@ -50,7 +52,7 @@ def test_loopback_returns_any_word_in_any_format_at_any_phase(word, sciccr, brr,
 
 
 class Sampler:
-    """The receiver as the manual tells it: one sample after the other, nothing noted ahead. An oracle, not fast."""
+    """Reference receiver that follows the manual and processes every sample."""
 
     def __init__(self, frame: SciFormat) -> None:
         self.frame = frame
@@ -59,8 +61,8 @@ class Sampler:
         self.highs = 0
         self.idle = False
         self.hunting = True
-        self.frames: list[tuple[int, list[int]]] = []  # start bits accepted and the samples since
-        self.broken = -1  # low samples since a missing stop bit
+        self.frames: list[tuple[int, list[int]]] = []  # (tick of an accepted start bit, samples since then)
+        self.broken = -1  # number of low samples since a missing stop bit
         self.wait_high = False
         self.idle_base = 0
 
@@ -106,7 +108,7 @@ class Sampler:
     runs=st.lists(st.one_of(st.integers(1, 12), st.sampled_from([8, 16, 24, 40, 70])), max_size=60),
     look=st.integers(1, 50),
 )
-def test_lazy_reception_is_what_looking_at_every_sciclk_gives(sciccr, runs, look):
+def test_the_event_driven_receiver_equals_one_that_samples_every_sciclk(sciccr, runs, look):
     options = SciOptions(rx_after_break="next_high")
     frame = SciFormat(sciccr, options)
     lazy = SciRxBits(frame, options, set())
@@ -138,7 +140,7 @@ def test_lazy_reception_is_what_looking_at_every_sciclk_gives(sciccr, runs, look
 def test_one_byte_wakes_the_receiver_twice():
     sci = running(0x07)
     sci.write(0, 4, 0x02)
-    run(sci, 2000)  # the line is idle, and known to be
+    run(sci, 2000)  # long enough for the receiver to detect an idle line
     wakes = 0
     for i, level in enumerate((0, 1, 0, 1, 0, 1, 0, 1, 0, 1)):
         sci.pins(2000 + 64 * i, level)

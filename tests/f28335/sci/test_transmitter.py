@@ -8,7 +8,7 @@ from tests.f28335.sci_rig import SciRig, frame, levels
 
 
 @pytest.mark.rule("SCI-063", "SCI-064", "SCI-065", "SCI-069", "SCI-077")
-def test_one_character():
+def test_txrdy_and_txempty_while_one_character_is_sent():
     SciRig().check("""
         > SCITXBUF  .  3  ........  .  .  .
         < TXD       1  0  1.0.....  1  .  .
@@ -67,7 +67,7 @@ def test_txempty_rises_at_the_end_of_the_last_stop_bit(stop_bits, bits):
 
 
 @pytest.mark.rule("SCI-070")
-def test_txempty_interrupts_nobody():
+def test_txempty_requests_no_interrupt():
     rig = SciRig(TXINTENA=1).put(0x55, 2)
     asked = rig.count("TXINT")
     rig.wait(20)
@@ -84,7 +84,7 @@ def test_txempty_interrupts_nobody():
         pytest.param(SciRig.reset, marks=pytest.mark.rule("SCI-073"), id="XRS"),
     ],
 )
-def test_a_reset_sets_txrdy_and_txempty_and_lets_go_of_the_line(reset):
+def test_a_reset_sets_txrdy_and_txempty_and_the_line_becomes_1(reset):
     rig = SciRig().put(0x00, 2)
     rig.write("SCITXBUF", 0x00)
     assert (rig.show("TXD"), rig.flags("TXRDY", "TXEMPTY")) == (0, {"TXRDY": 0, "TXEMPTY": 0})
@@ -93,7 +93,7 @@ def test_a_reset_sets_txrdy_and_txempty_and_lets_go_of_the_line(reset):
 
 
 @pytest.mark.rule("SCI-074", "SCI-077")
-def test_without_txena_nothing_leaves_the_pin():
+def test_without_txena_no_character_is_sent():
     SciRig().check("""
         > TXENA     0  .  ........  ........  1  ........  .  .
         > SCITXBUF  .  3  ........  ........  .  ........  .  .
@@ -103,7 +103,7 @@ def test_without_txena_nothing_leaves_the_pin():
 
 
 @pytest.mark.rule("SCI-075")
-def test_txena_cleared_during_a_character_lets_it_finish():
+def test_a_character_is_completed_after_txena_is_cleared():
     SciRig().check("""
         > SCITXBUF  .  5  ........  .  .  ........
         > TXENA     .  .  ..0.....  .  .  ........
@@ -113,7 +113,7 @@ def test_txena_cleared_during_a_character_lets_it_finish():
 
 
 @pytest.mark.rule("SCI-076")
-def test_txena_cleared_with_a_character_waiting_sends_that_too():
+def test_a_waiting_character_is_sent_after_txena_is_cleared():
     SciRig().check("""
         > SCITXBUF  .  5  3.......  .  .  ........  .  .
         > TXENA     .  .  ..0.....  .  .  ........  .  .
@@ -130,7 +130,7 @@ def test_the_idle_line_is_1():
 
 
 @pytest.mark.rule("SCI-078")
-def test_both_directions_at_once_and_out_of_step():
+def test_both_directions_work_at_the_same_time_with_independent_timing():
     rig = SciRig(fifo=True)
     out, back = list(range(0x10, 0x20)), list(range(0xA0, 0xB0))
     rig.write("SCITXBUF", *out)
@@ -142,6 +142,6 @@ def test_both_directions_at_once_and_out_of_step():
     assert rig.peek("SCIRXST") == 0
 
 
-def test_a_word_wider_than_eight_bits_is_cut():
+def test_bits_above_the_eighth_of_a_written_word_are_ignored():
     rig = SciRig()
     assert rig.transmit(0xFF4B, 10) == levels("0 11010010 1")

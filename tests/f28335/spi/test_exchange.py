@@ -1,4 +1,4 @@
-"""Characters between two modules, and between a module and an SPI of a few lines: any words, lengths and schemes."""
+"""Exchange of characters between two modules, and between a module and a simple SPI written in the test."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_a_master_and_a_slave_exchange_all_characters(scheme, bits, brr, sent, d
     sent=st.lists(st.tuples(st.integers(0, 0xFFFF), st.integers(0, 0xFFFF)), min_size=1, max_size=4),
     brr=st.integers(0, 127),
 )
-def test_a_slave_and_a_master_of_a_few_lines(scheme, bits, half, sent, brr):
+def test_a_slave_exchanges_characters_with_a_master_written_in_the_test(scheme, bits, half, sent, brr):
     rig = SpiRig({}, SLAVE, CLKPOLARITY=scheme[0], CLK_PHASE=scheme[1], SPICHAR=bits - 1, SPIBRR=brr)
     rig.pin(rig.now + 10, CLK=scheme[0])
     rig.select()
@@ -56,8 +56,8 @@ def test_a_slave_and_a_master_of_a_few_lines(scheme, bits, half, sent, brr):
 
 @pytest.mark.rule("SPI-010", "SPI-015", "SPI-027")
 @given(scheme=st.sampled_from(SCHEMES), bits=st.integers(1, 16), word=st.integers(0, 0xFFFF), answer=st.integers(0))
-def test_a_master_and_a_slave_of_a_few_lines(scheme, bits, word, answer):
-    """The slave puts a bit out at each output edge, and its first with the fall of SPISTE."""
+def test_a_master_exchanges_characters_with_a_slave_written_in_the_test(scheme, bits, word, answer):
+    """The slave outputs a bit at each output edge; with CLK_PHASE = 1, the first at the fall of SPISTE."""
     polarity, phase = scheme
     answer &= (1 << bits) - 1
     rig = SpiRig(CLKPOLARITY=polarity, CLK_PHASE=phase, SPICHAR=bits - 1)

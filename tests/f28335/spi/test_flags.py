@@ -1,4 +1,4 @@
-"""SPISTS without FIFOs: what sets and clears each flag, and which of them request RXINT."""
+"""SPISTS without FIFOs: the causes that set and clear each flag, and the flags that request RXINT."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ FOUR = {"SPICHAR": 3, "SPILBK": 1}  # characters of four bits, received as they 
 
 
 @pytest.mark.rule("SPI-041", "SPI-042", "SPI-044", "SPI-049")
-def test_int_flag_comes_with_the_character_and_goes_when_it_is_read():
+def test_int_flag_is_set_with_a_character_and_cleared_by_reading_it():
     SpiRig(**FOUR, SPIINTENA=1).check("""
         > SPITXBUF  .  5  . . . . . . . .  .  .
         > READ      .  .  . . . . . . . .  .  1
@@ -53,7 +53,7 @@ def test_spirxemu_shows_the_character_and_leaves_int_flag():
 
 
 @pytest.mark.rule("SPI-046", "SPI-048")
-def test_a_character_that_was_not_read_is_replaced_with_one_request():
+def test_a_character_that_was_not_read_is_overwritten_and_requests_once():
     SpiRig(**FOUR, OVERRUNINTENA=1).check(
         """
         > SPITXBUF      1...  2...  ....  3...  .
@@ -111,7 +111,7 @@ def test_writing_spists_leaves_int_flag_and_buffull_flag():
 
 
 @pytest.mark.rule("SPI-024", "SPI-050", "SPI-051")
-def test_the_first_character_goes_through_and_the_second_waits():
+def test_the_first_character_is_shifted_at_once_and_the_second_waits():
     SpiRig(**FOUR).check("""
         > SPITXBUF      .  5  6 . . . . . . .  . . . . . . . .
         < BUFFULL_FLAG  0  .  1 . . . . . . 0  . . . . . . . .
@@ -121,7 +121,7 @@ def test_the_first_character_goes_through_and_the_second_waits():
 
 
 @pytest.mark.rule("SPI-050")
-def test_a_character_that_is_replaced_while_it_waits_is_told():
+def test_a_character_that_is_overwritten_in_spitxbuf_is_noted():
     rig = SpiRig(**FOUR)
     rig.write("SPITXBUF", *(word << 12 for word in (1, 2, 3)))
     assert rig.notes("lost") == ["SPI-A: SPITXBUF was written 0x3000 while BUFFULL_FLAG = 1: one character is lost"]
@@ -129,7 +129,7 @@ def test_a_character_that_is_replaced_while_it_waits_is_told():
     assert (rig.show("SPIRXBUF"), rig.peek("SPITXBUF")) == (3, 0x3000)
 
 
-def test_a_write_to_spidat_within_a_character_replaces_what_is_not_yet_sent():
+def test_a_write_to_spidat_within_a_character_replaces_the_bits_not_yet_sent():
     rig = SpiRig(SPICHAR=3).check("""
         > SPITXBUF  .  0  . . . . . . . .  .
         > SPIDAT    .  .  . . . f . . . .  .

@@ -1,4 +1,4 @@
-"""SPISWRESET, SPIRST, the system reset, and a module that is made a slave or a master."""
+"""SPISWRESET, SPIRST, the system reset, changes between master and slave, and loop-back."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tests.f28335.spi_rig import HALF, MASTER, SLAVE, SpiRig
 def test_spiswreset_stops_a_master_at_once(polarity):
     rig = SpiRig(CLKPOLARITY=polarity)
     rig.write("SPITXBUF", 0)
-    rig.run_until(rig.now + 1 + 3 * HALF)  # SPICLK is at its active level
+    rig.run_until(rig.now + 1 + 3 * HALF)  # SPICLK is active
     assert rig.show("CLK") == 1 - polarity
     rig.set(SPISWRESET=0)
     assert (rig.show("CLK"), rig.show("STE")) == (polarity, 1)
@@ -38,7 +38,7 @@ def test_spiswreset_clears_the_flags_and_nothing_else():
 
 @pytest.mark.rule("SPI-055")
 @pytest.mark.parametrize("register", ["SPITXBUF", "SPIDAT"])
-def test_what_is_written_during_spiswreset_is_not_sent_after_it(register):
+def test_a_word_written_during_spiswreset_is_not_sent_after_it(register):
     rig = SpiRig({}, {**MASTER, "SPISWRESET": 0})
     rig.write(register, 0x5500)
     edges = len(rig.edges)
@@ -50,7 +50,7 @@ def test_what_is_written_during_spiswreset_is_not_sent_after_it(register):
     assert rig.get("INT_FLAG") == 1
 
 
-def test_spiswreset_drops_the_bits_of_a_slave():
+def test_spiswreset_discards_the_incomplete_character_of_a_slave():
     rig = SpiRig({}, SLAVE).select_idle()
     rig.clock("111")
     rig.set(SPISWRESET=0)
@@ -89,7 +89,7 @@ def test_spirst_0_stops_standard_mode_too():
 
 
 @pytest.mark.rule("SPI-002", "SPI-012", "SPI-084")
-def test_after_a_system_reset_the_spi_is_a_silent_slave_without_fifos():
+def test_after_a_system_reset_the_spi_is_a_slave_without_fifos_and_does_not_transmit():
     rig = SpiRig(fifo=True, SPILBK=1, SPIINTENA=1)
     rig.write("SPITXBUF", *(word << 8 for word in range(5)))
     rig.wait(12.5)
@@ -105,7 +105,7 @@ def test_after_a_system_reset_the_spi_is_a_silent_slave_without_fifos():
     assert rig.edges[-1][1] == 0b1111
 
 
-def test_a_master_that_is_made_a_slave_drops_its_character():
+def test_a_master_that_becomes_a_slave_discards_its_character():
     SpiRig().check("""
         > SPITXBUF      .  0  . . . . . . . . . .
         > MASTER_SLAVE  .  .  . . . 0 . . 1 . . .

@@ -1,4 +1,4 @@
-"""A slave: SPISTE, TALK, what it sends, and the limit of its clock."""
+"""The SPI as a slave: SPISTE, TALK, the words that it sends, and the limit of SPICLK."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_without_spiste_nothing_is_shifted(scheme):
     assert rig.flags("SPIDAT", "INT_FLAG") == {"SPIDAT": 0x5A00, "INT_FLAG": 0}
 
 
-def test_an_edge_with_the_rise_of_spiste_counts_and_one_with_its_fall_does_not():
+def test_an_spiclk_edge_at_the_rise_of_spiste_counts_and_one_at_its_fall_does_not():
     rig = SpiRig({}, SLAVE, SPICHAR=0)
     rig.pin(rig.now + 1, CLK=1)
     rig.pin(rig.now + 8, CLK=0, STE=0)
@@ -75,7 +75,7 @@ def test_talk_0_leaves_somi_undriven_and_receives():
 
 @pytest.mark.rule("SPI-023", "SPI-024", "SPI-051")
 @pytest.mark.parametrize("phase", [0, 1])
-def test_the_second_word_waits_for_the_first_even_before_the_clock(phase):
+def test_a_second_word_waits_in_spitxbuf_even_before_the_first_clock_edge(phase):
     rig = SpiRig({}, SLAVE, CLK_PHASE=phase).select_idle()
     full = []
     for word in (0x1200, 0x3400):
@@ -86,7 +86,7 @@ def test_the_second_word_waits_for_the_first_even_before_the_clock(phase):
 
 
 @pytest.mark.parametrize("phase", [0, 1])
-def test_a_slave_that_was_given_nothing_sends_what_is_in_spidat(phase):
+def test_a_slave_without_a_written_word_sends_the_value_in_spidat(phase):
     rig = SpiRig({}, SLAVE, CLK_PHASE=phase, SPICHAR=15).select_idle()
     assert [rig.exchange(word, 16) for word in (0x1234, 0x5678, 0)] == [0, 0x1234, 0x5678]
 
@@ -101,7 +101,7 @@ def test_a_word_written_within_a_character_is_sent_after_it(phase):
 
 
 @pytest.mark.rule("SPI-040")
-def test_a_clock_above_a_quarter_of_lspclk_is_told():
+def test_a_clock_above_a_quarter_of_lspclk_is_noted():
     for half, notes in ((2 * LSPCLK, []), (2 * LSPCLK - 1, ["14"])):
         rig = SpiRig({}, SLAVE).select_idle()
         rig.clock("10", half)
@@ -112,7 +112,7 @@ def test_a_clock_above_a_quarter_of_lspclk_is_told():
         assert rig.notes("duty") == texts
 
 
-def test_a_write_to_spidat_of_a_slave_is_there_before_the_first_edge():
+def test_a_write_to_spidat_of_a_slave_shows_on_somi_before_the_first_edge():
     rig = SpiRig({}, SLAVE, CLK_PHASE=1).select_idle()
     shown = []
     for word in (0x8000, 0x0000):

@@ -1,4 +1,4 @@
-"""System control: clock ratio, prescalers, gates. Rules SYS-001 to SYS-019; the watchdog has its own file."""
+"""System control: clock ratio, prescalers, clock gates. Rules SYS-001 to SYS-019; test_watchdog.py has the watchdog."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def divsel(n: int) -> int:
 
 
 def system(*writes: tuple[Register, int], oscclk_hz: int = 30 * MHZ, **options: str) -> SystemControl:
-    """Fresh from reset, the watchdog off as start-up code switches it, and these registers written."""
+    """Return a chip after reset, with the watchdog disabled as start-up code does, and with these registers written."""
     chip = SystemControl(oscclk_hz, options_from(SystemOptions, dict(options)))
     for register, value in ((WDCR, 0x68), *writes):
         chip.write(0, register.offset, value)
@@ -47,7 +47,7 @@ def system(*writes: tuple[Register, int], oscclk_hz: int = 30 * MHZ, **options: 
 
 
 def locking(div: int = 5, bits: int = MCLKOFF, **options: str) -> SystemControl:
-    """The PLL begins to lock in cycle 0. bits: of PLLSTS."""
+    """Return a chip whose PLL begins to lock in cycle 0. bits: value of PLLSTS."""
     chip = system(**options)
     chip.write(0, PLLSTS.offset, bits)
     chip.write(0, PLLCR.offset, div)
@@ -59,13 +59,13 @@ def ratio(chip: SystemControl) -> tuple[int, int]:
 
 
 def run_until(chip: SystemControl, now: int) -> None:
-    """What an owner does: wake the chip whenever it asked, up to and with `now`."""
+    """Wake the chip in each cycle that it has requested, up to and including `now`."""
     while chip.next_wake <= now:
         chip.wake(chip.next_wake)
 
 
 def program_pll(chip: SystemControl, now: int, div: int, sel: int) -> int:
-    """The manual's procedure. Back comes the cycle at which it is over."""
+    """Set the PLL by the procedure of the manual and return the cycle of its end."""
     chip.write(now, PLLSTS.offset, divsel(0) | MCLKOFF)
     chip.write(now, PLLCR.offset, div)
     while not chip.read(now, PLLSTS.offset) & 1:
@@ -177,7 +177,7 @@ def test_pllcr_with_divsel_not_0_is_reported(sel):
 @pytest.mark.rule("SYS-008")
 def test_divsel_changed_while_locking_is_reported():
     chip = locking()
-    chip.write(2, PLLSTS.offset, MCLKOFF)  # DIVSEL as it was: nothing to say
+    chip.write(2, PLLSTS.offset, MCLKOFF)  # DIVSEL is unchanged, so there is no note
     assert not chip.notes
     chip.write(3, PLLSTS.offset, divsel(2))
     assert [note.code for note in chip.notes] == ["duty"]
@@ -187,7 +187,7 @@ def test_divsel_changed_while_locking_is_reported():
 @pytest.mark.parametrize(
     ("pllsts", "said"), [(0, "MCLKOFF = 0"), (MCLKOFF | 4, "PLLOFF = 1")], ids=["MCLKOFF", "PLLOFF"]
 )
-def test_other_duties_of_a_pllcr_write(pllsts, said):
+def test_other_broken_rules_of_a_pllcr_write_are_reported(pllsts, said):
     chip = locking(bits=pllsts)
     assert len(chip.notes) == 1
     assert said in chip.notes[0].text
@@ -198,7 +198,7 @@ def test_pllcr_write_with_the_watchdog_on_is_reported():
     assert [note.source for note in chip.notes] == ["SPRS439M section 3.6.1.2"]
 
 
-def test_what_is_not_modelled_is_reported():
+def test_settings_that_are_not_modelled_are_reported():
     chip = system()
     chip.write(0, PLLSTS.offset, 0x20)  # OSCOFF
     chip.write(0, LPMCR0.offset, 1)  # STANDBY
@@ -212,7 +212,7 @@ def test_xrs_and_the_watchdog_reset_the_pll(by_watchdog: bool):
     now = program_pll(chip, 0, 10, 2)
     chip.write(now, HISPCP.offset, 0)
     if by_watchdog:
-        chip.write(now, WDCR.offset, 0)  # WDCHK wrong: reset at once
+        chip.write(now, WDCR.offset, 0)  # a wrong WDCHK resets at once
     assert chip.reset_requested == by_watchdog
     chip.reset(now)
     assert (ratio(chip), chip.lspclk_divider, chip.hspclk_divider) == ((1, 4), 4, 2)
@@ -243,7 +243,7 @@ def test_lspclk_is_a_quarter_after_reset():
 
 @pytest.mark.rule("SYS-013")
 @pytest.mark.parametrize(("code", "divider"), CODES)
-def test_hispcp_divides_likewise(code, divider):
+def test_hispcp_divides(code, divider):
     chip = system()
     assert (chip.read(0, HISPCP.offset), chip.hspclk_divider) == (1, 2)
     chip.write(0, HISPCP.offset, code)
@@ -261,7 +261,7 @@ def test_open_lspclk_phase(way, phase):
 
 
 @pytest.mark.rule("SYS-015")
-def test_which_clock_a_module_runs_on():
+def test_the_clock_of_each_module():
     chip = system((LOSPCP, 3), (HISPCP, 4))
     clocks = {
         name: PART.by_name[name].clock for name in ("SCI-A", "SCI-B", "SCI-C", "I2C-A", "TIMER0", "TIMER1", "TIMER2")
@@ -296,7 +296,7 @@ def test_clocks_after_reset():
         ("CPUTIMER0ENCLK", 0x10, 8),
     ],
 )
-def test_each_bit_gates_its_module_alone(gate, offset, bit):
+def test_each_bit_gates_only_its_module(gate, offset, bit):
     chip = system((PCLKCR3, 0))
     chip.write(0, offset, 1 << bit)
     run_until(chip, 2)
@@ -304,7 +304,7 @@ def test_each_bit_gates_its_module_alone(gate, offset, bit):
 
 
 class GateRig(DiagramRig):
-    """Drives enable bits as the CPU's read-modify-write does, shows which modules have their clock."""
+    """Writes enable bits by read-modify-write accesses, and shows which modules have their clock."""
 
     BITS = {"SCIAENCLK": (PCLKCR0, 1 << 10), "I2CAENCLK": (PCLKCR0, 1 << 4), "CPUTIMER0ENCLK": (PCLKCR3, 1 << 8)}
 
@@ -337,14 +337,14 @@ def test_a_gate_opens_and_closes_2_cycles_after_the_write():
 
 
 @pytest.mark.rule("SYS-018")
-def test_the_written_value_reads_back_before_it_acts():
+def test_the_written_value_reads_back_before_it_takes_effect():
     chip = system((PCLKCR0, 1 << 10))
     assert chip.read(1, PCLKCR0.offset) == 1 << 10
     assert not chip.enabled("SCIAENCLK")
     assert chip.next_wake == GATE_DELAY
 
 
-def test_writes_of_successive_cycles_act_in_successive_cycles():
+def test_writes_in_successive_cycles_take_effect_in_successive_cycles():
     chip = SystemControl(30 * MHZ, SystemOptions())
     chip.write(0, PCLKCR3.offset, 0)
     chip.write(1, PCLKCR0.offset, 1 << 10)
@@ -352,7 +352,7 @@ def test_writes_of_successive_cycles_act_in_successive_cycles():
     assert seen == [(True, False), (False, False), (False, True)]
 
 
-def test_reset_forgets_a_gate_that_was_to_open():
+def test_reset_cancels_a_pending_change_of_a_gate():
     chip = system((PCLKCR0, 1 << 10))
     chip.reset(1)
     run_until(chip, 10)
@@ -379,13 +379,13 @@ def test_every_register_here_needs_eallow_to_be_written():
     assert len(addresses) == len(list(MAP))
 
 
-# OSCCLK through changes of the ratio ------------------------------------------------
+# OSCCLK during changes of the ratio -------------------------------------------------
 
 
 @given(
     st.lists(st.tuples(st.integers(1, 10_000), st.integers(1, 10), st.sampled_from([1, 2, 4])), min_size=1, max_size=8)
 )
-def test_oscclk_positions_are_exact_through_any_changes(changes):
+def test_oscclk_positions_are_exact_after_any_changes(changes):
     clock = OscClock()
     now, position, ratio_now = 0, Fraction(0), Fraction(1, 4)
     for cycles, numerator, denominator in changes:
@@ -398,13 +398,13 @@ def test_oscclk_positions_are_exact_through_any_changes(changes):
         assert clock.cycle_at(clock.at(now + 7) + 1) == now + 8
 
 
-def test_a_pll_lock_is_counted_in_oscclk_through_a_change_of_divsel():
+def test_a_pll_lock_is_counted_in_oscclk_across_a_change_of_divsel():
     chip = locking(10)
-    chip.write(1000, PLLSTS.offset, divsel(2))  # forbidden, and reported: the bypass clock doubles
+    chip.write(1000, PLLSTS.offset, divsel(2))  # not allowed, and noted: the bypass clock doubles
     assert chip.next_wake == 1000 + (131072 - 4 * 1000) // 2
 
 
-def test_a_read_shows_what_was_due_by_then():
-    """Nobody woke the chip for the end of the lock."""
+def test_a_read_includes_changes_that_are_due():
+    """The chip was not woken at the end of the lock."""
     chip = locking()
     assert [chip.read(now, PLLSTS.offset) & 1 for now in (LOCK - 1, LOCK)] == [0, 1]

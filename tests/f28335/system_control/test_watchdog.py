@@ -1,6 +1,6 @@
-"""The watchdog inside system control. Rules SYS-020 to SYS-031.
+"""The watchdog of the system control. Rules SYS-020 to SYS-031.
 
-At reset's OSCCLK/4 one step of WDCNTR is 512 OSCCLK = 128 cycles, an overflow 32768.
+With OSCCLK/4, as after a reset, WDCNTR is incremented every 512 OSCCLK = 128 cycles and overflows after 32768.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from periph_sim.f28335.system_options import SystemOptions
 
 STEP = 512 // 4
 OVERFLOW = 131072 // 4
-ON, OFF = 0x28, 0x68  # WDCR with the right WDCHK
+ON, OFF = 0x28, 0x68  # WDCR with the correct WDCHK
 WDENINT, WDOVERRIDE, WDINTS = 2, 1, 4
 WAKEINT = 1
 
@@ -31,7 +31,7 @@ def system(*writes: tuple[Register, int], **options: str) -> SystemControl:
 
 
 def interrupting() -> SystemControl:
-    """Whose overflow requests WAKEINT instead of a reset."""
+    """Return a chip whose watchdog requests WAKEINT at an overflow instead of a reset."""
     return system((SCSR, WDENINT))
 
 
@@ -67,7 +67,7 @@ def test_wdps_prescales_the_time_out(wdps):
 def test_overflow_requests_a_reset():
     chip = system()
     assert chip.next_wake == OVERFLOW
-    chip.wake(OVERFLOW - 1)  # early wakes do no harm
+    chip.wake(OVERFLOW - 1)  # an early wake-up has no effect
     assert not chip.reset_requested
     chip.wake(OVERFLOW)
     assert chip.reset_requested
@@ -76,25 +76,25 @@ def test_overflow_requests_a_reset():
 
 @pytest.mark.rule("SYS-022", "SYS-023")
 @given(when=st.integers(0, OVERFLOW - 1))
-def test_the_time_out_counts_from_the_last_clear_wherever_it_was(when):
+def test_the_time_out_counts_from_the_last_clear_at_any_count(when):
     chip = system()
     keys(chip, when, 0x55, 0xAA)
     assert chip.peek(when, WDCNTR.offset) == 0
     assert chip.next_wake == when + OVERFLOW
 
 
-def test_the_time_out_is_exact_when_the_pll_switches_in_between():
-    """Cleared while the PLL locks at OSCCLK/4; the rest of the 131072 OSCCLK passes at 150 MHz."""
+def test_the_time_out_is_exact_across_changes_of_the_clock_ratio():
+    """The watchdog is cleared while the PLL locks at OSCCLK/4; most of its 131072 OSCCLK pass after the lock."""
     chip = system((PLLSTS, 0x40), (PLLCR, 10))
-    keys(chip, 20_000, 0x55, 0xAA)  # 80000 OSCCLK gone, 51072 to the lock
+    keys(chip, 20_000, 0x55, 0xAA)  # after 80000 OSCCLK, 51072 before the end of the lock
     run_until(chip, 32_768)
     assert (chip.sysclk_hz / chip.oscclk_hz).as_integer_ratio() == (5, 2)
-    chip.write(32_768, PLLSTS.offset, 2 << 7)  # 5 cycles an OSCCLK
+    chip.write(32_768, PLLSTS.offset, 2 << 7)  # 5 cycles per OSCCLK
     assert chip.next_wake == 32_768 + (131072 - 51072) * 5
     assert chip.peek(32_768 + (131072 - 51072) * 5 - 1, WDCNTR.offset) == 255
 
 
-# The numbered sequence of Table 26: key written, whether it clears.
+# The numbered sequence of Table 26: the written key, and whether it clears the counter.
 TABLE_26 = [
     (0xAA, False),
     (0xAA, False),
@@ -135,10 +135,10 @@ def test_open_wd_bad_key(way, resets, before):
     assert chip.peek(3 * STEP, WDCNTR.offset) == 3
     assert chip.touched == {"wd_bad_key"}
     keys(chip, 3 * STEP, 0xAA)
-    assert chip.peek(3 * STEP, WDCNTR.offset) == 3  # the pair is broken
+    assert chip.peek(3 * STEP, WDCNTR.offset) == 3  # the other key interrupted the pair
 
 
-def test_a_bad_key_means_nothing_to_a_watchdog_that_is_off():
+def test_a_wrong_key_has_no_effect_on_a_disabled_watchdog():
     chip = system((WDCR, OFF), wd_bad_key="reset")
     keys(chip, 0, 0x32)
     assert not chip.reset_requested
@@ -176,7 +176,7 @@ def test_wrong_wdchk_does_nothing_while_disabled():
 
 
 @pytest.mark.rule("SYS-027")
-def test_wddis_stops_it_and_lets_it_go_on():
+def test_wddis_stops_the_count_and_lets_it_continue():
     chip = system()
     chip.write(3 * STEP, WDCR.offset, OFF)
     assert chip.next_wake == NEVER
@@ -189,7 +189,7 @@ def test_wddis_stops_it_and_lets_it_go_on():
 
 @pytest.mark.rule("SYS-023")
 @pytest.mark.parametrize("how", ["keys", "reset"])
-def test_a_count_carried_through_a_wdcr_write_is_cleared_too(how):
+def test_a_count_is_cleared_after_a_write_to_wdcr_too(how):
     chip = system()
     chip.write(3 * STEP, WDCR.offset, ON)
     if how == "keys":
@@ -204,14 +204,14 @@ def test_a_count_carried_through_a_wdcr_write_is_cleared_too(how):
 @pytest.mark.parametrize(("was", "tried"), [(ON, OFF), (OFF, ON)])
 def test_wddis_is_fixed_once_wdoverride_is_cleared(was, tried):
     chip = system((WDCR, was))
-    chip.write(0, SCSR.offset, 0)  # 0 leaves WDOVERRIDE
+    chip.write(0, SCSR.offset, 0)  # writing 0 leaves WDOVERRIDE
     assert chip.read(0, SCSR.offset) & WDOVERRIDE
     chip.write(0, SCSR.offset, WDOVERRIDE)
     assert not chip.read(0, SCSR.offset) & WDOVERRIDE
     chip.write(0, SCSR.offset, 0)
     chip.write(0, WDCR.offset, tried | 3)
-    assert chip.read(0, WDCR.offset) == was & 0x40 | 3  # the prescale is not fixed
-    chip.write(0, SCSR.offset, WDOVERRIDE)  # writing again does not bring it back
+    assert chip.read(0, WDCR.offset) == was & 0x40 | 3  # the prescale can still be changed
+    chip.write(0, SCSR.offset, WDOVERRIDE)  # another write does not set it again
     assert not chip.read(0, SCSR.offset) & WDOVERRIDE
     chip.reset(10)
     assert chip.read(10, SCSR.offset) & WDOVERRIDE
@@ -228,9 +228,9 @@ def test_overflow_with_wdenint_pulses_wdint():
     for now in range(OVERFLOW, OVERFLOW + 140):
         run_until(chip, now)
         seen[now - OVERFLOW] = bool(chip.peek(now, SCSR.offset) & WDINTS)
-    # WDINT is low for 512 OSCCLK = 128 cycles, WDINTS shows it two cycles late
+    # WDINT is low for 512 OSCCLK = 128 cycles; WDINTS shows it two cycles later
     assert [n for n in seen if not seen[n]] == list(range(2, 130))
-    assert chip.requests == 0  # the rising edge does not ask
+    assert chip.requests == 0  # the rising edge requests nothing
     assert chip.next_wake == 2 * OVERFLOW
 
 
@@ -243,17 +243,17 @@ def test_clearing_wdenint_resets_at_once_while_wdint_is_low(later, resets):
 
 
 @pytest.mark.rule("SYS-030")
-def test_wdflag_tells_a_watchdog_reset_and_a_1_clears_it():
+def test_wdflag_is_set_by_a_watchdog_reset_and_cleared_by_writing_1():
     chip = system()
     chip.wake(OVERFLOW)
     chip.reset(OVERFLOW)
     assert not chip.reset_requested
-    due = OVERFLOW + 128 + 8192  # the pulse of 512 OSCCLK, then the delay below Table 30
+    due = OVERFLOW + 128 + 8192  # the pulse of 512 OSCCLK, and then the delay in the text after Table 30
     assert due == OVERFLOW + WDFLAG_DELAY
     assert chip.peek(due - 1, WDCR.offset) == 0
     run_until(chip, due)
     assert chip.read(due, WDCR.offset) == 0x80
-    chip.write(due, WDCR.offset, ON)  # 0 leaves it
+    chip.write(due, WDCR.offset, ON)  # writing 0 leaves WDFLAG
     assert chip.read(due, WDCR.offset) == 0x80
     chip.write(due, WDCR.offset, ON | 0x80)
     assert chip.read(due, WDCR.offset) == 0
@@ -273,7 +273,7 @@ def test_wdkey_reads_as_wdcr_and_wdchk_as_0():
     assert chip.read(0, WDKEY.offset) == chip.read(0, WDCR.offset) == 0x47
 
 
-def test_reset_starts_it_afresh():
+def test_reset_restarts_the_watchdog():
     chip = interrupting()
     chip.wake(OVERFLOW)
     keys(chip, OVERFLOW, 0x55)
@@ -281,12 +281,12 @@ def test_reset_starts_it_afresh():
     assert chip.requests == 0
     assert chip.read(OVERFLOW + 10, SCSR.offset) == WDINTS | WDOVERRIDE
     assert chip.next_wake == 2 * OVERFLOW + 10
-    keys(chip, OVERFLOW + 2 * STEP + 10, 0xAA)  # the 0x55 was before the reset
+    keys(chip, OVERFLOW + 2 * STEP + 10, 0xAA)  # the 0x55 before the reset does not count
     assert chip.peek(OVERFLOW + 2 * STEP + 10, WDCNTR.offset) == 2
 
 
-def test_next_wake_is_honest():
-    """Cycle by cycle nothing but the running count changes without a write or a due wake."""
+def test_nothing_but_the_count_changes_without_a_write_or_a_due_wake_up():
+    """Only the count changes in a cycle without a write or a due wake-up."""
     chip = interrupting()
     shown = [r.offset for r in MAP if r.yields is not Yields.TIME]
     before = None

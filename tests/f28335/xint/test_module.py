@@ -1,4 +1,4 @@
-"""External interrupts: which edges ask, what the counters stamp. Levels come in as the qualifier shows them."""
+"""External interrupts: edges that request, and the counters. The inputs are qualified levels."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def control(polarity: int, enable: int = 1) -> int:
 
 
 class Rig(DiagramRig):
-    """Rows: `XINTn` a level, `ENABLE` of all lines, `ask` requests of this column, `CTR1` XINT1CTR."""
+    """Rows: `XINTn` is a level, `ENABLE` that of all lines, `ask` the requests of a column, `CTR1` is XINT1CTR."""
 
     def __init__(self, polarity: int) -> None:
         self.xint = Xint()
@@ -58,7 +58,7 @@ class Rig(DiagramRig):
         (BOTH, "0 1 0 1 0 1 0 ."),
     ],
 )
-def test_polarity_chooses_the_edges(polarity, asked):
+def test_polarity_selects_the_edges(polarity, asked):
     Rig(polarity).check(f"""
         > ENABLE  1 . . . . . 0 .
         > XINT1   0 1 . 0 . 1 . 0
@@ -67,7 +67,7 @@ def test_polarity_chooses_the_edges(polarity, asked):
 
 
 @pytest.mark.rule("SYS-080")
-def test_a_disabled_line_asks_nothing_and_remembers_nothing():
+def test_edges_of_a_disabled_line_request_nothing_then_or_later():
     Rig(BOTH).check("""
         > ENABLE  0 . . . 1 . .
         > XINT1   0 1 0 1 . 0 .
@@ -103,7 +103,7 @@ def test_the_counter_stops_while_the_interrupt_is_disabled():
 
 @pytest.mark.rule("SYS-081")
 @pytest.mark.parametrize(("line", "name"), [(0, "XINT1CTR"), (1, "XINT2CTR")])
-def test_the_counters_are_16_bits_of_their_own_line(line, name):
+def test_each_counter_has_16_bits_and_counts_for_its_own_line(line, name):
     xint = Xint()
     xint.write(0, line, control(RISING))
     xint.pins(10, 1 << line)
@@ -123,7 +123,7 @@ def test_reset_disables_everything():
     assert (xint.requests, xint.enabled, xint.read(20, 0), xint.read(20, 8)) == (0, 0, 0, 0)
 
 
-def test_enabling_xnmi_is_told_as_not_modelled():
+def test_enabling_xnmi_is_noted_as_not_modelled():
     xint = Xint()
     xint.write(0, XINT["XNMICR"].offset, 0b0010)
     assert not xint.notes
@@ -132,8 +132,8 @@ def test_enabling_xnmi_is_told_as_not_modelled():
     assert xint.read(0, XINT["XNMICR"].offset) == 0b0011
 
 
-def test_settling_makes_no_edge():
-    """A line that was not listened to while disabled has the right level before it is enabled."""
+def test_updating_the_level_of_a_disabled_line_is_no_edge():
+    """The level of a line, which is not followed while the line is disabled, is updated before it is enabled."""
     gpio, xint = Gpio(SystemOptions()), Xint()
 
     def write(now: int, offset: int, value: int) -> None:
@@ -146,7 +146,7 @@ def test_settling_makes_no_edge():
             xint.pins(now, gpio.xint_levels(now))
         gpio.changed.clear()
 
-    gpio.wire(1)  # GPIO0 is what XINT1 and XINT2 select after reset
+    gpio.wire(1)  # XINT1 and XINT2 select GPIO0 after reset
     gpio.edges(0, 1)
     gpio.edges(5, 0)
     gpio.edges(7, 1)
@@ -164,7 +164,7 @@ def test_settling_makes_no_edge():
 
 @pytest.mark.parametrize("name", ["XINT1CTR", "XINT2CTR"])
 def test_a_wait_for_a_counter_ends(name):
-    """It runs by itself, and no event tells when it changes: no pass of the wait may be skipped."""
+    """The counter changes without events, so no pass of the polling loop may be skipped."""
     kernel = Kernel()
     dsp = Dsp(kernel, Timebase(150_000_000), Recorder(), DspPlan("dsp", ("GPIO", "XINT"), {}, code=BARE))
     counter, control = dsp.module("XINT")[name], dsp.module("XINT")[name.replace("CTR", "CR")]

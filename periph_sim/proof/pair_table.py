@@ -97,7 +97,7 @@ class PairMaker:
         on_estimate: Callable[[int, float], None] | None,
         call_all: CallAll,
         least_again: int,
-        any_tick: bool = False,
+        any_tick: bool,
     ) -> None:
         self.covered, self._job, self._ignored = within_round(covered), job, ignored
         self._on_progress, self._on_estimate, self._call_all = on_progress, on_estimate, call_all
@@ -191,8 +191,7 @@ class PairMaker:
                 return
             self.cells += [cell for cell in cells if self._is_cell(cell)]
             cells = [cell.shrunk() for cell in cells if cell.groups > 2 and not self._is_cell(cell)]
-            ends = [(cell, frame) for cell in cells for frame in sorted({cell.first, cell.last})]
-            self._run([Task(cell.orbit, Group(cell.round, frame), 0, cell.sleep) for cell, frame in ends])
+            self._run([task for cell in cells for task in self._ends(cell)])
         if cells:
             raise NotClosed("service routines of the SCI within one wait have different effects")
         counts = zip(numbers, found, within, strict=True)
@@ -286,11 +285,15 @@ class PairMaker:
                 for one in distances[begin : begin + apart // step]:
                     last = one + (distances[end - 1] - one) // apart * apart
                     cells.append(Cell(number, tick, one, last, apart, sleep))
-                    tasks.append(Task(number, Group(tick, one), 0, sleep))
-                    tasks.append(Task(number, Group(tick, last), frames.period - 1, sleep))
+                    tasks += self._ends(cells[-1])
                 near = end
             tasks += self._near(number, tick, distances[near:])
         return tasks, cells
+
+    def _ends(self, cell: Cell) -> tuple[Task, Task]:
+        """Return the first group of a cell, at the first tick of the frame's cell, and its last group, at the last."""
+        first, last = (Group(cell.round, frame) for frame in (cell.first, cell.last))
+        return Task(cell.orbit, first, 0, cell.sleep), Task(cell.orbit, last, self._frames.period - 1, cell.sleep)
 
     def _near(self, orbit: int, tick: int, distances: range) -> Iterator[Task]:
         for number, distance in enumerate(distances):

@@ -7,15 +7,18 @@ is faster than to read it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import pytest
 
 from periph_sim.proof import pair_table
+from periph_sim.proof.calls import call_here
 from periph_sim.proof.pair_groups import Sleep
 from periph_sim.proof.pair_run import Task
 from periph_sim.proof.pair_table import Cell, PairMaker
+from periph_sim.proof.stretch import CoveredCase, Job
+from periph_sim.proof.table_cases import check_pair
 from tests.scene.runs import TIMING
 
 FIRMWARE = TIMING.parent / "firmware" / "c28x"
@@ -95,6 +98,12 @@ def write_pair(folder: Path, text: str, *changes: tuple[str, str]) -> Path:
     case = folder / "pair.toml"
     case.write_text(text, encoding="utf-8")
     return case
+
+
+def maker_of(job: Job, least_again: int = 200, on_estimate: Callable[[int, float], None] | None = None) -> PairMaker:
+    """Return the maker of a table whose rounds start with cycles of the CPU. All its runs are made in this process."""
+    covered = CoveredCase(job)
+    return PairMaker(covered, job, check_pair(covered.case), None, on_estimate, call_here, least_again, any_tick=False)
 
 
 def keep_a_tenth(monkeypatch: pytest.MonkeyPatch) -> None:

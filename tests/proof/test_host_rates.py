@@ -29,7 +29,7 @@ from periph_sim.proof.table_proof import prove
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import PROVEN
-from tests.proof.pair_cases import keep_a_tenth, write_lonely
+from tests.proof.pair_cases import keep_a_tenth, maker_of, write_lonely
 from tests.proof.proven_slave import write_slave
 from tests.proof.test_pair_table import runner_of
 
@@ -126,9 +126,8 @@ class Planned(NamedTuple):
 
 def planned(folder: Path, within: int, *changes: str, firmware: tuple[tuple[str, str], ...] = ()) -> Planned:
     job = Job(str(write_lonely(folder, *firmware)), changes)
-    covered = CoveredCase(job)
-    ignored = check_pair(covered.case)
-    maker = PairMaker(covered, job, ignored, None, None, call_here, 0)
+    ignored = check_pair(CoveredCase(job).case)
+    maker = maker_of(job, 0)
     maker.explore()
     return Planned(maker, job, ignored, plan_rates(maker, ignored, Fraction(within)))
 
@@ -160,11 +159,8 @@ def test_a_frame_at_each_rate_is_a_frame_of_the_table(tmp_path: Path, monkeypatc
 @compiled_only
 def test_the_announced_time_includes_the_rates(tmp_path: Path) -> None:
     """A rate with two starts is a scene, six frames and its share of the meetings that are run again."""
-    job, times = Job(str(write_lonely(tmp_path))), list[float]()
-    covered = CoveredCase(job)
-    maker = PairMaker(
-        covered, job, check_pair(covered.case), None, lambda _, seconds: times.append(seconds), call_here, 200
-    )
+    times = list[float]()
+    maker = maker_of(Job(str(write_lonely(tmp_path))), on_estimate=lambda _, seconds: times.append(seconds))
     maker.explore()
     for rates in ([], [2] * 20, [2] * 20 + [0] * 20):
         maker.estimate(rates)

@@ -7,11 +7,12 @@ and a cycle has 10 ticks.
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from itertools import islice, pairwise
 from pathlib import Path
 from random import Random
+from types import SimpleNamespace
 from weakref import ref
 
 import pytest
@@ -19,22 +20,21 @@ import pytest
 from periph_sim import form
 from periph_sim.core.chip import NEVER
 from periph_sim.proof import pair_table, table_proof
-from periph_sim.proof.calls import call_here
 from periph_sim.proof.closed_table import StartTable
 from periph_sim.proof.frame_cells import find_cells
 from periph_sim.proof.free_run import NotClosed
 from periph_sim.proof.pair_budgets import within_round
-from periph_sim.proof.pair_groups import Cells, Group, GroupRun, GroupRunner, Orbits, Sleep, far_ranges
-from periph_sim.proof.pair_run import Known, PairRun, Task, alone
+from periph_sim.proof.pair_groups import Cells, Group, GroupRun, GroupRunner, Orbit, Orbits, Sleep, far_ranges
+from periph_sim.proof.pair_run import Done, Known, PairRun, Task, alone
 from periph_sim.proof.pair_table import Cell, PairMaker, round_offsets
-from periph_sim.proof.stretch import CoveredCase, Job
+from periph_sim.proof.stretch import CoveredCase, Job, Outcome
 from periph_sim.proof.table_cases import check_pair
 from periph_sim.proof.table_proof import TableProof, prove
 from periph_sim.scene.case.inputs_table import InputsTable
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import PROVEN
-from tests.proof.pair_cases import write_lonely
+from tests.proof.pair_cases import maker_of, write_lonely
 from tests.proof.proven_slave import write_slave
 
 SAMPLE, PASS = 80, 100  # ticks
@@ -242,8 +242,11 @@ def test_groups_within_one_wait_differ_only_in_the_pass_that_is_interrupted(tmp_
     runner = runner_of(write_lonely(tmp_path))
     cells = runner.cells
     assert cells is not None
-    orbit = runner.at[0]
-    waits = runner.sleeps(Group(0, None))
+    for tick in (50, 0):
+        (orbit, place), now = runner.at, runner.run.now - runner.run.scene.start
+        waits = runner.sleeps(Group(tick, None))
+        period = runner.orbits.known[orbit].cycles * runner.cycle
+        assert runner.run.rounds[-1] > now and (runner.run.rounds[-1] - now + place * runner.cycle) % period == tick
     (_, high, sleep), *_ = far_ranges(waits, cells, runner.cycle)
     assert (sleep.period, len(waits)) == (PASS, 3)
     first = next(d for d in range(high - 40 * PASS, high) if runner.rounds_in(runner.orbits.known[orbit], 0, d))
@@ -260,11 +263,9 @@ def test_groups_within_one_wait_differ_only_in_the_pass_that_is_interrupted(tmp_
 @compiled_only
 def test_each_meeting_is_run_or_in_a_cell(tmp_path: Path):
     """For each cycle, the distances of the single groups and of the cells are all distances in a row, each once."""
-    job = Job(str(write_lonely(tmp_path)))
-    covered = CoveredCase(job)
-    maker = PairMaker(covered, job, check_pair(covered.case), None, None, call_here, 200)
+    maker = maker_of(Job(str(write_lonely(tmp_path))))
     pair = maker.explore()
-    assert sum(map(len, maker.table.starts)) > 20
+    assert [len(starts) > 20 for starts in maker.table.starts] == [True, True]
     for waits in (maker.find_waits(pair, 0), dict.fromkeys(range(0, PASS, 10), ())):
         if not any(waits.values()):  # each meeting is a task, so there are as many as the groups are long
             maker.runs = {key: run._replace(length=run.length // 20) for key, run in maker.runs.items()}
@@ -284,15 +285,212 @@ def test_each_meeting_is_run_or_in_a_cell(tmp_path: Path):
             assert 0 <= distances[0] + frame < 20 and 0 <= most - distances[-1] < 20
 
 
+def test_each_distance_is_run_or_in_a_cell_that_is_far_from_the_ends_of_its_wait(tmp_path: Path):
+    """The waits are drawn. Some of them are too short for cells."""
+    maker, random, counts = maker_of(Job(str(write_lonely(tmp_path)))), Random(3), set[bool]()
+    maker._cycle, maker._frames, maker._orbits.own = 10, Cells(30, SAMPLE, 250, 400), 10
+    maker._orbits.add(Orbit((b"",), 20))
+    run = GroupRun(0, 0, 0, 0, 0, 0, True)
+    maker.runs = {
+        (0, Group(None, 0)): run._replace(length=500),
+        (0, Group(None, 10)): run._replace(length=1500),
+        (0, Group(0, None)): run._replace(length=4000),
+        (0, Group(10, None)): run._replace(length=3000),
+    }
+    for _ in range(60):
+        ends = [-NEVER, *sorted(random.sample(range(-3000, 6000), 6)), NEVER]
+        waits = zip(ends[::2], ends[1::2], strict=True)
+        sleeps = [Sleep(begin, end, random.choice([60, 100, 250]), ()) for begin, end in waits]
+        ranges = {sleep: (low, high) for low, high, sleep in far_ranges(sleeps, maker._frames, 10)}
+        tick = random.randrange(0, PASS, 10)
+        tasks, cells = maker.tasks(0, {tick: sleeps})
+        for cell in cells:
+            low, high = ranges[cell.sleep]
+            assert low <= cell.first < cell.last <= high
+            assert cell.step % cell.sleep.period == cell.step % 20 == 0
+        assert [task for task in tasks if task.sleep is not None] == [
+            Task(0, Group(tick, frame), offset, cell.sleep)
+            for cell in cells
+            for frame, offset in ((cell.first, 0), (cell.last, SAMPLE - 1))
+        ]
+        offsets = {task.group.frame or 0: task.offset for task in tasks if task.sleep is None}
+        found = sorted([*offsets, *(frame for cell in cells for frame in range(cell.first, cell.last + 1, cell.step))])
+        assert found == list(range(found[0], found[-1] + 1, 20))
+        assert -1500 - SAMPLE <= found[0] < -1500 - SAMPLE + 20 and 3980 < found[-1] <= 4000
+        assert (20 + tick + found[0] - 30) % 20 == 0  # this frame can start with a cell
+        assert all(
+            {offset, offsets[at + 20]} == {0, SAMPLE - 1} for at, offset in offsets.items() if at + 20 in offsets
+        )
+        counts |= {any(cell.sleep == sleep for cell in cells) for sleep in ranges}
+    assert counts == {True, False}
+
+
 def test_random_groups_of_a_cell_are_within_it(tmp_path: Path):
-    job = Job(str(write_lonely(tmp_path)))
-    covered = CoveredCase(job)
-    maker = PairMaker(covered, job, check_pair(covered.case), None, None, call_here, 200)
+    maker = maker_of(Job(str(write_lonely(tmp_path))))
     run = GroupRun(0, 0, 0, 0, 0, 0, True)
     maker.cells = [Cell(0, 10, -500, 500, 100, Sleep(-NEVER, NEVER, 100, ()))]
     maker.runs = {(0, Group(10, -500)): run, (0, Group(10, 500)): run}
     drawn = {one.group for one in islice(maker.random_groups(), 200)}
     assert drawn == {Group(10, frame) for frame in range(-500, 501, 100)}
+
+
+def test_each_task_is_run_once_and_calls_of_one_batch_know_the_same_orbits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """The results of calls are requested one by one, and each of them adds an orbit to the table."""
+    monkeypatch.setattr(pair_table, "CHUNK", 3)
+    monkeypatch.setattr(pair_table, "CALLS", 2)
+    maker = maker_of(Job(str(write_lonely(tmp_path))))
+    maker._frames = Cells(0, SAMPLE, 0, 0)
+    batches: list[int] = []
+
+    def call_all(work: object, calls: Sequence[tuple[Job, object, Known, list[Task]]]) -> Iterator[object]:
+        batches.append(len(calls))
+        for _, _, known, tasks in calls:
+            yield tasks, len(known.orbits.known)
+
+    monkeypatch.setattr(maker, "_call_all", call_all)
+    tasks, found = [Task(0, Group(number, None), 0, None) for number in range(14)], []
+    for number, done in enumerate(maker._outcomes(tasks)):
+        found.append(done)
+        maker._orbits.add(Orbit((bytes([number]),), 0))
+    assert batches == [2, 2, 1]
+    assert found == [(tasks[first : first + 3], known) for first, known in ((0, 0), (3, 0), (6, 2), (9, 2), (12, 4))]
+
+
+# Tables of invented groups -------------------------------------------------------------
+
+LIKE = GroupRun(0, 0, 0, 0, 0, 1000, True)
+NOTHING_FAILED = Outcome((), frozenset())
+
+
+def invented(folder: Path, monkeypatch: pytest.MonkeyPatch, run_of: Callable[[Task], GroupRun]) -> PairMaker:
+    """Return a maker, after `explore`, with one orbit of 400 ticks, in which a wait lasts for ever.
+
+    run_of: returns the run of a group.
+    """
+    maker = maker_of(Job(str(write_lonely(folder))))
+    maker._cycle, maker._frames, maker._places, maker.long = 10, Cells(0, SAMPLE, 250, 400), (0,), 7
+    maker._orbits.own = 10
+    maker._orbits.add(Orbit(tuple(bytes([number]) for number in range(40)), 0))
+
+    def call_all(work: object, calls: Sequence[tuple[Job, object, Known, list[Task]]]) -> Iterator[Done]:
+        for *_, tasks in calls:
+            yield done_of([run_of(task) for task in tasks])
+
+    monkeypatch.setattr(pair_table, "PairRun", lambda *_: SimpleNamespace(end=lambda: None, done=done_of([])))
+    monkeypatch.setattr(maker, "_call_all", call_all)
+    monkeypatch.setattr(
+        maker, "find_waits", lambda *_: {tick: [Sleep(-NEVER, NEVER, PASS, ())] for tick in range(0, PASS, 10)}
+    )
+    return maker
+
+
+def done_of(runs: list[GroupRun]) -> Done:
+    return Done(1, runs, [], [NOTHING_FAILED], [[]], [[]], 0, set(), set(), set(), set())
+
+
+def test_groups_at_the_ends_of_cells_that_differ_are_in_no_cell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A frame that comes early has another effect, and the service routine of a late one is not within the wait."""
+
+    def run_of(task: Task) -> GroupRun:
+        frame = 0 if task.group.frame is None else task.group.frame
+        return LIKE._replace(routine=int(frame < -700), within=task.sleep is None or frame <= 600)
+
+    maker = invented(tmp_path, monkeypatch, run_of)
+    table = maker.make()
+    assert len(maker.cells) == 10 * PASS // 20
+    assert all(cell.groups > 5 and cell.first >= -700 and cell.last <= 600 for cell in maker.cells)
+    single = {group.frame for (_, group) in maker.runs if group.round == 0 and group.frame is not None}
+    ends = {frame for cell in maker.cells if cell.round == 0 for frame in (cell.first, cell.last)}
+    inner = {frame for cell in maker.cells if cell.round == 0 for frame in range(cell.first, cell.last, cell.step)}
+    assert single | inner == {*range(-1080, 1001, 20)} and single & inner <= ends
+    assert table.orbits == [10 + 400 // SAMPLE + 5 * len(range(-1080, 1001, 20)) + 5 * len(range(-1070, 1001, 20))]
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_cell_without_two_groups_that_agree_is_refused(sign: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """All frames before the round, or all frames after it, have a routine that is not within the wait."""
+
+    def run_of(task: Task) -> GroupRun:
+        return LIKE._replace(within=task.sleep is None or (task.group.frame or 0) * sign <= 0)
+
+    monkeypatch.setattr(pair_table, "MOST_SHRINKS", 5)
+    with pytest.raises(NotClosed, match="service routines of the SCI within one wait have different effects"):
+        invented(tmp_path, monkeypatch, run_of).make()
+
+
+@pytest.mark.parametrize("difference", ["shift", "main", "routine", "delay"])
+def test_a_meeting_in_a_cell_with_another_effect_is_noticed(
+    difference: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def run_of(task: Task) -> GroupRun:
+        frame = task.group.frame or 0
+        return LIKE._replace(**{difference: 0 if task.sleep or abs(frame) > 300 or task.group.round is None else 1})
+
+    with pytest.raises(NotClosed, match="two runs of one meeting differ"):
+        invented(tmp_path, monkeypatch, run_of).make()
+
+
+def test_runs_agree_if_the_rest_that_they_reach_and_what_happens_until_then_are_equal():
+    different = {name for name in GroupRun._fields if not LIKE.is_like(LIKE._replace(**{name: 2}))}
+    assert different == {"after", "shift", "main", "routine", "delay"}
+
+
+def test_a_frame_in_the_middle_of_a_sample_with_another_effect_is_noticed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """The first runs of all groups have frames in the first or the last tick of a sample."""
+
+    def run_of(task: Task) -> GroupRun:
+        return LIKE._replace(delay=int(1 < task.offset < SAMPLE - 2))
+
+    with pytest.raises(NotClosed, match="two runs of one meeting differ"):
+        invented(tmp_path, monkeypatch, run_of).make()
+
+
+def test_frames_in_the_last_tick_of_a_sample_are_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """They have another effect, alone, or only within a wait."""
+    monkeypatch.setattr(PairMaker, "_again", lambda maker: None)
+    for wait in ((), (None,)):
+
+        def run_of(task: Task, other: tuple[None, ...] = wait) -> GroupRun:
+            return LIKE._replace(delay=int(task.offset == SAMPLE - 1 and task.sleep not in other))
+
+        with pytest.raises(NotClosed, match="two runs of one meeting differ"):
+            invented(tmp_path, monkeypatch, run_of).make()
+
+
+def test_the_longest_group_determines_the_least_distance_of_starts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Within a cell, the rest can come later by a step of `FreeRun.settle`, which is 7 ticks here."""
+    longest = Group(50, None)
+    maker = invented(tmp_path, monkeypatch, lambda task: LIKE._replace(length=1234 if task.group == longest else 1000))
+    assert maker.make().apart == 1234 + 1 + 7
+
+
+def test_what_runs_of_groups_say_of_budgets_is_in_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A run judges no budget that lacks values in a round of a kind, or that has no value in all kinds of groups."""
+    maker = invented(tmp_path, monkeypatch, lambda task: LIKE)
+    one, two = done_of([]), done_of([])
+    one.lacking, one.empty, one.unknowns, one.data_use = {"few"}, {("rounds", "none")}, {"option"}, "a branch"
+    two.spanning, two.empty = {"long"}, {("frames", "none"), ("frames", "some")}
+    for done in (one, two):
+        maker._add(done)
+    table = maker.table
+    assert (table.lacking, table.spanning, table.data_use) == ({"few", "none"}, {"long"}, "a branch")
+    assert maker.covered.unknowns == {"option"}
+
+
+def test_an_orbit_that_two_calls_find_is_added_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """The first call finds the orbit at cycle 3 of the known one. The states of the new one begin at another cycle."""
+    maker = invented(tmp_path, monkeypatch, lambda task: LIKE)
+    known, new = maker._orbits.known[0], Orbit(tuple(bytes([number, 1]) for number in range(40)), 0)
+    done = done_of([LIKE._replace(after=after, shift=20) for after in (0, 1, 2)])
+    done.orbits = [Orbit(known.keys[3:] + known.keys[:3], 30), new]
+    assert [(run.after, run.shift) for run in maker._add(done)] == [(0, 20), (0, 50), (1, 20)]
+    assert maker._orbits.known == [known, new]
+    maker._keep(0, Group(0, None), LIKE._replace(after=1))
+    assert maker.known.ways == {0: {1: Group(0, None)}}
 
 
 # Noticed -----------------------------------------------------------------------------
@@ -489,13 +687,15 @@ def test_an_external_interrupt_is_refused(tmp_path: Path):
 
 
 def test_frames_before_a_late_first_round_are_not_in_the_table(tmp_path: Path):
-    """Between the first frame, at 9 ms, and the first round come two further frames, which are in no group."""
-    job = Job(str(write_lonely(tmp_path)), ("controller.first=52 ms",))
-    covered = CoveredCase(job)
-    maker = PairMaker(covered, job, check_pair(covered.case), None, None, call_here, 200)
+    """Between the first frame, at 9 ms, and the first round come two further frames, which are in no group.
+
+    The first run is 400 ticks later than the others at its first group, since it adds the orbit before.
+    """
+    maker = maker_of(Job(str(write_lonely(tmp_path)), ("controller.first=52 ms",)))
     maker.explore()
-    assert maker.table.apart > 43 * 10**6
-    assert covered.phases.least_distance() == 20 * 10**6
+    assert 52 * 10**6 < maker.table.first_rest < 60 * 10**6
+    assert maker.table.apart == maker.table.first_rest + 400 - 9 * 10**6 + 1
+    assert maker.covered.phases.least_distance() == 20 * 10**6
 
 
 def test_the_scene_of_a_runner_is_released(tmp_path: Path):

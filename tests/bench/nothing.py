@@ -33,10 +33,10 @@ def rows(forms: Sequence[str]) -> Iterator[Row]:
             yield {
                 "absent": what,
                 "form": which,
-                "imports": len(in_rooms(lacking[0], row.rooms)),
-                "objects": sum(instances(lacking[1], row.rooms).values()),
-                "imports_with_it": len(in_rooms(having["modules"], row.rooms)),
-                "objects_with_it": sum(instances(having["objects"], row.rooms).values()),
+                "imports": len(in_rooms(lacking[0], row.packages)),
+                "objects": sum(instances(lacking[1], row.packages).values()),
+                "imports_with_it": len(in_rooms(having["modules"], row.packages)),
+                "objects_with_it": sum(instances(having["objects"], row.packages).values()),
                 "events": bare["events"],
                 "events_with_it": having["events"],
                 "kib": bare["kib"],
@@ -63,12 +63,12 @@ def counted(what: str = "") -> Row:
     }
 
 
-def in_rooms(names: Sequence[str], rooms: tuple[str, ...]) -> list[str]:
-    return [name for name in names if absent.in_room(name, rooms)]
+def in_rooms(names: Sequence[str], packages: tuple[str, ...]) -> list[str]:
+    return [name for name in names if absent.is_in_packages(name, packages)]
 
 
-def instances(objects: dict[str, int], rooms: tuple[str, ...]) -> dict[str, int]:
-    return {name: count for name, count in objects.items() if absent.in_room(name.rpartition(".")[0], rooms)}
+def instances(objects: dict[str, int], packages: tuple[str, ...]) -> dict[str, int]:
+    return {name: count for name, count in objects.items() if absent.is_in_packages(name.rpartition(".")[0], packages)}
 
 
 def line(row: Row) -> str:

@@ -1,9 +1,9 @@
-"""What a scene does not name costs nothing: the list of what can be absent, and a census of what a scene has.
+"""Features that a scene can lack, and a count of the objects of a scene.
 
-    python -m tests.scene.absent SCENE  -->  JSON: modules imported, events, instances, before and after all else ran
+    python -m tests.scene.absent SCENE  -->  JSON: modules imported, events, instances, before and after other scenes
 
-A process of its own builds and runs one of BARE, then a scene of each row of ROWS, then the first one again. What a
-row's rooms are is said once, here: the test and the bench take it from here.
+A process of its own builds and runs one scene of BARE, then a scene of each row of ROWS, then the first scene again.
+The test and the benchmark take the packages of each feature from here.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ BUDGET = {"name": "bytes", "measure": "wrong bytes", "max": 0}
 HOST = {"baud": 115200, "period": "20 ms"}
 IMU = {"firmware": "imu_hil", "modules": ["I2C-A", "SCI-A", "GPIO"], "settings": {"arithmetic": "float64"}}
 
-# Scenes that lack most things, as tables of a case: a slave that is asked, an SCI alone, a bus of agents.
+# Scenes that lack most features, as tables of a case: a slave with a controller, an SCI alone, a bus of agents.
 BARE: dict[str, dict[str, Any]] = {
     "slave": {"unit": {"dsp": SLAVE}, "controller": HEAD, "budget": [BUDGET]},
     "sci": {"unit": {"dsp": LOGGER}},
@@ -42,12 +42,15 @@ BARE: dict[str, dict[str, Any]] = {
 
 @dataclass(frozen=True)
 class Row:
-    """rooms: modules that nothing else needs, and packages ("f28335.i2c.") with all in them but tables of names.
+    """A feature that a scene can lack.
 
-    named: tables of a case that has it. present: the scenes of BARE that have it. record: a file of it.
+    packages: modules that nothing else needs, and packages ("f28335.i2c.") with all their modules but tables of names.
+    named: tables of a case that has the feature.
+    present: the scenes of BARE that have it.
+    record: the file that the run is recorded to, if any.
     """
 
-    rooms: tuple[str, ...]
+    packages: tuple[str, ...]
     named: Mapping[str, Any] = field(default_factory=dict)
     present: tuple[str, ...] = ()
     record: str = ""
@@ -150,8 +153,8 @@ ROWS: dict[str, Row] = {
     "recording": Row(("records.recording.", "traces.formats."), BARE["slave"], record="run.psr"),
 }
 
-# What stands in front of scenes, or beside them: rooms of the package, and of others. No scene needs one of them.
-DOORS = (
+# Entry points of periph_sim and packages beside scenes, of periph_sim and of others. No scene needs one of them.
+ENTRY_POINTS = (
     *(
         "__main__",
         "api",
@@ -169,7 +172,7 @@ OTHERS = (
     *("ahrs", "distributed", "pytest", "hypothesis", "multiprocessing", "concurrent", "sqlite3", "asyncio"),
     *("pydantic", "pydantic_core", "annotated_types"),
 )
-# Ends of names: data that words of a case are looked up in.
+# Ends of names of modules with data, in which words of a case are looked up.
 DATA = ("descriptor", "register_map", "_map", "pin_mux_table")
 
 DEVICE = """
@@ -182,15 +185,15 @@ class Device:
 """
 
 
-def in_room(module: str, rooms: tuple[str, ...]) -> bool:
-    """Whether a module, without "periph_sim.", is one of these or in one of these packages, and no table of names."""
+def is_in_packages(module: str, packages: tuple[str, ...]) -> bool:
+    """Return True for a module, without "periph_sim.", of these packages that is not a table of names."""
     return not module.endswith(DATA) and any(
-        module.startswith(room) if room.endswith(".") else module == room for room in rooms
+        module.startswith(package) if package.endswith(".") else module == package for package in packages
     )
 
 
 def run(tables: Mapping[str, Any], record: str = "") -> Any:
-    """The scene of these tables, run."""
+    """Run a scene of these tables and return it."""
     from periph_sim.scene.case.model import Case
     from periph_sim.scene.scene import Scene
 
@@ -208,18 +211,18 @@ def run(tables: Mapping[str, Any], record: str = "") -> Any:
     return scene
 
 
-PASSED_BY = (ModuleType, type, CodeType, FrameType, BuiltinFunctionType)
+NOT_FOLLOWED = (ModuleType, type, CodeType, FrameType, BuiltinFunctionType)
 
 
 def census(scene: object) -> Counter[str]:
-    """How many instances of each class of ours can be reached from a scene: {"core.wire.Wire": 2, ...}."""
+    """Return the number of instances of each class of periph_sim that a scene refers to: {"core.wire.Wire": 2, ...}."""
     found: Counter[str] = Counter()
     seen = {id(scene)}
     left = [scene]
     while left:
         one = left.pop()
         kind = type(one)
-        while not kind.__name__.isidentifier():  # made of a register: "I2C-A.I2CSTR"
+        while not kind.__name__.isidentifier():  # a class made for a register: "I2C-A.I2CSTR"
             kind = kind.__base__
         if kind.__module__.startswith(OURS):
             found[f"{kind.__module__.removeprefix(OURS)}.{kind.__qualname__}"] += 1
@@ -230,14 +233,14 @@ def census(scene: object) -> Counter[str]:
         else:
             more = gc.get_referents(one)
         for other in more:
-            if id(other) not in seen and not isinstance(other, PASSED_BY):
+            if id(other) not in seen and not isinstance(other, NOT_FOLLOWED):
                 seen.add(id(other))
                 left.append(other)
     return found
 
 
 def loaded() -> list[str]:
-    """Modules of ours, without "periph_sim.", and the packages of others."""
+    """Return the loaded modules of periph_sim, without "periph_sim.", and the other loaded packages."""
     return sorted(
         {name.removeprefix(OURS) if name.startswith(OURS) else name.partition(".")[0] for name in sys.modules}
     )
@@ -247,23 +250,23 @@ COUNTED = "bus"  # the bare scene whose process also counts the objects of the o
 
 
 def report(name: str) -> dict[str, Any]:
-    """What `python -m tests.scene.absent` prints."""
+    """Return the report that `python -m tests.scene.absent` prints."""
     before = set(loaded())
     scene = run(BARE[name])
-    told: dict[str, Any] = {"modules": sorted(set(loaded()) - before), "events": scene.kernel.events}
-    told["objects"] = census(scene)
+    result: dict[str, Any] = {"modules": sorted(set(loaded()) - before), "events": scene.kernel.events}
+    result["objects"] = census(scene)
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         Path("mine.py").write_text(DEVICE, "utf-8")
-        told["named"] = {}
+        result["named"] = {}
         for what, row in ROWS.items():
             having = row.named or BARE[row.present[0]]
             other = run(having, row.record)
-            told["named"][what] = census(other) if name == COUNTED else {}
+            result["named"][what] = census(other) if name == COUNTED else {}
         os.chdir("/")
-    told["all modules"] = loaded()
+    result["all modules"] = loaded()
     again = run(BARE[name])
-    return {**told, "events again": again.kernel.events, "objects again": census(again)}
+    return {**result, "events again": again.kernel.events, "objects again": census(again)}
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What a controller reads from the emulator's gyroscope, for every copy point, with and without the SDIR wait.
+"""Bytes that a controller reads from the emulator's gyroscope, for every copy point, with and without the SDIR wait.
 
 `python -m tests.scene.copy_points` prints the table that docs/slave_transmitter.md shows.
 """
@@ -15,7 +15,7 @@ ROUNDS = 4
 
 
 def read(point: str, *, wait: bool, pointer_by: str, others: dict[str, object] | None = None) -> list[str]:
-    """The gyroscope's bytes in each of the first rounds; "no answer" where its address was refused."""
+    """Return the gyroscope's bytes in each of the first rounds, or "no answer" if its address was not acknowledged."""
     settings = {"model_cost": "250 us", "sdir_wait": wait, "table": dict.fromkeys(("0x68", "0x53", "0x1E"), DATA)}
     unit = {
         "firmware": "imu_hil",
@@ -39,7 +39,7 @@ def read(point: str, *, wait: bool, pointer_by: str, others: dict[str, object] |
 
 
 def shown(rounds: list[str]) -> str:
-    """One cell: what is read, or what is read first and from then on."""
+    """Return one cell of the table: the bytes of all rounds, or those of the first and those of the later rounds."""
     if not rounds:
         return "nothing"
     if len(set(rounds)) == 1:

@@ -1,4 +1,4 @@
-"""Firmware that is late: cycles before one of its statements go in; a program, and what its run measured, come out."""
+"""Firmware with extra cycles before one of its statements: the changed program, and the results of its run."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ def always() -> bool:
 
 
 def delayed(statement: str, cycles: int, when: Callable[[], bool] = always) -> Firmware:
-    """The published firmware with so many cycles before a statement, each time that `when` says so."""
+    """Return the published firmware with extra cycles before a statement, whenever `when` returns True."""
     inserted = f"is_late() and dsp.compute({cycles}); " if cycles else ""
     return replaced("imu_hil", statement, inserted + statement, is_late=when)
 
 
 def replaced(firmware: str, old: str, new: str, **names: object) -> Firmware:
-    """The program of a shipped source in which one text is another. names: what it finds that it does not define."""
+    """Return a shipped program in which one text is replaced. names: further global names of the program."""
     source = (SOURCES / f"{firmware}.py").read_text(encoding="utf-8")
     assert source.count(old) == 1 or not old
     module = compiled(source.replace(old, new), "changed")
@@ -34,7 +34,7 @@ def replaced(firmware: str, old: str, new: str, **names: object) -> Firmware:
 
 
 def broken(case: str, old: str = "", new: str = "", *changes: str) -> dict[str, str]:
-    """The budgets that fail or are not judged, with one text of the firmware replaced or with changes of the case."""
+    """Return the budgets that do not pass, with a text of the firmware replaced or with changes of the case."""
     loaded = load(TIMING / f"{case}.toml", list(changes))
     result = Scene(loaded, programs={"dsp": replaced(loaded.unit["dsp"].firmware, old, new)}).run()
     return {verdict.name: verdict.verdict for verdict in result.budgets if not verdict.passed}
@@ -48,18 +48,18 @@ def late(
     when: Callable[[], bool] = always,
     changes: tuple[str, ...] = (),
 ) -> tuple[Result, Scene]:
-    """A run of a case with that firmware."""
+    """Run a case with the delayed firmware."""
     programs = {"dsp": delayed(statement, cycles, when)}
     scene = Scene(load(TIMING / f"{case}.toml", list(changes)), programs=programs, keep_values=True)
     return scene.run(Fraction(seconds)), scene
 
 
 def kept(scene: Scene, budget: str) -> list[int]:
-    """All values of a budget's measure, in ticks."""
+    """Return all values of a budget's measure, in ticks."""
     (measure,) = (limit.measure for limit in scene.limits if limit.budget.name == budget)
     return [int(value) for value in measure.all_kept()[0]]
 
 
 def cycle(scene: Scene) -> Fraction:
-    """Ticks of one of SYSCLKOUT."""
+    """Return the ticks of a cycle of SYSCLKOUT."""
     return scene.timebase.per_second / scene.units["dsp"].clock.hz

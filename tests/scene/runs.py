@@ -1,4 +1,4 @@
-"""Running the case files of timing/ for a while, and what was asked and answered meanwhile."""
+"""Run the case files of timing/ for some time, and collect the controller's transfers."""
 
 from __future__ import annotations
 
@@ -21,25 +21,25 @@ TIMING = Path(__file__).parents[2] / "timing"
 
 class Ran(NamedTuple):
     result: Result
-    rounds: list[list[Transfer]]  # the controller's, requests in order
+    rounds: list[list[Transfer]]  # the controller's, in the order of its requests
     scene: Scene
-    transfers: list[Transfer]  # all of the controller's, those of its start-up too
+    transfers: list[Transfer]  # all of the controller's, including its start-up
 
     def broken(self) -> list[str]:
-        """Names of the budgets that did not hold."""
+        """Return the names of the budgets that did not pass."""
         return [verdict.name for verdict in self.result.budgets if not verdict.passed]
 
     def answered(self) -> list[str]:
-        """Round by round who acknowledged: "G-M" when only the accelerometer, asked second, did not."""
+        """Return by round which chips acknowledged: "G-M" if only the accelerometer, addressed second, did not."""
         return ["".join(t.name[0].upper() if t.acked else "-" for t in transfers) for transfers in self.rounds]
 
     def read(self) -> list[list[str]]:
-        """Round by round the bytes read of each request, in hex."""
+        """Return by round the bytes read in each request, in hex."""
         return [[t.phases[-1].got.hex(" ") for t in transfers] for transfers in self.rounds]
 
 
 def run_file(name: str, seconds: str, *changes: str) -> Ran:
-    """The case timing/NAME.toml with `key=value` changes."""
+    """Run the case timing/NAME.toml with `key=value` changes."""
     return run_case(load(TIMING / f"{name}.toml", list(changes)), seconds)
 
 
@@ -62,7 +62,7 @@ def recorded(
     *,
     keep_values: bool = False,
 ) -> tuple[Scene, list[Record]]:
-    """A scene that has not run yet, and the list that its records go to."""
+    """Return a scene that has not run yet, and the list that receives its records."""
     records: list[Record] = []
     scene = Scene(
         case,
@@ -74,7 +74,7 @@ def recorded(
 
 
 class Edges:
-    """Subscribes to a scene; `capture` is what a logic analyser on its wires would have written down."""
+    """Subscriber to the edges of a scene; `capture` returns them as a logic analyser would record them."""
 
     def __init__(self) -> None:
         self._edges: dict[str, list[tuple[int, int]]] = {}

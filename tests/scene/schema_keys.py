@@ -1,4 +1,4 @@
-"""Every key that a case may have, with values to draw from: the schema goes in; key paths with alternatives come out.
+"""All keys that a case can have, by their paths, with values to draw for each, taken from the schema.
 
 "controller.request.0.address" --> [{"type": "integer", "minimum": 0, "maximum": 127}] --values--> 0, 1, 127
 """
@@ -19,7 +19,7 @@ TYPICAL = {"ns|us": ("1 us", "2.5 ms", "40 us"), "kHz": ("50 kHz", "20 MHz"), "%
 
 
 def keys() -> dict[str, list[Schema]]:
-    """Return the alternatives of each key's value, by its path; 0 stands for any entry of a list of tables."""
+    """Return the alternatives of each key's value by its path, in which 0 is any entry of a list of tables."""
     schema = case_schema()
     found: dict[str, list[Schema]] = {}
     _collect(schema, schema, (), found)
@@ -27,7 +27,7 @@ def keys() -> dict[str, list[Schema]]:
 
 
 def values(alternatives: list[Schema]) -> list[str]:
-    """Return texts that a change of the key may have behind its "="."""
+    """Return texts that can follow the "=" in a change of the key."""
     found: list[object] = []
     for one in alternatives:
         found += _values(one)

@@ -1,4 +1,4 @@
-"""Addresses of registers, typed in from the manuals: what a scene puts where is held against these and nothing else."""
+"""Addresses of registers, typed from the manuals and compared with those of a scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a case may name that does not exist: one sentence with file, line and the nearest right name."""
+"""Names in a case of things that do not exist: one sentence with file, line and the nearest existing name."""
 
 from __future__ import annotations
 
@@ -182,7 +182,7 @@ def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ),
     ],
 )
-def test_one_sentence_with_file_line_and_way_out(case_file: Path, line: str, by: str, sentence: str):
+def test_a_mistake_is_reported_with_file_line_and_correction(case_file: Path, line: str, by: str, sentence: str):
     assert line in TEXT
     Path("empty.py").write_text("", encoding="utf-8")
     Path("broken.py").write_text("1 / 0\n", encoding="utf-8")
@@ -190,14 +190,14 @@ def test_one_sentence_with_file_line_and_way_out(case_file: Path, line: str, by:
     assert refusal(case_file) == sentence
 
 
-def test_a_name_that_came_by_set_is_told_as_it_was_typed(case_file: Path):
+def test_a_wrong_name_in_a_change_is_quoted_as_typed(case_file: Path):
     assert refusal(case_file, "unit.dsp.firmware=imu_hill") == (
         "small.toml, --set 'unit.dsp.firmware=imu_hill': unit.dsp.firmware: "
         "there is no firmware 'imu_hill'; did you mean imu_hil or imu_hil_robust?"
     )
 
 
-def test_a_case_without_a_file_is_told_by_its_name():
+def test_a_case_without_a_file_is_identified_by_its_name():
     with pytest.raises(BadCase, match=r"^case small: controller.order: there is no chip 'x'; it has gyroscope, "):
         Scene(case(controller={"order": ["x"]}))
 
@@ -220,14 +220,14 @@ def test_firmware_is_a_name_of_the_folder_not_a_module_path():
 
 
 @pytest.mark.parametrize("name", ["x" * 300, f"{'x' * 300}.py"])
-def test_a_file_name_that_the_system_refuses_is_told_in_one_sentence(case_file: Path, name: str):
-    told = f"unit.dsp.firmware: firmware {name!r} cannot be loaded: OSError: [Errno 36] File name too long"
+def test_a_file_name_that_the_system_refuses_is_reported_in_one_sentence(case_file: Path, name: str):
+    message = f"unit.dsp.firmware: firmware {name!r} cannot be loaded: OSError: [Errno 36] File name too long"
     if sys.version_info >= (3, 14) and not name.endswith(".py"):  # Path.is_file() is False for such a name
-        told = "there is no firmware 'xxxxx"
-    assert told in refusal(case_file, f"unit.dsp.firmware={name}")
+        message = "there is no firmware 'xxxxx"
+    assert message in refusal(case_file, f"unit.dsp.firmware={name}")
     if name.endswith(".py"):
-        told = refusal(case_file, f"device.own={{model = '{name}', address = 80}}")
-        assert f"device.own.model: {name} cannot be loaded: OSError: [Errno 36] File name too long" in told
+        message = refusal(case_file, f"device.own={{model = '{name}', address = 80}}")
+        assert f"device.own.model: {name} cannot be loaded: OSError: [Errno 36] File name too long" in message
 
 
 SENSORS = """\
@@ -252,7 +252,7 @@ def test_an_error_in_a_property_of_the_settings_is_one_of_the_firmware(case_file
         Scene(load(case_file, ["unit.dsp.firmware=own.py", "unit.dsp.settings={}"]))
 
 
-def test_more_wires_at_a_unit_than_are_possible():
+def test_a_unit_with_too_many_wires_is_refused():
     pins = {f"P{pin}": pin for pin in range(60)}
     made = case(unit={"dsp": {"firmware": "imu_hil", "modules": ["GPIO", "SCI-C"], "pins": pins}})
     assert Scene(made).units["dsp"].plan.wires.keys() == {*range(60), 62, 63}

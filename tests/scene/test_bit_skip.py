@@ -1,4 +1,4 @@
-"""Skipped bits of I2C bytes and skipped polls of images change no record and no figure of a run.
+"""Skipped bits of I2C bytes and skipped polls of images change no record and no result of a run.
 
                    START  address + R      A    data              A
     edge by edge    ~|_|~|_|~|_..._|~|_|~|_|~|_|~|_..._|~|_|~|_|~    an event each
@@ -43,7 +43,7 @@ def run(case: Case, disable: Disable, kinds: tuple[Kind, ...], seconds: str, pro
 
 
 def figures(result: Result) -> dict[str, object]:
-    """Return all that a result says of the case, without what it says of the simulator."""
+    """Return the fields of a result that describe the case, without those that describe the work of the simulator."""
     return asdict(replace(result, wall_s=0.0, events=0, bytes_skipped=0))
 
 
@@ -71,20 +71,20 @@ def test_a_fault_that_may_pull_a_line_at_any_time_keeps_the_bus_at_edges(name: s
     assert skipping.bytes_skipped == 0 and skipping.wire_bytes > 40
 
 
-# Meddling ------------------------------------------------------------------------------
+# Actions in the middle of a byte -------------------------------------------------------
 
 
-class Meddler:
-    """Firmware that answers as a slave and, at times drawn by a seed, does what shows in the middle of a byte."""
+class MidByteFirmware:
+    """Slave firmware that, at times drawn from a seed, reads or changes what depends on the middle of a byte."""
 
     def __init__(self, seed: int) -> None:
         self.random = Random(seed)
-        self.seen: list[tuple[str, int, int]] = []  # what was done, at which cycle, what was seen
+        self.seen: list[tuple[str, int, int]] = []  # (action, cycle, value read)
 
     def __call__(self, dsp: Dsp) -> None:
         i2c, gpio, system = dsp.module("I2C-A"), dsp.module("GPIO"), dsp.module("SYS")
         self.start(dsp)
-        doings = {
+        actions = {
             "look at the pads": lambda: gpio.GPBDAT.all >> 0 & 3,
             "look at flags": lambda: i2c.I2CSTR.all,
             "write a byte": lambda: self.put(i2c.I2CDXR, self.random.randrange(256)),
@@ -98,8 +98,8 @@ class Meddler:
         }
         while True:
             dsp.compute(self.random.choice((3, 40, 700, 5_000, 20_000)) + self.random.randrange(1_000))
-            what = self.random.choice(list(doings))
-            seen = doings[what]()
+            what = self.random.choice(list(actions))
+            seen = actions[what]()
             self.seen.append((what, dsp.cpu.cycle, int(seen or 0)))
 
     def start(self, dsp: Dsp) -> None:
@@ -143,17 +143,17 @@ class Meddler:
         dsp.edis()
 
 
-def meddled(seed: int, disable: Disable):
+def run_in_mid_byte(seed: int, disable: Disable):
     request = [{"address": 0x50, "count": 6}, {"address": 0x50, "pointer": 3, "count": 2}]
     table = {"rate": "100 kHz", "first": "1 ms", "period": "2 ms", "request": request, "on_nack": "give up"}
-    meddler = Meddler(seed)
+    firmware = MidByteFirmware(seed)
     made = small.case(unit={"dsp": small.unit("I2C-A", "GPIO")}, controller=table)
-    return *run(made, disable, BUT_EDGES, "0.02", small.given(dsp=meddler)), meddler.seen
+    return *run(made, disable, BUT_EDGES, "0.02", small.given(dsp=firmware)), firmware.seen
 
 
-def same_by_edges(meddling: Callable[[int, Disable], tuple[Any, ...]], seed: int) -> Result:
-    """Return the result that skips bits. What was seen, the records and the figures are those of edges."""
-    by_edges, skipping = meddling(seed, BY_EDGES), meddling(seed, SKIPPING)
+def same_by_edges(experiment: Callable[[int, Disable], tuple[Any, ...]], seed: int) -> Result:
+    """Return the result with skipped bits, after a check that all else is equal to the run edge by edge."""
+    by_edges, skipping = experiment(seed, BY_EDGES), experiment(seed, SKIPPING)
     assert skipping[1:] == by_edges[1:]
     assert figures(skipping[0]) == figures(by_edges[0])
     return skipping[0]
@@ -163,12 +163,12 @@ SEEDS = range(200) if explores() else [*range(26), 95]
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_meddling_in_the_middle_of_a_byte_gives_what_edges_give(seed: int):
-    same_by_edges(meddled, seed)
+def test_actions_in_the_middle_of_a_byte_give_the_same_with_skipped_bits(seed: int):
+    same_by_edges(run_in_mid_byte, seed)
 
 
-class OwnRate(Meddler):
-    """The same with another module clock."""
+class OwnRate(MidByteFirmware):
+    """The same firmware with another module clock."""
 
     def __init__(self, seed: int, prescaler: int) -> None:
         super().__init__(seed)
@@ -183,7 +183,7 @@ class OwnRate(Meddler):
 
 
 def near_the_filter(seed: int, disable: Disable):
-    """The meddler, where one of SCL's and SDA's times lasts about as long as the noise filter, or a module clock."""
+    """Run the firmware on a bus on which a time of SCL or SDA is close to the noise filter's, or to a module clock."""
     random = Random(f"near the filter {seed}")
     prescaler, width = random.choice((0, 1, 5, 14, 29)), random.choice((1, 1, 2, 5))
     module_clock = 20 * (prescaler + 1)  # ticks of 1/3 ns
@@ -205,18 +205,18 @@ def near_the_filter(seed: int, disable: Disable):
     table = {**times, "first": "300 us", "period": "700 us", "request": request, "on_nack": "give up"}
     options = {"noise_filter_cycles": width, "unequal_arrival": random.choice(("in_order", "one_sample"))}
     unit = small.unit("I2C-A", "GPIO", ppm=random.choice((0, 37, -61)), options={"i2c": options})
-    meddler = OwnRate(seed, prescaler)
+    firmware = OwnRate(seed, prescaler)
     made = small.case(unit={"dsp": unit}, controller=table)
-    return *run(made, disable, BUT_EDGES, "0.006", small.given(dsp=meddler)), meddler.seen
+    return *run(made, disable, BUT_EDGES, "0.006", small.given(dsp=firmware)), firmware.seen
 
 
 @pytest.mark.parametrize("seed", range(200) if explores() else [*range(22), 39])
-def test_times_that_the_noise_filter_just_sees_give_what_edges_give(seed: int):
+def test_times_close_to_the_noise_filter_give_the_same_with_skipped_bits(seed: int):
     same_by_edges(near_the_filter, seed)
 
 
 def beside_devices(seed: int, disable: Disable):
-    """The meddler, an EEPROM and a register map, which stretch, refuse and lose their power as a seed says."""
+    """Run the firmware beside an EEPROM and a register map, which stretch, refuse and lose power by a seed."""
     random = Random(seed)
     off = random.randrange(1_000, 15_000) // 2_000 * 2_000 + 1_700 + random.randrange(600)  # late in a round
     faults = [
@@ -237,26 +237,26 @@ def beside_devices(seed: int, disable: Disable):
         {"address": 0x48, "pointer": 0, "count": 8},
     ]
     table = {"rate": random.choice(["100 kHz", "400 kHz"]), "first": "1 ms", "period": "2 ms", "request": requests}
-    meddler = Meddler(seed)
+    firmware = MidByteFirmware(seed)
     made = small.case(unit={"dsp": small.unit("I2C-A", "GPIO")}, controller=table, device=devices, seed=seed)
-    return *run(made, disable, BUT_EDGES, "0.02", small.given(dsp=meddler)), meddler.seen
+    return *run(made, disable, BUT_EDGES, "0.02", small.given(dsp=firmware)), firmware.seen
 
 
 @pytest.mark.parametrize("seed", range(200) if explores() else [*range(15), 134])
-def test_devices_that_stretch_refuse_and_lose_their_power_give_what_edges_give(seed: int):
+def test_devices_that_stretch_refuse_and_lose_power_give_the_same_with_skipped_bits(seed: int):
     assert same_by_edges(beside_devices, seed).bytes_skipped > 0
 
 
-def test_the_meddling_is_seen_in_the_middle_of_bytes_that_had_passed(monkeypatch: pytest.MonkeyPatch):
-    """Else the test above would prove nothing."""
+def test_actions_occur_in_the_middle_of_skipped_bytes(monkeypatch: pytest.MonkeyPatch):
+    """Without such actions the tests above would prove nothing."""
     from periph_sim.core.kernel import Kernel
 
     went_back = []
     replay = Kernel.replay
     if not isinstance(replay, type(lambda: 0)):
-        pytest.skip("the compiled kernel shows nothing of itself")
+        pytest.skip("methods of the compiled kernel cannot be replaced")
     monkeypatch.setattr(Kernel, "replay", lambda self, *given: (went_back.append(self.now), replay(self, *given))[1])
-    results = [meddled(seed, SKIPPING)[0] for seed in range(5)]
+    results = [run_in_mid_byte(seed, SKIPPING)[0] for seed in range(5)]
     assert len(went_back) > 20
     assert sum(result.bytes_skipped for result in results) > 20
 
@@ -276,7 +276,7 @@ class Device:
 """
 
 
-def test_a_device_that_holds_scl_in_the_middle_of_a_byte_gives_what_edges_give(tmp_path: Path):
+def test_a_device_that_holds_scl_in_the_middle_of_a_byte_gives_the_same_with_skipped_bits(tmp_path: Path):
     (tmp_path / "holds.py").write_text(HOLDS_IN_MID_BYTE, "utf-8")
     made = small.case(
         device={"it": {"model": str(tmp_path / "holds.py"), "address": 0x51}},
@@ -320,7 +320,7 @@ def test_skipped_bits_give_the_same_records_and_figures():
 
 
 def recorded_run(*changes: str) -> RecordedRun:
-    """The run as a file of it would tell it, with the clocks of its units."""
+    """Return the run as a recording of it has it, with the clocks of its units."""
     columns = Columns()
     case = load(TIMING / "imu_hil_image.toml", [*TO_ONE_ROUND, *changes])
     scene = Scene(case, lambda recorder, _: recorder.subscribe(RECORDED, columns.add))
@@ -329,8 +329,8 @@ def recorded_run(*changes: str) -> RecordedRun:
     return RecordedRun(columns.table(per_second, scene.kernel.now, case.recorded_modules, scene.clocks()))
 
 
-def test_polls_that_were_skipped_are_put_back_where_they_would_have_been():
-    """The crystal is off by 30 ppm, so no cycle is whole ticks; and the wait for XRDY or SCD reads at two places."""
+def test_skipped_polls_are_restored_at_their_times():
+    """The crystal is off by 30 ppm, so no cycle is a whole number of ticks. The wait for XRDY or SCD has two polls."""
     skipped, made = (
         races(recorded_run("duration=9.3 ms", f"unit.dsp.skip_polls={skip}")) for skip in ("true", "false")
     )

@@ -1,8 +1,8 @@
-"""Bits of bytes that an F28335 clocks as the master are skipped, too, and change no record and no figure.
+"""Bits of bytes that an F28335 clocks as the master are skipped, too, and change no record and no result.
 
     head (master) --SCL, SDA--> unit, EEPROM: each on a clock of its own
 
-Firmware of both units commands transfers and meddles with its module at any time; two may want to be master at once.
+Firmware of both units commands transfers and changes its module at any time; both may want to be master at once.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from tests.scene.runs import TIMING, recorded
 from tests.scene.test_bit_skip import BUT_EDGES, BY_EDGES, SKIPPING, Disable, figures, run, same_by_edges
 
 
-class MeddlingMaster:
-    """Firmware of a unit: transfers as master and, at times drawn by a seed, what shows in the middle of a byte."""
+class MidByteMaster:
+    """Firmware that commands transfers as master and, at times drawn from a seed, acts in the middle of a byte."""
 
     def __init__(self, seed: str, pads: bool, own: int, master: float) -> None:
         self.random = Random(seed)
         self.pads, self.own, self.master = pads, own, master
-        self.seen: list[tuple[str, int, int]] = []  # what was done, at which cycle, what was seen
+        self.seen: list[tuple[str, int, int]] = []  # (action, cycle, value read)
 
     def __call__(self, dsp: Dsp) -> None:
         i2c, draw = dsp.module("I2C-A"), self.random
         self.start(dsp)
-        doings = {
+        actions = {
             "look at flags": lambda: i2c.I2CSTR.all,
             "write a byte": lambda: self.put(i2c.I2CDXR, draw.randrange(256)),
             "read a byte": lambda: i2c.I2CDRR.all,
@@ -42,18 +42,18 @@ class MeddlingMaster:
             "stop": lambda: self.put(i2c.I2CMDR, 0x4C20),
         }
         if self.pads:
-            doings["look at the pads"] = lambda: dsp.module("GPIO").GPBDAT.all & 3
+            actions["look at the pads"] = lambda: dsp.module("GPIO").GPBDAT.all & 3
         while True:
             dsp.compute(draw.choice((40, 700, 5_000, 30_000)) + draw.randrange(1_000))
             if draw.random() < self.master:
                 self.seen.append(("transfer", dsp.cpu.cycle, self.command(dsp)))
                 continue
-            what = draw.choice(list(doings))
-            seen = doings[what]()
+            what = draw.choice(list(actions))
+            seen = actions[what]()
             self.seen.append((what, dsp.cpu.cycle, int(seen or 0)))
 
     def command(self, dsp: Dsp) -> int:
-        """Bytes to somebody, or from there."""
+        """Command a transfer to or from a drawn address, and return the bytes read with I2CSTR."""
         i2c, draw = dsp.module("I2C-A"), self.random
         address, count = draw.choice((0x50, 0x51, 0x51, 0x52, 0x31)), draw.randrange(1, 6)
         first, mdr = draw.randrange(256), draw.choice((0x6E20, 0x6E20, 0x6C20, 0x6C20, 0x6620, 0x6EA0))
@@ -108,29 +108,27 @@ class MeddlingMaster:
         self.off_and_on(dsp)
 
 
-def meddled(seed: int, disable: Disable):
+def run_in_mid_byte(seed: int, disable: Disable):
     random = Random(seed)
-    units, meddlers = {}, {}
+    units, masters = {}, {}
     for name, own, master in (("head", 0x50, 0.7), ("imu", 0x51, random.choice((0.0, 0.2)))):
         pads = random.random() < 0.5
         modules = ["I2C-A", "GPIO"] if pads else ["I2C-A"]
         units[name] = small.unit(*modules, ppm=random.choice((0, 0, 50, -50, 20)))
-        meddlers[name] = MeddlingMaster(f"{name} {seed}", pads, own, master)
+        masters[name] = MidByteMaster(f"{name} {seed}", pads, own, master)
     eeprom = {"model": "24lc64", "address": 0x52, "write_time": "100 us to 2 ms"}
     made = small.case(unit=units, device={"eeprom": eeprom}, seed=seed)
-    return *run(made, disable, BUT_EDGES, "0.03", small.given(**meddlers)), [
-        meddler.seen for meddler in meddlers.values()
-    ]
+    return *run(made, disable, BUT_EDGES, "0.03", small.given(**masters)), [one.seen for one in masters.values()]
 
 
 @pytest.mark.parametrize("seed", range(200) if explores() else range(20))
-def test_masters_that_meddle_give_what_edges_give(seed: int):
-    same_by_edges(meddled, seed)
+def test_masters_that_act_in_mid_byte_give_the_same_with_skipped_bits(seed: int):
+    same_by_edges(run_in_mid_byte, seed)
 
 
-def test_bytes_of_the_masters_above_have_passed_at_once():
-    """Else the test above would prove nothing."""
-    results = [meddled(seed, SKIPPING)[0] for seed in range(10)]
+def test_bits_of_the_masters_above_are_skipped():
+    """Without skipped bits the test above would prove nothing."""
+    results = [run_in_mid_byte(seed, SKIPPING)[0] for seed in range(10)]
     passed, bytes_ = (
         sum(result.bytes_skipped for result in results),
         sum(result.wire_bytes for result in results),
@@ -139,7 +137,7 @@ def test_bytes_of_the_masters_above_have_passed_at_once():
 
 
 @pytest.mark.parametrize("name", ["two_dsps", "eeprom_log", "eeprom_overrun"])
-def test_bytes_of_shipped_masters_pass_at_once(name: str):
+def test_bits_of_shipped_masters_are_skipped(name: str):
     by_edges, skipping = (run(load(TIMING / f"{name}.toml"), disable, (), "0.1")[0] for disable in (BY_EDGES, SKIPPING))
     assert skipping.bytes_skipped >= 0.99 * skipping.wire_bytes > 100
     assert skipping.events < 0.7 * by_edges.events
@@ -147,17 +145,17 @@ def test_bytes_of_shipped_masters_pass_at_once(name: str):
 
 
 def test_a_line_that_stays_low_is_reported_at_the_same_tick():
-    """SCL is held after a byte whose edges the watch has not seen."""
+    """SCL is held low after a skipped byte, whose edges the monitor of stuck lines did not receive."""
 
     def firmware(dsp: Dsp) -> None:
-        master = MeddlingMaster("", False, 0x50, 0)
+        master = MidByteMaster("", False, 0x50, 0)
         master.start(dsp)
         i2c = dsp.module("I2C-A")
         small.command(i2c, 0x51, 3, first=0xA0)
         dsp.compute(Fraction(12, 1000))  # the second byte is never written: SCL is held low
 
     def silent(dsp: Dsp) -> None:
-        MeddlingMaster("", False, 0x51, 0).start(dsp)
+        MidByteMaster("", False, 0x51, 0).start(dsp)
 
     came: list[list[Record]] = []
     for disable in (BY_EDGES, SKIPPING):
@@ -174,12 +172,12 @@ def test_a_line_that_stays_low_is_reported_at_the_same_tick():
     assert [record.what for record in came[0] if record.what == "stuck"] == ["stuck"]
 
 
-def test_a_reset_as_scl_is_let_go_for_the_eighth_bit_leaves_nobody_deaf():
-    """Between output and pin: the bits have passed, and SCL never rises for the one that is due."""
+def test_edges_are_received_after_a_reset_as_scl_is_released_for_the_eighth_bit():
+    """The reset comes between output and pin: the bits were skipped, and SCL never rises for the one that is due."""
 
     def resetting(delay: int, disable: Disable) -> list[Record]:
         def firmware(dsp: Dsp) -> None:
-            master = MeddlingMaster("", True, 0x50, 0)
+            master = MidByteMaster("", True, 0x50, 0)
             master.start(dsp)
             i2c = dsp.module("I2C-A")
             for wait in (delay, 40_000):
@@ -206,16 +204,16 @@ def test_a_reset_as_scl_is_let_go_for_the_eighth_bit_leaves_nobody_deaf():
     for delay in range(eighth - 16, eighth + 8):
         by_edges, skipping = resetting(delay, BY_EDGES), resetting(delay, SKIPPING)
         assert skipping == by_edges, delay
-        lost += rises(by_edges)[7] != rises(whole)[7]  # it is the reset that lets go
+        lost += rises(by_edges)[7] != rises(whole)[7]  # the reset releases SCL
         assert len(rises(by_edges)) > 16
     assert 0 < lost < 24
 
 
 def test_bits_that_a_slave_s_noise_filter_swallows_are_not_skipped_after_bits_that_pass_it():
-    """The master's next byte has a low time that is shorter, and a high time that is longer in the ratio 3 : 2."""
+    """The low time of SCL in the master's next byte is shorter than the filter, and its high time is longer."""
 
     def master(dsp: Dsp) -> None:
-        MeddlingMaster("", False, 0x50, 0).start(dsp)
+        MidByteMaster("", False, 0x50, 0).start(dsp)
         i2c = dsp.module("I2C-A")
         i2c.I2CMDR.all = 0
         i2c.I2CPSC.all = 0
@@ -228,7 +226,7 @@ def test_bits_that_a_slave_s_noise_filter_swallows_are_not_skipped_after_bits_th
         dsp.compute(5_000)
 
     def slave(dsp: Dsp) -> None:
-        MeddlingMaster("", False, 0x51, 0).start(dsp)
+        MidByteMaster("", False, 0x51, 0).start(dsp)
         i2c = dsp.module("I2C-A")
         i2c.I2CMDR.all = 0
         i2c.I2CPSC.all = 0

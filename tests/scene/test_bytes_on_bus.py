@@ -1,4 +1,4 @@
-"""The number of bytes on the I2C bus at each instant of a run, beside a counter of pulses on the wires."""
+"""The number of bytes on the I2C bus at each time of a run is equal to that of a counter on the wires."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The cases of timing/ come out as the dissertation describes them, and show which byte is wrong, and why."""
+"""The cases of timing/ give the results that the dissertation describes, and show which byte is wrong, and why."""
 
 from __future__ import annotations
 
@@ -73,8 +73,8 @@ def test_without_the_sdir_wait_the_controller_reads_everything_one_byte_early():
     assert run_file("imu_hil_no_sdir", "0.1", "unit.dsp.settings.sdir_wait=true").read() == [RIGHT] * 5
 
 
-def test_a_shift_of_equal_bytes_shows_nothing_but_the_last():
-    """Of 0, 0, 0, 0, 0, 7 the shift leaves four right: what is wrong is a matter of the data, how is not."""
+def test_a_shift_of_equal_bytes_is_visible_only_in_the_last_ones():
+    """The shift leaves four of 0, 0, 0, 0, 0, 7 right: how many bytes are wrong depends on the data, not the cause."""
     table = 'unit.dsp.settings.table={"0x68" = "00 00 00 00 00 07"}'
     request = 'controller.request=[{chip = "gyroscope", expect = "00 00 00 00 00 07"}]'
     ran = run_file("imu_hil_no_sdir", "0.1", table, request, "unit.dsp.settings.order=[0x68]")
@@ -85,8 +85,8 @@ def test_a_shift_of_equal_bytes_shows_nothing_but_the_last():
 # wrong_order -------------------------------------------------------------------
 
 
-def test_wrong_order_serves_what_fits_the_address_that_is_set_and_nothing_else():
-    """Asked A, G, M; expected G, A, M: a chip is served when its turn in both orders meets."""
+def test_wrong_order_serves_only_requests_to_the_address_that_is_set():
+    """The controller asks A, G, M; the firmware serves G, A, M. A chip answers when it is next in both orders."""
     ran = run_file("wrong_order", "0.2")
     assert ran.answered() == ["-G-", "A-M"] * 5
     assert ran.result.counts["nacked"] == 15
@@ -120,17 +120,17 @@ def test_a_late_model_breaks_its_budget_and_loses_every_second_round():
 
 
 def test_a_late_model_lets_the_last_address_answer_without_its_data():
-    """0x1E is still in I2COAR: the module answers by itself with what I2CDXR held; IRS = 0 cuts that byte off."""
+    """0x1E is still in I2COAR: the module answers by itself with the contents of I2CDXR; IRS = 0 cuts that byte off."""
     rounds = run_file("late_model", "0.2", TABLE, NO_HOST_CHECK).read()
     assert rounds[1::2] == [RIGHT] * 5
     for gyroscope, accelerometer, magnetometer in rounds[2::2]:
         assert (gyroscope, accelerometer) == ("", "")
         assert magnetometer != RIGHT[2]
-        assert magnetometer.endswith("ff ff ff ff ff")  # nobody pulls SDA any more
+        assert magnetometer.endswith("ff ff ff ff ff")  # SDA is no longer driven
 
 
 @pytest.mark.parametrize(("cost", "ok"), [("250 us", True), ("300 us", True), ("301 us", False), ("5 ms", False)])
-def test_the_model_budget_is_a_limit_to_the_cycle(cost: str, ok: bool):
+def test_the_model_budget_passes_up_to_its_limit(cost: str, ok: bool):
     ran = run_file("late_model", "0.1", f"unit.dsp.settings.model_cost={cost}", "host.frames=0")
     assert ("model execution" not in ran.broken()) is ok
 
@@ -147,8 +147,8 @@ def test_one_lost_byte_shifts_every_later_frame():
     stream = b"".join(sent)
     taken = [bytes(12), *(stream[i : i + 12] for i in range(0, len(stream) - 11, 12))]
     accelerometers = [accelerometer for _, accelerometer, _ in ran.read()]
-    # The models run when a round is over, so round n shows what had come by the end of round n - 1; the byte
-    # that is missing lets the interrupt of frame 3, and of every later one, wait for the first byte of the next.
+    # The models run at the end of a round, so round n shows what had arrived by the end of round n - 1. With a byte
+    # missing, the interrupt of frame 3, and of every later frame, waits for the first byte of the next frame.
     assert accelerometers == [taken[n if n < 4 else n - 1][6:].hex(" ") for n in range(20)]
 
 
@@ -157,26 +157,26 @@ def test_without_a_lost_byte_nothing_is_shifted():
 
 
 def test_an_interrupt_that_is_never_served_overruns_the_fifo():
-    def deaf(dsp: Dsp) -> None:
+    def without_pie(dsp: Dsp) -> None:
         sci_fifo_receiver(dsp, 40, 12)  # asks for an interrupt, but PIE is off
 
     budget = {"name": "SCI overruns", "measure": "overruns", "max": 0}
     water = {"name": "water", "measure": "fifo high-water", "max": 16}
     again = budget | {"name": "the same again", "max": 40}  # it sees the same characters, which count once
     budgets = [budget, water, again]
-    scene = scene_with(deaf, ["SCI-A", "GPIO"], duration="60 ms", host={"baud": 115_200}, budget=budgets)
+    scene = scene_with(without_pie, ["SCI-A", "GPIO"], duration="60 ms", host={"baud": 115_200}, budget=budgets)
     result = scene.run()
     overruns, high, _ = result.budgets
     assert result.verdict == "fail" and overruns.verdict == "fail" and overruns.worst == 20
     assert result.counts["overruns"] == 20 and result.counts["frames"] == 3
-    assert (high.worst, high.verdict) == (16, "not judged")  # most characters never came into the FIFO
+    assert (high.worst, high.verdict) == (16, "not judged")  # most characters never entered the FIFO
     bit = Fraction(1, 115_200)
     seventeenth = Fraction(22, 1000) + 5 * 10 * bit  # frame 2 comes at 22 ms; 16 words fit, its fifth byte does not
     assert abs(overruns.at_s - float(seventeenth)) < float(bit)
 
 
 @pytest.mark.parametrize("frames", [1, 2])
-def test_overruns_are_those_of_the_host_s_frames(frames: int):
+def test_frames_that_are_not_read_overrun_the_fifo_from_the_second_one(frames: int):
     scene = scene_with(
         lambda dsp: sci_fifo_receiver(dsp, 40, 12),
         ["SCI-A"],

@@ -1,4 +1,4 @@
-"""The two observations from silicon hold under the defaults, and docs/slave_transmitter.md shows what is so."""
+"""The two observations from silicon hold under the defaults, and docs/slave_transmitter.md shows the current table."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_open_rrdy_point_decides_whether_the_first_write_is_early_enough(point, 
     assert (rounds == [SHIFTED] * 4) is symptom
 
 
-def test_the_page_shows_the_table_as_it_comes_out():
+def test_the_page_shows_the_current_table():
     assert PAGE.read_text(encoding="utf-8").partition(BEGIN)[2].partition(END)[0].strip() == table()
 
 

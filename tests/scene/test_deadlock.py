@@ -1,4 +1,4 @@
-"""Firmware that waits for what cannot come is told: for what, since when, and why it cannot; the run then fails."""
+"""Firmware that waits for an event that cannot occur: it is reported with the reason, and the run fails."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def waits_for_a_word(dsp: Dsp) -> None:
     dsp.spin_either(lambda: sci.SCIFFRX.RXFFST == 12, lambda: sci.SCIRXST.BRKDT == 1)
 
 
-def test_alone_on_the_bus():
+def test_a_unit_that_waits_alone_on_the_bus_is_stuck():
     result = scene_with(waits_for_aas, ["I2C-A"]).run()
     assert result.verdict == "fail"
     assert result.stuck == [
@@ -48,7 +48,7 @@ def test_every_register_that_is_polled_is_named():
 
 
 def test_traffic_elsewhere_does_not_hide_it():
-    """The bus is busy for ever; but what the firmware waits for comes by the UART, where nobody is."""
+    """The bus has traffic for ever, but the firmware waits for a character, and no party drives the serial line."""
     result = scene_with(waits_for_a_word, ["I2C-A", "SCI-A"], controller=HEAD).run()
     assert len(result.stuck) == 1 and result.verdict == "fail"
 
@@ -58,7 +58,7 @@ def test_the_wait_for_a_frame_of_a_host_is_no_deadlock():
     assert scene.run().stuck == []
 
 
-def test_who_waits_for_more_of_an_agent_that_has_done_all_is_idle():
+def test_firmware_that_waits_for_an_agent_that_has_finished_is_idle():
     short = HEAD | {"order": ["accelerometer"], "rounds": 1}
     result = scene_with(waits_for_aas, ["I2C-A"], controller=short).run()
     assert result.counts["rounds"] == 1
@@ -83,14 +83,14 @@ def test_two_units_that_wait_for_each_other():
 
 
 def two_units(one: Callable[[Dsp], None], other: Callable[[Dsp], None], *modules: str, **more: Any) -> list[str]:
-    """The units that are stuck at the end. modules: of `one`; the other one has an I2C-A."""
+    """Return the units that are stuck at the end. modules: of `one`; the other unit has an I2C-A."""
     made = case(unit={"one": unit("I2C-A", *modules), "other": unit("I2C-A")}, **more)
     result = Scene(made, programs=given(one=one, other=other)).run()
     return [sentence.split(" ")[0] for sentence in result.stuck]
 
 
 def long_timer(dsp: Dsp, tcr: int, name: str = "TIMER0") -> Any:
-    """A timer that expires after a run, with this TCR."""
+    """Start a timer with this TCR that would expire after the end of the run, and return it."""
     timer = dsp.module(name)
     timer.PRD.all = timer.PRDH.all = 0xFFFF
     timer.TCR.all = tcr
@@ -98,7 +98,7 @@ def long_timer(dsp: Dsp, tcr: int, name: str = "TIMER0") -> Any:
 
 
 def writes_a_byte(dsp: Dsp) -> None:
-    """As the bus master, to address 0x68; then it ends."""
+    """Write a byte to address 0x68 as the bus master, and end."""
     start_i2c(dsp)
     i2c = dsp.module("I2C-A")
     command(i2c, 0x68, 1, first=0x5A)
@@ -113,7 +113,7 @@ def hangs_after_a_byte(dsp: Dsp) -> None:
 
 
 def reads_bytes(dsp: Dsp) -> None:
-    """As a slave at 0x68, for ever."""
+    """Read bytes as the slave at 0x68, for ever."""
     i2c = started_i2c(dsp, own_address=0x68)
     while True:
         dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
@@ -140,7 +140,7 @@ def test_a_master_that_computes_or_waits_for_a_timer_may_go_on():
 
 
 def test_frames_elsewhere_and_a_chip_that_only_answers_do_not_hide_a_wait():
-    """The bus is quiet, and nobody but the unit that waits, too, would begin a transfer; frames come on RX for ever."""
+    """The bus is quiet, and only a unit that waits, too, could begin a transfer; frames arrive on RX for ever."""
     chip = {"gyroscope": {"model": "itg3200", "values": {"fixed": [0, 0, 0]}}}
 
     def hangs(dsp: Dsp) -> None:
@@ -151,7 +151,7 @@ def test_frames_elsewhere_and_a_chip_that_only_answers_do_not_hide_a_wait():
     assert two_units(hangs, waits_for_aas, "SCI-A", chip=chip, host={"period": "2 ms"}) == ["one", "other"]
 
 
-def test_a_timer_that_is_stopped_never_comes_and_one_that_runs_does():
+def test_a_wait_for_a_stopped_timer_is_stuck_and_one_for_a_running_timer_is_not():
     def waits_for_tif(dsp: Dsp, stop: int) -> None:
         timer = dsp.module("TIMER0")
         timer.PRD.all = 1000
@@ -165,7 +165,7 @@ def test_a_timer_that_is_stopped_never_comes_and_one_that_runs_does():
     assert running.stuck == []
 
 
-def test_a_running_timer_whose_interrupt_may_help_keeps_the_wait_alive():
+def test_a_wait_is_no_deadlock_while_a_timer_with_an_enabled_interrupt_runs():
     def helped(dsp: Dsp, eint: bool) -> None:
         long_timer(dsp, 0x4020)
         dsp.handle("TINT0", lambda: None)
@@ -181,7 +181,7 @@ def test_a_running_timer_whose_interrupt_may_help_keeps_the_wait_alive():
     assert len(scene_with(lambda dsp: helped(dsp, False), modules).run().stuck) == 1
 
 
-def test_firmware_that_sleeps_is_said_to_sleep():
+def test_firmware_in_idle_is_reported_as_waiting_in_idle():
     def sleeps(dsp: Dsp) -> None:
         dsp.cpu.idle()
 
@@ -191,25 +191,25 @@ def test_firmware_that_sleeps_is_said_to_sleep():
     assert scene.doing(scene.units["dsp"]) == f"waits in IDLE for an interrupt at line {line} of test_deadlock.py"
 
 
-# The bus held ------------------------------------------------------------------
+# Lines that are held low ----------------------------------------------------------
 
 
 def never_writes(dsp: Dsp) -> None:
-    """Answers its address and never gives a byte: the module holds SCL."""
+    """Acknowledge the address and never write a byte, so that the module holds SCL."""
     waits_for_aas(dsp)
     i2c = dsp.module("I2C-A")
     dsp.spin(lambda: i2c.I2CSTR.RSFULL == 1)
 
 
-def held(**more: object) -> tuple[Scene, Result]:
+def run_with_held_scl(**more: object) -> tuple[Scene, Result]:
     request = {"address": 0x68, "count": 6}
     head = {"first": "1 ms", "period": "10 ms", "stuck_after": "5 ms", "request": [request], **more}
     scene = scene_with(never_writes, ["I2C-A"], duration="50 ms", controller=head)
     return scene, scene.run()
 
 
-def test_a_slave_that_stretches_for_ever_is_told_with_who_holds_scl():
-    scene, result = held()
+def test_a_slave_that_stretches_for_ever_is_reported_as_the_holder_of_scl():
+    scene, result = run_with_held_scl()
     (sentence,) = result.stuck
     assert sentence.startswith("SCL is held low by dsp.SCLA at ")
     assert "dsp waits for I2C-A.I2CSTR.RSFULL since " in sentence
@@ -218,13 +218,13 @@ def test_a_slave_that_stretches_for_ever_is_told_with_who_holds_scl():
     assert result.verdict == "fail"
 
 
-def test_it_is_a_deadlock_when_the_controller_has_nothing_else_to_do():
-    _, result = held(rounds=1)
+def test_an_endless_stretch_is_a_deadlock_if_the_controller_has_nothing_else_to_do():
+    _, result = run_with_held_scl(rounds=1)
     assert len(result.stuck) == 2 and result.verdict == "fail"
     assert result.stuck[1].endswith("I2C-A has nothing due and no party will change SDA or SCL")
 
 
-def test_a_long_stretch_that_ends_is_told_but_fails_only_by_budget():
+def test_a_long_stretch_that_ends_is_counted_but_fails_only_by_budget():
     def slow(dsp: Dsp) -> None:
         waits_for_aas(dsp)
         dsp.compute(1_500_000)  # 10 ms
@@ -245,7 +245,7 @@ def main(dsp, settings):
 """
 
 
-def test_the_command_ends_with_1_and_says_it(periph_sim: Run, desk: Path):
+def test_the_command_reports_stuck_firmware_with_status_1(periph_sim: Run, desk: Path):
     Path("forever.py").write_text(FOREVER, encoding="utf-8")
     Path("alone.toml").write_text(
         'name = "alone"\nduration = "1 ms"\n[unit.dsp]\nfirmware = "forever.py"\nmodules = ["I2C-A"]\n',
@@ -275,12 +275,15 @@ def test_a_module_without_clock_sees_no_traffic():
 
 
 def scene_from_boot(firmware: Callable[[Dsp], None], duration: str, *modules: str) -> Scene:
-    """Boot leaves the watchdog on and the PLL off: SYSCLKOUT 7.5 MHz, WDCNTR overflows after 512 * 256 OSCCLK."""
+    """Return a scene that starts from boot, with the watchdog on and the PLL off.
+
+    SYSCLKOUT is 7.5 MHz, and WDCNTR overflows after 512 * 256 cycles of OSCCLK.
+    """
     return scene_with(firmware, list(modules), {"from_boot": True}, duration=duration)
 
 
 @pytest.mark.parametrize(("duration", "resets"), [("4.3 ms", 0), ("4.4 ms", 1), ("8.8 ms", 2), ("44 ms", 10)])
-def test_firmware_that_does_not_service_the_watchdog_begins_anew(duration: str, resets: int):
+def test_firmware_that_does_not_service_the_watchdog_restarts(duration: str, resets: int):
     began: list[int] = []
 
     def forgets(dsp: Dsp) -> None:
@@ -291,11 +294,11 @@ def test_firmware_that_does_not_service_the_watchdog_begins_anew(duration: str, 
     assert result.counts["resets"] == resets
     assert len(began) == resets + 1
     line = forgets.__code__.co_firstlineno + 2
-    told = f"dsp: its watchdog reset it at forgets:{line}, first at 4369.067 us ({counted(resets, 'time')})"
-    assert [note for note in result.notes if "watchdog" in note] == [told] * (resets > 0)
+    expected = f"dsp: its watchdog reset it at forgets:{line}, first at 4369.067 us ({counted(resets, 'time')})"
+    assert [note for note in result.notes if "watchdog" in note] == [expected] * (resets > 0)
 
 
-def test_a_reset_also_ends_a_spin_that_nothing_else_would():
+def test_a_watchdog_reset_ends_a_spin_that_nothing_else_ends():
     began: list[int] = []
 
     def waits(dsp: Dsp) -> None:
@@ -315,7 +318,7 @@ def turns_on_the_sci(dsp: Dsp) -> None:
 
 
 @pytest.mark.parametrize("clock", [True, False])
-def test_a_reset_also_ends_a_poll_of_a_module(clock: bool):
+def test_a_watchdog_reset_ends_a_poll_of_a_module(clock: bool):
     def waits(dsp: Dsp) -> None:
         if clock:
             turns_on_the_sci(dsp)
@@ -350,13 +353,13 @@ ADC = {
 }
 
 
-def test_a_device_that_only_answers_moves_no_line():
+def test_a_device_that_only_answers_changes_no_line_by_itself():
     (sentence,) = scene_with(waits_for_aas, ["I2C-A"], device=MEMORY).run().stuck
     assert sentence.endswith("I2C-A has nothing due and no party will change SDA or SCL")
 
 
 def test_the_wait_for_a_devices_interrupt_pin_is_no_deadlock(tmp_path: Path):
-    """Its updates may be over, as a host's frames may be: it could have gone on."""
+    """The device could still change its interrupt pin, as a host could still send frames."""
     text = "def main(dsp, settings):\n    gpio = dsp.module('GPIO')\n    dsp.spin(lambda: gpio.GPADAT.GPIO12 == 0)\n"
     (tmp_path / "waits.py").write_text(text, encoding="utf-8")
     unit = {"firmware": str(tmp_path / "waits.py"), "modules": ["I2C-A", "GPIO"], "pins": {"DRDY": 12}}
@@ -364,8 +367,8 @@ def test_the_wait_for_a_devices_interrupt_pin_is_no_deadlock(tmp_path: Path):
     assert result.stuck == [] and result.verdict != "fail"
 
 
-def test_an_address_that_nobody_acknowledged_is_told_and_an_output_of_the_unit_is_not():
-    """The module holds the bus behind the NACK, and no STOP comes that nobody asks for."""
+def test_a_missing_acknowledgement_is_reported_and_an_output_of_the_unit_is_not():
+    """The module holds the bus after the NACK, and no STOP follows because the firmware requests none."""
 
     def ignores_nack(dsp: Dsp) -> None:
         i2c = started_i2c(dsp)
@@ -375,9 +378,9 @@ def test_an_address_that_nobody_acknowledged_is_told_and_an_output_of_the_unit_i
         dsp.spin(lambda: i2c.I2CSTR.SCD == 1)
 
     (sentence,) = scene_with(ignores_nack, ["I2C-A", "GPIO"], {"pins": {"GOOD": 34}}, duration="1 ms").run().stuck
-    head, _, told = sentence.partition("no party will change ")
+    head, _, rest = sentence.partition("no party will change ")
     assert "waits for I2C-A.I2CSTR.SCD since" in head
-    assert re.fullmatch(r"SDA or SCL; I2CSTR.NACK is set since (\d+\.\d+) us: address 0x51 was not acknowledged", told)
+    assert re.fullmatch(r"SDA or SCL; I2CSTR.NACK is set since (\d+\.\d+) us: address 0x51 was not acknowledged", rest)
 
 
 @pytest.mark.parametrize(("module", "vector", "line"), [("TIMER1", "INT13", 13), ("TIMER2", "INT14", 14)])
@@ -395,7 +398,7 @@ def test_a_timer_without_the_pie_may_wake_a_unit_if_it_runs(module: str, vector:
 
 
 @pytest.mark.parametrize("disable", [[], ["polls"]])
-def test_a_wait_with_a_time_out_is_no_deadlock_while_it_lasts(disable: list[str]):
+def test_a_wait_with_a_timeout_is_no_deadlock(disable: list[str]):
     def waits_20_ms_at_most(dsp: Dsp) -> None:
         i2c = started_i2c(dsp, own_address=0x68)
         dsp.spin(lambda: i2c.I2CSTR.AAS == 1, timeout=20 * 150_000)

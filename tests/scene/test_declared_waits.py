@@ -1,4 +1,4 @@
-"""The responder whose waits are declared is the polled one: equal records, events and verdicts at every level."""
+"""The responder with declared waits gives the records, events and verdicts of the polled one."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ WRITES = (
 
 
 def ran(firmware: str, disable: str, kinds: tuple[Kind, ...], *changes: str) -> tuple[Result, list[tuple[Any, ...]]]:
-    """The case with this firmware; its records without the places, which lie in two files."""
+    """Run the case with this firmware. The records have no places, since these are in two files."""
     case = load(TIMING / "responder.toml", [f"unit.dsp.firmware={firmware}", f"disable={disable}", *changes])
     scene, records = recorded(case, kinds)
     result = scene.run(Fraction("0.03"))
@@ -29,7 +29,7 @@ def ran(firmware: str, disable: str, kinds: tuple[Kind, ...], *changes: str) -> 
 @pytest.mark.parametrize("disable", ["bits", "[]"])
 @pytest.mark.parametrize("kinds", [(), (Kind.FLAG, Kind.WAIT), (Kind.ACCESS, Kind.WAIT)], ids=["none", "waits", "all"])
 @pytest.mark.parametrize("changes", [(), WRITES], ids=["reads", "writes"])
-def test_the_responder_with_declared_waits_is_the_polled_one(disable: str, kinds: tuple[Kind, ...], changes):
+def test_the_responder_with_declared_waits_equals_the_polled_one(disable: str, kinds: tuple[Kind, ...], changes):
     asked, declared = (ran(name, disable, kinds, *changes) for name in ("responder", "responder_declared"))
     assert declared[1] == asked[1] and bool(kinds) == bool(asked[1])
     assert declared[0].events == asked[0].events and declared[0].counts == asked[0].counts
@@ -40,7 +40,7 @@ def test_the_responder_with_declared_waits_is_the_polled_one(disable: str, kinds
 
 
 @pytest.mark.parametrize("change", ["unit.dsp.settings.style=interrupt", "unit.dsp.settings.fifo=true"])
-def test_the_other_styles_are_those_of_the_responder(change: str):
+def test_the_other_styles_are_refused(change: str):
     with pytest.raises(
         FirmwareError, match="responder_declared is polled and has no FIFO; use responder for the other"
     ):

@@ -1,4 +1,4 @@
-"""Derived records of a scene: each kind is produced where a budget asks for it, and refused where no part makes it."""
+"""Derived records of a scene: each is produced if a budget needs it, and refused if no part of the scene has it."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_occurrences_are_recorded(measure: str, limit: str, count: int):
 
 
 def alone(measure: str, limit: object, module: str = "I2C-A") -> Case:
-    """One unit with nothing around it, and one budget."""
+    """Return a case of one unit alone, with one budget."""
     unit = {"firmware": "responder", "modules": [module]}
     budget = {"name": "b", "measure": measure, "max": limit}
     return Case.model_validate({"name": "alone", "duration": "1 ms", "unit": {"dsp": unit}, "budget": [budget]})
@@ -93,7 +93,7 @@ def test_the_event_has_the_instant_at_which_the_line_has_been_low_too_long():
     assert (to_stuck.worst, to_stuck.at_s) == (25000.0, pytest.approx(0.001))
 
 
-def test_rounds_of_a_master_say_how_long_a_line_may_be_low():
+def test_rounds_of_a_master_set_how_long_a_line_may_be_low():
     request = {"name": "read", "address": 0x50, "count": 1}
     rounds = {"period": "20 ms", "stuck_after": "5 ms", "request": [request]}
     (to_stuck,) = ran("10 ms", [TO_STUCK], rounds=rounds).budgets
@@ -112,7 +112,7 @@ Values = list[tuple[int, int]]  # pairs (value, tick)
 
 
 class NotAllCompared(FrameOrigins):
-    """Origins that have left out what the bytes ff ff ... may be."""
+    """Origins that leave samples of ff ff ... not judged."""
 
     def __init__(self) -> None:
         super().__init__(host_frames())
@@ -121,7 +121,7 @@ class NotAllCompared(FrameOrigins):
         return Origin(None, NO_TIME, bytes(6), judged=False) if got[0] == 0xFF else super().origin(address, got)
 
 
-def nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def no_set_up(monkeypatch: pytest.MonkeyPatch) -> None:
     pass
 
 
@@ -134,20 +134,20 @@ def one_frame_stored(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 FIXED = "unit.dsp.settings.table={'0x68'='ff ff ff ff ff ff', '0x53'='00 00 00 00 00 00', '0x1e'='12 34 56 12 34 56'}"
-# Runs that together have every derived record: the case, its length in seconds, changes, and what is set before.
+# Runs that together have every derived record: the case, its length in seconds, changes, and a set-up function.
 RUNS: dict[str, tuple[str, str, list[str], Callable[[pytest.MonkeyPatch], None]]] = {
-    "rounds of an emulator": ("imu_hil_published", "0.07", [], nothing),
-    "a run that ends in the first transfer": ("imu_hil_published", "0.0053", [], nothing),
+    "rounds of an emulator": ("imu_hil_published", "0.07", [], no_set_up),
+    "a run that ends in the first transfer": ("imu_hil_published", "0.0053", [], no_set_up),
     "bytes that are not the host's": ("imu_hil_published", "0.25", [FIXED], not_all_compared),
     "samples that fit an old frame": ("imu_moving", "0.1", [], one_frame_stored),
-    "characters that are not read": ("imu_hil_published", "0.1", ["unit.dsp.settings.fifo_level=31"], nothing),
-    "a slave that holds SCL": ("forum/interrupt_once", "0.05", [], nothing),
-    "requests of nobody": ("any_order_strays", "0.07", [], nothing),
+    "characters that are not read": ("imu_hil_published", "0.1", ["unit.dsp.settings.fifo_level=31"], no_set_up),
+    "a slave that holds SCL": ("forum/interrupt_once", "0.05", [], no_set_up),
+    "requests to other addresses": ("any_order_strays", "0.07", [], no_set_up),
 }
 
 
 def values_of(run: str, names: Collection[str]) -> dict[str, Values]:
-    """The values of the records of these names, each as a budget of its own sees them."""
+    """Return the values of the records of these names, each as its own budget sees them."""
     file, seconds, changes, before = RUNS[run]
     budgets = [
         Budget(name=name, measure=f"value of record {name}", max=NINE.get(THINGS[name].unit, 9)) for name in names
@@ -166,13 +166,13 @@ def values_of(run: str, names: Collection[str]) -> dict[str, Values]:
 
 @cache
 def beside_all_others(run: str) -> dict[str, Values]:
-    """The values of all records that the case of a run can have."""
+    """Return the values of all records that the case of a run can have."""
     lacking = () if load(TIMING / f"{RUNS[run][0]}.toml").host is not None else ("host", "SCI")
     return values_of(run, [name for name, thing in THINGS.items() if thing.needs not in lacking])
 
 
 @pytest.mark.parametrize("name", THINGS)
-def test_a_budget_on_one_record_sees_what_it_sees_beside_budgets_on_all_others(name: str):
+def test_a_budget_on_one_record_gives_the_same_beside_budgets_on_all_others(name: str):
     occurs = False
     for run in RUNS:
         beside = beside_all_others(run)
@@ -192,7 +192,7 @@ def test_errors_of_models_need_a_motion_whatever_a_budget_does_with_them(name: s
 
 
 @pytest.mark.parametrize("name", THINGS)
-def test_a_record_that_a_scene_cannot_have_ends_nothing(name: str):
+def test_a_span_to_a_record_that_a_scene_cannot_have_is_not_judged(name: str):
     budget = {"name": "b", "measure": f"from span x begin to record {name}", "max": "1 s"}
     (verdict,) = Scene(case(unit={"dsp": LOGGER}, budget=[budget])).run().budgets
     assert verdict.verdict == "not judged"

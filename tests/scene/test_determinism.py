@@ -1,4 +1,4 @@
-"""Equal scenes give equal records, byte for byte; a seed and nothing else changes what is random."""
+"""Equal scenes give equal records, byte for byte; a seed changes only what is random."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_the_same_case_twice_gives_the_same_bytes(tmp_path: Path, suffix: str, c
     assert len(first) > 10_000
 
 
-def test_two_units_on_one_bus_are_as_repeatable(tmp_path: Path):
+def test_two_units_on_one_bus_are_repeatable(tmp_path: Path):
     first, second = (record(tmp_path / f"{which}.jsonl", name="two_dsps").read_bytes() for which in "ab")
     assert first == second
 

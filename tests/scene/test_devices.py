@@ -1,4 +1,4 @@
-"""Devices of a case file: what one gets wrong is one sentence with file, line and the way out."""
+"""Mistakes in the devices of a case file: one sentence with file, line and correction."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ STATUS = "at = 0x01"
 
 
 def refusal(folder: Path, old: str, new: str) -> str:
-    """The one sentence on the case with a change, without the folder."""
+    """Return the sentence that refuses the changed case, without the folder."""
     assert CASE.count(old) == 1
     file = folder / "small.toml"
     file.write_text(CASE.replace(old, new), encoding="utf-8")
@@ -219,11 +219,11 @@ def refusal(folder: Path, old: str, new: str) -> str:
         ),
     ],
 )
-def test_one_sentence_with_file_line_and_way_out(tmp_path: Path, old: str, new: str, sentence: str):
+def test_a_mistake_is_reported_with_file_line_and_correction(tmp_path: Path, old: str, new: str, sentence: str):
     assert sentence in refusal(tmp_path, old, new)
 
 
-def test_a_hex_file_that_is_not_one_is_told_with_its_line(tmp_path: Path):
+def test_a_mistake_in_a_hex_file_is_reported_with_its_line(tmp_path: Path):
     for text, sentence in {
         ":00000001FF": "",
         ":0100000055AA\n": "it has no end record",

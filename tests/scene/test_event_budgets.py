@@ -1,4 +1,4 @@
-"""Budgets on named events in running scenes: judged as in the recorded run, and nothing recorded that none asks for."""
+"""Budgets on named events in running scenes equal those of the recorded run, and only needed kinds are recorded."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def budget(measure: str, **limits: str | int) -> Budget:
     return Budget(name=measure, measure=measure, **limits)
 
 
-def test_each_is_what_the_recorded_run_shows():
+def test_each_budget_equals_the_measure_of_the_recorded_run():
     pairs = [
         (XRDY, DXR, "same transfer"),
         (DXR, "bus STOP", "next, same round"),
@@ -65,11 +65,11 @@ def test_loads_slack_levels_and_counts_of_the_imu_case():
     )
     found = {v.name: v for v in ran.result.budgets}
     assert ran.broken() == []
-    assert 1.667 < found["cpu load"].worst < 1.7  # four models of 250 us in 60 ms, three frames, and what serves reads
+    assert 1.667 < found["cpu load"].worst < 1.7  # four models of 250 us, three frames, and reads
     assert 12.5 < found["bus load"].worst < 12.7  # three rounds of 2.52 ms
     assert found["slack"].worst == 17380.0
     assert (found["level of SCI-A.SCIFFRX.RXFFST"].worst, found["count of bus address read"].worst) == (12, 9)
-    assert found["time in model"].worst == 1000.0  # the first one before anything was asked
+    assert found["time in model"].worst == 1000.0  # four runs, the first before any request
     assert found["period of bus START"].count == 8
 
 
@@ -92,7 +92,7 @@ def test_only_what_a_budget_asks_for_is_recorded(measure: str, limits, kinds: se
     assert {kind for kind in Kind if scene.recorder.wants(kind)} == kinds
 
 
-def test_of_two_units_each_is_measured_by_its_prefix():
+def test_each_of_two_units_is_measured_by_its_prefix():
     measures = [f"from {u}:I2C-A.I2CSTR.SCD rise to access R {u}:I2C-A.I2CSTR" for u in ("flag head", "flag imu")]
     measures = [m.replace("access R flag ", "access R ") for m in measures] + ["cpu load of imu", "cpu load of head"]
     limits = [{"max": "1 s"}, {"max": "1 s"}, {"max": "9 %"}, {"max": "9 %"}]
@@ -133,13 +133,13 @@ BASE = (TIMING / "imu_hil_published.toml").read_text(encoding="utf-8").split("[[
         ),
     ],
 )
-def test_a_mistake_is_told_with_its_line(tmp_path: Path, text: str, sentence: str):
+def test_a_mistake_is_reported_with_its_line(tmp_path: Path, text: str, sentence: str):
     path = tmp_path / "a.toml"
     path.write_text(f'{BASE}[[budget]]\nname = "b"\n{text}\n', encoding="utf-8")
     assert sentence_of(BadCase, lambda: Scene(load(path))) == f"{path}, {sentence}"
 
 
-def test_what_events_can_name_is_what_scenes_are_built_of():
+def test_the_names_of_events_are_those_of_the_parts_of_a_scene():
     assert set(MAPS) == set(PART.by_name)
     for module, vectors in VECTORS.items():
         assert tuple(LINES[v] for v in vectors if v in LINES) == pie_lines(PART.by_name[module]), module
@@ -155,8 +155,8 @@ def test_records_of_transfers_are_those_of_the_address_or_the_unit_that_they_nam
         f"count of record transfer {thing}{of}" for thing in ("phase", "read") for of in ("", " of 0x68", " of 0x50")
     ]
     case = with_budgets("imu_hil_published", *(budget(text, min=0) for text in texts))
-    phases, gyroscope, nobody, *reads = (verdict.worst for verdict in run_case(case, "0.07").result.budgets)
-    assert phases == 3 * gyroscope > 0 == nobody
+    phases, gyroscope, absent, *reads = (verdict.worst for verdict in run_case(case, "0.07").result.budgets)
+    assert phases == 3 * gyroscope > 0 == absent
     assert reads == [phases / 2, gyroscope / 2, 0]
     with pytest.raises(BadCase, match="there is no unit 'imu'"):
         Scene(with_budgets("imu_hil_published", budget("count of record transfer held alone of imu", min=0)))

@@ -1,4 +1,4 @@
-"""Faults of a case in its scene: what the emulator and the sensor head make of spikes, held lines and a reset."""
+"""Faults of a case in its scene: effects of spikes, held lines and resets on the emulator and the sensor head."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ def faulty(fault: str, *changes: str, seconds: str = "0.1") -> Ran:
     return run_file(CASE, seconds, f"fault=[{fault}]", *changes)
 
 
-def test_spikes_that_the_noise_filter_takes_change_no_byte():
-    """One module clock is 100 ns. They strike the emulator and the head at every phase of a bit."""
+def test_spikes_that_the_noise_filter_removes_change_no_byte():
+    """A module clock is 100 ns. The spikes hit the emulator and the head at every phase of a bit."""
     plain = run_file(CASE, "0.1")
     for wire in ("SCL", "SDA"):
         ran = faulty(f'{{kind="spike", wire="{wire}", at="1 ms", every="37 us", spread="36 us", width="40 ns"}}')
@@ -27,7 +27,7 @@ def test_spikes_that_the_noise_filter_takes_change_no_byte():
 
 
 def test_a_spike_on_scl_that_outlasts_the_filter_costs_a_read_and_no_more():
-    """1 us in the gyroscope's first data byte: the emulator counts a clock too many, takes a 1 for a NACK and ends."""
+    """1 us in the gyroscope's first data byte: the emulator counts an extra clock, takes a 1 for a NACK, and ends."""
     ran = faulty('{kind="spike", wire="SCL", at="45.296 ms", width="1 us"}')
     plain = run_file(CASE, "0.1")
     assert [n for n in range(5) if ran.read()[n] != plain.read()[n]] == [2]
@@ -36,7 +36,7 @@ def test_a_spike_on_scl_that_outlasts_the_filter_costs_a_read_and_no_more():
 
 
 def test_a_slave_that_lost_count_holds_sda_until_the_head_clears_the_bus():
-    """A clock too many in the pointer byte: the emulator ends its ACK late, where the head wants a repeated START."""
+    """After an extra clock in the pointer byte, the emulator ends its ACK late, as the head sends a repeated START."""
     fault = '{kind="spike", wire="SCL", at="45.111 ms", width="1 us"}'
     hung = faulty(fault)
     assert hung.answered() == ["GAM", "GAM"] and "SDA is held low by dsp.GPIO32" in hung.result.stuck[0]
@@ -45,7 +45,7 @@ def test_a_slave_that_lost_count_holds_sda_until_the_head_clears_the_bus():
 
 
 def test_sda_that_another_device_holds_is_free_again_after_nine_clocks():
-    """The emulator acknowledges nine zeros behind a START as a general call, and lets go where the STOP is tried."""
+    """The emulator acknowledges nine zeros after a START as a general call, and releases SDA at the attempted STOP."""
     fault = '{kind="hold", wire="SDA", at="20 ms", clocks=9}'
     ran = faulty(fault, "controller.clear_after=1 ms")
     assert ran.answered() == ["GAM"] * 5 and ran.read() == run_file(CASE, "0.1").read()
@@ -53,8 +53,8 @@ def test_sda_that_another_device_holds_is_free_again_after_nine_clocks():
     assert late[1] == pytest.approx(1 + 0.1, abs=0.02) and late[0] == late[2] == 0
 
 
-def test_a_unit_in_reset_lets_go_of_the_bus_and_answers_again_after_its_start_up():
-    """In the gyroscope's data, SDA low. Start-up takes 131072 clocks of 30 MHz until the PLL is locked."""
+def test_a_unit_in_reset_releases_the_bus_and_answers_again_after_its_start_up():
+    """The reset comes in the gyroscope's data, with SDA low. The PLL needs 131072 clocks of 30 MHz to lock."""
     ran = faulty('{kind="reset", unit="dsp", at="5.46 ms", length="100 us"}')
     assert ran.result.counts["resets"] == 1
     assert ran.answered() == ["G--", "GAM", "GAM", "GAM", "GAM"]
@@ -64,7 +64,7 @@ def test_a_unit_in_reset_lets_go_of_the_bus_and_answers_again_after_its_start_up
     assert [Fraction(at, 3 * 10**9) for at in starts] == [Fraction(5 + 20 * n, 1000) for n in range(5)]
 
 
-def test_a_reset_that_ends_a_wait_leaves_nothing_of_it_behind():
+def test_a_reset_that_ends_a_wait_removes_its_watchers():
     fault = '{kind="reset", unit="dsp", at="25.2 ms", every="10 ms", length="100 us"}'
     ran, plain = faulty(fault), run_file(CASE, "0.1")
     assert ran.result.counts["resets"] == 8
@@ -82,15 +82,15 @@ def test_frames_after_a_reset_are_whole_and_in_time():
 @pytest.mark.parametrize(
     ("at", "rounds", "first", "stuck"),
     [
-        ("5.05 ms", ["---", "GAM"], "", ""),  # in the address: no ACK, and the firmware goes on waiting for it
+        ("5.05 ms", ["---", "GAM"], "", ""),  # in the address: no ACK, and the firmware keeps waiting
         ("5.13 ms", [], "", "RRDY"),  # in the pointer byte: it is never received, and SCL is held with the next
-        ("5.48 ms", ["GAM", "GAM"], "00 00 7f ff ff ff", ""),  # SDA is let go; the STOP ends the wait for XRDY
+        ("5.48 ms", ["GAM", "GAM"], "00 00 7f ff ff ff", ""),  # SDA is released; the STOP ends the wait for XRDY
     ],
 )
-def test_a_module_that_is_reset_in_mid_byte_lets_go_and_forgets_its_flags(
+def test_a_module_that_is_reset_in_mid_byte_releases_the_lines_and_clears_its_flags(
     at: str, rounds: list[str], first: str, stuck: str
 ):
-    """In the first request, whose data are zeros, as no frame has come before the models."""
+    """The reset comes in the first request, whose data are zeros because no frame arrived before the models ran."""
     ran = faulty(f'{{kind="module_reset", unit="dsp", at="{at}"}}', seconds="0.05")
     assert ran.answered()[:2] == rounds
     assert not first or ran.read()[0][0] == first
@@ -98,7 +98,7 @@ def test_a_module_that_is_reset_in_mid_byte_lets_go_and_forgets_its_flags(
 
 
 def test_a_module_that_was_off_stays_so_after_its_reset():
-    """As the run begins the firmware has not set IRS: the fault finds nothing to set again."""
+    """The firmware has not set IRS when the run begins, so the fault does not set it again either."""
     ran = faulty('{kind="module_reset", unit="dsp", at="0 ms"}', seconds="0.05")
     plain = run_file(CASE, "0.05")
     assert ran.read() == plain.read() and ran.broken() == plain.broken() == []
@@ -122,12 +122,12 @@ def test_a_unit_without_i2c_has_no_module_to_reset():
         ('{kind="hold", at="1 ms", wire="SDA"}', "fault.0", "either for a length or for a number of clocks"),
     ],
 )
-def test_a_fault_that_cannot_be_is_told_with_its_place(fault: str, place: str, sentence: str):
-    said = sentence_of(BadCase, lambda: faulty(fault))
-    assert f": {place}: " in said and sentence in said
+def test_an_invalid_fault_is_reported_with_its_place(fault: str, place: str, sentence: str):
+    message = sentence_of(BadCase, lambda: faulty(fault))
+    assert f": {place}: " in message and sentence in message
 
 
-def test_a_fault_of_a_file_is_told_with_its_line(tmp_path: Path):
+def test_an_invalid_fault_of_a_file_is_reported_with_its_line(tmp_path: Path):
     path = tmp_path / "faulty.toml"
     path.write_text(
         'name = "faulty"\nduration = "1 ms"\n[controller]\norder = ["gyroscope"]\n'

@@ -1,4 +1,4 @@
-"""Firmware of several files: what a file imports with a dot, and what a refused import says."""
+"""Firmware of several files: relative imports, and messages of refused imports."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ def name_in(file: str) -> object:
     return load_firmware(file).main.__globals__["NAME"]
 
 
-def test_folders_with_files_of_one_name_do_not_meet(tmp_path: Path) -> None:
+def test_folders_with_files_of_one_name_are_kept_apart(tmp_path: Path) -> None:
     one = program(tmp_path / "one", shared="NAME = 'one'\n")
     two = program(tmp_path / "two", shared="NAME = 'two'\n")
     assert [name_in(one), name_in(two), name_in(one)] == ["one", "two", "one"]
 
 
-def test_an_edit_of_a_file_beside_it_counts_at_once_and_nothing_is_left_there(
+def test_an_edited_file_beside_the_firmware_is_used_at_once_and_no_file_is_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys, "dont_write_bytecode", False)
@@ -49,16 +49,16 @@ def test_a_copy_of_a_shipped_program_finds_the_shipped_files(tmp_path: Path) -> 
     assert main.__globals__["models_of"].__code__.co_filename == str(shipped.with_name("imu_models.py"))
 
 
-def test_a_file_beside_it_goes_before_a_shipped_one(tmp_path: Path) -> None:
+def test_a_file_beside_the_firmware_is_used_before_a_shipped_one(tmp_path: Path) -> None:
     assert name_in(program(tmp_path, MAIN.replace(".shared", ".responder"), responder="NAME = 'own'\n")) == "own"
 
 
-def test_a_folder_beside_it_is_imported_from(tmp_path: Path) -> None:
+def test_a_folder_beside_the_firmware_can_be_imported(tmp_path: Path) -> None:
     program(tmp_path / "drivers", "NAME = 'driver'\n")
     assert name_in(program(tmp_path, MAIN.replace(".shared", ".drivers.mine"))) == "driver"
 
 
-def test_a_dot_in_the_file_name(tmp_path: Path) -> None:
+def test_the_file_name_may_have_a_dot(tmp_path: Path) -> None:
     file = Path(program(tmp_path, shared="NAME = 'one'\n")).rename(tmp_path / "mine.v2.py")
     assert name_in(str(file)) == "one"
 
@@ -71,7 +71,7 @@ def test_shipped_programs_load_where_firmware_is_another_package(monkeypatch: py
 
 
 def test_settings_are_checked_with_the_names_of_the_module_that_they_come_from(tmp_path: Path) -> None:
-    """An edited file is loaded again under the same name, and pytest's own tests forget modules."""
+    """An edited file is loaded again under the same module name, so the first module is no longer in `sys.modules`."""
     text = "from dataclasses import dataclass\nfrom periph_sim.firmware import HexBytes\nREPLAY = ('reply',)\n"
     text += "@dataclass\nclass Settings:\n    reply: HexBytes = b''\ndef main(dsp, settings): pass\n"
     file = tmp_path / "mine.py"
@@ -83,7 +83,7 @@ def test_settings_are_checked_with_the_names_of_the_module_that_they_come_from(t
 
 
 @pytest.mark.parametrize(
-    ("line", "says"),
+    ("line", "message"),
     [
         ("from .nowhere import NAME", "it imports .nowhere, but there is no nowhere.py beside it"),
         (
@@ -93,13 +93,13 @@ def test_settings_are_checked_with_the_names_of_the_module_that_they_come_from(t
         ("import nowhere_at_all", "No module named 'nowhere_at_all'"),
     ],
 )
-def test_a_refused_import_says_the_way_out(tmp_path: Path, line: str, says: str) -> None:
+def test_a_refused_import_is_reported_with_its_correction(tmp_path: Path, line: str, message: str) -> None:
     file = program(tmp_path, MAIN.replace("from .shared import NAME", line), shared="NAME = 'one'\n")
-    assert sentence_of(BadFirmware, lambda: load_firmware(file)) == f"firmware {file!r} cannot be loaded: {says}"
+    assert sentence_of(BadFirmware, lambda: load_firmware(file)) == f"firmware {file!r} cannot be loaded: {message}"
 
 
 def test_a_file_is_loaded_while_other_threads_import(tmp_path: Path) -> None:
-    """As scenes in threads do, each with its own firmware."""
+    """Scenes in threads import at the same time, each its own firmware."""
     file, interval = program(tmp_path, "def main(dsp, settings): pass\n"), sys.getswitchinterval()
     over: list[bool] = []
     made: list[str] = []

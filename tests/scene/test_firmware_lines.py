@@ -26,14 +26,14 @@ FIRMWARE = TIMING.parent / "firmware" / "python"
 FOLDER = f"{FIRMWARE}/"
 CASES = [path for folder in ("variants", ".", "trade", "forum") for path in sorted((TIMING / folder).glob("*.toml"))]
 SECONDS = Fraction(6, 100)
-LONGER = {  # the first fault that runs a line comes later, and the EEPROM is without power in the fourth round
+LONGER = {  # the first fault that runs a line is later, and the EEPROM has no power in the fourth round
     "imu_hil_broken_line": "0.12",
     "imu_hil_module_reset": "0.41",
     "imu_hil_glitches": "0.47",
     "eeprom_faults": "0.1",
 }
 IMAGES = [path for path in CASES if path.stem.startswith("image_") or path.stem == "imu_hil_image"]
-BY_OBJECT_ONLY = ["imu_models.py: return value"]  # parameters as an object: only a program can give them, and no case
+BY_OBJECT_ONLY = ["imu_models.py: return value"]  # parameters given as an object, which a case cannot do
 
 
 def executable(path: Path) -> set[int]:
@@ -48,7 +48,7 @@ def executable(path: Path) -> set[int]:
         code = waiting.pop()
         if (
             code.co_flags & CO_OPTIMIZED and code.co_name != "__annotate__"
-        ):  # a function, but not Python 3.14's of a class
+        ):  # a function, but not that of Python 3.14 for a class
             found |= {line for _, _, line in code.co_lines() if line}
         waiting += [each for each in code.co_consts if isinstance(each, CodeType)]
     tree = ast.parse(path.read_text(encoding="utf-8"))
@@ -57,13 +57,13 @@ def executable(path: Path) -> set[int]:
 
 
 def _declares(node: ast.AST) -> bool:
-    """Return True for a method that others define."""
+    """Return True for a method of a protocol, which has no code of its own."""
     return isinstance(node, ast.FunctionDef) and all(isinstance(one, ast.Expr | ast.Raise) for one in node.body)
 
 
 @contextmanager
 def traced(ran: dict[str, set[int]]) -> Iterator[None]:
-    """Add the lines of firmware that run meanwhile, by file name."""
+    """Add the lines of firmware that run in the block to `ran`, by file name."""
 
     def of_call(frame: FrameType, event: str, argument: object) -> Any:
         path = frame.f_code.co_filename
@@ -104,7 +104,7 @@ def never_run() -> list[str]:
 
 
 def test_every_line_of_shipped_firmware_runs_in_a_case():
-    """In a process of its own: firmware that ran before keeps what it has computed."""
+    """The cases run in a process of their own, since firmware that ran before keeps what it has computed."""
     code = "from tests.scene.test_firmware_lines import never_run; print(*never_run(), sep='\\n')"
     quickest = {name: value for name, value in os.environ.items() if name != form.VARIABLE}
     done = subprocess.run(

@@ -1,4 +1,4 @@
-"""timing/imu_hil.toml and its fault cases prove what they say: both firmwares, dead hosts, late writes."""
+"""timing/imu_hil.toml and its fault cases give the results they describe: both firmwares, dead hosts, late writes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.scene.late_code import WRITE, broken, cycle, kept, late
 from tests.scene.runs import TIMING, run_file
 
 PUBLISHED, ROBUST = "unit.dsp.firmware=imu_hil", "unit.dsp.firmware=imu_hil_robust"
-FAULTS = {  # what breaks with the published firmware
+FAULTS = {  # budgets that fail with the published firmware
     "imu_hil_lost_byte": {"wrong bytes", "data age"},
     "imu_hil_broken_line": {"wrong bytes", "data age", "SCI FIFO high-water", "SCI overruns"},
     "imu_hil_silent_host": {"fresh again"},
@@ -56,7 +56,7 @@ def test_a_host_that_dies_at_any_frame_fails(frames: int, firmware: str):
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_a_fault_costs_the_robust_firmware_what_its_case_allows(name: str):
+def test_only_the_robust_firmware_keeps_the_budgets_of_a_fault_case(name: str):
     robust, published = (run_file(name, "1.2", firmware) for firmware in (ROBUST, PUBLISHED))
     assert robust.broken() == []
     assert FAULTS[name] >= set(published.broken()) != set()
@@ -77,7 +77,7 @@ def test_glitches_hang_the_published_firmware_only():
     ids=["short code", "long code"],
 )
 @pytest.mark.parametrize("firmware", [PUBLISHED, ROBUST])
-def test_every_budget_holds_at_both_ends_of_what_compiled_code_costs(code: dict[str, int], firmware: str):
+def test_every_budget_holds_at_both_ends_of_the_cost_of_compiled_code(code: dict[str, int], firmware: str):
     changes = [f"unit.dsp.code.{key}={value}" for key, value in code.items()]
     assert run_file("imu_hil", "0.6", firmware, *changes).broken() == []
 
@@ -96,9 +96,9 @@ def test_the_robust_firmware_refuses_a_guard_that_is_shorter_than_its_models():
 
 
 class Break(NamedTuple):
-    """A change of imu_hil.py, or of a setting, and how the page tells it. old, new: of the source."""
+    """A change of imu_hil.py or of a setting. old, new: texts in the source. text: the change as the page shows it."""
 
-    told: str
+    text: str
     old: str = ""
     new: str = ""
     settings: tuple[str, ...] = ()
@@ -141,10 +141,10 @@ BREAKS = {
 
 
 @pytest.mark.parametrize("budget", BREAKS)
-def test_one_line_breaks_each_budget_as_the_page_says(budget: str):
+def test_one_line_breaks_each_budget_as_the_page_shows(budget: str):
     change = BREAKS[budget]
     (row,) = (line for line in PAGE.splitlines() if line.startswith(f"| {budget} |"))
-    assert row.endswith(f"| {change.told} |")
+    assert row.endswith(f"| {change.text} |")
     found = broken("imu_hil", change.old, change.new, *change.settings, SHORT)
     assert found[budget] == ("not judged" if budget == "own address" else "fail")
 
@@ -170,18 +170,18 @@ def test_one_line_breaks_each_budget_of_the_models_by_frame(budget: str):
     assert budget in found if budget else not found
 
 
-def test_every_budget_of_the_bench_has_such_a_line_but_for_those_that_are_inputs():
+def test_every_budget_of_the_bench_but_the_inputs_has_such_a_line():
     inputs = {"model execution", "response", "round complete", "schedule slack"}
     assert {budget.name for budget in load(TIMING / "imu_hil.toml", []).budget} == BREAKS.keys() | inputs
 
 
 SDIR_PASS, PASS = 10, 17  # cycles of a pass of the waits: SDIR is one read, XRDY and SCD are two
-BYTES, WRITES = 6, 7  # of a reply: XRDY asks for one byte more than the head reads
+BYTES, WRITES = 6, 7  # of a reply: XRDY requests one byte more than the head reads
 ROUND = "0.008"  # s: the first round and no more
 
 
-def moved(cycles: int, number: int | None = None) -> list[int]:
-    """By how many cycles the margin of each byte of a round moves, with so many before each write or before one."""
+def margin_steps(cycles: int, number: int | None = None) -> list[int]:
+    """Return the changes of the margins of a round's bytes with extra cycles before each write, or before one write."""
     writes = count()
     _, plain = late(WRITE, 0, seconds=ROUND)
     _, later = late(WRITE, cycles, seconds=ROUND, when=lambda: number in (None, next(writes)))
@@ -197,25 +197,25 @@ MARGIN = "I2CDXR margin"
 
 @pytest.mark.parametrize("byte", range(BYTES))
 @pytest.mark.parametrize("reply", range(3))
-def test_twenty_cycles_before_one_write_move_its_margin_by_exactly_twenty(reply: int, byte: int):
-    steps = moved(20, reply * WRITES + byte)
+def test_twenty_cycles_before_one_write_reduce_its_margin_by_exactly_twenty(reply: int, byte: int):
+    steps = margin_steps(20, reply * WRITES + byte)
     place = reply * BYTES + byte
     assert steps[: place + 1] == [0] * place + [-20]
     assert all(abs(step) < PASS for step in steps[place + 1 :])  # polls of later waits begin at another phase
 
 
-def test_twenty_cycles_before_each_write_move_each_by_twenty_and_by_what_its_poll_finds_sooner_or_later():
-    """A poll finds its flag 0 to PASS - 1 cycles late, with the delay and without: so much may be between the two."""
-    steps = moved(20)
+def test_twenty_cycles_before_each_write_reduce_each_margin_by_twenty_and_the_change_of_the_poll_delay():
+    """A poll finds its flag 0 to PASS - 1 cycles late, with and without the delay, so the two may differ by that."""
+    steps = margin_steps(20)
     assert steps[0] == -20
     for place, step in enumerate(steps):
         found = -step - 20
         assert abs(found) < (PASS if place % BYTES else SDIR_PASS)
 
 
-def test_what_a_poll_finds_sooner_or_later_follows_from_the_write_before():
-    """Polls keep their distance to the write before, so what they move by differs from that by whole passes."""
-    steps = moved(20)
+def test_the_change_of_a_poll_delay_follows_from_the_previous_write():
+    """Polls keep their distance to the previous write, so their change differs from its change by whole passes."""
+    steps = margin_steps(20)
     for reply in range(3):
         first, *others = steps[reply * BYTES : (reply + 1) * BYTES]
         for before, step in zip([first, *others], others, strict=False):
@@ -223,5 +223,5 @@ def test_what_a_poll_finds_sooner_or_later_follows_from_the_write_before():
 
 
 @pytest.mark.parametrize("passes", [1, 20])
-def test_whole_passes_before_each_write_move_each_margin_by_exactly_so_much(passes: int):
-    assert moved(passes * PASS) == [-passes * PASS] * 3 * BYTES
+def test_whole_passes_before_each_write_reduce_each_margin_by_exactly_their_cycles(passes: int):
+    assert margin_steps(passes * PASS) == [-passes * PASS] * 3 * BYTES

@@ -11,7 +11,7 @@ from tests.scene.runs import TIMING
 CASE = "imu_hil_robust"
 SEND, OWN = "self.i2c.I2CDXR.all = byte", "i2c.I2COAR.all = address"
 MODEL_AT_START = "self.model()\n        while True:"
-# With such a patience nothing else empties the FIFO before the next frame.
+# With such a patience only the interrupt empties the FIFO before the next frame.
 NO_ACKNOWLEDGE = ("self.pie.PIEACK.all = GROUP_9", "pass", "unit.dsp.settings.patience=30 ms")
 BREAKS = {  # budget -> an old text of the source, a new one, changes of the case
     "reaction": (SEND, f"self.dsp.compute(300); {SEND}"),
@@ -31,10 +31,10 @@ BREAKS = {  # budget -> an old text of the source, a new one, changes of the cas
     "SCI FIFO high-water": NO_ACKNOWLEDGE,
     "SCI overruns": NO_ACKNOWLEDGE,
 }
-RARELY_SEEN = {  # mistakes that the cases of faults let pass
+MISTAKES = {  # mistakes that the cases of faults do not detect
     "models without a frame at the start": (MODEL_AT_START, "while True:", "runs of the models"),
     "frames wait for a round that is overdue": ("self.look_at_round()\n", "pass\n", "frame to models"),
-    "RX stays broken behind an empty FIFO": ("sci.SCIRXST.RXERROR", "sci.SCIRXST.RXRDY", "data age"),
+    "RX keeps its error flag after an empty FIFO": ("sci.SCIRXST.RXERROR", "sci.SCIRXST.RXRDY", "data age"),
 }
 
 
@@ -48,13 +48,13 @@ def test_one_line_breaks_each_budget_of_the_robust_firmware(budget: str):
     assert budget in broken(CASE, *BREAKS[budget])
 
 
-@pytest.mark.parametrize("mistake", RARELY_SEEN)
+@pytest.mark.parametrize("mistake", MISTAKES)
 def test_mistakes_that_other_cases_let_pass_break_a_budget(mistake: str):
-    old, new, budget = RARELY_SEEN[mistake]
+    old, new, budget = MISTAKES[mistake]
     assert budget in broken(CASE, old, new)
 
 
-def test_every_budget_has_such_a_line_and_says_why_it_is_there():
+def test_every_budget_has_such_a_line_and_a_reason():
     budgets = load(TIMING / f"{CASE}.toml", []).budget
     assert {budget.name for budget in budgets} == BREAKS.keys()
     assert all(budget.why for budget in budgets)

@@ -1,4 +1,4 @@
-"""The cases of timing/forum show what the threads of docs/forum.md report, and the page's change cures each."""
+"""The cases of timing/forum show what the threads of docs/forum.md report, and the page's change fixes each."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_a_short_low_time_gives_only_fe_and_a_break_silences_the_receiver_until_
     assert seen("fe_at_start", "unit.board1.options.sci.rx_after_break=next_high")[0]["characters read"] == whole
 
 
-def test_without_stop_the_registers_are_those_of_the_report_and_i2cdxr_with_a_stage_behind_the_fifo():
+def test_without_stop_the_registers_are_those_of_the_report_with_a_stage_after_the_fifo():
     def registers(*changes: str) -> dict[str, int]:
         scene = run_file("forum/no_stop", "0.02", *changes).scene
         return {name: peek(scene, f"dsp.I2C-A.{name}") for name in ("I2CSTR", "I2CCNT", "I2CMDR", "I2CFFTX", "I2CDXR")}
@@ -67,7 +67,7 @@ def test_without_stop_the_registers_are_those_of_the_report_and_i2cdxr_with_a_st
     assert registers("unit.dsp.options.i2c.fifo_extra_stage=dxr_drr_behind") == report
 
 
-def test_on_which_lengths_and_options_the_i2c_cases_depend():
+def test_the_i2c_cases_depend_on_these_lengths_and_options():
     assert seen("no_stop", "unit.dsp.settings.length=14")[1] == ["bytes sent", "SCL low"]
     assert seen("no_stop", CURES["no_stop"], "unit.dsp.settings.length=62")[1] == ["bytes sent"]  # 64 bytes, and STOP
     assert seen("fourteen_bytes", "unit.dsp.settings.length=14")[1] == []

@@ -1,4 +1,4 @@
-"""Budgets on what is inside an image: functions, variables, stack, by a program of our own in assembly."""
+"""Budgets on functions, variables and the stack of an image, with a program in assembly."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from tests.records.scenes import recorded
 from tests.scene import runs
 from tests.scene.small import sentence_of
 
-# Main calls _work three times, each of which waits 200 cycles and counts, and keeps 2 words on the stack beside its
-# return address. 7.5 MHz behind reset, so 200 cycles are 26.7 us.
+# Main calls _work three times. Each call waits 200 cycles, counts, and keeps 2 words on the stack beside its return
+# address. After reset the clock is 7.5 MHz, so 200 cycles are 26.7 us.
 SOURCE = """
 WDCR .set 0x7029
  .sect ".text", 0x9000
@@ -54,7 +54,7 @@ _work: PUSH XAR2
 def seen(
     tmp_path: Path, budgets: dict[str, str], unit: str = "", *changes: str, source: str = SOURCE
 ) -> dict[str, float | int | None]:
-    """The worst value of each budget; none has a limit that matters."""
+    """Return the worst value of each budget; no limit matters."""
     (tmp_path / "own.out").write_bytes(write(assemble(source)))
     tables = "".join(
         f'[[budget]]\nname = "{name}"\nmeasure = "{measure}"\n{limit}\n'
@@ -70,7 +70,7 @@ def seen(
 
 
 def test_functions_are_spans(tmp_path: Path):
-    """_work: PUSH 1, RPT 1, 200 NOPs, 6 more instructions of a cycle, LRETR 4: 212 cycles of 7.5 MHz."""
+    """_work: PUSH 1, RPT 1, 200 NOPs, 6 more instructions of one cycle, LRETR 4: 212 cycles of 7.5 MHz."""
     found = seen(
         tmp_path,
         {
@@ -88,7 +88,7 @@ def test_functions_are_spans(tmp_path: Path):
 
 
 def test_the_deepest_stack_in_words(tmp_path: Path):
-    """RPC by both calls, XAR2: 2 + 2 + 2."""
+    """Two calls save RPC, 2 words each, and PUSH saves XAR2: 2 + 2 + 2."""
     assert seen(tmp_path, {"stack": "stack high-water; max = 64"}) == {"stack": 6}
 
 
@@ -134,7 +134,7 @@ def test_a_preset_that_main_begins_with_is_a_change_of_its_variable(tmp_path: Pa
 
 
 def test_a_cpu_in_idle_has_no_load(tmp_path: Path):
-    """Busy for the 3 * 216 cycles and what is around them, of 7500; then IDLE, which nothing ends."""
+    """The CPU is busy for the 3 * 216 cycles and the code around them, of 7500; then IDLE, which nothing ends."""
     busy = seen(tmp_path, {"load": 'cpu load; max = "99 %"'})["load"]
     asleep = seen(tmp_path, {"load": 'cpu load; max = "99 %"'}, source=SOURCE.replace("ESTOP0", "IDLE"))["load"]
     assert busy == 100 and asleep == pytest.approx(100 * (3 * 216 + 24) / 7500, abs=0.2)
@@ -155,11 +155,11 @@ def test_a_cpu_in_idle_has_no_load(tmp_path: Path):
     ],
 )
 def test_names_and_values_that_an_image_does_not_have(tmp_path: Path, budget: str, unit: str, sentence: str):
-    said = sentence_of(BadCase, lambda: seen(tmp_path, {"it": budget}, unit))
-    assert sentence in said and "own.toml, line " in said
+    message = sentence_of(BadCase, lambda: seen(tmp_path, {"it": budget}, unit))
+    assert sentence in message and "own.toml, line " in message
 
 
-def test_that_a_function_is_never_called_is_a_budget_and_one_without_a_name_goes_by_its_address(tmp_path: Path):
+def test_calls_are_counted_also_of_a_function_that_is_never_called_or_given_by_its_address(tmp_path: Path):
     source = SOURCE + " .global _fails\n_fails: LRETR\n"
     assert seen(tmp_path, {"fails": "calls of _fails; max = 0"}, source=source) == {"fails": 0}
     assert seen(tmp_path, {"it": "calls of 0x380080; max = 9"}) == {"it": 0}
@@ -174,7 +174,7 @@ def test_an_endless_loop_is_recorded_as_a_wait_of_its_own(tmp_path: Path):
     assert records[0].text == "_c_int00 (own.asm:4, 0x009001)"
 
 
-def test_a_change_of_a_variable_tells_who_made_it_and_why_knows_it(tmp_path: Path):
+def test_a_change_of_a_variable_is_recorded_with_its_instruction_and_explained_by_why(tmp_path: Path):
     (tmp_path / "own.asm").write_text(SOURCE)
     unit = 'image = "own.asm"\nmodules = ["GPIO"]'
     budget = 'name = "count"\nmeasure = "level of variable _count"\nmax = 3'
@@ -184,15 +184,15 @@ def test_a_change_of_a_variable_tells_who_made_it_and_why_knows_it(tmp_path: Pat
     change = run.record(run.rows(Kind.FLAG, "dsp.memory", "_count")[0])
     at = float(run.seconds(change.tick) * 10**6)
     assert change.value == 1 and change.text.startswith(f"_work (own.asm:{line}, 0x")
-    told = text(why(run, f"_count@{at + 1:.3f}us"))
-    assert told.startswith("dsp.memory._count at ") and ": 1 since " in told
-    assert f"dsp.memory._count = 1 at _work (own.asm:{line}, " in " ".join(told.split())
+    found = text(why(run, f"_count@{at + 1:.3f}us"))
+    assert found.startswith("dsp.memory._count at ") and ": 1 since " in found
+    assert f"dsp.memory._count = 1 at _work (own.asm:{line}, " in " ".join(found.split())
     before = text(why(run, "memory._count@0.001ms"))
     assert "not known, it never changed" in before and "changed" in before.partition("forward:")[2]
 
 
 def test_the_worst_depth_of_the_stack_and_the_last_call_are_explained_by_their_place(tmp_path: Path):
-    """_work is the deepest: LCR #_main and LCR #_work keep 2 words each, PUSH XAR2 2 more."""
+    """_work is the deepest function: LCR #_main and LCR #_work save 2 words each, PUSH XAR2 saves 2 more."""
     (tmp_path / "own.asm").write_text(SOURCE)
     budgets = 'budget = [{ name = "stack", measure = "stack high-water", max = 9 }, '
     budgets += '{ name = "calls", measure = "calls of _work", max = 9 }]\n'
@@ -201,10 +201,10 @@ def test_the_worst_depth_of_the_stack_and_the_last_call_are_explained_by_their_p
     case = load(tmp_path / "own.toml")
     explained = explain(case, Scene(case).run().budgets)
     push = SOURCE.splitlines().index("_work: PUSH XAR2") + 1
-    told = {name: [(step.what, str(step.place)) for step in one.chain.steps] for name, one in explained.items()}
-    assert told["stack"][0][0] == "CPU.stack = 6" and told["stack"][0][1].startswith(f"own.asm:{push} (_work, 0x")
-    assert [what for what, _ in told["calls"]] == ["span _work begins"]
-    assert told["calls"][0][1].startswith(f"own.asm:{push} (_work, 0x")
+    found = {name: [(step.what, str(step.place)) for step in one.chain.steps] for name, one in explained.items()}
+    assert found["stack"][0][0] == "CPU.stack = 6" and found["stack"][0][1].startswith(f"own.asm:{push} (_work, 0x")
+    assert [what for what, _ in found["calls"]] == ["span _work begins"]
+    assert found["calls"][0][1].startswith(f"own.asm:{push} (_work, 0x")
 
 
 RACE = """
@@ -227,7 +227,7 @@ pass: TBIT @TIMER0TCR,#15
 
 
 def test_a_race_is_counted_in_the_clock_that_the_program_set_up(tmp_path: Path):
-    """The first look is soon behind the timer's begin, and TIF rises 1000 cycles of 150 MHz later, 50 of 7.5."""
+    """The first poll is soon after the timer's start, and TIF rises 1000 cycles of 150 MHz later, 50 of 7.5 MHz."""
     (tmp_path / "own.asm").write_text(RACE)
     unit = '[unit.dsp]\nimage = "own.asm"\nmodules = ["TIMER0"]\nppm = 40\n'
     budget = 'budget = [{ name = "race", measure = "race TIMER0.TCR.TIF", max = 1000 }]\n'

@@ -1,4 +1,4 @@
-"""An image that waits for what cannot come is told: asleep with no interrupt on, or in a loop over memory."""
+"""An image that waits for an event that cannot occur is reported: in IDLE without an interrupt, or in a loop."""
 
 from __future__ import annotations
 
@@ -53,17 +53,17 @@ def ran(
 
 
 @pytest.mark.parametrize(
-    ("before", "why"),
+    ("before", "reason"),
     [
         ("CLRC INTM", "IER = 0, so that no interrupt can wake it; enable one in IER before IDLE"),
         (PIE + "OR IER,#0x81\n MOV @PIEIER1,#0", "IER enables INT1 and INT8 only, with PIEIER1 = 0 and PIEIER8 = 0; "),
     ],
 )
-def test_a_sleep_that_no_interrupt_can_end(tmp_path: Path, before: str, why: str):
+def test_a_sleep_that_no_interrupt_can_end(tmp_path: Path, before: str, reason: str):
     result = ran(tmp_path, "IDLE", before)
-    (told,) = result.stuck
-    assert told.startswith("dsp waits in IDLE for an interrupt at _c_int00 (waits.asm:")
-    assert f" and would for ever: {why}" in told
+    (sentence,) = result.stuck
+    assert sentence.startswith("dsp waits in IDLE for an interrupt at _c_int00 (waits.asm:")
+    assert f" and would for ever: {reason}" in sentence
     assert result.verdict == "fail"
 
 
@@ -74,7 +74,7 @@ STUB = {"register": "ADC.ADCST", "value": 4}
 
 
 @pytest.mark.parametrize(
-    ("before", "why"),
+    ("before", "reason"),
     [
         (STOPPED + TINT0, "TIMER0 has nothing due and no wire leads there"),
         (
@@ -87,21 +87,22 @@ STUB = {"register": "ADC.ADCST", "value": 4}
         ),
     ],
 )
-def test_a_sleep_whose_interrupts_cannot_come(tmp_path: Path, before: str, why: str):
-    """The timer runs in two of them, but its interrupt is not the one that is enabled."""
-    (told,) = ran(tmp_path, "IDLE", before).stuck
+def test_a_sleep_whose_interrupts_cannot_occur(tmp_path: Path, before: str, reason: str):
+    """In two of the cases the timer runs, but another interrupt than its own is enabled."""
+    (sentence,) = ran(tmp_path, "IDLE", before).stuck
     assert (
-        "dsp waits in IDLE for an interrupt at _c_int00 (waits.asm:" in told and f" and would for ever: {why}" in told
+        "dsp waits in IDLE for an interrupt at _c_int00 (waits.asm:" in sentence
+        and f" and would for ever: {reason}" in sentence
     )
 
 
-UNMODELLED = "MOVW DP,#0x7100 >> 6\n MOV AL,@0x19\n ANDB AL,#4\n SB again,EQ"  # ADCST, which no module has
+UNMODELLED = "MOVW DP,#0x7100 >> 6\n MOV AL,@0x19\n ANDB AL,#4\n SB again,EQ"  # ADCST, which no modelled module has
 
 
 @pytest.mark.parametrize("before", ["NOP", RUNS, RUNS + TINT0 + "CLRC INTM", RUNS + "OR IER,#1\n CLRC INTM"])
-def test_a_poll_of_what_nothing_models_is_told_whatever_else_runs(tmp_path: Path, before: str):
-    (told,) = ran(tmp_path, UNMODELLED, before + "\n NOP").stuck
-    assert "and would for ever: it is not modelled; answer it by [[unit.dsp.stub]] with register = " in told
+def test_a_poll_of_an_unmodelled_register_is_reported_whatever_else_runs(tmp_path: Path, before: str):
+    (sentence,) = ran(tmp_path, UNMODELLED, before + "\n NOP").stuck
+    assert "and would for ever: it is not modelled; answer it by [[unit.dsp.stub]] with register = " in sentence
 
 
 TICKS = """EALLOW
@@ -137,27 +138,27 @@ DMA = "MOV @0xCEE,#1\n OR IER,#0x40\n CLRC INTM\n MOVW DP,#_flag >> 6\n "
 
 @pytest.mark.parametrize(("loop", "more"), [(UNMODELLED, ""), (LOOKS, LOOK)], ids=["loop", "function"])
 @pytest.mark.parametrize("us", [500, 510, 520, 530, 537.2])
-def test_a_poll_of_what_nothing_models_is_told_in_the_middle_of_service_routines(
+def test_a_poll_of_an_unmodelled_register_is_reported_in_the_middle_of_service_routines(
     tmp_path: Path, us: float, loop: str, more: str
 ):
-    """The run ends in one of them, in the first passes of the poll behind it, or as an interrupt wakes the poll."""
-    (told,) = ran(tmp_path, f"{loop}\n ESTOP0\n{more}{ROUTINE.format(restart='')}", TICKS, us=us).stuck
+    """The run ends in a service routine, in the first polls after it, or at an interrupt of a poll."""
+    (sentence,) = ran(tmp_path, f"{loop}\n ESTOP0\n{more}{ROUTINE.format(restart='')}", TICKS, us=us).stuck
     place = r"_c_int00 \(waits\.asm:\d+, 0x[0-9a-f]+\) since [67]\.\d+ us"
     assert re.match(
-        rf"dsp waits for ADC\.ADCST & 0x(0004|ffff) at {place} and would for ever: it is not modelled; ", told
+        rf"dsp waits for ADC\.ADCST & 0x(0004|ffff) at {place} and would for ever: it is not modelled; ", sentence
     )
 
 
 @pytest.mark.parametrize("us", range(500, 550, 10))
-def test_a_poll_that_a_stub_has_answered_is_over_in_the_middle_of_service_routines(tmp_path: Path, us: int):
+def test_a_poll_that_a_stub_answered_is_not_reported_in_the_middle_of_service_routines(tmp_path: Path, us: int):
     stub = [STUB | {"after": "0.4 ms"}]
     loop = f"{UNMODELLED}\nends: MOV @0x19,#0\n SB ends,UNC\n{ROUTINE.format(restart='')}"
     assert ran(tmp_path, loop, TICKS, us=us, stub=stub).stuck == []
 
 
-def test_a_poll_that_a_stub_does_not_end_is_told_with_its_answer(tmp_path: Path):
-    (told,) = ran(tmp_path, UNMODELLED, stub=[STUB | {"value": 3}]).stuck
-    assert told.endswith(
+def test_a_poll_that_a_stub_does_not_end_is_reported_with_the_answer(tmp_path: Path):
+    (sentence,) = ran(tmp_path, UNMODELLED, stub=[STUB | {"value": 3}]).stuck
+    assert sentence.endswith(
         "and would for ever: its [[unit.dsp.stub]] answers 0x0003; give a value that ends the wait, "
         "or a later one by a further stub with after"
     )
@@ -168,7 +169,7 @@ def test_a_poll_hangs_where_a_service_routine_restarts_the_watchdog(tmp_path: Pa
     """The watchdog overflows after 131072 OSCCLK, 4.4 ms."""
     loop = f"{UNMODELLED}\n ESTOP0\n{ROUTINE.format(restart=restart)}"
     result = ran(tmp_path, loop, TICKS, wdcr=ENABLED, us=12_000)
-    assert (["would for ever" in told for told in result.stuck], result.counts["resets"]) == (
+    assert (["would for ever" in sentence for sentence in result.stuck], result.counts["resets"]) == (
         ([True], 0) if hangs else ([], 2)
     )  # fmt: skip
 
@@ -176,38 +177,38 @@ def test_a_poll_hangs_where_a_service_routine_restarts_the_watchdog(tmp_path: Pa
 @pytest.mark.parametrize("wdcr", [ENABLED, DISABLED])
 def test_a_poll_that_restarts_the_watchdog_itself_hangs(tmp_path: Path, wdcr: int):
     result = ran(tmp_path, f"{RESTART}\n {UNMODELLED}", wdcr=wdcr, us=12_000)
-    (told,) = result.stuck
+    (sentence,) = result.stuck
     assert re.match(
-        r"dsp waits for ADC\.ADCST & 0x0004 at _c_int00 \(waits\.asm:23, 0x009017\) since 4\.933 us and ", told
+        r"dsp waits for ADC\.ADCST & 0x0004 at _c_int00 \(waits\.asm:23, 0x009017\) since 4\.933 us and ", sentence
     )
     assert result.counts["resets"] == 0
 
 
-def test_a_loop_that_counts_and_restarts_the_watchdog_makes_each_pass(tmp_path: Path):
+def test_each_pass_of_a_loop_that_counts_and_restarts_the_watchdog_is_executed(tmp_path: Path):
     result = ran(tmp_path, f"MOVL XAR2,#9999\nspend: {RESTART}\n BANZ spend,AR2--", wdcr=ENABLED, us=6000)
     assert result.counts["resets"] == 0
 
 
-def test_a_loop_over_memory_that_an_unmodelled_module_was_to_end(tmp_path: Path):
-    (told,) = ran(tmp_path, FLAG, PIE + DMA).stuck
-    assert told.endswith(
+def test_a_loop_over_memory_that_only_an_unmodelled_module_could_end(tmp_path: Path):
+    (sentence,) = ran(tmp_path, FLAG, PIE + DMA).stuck
+    assert sentence.endswith(
         "and would for ever: no module of the unit has an interrupt that IER and PIEIER enable; "
         "enable one, or name its module"
     )
 
 
 def test_a_running_timer_whose_interrupt_is_not_enabled_does_not_hide_a_wait(tmp_path: Path):
-    """IER enables another line: only that could run a service routine."""
+    """IER enables another line, and only that line could run a service routine."""
     on = PIE + "OR IER,#1\n MOV @PIEIER1,#0x20\n CLRC INTM\n MOVW DP,#_flag >> 6\n "
-    (told,) = ran(tmp_path, FLAG, RUNS + on).stuck
-    assert "waits for _flag+1 at " in told
+    (sentence,) = ran(tmp_path, FLAG, RUNS + on).stuck
+    assert "waits for _flag+1 at " in sentence
 
 
 @pytest.mark.parametrize(("us", "resets"), [(500, 0), (12_000, 2)])
-def test_a_poll_of_a_module_that_the_watchdog_ends_is_none(tmp_path: Path, us: int, resets: int):
+def test_a_poll_of_a_module_that_the_watchdog_ends_is_not_stuck(tmp_path: Path, us: int, resets: int):
     loop = "MOVW DP,#TIMER0TCR >> 6\n MOV AL,@TIMER0TCR\n TBIT AL,#15\n SB again,NTC"
-    (told,) = ran(tmp_path, loop, STOPPED, us=us).stuck
-    assert "waits for TIMER0.TCR.TIF at " in told
+    (sentence,) = ran(tmp_path, loop, STOPPED, us=us).stuck
+    assert "waits for TIMER0.TCR.TIF at " in sentence
     result = ran(tmp_path, loop, STOPPED, wdcr=ENABLED, us=us)
     assert (result.counts["resets"], result.stuck) == (resets, [])
 
@@ -225,9 +226,9 @@ def test_a_poll_of_a_module_that_the_watchdog_ends_is_none(tmp_path: Path, us: i
     ],
 )
 def test_a_loop_over_memory_that_no_interrupt_can_change(tmp_path: Path, loop: str, before: str, what: str):
-    (told,) = ran(tmp_path, loop, before).stuck
-    assert told.startswith(f"dsp waits for {what} at ")
-    assert told.endswith(
+    (sentence,) = ran(tmp_path, loop, before).stuck
+    assert sentence.startswith(f"dsp waits for {what} at ")
+    assert sentence.endswith(
         " and would for ever: only a service routine could change that, and INTM = 1; "
         "enable interrupts before the wait (CLRC INTM, bits of IER)"
     )
@@ -235,8 +236,8 @@ def test_a_loop_over_memory_that_no_interrupt_can_change(tmp_path: Path, loop: s
 
 def test_a_loop_over_memory_that_a_service_routine_may_change(tmp_path: Path):
     assert ran(tmp_path, FLAG, RUNS + TINT0 + SERVED).stuck == []
-    (told,) = ran(tmp_path, FLAG, STOPPED + TINT0 + SERVED).stuck
-    assert "waits for _flag+1 at _c_int00 (waits.asm:" in told and "nothing due" in told
+    (sentence,) = ran(tmp_path, FLAG, STOPPED + TINT0 + SERVED).stuck
+    assert "waits for _flag+1 at _c_int00 (waits.asm:" in sentence and "nothing due" in sentence
 
 
 NOT_STUCK: dict[str, tuple[str, dict[str, Any]]] = {
@@ -262,7 +263,7 @@ NOT_STUCK: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 @pytest.mark.parametrize("what", NOT_STUCK)
-def test_what_may_go_on_or_has_ended_is_not_stuck(tmp_path: Path, what: str):
+def test_a_program_that_can_continue_or_has_ended_is_not_stuck(tmp_path: Path, what: str):
     loop, more = NOT_STUCK[what]
     assert ran(tmp_path, loop, **more).stuck == []
 
@@ -280,13 +281,13 @@ def test_what_may_go_on_or_has_ended_is_not_stuck(tmp_path: Path, what: str):
         ("NOP", "INC @_flag\n SB again,UNC", r"computes at _c_int00 \(waits.asm:\d+, 0x.*\)"),
     ],
 )
-def test_a_result_says_where_the_image_is_at_the_end(tmp_path: Path, before: str, loop: str, end: str):
+def test_a_result_shows_where_the_image_is_at_the_end(tmp_path: Path, before: str, loop: str, end: str):
     result = ran(tmp_path, loop, before)
-    (told,) = result.ends
-    assert re.fullmatch(f"dsp {end}", told), told
+    (sentence,) = result.ends
+    assert re.fullmatch(f"dsp {end}", sentence), sentence
 
 
 @pytest.mark.parametrize(("loop", "us"), [("IDLE", 500), ("ESTOP0", 500)])
-def test_an_image_that_is_stuck_or_over_is_not_said_twice(tmp_path: Path, loop: str, us: float):
+def test_an_image_that_is_stuck_or_has_ended_is_reported_once(tmp_path: Path, loop: str, us: float):
     result = ran(tmp_path, loop)
     assert result.ends == [] and len(result.stuck) + len(result.notes) == 1

@@ -1,4 +1,4 @@
-"""[unit.NAME] image: a case whose unit runs a .out of our own, and what such a case cannot say."""
+"""[unit.NAME] image: a case whose unit runs a program file, and mistakes in such a case."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_an_image_answers_on_the_line_within_its_budget(periph_sim: Run, folder: Path):  # noqa: F811
+def test_an_image_that_replies_within_its_budget_passes(periph_sim: Run, folder: Path):  # noqa: F811
     (folder / "echo.toml").write_text(CASE)
     came = periph_sim("run", str(folder / "echo.toml"))
     assert came.status == 0, came.out + came.err
     assert "3 SCI bytes" in came.out
 
 
-def test_a_budget_that_the_image_breaks(periph_sim: Run, folder: Path):  # noqa: F811
+def test_an_image_that_breaks_its_budget_fails(periph_sim: Run, folder: Path):  # noqa: F811
     (folder / "echo.toml").write_text(CASE.replace("100 us", "80 us"))
     assert periph_sim("run", str(folder / "echo.toml")).status == 1
 
@@ -109,7 +109,7 @@ wait: TBIT @0x7119,#2
 STUB = '[[unit.dsp.stub]]\nregister = "ADC.ADCST"\nvalue = 4\nafter = "1 ms"\n'
 
 
-def test_a_wait_for_what_nothing_models_is_named_and_a_stub_answers_it(periph_sim: Run, tmp_path: Path):  # noqa: F811
+def test_a_wait_for_an_unmodelled_register_is_reported_and_a_stub_answers_it(periph_sim: Run, tmp_path: Path):  # noqa: F811
     (tmp_path / "adc.asm").write_text(WAITS)
     case = 'name = "adc"\nduration = "3 ms"\n[unit.dsp]\nimage = "adc.asm"\nmodules = []\n'
     (tmp_path / "adc.toml").write_text(case)
@@ -138,8 +138,8 @@ max = "1 us"
 """
 
 
-def test_a_program_that_is_lost_has_its_verdicts_and_their_explanation(periph_sim: Run, tmp_path: Path):  # noqa: F811
-    """The second run, for the explanation, ends there too."""
+def test_a_program_whose_stack_overflows_has_verdicts_and_explanations(periph_sim: Run, tmp_path: Path):  # noqa: F811
+    """The second run, for the explanation, ends at the same place."""
     (tmp_path / "lost.toml").write_text(LOST)
     source = ' .reserve ".stack", 0x400, 32\n .sect ".text", 0x9000\n .global _work\n_c_int00: MOV @SP,#0x400\n'
     (tmp_path / "lost.asm").write_text(f"{source} LCR #_work\n_work: LCR #_work\n")

@@ -1,4 +1,4 @@
-"""The emulator with its sensor models: bytes on the bus are those of the models over the host's frames."""
+"""The emulator with its sensor models: the bytes on the bus are those of the models for the host's frames."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FLOAT = "unit.dsp.settings.arithmetic=float64"
 
 
 def expected(frames: int) -> list[list[str]]:
-    """The bytes that the sensor head reads after 0, 1, 2 ... frames, from recordings: at rest, then of each frame."""
+    """Return the bytes that the sensor head reads after 0, 1, 2 ... frames, computed from recordings of the frames."""
     rows = []
     for sent in ([(0,) * 6], [ramp(n) for n in range(frames)]):
         counts = np.array(sent, dtype=np.float64).reshape(-1, 6)
@@ -31,22 +31,22 @@ def expected(frames: int) -> list[list[str]]:
     ]
 
 
-def test_the_sensor_head_reads_what_the_models_make_of_the_frames():
+def test_the_sensor_head_reads_the_codes_that_the_models_compute_from_the_frames():
     ran = run_file("imu_models", "0.2", FLOAT)
     read = ran.read()
-    # The models run when a round is over: what is read at 5 and 25 ms are frames that had come by 0 and 5 ms.
+    # The models run at the end of a round: at 5 and 25 ms the head reads frames that had arrived by 0 and 5 ms.
     assert read[0] == expected(0)[0]
     assert len(read) == 10 and read[1:] == expected(9)[1:10]
 
 
-def test_a_run_without_new_frames_goes_on_with_rates_of_0():
+def test_without_new_frames_the_rates_are_0():
     ran = run_file("imu_models", "0.2", FLOAT, "host.frames=3")
     late = [unpack(">3h", bytes.fromhex(gyroscope)) for gyroscope, _, _ in ran.read()[5:]]
     assert set(late) == {(-43, 51, 2)}  # the biases, and a tenth of 1.026 g, through S
     assert len({accelerometer for _, accelerometer, _ in ran.read()[5:]}) == 1
 
 
-def test_the_model_costs_what_its_operations_are_estimated_to():
+def test_the_cost_of_the_model_is_the_estimate_of_its_operations():
     ran = run_file("imu_models", "0.1")
     execution = {verdict.name: verdict for verdict in ran.result.budgets}["model execution"]
     assert execution.worst == pytest.approx(1798 / 150, abs=0.01)  # us: half way between 1789 and 1807 cycles
@@ -69,11 +69,11 @@ def test_a_yaw_wrap_is_a_wrong_sign_in_q16_and_full_scale_in_float32():
     z = {}
     for name in ("float64", "float32", "q16", "q16 saturating"):
         models = Models(name, ImuParameters())
-        turns = [models.chips(frame)[0] for frame in (frames[0], frames[0], frames[1])]
-        z[name] = unpack(">3h", turns[-1])[2]
+        results = [models.chips(frame)[0] for frame in (frames[0], frames[0], frames[1])]
+        z[name] = unpack(">3h", results[-1])[2]
     assert z["float64"] == z["float32"] == -32768 == z["q16 saturating"]
     exact = 14.375 * (0.04 + 0.02 * 0.5 - degrees(62482e-4) / 0.02)
-    assert z["q16"] == pytest.approx((exact + 32768) % 65536 - 32768, abs=4)  # what 16 integer bits keep of it
+    assert z["q16"] == pytest.approx((exact + 32768) % 65536 - 32768, abs=4)  # the value modulo 2**16
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_a_yaw_wrap_is_a_wrong_sign_in_q16_and_full_scale_in_float32():
         ("model_cost=12", "12 has no unit"),
     ],
 )
-def test_settings_that_cannot_be_are_refused_with_their_place(setting: str, message: str):
+def test_invalid_settings_are_refused_with_their_place(setting: str, message: str):
     with pytest.raises(BadCase, match=r"unit\.dsp\.settings\.") as refused:
         run_file("imu_models", "0.01", f"unit.dsp.settings.{setting}")
     assert message in str(refused.value)
@@ -99,12 +99,12 @@ def test_parameters_come_from_a_file(tmp_path):
     assert ran.read()[0][0] == "00 00 00 00 00 00"
 
 
-def test_an_estimate_of_nothing_is_refused():
+def test_an_estimate_without_an_arithmetic_is_refused():
     with pytest.raises(BadCase, match=r", line \d+.*: unit\.dsp\.settings: model_cost = .* needs an arithmetic"):
         run_file("imu_hil_published", "0.01", "unit.dsp.settings.model_cost=estimate")
 
 
-def test_a_field_along_z_makes_no_noise_on_standard_error(recwarn):
+def test_a_field_along_z_gives_no_warning(recwarn):
     field = ImuParameters(magnetometer=MagnetometerParameters(earth_field=(0.0, 0.0, 0.3), hard_iron=(0.0, 0.0, 0.0)))
     codes = {name: Models(name, field).chips(bytes(12))[2] for name in ("float64", "float32", "q16")}
     assert unpack(">3h", codes["float64"]) == unpack(">3h", codes["q16"]) == (0, 198, 0)  # x, z, y: 0.3 gauss down
@@ -120,18 +120,18 @@ CHECKED = (
 
 
 @pytest.mark.parametrize("arithmetic", ["q16", "float64"])
-def test_noisy_bytes_are_held_against_the_models_frame_by_frame(arithmetic: str):
+def test_noisy_bytes_are_compared_with_the_models_frame_by_frame(arithmetic: str):
     ran = run_file("imu_models", "0.3", f"unit.dsp.settings.arithmetic={arithmetic}", *CHECKED)
     (verdict,) = ran.result.budgets
     assert (verdict.verdict, verdict.worst, verdict.count) == ("pass", 0, 15 * 18)
 
 
-def test_a_byte_that_no_model_makes_is_wrong():
+def test_bytes_of_shifted_frames_are_wrong():
     ran = run_file("imu_models", "0.3", *CHECKED, "unit.dsp.settings.fifo_level=11")  # frames slip by a byte
     assert ran.broken() == ["wrong bytes"]
 
 
-def test_models_are_checked_only_where_the_pin_tells_when_they_run():
+def test_a_check_of_the_models_needs_the_pin_that_shows_when_they_run():
     with pytest.raises(BadCase, match=r"controller\.check: .* give the unit pins = \{ MODEL = 34 \}"):
         run_file("imu_models", "0.01", *CHECKED, "unit.dsp.pins={}")
 
@@ -140,7 +140,7 @@ FAST = "host.motion.angles.2.frequency=7 Hz"  # 60 degrees of yaw: up to 2639 de
 
 
 def overflows(ran: Ran) -> tuple[int, str, str]:
-    """How many, the verdict, and the note of a run of imu_hil."""
+    """Return the number of overflows, the verdict, and the note of a run of imu_hil."""
     found = {verdict.name: verdict for verdict in ran.result.budgets}["overflows"]
     notes = [note for note in ran.result.notes if "does not fit" in note]
     return found.count, found.verdict, " ".join(notes)
@@ -163,8 +163,8 @@ def test_floats_have_no_overflows(arithmetic: str):
 
 
 @pytest.mark.parametrize("name", ["float64", "q16"])
-def test_the_first_frame_has_no_attitude_before_it_so_its_rates_are_0(name: str):
-    """Zeros, before any frame, are at rest; a frame of zeros that has come is an attitude like any other."""
+def test_the_rates_of_the_first_frame_are_0(name: str):
+    """The zeros before any frame mean rest, while a received frame of zeros is an attitude like any other."""
     models, quarter = Models(name, ImuParameters()), pack("<6h", 0, 0, 15708, 0, 0, 1000)
     models.chips(NO_FRAME)
     first, second = models.chips(quarter)[0], models.chips(quarter)[0]

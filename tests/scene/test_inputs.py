@@ -41,7 +41,7 @@ def idle(dsp: Dsp, _: object) -> None:
 
 
 class Observed:
-    """The starts of rounds and frames, and the durations of spans, in seconds from the start of a run."""
+    """Times of rounds and frames, and durations of spans, in seconds from the start of a run."""
 
     def __init__(self, case: Case, program: Any = None, seconds: Fraction | None = None) -> None:
         self.rounds: list[Fraction] = []
@@ -83,7 +83,7 @@ REQUEST = {"request": [{"address": 0x20, "count": 1}]}
 
 
 def test_rounds_start_at_the_listed_times():
-    """ppm does not apply to them, and the last one is the last round."""
+    """Their times are not scaled by ppm, and the last listed round is the last of the run."""
     listed = ["5.2 ms", "25 ms"]
     seen = Observed(case(controller={**REQUEST, "ppm": 100, "jitter": "1 ms"}, inputs={"rounds": listed}), idle)
     assert seen.rounds == [Fraction("5.2") * MS, 25 * MS]
@@ -134,7 +134,7 @@ def test_the_last_round_is_missed_if_it_starts_within_another():
 
 
 def test_the_slack_of_a_round_reaches_to_the_next_listed_start():
-    """A round of an address and one byte takes 0.105 ms; the last one has slack until a period of 20 ms is over."""
+    """A round of an address and one byte takes 0.105 ms; the last one has slack until a period of 20 ms has passed."""
     slack = {"name": "slack", "measure": "slack", "min": "0 s"}
     for rounds, worst in ((["5 ms", "6 ms"], 895), (["5 ms", "30 ms"], 19_895)):
         (verdict,) = Observed(case(controller=REQUEST, inputs={"rounds": rounds}, budget=[slack]), idle).result.budgets
@@ -164,7 +164,7 @@ def test_costs_are_the_listed_ones_and_then_drawn():
     assert seen.costs[2:] == [drawn.randint(15_000, 21_000) * ONE_CYCLE for _ in range(2)]
 
 
-def test_a_cost_outside_its_range_is_refused_where_it_is_used():
+def test_a_cost_outside_its_range_is_refused_when_it_is_used():
     with pytest.raises(FirmwareError, match=r"entry 2 of costs in \[inputs\] is 99 us; expected 100 us to 140 us"):
         Observed(case(inputs={"costs": {"dsp": ["100 us", "99 us"]}}), steps)
 
@@ -177,12 +177,12 @@ WRONG = {
 
 
 @pytest.mark.parametrize(("inputs", "sentence"), WRONG.values(), ids=WRONG)
-def test_lists_of_parts_that_are_not_there_are_refused(inputs: dict[str, Any], sentence: str):
+def test_lists_of_missing_parts_are_refused(inputs: dict[str, Any], sentence: str):
     with pytest.raises(BadCase, match=sentence):
         case(inputs=inputs)
 
 
-def test_starts_out_of_order_are_found_in_their_own_change():
+def test_starts_out_of_order_are_reported_with_their_change():
     changes = ["inputs.rounds=['5 ms']", "inputs.frames=['5 ms', '3 ms']"]
     with pytest.raises(
         BadCase, match=r"--set \"inputs\.frames=\['5 ms', '3 ms'\]\": inputs\.frames\.1: it is not after"
@@ -191,7 +191,7 @@ def test_starts_out_of_order_are_found_in_their_own_change():
 
 
 def test_a_round_before_the_chips_are_set_up_is_refused():
-    """They are set up 10 ms before `first`, whatever the listed rounds."""
+    """The chips are set up 10 ms before `first`, whatever the listed rounds."""
     tables = {"chip": {"gyroscope": {"model": "itg3200", "values": {"fixed": [0, 0, 0]}}}, "unit": {}}
     asked = {"request": [{"chip": "gyroscope"}], "first": "40 ms", "initialise": "10 ms"}
     sentence = r"inputs\.rounds\.0: the round starts before the chips are set up; start it later, or make "
@@ -212,8 +212,8 @@ def test_starts_out_of_order_are_refused(times: list[str]):
         case(controller=REQUEST, inputs={"rounds": times})
 
 
-def test_the_flagship_judges_its_own_inputs_as_before():
-    """Its starts and costs, listed, give the same verdict on every budget, with the same value."""
+def test_the_inputs_of_the_flagship_listed_give_the_same_verdicts():
+    """The starts and costs of a run, given as lists, lead to the same verdict and value of every budget."""
     path, seconds = TIMING / "imu_hil.toml", Fraction(1, 5)
     before = Observed(load(path), None, seconds)
     firmware, given_settings = before.scene.firmware["dsp"], before.scene.case.unit["dsp"].settings
@@ -239,7 +239,7 @@ def in_seconds(time: Fraction) -> str:
     st.lists(st.integers(0, 30_000), max_size=5, unique=True).map(sorted),
 )
 def test_rounds_and_frames_start_at_any_listed_cycles(rounds: list[int], frames: list[int]):
-    """Every listed start begins a round or a frame, unless it lies within the one before."""
+    """Every listed start begins a round or a frame, unless it lies within the previous one."""
     lists = {"rounds": [f"{one} us" for one in rounds], "frames": [f"{one} us" for one in frames]}
     seen = Observed(case(controller={**REQUEST, "gap": "0 s"}, host={}, inputs=lists), idle)
     assert set(seen.rounds) <= {one * US for one in rounds}

@@ -1,7 +1,7 @@
 """Interrupts of a whole unit, from a module's flag or a pin edge to the service routine.
 
-Each gate on the way is shut one at a time, and no other interrupt is served meanwhile. A pin edge passes the qualifier
-and XINT first.
+Each gate on the path is closed, one at a time, and no other interrupt is served meanwhile. A pin edge passes the
+qualifier and XINT first.
 
 flag --enable of the module--> PIEIFR --PIEIER--> PIEACK open? --> IFR --IER--> INTM = 0 --> routine
 """
@@ -29,7 +29,7 @@ TICKS = 20  # a cycle
 
 
 def sci(dsp: Dsp, receive: int, transmit: int) -> None:
-    """Loop-back: a word that is sent is received."""
+    """Start the SCI in loop-back, so that a word that is sent is received."""
     module = dsp.module("SCI-A")
     module.SCICCR.all = 0x17
     module.SCILBAUD.all = 1
@@ -40,7 +40,7 @@ def sci(dsp: Dsp, receive: int, transmit: int) -> None:
 
 
 def i2c(dsp: Dsp, enable: int) -> None:
-    """XRDY is 1 from the reset on."""
+    """Enable I2C interrupts; XRDY is 1 from the reset on."""
     dsp.module("I2C-A").I2CMDR.all = 0x20
     dsp.module("I2C-A").I2CIER.all = enable << 4
 
@@ -60,7 +60,7 @@ def timer(number: int) -> Callable[[Dsp, int], None]:
 
 
 def xint(line: int) -> Callable[[Dsp, int], None]:
-    """XINT1 and 2 see GPIO0, which rises; XINT3 to 7 GPIO32, which falls."""
+    """XINT1 and XINT2 select GPIO0, which rises; XINT3 to XINT7 select GPIO32, which falls."""
 
     def provoke(dsp: Dsp, enable: int) -> None:
         dsp.module("XINT")[f"XINT{line}CR"].all = (4 if line < 3 else 0) | enable
@@ -75,7 +75,7 @@ def xint(line: int) -> Callable[[Dsp, int], None]:
 
 
 def watchdog(dsp: Dsp, enable: int) -> None:
-    """A wrong WDCHK with WDENINT = 1."""
+    """Write a wrong WDCHK with WDENINT = 1."""
     dsp.eallow()
     system = dsp.module("SYS")
     system.SCSR.all = 2
@@ -105,11 +105,11 @@ def cases() -> list[tuple[str, str]]:
 
 
 @pytest.mark.rule("SYS-096", "SYS-099", "SYS-100", "SYS-101", "SYS-128")
-@pytest.mark.parametrize(("source", "shut"), cases())
-def test_a_shut_gate_holds_its_request_and_lets_no_other_through(source: str, shut: str):
+@pytest.mark.parametrize(("source", "closed"), cases())
+def test_a_closed_gate_holds_its_request_and_no_other_interrupt_is_served(source: str, closed: str):
     group, line = LINES.get(source, (0, 0))
     number = group or CPU_VECTORS[source]
-    reset = 0xFFF if shut == "PIEACK" else 0
+    reset = 0xFFF if closed == "PIEACK" else 0
     kernel, system = Kernel(), SystemOptions(pieack_reset=reset)
     dsp = Dsp(kernel, Timebase(150_000_000), Recorder(), DspPlan("dsp", MODULES, {}, code=BARE, system=system))
     served: Counter[str] = Counter()
@@ -123,7 +123,7 @@ def test_a_shut_gate_holds_its_request_and_lets_no_other_through(source: str, sh
 
         return serve
 
-    def look() -> None:
+    def note_state() -> None:
         flags = [dsp.pie.peek(0, 2 * g + 1) for g in range(1, 13)]
         seen.append((dict(served), flags, dsp.core.ifr))
 
@@ -132,38 +132,38 @@ def test_a_shut_gate_holds_its_request_and_lets_no_other_through(source: str, sh
             dsp.handle(name, routine(name))
         pie.PIECTRL.ENPIE = 1
         for g in range(1, 13):
-            pie[f"PIEIER{g}"].all = 0xFF & ~(1 << line - 1 if g == group and shut == "PIEIER" else 0)
-        dsp.cpu.or_ier(0xFFFF & ~(1 << number - 1 if shut == "IER" else 0))
-        if shut != "INTM":
+            pie[f"PIEIER{g}"].all = 0xFF & ~(1 << line - 1 if g == group and closed == "PIEIER" else 0)
+        dsp.cpu.or_ier(0xFFFF & ~(1 << number - 1 if closed == "IER" else 0))
+        if closed != "INTM":
             dsp.eint()
         dsp.eallow()
         dsp.module("SYS").PCLKCR0.all = 1 << 10 | 1 << 4
         dsp.edis()
         dsp.compute(10)
-        SOURCES[source](dsp, int(shut != "enable"))
+        SOURCES[source](dsp, int(closed != "enable"))
         dsp.compute(30_000)
-        look()
-        if shut == "PIEIER":
+        note_state()
+        if closed == "PIEIER":
             pie[f"PIEIER{group}"].all = 0xFF
-        elif shut == "PIEACK":
+        elif closed == "PIEACK":
             pie.PIEACK.all = 0xFFF
-        elif shut == "IER":
+        elif closed == "IER":
             dsp.cpu.or_ier(0xFFFF)
-        elif shut == "INTM":
+        elif closed == "INTM":
             dsp.eint()
         dsp.compute(1000)
-        look()
+        note_state()
 
     dsp.start(main)
     kernel.run_until(50_000 * TICKS)
     flagged = [0] * 12
-    if group and shut not in ("none", "enable"):
+    if group and closed not in ("none", "enable"):
         flagged[group - 1] = 1 << line - 1
-    latched = 1 << number - 1 if shut in ("IER", "INTM") else 0
+    latched = 1 << number - 1 if closed in ("IER", "INTM") else 0
     once = {source: 1}
     assert seen == [
-        (once if shut == "none" else {}, flagged, latched),
-        ({} if shut == "enable" else once, [0] * 12, 0),
+        (once if closed == "none" else {}, flagged, latched),
+        ({} if closed == "enable" else once, [0] * 12, 0),
     ]
 
 
@@ -200,8 +200,10 @@ def test_a_pin_edge_reaches_the_vector_fetch_within_its_window_and_twelve_cycles
     assert 0 < vector_fetch - edge <= (WINDOW[qsel] + 12) * CYCLE
 
 
-def heard(levels: list[tuple[int, int]], modules: tuple[str, ...], pin: int, setup: Callable[[Dsp], None]) -> int:
-    """Return how often XINT1 is served. It is on both edges of a pad that has these levels at these ticks."""
+def count_served(
+    levels: list[tuple[int, int]], modules: tuple[str, ...], pin: int, setup: Callable[[Dsp], None]
+) -> int:
+    """Return how often XINT1 is served. It selects both edges of a pad that has these levels at these ticks."""
     kernel, recorder = Kernel(), Recorder()
     wire = Wire(kernel, "PAD", recorder)
     hand = wire.attach("hand")
@@ -233,17 +235,17 @@ def to_sci(dsp: Dsp) -> None:
 
 @pytest.mark.parametrize("setup", [lambda dsp: None, to_sci], ids=["synchronised", "asynchronous"])
 def test_a_pin_of_the_sci_can_interrupt_as_well(setup):
-    """A wake-up by the start bit, say: GPIOXINTnSEL takes the pad whatever the multiplexer makes of it."""
-    assert heard([(0, 0), (40_000, 1)], ("GPIO", "XINT", "SCI-A"), 28, setup) == 2
+    """The start bit can wake the CPU, for example: GPIOXINTnSEL selects the pad whatever the multiplexer selects."""
+    assert count_served([(0, 0), (40_000, 1)], ("GPIO", "XINT", "SCI-A"), 28, setup) == 2
 
 
 @pytest.mark.parametrize("setup", [lambda dsp: None, to_sci], ids=["synchronised", "asynchronous"])
 @pytest.mark.parametrize(
     ("rise", "seen"),
     [
-        (19, 0),  # fell and rose between two SYSCLKOUT edges: no sample shows it
+        (19, 0),  # falls and rises between two SYSCLKOUT edges: no sample is low
         (21, 1),  # two edges a cycle apart, one flag in PIEIFR
     ],
 )
-def test_a_pulse_between_two_sysclkout_edges_is_no_edge(setup, rise, seen):
-    assert heard([(1, 0), (rise, 1)], ("GPIO", "XINT", "SCI-A"), 28, setup) == seen
+def test_a_pulse_between_two_sysclkout_edges_is_not_seen(setup, rise, seen):
+    assert count_served([(1, 0), (rise, 1)], ("GPIO", "XINT", "SCI-A"), 28, setup) == seen

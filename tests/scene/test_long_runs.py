@@ -1,4 +1,4 @@
-"""Runs of hours and years: exact counts with a crystal off by ppm; more than there are ticks is refused."""
+"""Runs of hours and years: counts are exact with a crystal off by ppm, and a run beyond the last tick is refused."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_spans_of_a_second_are_counted_exactly_for_hours(ppm: int) -> None:
 
 
 @pytest.mark.parametrize("duration", ["39800 d", "17792 d"])
-def test_a_run_beyond_the_last_tick_is_refused_before_it_begins(duration: str) -> None:
+def test_a_run_beyond_the_last_tick_is_refused_before_it_starts(duration: str) -> None:
     scene = Scene(case(duration), programs=PROGRAMS)
     with pytest.raises(BadCase, match=r"duration: a run of .* d ends after the last tick, .* is 17791\.9 d$"):
         scene.run()

@@ -1,4 +1,4 @@
-"""What firmware gets wrong in its use of the DSP: one sentence with its file and line, and status 2; no traceback."""
+"""Misuse of the DSP by firmware: one sentence with file and line, and no traceback."""
 
 from __future__ import annotations
 
@@ -54,13 +54,13 @@ STATEMENTS = {
 
 
 @pytest.mark.parametrize("statement", STATEMENTS)
-def test_wrong_use_is_told_with_file_and_line(tmp_path: Path, statement: str):
+def test_wrong_use_is_reported_with_file_and_line(tmp_path: Path, statement: str):
     text = f"def main(dsp, settings):\n    i2c = dsp.module('I2C-A')\n    {statement}\n"
-    said = sentence_of(FirmwareError, lambda: scene_of(tmp_path, text).run())
-    assert said.startswith("dsp, line 3 of wrong.py: ") and STATEMENTS[statement] in said
+    message = sentence_of(FirmwareError, lambda: scene_of(tmp_path, text).run())
+    assert message.startswith("dsp, line 3 of wrong.py: ") and STATEMENTS[statement] in message
 
 
-def test_whole_numbers_of_other_kinds_are_taken(tmp_path: Path):
+def test_whole_numbers_of_other_types_are_accepted(tmp_path: Path):
     text = (
         "import numpy as np\n\ndef main(dsp, settings):\n    i2c = dsp.module('I2C-A')\n"
         "    dsp.eallow()\n    dsp.module('SYS').PCLKCR0.all = np.uint16(16)\n    dsp.edis()\n"
@@ -80,38 +80,38 @@ MAINS = {
 
 
 @pytest.mark.parametrize("text", MAINS)
-def test_main_that_cannot_be_called_is_told_before_anything_runs(tmp_path: Path, text: str):
-    said = sentence_of(BadCase, lambda: scene_of(tmp_path, text))
-    assert "line 5: unit.dsp.firmware: " in said
-    assert "wrong.py', line 1 of wrong.py: " in said and MAINS[text] in said
+def test_a_main_that_cannot_be_called_is_refused_before_the_run(tmp_path: Path, text: str):
+    message = sentence_of(BadCase, lambda: scene_of(tmp_path, text))
+    assert "line 5: unit.dsp.firmware: " in message
+    assert "wrong.py', line 1 of wrong.py: " in message and MAINS[text] in message
 
 
 @pytest.mark.parametrize("how", ["async def irq():\n    pass\n", "def irq():\n    yield\n"])
-def test_service_routine_that_would_not_run_is_refused(tmp_path: Path, how: str):
+def test_a_service_routine_that_would_not_run_is_refused(tmp_path: Path, how: str):
     text = f"{how}def main(dsp, settings):\n    dsp.handle('XINT1', irq)\n"
     with pytest.raises(FirmwareError, match=r"dsp, line 4 of wrong\.py: the routine of 'XINT1' is "):
         scene_of(tmp_path, text).run()
 
 
-def test_case_with_nothing_in_it_is_refused():
+def test_an_empty_case_is_refused():
     with pytest.raises(BadCase, match="there is nothing to run; give it a"):
         Scene(Case.model_validate({"name": "empty", "duration": "1 ms"}))
 
 
-def test_case_without_budgets_is_not_judged(tmp_path: Path):
+def test_a_case_without_budgets_is_not_judged(tmp_path: Path):
     result = scene_of(tmp_path, "def main(dsp, settings):\n    dsp.compute(5)\n").run()
     assert (result.verdict, result.budgets) == ("not judged", [])
 
 
 @pytest.mark.parametrize(("wait", "noted"), [("compute(180_000)", True), ("spin(lambda: 0)", False)])
-def test_a_main_that_returns_while_the_run_goes_on_is_noted_with_its_time(tmp_path: Path, wait: str, noted: bool):
+def test_a_main_that_returns_before_the_end_is_noted_with_its_time(tmp_path: Path, wait: str, noted: bool):
     scene = scene_of(tmp_path, f"def main(dsp, settings):\n    dsp.{wait}\n")
     notes = scene.run(seconds("2 ms")).notes
     at = "dsp: main returned at 1200.000 us; from then on only service routines run"
     assert notes == ([at] if noted else [])
 
 
-# Whose fault an exception is -----------------------------------------------------------------
+# Exceptions by their origin ------------------------------------------------------------------
 
 
 SERVICE_ROUTINE = (
@@ -141,14 +141,14 @@ SERVICE_ROUTINE = (
     ],
     ids=["main returns a value", "misuse in a service routine", "exception", "wrong name"],
 )
-def test_a_fault_of_the_firmware_ends_the_run_with_its_line(tmp_path: Path, text: str, message: str):
+def test_an_error_in_the_firmware_ends_the_run_with_its_line(tmp_path: Path, text: str, message: str):
     scene = scene_of(tmp_path, text)
     with pytest.raises(FirmwareError, match=message):
         scene.run()
 
 
-def test_exception_of_a_model_is_not_put_down_to_the_firmware(tmp_path: Path):
+def test_an_exception_of_a_model_is_not_reported_as_one_of_the_firmware(tmp_path: Path):
     scene = scene_of(tmp_path, "def main(dsp, settings):\n    dsp.module('I2C-A').I2COAR.all = 1\n")
-    scene.units["dsp"].sockets["I2C-A"].after = lambda cycle: seconds(3)  # raises in a file of ours
+    scene.units["dsp"].sockets["I2C-A"].after = lambda cycle: seconds(3)  # raises in a file of periph_sim
     with pytest.raises(AttributeError, match="replace"):
         scene.run()

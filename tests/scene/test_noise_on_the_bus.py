@@ -1,4 +1,4 @@
-"""Noise through the whole chain: what the sensor head reads of the emulator are the samples that arrays give."""
+"""Noise through the whole chain: the sensor head reads from the emulator the samples that arrays give."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ROUNDS = 40
 
 
 def read(arithmetic: str, seed: int | None = 5) -> np.ndarray:
-    """Codes of the gyroscope, a row a round, as the sensor head got them."""
+    """Return the codes of the gyroscope that the sensor head reads, one row a round."""
     changes = [STILL, f"unit.dsp.settings.arithmetic={arithmetic}", "unit.dsp.settings.model_cost=250 us"]
     if seed is not None:
         changes.append(f"unit.dsp.settings.noise_seed={seed}")
@@ -27,27 +27,27 @@ def read(arithmetic: str, seed: int | None = 5) -> np.ndarray:
     return np.array([np.frombuffer(bytes.fromhex(gyroscope), ">i2") for gyroscope, _, _ in ran.read()])
 
 
-def test_the_sensor_head_reads_the_samples_of_the_arrays_one_a_round():
-    """The n-th run of the models makes the n-th sample; it is done before round n, as Fig. A.2 has it."""
-    came = read("float64")
+def test_the_sensor_head_reads_one_sample_of_the_arrays_in_each_round():
+    """The n-th run of the models computes the n-th sample and ends before round n, as in Fig. A.2."""
+    received = read("float64")
     codes = np.rint(at_rest(ImuParameters(), ROUNDS, 5)["gyroscope"] * ImuParameters().gyroscope.scale)
-    assert len(came) == ROUNDS
-    assert np.array_equal(came, codes)
+    assert len(received) == ROUNDS
+    assert np.array_equal(received, codes)
 
 
-def test_in_q16_they_are_the_same_but_for_an_lsb_now_and_then():
+def test_samples_in_q16_rarely_differ_and_by_one_lsb():
     exact, fixed = read("float64"), read("q16")
     assert np.abs(exact - fixed).max() <= 1
     assert np.mean(exact != fixed) < 0.05
 
 
-def test_without_a_seed_nothing_stirs():
+def test_without_a_seed_there_is_no_noise():
     still = read("float64", None)
     assert (still == still[0]).all()
     assert len(np.unique(read("float64")[:, 0])) > 3
 
 
-def test_the_noise_of_a_parameter_file_is_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_the_noise_of_a_parameter_file_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     (tmp_path / "quiet.toml").write_text('[gyroscope]\nnoise_density = "0, 0, 0 (deg/s)^2/Hz"\n', encoding="utf-8")
     settings = f'unit.dsp.settings.parameters="{tmp_path / "quiet.toml"}"'
     ran = run_file("imu_models", "0.2", STILL, settings, "unit.dsp.settings.noise_seed=1")

@@ -1,6 +1,6 @@
-"""What happens in one instant is one sample: in which order parties act or listen shows nowhere.
+"""Changes at one time are one sample: the order in which parties act or listen has no effect.
 
-The master here is what RTL makes: SCL falls and SDA changes on one clock edge, a hold time of 0, which UM10204 allows.
+The master here behaves as RTL does: SCL falls and SDA changes on one clock edge, a hold time of 0, as UM10204 allows.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ from tests.scene.runs import recorded
 from tests.scene.small import case
 
 CYCLE = 20  # ticks
-HALF = 15_000  # of a bit at 100 kHz
+HALF = 15_000  # ticks of half a bit at 100 kHz
 BEGIN = 3_000_000
-Shuffle = Callable[[list[Any]], None]
+Reorder = Callable[[list[Any]], None]
 Move = tuple[int, str, int]  # tick, line, level
 
 UNIT = 0x50  # its firmware holds the data "5a c3"
-TARGET = 0x21  # an agent's
+TARGET = 0x21  # the address of an agent
 SCRIPT = "S 50W 12 ff 00 P S 50R . ! P S 21W 55 S 21R . . ! P S 0aW P S 50R ! P"
 
 
 def moves(script: str) -> Iterator[Move]:
-    """The master's moves: S START, P STOP, 50W an address, hex a byte, . a byte read, ! the last one, refused."""
+    """Yield the master's moves: S START, P STOP, 50W an address, hex a byte, . a byte read, ! the last byte read."""
     at, free = BEGIN, True
 
     def bits(levels: list[int]) -> Iterator[Move]:
@@ -64,13 +64,13 @@ def moves(script: str) -> Iterator[Move]:
 
 
 class Bus:
-    """Two units, a target and listeners. `shuffled` is in which order they come, and the master's moves go.
+    """Two units, a target and listeners. `reorder` permutes the parties and the master's moves.
 
-    late: ticks by which a move comes later. alone: without the target, which sees every tick by itself.
+    late: ticks by which a move is delayed. alone: without the target, which samples every tick by itself.
     """
 
     def __init__(
-        self, shuffled: Shuffle, late: Callable[[], int], modules: tuple[str, ...], alone: bool = False
+        self, reorder: Reorder, late: Callable[[], int], modules: tuple[str, ...], alone: bool = False
     ) -> None:
         unit = {"firmware": "responder", "modules": modules, "settings": {"replies": ["5a c3", "81"]}}
         both = {"one": unit, "two": unit | {"settings": {"replies": ["42"], "address": 0x51}}}
@@ -86,17 +86,17 @@ class Bus:
             lambda: setattr(self, "idle", I2cController(kernel, recorder, scl, sda, BusTiming(*[HALF] * 7), "idle")),
             lambda: setattr(self, "hands", {"SCL": scl.attach("RTL"), "SDA": sda.attach("RTL")}),
         ]
-        shuffled(parties)
+        reorder(parties)
         for party in parties:
             party()
         calls = [(at + late(), line, level) for at, line, level in moves(SCRIPT)]
-        shuffled(calls)
+        reorder(calls)
         for at, line, level in calls:
             kernel.call_at(at, partial(self.hands[line].drive, level))
         self.scene.run(Fraction(35, 10_000))
 
-    def said(self) -> list[str]:
-        """The transfers as `I2cMonitor` reports them."""
+    def transfer_texts(self) -> list[str]:
+        """Return the transfers as `I2cMonitor` reports them."""
         return [
             " ".join(
                 f"{p.address:02x}{'WR'[p.read]}{'NA'[p.acked]} {(p.got or p.data).hex()}"
@@ -107,38 +107,38 @@ class Bus:
         ]
 
     def recorded(self, *kinds: Kind) -> list[tuple[object, ...]]:
-        """Records without numbers, those of one tick in alphabetical order; holders of a line likewise."""
+        """Return records without numbers, those of one tick in alphabetical order, and holders of a line likewise."""
         found = (r for r in self.records if not kinds or r.kind in kinds)
         return sorted((r.tick, r.kind.value, r.where, r.what, r.value, sorted(r.text.split(", "))) for r in found)
 
 
-def in_order(calls: list[Any]) -> None:
-    """As they come."""
+def keep_order(calls: list[Any]) -> None:
+    """Leave the calls in their order."""
 
 
-def backwards(calls: list[Any]) -> None:
+def reverse_order(calls: list[Any]) -> None:
     calls.reverse()
 
 
 @cache
 def plain(modules: tuple[str, ...], alone: bool = False) -> Bus:
-    return Bus(in_order, lambda: 0, modules, alone)
+    return Bus(keep_order, lambda: 0, modules, alone)
 
 
-SAID = ["50WA 12ff00AAA", "50RA 5ac3AN", "21WA 55A 21RA 990180AAN", "0aWN ", "50RA 81N"]
+TRANSFERS = ["50WA 12ff00AAA", "50RA 5ac3AN", "21WA 55A 21RA 990180AAN", "0aWN ", "50RA 81N"]
 
 
-@pytest.mark.parametrize("order", [in_order, backwards], ids=["SCL first", "SDA first"])
-def test_sda_may_change_in_the_instant_in_which_scl_falls(order):
-    assert Bus(order, lambda: 0, ("I2C-A",)).said() == SAID
+@pytest.mark.parametrize("order", [keep_order, reverse_order], ids=["SCL first", "SDA first"])
+def test_sda_may_change_at_the_same_time_as_scl_falls(order):
+    assert Bus(order, lambda: 0, ("I2C-A",)).transfer_texts() == TRANSFERS
 
 
 @pytest.mark.parametrize("modules", [("I2C-A",), ("I2C-A", "GPIO")])
 @settings(max_examples=5, deadline=None)
 @given(seed=st.integers(0, 2**32))
-def test_neither_the_order_of_calls_nor_that_of_listeners_shows(modules, seed):
+def test_the_order_of_calls_and_of_listeners_has_no_effect(modules, seed):
     mixed = Bus(random.Random(seed).shuffle, lambda: 0, modules)
-    assert plain(modules).said() == mixed.said() == SAID
+    assert plain(modules).transfer_texts() == mixed.transfer_texts() == TRANSFERS
     assert mixed.recorded() == plain(modules).recorded()
     assert mixed.counter.bytes == plain(modules).counter.bytes == 16
 
@@ -146,8 +146,8 @@ def test_neither_the_order_of_calls_nor_that_of_listeners_shows(modules, seed):
 @pytest.mark.parametrize("modules", [("I2C-A",), ("I2C-A", "GPIO")])
 @settings(max_examples=5, deadline=None)
 @given(seed=st.integers(0, 2**32))
-def test_for_a_chip_a_sysclkout_cycle_is_one_instant(modules, seed):
-    """Moves come anywhere in the cycle before the SYSCLKOUT edge: registers, accesses and interrupts are equal."""
+def test_changes_within_a_sysclkout_cycle_are_one_instant_for_a_chip(modules, seed):
+    """Moves occur anywhere in the cycle before the SYSCLKOUT edge; registers, accesses and interrupts are equal."""
     chance = random.Random(seed)
     mixed = Bus(chance.shuffle, lambda: -chance.randrange(CYCLE), modules, alone=True)
     of_chips = (Kind.FLAG, Kind.ACCESS, Kind.IRQ, Kind.NOTE)

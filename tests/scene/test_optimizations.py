@@ -1,6 +1,6 @@
-"""Every shipped case gives the same records and figures whichever optimizations are off.
+"""Every shipped case gives the same records and results whichever optimizations are off.
 
-A read of a wait that is skipped leaves no record of its access, so records of reads are compared where polls are on.
+A skipped read of a wait leaves no record of its access, so records of reads are compared only with polls on.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ CASES = sorted(str(path.relative_to(TIMING))[:-5] for path in (*TIMING.glob("*.t
 IMAGES = ("imu_hil_image",)
 
 
-# Each poll is made, so the first frame and the first round come early where the firmware is ready and needs no set-up.
+# Each poll is executed, so the first frame and the first round are early if the firmware is ready and needs no set-up.
 EARLY = {"host": "host.first=0.3 ms", "controller": "controller.first=1 ms"}
-AS_THEY_ARE = {"imu_hil_image": "0.0115", "imu_hil_c": "0.0055", "real_chips": "0.011"}
+UNCHANGED = {"imu_hil_image": "0.0115", "imu_hil_c": "0.0055", "real_chips": "0.011"}
 
 
 def seconds_of(name: str) -> str:
-    return "0.0077" if name == "imu_hil_c" else "0.05"  # each poll of C sources is made
+    return "0.0077" if name == "imu_hil_c" else "0.05"  # each poll of C sources is executed
 
 
 def without_reads(records: list[Record]) -> list[tuple[object, ...]]:
-    """Return the records but for reads, without their numbers and causes."""
+    """Return the records except reads, without their numbers and causes."""
     return [
         record._replace(number=0, cause=0)
         for record in records
@@ -52,14 +52,14 @@ def test_every_case_gives_the_same_records_without_optimizations(name: str, disa
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_every_case_gives_the_same_records_but_of_reads_without_any_optimization(name: str):
+def test_every_case_gives_the_same_records_except_reads_without_any_optimization(name: str):
     path = TIMING / f"{name}.toml"
-    changes = [change for part, change in EARLY.items() if name not in AS_THEY_ARE and getattr(load(path), part)]
-    case, seconds = load(path, changes), AS_THEY_ARE.get(name, "0.0045")
+    changes = [change for part, change in EARLY.items() if name not in UNCHANGED and getattr(load(path), part)]
+    case, seconds = load(path, changes), UNCHANGED.get(name, "0.0045")
     default, plain = (run(case, names, BUT_EDGES, seconds) for names in ((), (ALL,)))
-    shown = [figures(one[0]) for one in (default, plain)]
-    counts = [one["counts"].pop("polls_skipped") for one in shown]
-    assert shown[0] == shown[1]
+    results = [figures(one[0]) for one in (default, plain)]
+    counts = [one["counts"].pop("polls_skipped") for one in results]
+    assert results[0] == results[1]
     assert counts[1] == 0
     assert without_reads(default[1]) == without_reads(plain[1]) and len(plain[1]) > 20
 
@@ -69,13 +69,13 @@ def is_on(name: str, disable: tuple[str, ...]) -> bool:
     return ScenePlan(case).ticks.optimizes(name)
 
 
-def test_each_name_is_known_and_switches_one_off():
+def test_each_name_switches_off_one_optimization():
     for name in OPTIMIZATIONS:
         assert not is_on(name, (name,)) and not is_on(name, (ALL,)) and is_on(name, ())
         assert all(is_on(other, (name,)) for other in OPTIMIZATIONS if other != name)
 
 
-def test_a_run_without_optimizations_makes_each_edge_and_each_poll():
+def test_a_run_without_optimizations_executes_each_edge_and_each_poll():
     case = load(TIMING / "responder.toml")
     results = [run(case, disable, (), "0.011")[0] for disable in ((), (BITS,), (POLLS,), (ALL,))]
     default, bits, polls, everything = (result.events for result in results)
@@ -83,7 +83,7 @@ def test_a_run_without_optimizations_makes_each_edge_and_each_poll():
     assert results[3].bytes_skipped == results[3].counts["polls_skipped"] == 0
 
 
-WAITING = {  # a round of each, or of what it does instead
+WAITING = {  # changes so that each runs one round, or one unit of its work
     "imu_hil_image": ("0.0093",),
     "imu_hil": ("0.009", "host.first=1 ms", "controller.first=5 ms"),
     "imu_hil_robust": ("0.009", "unit.dsp.firmware=imu_hil_robust", "host.first=1 ms", "controller.first=5 ms"),
@@ -106,16 +106,16 @@ def run_polled(path: Path, skip: bool, seconds: str, *changes: str) -> tuple[Res
 
 
 @pytest.mark.parametrize("name", WAITING)
-def test_figures_and_records_are_those_of_skipping(name: str):
+def test_results_and_records_without_skipped_polls_are_those_with_them(name: str):
     seconds, *changes = WAITING[name]
     path = TIMING / f"{name if (TIMING / f'{name}.toml').exists() else 'imu_hil'}.toml"
-    (skipping, told, skipped), (executing, told_too, none) = (
+    (skipping, records, skipped), (executing, other_records, none) = (
         run_polled(path, skip, seconds, *changes) for skip in (True, False)
     )
     assert skipped > 100 and none == 0
     assert (executing.budgets, executing.verdict) == (skipping.budgets, skipping.verdict)
     assert (executing.stuck, executing.notes, executing.wrong) == (skipping.stuck, skipping.notes, skipping.wrong)
-    assert told_too == told and any(one.kind is Kind.WAIT for one in told)
+    assert other_records == records and any(one.kind is Kind.WAIT for one in records)
 
 
 HANGS: Mapping[str, tuple[str, str]] = {  # a wait for a byte that is never sent
@@ -138,7 +138,7 @@ wait: TBIT @0x7055,#6
 
 
 @pytest.mark.parametrize("kind", HANGS)
-def test_a_wait_that_nothing_can_end_is_stuck_either_way(kind: str, tmp_path: Path):
+def test_a_wait_that_nothing_can_end_is_stuck_with_and_without_skipping(kind: str, tmp_path: Path):
     name, source = HANGS[kind]
     (tmp_path / name).write_text(source, encoding="utf-8")
     case = tmp_path / "hangs.toml"

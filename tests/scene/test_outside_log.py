@@ -1,4 +1,4 @@
-"""The log of a session that was cut off anywhere: what is whole is replayed, and what is missing is said."""
+"""The log of an interrupted session: its complete lines are replayed, and the missing part is reported."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from tests.outside.sessions import Records, case
 
 @pytest.fixture
 def session(tmp_path: Path) -> Path:
-    """The log of a session in which two bytes were sent."""
+    """Return the log of a session in which two bytes were sent."""
     log = tmp_path / "live.jsonl"
     with Session(case_for_line(written(tmp_path), "scia"), log=log) as session:
         line = session.serial("scia")
@@ -33,28 +33,28 @@ def session(tmp_path: Path) -> Path:
     return log
 
 
-def test_a_log_cut_at_every_byte_is_read_to_its_last_whole_line_or_refused_in_a_sentence(session: Path) -> None:
+def test_a_log_cut_at_any_byte_is_read_to_its_last_complete_line_or_refused(session: Path) -> None:
     data, cut = session.read_bytes(), session.with_name("cut.jsonl")
     whole = list(LogReader(session).instants())
     assert len(whole) > 8 and data.isascii()
     for size in range(len(data)):
         cut.write_bytes(data[:size])
         lines = data[:size].count(b"\n")
-        if lines < 3:  # the head, the wire that is driven by bytes
+        if lines < 3:  # the head, and the wire that is driven by bytes
             with pytest.raises(BadLog, match=rf"{cut.name}, line [123]: found no"):
                 list(LogReader(cut).instants())
             continue
         reader = LogReader(cut)
         assert list(reader.instants()) == whole[: lines - 2]
         rest = size - data.rfind(b"\n", 0, size) - 1
-        said = f", and of the line after it only {rest} character{'s' * (rest > 1)} remain" if rest else ""
+        rest_text = f", and of the line after it only {rest} character{'s' * (rest > 1)} remain" if rest else ""
         ended = f"{cut} has no end: its session was ended before it was finished, so the replay ends with line {lines} "
-        assert reader.unfinished == f"{ended}of the log{said}"
+        assert reader.unfinished == f"{ended}of the log{rest_text}"
     reader = LogReader(session)
     assert list(reader.instants()) == whole and not reader.unfinished
 
 
-def test_no_output_replaces_a_log_that_is_read(session: Path) -> None:
+def test_a_log_that_is_read_is_an_input_that_outputs_cannot_replace(session: Path) -> None:
     with inputs_of_one_command():
         LogReader(session).close()
         assert is_input(session)
@@ -73,8 +73,8 @@ def test_a_killed_session_is_replayed_with_the_bytes_that_it_sent_and_a_note(ses
     assert again.sci_bytes == 2 and len(again.notes) == 1 and " has no end: " in again.notes[0]
 
 
-def test_bytes_are_counted_on_the_wire_where_levels_are_all_that_is_known(session: Path, tmp_path: Path) -> None:
-    """As a simulator drives RX: no one says where a byte begins."""
+def test_bytes_are_counted_on_the_wire_if_only_levels_are_logged(session: Path, tmp_path: Path) -> None:
+    """A simulator drives RX by levels, without marking where a byte begins."""
     lines = [line for line in session.read_text().splitlines(keepends=True) if "serial" not in line]
     session.write_text("".join(line.replace(', ["RX"]]', "]") for line in lines))
     assert replay(case_for_line(tmp_path / "echo.toml", "scia"), session).sci_bytes == 2
@@ -99,7 +99,7 @@ def logged(made: Case, log: Path, wires: tuple[str, ...]) -> Case:
     return made.model_copy(update={"outside": OutsideTable(wires=wires, log=str(log))})
 
 
-def test_a_run_makes_the_records_of_the_session(tmp_path: Path) -> None:
+def test_a_run_of_the_log_gives_the_records_of_the_session(tmp_path: Path) -> None:
     log, live, again = tmp_path / "live.jsonl", Records(), Records()
     made = case(
         "imu_hil",
@@ -155,17 +155,17 @@ def test_a_log_that_does_not_fit_is_refused_before_the_run(text: str | None, sen
         Scene(made)
 
 
-def test_a_session_of_such_a_case_moves_the_wires_itself(tmp_path: Path) -> None:
+def test_a_session_of_a_case_with_a_log_drives_the_wires_itself(tmp_path: Path) -> None:
     session = Session(logged(case(), tmp_path / "none.jsonl", BUS))
     session.advance(session.ticks("1 ms"))
     assert session.i2c.transfer(0x50, b"\x00", 2) == b"\x01\x02"
 
 
-def test_a_log_is_open_no_longer_than_its_run(tmp_path: Path) -> None:
+def test_a_log_is_closed_at_the_end_of_its_run(tmp_path: Path) -> None:
     (tmp_path / "live.jsonl").write_text(f'{HEAD}\n[1, {{"SDA": 0}}]\n{{"end": 9}}\n')
     made = logged(case(), tmp_path / "live.jsonl", BUS)
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", ResourceWarning)
         Scene(made).run(made.duration / 1000)
         gc.collect()
-    assert not [one for one in told if issubclass(one.category, ResourceWarning)]
+    assert not [one for one in caught if issubclass(one.category, ResourceWarning)]

@@ -1,4 +1,4 @@
-"""Who drives the bus: the outside replaces [controller] on SDA and SCL, and [host] on RX, in every interface."""
+"""Parties that drive the bus: the outside replaces [controller] on SDA and SCL, and [host] on RX, by any interface."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ BUDGETS = [
 
 
 def asked(**controller: Any) -> Case:
-    """The responder, and a controller that asks it for four bytes each millisecond."""
+    """Return a case of the responder and a controller that reads four bytes from it each millisecond."""
     return case(controller=CONTROLLER | controller, budget=BUDGETS)
 
 
@@ -41,7 +41,7 @@ def ended(session: Session, at: str) -> Result:
 
 
 def three_rounds(session: Session) -> None:
-    """Each a millisecond after the one before, as a driver makes them."""
+    """Do three transfers, one each millisecond, as a driver does."""
     for number in range(1, 4):
         session.advance(session.ticks(f"{number} ms"))
         assert session.i2c.transfer(0x50, b"\x00", 4) == b"\x01\x02\x03\x04"
@@ -49,7 +49,7 @@ def three_rounds(session: Session) -> None:
 
 
 def check(result: Result) -> None:
-    """Three rounds of seven bytes, judged from the wires, and nothing of a [controller]."""
+    """Check that three rounds of seven bytes were judged from the wires, and nothing of a [controller]."""
     assert result.notes[0] == REPLACED
     assert (result.wire_bytes, result.counts["rounds"], result.counts["missed"]) == (3 * 7, 3, 0)
     assert [(one.name, one.verdict, one.count) for one in result.budgets] == [
@@ -71,7 +71,7 @@ def test_a_session_and_the_replay_of_its_log(tmp_path: Path) -> None:
     check(Scene(logged).run(Fraction("0.0042")))
 
 
-def test_budgets_that_must_break_do_so_only_where_they_are_judged() -> None:
+def test_budgets_that_must_break_are_only_those_that_are_judged() -> None:
     """Without the host the age of its data is unknown."""
     host = {"period": "20 ms", "first": "1 ms", "motion": {"kind": "sines"}}
     age = {"name": "age", "measure": "age", "max": "1 us"}
@@ -91,13 +91,13 @@ def test_a_driver_of_the_bus() -> None:
         check(ended(session, "4.2 ms"))
 
 
-def test_a_driver_with_a_port_of_its_own() -> None:
+def test_a_driver_with_its_own_port() -> None:
     with I2cDriverPort(asked(), BUS) as port:
         pass
     assert port.result.notes[0] == REPLACED
 
 
-def test_a_served_bus_and_the_case_that_new_makes_of_it(tmp_path: Path) -> None:
+def test_a_served_bus_and_the_case_that_new_writes_from_its_log(tmp_path: Path) -> None:
     path, log = tmp_path / "case.toml", tmp_path / "live.jsonl"
     text = (TIMING / "responder.toml").read_text()
     path.write_text(text.replace('firmware = "responder"', f'firmware = "{FIRMWARE}"'))
@@ -128,7 +128,7 @@ def test_a_served_line_replaces_the_host_with_the_budgets_that_need_its_frames()
     assert {one.name for one in result.budgets}.isdisjoint({"wrong bytes", "data age"})
 
 
-def test_a_mistake_is_told_with_its_line_in_the_file_whatever_was_left_out(tmp_path: Path) -> None:
+def test_a_mistake_is_reported_with_its_line_in_the_file_whatever_was_left_out(tmp_path: Path) -> None:
     path = tmp_path / "case.toml"
     text = (TIMING / "imu_hil.toml").read_text().replace('firmware = "imu_hil"', f'firmware = "{FIRMWARE}"')
     path.write_text(text + '\n[outside]\nwires = ["RX"]\n')
@@ -139,7 +139,7 @@ def test_a_mistake_is_told_with_its_line_in_the_file_whatever_was_left_out(tmp_p
     assert made.line("budget", last) == line - 2
 
 
-def test_rounds_are_due_as_often_as_the_controller_asks() -> None:
+def test_rounds_are_due_by_the_schedule_of_the_controller() -> None:
     session = Session(asked(rounds=3), BUS)
     three_rounds(session)
     assert ended(session, "40 ms").counts["missed"] == 0
@@ -148,7 +148,7 @@ def test_rounds_are_due_as_often_as_the_controller_asks() -> None:
     assert ended(session, "40 ms").counts["missed"] == 36
 
 
-def test_requests_that_nobody_acknowledges_are_counted_on_the_wires() -> None:
+def test_requests_without_an_acknowledge_are_counted_on_the_wires() -> None:
     session = Session(asked(), BUS)
     session.advance(session.ticks("1 ms"))
     assert session.i2c.transfer(0x22, b"\x00", 1) is None
@@ -157,7 +157,7 @@ def test_requests_that_nobody_acknowledges_are_counted_on_the_wires() -> None:
     assert [one.verdict for one in result.budgets] == ["not judged"] * 4  # the case's requests were not among those
 
 
-def test_both_are_on_the_bus_where_the_case_says_so() -> None:
+def test_outside_and_controller_are_both_on_the_bus_if_the_case_says_so() -> None:
     session = Session(asked(beside_outside=True, rounds=1), BUS)
     session.advance(session.ticks("3 ms"))  # its round is over
     assert session.i2c.transfer(0x50, b"\x00", 4) == b"\x01\x02\x03\x04"
@@ -168,19 +168,19 @@ def test_both_are_on_the_bus_where_the_case_says_so() -> None:
     assert result.counts["nacked"] == 1
 
 
-def test_one_of_the_two_lines_alone_replaces_nobody() -> None:
+def test_one_line_alone_from_outside_does_not_replace_the_controller() -> None:
     result = ended(Session(asked(), ("SDA",)), "3.9 ms")
     assert result.counts["rounds"] == 2 and not any("outside" in note for note in result.notes)
 
 
-def test_events_that_only_the_controller_tells_are_left_out() -> None:
+def test_budgets_on_events_that_only_the_controller_records_are_left_out() -> None:
     budget = [*BUDGETS, {"name": "clears", "measure": "count of bus clear", "max": 0}]
     made = case(controller=CONTROLLER, budget=budget, outside={"wires": list(BUS)})
     assert made.replaced == (f"{REPLACED}; left out, since nothing else can judge them: 'clears'",)
     assert [one.name for one in made.budget] == [one["name"] for one in BUDGETS]
 
 
-def test_a_session_cannot_bring_back_what_the_case_s_own_outside_replaced() -> None:
+def test_a_session_cannot_restore_what_the_outside_table_of_the_case_replaced() -> None:
     made = case(controller=CONTROLLER, outside={"wires": list(BUS)})
     with pytest.raises(BadCase, match=r"the wires that it names replace \[controller\], and SDA alone would not"):
         Session(made, ("SDA",))
@@ -193,9 +193,9 @@ def test_a_table_that_sends_on_the_same_wire_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("wires", "said"), [(("RX",), "RX is driven from outside"), (BUS, "SDA and SCL are driven from outside")]
+    ("wires", "reason"), [(("RX",), "RX is driven from outside"), (BUS, "SDA and SCL are driven from outside")]
 )
-def test_a_case_that_is_driven_from_outside_is_not_run_by_itself(wires: tuple[str, ...], said: str):
+def test_a_case_that_is_driven_from_outside_is_not_run_by_itself(wires: tuple[str, ...], reason: str):
     tables = {
         "name": "x",
         "duration": "1 ms",
@@ -203,7 +203,7 @@ def test_a_case_that_is_driven_from_outside_is_not_run_by_itself(wires: tuple[st
     }
     scene = Scene(Case.model_validate(tables | {"outside": {"wires": [*wires]}}))
     way_out = "step it with periph_sim.outside.Session, or give its log, a [controller] or a [host]"
-    assert f"{said}, and a run has no outside party; {way_out}" in sentence_of(BadCase, lambda: scene.run())
+    assert f"{reason}, and a run has no outside party; {way_out}" in sentence_of(BadCase, lambda: scene.run())
 
 
 def test_a_budget_with_a_part_that_needs_the_host_is_left_out_with_it() -> None:

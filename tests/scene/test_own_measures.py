@@ -1,4 +1,4 @@
-"""Measures of a user's own: a line of a case, or of a file that several cases share."""
+"""A user's own measures, defined in a case or in a file that several cases share."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return Path("own.toml")
 
 
-def test_a_line_is_a_measure_with_the_figures_of_its_sentence(case_file: Path):
+def test_a_named_measure_gives_the_results_of_its_text(case_file: Path):
     verdicts = {v.name: v for v in Scene(load(case_file)).run().budgets}
     own, shipped = verdicts["own"], verdicts["shipped"]
     figures = [(v.worst, v.at_s, v.count, v.measured, v.occasions, v.verdict) for v in (own, shipped)]
@@ -80,7 +80,7 @@ def test_a_line_is_a_measure_with_the_figures_of_its_sentence(case_file: Path):
     assert (verdicts["rounds"].measured, verdicts["rounds"].occasions) == (3, 3)
 
 
-def test_an_edit_of_the_shared_file_counts_for_the_next_scene(case_file: Path):
+def test_an_edit_of_the_shared_file_applies_to_the_next_scene(case_file: Path):
     case = load(case_file)
     assert Scene(case).run().budgets[3].worst == 9
     Path("shared.toml").write_text(SHARED.replace("change", "rise"), encoding="utf-8")
@@ -88,7 +88,7 @@ def test_an_edit_of_the_shared_file_counts_for_the_next_scene(case_file: Path):
 
 
 @pytest.mark.parametrize(
-    ("line", "by", "said"),
+    ("line", "by", "message"),
     [
         (
             '"jitter of late answers"',
@@ -165,14 +165,16 @@ def test_an_edit_of_the_shared_file_counts_for_the_next_scene(case_file: Path):
         ),
     ],
 )
-def test_a_line_that_is_no_measure_is_one_sentence_with_its_place(case_file: Path, line: str, by: str, said: str):
+def test_an_invalid_measure_is_refused_in_one_sentence_with_its_place(
+    case_file: Path, line: str, by: str, message: str
+):
     assert line in CASE
     case_file.write_text(CASE.replace(line, by, 1), encoding="utf-8")
-    assert sentence_of(BadCase, lambda: Scene(load(case_file))) == said
+    assert sentence_of(BadCase, lambda: Scene(load(case_file))) == message
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ('"runs" = 3', "shared.toml, line 1: runs: it is no sentence in quotes"),
         (
@@ -187,6 +189,6 @@ def test_a_line_that_is_no_measure_is_one_sentence_with_its_place(case_file: Pat
         ),
     ],
 )
-def test_a_line_of_the_shared_file_is_told_with_its_place(case_file: Path, text: str, said: str):
+def test_a_mistake_in_the_shared_file_is_reported_with_its_place(case_file: Path, text: str, message: str):
     Path("shared.toml").write_text(text, encoding="utf-8")
-    assert sentence_of(BadCase, lambda: Scene(load(case_file))) == said
+    assert sentence_of(BadCase, lambda: Scene(load(case_file))) == message

@@ -1,4 +1,4 @@
-"""A debugger that reads registers changes nothing: records with its peeks are those without them."""
+"""A debugger that reads registers has no effect: the records are equal with and without its peeks."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Records = list[tuple[object, ...]]
 
 
 def records(case: Case, seconds: str, phase: int, peeks: list[int]) -> Records:
-    """All records of a run in which every register of every module is read at these ticks."""
+    """Return all records of a run in which every register of every module is read at these ticks."""
     found: Records = []
 
     def keep(recorder: Recorder, timebase: Timebase) -> None:
@@ -45,8 +45,8 @@ def records(case: Case, seconds: str, phase: int, peeks: list[int]) -> Records:
 @pytest.mark.parametrize(
     ("name", "seconds"), [("imu_hil", "0.0025"), ("responder", "0.0015"), ("uart_logger", "0.003")]
 )
-def test_peeks_at_and_beside_each_record_change_none(name: str, seconds: str, phase: int):
-    """Where a chip wakes at that instant, or in the cycle that begins next, too: a cycle is 20 ticks."""
+def test_peeks_at_and_close_to_the_times_of_records_change_none(name: str, seconds: str, phase: int):
+    """The peeks are at times when a chip wakes, also in the cycle that begins next; a cycle is 20 ticks."""
     case = load(TIMING / f"{name}.toml")
     plain = records(case, seconds, phase, [])
     random = Random(phase)
@@ -56,8 +56,8 @@ def test_peeks_at_and_beside_each_record_change_none(name: str, seconds: str, ph
     assert records(case, seconds, phase, peeks) == plain
 
 
-def test_a_value_that_a_budget_asks_for_depends_on_no_open_question():
-    """What I2COAR reads without a clock is an open question. GPIO28 is in the upper half of a register of 32 bits."""
+def test_reading_a_value_for_a_budget_touches_no_open_question():
+    """The value of I2COAR without a clock is an open question. GPIO28 is in the upper half of a register of 32 bits."""
 
     def main(dsp: Dsp) -> None:
         dsp.eallow()

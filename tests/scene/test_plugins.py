@@ -1,4 +1,4 @@
-"""Plugins: a chip of the user's own, in `[tool.periph-sim]` or as an entry point, and what is wrong with one."""
+"""Plugins: a user's own chip, from `[tool.periph-sim]` or an entry point, and mistakes in plugins."""
 
 from __future__ import annotations
 
@@ -78,20 +78,20 @@ def refusal(project: Path) -> str:
 
 
 def read_of(scene: Scene) -> list[tuple[str, bytes]]:
-    """Name and data of each read of a run."""
+    """Return the name and the data of each read of a run."""
     found: list[tuple[str, bytes]] = []
     scene.on_transfer(lambda over: found.extend((over.name, bytes(one.got)) for one in over.phases if one.read))
     assert scene.run().verdict == "pass"
     return found
 
 
-def test_a_controller_asks_a_sensor_of_the_users_own_by_its_name(project: Path):
+def test_a_controller_reads_a_users_own_sensor_by_its_name(project: Path):
     found = read_of(Scene(load(project / "case.toml")))
     assert len(found) == 6 and found[:2] == [("gyroscope", bytes(6)), ("barometer", bytes.fromhex("2728"))]
 
 
 @pytest.mark.parametrize("folder", ["", "elsewhere"])
-def test_the_command_line_knows_it_from_any_folder(project: Path, tmp_path: Path, folder: str):
+def test_the_command_line_finds_the_plugin_from_any_folder(project: Path, tmp_path: Path, folder: str):
     (tmp_path / "elsewhere").mkdir()
     came = subprocess.run(
         [sys.executable, "-m", "periph_sim", "run", str(project / "case.toml")],
@@ -154,7 +154,7 @@ def test_a_chip_that_cannot_be_built_is_named_with_its_line(project: Path):
         Scene(load(project / "case.toml"))
 
 
-def test_two_of_one_name_are_refused_with_file_and_line(project: Path):
+def test_two_plugins_of_one_name_are_refused_with_file_and_line(project: Path):
     (project / "barometer.py").write_text(BAROMETER.replace('"barometer":', '"gyroscope":'), "utf-8")
     assert refusal(project) == (
         "line 27 of barometer.py: there is a sensor 'gyroscope' already, in periph_sim; give one of them another name"

@@ -1,4 +1,4 @@
-"""A prepared scene gives the records of a fresh one: for every key of a case, in any order, and in a fresh process."""
+"""A prepared scene gives the records of a new one: for every key of a case, in any order, and in a new process."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from tests.scene.runs import TIMING
 from tests.scene.small import sentence_of
 
 LENGTH = Fraction(3, 1000)
-ACCEPTED = 200  # at least, of the drawn changes
+ACCEPTED = 200  # minimum number of accepted changes
 
 IMU = """
 name = "imu"
@@ -223,7 +223,7 @@ def write_files(folder: Path) -> Path:
 
 
 class Digest:
-    """The records of a run, as one text."""
+    """Digest of the records of a run, as text."""
 
     def __init__(self) -> None:
         self._hash = hashlib.sha256()
@@ -243,7 +243,7 @@ class Digest:
 
 
 def outcome(build: Callable[[Subscribe], Scene], length: Fraction = LENGTH) -> str:
-    """Return all that a run shows, or why there is none."""
+    """Return all results of a run as text, or the reason why the case is refused."""
     digest = Digest()
     try:
         scene = build(digest.subscribe)
@@ -259,7 +259,7 @@ def loaded(file: Path, changes: list[str], subscribe: Subscribe) -> Scene:
 
 
 def drawn_changes() -> dict[str, list[tuple[str, str]]]:
-    """Return changes of each key, by the table at the top of the case: (name of a case, change)."""
+    """Return changes of each key by the table at the top of the case, as (name of a case, change)."""
     rng = random.Random(8)
     found: dict[str, list[tuple[str, str]]] = {}
     trees = {name: tomllib.loads(text) for name, text in FILES.items()}
@@ -273,7 +273,7 @@ def drawn_changes() -> dict[str, list[tuple[str, str]]]:
 
 
 def _named(path: str, tree: Any) -> str:
-    """The path with a name of the case's own for each that a user gives."""
+    """Return the path with a name from the case in place of each name that a user gives."""
     parts = []
     for part in path.split("."):
         if part == schema_keys.NAMED:
@@ -307,7 +307,7 @@ def test_a_changed_key_gives_the_records_of_a_fresh_load(
         assert outcome(partial(prepared[name].scene, [change])) == fresh, (name, change)
 
 
-def test_most_changes_make_a_case_that_runs(folder: Path) -> None:
+def test_most_changes_are_accepted(folder: Path) -> None:
     accepted = 0
     for name, change in (one for some in CHANGES.values() for one in some):
         try:
@@ -319,7 +319,7 @@ def test_most_changes_make_a_case_that_runs(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_the_cases_do_something(name: str, prepared: dict[str, PreparedScene]) -> None:
+def test_the_cases_have_records(name: str, prepared: dict[str, PreparedScene]) -> None:
     assert int(outcome(partial(prepared[name].scene, ())).split()[0]) > 30
 
 
@@ -341,7 +341,7 @@ COUNT = 100
 
 
 def outcomes(folder: Path, seed: int, count: int) -> dict[str, list[str]]:
-    """Return what runs of prepared scenes show, by run, in the order that a seed says."""
+    """Return the results of runs of prepared scenes, by run, in an order drawn from a seed."""
     prepared = {name: PreparedScene(folder / f"{name}.toml") for name in FILES}
     order = [RUNS[number % len(RUNS)] for number in range(count)]
     random.Random(seed).shuffle(order)
@@ -361,17 +361,17 @@ def in_a_process(folder: Path, seed: int, count: int) -> dict[str, list[str]]:
     return dict(json.loads(done.stdout))
 
 
-def test_a_hundred_runs_in_shuffled_order_are_those_of_fresh_processes(folder: Path) -> None:
+def test_a_hundred_runs_in_shuffled_order_equal_those_of_fresh_processes(folder: Path) -> None:
     here = outcomes(folder, 1, COUNT)
     assert sum(map(len, here.values())) == COUNT and len(here) == len(RUNS)
     assert all(len(set(same)) == 1 for same in here.values())
-    assert len({same[0] for same in here.values()}) == len(RUNS)  # each of them is another run
+    assert len({same[0] for same in here.values()}) == len(RUNS)  # the runs differ
     for seed in (2, 3):
-        fresh = in_a_process(folder, seed, len(RUNS))  # each run once, so that another one is the first
+        fresh = in_a_process(folder, seed, len(RUNS))  # each run once, with another one first
         assert {name: same[0] for name, same in fresh.items()} == {name: same[0] for name, same in here.items()}
 
 
-# What it takes ------------------------------------------------------------------
+# Arguments ------------------------------------------------------------------------
 
 
 def test_run_returns_what_a_run_of_the_file_returns(folder: Path) -> None:
@@ -382,7 +382,7 @@ def test_run_returns_what_a_run_of_the_file_returns(folder: Path) -> None:
         assert replace(one, wall_s=0) == replace(other, wall_s=0)
 
 
-def test_firmware_is_given_as_a_function_or_as_it_was_loaded() -> None:
+def test_firmware_is_given_as_a_function_or_as_loaded_firmware() -> None:
     prepared, ran = PreparedScene(TIMING / "responder.toml"), []
 
     def firmware(dsp: Dsp, settings: object) -> None:
@@ -393,13 +393,13 @@ def test_firmware_is_given_as_a_function_or_as_it_was_loaded() -> None:
     assert ran == [None, None]
 
 
-def test_changes_of_all_runs_come_before_those_of_one(folder: Path) -> None:
+def test_changes_of_all_runs_are_applied_before_those_of_one_run(folder: Path) -> None:
     prepared = PreparedScene(folder / "imu.toml", ["name=a", "seed=3"])
     assert prepared.run(seconds="1 us").case == "a" and prepared.run(["name=b"], seconds="1 us").case == "b"
     assert prepared.plan(["name=b"]).case.seed == 3
 
 
-def test_a_made_case_is_prepared_as_it_is_now(folder: Path) -> None:
+def test_a_case_from_make_case_is_prepared_in_its_current_state(folder: Path) -> None:
     case = make_case(**tomllib.loads(IMU))
     prepared = PreparedScene(case)
     before = outcome(partial(prepared.scene, ()))
@@ -428,7 +428,7 @@ def test_the_file_is_read_once_and_its_firmware_in_each_run(folder: Path, tmp_pa
     assert outcome(partial(prepared.scene, ())) != before
 
 
-def test_a_change_may_be_what_makes_it_a_case(tmp_path: Path) -> None:
+def test_an_incomplete_case_can_be_completed_by_a_change(tmp_path: Path) -> None:
     file = tmp_path / "part.toml"
     file.write_text(IMU.replace('duration = "3 ms"', ""), encoding="utf-8")
     prepared = PreparedScene(file)
@@ -446,9 +446,7 @@ def test_a_change_may_be_what_makes_it_a_case(tmp_path: Path) -> None:
     ("change", "same"),
     [("seed=3", True), ("host.jitter=1 us", True), ("unit.dsp.pins.LED=12", False), ("budget=[]", False)],
 )
-def test_plans_of_budgets_are_taken_over_if_the_change_does_not_touch_them(
-    folder: Path, change: str, same: bool
-) -> None:
+def test_plans_of_budgets_are_reused_if_the_change_does_not_affect_them(folder: Path, change: str, same: bool) -> None:
     prepared = PreparedScene(folder / "imu.toml")
     prepared.scene([change])
     assert (prepared.plan([change]).limits is prepared.plan().limits) == same
@@ -462,12 +460,12 @@ def test_only_the_latest_plans_are_kept(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("change", ["controller.first=20000 d", "host.silent=[['1 s', '20000 d']]"])
-def test_a_time_too_long_is_told_with_its_line(folder: Path, change: str) -> None:
+def test_a_time_that_is_too_long_is_reported_with_its_line(folder: Path, change: str) -> None:
     fresh = sentence_of(BadCase, lambda: Scene(load(folder / "imu.toml", [change])))
     assert sentence_of(BadCase, lambda: PreparedScene(folder / "imu.toml").scene([change])) == fresh
     assert change.partition("=")[0] in fresh
 
 
-def test_a_scene_may_be_built_of_a_plan_that_nobody_keeps() -> None:
+def test_a_scene_may_be_built_from_a_temporary_plan() -> None:
     plan = ScenePlan(make_case(**tomllib.loads(IMU)))
     assert outcome(partial(Scene, plan)) == outcome(partial(Scene, plan.case))

@@ -1,4 +1,4 @@
-"""Real chips on a scene's bus: what a case says of them, what a sensor head sets up and reads, what is refused."""
+"""Sensor chips on a scene's bus: their tables in a case, set-up and reads by a sensor head, and mistakes."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ ORDER = ["gyroscope", "accelerometer", "magnetometer"]
 
 
 def counts(run: Any) -> list[tuple[int, ...]]:
-    """The values x, y, z of each request of the last round."""
+    """Return the values x, y, z of each request of the last round."""
     return [CHIPS[t.name].values(bytes(t.phases[-1].got)) for t in run.rounds[-1]]
 
 
-def test_the_case_file_holds_its_budgets():
+def test_the_shipped_case_passes():
     run = run_file("real_chips", "0.5")
     assert run.broken() == [] and run.result.verdict == "pass"
     assert run.result.notes == [] and run.result.unknowns == []
@@ -39,18 +39,18 @@ def test_a_scene_with_chips_needs_no_unit_and_builds_none():
     assert counts(run) == [(144, -288, 431), (64, -128, 256), (109, 218, 327)]
 
 
-def test_chips_that_nobody_asks_cost_no_events():
+def test_chips_that_are_not_addressed_cost_no_events():
     assert Scene(case(chip=THREE)).run(Fraction(3600)).events == 0
 
 
-def test_a_register_that_the_case_sets_leaves_its_note_though_nobody_asks_the_chip():
+def test_a_register_that_the_case_sets_gives_its_note_without_a_transfer():
     asleep = ACCEL | {"registers": {"POWER_CTL": 0x18}}
     (note,) = Scene(case(chip={"accelerometer": asleep})).run(Fraction(1, 1000)).notes
     assert "AUTO_SLEEP is set; this model never enters sleep by itself" in note
 
 
-def test_what_a_round_of_three_chips_costs():
-    """The guard on speed: 27 bytes on the wire, each one a step of seven bits and two more clocks."""
+def test_the_events_of_a_round_of_three_chips():
+    """The number of events is a guard on speed: 27 bytes on the wires, each a step of seven bits and two clocks."""
     rounds = [Scene(case("1 s", chip=THREE, controller={"order": ORDER, "rounds": n})).run().events for n in (10, 20)]
     assert rounds[1] - rounds[0] == 10 * 237
 
@@ -59,7 +59,7 @@ def test_a_unit_and_a_chip_share_the_bus():
     unit = {"dsp": {"firmware": "imu_hil", "modules": ["I2C-A"]}}
     two = {"accelerometer": ACCEL, "magnetometer": MAG}
     run = run_case(case(unit=unit, chip=two, controller={"order": ["accelerometer", "gyroscope"]}), "0.02")
-    assert run.answered()[0] == "AG", "the emulator waits as gyroscope; the accelerometer is real"
+    assert run.answered()[0] == "AG", "the emulator waits as the gyroscope; the accelerometer is a chip"
     assert counts(run)[0] == (64, -128, 256)
 
 
@@ -115,7 +115,7 @@ def test_values_in_lsb_are_those_of_the_scale_that_registers_set():
     assert counts(run_case(case(chip={"m": chip}, controller={"order": ["magnetometer"]}), "0.03")) == [(1, -2, 3)]
 
 
-def test_a_source_given_as_a_function_stands_in_for_the_values():
+def test_a_source_given_as_a_function_replaces_the_values():
     scene = Scene(case(chip={"gyroscope": GYRO}), sources={"gyroscope": lambda tick: (Fraction(1), 0, 0)})
     assert scene.chips["gyroscope"].chip.source(0) == (1, 0, 0)
 
@@ -140,7 +140,7 @@ def test_the_output_delay_is_what_the_case_says(delay: str):
     assert run.answered() == ["G", "G"] and counts(run) == [(144, -288, 431)]
 
 
-def test_notes_come_once_with_their_count_and_each_as_a_record():
+def test_a_note_is_listed_once_with_its_count_and_recorded_each_time():
     kept: list[Record] = []
 
     def subscribe(recorder: Recorder, timebase: Timebase) -> None:
@@ -184,21 +184,21 @@ def test_notes_come_once_with_their_count_and_each_as_a_record():
         (["chip.gyroscope.output_delay=0 s"], "it must be longer than 0"),
     ],
 )
-def test_what_a_case_may_get_wrong(changes: list[str], sentence: str):
+def test_mistakes_in_the_tables_of_chips_are_refused(changes: list[str], sentence: str):
     text = sentence_of(BadCase, lambda: Scene(load(TIMING / "real_chips.toml", changes)))
     assert sentence in text and "real_chips.toml" in text
 
 
 @pytest.mark.parametrize("name", ["dsp", "controller", "host", "serial", "outside"])
-def test_a_chip_has_a_name_of_its_own(name: str):
+def test_a_chip_cannot_have_the_name_of_another_party(name: str):
     unit = {"dsp": {"firmware": "imu_hil", "modules": ["I2C-A"]}}
     with pytest.raises(BadCase, match="another party on the wires already"):
         Scene(case(unit=unit, chip={name: GYRO}))
 
 
-def test_open_questions_that_mattered_are_told():
+def test_open_questions_that_mattered_are_listed():
     run = run_case(case(chip={"g": GYRO}, controller={"order": ["gyroscope"]}), "0.01")
-    assert run.result.unknowns == ["g.fs_sel_other"], "nobody has set FS_SEL"
+    assert run.result.unknowns == ["g.fs_sel_other"], "FS_SEL was not set"
 
 
 def test_rows_out_of_order_are_refused():
@@ -207,13 +207,13 @@ def test_rows_out_of_order_are_refused():
         Scene(case(chip={"g": chip}))
 
 
-def test_a_head_that_asks_no_known_chip_has_none_to_set_up():
+def test_a_head_without_known_chips_cannot_initialise_any():
     controller = {"request": [{"address": 0x10}], "initialise": "1 ms"}
     with pytest.raises(BadCase, match="no known chip is asked"):
         Scene(case(controller=controller))
 
 
-def test_a_chip_that_was_without_power_has_its_registers_as_after_power_on():
+def test_registers_of_a_chip_that_was_without_power_are_reset():
     off = {"kind": "off", "after": "2 ms", "until": "3 ms"}
     chips = {
         name: {

@@ -1,4 +1,4 @@
-"""From a write of I2CDXR that SCL is held for to the release of SCL: the copy, SDA's set-up time and the output pin.
+"""The time from a write of I2CDXR to the release of SCL: the copy, SDA's set-up time and the output pin.
 
 write |-- copy: a module clock, 0 with BCM --|-- set-up: module clocks, at least a cycle --|-- pin: cycles --| SCL
 """
@@ -45,7 +45,7 @@ def test_the_time_to_the_release_of_scl(prescaler: int, bcm: int, setup: int, pi
     assert chip.touched == depended
 
 
-def test_a_look_at_the_registers_depends_on_no_open_question():
+def test_reading_the_delay_touches_no_open_question():
     def main(dsp: Dsp) -> None:
         dsp.compute(1000)
 

@@ -1,4 +1,4 @@
-"""The responder in each of its styles: reads of any length, writes, 100 and 400 kHz, and times out of reach."""
+"""The responder in each of its styles: reads of any length, writes, 100 and 400 kHz, and times without an answer."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ RATES = ["100 kHz", "400 kHz"]
 data_bytes = st.binary(min_size=1, max_size=40)
 
 
-class Kept:
-    """The responder of the last scene, so that a test sees what it received."""
+class ResponderRuns:
+    """Runs of the responder, of which the last one is kept so that a test can read what it received."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         program = Firmware("responder", self._main, firmware.Settings)
@@ -32,7 +32,7 @@ class Kept:
         self.responder.run()
 
     def ask(self, style: tuple[str, bool], rate: str, requests: list[dict[str, Any]], **chosen: Any) -> Ran:
-        """One round of `requests`, one after the other."""
+        """Run one round of `requests`, one after the other."""
         unit = {
             "firmware": "responder",
             "modules": ["I2C-A"],
@@ -60,27 +60,29 @@ def rate(request: pytest.FixtureRequest) -> str:
 @pytest.mark.parametrize("length", [1, 2, 3, 4, 5, 15, 16, 17, 33])
 def test_reads_of_every_length(monkeypatch, style, rate, length: int):
     reply = bytes(range(1, length + 1))
-    ran = Kept(monkeypatch).ask(style, rate, [{"count": length}, {"count": length}], replies=(reply, reply[::-1]))
+    ran = ResponderRuns(monkeypatch).ask(
+        style, rate, [{"count": length}, {"count": length}], replies=(reply, reply[::-1])
+    )
     assert ran.read() == [[reply.hex(" "), reply[::-1].hex(" ")]]
     assert ran.result.stuck == [] and ran.result.verdict == "not judged"
 
 
 @pytest.mark.parametrize("length", [1, 2, 4, 5, 16, 17, 33])
 def test_writes_of_every_length(monkeypatch, style, rate, length: int):
-    kept = Kept(monkeypatch)
+    runs = ResponderRuns(monkeypatch)
     sent = bytes(range(0x80, 0x80 + length))
-    ran = kept.ask(style, rate, [{"count": 0, "write": sent.hex(" ")}, {"count": 0, "write": "99"}])
-    assert kept.received == [sent, b"\x99"]
+    ran = runs.ask(style, rate, [{"count": 0, "write": sent.hex(" ")}, {"count": 0, "write": "99"}])
+    assert runs.received == [sent, b"\x99"]
     assert ran.result.counts["nacked"] == 0
 
 
-def test_when_the_reply_runs_out_the_filler_follows(monkeypatch, style, rate):
-    ran = Kept(monkeypatch).ask(style, rate, [{"count": 20}], replies=("aa bb",), filler=0xEE)
+def test_the_filler_follows_the_end_of_the_reply(monkeypatch, style, rate):
+    ran = ResponderRuns(monkeypatch).ask(style, rate, [{"count": 20}], replies=("aa bb",), filler=0xEE)
     assert ran.read() == [["aa bb" + " ee" * 18]]
 
 
 def test_another_address_is_not_answered(monkeypatch, style, rate):
-    ran = Kept(monkeypatch).ask(style, rate, [{"address": 0x51, "count": 1}, {"count": 1}], replies=("5a",))
+    ran = ResponderRuns(monkeypatch).ask(style, rate, [{"address": 0x51, "count": 1}, {"count": 1}], replies=("5a",))
     assert ran.read() == [["", "5a"]]
     assert ran.result.counts["nacked"] == 1
 
@@ -88,59 +90,61 @@ def test_another_address_is_not_answered(monkeypatch, style, rate):
 @pytest.mark.parametrize("style", STYLES)
 @pytest.mark.parametrize("rate", RATES)
 def test_any_bytes_in_any_mix_of_reads_and_writes(style, rate):
-    kept_patch = pytest.MonkeyPatch()
-    kept = Kept(kept_patch)
+    patch = pytest.MonkeyPatch()
+    runs = ResponderRuns(patch)
 
     @settings(max_examples=examples(15), deadline=None)
     @given(st.lists(st.tuples(st.booleans(), data_bytes), min_size=1, max_size=5))
     def holds(script: list[tuple[bool, bytes]]) -> None:
         requests = [{"count": len(d)} if read else {"count": 0, "write": d.hex(" ")} for read, d in script]
         replies = [d for read, d in script if read]
-        ran = kept.ask(style, rate, requests, replies=tuple(replies))
+        ran = runs.ask(style, rate, requests, replies=tuple(replies))
         (read_back,) = ran.read()
         assert [r for r, (read, _) in zip(read_back, script, strict=True) if read] == [d.hex(" ") for d in replies]
-        assert kept.received == [d for read, d in script if not read]
+        assert runs.received == [d for read, d in script if not read]
         assert ran.result.counts["nacked"] == 0 and ran.result.counts["stuck"] == 0
 
     try:
         holds()
     finally:
-        kept_patch.undo()
+        patch.undo()
 
 
 @pytest.mark.parametrize("pointer", [0x00, 0x55, 0xFF])
-def test_a_pointer_with_a_repeated_start_and_the_read_behind_it(monkeypatch, style, rate, pointer: int):
-    kept = Kept(monkeypatch)
-    ran = kept.ask(style, rate, [{"pointer": pointer, "count": 6}] * 3, replies=("10 11 12 13 14 15",))
+def test_a_pointer_with_a_repeated_start_and_the_read_after_it(monkeypatch, style, rate, pointer: int):
+    runs = ResponderRuns(monkeypatch)
+    ran = runs.ask(style, rate, [{"pointer": pointer, "count": 6}] * 3, replies=("10 11 12 13 14 15",))
     assert ran.read() == [["10 11 12 13 14 15"] * 3]
-    assert kept.received == [bytes([pointer])] * 3
+    assert runs.received == [bytes([pointer])] * 3
 
 
-def test_busy_times_are_nacked_and_only_they(monkeypatch, style, rate):
-    """The write is taken, then the device is out of reach for 1 ms; a byte asked for later comes."""
+def test_only_requests_in_the_busy_time_are_not_acknowledged(monkeypatch, style, rate):
+    """The responder accepts the write, does not answer for 1 ms, and then sends a byte."""
     write, read = {"count": 0, "write": "00 01"}, {"count": 1}
-    kept = Kept(monkeypatch)
-    ran = kept.ask(style, rate, [write, *[read] * 30], busy=("1 ms",), replies=("77",))
+    runs = ResponderRuns(monkeypatch)
+    ran = runs.ask(style, rate, [write, *[read] * 30], busy=("1 ms",), replies=("77",))
     (transfers,) = ran.rounds
     busy_from = transfers[0].stop_at
     per_ms = ran.scene.timebase.per_second // 1000
     assert transfers[0].acked
     answered = [t.acked for t in transfers[1:]]
     assert False in answered and True in answered
-    assert answered == sorted(answered)  # nobody for a while, then always
+    assert answered == sorted(answered)  # not at first, then always
     last_refused = answered.index(True)  # of transfers[1:]: transfers[last_refused] was refused
     assert transfers[last_refused].phases[0].start_at < busy_from + per_ms
     assert transfers[last_refused + 1].stop_at > busy_from + per_ms
-    assert kept.received == [b"\x00\x01"]
+    assert runs.received == [b"\x00\x01"]
 
 
-def test_a_second_write_has_a_busy_time_of_its_own(monkeypatch, style):
+def test_a_second_write_has_its_own_busy_time(monkeypatch, style):
     write, read = {"count": 0, "write": "00 01"}, {"count": 1}
-    ran = Kept(monkeypatch).ask(style, "100 kHz", [write, read, write, read], busy=("0 us", "1 ms"), replies=("77",))
+    ran = ResponderRuns(monkeypatch).ask(
+        style, "100 kHz", [write, read, write, read], busy=("0 us", "1 ms"), replies=("77",)
+    )
     assert [t.acked for t in ran.rounds[0]] == [True, True, True, False]
 
 
-def test_asleep_at_the_start_nobody_answers(monkeypatch, style):
-    ran = Kept(monkeypatch).ask(style, "100 kHz", [{"count": 1}] * 30, asleep="3 ms", replies=("77",))
+def test_a_responder_that_is_asleep_at_the_start_does_not_answer(monkeypatch, style):
+    ran = ResponderRuns(monkeypatch).ask(style, "100 kHz", [{"count": 1}] * 30, asleep="3 ms", replies=("77",))
     answered = [t.acked for t in ran.rounds[0]]
     assert not answered[0] and answered[-1] and answered == sorted(answered)

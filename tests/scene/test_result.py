@@ -1,4 +1,4 @@
-"""What the result of a run says of all that happened in it."""
+"""The result of a run: stuck lines, notes, counts and verdicts."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def result(counts: dict[str, int]) -> Result:
     return Result("x", "pass", 1.0, 1.0, 0, 0, 0, [], counts, [], [], [])
 
 
-def test_what_is_not_said_of_a_run_is_nothing():
+def test_values_that_are_not_given_are_empty():
     plain = result({})
     assert (plain.wrong, plain.first_wrong, plain.estimated, plain.sci_bytes_sent) == ({}, "", [], 0)
 
@@ -44,21 +44,21 @@ def breaks_duties(dsp: Dsp) -> None:
     dsp.report_overflow("a product")
 
 
-def test_times_of_notes_count_from_the_begin_of_the_run():
-    """A duty of a module and of a device, an overflow, the end of main and a line that is held low."""
+def test_times_of_notes_count_from_the_start_of_the_run():
+    """The notes are on a duty of a module and of a device, an overflow, the end of main, and a line held low."""
 
-    def told(start: str) -> tuple[list[str], list[str]]:
+    def notes_and_stuck(start: str) -> tuple[list[str], list[str]]:
         eeprom = {"it": {"model": "24lc64"}}
         scene = scene_with(breaks_duties, ["I2C-A"], start=start, device=eeprom, budget=[STUCK])
         later = scene.start + scene.timebase.ticks(Fraction(3, 1000))
         scene.kernel.call_at(later, lambda: scene.devices["it"].log.take(Note("duty", "too soon", "the sheet")))
-        scene.wires["SDA"].attach("somebody").drive(0)
+        scene.wires["SDA"].attach("hand").drive(0)
         result = scene.run(Fraction(30, 1000))
         return result.notes, result.stuck
 
-    notes, stuck = told("0 s")
+    notes, stuck = notes_and_stuck("0 s")
     assert len(notes) == 4 and all("at " in note for note in notes) and len(stuck) == 1
-    assert told("7 ms") == (notes, stuck)
+    assert notes_and_stuck("7 ms") == (notes, stuck)
 
 
 def receives_on_gpio36(dsp: Dsp) -> None:
@@ -103,7 +103,7 @@ def test_missed_rounds_that_no_budget_judges_are_noted(period: str, missed: int)
     ] * bool(missed)
 
 
-def test_where_a_budget_judges_them_there_is_no_note():
+def test_missed_rounds_that_a_budget_judges_are_not_noted():
     result = Scene(load(TIMING / "responder.toml", ["controller.period='1 ms'", JUDGED])).run(Fraction(25, 1000))
     assert result.counts["missed"] == 12 and result.notes == []
 
@@ -112,7 +112,7 @@ def test_a_note_on_lost_words_has_the_statement_and_the_number() -> None:
     def main(dsp: Dsp) -> None:
         sci = start_sci(dsp, "SCI-A")
         for value in range(20):
-            sci.SCITXBUF.all = value  # none has left the FIFO for the shift register yet
+            sci.SCITXBUF.all = value  # no word has moved from the FIFO to the shift register yet
 
     notes = scene({"dsp": main}, unit={"dsp": unit("SCI-A")}, duration="1 ms").run().notes
     [note] = [note for note in notes if "is lost" in note]
@@ -202,7 +202,7 @@ def test_bus_events_of_the_controller_alone_do_not_pass_beside_another_master(
     assert writes.verdict == "pass"
 
 
-def test_a_unit_whose_name_contains_that_of_a_module_is_no_master_by_its_sci(tmp_path: Path):
+def test_a_unit_whose_name_contains_that_of_a_module_is_not_taken_for_a_master(tmp_path: Path):
     text = TWO_MASTERS.format(pause="1 s", limit=1).replace('["I2C-A"]', '["I2C-A", "SCI-A"]').replace("dsp:", "")
     path = tmp_path / "two.toml"
     path.write_text(text.replace("unit.dsp", 'unit."a.I2Cb"'), encoding="utf-8")

@@ -42,14 +42,14 @@ def test_sockets_and_wires_are_those_of_the_modules_named(modules: list[str], wi
 
 
 def modules() -> list[object]:
-    """The modules of chips that there are: nothing of a compiled class can be replaced to count them."""
+    """Return the existing modules of chips, found by their type since compiled classes cannot be patched."""
     return [one for one in gc.get_objects() if type(one) in (Sci, I2c, Gpio)]
 
 
 @pytest.mark.parametrize(
     ("named", "made"), [([], []), (["I2C-A"], ["I2c"]), (["SCI-A", "SCI-C", "GPIO"], ["Gpio", "Sci", "Sci"])]
 )
-def test_no_module_is_made_that_is_not_named(named: list[str], made: list[str]):
+def test_only_named_modules_are_created(named: list[str], made: list[str]):
     gc.collect()
     before = modules()
     scene = scene_with(idle, named)
@@ -72,7 +72,7 @@ def test_an_agent_on_wires_alone_costs_its_own_events():
     assert silent.events <= 1
 
 
-def test_a_host_in_a_scene_without_sci_talks_to_nobody():
+def test_a_host_in_a_scene_without_an_sci_drives_its_wire():
     scene = scene_with(idle, ["I2C-A"], host={"frames": 1})
     assert set(scene.wires) == {"SDA", "SCL", "RX"}
     assert scene.run().sci_bytes == 12
@@ -88,7 +88,7 @@ def sends_ten(dsp: Dsp) -> None:
 
 @pytest.mark.parametrize("disable", ["bits", ()])
 def test_characters_count_in_both_directions(disable: object):
-    """What units send, and what others send to them, whether the frames go edge by edge or at once."""
+    """Characters that units send and receive are counted, with and without skipped bits."""
     result = scene_with(sends_ten, ["SCI-A"], host={"frames": 1}, disable=disable, duration="40 ms").run()
     assert (result.sci_bytes, result.sci_bytes_sent) == (12, 10)
     silent = scene_with(idle, ["SCI-A"], host={"frames": 1}, disable=disable).run()
@@ -105,7 +105,7 @@ def test_two_units_share_the_wires():
     assert scene.units["b"].clock.hz == scene.units["a"].clock.hz * 1_000_050 / 1_000_000
 
 
-def test_firmware_that_returns_is_said_to_have_returned():
+def test_firmware_that_has_returned_is_reported_so():
     scene = scene_with(idle, [])
     scene.run()
     assert scene.doing(scene.units["dsp"]) == "has returned from main"
@@ -113,10 +113,10 @@ def test_firmware_that_returns_is_said_to_have_returned():
     assert scene.kernel.next_time() == NEVER
 
 
-def test_progress_goes_from_nothing_to_one():
-    told: list[float] = []
-    Scene(case(host={"frames": 0})).run(progress=told.append)
-    assert told[-1] == 1 and told == sorted(told) and len(told) == 100
+def test_progress_goes_from_0_to_1():
+    reported: list[float] = []
+    Scene(case(host={"frames": 0})).run(progress=reported.append)
+    assert reported[-1] == 1 and reported == sorted(reported) and len(reported) == 100
 
 
 def test_a_run_starts_where_the_case_says():
@@ -127,7 +127,7 @@ def test_a_run_starts_where_the_case_says():
     assert starts == [scene.timebase.ticks("30 d") + scene.timebase.ticks("1 ms")]
 
 
-def test_a_device_that_is_never_built_ends_the_run_as_it_begins(tmp_path: Path):
+def test_a_device_whose_construction_never_ends_fails_the_run_at_its_start(tmp_path: Path):
     text = "class Device:\n    def __init__(self, bus):\n        while True: ...\n    def on_read(self): return 0\n"
     (tmp_path / "endless.py").write_text(text)
     tables = {"name": "x", "duration": "1 ms", "stall_limit": "50 ms"}

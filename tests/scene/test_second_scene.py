@@ -1,4 +1,4 @@
-"""Scenes of one case share what is the same for all of them, and nothing that a run changes; a changed file is seen."""
+"""Scenes of one case share all data that runs do not change, and nothing else; changes of files take effect."""
 
 from __future__ import annotations
 
@@ -51,8 +51,8 @@ def recorded_scene(changes: list[str]) -> tuple[Scene, list[Record]]:
     return recorded(load(TIMING / "imu_hil.toml", changes))
 
 
-def works_nothing_out(make: Callable[[], object], shared: Mapping[str, Any]) -> None:
-    """All of it was there before."""
+def check_reuse(make: Callable[[], object], shared: Mapping[str, Any]) -> None:
+    """Check that a second call finds all of its shared data in the caches."""
     make()
     before = {name: one.cache_info() for name, one in shared.items()}
     make()
@@ -62,13 +62,13 @@ def works_nothing_out(make: Callable[[], object], shared: Mapping[str, Any]) -> 
         assert after.misses == before[name].misses, name
 
 
-def test_a_second_scene_makes_nothing_anew():
+def test_a_second_scene_reuses_all_shared_data():
     def scenes() -> None:
         for case in ("imu_hil", "responder", "two_dsps"):
             Scene(load(TIMING / f"{case}.toml")).run(LENGTH)
 
-    traced = sys.gettrace() is not None  # waits are evaluated then, and not taken apart
-    works_nothing_out(scenes, {name: one for name, one in SHARED.items() if name != "waits" or not traced})
+    traced = sys.gettrace() is not None  # waits are then evaluated and not analysed
+    check_reuse(scenes, {name: one for name, one in SHARED.items() if name != "waits" or not traced})
 
 
 def test_budgets_of_scenes_with_other_settings_share_their_plans_and_not_their_measures():
@@ -79,12 +79,12 @@ def test_budgets_of_scenes_with_other_settings_share_their_plans_and_not_their_m
         assert one.measure is not other.measure
 
 
-def test_a_case_with_other_budgets_shares_what_their_texts_say():
+def test_a_case_with_other_budgets_reuses_parsed_texts():
     reasons = count()
-    works_nothing_out(lambda: recorded_scene([f"budget.response.why=reason {next(reasons)}"]), OF_TEXTS)
+    check_reuse(lambda: recorded_scene([f"budget.response.why=reason {next(reasons)}"]), OF_TEXTS)
 
 
-def test_who_changes_a_case_changes_it_for_nobody_else():
+def test_changes_of_a_loaded_case_do_not_affect_others():
     path = TIMING / "imu_hil.toml"
     one, other = load(path), load(path)
     assert one == other and one.budget is other.budget
@@ -100,7 +100,7 @@ class Settings:
     value: int
 
 
-def test_settings_are_made_once_for_scenes_that_say_the_same_and_kept_for_so_many_only():
+def test_equal_settings_are_created_once_and_a_limited_number_is_kept():
     made = shared(Settings, {"value": 0}, "it")
     assert shared(Settings, {"value": 0}, "it") is made is not shared(Settings, {"value": -1}, "it")
     kept = weakref.ref(made)
@@ -110,13 +110,13 @@ def test_settings_are_made_once_for_scenes_that_say_the_same_and_kept_for_so_man
     assert kept() is None
 
 
-def test_what_firmware_may_change_is_made_anew():
+def test_settings_that_firmware_may_change_are_created_for_each_scene():
     firmware = load_firmware("imu_hil")
     one, other = (settings_for(firmware, {}) for _ in range(2))
     assert one == other and one is not other
 
 
-def test_scenes_one_after_the_other_and_side_by_side_make_the_same_records():
+def test_scenes_one_after_the_other_and_side_by_side_give_the_same_records():
     changes: tuple[list[str], list[str]] = [], ["seed=7", "unit.dsp.settings.noise_seed=5"]
     alone = []
     for change in changes:
@@ -132,11 +132,11 @@ def test_scenes_one_after_the_other_and_side_by_side_make_the_same_records():
     assert [records_of_one, records_of_other] == alone
 
 
-def test_scenes_that_run_alternately_make_the_records_of_each_alone():
+def test_scenes_that_run_alternately_give_the_records_of_each_alone():
     alone, records_alone = recorded_scene([])
     alone.run(LENGTH)
     both = [recorded_scene([]) for _ in range(2)]
-    step = LENGTH * alone.timebase.per_second / 50  # waits, computations and service routines are cut by it
+    step = LENGTH * alone.timebase.per_second / 50  # it divides waits, computations and service routines
     for part in range(1, 51):
         for scene, _ in both:
             scene.advance(scene.start + int(step * part))
@@ -152,7 +152,7 @@ def test_two_cases_of_one_file_share_no_table(tmp_path: Path):
     assert (plain.unit["dsp"].ppm, plain.unit["dsp"].modules) == (0, ("SCI-A",))
 
 
-def test_a_changed_case_is_seen_though_size_and_time_are_the_same(tmp_path: Path):
+def test_a_changed_case_is_read_again_although_size_and_time_are_equal(tmp_path: Path):
     file = tmp_path / "case.toml"
     for name in ("one", "two"):
         file.write_text(CASE.replace("one", name), encoding="utf-8")
@@ -160,7 +160,7 @@ def test_a_changed_case_is_seen_though_size_and_time_are_the_same(tmp_path: Path
         assert load(file).name == name
 
 
-def test_changed_firmware_is_seen_and_unchanged_firmware_is_compiled_once(tmp_path: Path):
+def test_changed_firmware_is_read_again_and_unchanged_firmware_is_compiled_once(tmp_path: Path):
     file = tmp_path / "case.toml"
     file.write_text(CASE, encoding="utf-8")
     program = tmp_path / "mine.py"
@@ -178,7 +178,7 @@ def test_changed_firmware_is_seen_and_unchanged_firmware_is_compiled_once(tmp_pa
     assert set(tmp_path.iterdir()) == {file, program}
 
 
-def test_module_variables_of_a_firmware_file_begin_anew_in_each_scene(tmp_path: Path):
+def test_module_variables_of_a_firmware_file_are_new_in_each_scene(tmp_path: Path):
     (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
     counting = "seen = []\n\n\ndef main(dsp, settings):\n    seen.append(1)\n    dsp.compute(1000 * len(seen))\n"
     (tmp_path / "mine.py").write_text(counting, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Each data file that the package ships: a key in it that no code reads is refused, in every one of its tables."""
+"""Data files of the package: a key that no code reads is refused in every one of their tables."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from periph_sim.processor.c28x.encodings import read_table
 
 PACKAGE = Path(periph_sim.__file__).parent
 HEADER = re.compile(r"^\[.*\]$", re.MULTILINE)
-FREE = re.compile(r"^\[.*\.settings\]$")  # of firmware, which says itself what it takes
+FREE = re.compile(r"^\[.*\.settings\]$")  # of firmware, which defines its settings itself
 
 
 def read_encodings(path: Path) -> object:
@@ -24,7 +24,7 @@ def read_encodings(path: Path) -> object:
 
 
 def build(path: Path) -> object:
-    """Tables of devices are read as the scene is built."""
+    """Build a scene, which reads the tables of devices."""
     return Scene(load(path))
 
 
@@ -48,6 +48,6 @@ def test_a_key_that_no_code_reads_is_refused(file: Path, tmp_path: Path):
     reader(file)(copy)
     headers = [found for found in HEADER.finditer(text) if not FREE.match(found.group())]
     for header in headers[:: max(1, len(headers) // 8)]:
-        copy.write_text(f"{text[: header.end()]}\nnobody_reads = 1{text[header.end() :]}", encoding="utf-8")
-        with pytest.raises(ValueError, match="nobody_reads"):
+        copy.write_text(f"{text[: header.end()]}\nunread_key = 1{text[header.end() :]}", encoding="utf-8")
+        with pytest.raises(ValueError, match="unread_key"):
             reader(file)(copy)

@@ -1,4 +1,4 @@
-"""SPI-A in scenes: a master and a slave on wires exchange words, as their firmware writes and reads them."""
+"""SPI-A in scenes: a master and a slave that are joined by cables exchange words."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ CABLES = [{"from": f"left.SPI-A.{signal}", "to": f"right.SPI-A.{signal}"} for si
 
 
 def started(dsp: Dsp, control: int) -> ModulePort:
-    """Words of 16 bits, LSPCLK / 10. control: SPICTL."""
+    """Start SPI-A with words of 16 bits at LSPCLK / 10. control: SPICTL."""
     dsp.eallow()
     dsp.module("SYS").PCLKCR0.SPIAENCLK = 1
     if dsp.has("GPIO"):
@@ -33,7 +33,7 @@ def started(dsp: Dsp, control: int) -> ModulePort:
 
 
 class Exchange:
-    """Firmware of two units. by_master, by_slave: words that each received."""
+    """Firmware of two units. by_master, by_slave: the words that each received."""
 
     def __init__(self) -> None:
         self.by_master: list[int] = []

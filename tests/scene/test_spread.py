@@ -1,4 +1,4 @@
-"""Computations whose cost is a range: each takes a value of it, drawn."""
+"""Computations whose cost is a range: each takes a value drawn from the range."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ CYCLE = 20  # ticks at 150 MHz
 
 
 def costs(text: str, seed: int = 1, unit: str = "dsp", times: int = 200) -> list[int]:
-    """Cycles that computations of this spread took, one after the other."""
+    """Return the cycles of consecutive computations with this spread."""
     spans: list[int] = []
 
     def main(dsp: Dsp, settings: object) -> None:

@@ -1,4 +1,4 @@
-"""State of a scene: what is in it, how two of them differ, and runs that go on from a restored one."""
+"""State of a scene: its contents, the differences of two states, and runs that continue from a restored state."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tests.scene.runs import TIMING, recorded
 from tests.scene.small import sentence_of
 
 CASES = sorted(path.stem for path in TIMING.glob("*.toml"))
-# Images, how often they are restored, and ms within which: 200 times in all. A wait of the EEPROM's is 5 ms long.
+# Images, the number of restored states, and the ms within which they are: 200 states. A wait of the EEPROM takes 5 ms.
 IMAGES = {
     "imu_hil_image": (80, 110),
     "variants/image_blink": (20, 12),
@@ -27,7 +27,7 @@ IMAGES = {
     "variants/image_rtc": (20, 12),
     "variants/image_sci_echo": (20, 30),
 }
-AHEAD = 3  # instants that a restored scene is compared up to
+INSTANTS_AHEAD = 3  # a restored scene is compared up to the third next instant
 BLINK = Path(__file__).parents[2] / "firmware" / "c28x" / "blink.asm"
 
 
@@ -36,19 +36,19 @@ def case_of(name: str, *changes: str) -> Case:
 
 
 def ms(scene: Scene, count: float) -> int:
-    """Return the tick so many milliseconds behind the start."""
+    """Return the tick `count` milliseconds after the start."""
     return scene.start + int(count * scene.timebase.per_second) // 1000
 
 
 def advanced(case: Case, count: float) -> Scene:
-    """A scene that has run for so many milliseconds."""
+    """Return a scene that has run for `count` milliseconds."""
     scene = Scene(case)
     scene.advance(ms(scene, count))
     return scene
 
 
 def differing(one: Snapshot, other: Snapshot) -> dict[str, tuple[object, object]]:
-    """Return the differences of two states, but for instants that are older than anything which can come of them."""
+    """Return the differences of two states, except times in the past that have no effect any more."""
     return {
         name: pair
         for name, pair in one.differences(other).items()
@@ -74,7 +74,7 @@ def test_two_runs_of_a_case_have_equal_states(name: str):
 
 @pytest.mark.parametrize("name", ["imu_hil", "eeprom_log", "imu_chips", "two_dsps", "uart_logger", "imu_hil_spikes"])
 def test_the_state_does_not_depend_on_when_a_run_begins(name: str):
-    """Instants are counted from now. Those that have not come yet stay where the scene put them, before its start."""
+    """Times count from the current tick. For events that have not occurred they are constant, before the start."""
     states = [advanced(case_of(name, f"start={start}"), 28.3).state() for start in ("0 ms", "7 ms")]
     later = states[1].tick - states[0].tick
     for here, there in states[0].differences(states[1]).values():
@@ -91,22 +91,22 @@ def test_a_changed_byte_is_a_difference_by_name():
 
 
 def test_taking_a_state_changes_nothing():
-    """Also in the middle of skipped bits, which are run up to there."""
+    """This also holds in the middle of skipped bits, which are then executed up to the current time."""
     case = case_of("imu_hil_image")
     plain, records = recorded(case)
-    looked, looked_records = recorded(case)
-    looked.state()
+    observed, observed_records = recorded(case)
+    observed.state()
     random = Random(4)
     for at in sorted(random.uniform(0, 31) for _ in range(40)):
-        looked.advance(ms(looked, at))
+        observed.advance(ms(observed, at))
         plain.advance(ms(plain, at))
-        looked.state()
-    assert len(records) > 2000 and looked_records == records
+        observed.state()
+    assert len(records) > 2000 and observed_records == records
 
 
 @pytest.mark.parametrize("name", ["imu_hil", "eeprom_log", "imu_hil_reset"])
 def test_the_state_of_a_scene_without_records_does_not_depend_on_earlier_stops(name: str):
-    """Neither does it on the begin of skipped bits, which a stop in the middle of them divides."""
+    """A stop in the middle of skipped bits divides them, and the state does not depend on that either."""
     straight, stopped = Scene(case_of(name)), Scene(case_of(name))
     for at in (1.0001, 3.0009, 7.0049, 16.0256):
         stopped.advance(ms(stopped, at))
@@ -118,8 +118,8 @@ def test_the_state_of_a_scene_without_records_does_not_depend_on_earlier_stops(n
 
 
 @pytest.mark.parametrize("name", IMAGES)
-def test_an_image_goes_on_from_random_instants_as_it_did(name: str):
-    """Records up to the third instant from there are equal, and so is the state."""
+def test_a_restored_image_continues_from_random_instants_as_before(name: str):
+    """The records up to the third instant after the restored one are equal, and so is the state."""
     count, within = IMAGES[name]
     case, random = case_of(name), Random(f"instants of {name}")
     whole, records = recorded(case)
@@ -137,16 +137,16 @@ def test_an_image_goes_on_from_random_instants_as_it_did(name: str):
         scene.restore(states[place])
         before = len(again)
         assert states[place].differences(scene.state()) == {}
-        scene.advance(instants[place + AHEAD])
-        assert again[before:] == records[counts[place] : counts[place + AHEAD]]
-        assert differing(states[place + AHEAD], scene.state()) == {}
+        scene.advance(instants[place + INSTANTS_AHEAD])
+        assert again[before:] == records[counts[place] : counts[place + INSTANTS_AHEAD]]
+        assert differing(states[place + INSTANTS_AHEAD], scene.state()) == {}
         compared += len(again) - before
     assert compared > 20 * count
 
 
 @pytest.mark.parametrize("name", IMAGES)
-def test_no_record_depends_on_what_is_not_declared(name: str):
-    """A scene of another seed, which has run to another instant, takes the state: all else in it is another's then."""
+def test_no_record_depends_on_undeclared_state(name: str):
+    """The state is restored in a scene with another seed and time, in which all undeclared state is different."""
     _, within = IMAGES[name]
     random, moved = Random(f"others of {name}"), 0
     for _ in range(6):
@@ -196,21 +196,21 @@ def test_an_image_with_a_stack_budget_is_restored_while_a_loop_is_traced(tmp_pat
     assert traced
 
 
-def test_every_image_case_can_be_restored_whole():
+def test_every_image_case_can_be_restored():
     for name in IMAGES:
         scene = advanced(case_of(name), 10)
         foreign = [one for one, value in scene.state().values.items() if isinstance(value, Foreign)]
         assert foreign == []
 
 
-# Scenes of other firmware, which run up to the snapshot ---------------------------
+# Scenes of other firmware, which are run up to the snapshot -----------------------
 
 
 @pytest.mark.parametrize(
     ("name", "count"), [("imu_hil", 4), ("imu_hil_c", 1), ("eeprom_log", 4), ("two_dsps", 4), ("imu_hil_reset", 4)]
 )
-def test_other_firmware_goes_on_from_random_instants_as_it_did(name: str, count: int):
-    """Fewer times, and not as long, with C, of which each access is found in the sources."""
+def test_restored_firmware_continues_from_random_instants_as_before(name: str, count: int):
+    """C sources are restored once and run shorter, since each access is looked up in the sources."""
     case, random = case_of(name), Random(f"instants of {name}")
     whole, records = recorded(case)
     ends_at = ms(whole, 8 + 12 * count if count > 1 else 8)
@@ -230,7 +230,7 @@ def test_other_firmware_goes_on_from_random_instants_as_it_did(name: str, count:
 
 
 def test_a_snapshot_of_firmware_that_was_edited_is_refused(tmp_path: Path):
-    """Also if the edit would have its effect only after the snapshot."""
+    """It is refused even if the edit would take effect only after the snapshot."""
     text = "def main(dsp, settings):\n    dsp.compute(1_000_000)\n    dsp.compute(100)\n"
     source = tmp_path / "mine.py"
     source.write_text(text)
@@ -258,7 +258,7 @@ def test_a_chip_with_the_name_of_another_part_hides_no_state(name: str):
 
 
 def test_a_state_that_no_run_leads_to_is_refused():
-    """Here the test has changed a word of RAM."""
+    """The test changes a word of RAM."""
     scene = advanced(case_of("responder"), 2)
     ram = scene.units["dsp"].processor.bus.ram
     ram.put(0x400, ram.word(0x400) ^ 1)
@@ -268,15 +268,15 @@ def test_a_state_that_no_run_leads_to_is_refused():
     )
 
 
-# What does not fit ---------------------------------------------------------------
+# Snapshots that do not fit ---------------------------------------------------------
 
 
 def refused(scene: Scene, snapshot: Snapshot) -> str:
-    """Return why the snapshot is refused, having changed nothing in the scene."""
+    """Return the reason why the snapshot is refused, after a check that the scene is unchanged."""
     before = scene.state()
-    said = sentence_of(NotRestorable, lambda: scene.restore(snapshot))
+    message = sentence_of(NotRestorable, lambda: scene.restore(snapshot))
     assert before.differences(scene.state()) == {} and before.tick == scene.kernel.now
-    return said
+    return message
 
 
 @pytest.fixture
@@ -284,7 +284,7 @@ def flagship() -> Snapshot:
     return advanced(case_of("imu_hil_image"), 9).state()
 
 
-def test_a_snapshot_of_another_case(flagship: Snapshot):
+def test_a_snapshot_of_another_case_is_refused(flagship: Snapshot):
     scene = Scene(case_of("variants/image_blink"))
     assert refused(scene, flagship) == "the snapshot is of case 'imu_hil_image', and the scene is of case 'image_blink'"
 
@@ -293,24 +293,24 @@ def test_a_snapshot_of_another_case(flagship: Snapshot):
     ("change", "what"),
     [("seed=2", "[seed]"), ("controller.rate=400 kHz", "[controller]"), ("unit.dsp.ppm=31", "[unit]")],
 )
-def test_a_snapshot_of_a_changed_case(flagship: Snapshot, change: str, what: str):
+def test_a_snapshot_of_a_changed_case_is_refused(flagship: Snapshot, change: str, what: str):
     scene = Scene(case_of("imu_hil_image", change))
     assert refused(scene, flagship) == f"the snapshot was taken of a scene with another {what}"
 
 
-def test_a_longer_run_with_other_budgets_may_go_on(flagship: Snapshot):
+def test_a_snapshot_fits_a_longer_run_with_other_budgets(flagship: Snapshot):
     scene = Scene(case_of("imu_hil_image", "duration=1 s", "budget.0.max=200 us"))
     scene.restore(flagship)
     assert flagship.differences(scene.state()) == {}
 
 
-def test_a_snapshot_of_another_version(flagship: Snapshot):
+def test_a_snapshot_of_another_version_is_refused(flagship: Snapshot):
     strange = flagship._replace(identity=(("version", "0.0.9"), *flagship.identity[1:]))
-    said = refused(Scene(case_of("imu_hil_image")), strange)
-    assert said == "the snapshot is of version 0.0.9 of periph_sim, and this is version 0.1.0"
+    message = refused(Scene(case_of("imu_hil_image")), strange)
+    assert message == "the snapshot is of version 0.0.9 of periph_sim, and this is version 0.1.0"
 
 
-def test_a_snapshot_of_another_program(tmp_path: Path):
+def test_a_snapshot_of_another_program_is_refused(tmp_path: Path):
     source = tmp_path / "program.asm"
     case = small.case(unit={"dsp": {"image": str(source), "modules": ["GPIO"]}})
     source.write_text(BLINK.read_text())
@@ -319,17 +319,17 @@ def test_a_snapshot_of_another_program(tmp_path: Path):
     assert refused(Scene(case), snapshot) == "the snapshot was taken of a scene with another program in unit dsp"
 
 
-def test_a_snapshot_of_a_scene_with_other_records(flagship: Snapshot):
+def test_a_snapshot_of_a_scene_with_other_records_is_refused(flagship: Snapshot):
     scene, _ = recorded(case_of("imu_hil_image"))
     assert refused(scene, flagship) == "the snapshot was taken of a scene with another choice of records"
 
 
-def test_a_scene_that_has_run(flagship: Snapshot):
+def test_a_scene_that_has_run_cannot_be_restored(flagship: Snapshot):
     scene = advanced(case_of("imu_hil_image"), 1)
     assert refused(scene, flagship).startswith("the scene has run already")
 
 
-def test_what_declares_no_state_is_named(flagship: Snapshot):
+def test_an_object_that_declares_no_state_is_named(flagship: Snapshot):
     values = flagship.values | {"dsp.SCI-A.chip._rx.fifo": Foreign("a.Queue")}
-    said = refused(Scene(case_of("imu_hil_image")), flagship._replace(values=values))
-    assert said == "dsp.SCI-A.chip._rx.fifo is a a.Queue, which declares no state, so it cannot be restored"
+    message = refused(Scene(case_of("imu_hil_image")), flagship._replace(values=values))
+    assert message == "dsp.SCI-A.chip._rx.fifo is a a.Queue, which declares no state, so it cannot be restored"

@@ -1,4 +1,4 @@
-"""`strict = true`: a duty of a manual that firmware breaks ends the run, whichever module or chip it is of."""
+"""`strict = true`: a broken duty of a manual ends the run, whichever module or chip it belongs to."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ START = "    dsp.eallow()\n    dsp.module('SYS').PCLKCR0.all = 0x410\n    dsp.ed
 
 
 @pytest.mark.parametrize("module", BREAKS)
-def test_broken_duty_of_any_module_ends_a_strict_run_with_its_line(tmp_path: Path, module: str):
+def test_a_broken_duty_of_any_module_ends_a_strict_run_with_its_line(tmp_path: Path, module: str):
     assert re.match(
         rf"dsp\.{module}, line [89] of breaks\.py, at 0\.\d+ us: .* \[SP",
         sentence_of(FirmwareError, lambda: ran(tmp_path, BREAKS[module], strict=True)),
@@ -80,7 +80,7 @@ def test_a_broken_duty_of_a_device_or_a_sensor_chip_ends_a_strict_run(strict: bo
             ]
 
 
-def test_notes_that_forbid_nothing_end_no_run(tmp_path: Path):
+def test_notes_other_than_duties_do_not_end_a_strict_run(tmp_path: Path):
     lines = ("dsp.eallow()", "dsp.module('GPIO').GPBMUX1.GPIO34 = 3")  # XREADY: not modelled
     scene = ran(tmp_path, lines, strict=True)
     assert [note.code for _, note in scene.units["dsp"].sockets["GPIO"].notes] == ["unknown"]
@@ -101,7 +101,7 @@ def test_a_note_names_its_module_once(tmp_path: Path):
     assert note.startswith("dsp SCI-A, first at ") and note.count("SCI-A") == 1
 
 
-def test_notes_are_joined_only_with_their_like():
+def test_only_notes_of_one_kind_are_joined():
     one, two = (Note("unknown", f"pin {n} is odd", "S1", "pins are odd", f"pin {n}") for n in (1, 2))
     other = Note("duty", "mind the gap", "S2")
     found = joined([(5, one), (6, other), (7, two)])
@@ -122,7 +122,7 @@ again:    MOV   @LOSPCP,#2        ; without EALLOW
 """
 
 
-def test_of_an_image_function_line_and_address(tmp_path: Path):
+def test_a_note_on_an_image_has_function_line_and_address(tmp_path: Path):
     (tmp_path / "own.asm").write_text(PROGRAM)
     unit = {"image": str(tmp_path / "own.asm"), "modules": []}
     notes = Scene(case(unit={"dsp": unit})).run(Fraction("0.0001")).notes
@@ -157,7 +157,7 @@ def test_the_run_of_an_image_ends_at_the_instant_of_the_broken_duty(tmp_path: Pa
     assert scene.timebase.show(scene.kernel.now - scene.start) == f"{at} us"
 
 
-def test_of_python_firmware_file_and_line():
+def test_a_note_on_python_firmware_has_file_and_line():
     def careless(dsp: Dsp) -> None:
         dsp.module("SYS").LOSPCP.all = 2
 

@@ -1,4 +1,4 @@
-"""Clocks of units: two without a common cycle keep their own, and an I2C module knows the SYSCLKOUT that it has."""
+"""Clocks of units: two units without a common cycle keep their own, and an I2C module uses its unit's SYSCLKOUT."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_each_unit_counts_its_own_cycles(tmp_path: Path, units: str):
     assert made.timebase.per_second % (150 * 10**6) == 0 and made.timebase.per_second % (49 * 10**6) == 0
 
 
-def test_a_wait_says_since_when_in_the_time_of_its_own_clock(tmp_path: Path):
+def test_the_start_of_a_wait_is_shown_by_the_units_own_clock(tmp_path: Path):
     made, _ = scene(tmp_path, QUICK + SLOW)
     made.kernel.run_until(made.timebase.ticks(Fraction(20, 10**6)))
     since = {name: made.doing(dsp).rpartition(" ")[0].rpartition(" ")[2] for name, dsp in made.units.items()}
@@ -78,7 +78,7 @@ def duties(oscclk_mhz: int, pll: int, ipsc: int, switch_to: int = 0) -> list[str
 
 @pytest.mark.rule("I2C-155")
 @pytest.mark.parametrize(
-    ("oscclk_mhz", "pll", "ipsc", "told"),
+    ("oscclk_mhz", "pll", "ipsc", "found"),
     [
         (30, 10, 14, ""),
         (20, 10, 9, ""),
@@ -86,12 +86,12 @@ def duties(oscclk_mhz: int, pll: int, ipsc: int, switch_to: int = 0) -> list[str
         (30, 10, 9, "15 MHz at SYSCLKOUT = 150 MHz"),
     ],
 )
-def test_the_limits_count_from_the_units_own_clock(oscclk_mhz: int, pll: int, ipsc: int, told: str):
-    expected = [f"I2CPSC = {ipsc} gives a module clock of {told}; expected 7 to 12 MHz"]
-    assert duties(oscclk_mhz, pll, ipsc) == (expected if told else [])
+def test_the_limits_depend_on_the_units_own_clock(oscclk_mhz: int, pll: int, ipsc: int, found: str):
+    expected = [f"I2CPSC = {ipsc} gives a module clock of {found}; expected 7 to 12 MHz"]
+    assert duties(oscclk_mhz, pll, ipsc) == (expected if found else [])
 
 
 @pytest.mark.rule("I2C-155")
-def test_a_pll_that_is_set_anew_under_an_enabled_module_is_noticed():
-    told = duties(30, 10, 14, switch_to=4)
-    assert told and all("gives a module clock of" in text for text in told)
+def test_a_change_of_the_pll_with_an_enabled_module_is_noted():
+    found = duties(30, 10, 14, switch_to=4)
+    assert found and all("gives a module clock of" in text for text in found)

@@ -1,4 +1,4 @@
-"""Two F28335 on one bus, one the master and one three slaves, each on its own crystal, and a host that feeds one."""
+"""Two F28335 on one bus, a master and one as three slaves, each on its own crystal, and a host that sends to one."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ READ = ROUNDS * len(CHIPS) * 6  # bytes
 
 
 class Both:
-    """The case run with two ppm errors: what the head's CPU read, and what went over the wires."""
+    """A run of the case with changes: the bytes that the head's CPU read, and the transfers on the wires."""
 
     def __init__(self, *changes: str, **programs: Firmware) -> None:
         self.drr: list[int] = []  # I2CDRR as the head's CPU read it
@@ -45,7 +45,7 @@ class Both:
         return [verdict.name for verdict in self.result.budgets if verdict.verdict == "fail"]
 
     def on_the_wires(self) -> list[tuple[int | None, bytes, int | None, bytes]]:
-        """Complete transfers: address written to and bytes, address read from and bytes."""
+        """Return the complete transfers: address and bytes of the write, address and bytes of the read."""
         found = []
         for transfer in i2c.transfers(self.edges.capture(self.scene.kernel.now + 1)):
             if transfer.complete and len(transfer.phases) == 2:
@@ -92,13 +92,13 @@ def test_a_host_that_dies_or_turns_too_fast_breaks_its_budget_alone(change: str,
 
 
 def test_the_bus_runs_at_the_master_s_rate_by_its_own_crystal():
-    """A round takes the head the same number of its own cycles, so its length in time goes with its ppm."""
+    """A round takes the head the same number of its own cycles, so its duration depends on the head's ppm."""
     slow, fast = (Both(*ppm(error, 0)).result.budgets[1].worst for error in (-5000, 5000))
     assert slow / fast == pytest.approx(1.005 / 0.995, rel=2e-4)
 
 
-def test_phase_between_the_crystals_moves_from_round_to_round():
-    """Unequal crystals try out one phase after the other: edges fall anywhere between the slave's cycles."""
+def test_the_phase_between_the_crystals_changes_from_round_to_round():
+    """With unequal crystals, edges occur at every phase of the slave's cycles."""
     both = Both(*ppm(50, 0))
     clock = both.scene.units["imu"].clock
     capture = both.edges.capture(both.scene.kernel.now + 1)
@@ -106,8 +106,8 @@ def test_phase_between_the_crystals_moves_from_round_to_round():
     assert phases == set(range(1, 21))  # a cycle has 20 ticks
 
 
-def test_a_chip_that_is_not_there_is_told_by_the_wire_and_the_budget():
-    """The head asks accelerometer first, the emulator expects the gyroscope: rounds are shorter than 2.4 ms."""
+def test_requests_in_another_order_break_budgets():
+    """The head asks the accelerometer first, the emulator expects the gyroscope: rounds are shorter than 2.4 ms."""
     both = Both("unit.head.settings.order=[0x53, 0x68, 0x1e]")
     assert [chip for chip, *_ in both.on_the_wires()] == [0x68, 0x53, 0x1E, 0x68, 0x53, 0x1E]
     assert both.broken() == ["three chips answered", "missed rounds", "nacked rounds", "data age"]

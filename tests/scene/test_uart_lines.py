@@ -1,4 +1,4 @@
-"""Who listens to an SCI's lines changes nothing on them."""
+"""Observers of an SCI's lines have no effect on them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ CYCLE = 20  # ticks
 
 
 def echo(dsp: Any, settings: Any) -> None:
-    """Each character comes back plus one."""
+    """Send back each character, plus one."""
     sci = start_sci(dsp, "SCI-A", 0, 7, fifo=False)  # a bit of 64 cycles at 2.34 MBd
     while True:
         dsp.spin(lambda: sci.SCIRXST.RXRDY == 1)
@@ -29,8 +29,8 @@ def echo(dsp: Any, settings: Any) -> None:
         sci.SCITXBUF.all = word + 1 & 0xFF
 
 
-def answers(phase: int) -> list[Change]:
-    """How TX moves where twelve characters begin `phase` cycles late."""
+def changes_of_tx(phase: int) -> list[Change]:
+    """Return the changes of TX if twelve characters begin `phase` cycles late."""
     case = make_case(name="echo", duration="1 ms", unit={"dsp": {"firmware": "echo", "modules": ["SCI-A"]}})
     session = Session(case, LINES, programs={"dsp": Firmware("echo", echo, None)})
     line = session.serial("scia", 2_343_750)
@@ -40,11 +40,11 @@ def answers(phase: int) -> list[Change]:
     return [change for change in found if change.line == "TX"]
 
 
-def test_counting_characters_moves_no_edge_whatever_falls_together(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The rate is read at a start bit, perhaps in the cycle in which the SCI begins to send."""
-    counted = [answers(phase) for phase in range(64)]
+def test_counting_characters_changes_no_edge(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The rate is read at a start bit, possibly in the cycle in which the SCI begins to send."""
+    counted = [changes_of_tx(phase) for phase in range(64)]
     monkeypatch.setattr(UartSide, "count", lambda side, wires: None)
-    assert counted == [answers(phase) for phase in range(64)]
+    assert counted == [changes_of_tx(phase) for phase in range(64)]
     assert all(len(changes) > 60 for changes in counted)
 
 
@@ -57,7 +57,7 @@ def test_counting_characters_moves_no_edge_whatever_falls_together(monkeypatch: 
         (0x00, 0, Line(Fraction(37_500_000, 16), 1, "none", 1)),  # with BRR = 0 a bit has 16 cycles
     ],
 )
-def test_the_line_that_an_sci_is_set_to(sciccr: int, brr: int, line: Line) -> None:
+def test_the_rate_and_format_of_an_sci(sciccr: int, brr: int, line: Line) -> None:
     def main(dsp: Dsp) -> None:
         sci = start_sci(dsp, "SCI-A")
         sci.SCICCR.all, sci.SCIHBAUD.all, sci.SCILBAUD.all = sciccr, brr >> 8, brr & 0xFF

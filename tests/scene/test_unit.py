@@ -1,4 +1,4 @@
-"""What a unit of a scene is built of."""
+"""Units of a scene: their options, their stubs, and programs that are not Python."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ again:    MOV   AL,@0x19
 
 
 @pytest.mark.parametrize(("start", "after", "us"), [("0 s", "0 s", 1), ("0 s", "0.4 ms", 400), ("1 s", "0.4 ms", 400)])
-def test_a_stub_answers_from_a_time_on_that_is_counted_from_the_start(tmp_path: Path, start: str, after: str, us: int):
+def test_a_stub_answers_after_a_time_that_counts_from_the_start(tmp_path: Path, start: str, after: str, us: int):
     path = tmp_path / "polls.asm"
     path.write_text(POLLS)
     stub = [{"register": "ADC.ADCST", "value": 4, "after": after}]
@@ -56,7 +56,7 @@ def test_a_stub_answers_from_a_time_on_that_is_counted_from_the_start(tmp_path: 
     assert ended and float(ended[1]) == pytest.approx(us, abs=2)
 
 
-def test_a_program_without_a_main_for_python_is_an_image_or_c_sources(tmp_path: Path):
+def test_an_image_has_no_main_for_python(tmp_path: Path):
     path = tmp_path / "polls.asm"
     path.write_text(POLLS)
     scene = Scene(case(unit={"dsp": {"image": str(path), "modules": ["TIMER0"]}}))

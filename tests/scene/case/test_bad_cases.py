@@ -1,4 +1,4 @@
-"""What a case file may get wrong, and the one sentence that is said about it."""
+"""Mistakes in a case file: each is refused with one sentence."""
 
 from __future__ import annotations
 
@@ -219,7 +219,7 @@ def edited(path: Path, line: str, by: str) -> Path:
         ),
     ],
 )
-def test_one_sentence_with_file_line_and_way_out(case_file: Path, line: str, by: str, sentence: str):
+def test_a_mistake_is_reported_with_file_line_and_correction(case_file: Path, line: str, by: str, sentence: str):
     assert refusal(edited(case_file, line, by)) == sentence
 
 
@@ -241,7 +241,7 @@ def test_a_mistyped_header_of_one_of_two_tables_of_a_unit(case_file: Path):
     assert message == "small.toml, line 8: unit.dsp.modules is missing; it is in [unit.dspp]"
 
 
-def test_a_folder_is_no_case(case_file: Path):
+def test_a_folder_is_not_a_case(case_file: Path):
     assert refusal(Path(".")) == ".: is a folder; give a case file, or run all its cases: periph-sim check ."
 
 
@@ -292,7 +292,9 @@ def test_a_typing_mistake_is_named_with_its_line_and_the_fix(case_file: Path, te
 
 
 @pytest.mark.parametrize(("name", "command"), [("led.out", "image fw/led.out"), ("led.c", "c fw")])
-def test_a_program_in_place_of_a_case_is_answered_with_the_command(case_file: Path, name: str, command: str):
+def test_a_program_in_place_of_a_case_is_refused_with_the_command_that_writes_its_case(
+    case_file: Path, name: str, command: str
+):
     Path("fw").mkdir()
     Path("fw", name).write_bytes(b"\xc2\x00")
     assert refusal(Path("fw", name)) == (f"fw/{name}: is a program; write its case first: periph-sim new {command}")
@@ -334,7 +336,7 @@ def test_not_utf8(case_file: Path):
         ),
     ],
 )
-def test_a_wrong_change_is_told_as_it_was_typed(case_file: Path, change: str, sentence: str):
+def test_a_wrong_change_is_quoted_as_typed(case_file: Path, change: str, sentence: str):
     assert refusal(case_file, change) == sentence
 
 

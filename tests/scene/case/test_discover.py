@@ -1,4 +1,4 @@
-"""Case files below a folder, which may be anybody's repository: found by their tables, broken or not."""
+"""Discovery of case files below a folder: they are recognized by their tables, whether they are valid or not."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from periph_sim.scene.case.discover import cases_below, is_case
         ("a.txt", "[unit.dsp]\n", False),
     ],
 )
-def test_a_case_is_told_by_its_tables(name: str, text: str, found: bool, tmp_path: Path):
+def test_a_case_is_recognized_by_its_tables(name: str, text: str, found: bool, tmp_path: Path):
     (tmp_path / name).write_text(text)
     assert is_case(tmp_path / name) is found
 
 
-def test_what_cannot_be_read_is_no_case(tmp_path: Path):
+def test_a_folder_and_a_missing_file_are_not_cases(tmp_path: Path):
     (tmp_path / "folder.toml").mkdir()
     assert not is_case(tmp_path / "folder.toml") and not is_case(tmp_path / "none.toml")
 
 
 def test_hidden_and_installed_folders_are_not_searched(tmp_path: Path):
-    """By name, those of a folder before those of its sub-folders."""
+    """Cases are listed by name, those of a folder before those of its subfolders."""
     for place in ("b", "a", "sub/c", "sub/deep/d", "also/e", ".git/f", "node_modules/g", "sub/__pycache__/h", "env/i"):
         file = tmp_path / f"{place}.toml"
         file.parent.mkdir(parents=True, exist_ok=True)

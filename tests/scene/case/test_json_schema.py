@@ -1,4 +1,4 @@
-"""The schema for editors: it takes every shipped case, and refuses what the loader refuses."""
+"""The JSON schema for editors accepts every shipped case and rejects what the loader rejects."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ CASES = sorted(TIMING.glob("*.toml"))
 
 
 @pytest.fixture(scope="module")
-def judge() -> jsonschema.Draft7Validator:
+def validator() -> jsonschema.Draft7Validator:
     made = case_schema()
     jsonschema.Draft7Validator.check_schema(made)
     return jsonschema.Draft7Validator(made)
 
 
-def test_the_command_prints_it():
+def test_the_command_prints_the_schema():
     came = CliRunner().invoke(schema)
     assert came.exit_code == 0 and json.loads(came.output) == json.loads(json.dumps(case_schema()))
 
 
-def test_every_shipped_case_is_valid(judge: jsonschema.Draft7Validator):
+def test_every_shipped_case_is_valid(validator: jsonschema.Draft7Validator):
     for case in CASES:
-        judge.validate(tomllib.loads(case.read_text(encoding="utf-8")))
+        validator.validate(tomllib.loads(case.read_text(encoding="utf-8")))
 
 
 @pytest.mark.parametrize(
@@ -77,15 +77,15 @@ def test_every_shipped_case_is_valid(judge: jsonschema.Draft7Validator):
         "watch.led.duty=half",
     ],
 )
-def test_a_misspelt_key_or_value_is_not(judge: jsonschema.Draft7Validator, change: str):
+def test_a_misspelt_key_or_value_is_invalid(validator: jsonschema.Draft7Validator, change: str):
     tree = whole()
-    judge.validate(tree)
+    validator.validate(tree)
     apply(tree, change)
-    assert not judge.is_valid(tree)
+    assert not validator.is_valid(tree)
 
 
 def whole() -> dict[str, Any]:
-    """A case with all that the changes touch."""
+    """Return a case with all tables that the changes touch."""
     tree = tomllib.loads((TIMING / "imu_hil_published.toml").read_text(encoding="utf-8"))
     tree["fault"] = [{"kind": "spike", "wire": "SCL", "at": "1 ms", "width": "50 ns"}]
     tree["unit"]["dsp"]["options"] = {"i2c": {"aas_sdir_point": "fall9"}}
@@ -101,7 +101,7 @@ def whole() -> dict[str, Any]:
     return tree
 
 
-def test_every_kind_of_fault_and_every_default_is_in_words_of_a_file():
+def test_kinds_of_faults_and_defaults_are_as_written_in_a_case_file():
     made = case_schema()
     choices = made["properties"]["fault"]["items"]["anyOf"]
     assert [one["properties"]["kind"]["enum"][0] for one in choices] == [*kinds()]
@@ -157,7 +157,7 @@ class Outer(Table, frozen=True, kw_only=True):
         (Mapping[str, Any], {"type": "object", "additionalProperties": True}),
         (Annotated[int, Meta(ge=1, le=9)], {"type": "integer", "minimum": 1, "maximum": 9}),
         (Annotated[list[int], Meta(min_length=2)], {"type": "array", "items": {"type": "integer"}, "minItems": 2}),
-        (Annotated[str, Meta(ge=1)], {"type": "string"}),  # the limit is of the number that the text names
+        (Annotated[str, Meta(ge=1)], {"type": "string"}),  # the limit applies to the number in the text
         (Annotated[str, Meta(pattern="^a", examples=["a"])], {"type": "string", "pattern": "^a", "examples": ["a"]}),
         (Annotated[int, Before(int, int | str)], {"anyOf": [{"type": "integer"}, {"type": "string"}]}),
         (Annotated[int, Before(int)], {"type": "integer"}),
@@ -168,7 +168,7 @@ def test_the_schema_of_a_type(annotation: object, schema: dict[str, Any]):
     assert schema_of(annotation, definitions) == schema and definitions == {}
 
 
-def test_a_table_is_defined_once_and_may_be_in_itself():
+def test_a_table_is_defined_once_and_may_contain_itself():
     definitions: dict[str, Any] = {}
     assert schema_of(Inner, definitions) == schema_of(Inner, definitions) == {"$ref": "#/$defs/Inner"}
     assert definitions == {
@@ -190,4 +190,4 @@ def test_the_keys_of_a_table_have_their_names_limits_and_defaults():
     assert keys["in"] == {"$ref": "#/$defs/Inner"}
     assert keys["text"]["default"] == "abc" and "default" not in keys["wrong"]
     assert keys["whole"] == {**NUMBER, "default": 4} and keys["share"] == NUMBER
-    assert "default" not in keys["time"]  # a number is no length of time
+    assert "default" not in keys["time"]  # a duration cannot be written as a number

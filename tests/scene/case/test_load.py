@@ -1,4 +1,4 @@
-"""What a case file says, and what comes of it."""
+"""Loading a case file: its tables, changes as of `--set`, values with units, and paths."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_the_files_that_a_case_names_are_inputs_of_the_command_that_loads_it(tmp
 
 
 @pytest.mark.parametrize(("period", "fits"), [("1 us", True), ("999.9999 ns", False)])
-def test_rounds_take_a_microsecond_at_least(period: str, fits: bool):
+def test_the_period_of_rounds_is_at_least_a_microsecond(period: str, fits: bool):
     tables = {"name": "x", "duration": "1 s", "rounds": {"period": period}}
     if fits:
         assert Case.model_validate(tables).rounds is not None
@@ -133,12 +133,12 @@ def test_a_spread_is_two_durations_or_one(text: str, least: int, most: int):
         ("-1 us to 2 us", "'-1 us' is negative"),
     ],
 )
-def test_what_is_no_spread_is_told_with_the_way_out(text: object, sentence: str):
+def test_a_wrong_spread_is_refused_with_its_correction(text: object, sentence: str):
     with pytest.raises(ValueError, match=re.escape(sentence)):
         spread(text)
 
 
-def test_a_fixed_cost_moves_a_spread():
+def test_a_fixed_cost_shifts_a_spread():
     assert spread("240 us to 260 us") + Fraction(12, 10**6) == spread("252 us to 272 us")
 
 
@@ -153,7 +153,7 @@ def test_bytes_are_hexadecimal_or_numbers(given: object, data: bytes):
 
 
 @pytest.mark.parametrize("given", ["1", "zz", [256], [-1], [True], 3, None])
-def test_what_are_no_bytes_is_refused(given: object):
+def test_other_values_than_bytes_are_refused(given: object):
     with pytest.raises(ValueError, match="is not a sequence of bytes; write for instance"):
         hex_bytes(given)
 
@@ -164,7 +164,7 @@ def test_microseconds_are_written_with_u_micro_sign_or_mu(text: str):
 
 
 @pytest.mark.parametrize("text", ["_1 us", "1__0 us", "1_ us"])
-def test_underscores_stand_between_digits(text: str):
+def test_underscores_are_allowed_between_digits_only(text: str):
     assert duration("1_000 us") == Fraction(1, 1000)
     with pytest.raises(ValueError, match="is not a number"):
         duration(text)
@@ -173,19 +173,19 @@ def test_underscores_stand_between_digits(text: str):
 @pytest.mark.parametrize(
     ("text", "value"), [("3_4_5", "3_4_5"), ("1_000", "1_000"), ("1_0.5", "1_0.5"), ("345", 345), ("true", True)]
 )
-def test_set_takes_no_underscores_out_of_a_value(text: str, value: object):
+def test_set_keeps_the_underscores_of_a_value(text: str, value: object):
     tree: dict[str, object] = {}
     apply(tree, f"unit.dsp.options.sci.stop_vote_samples={text}")
     assert tree == {"unit": {"dsp": {"options": {"sci": {"stop_vote_samples": value}}}}}
 
 
-def test_option_that_is_called_by_digits_can_be_set():
+def test_an_answer_of_digits_and_underscores_can_be_set():
     path = Path(__file__).parents[3] / "timing" / "uart_logger.toml"
     loaded = load(path, ["unit.dsp.options.sci.stop_vote_samples=3_4_5", "seed=1_000"])
     assert loaded.unit["dsp"].options["sci"] == {"stop_vote_samples": "3_4_5"}
     assert loaded.seed == 1000
 
 
-def test_a_byte_order_mark_is_no_part_of_a_case(tmp_path: Path):
+def test_a_byte_order_mark_is_ignored(tmp_path: Path):
     (tmp_path / "marked.toml").write_text('name = "marked"\nduration = "1 ms"\n', encoding="utf-8-sig")
     assert load(tmp_path / "marked.toml").name == "marked"

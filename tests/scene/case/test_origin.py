@@ -1,4 +1,4 @@
-"""Places of a case as people find them: the line of a key, the change that made it, its name for `--set`."""
+"""Places in a case as users see them: the line of a key, the change that set it, and its name for `--set`."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ address = 2
         (("unit", "dsp", "modules", 0), 6),
         (("unit", "dsp", "settings"), 5),
         (("unit", "dsp", "settings", "byte"), 7),
-        (("unit", "dsp", "settings", "word"), 5),  # which is not there: its table is
+        (("unit", "dsp", "settings", "word"), 5),  # a missing key: the line of its table
         (("budget", 0, "max"), 12),
         (("budget", 1, "max"), 15),
         (("budget", 1, "min"), 13),
@@ -79,7 +79,7 @@ def test_the_line_of_a_key_or_of_its_table(place: Place, line: int):
     ],
 )
 def test_a_place_is_a_line_or_the_last_change_that_made_it(place: Place, where: str):
-    """Of several changes inside a table the first is named."""
+    """If several changes are inside a table, the first of them is named."""
     modules = ("unit", "dsp", "modules")
     changes = (
         ("unit.dsp.modules=1", modules),
@@ -100,7 +100,7 @@ def test_a_place_is_a_line_or_the_last_change_that_made_it(place: Place, where: 
         (("unit", "dsp", "modules", 0), "unit.dsp.modules.0"),
     ],
 )
-def test_a_place_as_set_has_it(place: Place, key: str):
+def test_the_key_of_a_place_for_set(place: Place, key: str):
     budgets = [{"name": "first"}, {"name": "twice"}, {"name": "twice"}, {}]
     assert key_of(place, {"budget": budgets, "unit": {"dsp": {"modules": ["I2C-A"]}}}) == key
 

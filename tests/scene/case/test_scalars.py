@@ -1,4 +1,4 @@
-"""Numbers of case files: the first and the last that is taken, and the ones beside them, which are refused."""
+"""Limits of the numbers in case files: the first and last values are accepted, their neighbours are refused."""
 
 from __future__ import annotations
 
@@ -79,13 +79,13 @@ def test_a_number_is_exactly_what_is_written(value: object, number: Fraction):
 
 
 @pytest.mark.parametrize("value", [True, [], {}, None])
-def test_what_is_no_number_is_refused(value: object):
+def test_other_types_than_numbers_are_refused(value: object):
     with pytest.raises(BadTable, match="is not a number"):
         taken("exact", value)
 
 
 @pytest.mark.parametrize(("value", "fits"), [("fall9", True), (3, True), (True, True), (0.5, False), ([], False)])
-def test_an_answer_is_a_text_a_whole_number_or_a_truth(value: object, fits: bool):
+def test_an_answer_is_a_text_a_whole_number_or_a_boolean(value: object, fits: bool):
     if fits:
         assert taken("answer", value) == value
         return

@@ -1,4 +1,4 @@
-"""The tables of a case at the limits of their keys: what is just taken, and what is just refused."""
+"""The tables of a case at the limits of their keys: the last accepted and the first refused values."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ PYTHON, IMAGE, SOURCES = (
 READ = {"address": 0x10}
 
 
-def check(kind: Any, table: dict[str, Any], said: str) -> None:
-    """The table is taken, or refused with this part of a sentence."""
-    if said:
-        assert said in sentence_of(BadTable, lambda: kind.model_validate(table))
+def check(kind: Any, table: dict[str, Any], message: str) -> None:
+    """Check that the table is accepted, or refused with this part of a message."""
+    if message:
+        assert message in sentence_of(BadTable, lambda: kind.model_validate(table))
     else:
         kind.model_validate(table)
 
@@ -41,7 +41,7 @@ def values(**table: Any) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    ("tables", "said"),
+    ("tables", "message"),
     [
         (unit(PYTHON), ""),
         (unit({"modules": []}), "a unit needs a program; give firmware, or image"),
@@ -110,13 +110,13 @@ def values(**table: Any) -> dict[str, Any]:
         ({"breaks": ["c"], "budget": [{"name": "b", "measure": "round", "max": "1 s"}]}, "there is no budget 'c'"),
     ],
 )
-def test_a_table_at_its_limits(tables: dict[str, Any], said: str):
+def test_a_table_at_its_limits(tables: dict[str, Any], message: str):
     tree = {"name": "x", "duration": "1 s", **tables}
-    check(Case, tree, said)
+    check(Case, tree, message)
 
 
 @pytest.mark.parametrize(
-    ("table", "said"),
+    ("table", "message"),
     [
         ({"bytes": [0]}, ""),
         ({"bytes": [-1]}, "bytes"),
@@ -130,8 +130,8 @@ def test_a_table_at_its_limits(tables: dict[str, Any], said: str):
         ({"access": "both"}, "access"),
     ],
 )
-def test_which_bytes_a_stretch_strikes(table: dict[str, Any], said: str):
-    check(StretchTable, {"length": "1 us", **table}, said)
+def test_limits_of_the_keys_of_a_stretch(table: dict[str, Any], message: str):
+    check(StretchTable, {"length": "1 us", **table}, message)
 
 
 def test_a_stretch_may_be_a_length_alone():
@@ -140,7 +140,7 @@ def test_a_stretch_may_be_a_length_alone():
 
 
 @pytest.mark.parametrize(
-    ("fault", "said"),
+    ("fault", "message"),
     [
         ({"kind": "nack", "bytes": [0]}, ""),
         ({"kind": "nack", "bit": 1}, "a fault of kind 'nack' has no bit; leave it out"),
@@ -169,8 +169,8 @@ def test_a_stretch_may_be_a_length_alone():
         ({"kind": "off", "after": "1 ms", "until": "1.001 ms"}, ""),
     ],
 )
-def test_the_keys_of_a_fault(fault: dict[str, Any], said: str):
-    check(DeviceFault, fault, said)
+def test_the_keys_of_a_fault(fault: dict[str, Any], message: str):
+    check(DeviceFault, fault, message)
 
 
 @pytest.mark.parametrize(
@@ -217,7 +217,7 @@ TEXT = {key: value for key, value in SEND.items() if key != "bytes"}
 
 
 @pytest.mark.parametrize(
-    ("kind", "table", "said"),
+    ("kind", "table", "message"),
     [
         *((SerialTable, {"baud": baud}, "") for baud in (1, 10_000_000)),
         *((SerialTable, {"baud": baud}, "baud") for baud in (0, 10_000_001)),
@@ -253,8 +253,8 @@ TEXT = {key: value for key, value in SEND.items() if key != "bytes"}
         (ExpectTable, EXPECT | {"within": "0 s"}, "within"),
     ],
 )
-def test_a_serial_table_at_its_limits(kind: Any, table: dict[str, Any], said: str):
-    check(kind, table, said)
+def test_a_serial_table_at_its_limits(kind: Any, table: dict[str, Any], message: str):
+    check(kind, table, message)
 
 
 STRIKES = {"bytes": [], "access": "any", "phases": [], "share": "100 %", "after": "0 s"}
@@ -265,7 +265,7 @@ ONE_EXPECT = {"serial": {"expect": [{"name": "e", "from": "dsp.SCI-A", "at": "1 
 
 
 def joined(one: Any, more: Any) -> Any:
-    """A tree with the keys of another one in its tables."""
+    """Return a tree with the keys of another tree merged into its tables."""
     if isinstance(more, list) and isinstance(one, list) and one:
         return [joined(a, b) for a, b in zip(one, more, strict=True)]
     if not isinstance(more, dict):
@@ -350,7 +350,7 @@ def joined(one: Any, more: Any) -> Any:
         ),
     ],
 )
-def test_a_key_that_is_left_out_is_as_if_written_so(needed: dict[str, Any], left_out: dict[str, Any]):
+def test_a_key_that_is_left_out_has_its_default(needed: dict[str, Any], left_out: dict[str, Any]):
     tree = {"name": "x", "duration": "1 s", "unit": {}, **needed}
     whole = joined(tree, left_out)
     assert whole != tree

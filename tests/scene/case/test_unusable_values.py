@@ -1,4 +1,4 @@
-"""Every time, rate and count of a case at both its ends, and values that are none: one sentence, and no traceback."""
+"""Times, rates and counts of a case at both ends of their ranges, and unusable values: one message, no traceback."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ order = ["gyroscope"]
 
 
 def values(tree: object, place: tuple[str, ...] = ()) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Each key that holds a time, a rate or a count, with the extreme values to try there."""
+    """Yield each key that holds a time, a rate or a count, with the extreme values to try."""
     if isinstance(tree, dict):
         for key, value in tree.items():
             yield from values(value, (*place, key))
@@ -48,7 +48,7 @@ def values(tree: object, place: tuple[str, ...] = ()) -> Iterator[tuple[str, tup
 
 @pytest.mark.parametrize("name", ["responder", "uart_logger", "imu_hil_spikes", "eeprom_log"])
 def test_each_time_rate_and_count_at_its_ends(name: str):
-    """Each runs, or is refused by a sentence of the tool; nothing else is raised."""
+    """The scene runs, or is refused with a message of the tool; no other exception is raised."""
     path = TIMING / f"{name}.toml"
     refused = ran = 0
     for key, extremes in values(tomllib.loads(path.read_text())):
@@ -76,7 +76,7 @@ def refusal(path: Path, *changes: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("line", "number", "told"),
+    ("line", "number", "message"),
     [
         ('period = "50 h"\njitter = 9223372036854775808', 6, "controller.jitter is an integer that does not fit 64"),
         (f"jitter = {'9' * 5000}", 5, "an integer is too long; it must fit 64 bits"),
@@ -85,15 +85,15 @@ def refusal(path: Path, *changes: str) -> str:
         ('"a\\nb" = 1', 0, "controller.a\\nb: 'a\\nb' is no name; a name is one line of printable characters"),
     ],
 )
-def test_a_value_that_no_case_can_use_is_refused_with_its_line(small: Path, line: str, number: int, told: str):
+def test_a_value_that_no_case_can_use_is_refused_with_its_line(small: Path, line: str, number: int, message: str):
     small.write_text(SMALL.replace('order = ["gyroscope"]', line))
     where = f"small.toml, line {number}: " if number else "small.toml, line 4: "
-    assert refusal(small).startswith(where + told)
+    assert refusal(small).startswith(where + message)
 
 
 def test_a_change_that_gives_such_a_value_is_named_and_shortened(small: Path):
-    told = refusal(small, f"controller.period={'9' * 5000}")
-    assert told.startswith("--set 'controller.period=999") and len(told) < 400
+    message = refusal(small, f"controller.period={'9' * 5000}")
+    assert message.startswith("--set 'controller.period=999") and len(message) < 400
     assert refusal(small, "controller.period=50 d", 'name="a\\u0007b"').startswith("small.toml, --set 'name=")
 
 
@@ -103,7 +103,7 @@ def test_tables_nested_without_end_are_refused(small: Path):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "message"),
     [
         ("controller.period=9 us", "controller: period is shorter than a bit of SCL, so no round can end in it"),
         ("host.period=8 us", "host: period is shorter than a bit of the line, so no frame can be sent in it"),
@@ -111,8 +111,8 @@ def test_tables_nested_without_end_are_refused(small: Path):
         ("controller.period=1e7 d", "'1e7 d' is longer than 365250 d, the longest time that can be given"),
     ],
 )
-def test_a_period_beyond_sense_is_refused(small: Path, change: str, told: str):
-    assert told in refusal(small, change)
+def test_a_period_that_is_too_short_or_too_long_is_refused(small: Path, change: str, message: str):
+    assert message in refusal(small, change)
 
 
 def test_a_time_that_fine_ticks_cannot_count_is_refused():
@@ -136,7 +136,7 @@ def test_a_time_that_is_too_long_is_named_with_its_line(small: Path):
 
 
 def test_a_name_that_hides_sda_leaves_a_bus_without_a_wire(tmp_path: Path):
-    """Pin 32 is SDA; the name L2 is the wire's own, so the scene has SCL alone."""
+    """Pin 32 is SDA. Its wire is named L2 here, so the bus of the scene has only SCL."""
     (tmp_path / "still.py").write_text("def main(dsp, settings):\n    pass\n")
     case = tmp_path / "small.toml"
     unit = 'firmware = "still.py"\nmodules = ["I2C-A"]\npins = { L2 = 32 }\n'

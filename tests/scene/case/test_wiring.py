@@ -1,4 +1,4 @@
-"""Which wire each pin is on, by modules, named pins and cables; and what no cable can be."""
+"""The wire of each pin, by modules, named pins and cables, and cables that are refused."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_a_host_sends_to_every_sci_a():
     assert [found[name][29] for name in found] == ["left.SCI-A.TX", "right.SCI-A.TX"]
 
 
-def test_a_cable_is_called_by_its_begin_or_its_name():
+def test_a_wire_has_the_name_of_its_cable_or_of_the_start_of_it():
     both = [cable("left.SCI-A.TX", "right.SCI-B.RX"), cable("right.SCI-B.TX", "left.SCI-A.RX", name="BACK")]
     found = pins(both, left=unit("SCI-A"), right=unit("SCI-B"))
     assert found == {
@@ -64,7 +64,7 @@ def test_a_cable_is_called_by_its_begin_or_its_name():
     }
 
 
-def test_a_unit_may_be_left_out_and_a_name_be_an_end():
+def test_an_end_of_a_cable_may_omit_the_unit_or_be_a_named_pin():
     named = [cable("SCI-A.TX", "GPIO_IN"), cable("left.GPIO12", "right.GPIO13"), cable("SDA", "right.GPIO5")]
     found = pins(named, left=unit("SCI-A", "I2C-A"), right=unit(GPIO_IN=7))
     assert found["left"] == {32: "SDA", 33: "SCL", 28: "RX", 29: "GPIO_IN", 12: "left.GPIO12"}
@@ -90,7 +90,7 @@ LEFT_AND_RIGHT = {"left": unit("SCI-A", "SCI-B"), "right": unit("SCI-A", ONE=1, 
 
 
 @pytest.mark.parametrize(
-    ("cables", "said"),
+    ("cables", "message"),
     [
         ([cable("lft.SCI-A.TX", "right.SCI-A.RX")], "cable.0.from: there is no unit 'lft'; did you mean left?"),
         (
@@ -115,13 +115,13 @@ LEFT_AND_RIGHT = {"left": unit("SCI-A", "SCI-B"), "right": unit("SCI-A", ONE=1, 
         ([cable("ONE", "TWO")], "cable.0: it joins ONE and TWO, two names of one wire; give it one"),
     ],
 )
-def test_what_no_cable_can_be(cables: list[dict[str, str]], said: str):
+def test_an_invalid_cable_is_refused(cables: list[dict[str, str]], message: str):
     assert sentence_of(BadCase, lambda: wiring_of(case(unit=LEFT_AND_RIGHT, cable=cables))).startswith(
-        f"case small: {said}"
+        f"case small: {message}"
     )
 
 
-def test_a_line_that_the_host_drives_is_taken():
+def test_a_line_that_the_host_drives_cannot_have_a_second_driver():
     with pytest.raises(BadCase, match=r"cable\.0: right\.SCI-A\.TX and the host would drive one wire"):
         pins([cable("right.SCI-A.TX", "RX")], host=True, left=unit("SCI-B"), right=unit("SCI-A"))
 

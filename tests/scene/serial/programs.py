@@ -1,4 +1,4 @@
-"""Firmware for tests of serial lines, and scenes of it."""
+"""Firmware for tests of serial lines, and scenes that run it."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ def scene(
     subscribe: Callable[[Recorder, Timebase], None] | None = None,
     **tables: Any,
 ) -> Scene:
-    """A scene of the given programs by unit; `seen` gets the records of `kinds`, unless `subscribe` is given."""
+    """Return a scene of these programs by unit. `seen` receives the records of `kinds`, unless `subscribe` is given."""
     if seen is not None and subscribe is None:
         subscribe = lambda recorder, timebase: recorder.subscribe(list(kinds), seen.append)  # noqa: E731
     return Scene(case(**tables), subscribe, given(**programs))
 
 
 def send(dsp: Dsp, module: str, data: bytes) -> None:
-    """Hand bytes to an SCI with its FIFO on, as fast as it takes them."""
+    """Write bytes to an SCI with its FIFO enabled, as fast as it accepts them."""
     sci = dsp.module(module)
     for byte in data:
         dsp.spin(lambda: sci.SCIFFTX.TXFFST < 16)
         sci.SCITXBUF.all = byte
 
 
-def says(module: str, data: bytes, **started: int) -> Program:
-    """Sends some bytes."""
+def sender(module: str, data: bytes, **started: int) -> Program:
+    """Return firmware that sends some bytes."""
 
     def main(dsp: Dsp) -> None:
         start_sci(dsp, module, **started)
@@ -46,15 +46,15 @@ def says(module: str, data: bytes, **started: int) -> Program:
 
 
 def receive(dsp: Dsp, module: str, words: list[int]) -> None:
-    """Keep every word of SCIRXBUF, of an SCI that was started."""
+    """Store every word of SCIRXBUF of an SCI that was started."""
     sci = dsp.module(module)
     while True:
         dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
         words.append(sci.SCIRXBUF.all)
 
 
-def hears(module: str, words: list[int], **started: int) -> Program:
-    """Keeps every word of SCIRXBUF."""
+def receiver(module: str, words: list[int], **started: int) -> Program:
+    """Return firmware that stores every word of SCIRXBUF."""
 
     def main(dsp: Dsp) -> None:
         start_sci(dsp, module, **started)
@@ -63,8 +63,8 @@ def hears(module: str, words: list[int], **started: int) -> Program:
     return main
 
 
-def answers(module: str, replies: dict[bytes, bytes], delay: int = 0, **started: int) -> Program:
-    """Sends the reply that belongs to what it has received. delay: cycles before each reply."""
+def replier(module: str, replies: dict[bytes, bytes], delay: int = 0, **started: int) -> Program:
+    """Return firmware that sends the reply that belongs to what it has received. delay: cycles before each reply."""
 
     def main(dsp: Dsp) -> None:
         sci = start_sci(dsp, module, **started)

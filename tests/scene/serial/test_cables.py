@@ -7,26 +7,26 @@ import pytest
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.scene.case.model import BadCase
-from tests.scene.serial.programs import answers, receive, says, scene
+from tests.scene.serial.programs import receive, replier, scene, sender
 from tests.scene.small import sentence_of, unit
 
 BOTH_WAYS = [{"from": "left.SCI-A.TX", "to": "right.SCI-B.RX"}, {"from": "right.SCI-B.TX", "to": "left.SCI-A.RX"}]
 UNITS = {"left": unit("SCI-A", "GPIO"), "right": unit("SCI-B")}
 
 
-def asks_and_hears(words: list[int]):
-    """Sends "ask" over SCI-A and keeps what comes back."""
+def asks_and_receives(words: list[int]):
+    """Return firmware that sends "ask" over SCI-A and stores what it receives."""
 
     def main(dsp):
-        says("SCI-A", b"ask")(dsp)
+        sender("SCI-A", b"ask")(dsp)
         receive(dsp, "SCI-A", words)
 
     return main
 
 
-def test_what_one_unit_asks_the_other_answers():
+def test_one_unit_replies_to_the_other():
     words: list[int] = []
-    programs = {"left": asks_and_hears(words), "right": answers("SCI-B", {b"ask": b"told"})}
+    programs = {"left": asks_and_receives(words), "right": replier("SCI-B", {b"ask": b"told"})}
     run = scene(programs, unit=UNITS, cable=BOTH_WAYS, duration="2 ms")
     run.run()
     assert bytes(words) == b"told"
@@ -35,7 +35,7 @@ def test_what_one_unit_asks_the_other_answers():
 
 def test_budgets_and_records_name_the_lines():
     words: list[int] = []
-    programs = {"left": asks_and_hears(words), "right": answers("SCI-B", {b"ask": b"told"})}
+    programs = {"left": asks_and_receives(words), "right": replier("SCI-B", {b"ask": b"told"})}
     turn = {"name": "turn", "measure": "from last frame left.SCI-A.TX end of burst to frame right.SCI-B.TX, next"}
     asked = {"name": "asked", "measure": "count of frame left.SCI-A.TX 0x6b", "exactly": 1}
     lost = {"name": "lost", "measure": "overruns", "max": 0}
@@ -75,24 +75,24 @@ def test_a_gpio_of_one_unit_is_seen_by_the_other():
     assert risen == [1] and list(run.wires) == ["READY"]
 
 
-def test_sci_c_on_its_own_pins_hears_what_sci_b_sends():
+def test_sci_c_on_its_own_pins_receives_what_sci_b_sends():
     words: list[int] = []
     wires = [{"from": "dsp.SCI-B.TX", "to": "dsp.SCI-C.RX"}]
 
     def main(dsp):
         start_sci(dsp, "SCI-C")
-        says("SCI-B", b"\x5a")(dsp)
+        sender("SCI-B", b"\x5a")(dsp)
         receive(dsp, "SCI-C", words)
 
     scene({"dsp": main}, unit={"dsp": unit("SCI-B", "SCI-C", "GPIO")}, cable=wires, duration="1 ms").run()
     assert words == [0x5A]
 
 
-def test_a_line_that_is_none_is_told():
+def test_an_unknown_line_in_a_budget_is_reported():
     budget = [{"name": "b", "measure": "count of frame left.SCI-A.RX", "max": 0}]
     assert "there is no serial line 'left.SCI-A.RX'; did you mean left.SCI-A.TX?" in sentence_of(
         BadCase,
         lambda: scene(
-            {"left": says("SCI-A", b""), "right": says("SCI-B", b"")}, unit=UNITS, cable=BOTH_WAYS, budget=budget
+            {"left": sender("SCI-A", b""), "right": sender("SCI-B", b"")}, unit=UNITS, cable=BOTH_WAYS, budget=budget
         ),
     )

@@ -1,4 +1,4 @@
-"""Which write each edge of TX comes from: of its own character, however many wait behind it.
+"""The cause of each edge of TX: the write of its own character, even if further characters wait.
 
 CPU  w(O) w(K) w(!)
 TX       |---O---|---K---|---!---|     the edges of O name w(O), those of K w(K)
@@ -13,12 +13,12 @@ import pytest
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.processor.dsp import Dsp
-from tests.scene.serial.programs import Program, says, scene
+from tests.scene.serial.programs import Program, scene, sender
 from tests.scene.small import unit
 
 
 def causes(program: Program, duration: str = "1 ms") -> list[tuple[int, int]]:
-    """Of each frame on TX its value, and the one value that was written under all of its edges."""
+    """Return, for each frame on TX, its value and the only value whose write caused its edges."""
     seen: list[Record] = []
     scene({"dsp": program}, seen, unit={"dsp": unit("SCI-A")}, duration=duration).run()
     by_number = {one.number: one for one in seen}
@@ -42,7 +42,7 @@ def from_standard_mode(dsp: Dsp) -> None:
         sci.SCITXBUF.all = byte
 
 
-@pytest.mark.parametrize("program", [says("SCI-A", b"OK!"), from_standard_mode])
+@pytest.mark.parametrize("program", [sender("SCI-A", b"OK!"), from_standard_mode])
 def test_each_edge_names_the_write_of_its_own_character(program: Program):
     assert causes(program) == [(byte, byte) for byte in b"OK!"]
 

@@ -1,4 +1,4 @@
-"""What no serial table can say: one sentence with file, line and the way out, status 2."""
+"""Mistakes in serial tables: each is refused with one sentence that names file, line and correction."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def small(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "message"),
     [
         (
             'to = "dsp.SCI-A"',
@@ -217,10 +217,10 @@ def small(tmp_path: Path) -> Path:
         ),
     ],
 )
-def test_one_sentence_with_file_and_line(small: Path, old: str, new: str, said: str):
+def test_a_mistake_is_reported_with_file_and_line(small: Path, old: str, new: str, message: str):
     assert not old or old in TEXT
     small.write_text(TEXT.replace(old, new, 1) if old else TEXT + new, encoding="utf-8")
-    assert sentence_of(BadCase, lambda: Scene(load(small))).removeprefix(f"{small}, ") == said
+    assert sentence_of(BadCase, lambda: Scene(load(small))).removeprefix(f"{small}, ") == message
 
 
 def test_a_reply_needs_a_serial_table(small: Path):
@@ -230,24 +230,24 @@ def test_a_reply_needs_a_serial_table(small: Path):
         Scene(load(small))
 
 
-def test_a_file_counts_from_the_folder_of_the_case(small: Path):
+def test_the_path_of_a_file_is_relative_to_the_folder_of_the_case(small: Path):
     (small.parent / "ask.bin").write_bytes(b"ask")
     small.write_text(TEXT.replace('text = "ask"', 'file = "ask.bin"'), encoding="utf-8")
     assert Scene(load(small)).run().sci_bytes == 3
 
 
 @pytest.mark.parametrize(
-    ("file", "told"),
+    ("file", "message"),
     [
         ("/dev/zero", "/dev/zero cannot be read (Not a regular file); a path counts from the folder of the case"),
         ("long.bin", "long.bin cannot be read (Longer than 16777216 bytes); a path counts from the folder of the case"),
     ],
 )
-def test_a_file_without_end_is_not_read_into_memory(small: Path, file: str, told: str):
+def test_an_endless_or_huge_file_is_refused(small: Path, file: str, message: str):
     with (small.parent / "long.bin").open("wb") as long:
-        long.truncate(16 * 1024 * 1024 + 1)  # a hole: it takes no room
+        long.truncate(16 * 1024 * 1024 + 1)  # a sparse file takes no space
     small.write_text(TEXT.replace('text = "ask"', f'file = "{file}"'))
-    assert sentence_of(BadCase, lambda: Scene(load(small))) == f"{small}, line 11: serial.send.ask.file: {told}"
+    assert sentence_of(BadCase, lambda: Scene(load(small))) == f"{small}, line 11: serial.send.ask.file: {message}"
 
 
 def content(folder: Path, **given: object) -> bytes:
@@ -256,7 +256,7 @@ def content(folder: Path, **given: object) -> bytes:
     return content_of(case, entry, 8, "serial", "send", 0)
 
 
-def test_a_text_bytes_or_a_file(tmp_path: Path):
+def test_content_is_a_text_bytes_or_a_file(tmp_path: Path):
     (tmp_path / "page.bin").write_bytes(b"\x00\xff")
     assert content(tmp_path, text="OK\r\n") == b"OK\r\n"
     assert content(tmp_path, text="µ", encoding="latin-1") == b"\xb5"

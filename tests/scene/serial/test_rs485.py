@@ -1,4 +1,4 @@
-"""RS-485 half duplex: the driver's pin, deafness, turnaround, collisions, and frames that the driver cuts.
+"""RS-485 half duplex: the driver's pin, the receiver that is off meanwhile, turnaround, collisions, and cut frames.
 
 ask on the pair |=======|
 DE              ________|~~~~~~~~~~~~~|____     too early: the frame under way is cut
@@ -15,7 +15,7 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_pin, start_sci
 from periph_sim.records.record_text import happened
 from periph_sim.scene.case.model import BadCase
-from tests.scene.serial.programs import answers, hears, receive, scene
+from tests.scene.serial.programs import receive, receiver, replier, scene
 from tests.scene.small import unit
 
 PIN = 34
@@ -23,10 +23,11 @@ ON = {"on": "dsp.SCI-A", "de": "dsp.GPIO34"}
 CHARACTER = 10 / 0.1152  # us
 
 
-def replies(reply: bytes, waits_for: str = "TXEMPTY", pause: int = 0, hears_too: list[int] | None = None):
-    """Answers each character with `reply`; drops DE when the transmitter is empty, or only its FIFO.
+def replies(reply: bytes, waits_for: str = "TXEMPTY", pause: int = 0, received: list[int] | None = None):
+    """Return firmware that answers each character with `reply` and then clears DE.
 
-    pause: cycles from the character to DE. hears_too: takes what its receiver hears.
+    waits_for: TXEMPTY, the transmitter is empty before DE is cleared, or TXFFST, only its FIFO is.
+    pause: cycles from the character to DE. received: takes the words of its receiver.
     """
 
     def main(dsp):
@@ -35,8 +36,8 @@ def replies(reply: bytes, waits_for: str = "TXEMPTY", pause: int = 0, hears_too:
         while True:
             dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
             word = sci.SCIRXBUF.all
-            if hears_too is not None:
-                hears_too.append(word)
+            if received is not None:
+                received.append(word)
             dsp.compute(pause)
             dsp.set_pin(PIN)
             for byte in reply:
@@ -66,17 +67,17 @@ def run(program, seen: list[Record] | None = None, transceiver: dict[str, Any] |
     return scene({"dsp": program}, seen, **{**tables, **more}).run()
 
 
-def test_a_reply_comes_over_the_pair_and_nothing_is_noted():
+def test_a_reply_comes_over_the_pair_without_a_note():
     words: list[int] = []
-    result = run(replies(b"OK", hears_too=words))
+    result = run(replies(b"OK", received=words))
     assert [(v.name, v.verdict, v.count) for v in result.budgets] == [("told", "pass", 1)]
-    assert words == [ord("?")]  # deaf while it drives
+    assert words == [ord("?")]  # its receiver is off while it drives
     assert not [note for note in result.notes if "RS485" in note]
 
 
-def test_a_receiver_that_stays_on_hears_its_own_frames():
+def test_a_receiver_that_stays_on_receives_its_own_frames():
     words: list[int] = []
-    run(replies(b"", hears_too=words), transceiver={"hears_itself": True})
+    run(replies(b"", received=words), transceiver={"hears_itself": True})
     assert words == [ord("?")]
 
     def once(dsp):
@@ -93,7 +94,7 @@ def test_a_receiver_that_stays_on_hears_its_own_frames():
 
 @pytest.mark.parametrize(("reply", "came"), [(b"OK", "but 4f f[0-9a-f]!? came|but 4f [0-9a-f]+!? came")])
 def test_a_driver_that_goes_off_too_early_cuts_the_last_frame(reply: bytes, came: str):
-    """The classic: the FIFO is empty while its last character is still in the shift register."""
+    """The usual mistake: DE is cleared as the FIFO is empty, but the last character is still in the shift register."""
     seen: list[Record] = []
     result = run(replies(reply, waits_for="TXFFST"), seen)
     (verdict,) = result.budgets
@@ -109,7 +110,7 @@ def test_a_driver_that_goes_off_too_early_cuts_the_last_frame(reply: bytes, came
 
 
 def test_only_the_stop_bit_is_lost():
-    """The bias stands in for the stop bit, so the reply is right; that the driver was off is told all the same."""
+    """The bias of the pair has the level of the stop bit, so the reply is right; the cut is still reported."""
 
     def main(dsp):
         start_pin(dsp, PIN)
@@ -128,8 +129,8 @@ def test_only_the_stop_bit_is_lost():
     assert verdicts["told"][0] == "pass" and verdicts["cut"] == ("fail", 1)
 
 
-def test_a_reply_before_the_asker_lets_go_is_a_collision():
-    """Outside keeps the pair 300 us behind its last stop bit; the reply comes at once."""
+def test_a_reply_before_the_sender_releases_the_pair_is_a_collision():
+    """The outside party drives the pair for 300 us after its last stop bit; the reply begins at once."""
     count = {"name": "collisions", "measure": "count of frame RS485 collision", "exactly": 1}
     asks = {"turnaround": "300 us"}
     seen: list[Record] = []
@@ -147,26 +148,26 @@ def test_turnaround_is_measured_from_the_pair_to_the_pin():
     assert longer - shorter == pytest.approx(10.0, abs=0.01)  # 1500 cycles
 
 
-def test_de_is_held_down_while_nobody_drives_it():
+def test_de_has_the_level_of_its_pull_while_it_is_not_driven():
     seen: list[Record] = []
-    run(hears("SCI-A", []), seen)
+    run(receiver("SCI-A", []), seen)
     edges = [(r.tick, r.value) for r in seen if r.kind is Kind.EDGE and r.where == "dsp.GPIO34"]
     assert edges == [(0, 0)]
     up: list[Record] = []
-    result = run(hears("SCI-A", []), up, transceiver={"pull": "up"})
+    result = run(receiver("SCI-A", []), up, transceiver={"pull": "up"})
     assert not [r for r in up if r.kind is Kind.EDGE and r.where == "dsp.GPIO34"]
     assert "RS485: transceiver of dsp.SCI-A and serial drive at once, first at" in result.notes[-1]
 
 
-def test_a_frame_with_the_driver_off_goes_nowhere():
-    result = run(answers("SCI-A", {b"?": b"OK"}))
+def test_a_frame_with_the_driver_off_is_not_sent_and_is_noted():
+    result = run(replier("SCI-A", {b"?": b"OK"}))
     assert result.budgets[0].found.endswith("but nothing came by 0.001287 s")
     assert "RS485: dsp.SCI-A sends a frame while dsp.GPIO34 holds its driver off, first at " in result.notes[-1]
     assert result.notes[-1].endswith("(2 times)")
 
 
 def test_two_units_share_a_pair():
-    """One asks over SCI-A, the other answers over SCI-B; each turns its own transceiver round."""
+    """One unit asks over SCI-A, the other answers over SCI-B; each switches its own transceiver."""
     words: list[int] = []
 
     def asks(dsp):
@@ -179,7 +180,7 @@ def test_two_units_share_a_pair():
         dsp.clear_pin(PIN)
         receive(dsp, "SCI-A", words)
 
-    def told(dsp):
+    def replies_once(dsp):
         start_pin(dsp, 5)
         sci = start_sci(dsp, "SCI-B")
         dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
@@ -191,18 +192,18 @@ def test_two_units_share_a_pair():
 
     pair = [{"on": "left.SCI-A", "de": "left.GPIO34"}, {"on": "right.SCI-B", "de": "right.GPIO5"}]
     units = {"left": unit("SCI-A", "GPIO"), "right": unit("SCI-B", "GPIO")}
-    result = scene({"left": asks, "right": told}, unit=units, transceiver=pair, duration="2 ms").run()
+    result = scene({"left": asks, "right": replies_once}, unit=units, transceiver=pair, duration="2 ms").run()
     assert words == [ord("!")] and not [note for note in result.notes if "RS485" in note]
 
 
-def test_the_drivers_pin_may_be_named_as_its_unit_names_it():
+def test_the_driver_pin_may_be_given_by_its_name_in_the_unit():
     named = {"dsp": unit("SCI-A", "GPIO", pins={"DE": PIN})}
     result = run(replies(b"OK"), unit=named, transceiver={"de": "DE"})
     assert result.verdict == "pass" and not [note for note in result.notes if "RS485" in note]
 
 
 @pytest.mark.parametrize(
-    ("table", "more", "said"),
+    ("table", "more", "message"),
     [
         ({"on": "dsp.SCI-B"}, {}, "transceiver.0.on: unit dsp has no SCI-B; add it to its modules"),
         ({"de": "dsp.GPIO99"}, {}, "transceiver.0.de: dsp.GPIO99: the pins are GPIO0 to GPIO87"),
@@ -241,8 +242,8 @@ def test_the_drivers_pin_may_be_named_as_its_unit_names_it():
         ),
     ],
 )
-def test_what_no_transceiver_can_be(table: dict[str, str], more: dict[str, Any], said: str):
+def test_an_invalid_transceiver_is_refused(table: dict[str, str], more: dict[str, Any], message: str):
     with pytest.raises(BadCase) as caught:
         tables = {"transceiver": [{**ON, **table}], **more}
         run(replies(b"OK"), **tables)
-    assert str(caught.value) == f"case small: {said}"
+    assert str(caught.value) == f"case small: {message}"

@@ -1,7 +1,7 @@
-"""What is heard of a receiver: words that wait, characters that came, and those that were lost.
+"""Records of an SCI receiver: words waiting in the FIFO, characters received, and characters lost.
 
 RX    --|---1---|---2---|---3---|
-told        received    received and lost
+records     received    received and lost
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from tests.scene.serial.programs import scene
 from tests.scene.small import unit
 
 
-class Heard:
-    """The records of a receiver."""
+class ReceiverRecords:
+    """Counts of the records of a receiver."""
 
     def __init__(self) -> None:
-        self.words: list[tuple[int, bool]] = []  # that wait, whether one was lost
+        self.words: list[tuple[int, bool]] = []  # words waiting, and True if one was lost
         self.characters = 0
         self.lost = 0
 
@@ -38,7 +38,7 @@ class Heard:
             self.words[-1] = (self.words[-1][0], True)
 
 
-def heard(characters: int, fifo: bool, reads_after: tuple[int, ...] = (), **options: str) -> Heard:
+def monitored(characters: int, fifo: bool, reads_after: tuple[int, ...] = (), **options: str) -> ReceiverRecords:
     """Monitor an SCI whose firmware reads SCIRXBUF once after each of these pauses, in us, and then never again."""
 
     def main(dsp: Dsp) -> None:
@@ -52,7 +52,7 @@ def heard(characters: int, fifo: bool, reads_after: tuple[int, ...] = (), **opti
             dsp.compute(1000)
 
     serial = {"send": [{"to": "dsp.SCI-A", "at": "100 us", "bytes": "55 " * characters}]}
-    found, table = Heard(), unit("SCI-A", options={"sci": options})
+    found, table = ReceiverRecords(), unit("SCI-A", options={"sci": options})
     made = scene({"dsp": main}, None, (), found.subscribe, unit={"dsp": table}, serial=serial, duration="3 ms")
     made.run()
     return found
@@ -68,24 +68,24 @@ def heard(characters: int, fifo: bool, reads_after: tuple[int, ...] = (), **opti
         (17, True, [*((n, False) for n in range(1, 17)), (16, True)]),
     ],
 )
-def test_each_character_is_told_be_it_lost_or_not(characters: int, fifo: bool, words: list[tuple[int, bool]]):
-    found = heard(characters, fifo)
+def test_each_character_is_recorded_whether_lost_or_not(characters: int, fifo: bool, words: list[tuple[int, bool]]):
+    found = monitored(characters, fifo)
     assert (found.characters, found.words) == (characters, words)
 
 
 @pytest.mark.parametrize("drops", ["oldest", "newest"])
 @pytest.mark.parametrize(("characters", "fifo", "lost"), [(12, False, 11), (16, True, 0), (17, True, 1), (20, True, 4)])
 def test_every_lost_character_counts_though_its_flag_stays_set(characters: int, fifo: bool, lost: int, drops: str):
-    assert heard(characters, fifo, fifo_overflow_drops=drops).lost == lost
+    assert monitored(characters, fifo, fifo_overflow_drops=drops).lost == lost
 
 
 def test_characters_that_are_read_in_between_are_not_lost():
-    """The flag of an overrun stays set.
+    """Each lost character is recorded, although the flag of an overrun stays set.
 
     RX       |-1-|-2-|-3-|-4-|-5-|-6-|------
     reads                 ^   ^
     lost             1   2           5
     OE       ________|~~~~~~~~~~~~~~~~~~~~~~
     """
-    found = heard(6, False, (400, 90))
+    found = monitored(6, False, (400, 90))
     assert (found.lost, found.words) == (3, [(0, True)])

@@ -1,4 +1,4 @@
-"""What is sent to an SCI from outside, when, and what the SCI makes of it."""
+"""Characters that are sent to an SCI from outside: their times, and what the SCI receives."""
 
 from __future__ import annotations
 
@@ -10,27 +10,31 @@ from periph_sim.bus.uart.reader import LineFrame
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.scene.serial.send_schedule import TextTrigger
-from tests.scene.serial.programs import Program, answers, hears, receive, scene, send
+from tests.scene.serial.programs import Program, receive, receiver, replier, scene, send
 from tests.scene.small import unit
 
 BIT = 26_240  # ticks of a bit of the SCI with BRR = 40, 3 GHz
 FE, PE = 1 << 15, 1 << 14
 
 
-def heard(sends: list[dict[str, Any]], duration: str = "3 ms", serial: dict[str, Any] | None = None, **started: int):
-    """The words of SCIRXBUF of SCI-B, error bits included."""
+def received_words(
+    sends: list[dict[str, Any]], duration: str = "3 ms", serial: dict[str, Any] | None = None, **started: int
+):
+    """Return the words of SCIRXBUF of SCI-B, including error bits."""
     words: list[int] = []
     table = {"send": [{"to": "SCI-B", "at": "100 us", **one} for one in sends], **(serial or {})}
-    run = scene({"dsp": hears("SCI-B", words, **started)}, unit={"dsp": unit("SCI-B")}, serial=table, duration=duration)
+    run = scene(
+        {"dsp": receiver("SCI-B", words, **started)}, unit={"dsp": unit("SCI-B")}, serial=table, duration=duration
+    )
     run.run()
     return words
 
 
 def begins(sends: list[dict[str, Any]], duration: str = "3 ms", **serial: Any) -> list[tuple[float, int]]:
-    """(us of the start bit, byte) of each character that is sent to SCI-A."""
+    """Return (us of the start bit, byte) of each character that is sent to SCI-A."""
     seen: list[Record] = []
     table = {"send": [{"to": "SCI-A", **one} for one in sends], **serial}
-    programs = {"dsp": answers("SCI-A", {b"go": b"OK", b"!go": b"OK"})}
+    programs = {"dsp": replier("SCI-A", {b"go": b"OK", b"!go": b"OK"})}
     run = scene(programs, seen, [Kind.FRAME], unit={"dsp": unit("SCI-A")}, serial=table, duration=duration)
     run.run()
     on_rx = [r for r in seen if r.where == "RX"]
@@ -47,19 +51,20 @@ def begins(sends: list[dict[str, Any]], duration: str = "3 ms", **serial: Any) -
         ({"text": "é", "encoding": "utf-8"}, [0xC3, 0xA9]),
     ],
 )
-def test_what_is_sent_is_received(content: dict[str, Any], words: list[int]):
-    assert heard([content]) == words
+def test_sent_characters_are_received(content: dict[str, Any], words: list[int]):
+    assert received_words([content]) == words
 
 
 def test_a_file_is_sent_as_it_is(tmp_path, monkeypatch):
     (tmp_path / "boot.bin").write_bytes(b"\x01\x02\x80")
     monkeypatch.chdir(tmp_path)
-    assert heard([{"file": "boot.bin"}]) == [1, 2, 0x80]
+    assert received_words([{"file": "boot.bin"}]) == [1, 2, 0x80]
 
 
-def test_each_character_begins_a_gap_behind_the_last_ones_stop_bit():
-    """
-    100 us |0123456789|  50 us  |0123456789|     86.8 us a character at 115200 baud
+def test_each_character_begins_a_gap_after_the_previous_stop_bit():
+    """Two characters of 86.8 us each, at 115200 baud:
+
+    100 us |0123456789|  50 us  |0123456789|
     """
     found = begins([{"text": "ab", "at": "100 us", "gap": "50 us"}])
     assert found == [(pytest.approx(100), ord("a")), (pytest.approx(100 + 10 / 0.1152 + 50, abs=0.001), ord("b"))]
@@ -70,7 +75,7 @@ def test_a_second_send_waits_for_the_line():
     assert second[0] == pytest.approx(100 + 10 / 0.1152, abs=0.001) and first[1] == ord("a")
 
 
-def test_a_period_repeats_it():
+def test_a_period_repeats_a_send():
     found = begins([{"text": "a", "at": "100 us", "period": "500 us", "times": 3}])
     assert [round(at, 3) for at, _ in found] == [100, 600, 1100]
     assert len(begins([{"text": "a", "at": "100 us", "period": "500 us"}], duration="1.9 ms")) == 4
@@ -102,24 +107,24 @@ def test_after_an_event_once_some_times_or_each_time():
 def test_an_access_is_an_event_at_its_own_tick():
     seen: list[Record] = []
     table = {"send": [{"to": "dsp.SCI-A", "text": "x", "after": "access W SCI-A.SCICTL1"}]}
-    run = scene({"dsp": hears("SCI-A", [])}, seen, unit={"dsp": unit("SCI-A")}, serial=table, duration="1 ms")
+    run = scene({"dsp": receiver("SCI-A", [])}, seen, unit={"dsp": unit("SCI-A")}, serial=table, duration="1 ms")
     run.run()
     written = next(r.tick for r in seen if r.kind is Kind.ACCESS and r.what == "W SCI-A.SCICTL1")
     assert next(r.tick for r in seen if r.kind is Kind.EDGE and r.where == "RX") == written
 
 
-def test_a_send_whose_event_never_happened_is_told():
+def test_a_send_whose_event_never_happened_is_noted():
     table = {"send": [{"to": "dsp.SCI-A", "text": "x", "name": "late", "after": "frame TX 0x21 end"}]}
-    result = scene({"dsp": hears("SCI-A", [])}, unit={"dsp": unit("SCI-A")}, serial=table, duration="1 ms").run()
+    result = scene({"dsp": receiver("SCI-A", [])}, unit={"dsp": unit("SCI-A")}, serial=table, duration="1 ms").run()
     assert result.notes[-1] == "serial: send 'late' never went out: no event matched 'frame TX 0x21 end'"
     assert result.sci_bytes == 0
 
 
-def test_a_send_that_waits_for_a_busy_line_says_for_whom_and_only_what_was_sent_counts():
-    """long |0|1|2|3|4|...     next: due with 1"""
+def test_a_send_that_waited_for_a_busy_line_is_noted_and_not_counted():
+    """The line is busy with long, |0|1|2|3|4|..., when next becomes due, during the character 1."""
     sends = [{"name": "long", "text": "0123456789"}, {"name": "next", "text": "x"}]
     table = {"send": [{"to": "dsp.SCI-A", "at": f"{at} us", **one} for at, one in zip((0, 100), sends, strict=True)]}
-    result = scene({"dsp": hears("SCI-A", [])}, unit={"dsp": unit("SCI-A")}, serial=table, duration="400 us").run()
+    result = scene({"dsp": receiver("SCI-A", [])}, unit={"dsp": unit("SCI-A")}, serial=table, duration="400 us").run()
     assert result.notes[-1] == (
         "serial: send 'next' never went out: "
         "it was due at 0.000100 s, but its line is busy until 0.000868 s with send 'long'"
@@ -127,17 +132,17 @@ def test_a_send_that_waits_for_a_busy_line_says_for_whom_and_only_what_was_sent_
     assert result.sci_bytes == 4  # of 86.8 us each; the fifth is under way
 
 
-# What goes wrong on a wire ------------------------------------------------------
+# Errors on a wire ----------------------------------------------------------------
 
 
 def test_wrong_parity_and_a_missing_stop_bit():
     even = {"parity": "even", "bits": 8}
-    assert heard([{"text": "abc", "wrong_parity": [1]}], serial=even, sciccr=0x67) == [97, PE | 98, 99]
-    assert heard([{"text": "abc", "missing_stop": [1]}]) == [97, FE | 98, 99]
+    assert received_words([{"text": "abc", "wrong_parity": [1]}], serial=even, sciccr=0x67) == [97, PE | 98, 99]
+    assert received_words([{"text": "abc", "missing_stop": [1]}]) == [97, FE | 98, 99]
 
 
 def test_characters_with_errors_are_counted_in_the_result():
-    """Three of five. A character that is not received, since RXENA is 0, has no error. XRS keeps the numbers."""
+    """Three of five characters have errors. With RXENA = 0 none is received, so none counts. XRS keeps the counts."""
     sends = [
         {"text": "abc", "missing_stop": [1], "wrong_parity": [1, 2]},
         {"text": "de", "at": "2 ms", "wrong_parity": [0]},
@@ -149,9 +154,9 @@ def test_characters_with_errors_are_counted_in_the_result():
         assert run.reception() == [text for text in run.reception(zero=True) if not text.startswith("0 ")]
         return run.sci_errors
 
-    assert errors(hears("SCI-B", [], sciccr=0x67)) == {"framing error": 1, "parity error": 3}
+    assert errors(receiver("SCI-B", [], sciccr=0x67)) == {"framing error": 1, "parity error": 3}
     reset = {"kind": "reset", "unit": "dsp", "at": "1 ms"}  # before the second send
-    assert errors(hears("SCI-B", [], sciccr=0x67), fault=[reset]) == {"framing error": 1, "parity error": 2}
+    assert errors(receiver("SCI-B", [], sciccr=0x67), fault=[reset]) == {"framing error": 1, "parity error": 2}
     assert errors(lambda dsp: None) == {"framing error": 0, "parity error": 0}
     assert scene({"dsp": lambda dsp: None}, unit={"dsp": unit("I2C-A")}).run().sci_errors == {}
 
@@ -160,7 +165,7 @@ def test_characters_with_errors_are_counted_in_the_result():
 def test_a_rate_that_differs_by_more_than_5_percent_from_that_of_the_sci_is_a_note(baud: int, noted: bool):
     """BRR = 40 gives 114 329 baud."""
     table = {"send": [{"to": "SCI-A", "text": "a", "at": "100 us", "baud": baud}]}
-    result = scene({"dsp": hears("SCI-A", [])}, unit={"dsp": unit("SCI-A")}, serial=table, duration="1 ms").run()
+    result = scene({"dsp": receiver("SCI-A", [])}, unit={"dsp": unit("SCI-A")}, serial=table, duration="1 ms").run()
     text = f"dsp SCI-A: characters on RX come at {baud} baud, but SCIHBAUD, SCILBAUD and LSPCLK give 114329; "
     assert [note.startswith(text) for note in result.notes] == [True] * noted
 
@@ -178,11 +183,11 @@ def test_a_break_sets_brkdt():
     assert len(status) == 1 and status[0] & 0x20
 
 
-def test_another_rate_or_format_is_told_apart_as_on_a_wire():
-    assert heard([{"text": "UU", "baud": 57_600}]) != [*b"UU"]
-    assert heard([{"bytes": "00", "baud": 57_600}])[0] & FE
-    assert heard([{"text": "a", "parity": "odd"}], sciccr=0x67)[0] == PE | 97  # the SCI has even parity
-    assert heard([{"text": "a", "bits": 7}], sciccr=0x06) == [97]
+def test_a_send_has_the_rate_and_the_format_of_its_own_keys():
+    assert received_words([{"text": "UU", "baud": 57_600}]) != [*b"UU"]
+    assert received_words([{"bytes": "00", "baud": 57_600}])[0] & FE
+    assert received_words([{"text": "a", "parity": "odd"}], sciccr=0x67)[0] == PE | 97  # the SCI has even parity
+    assert received_words([{"text": "a", "bits": 7}], sciccr=0x06) == [97]
 
 
 def test_an_a_sets_the_rate_by_autobaud():
@@ -201,7 +206,7 @@ def test_an_a_sets_the_rate_by_autobaud():
 
 @pytest.mark.parametrize(("mode", "sciccr"), [("address-bit", 0x0F), ("idle-line", 0x07)])
 def test_a_sleeping_receiver_wakes_at_an_address(mode: str, sciccr: int):
-    """Only the block to 0x21 is received whole: the firmware wakes at its own address, and sleeps at others."""
+    """Only the block to 0x21 is received completely: the firmware wakes at its own address and sleeps at others."""
     words: list[int] = []
 
     def main(dsp):
@@ -223,8 +228,7 @@ def test_a_sleeping_receiver_wakes_at_an_address(mode: str, sciccr: int):
     assert words == [0x20, 0x21, 1, 2, 3, 0x22]
 
 
-def test_what_a_unit_sends_and_what_is_sent_to_it_do_not_meet():
-    """Both ways at once, on lines of their own."""
+def test_both_directions_of_an_sci_are_independent():
     words: list[int] = []
 
     def main(dsp):
@@ -248,8 +252,8 @@ def test_what_a_unit_sends_and_what_is_sent_to_it_do_not_meet():
         (b"OK", "O?K.OK", "     ^"),  # a wrong character in the text
     ],
 )
-def test_a_text_sets_off_at_its_last_character(wanted: bytes, line: str, marks: str):
-    """Characters end at ticks 100, 200, 300 ...; a ? is a wrong one."""
+def test_a_text_trigger_fires_at_the_last_character(wanted: bytes, line: str, marks: str):
+    """Characters end at ticks 100, 200, 300 ...; a ? is a character with an error."""
     came: list[int] = []
     trigger = TextTrigger(wanted, came.append)
     for number, character in enumerate(line, 1):

@@ -1,4 +1,4 @@
-"""Answers that nothing asked for: silence after a send, and characters of the whole run that belong to no reply."""
+"""Unsolicited characters: forbidden replies after a send, and characters of the whole run that belong to no reply."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from periph_sim import Dsp, Result
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.interfaces.commands.result_text import legend
-from tests.scene.serial.programs import answers, scene, send
+from tests.scene.serial.programs import replier, scene, send
 from tests.scene.small import unit
 
 GOOD = {"name": "good", "text": "ask\n", "at": "100 us"}
@@ -28,20 +28,20 @@ def ran(
     delay: int = 0,
     **more: Any,
 ) -> Result:
-    """delay: cycles before each reply."""
+    """Run a scene whose firmware sends these replies. delay: cycles before each reply."""
     table = {"send": [{"to": "SCI-A", **one} for one in sends], "expect": list(expects)}
-    program = answers("SCI-A", replies, delay)
+    program = replier("SCI-A", replies, delay)
     return scene({"dsp": program}, seen, unit={"dsp": unit("SCI-A")}, serial=table, duration=duration, **more).run()
 
 
-def test_a_frame_that_is_rightly_ignored_is_silence():
+def test_a_frame_that_is_ignored_as_expected_passes():
     result = ran({b"ask\n": b"OK"}, GOOD, BAD)
     silent, told = result.budgets
     assert (silent.name, silent.measure, silent.word, silent.count) == ("bad CRC", "silence:bad CRC", "seen", 1)
     assert (told.word, result.verdict, result.notes) == ("seen", "pass", [])
 
 
-def test_an_answer_to_it_is_broken_with_its_time_and_its_bytes():
+def test_an_answer_to_a_frame_that_must_be_ignored_fails_with_its_time_and_bytes():
     seen: list[Record] = []
     result = ran({b"ask\n": b"OK", b"asc\n": b"OK"}, GOOD, BAD, seen=seen)
     silent, told = result.budgets
@@ -68,12 +68,12 @@ def test_a_send_that_never_went_out_is_not_judged_with_the_reason():
 
 
 def test_the_answer_to_the_next_send_is_not_forbidden():
-    """within reaches over the next request, whose answer is expected."""
+    """The time `within` extends past the next request, whose answer is expected."""
     result = ran({b"asc\nask\n": b"OK"}, {**BAD, "at": "100 us", "within": "3 ms"}, {**GOOD, "at": "1 ms"})
     assert [verdict.word for verdict in result.budgets] == ["seen", "seen"]
 
 
-def test_an_expected_reply_that_comes_late_after_it_is_no_answer_to_it():
+def test_a_late_expected_reply_does_not_break_the_silence_after_another_send():
     """The reply to `good` begins after `bad CRC` does, and belongs to the expect that waits for it."""
     result = ran({b"ask\n": b"OK"}, GOOD, {**BAD, "at": "500 us", "text": "x"})
     assert [verdict.word for verdict in result.budgets] == ["seen", "seen"]
@@ -109,7 +109,7 @@ def test_other_data_or_another_expected_reply_ends_the_silence():
         assert [v.word for v in result.budgets] == ["seen", "seen"]
 
 
-def test_what_no_reply_claims_is_a_note_and_with_a_budget_a_verdict():
+def test_unsolicited_characters_give_a_note_or_with_a_budget_a_verdict():
     sends = (GOOD, {**GOOD, "name": "again", "at": "2 ms"})
     result = ran({b"ask\n": b"OK\r"}, *sends)
     (note,) = result.notes
@@ -121,7 +121,7 @@ def test_what_no_reply_claims_is_a_note_and_with_a_budget_a_verdict():
     assert (judged.verdict, judged.budgets[0].worst, judged.notes) == ("fail", 4, [])
 
 
-def test_the_note_leaves_out_what_the_verdict_of_a_send_reports():
+def test_the_note_omits_characters_that_the_verdict_of_a_send_reports():
     result = ran({b"ask\n": b"OK\r", b"asc\n": b"NO"}, GOOD, BAD)
     (note,) = result.notes
     assert result.budgets[0].worst == 2 and "but '\\r' came" in note and "(1 character in all)" in note
@@ -152,7 +152,7 @@ def test_a_verdict_on_one_sci_does_not_hide_the_note_on_another():
         ({"min": 3}, "broken"),
     ],
 )
-def test_its_number_is_compared_with_each_limit(limit: dict[str, int], word: str):
+def test_the_number_of_unsolicited_characters_is_compared_with_each_limit(limit: dict[str, int], word: str):
     budget = {"name": "unasked", "measure": "unsolicited replies", **limit}
     (unasked,) = ran({b"ask\n": b"OK"}, GOOD, expects=(), budget=[budget]).budgets
     assert (unasked.word, unasked.worst) == (word, 2) and "but 'OK' came" in unasked.found
@@ -185,7 +185,7 @@ def test_replies_in_two_formats_make_no_note_as_each_is_unreadable_in_the_other(
 
 
 def test_a_character_with_an_error_is_marked():
-    """Read with the format of the reply that is expected from the same SCI: the stop bit of K is a wrong parity bit."""
+    """Characters are read in the format of the expected reply, so the stop bit of K is read as a wrong parity bit."""
     expects = ({**TOLD, "text": "O", "parity": "even"},)
     silent, told = ran({b"ask\n": b"O", b"asc\n": b"K"}, GOOD, BAD, expects=expects).budgets
     assert (silent.word, told.word) == ("broken", "seen") and "but 4b! came" in silent.found

@@ -17,7 +17,7 @@ from periph_sim.interfaces.reports.explain.picture import text_picture
 from periph_sim.interfaces.reports.html.failure import failure
 from periph_sim.processor.dsp import Dsp
 from tests.interfaces.reports.explain.made import run_and_explain, steps_of
-from tests.scene.serial.programs import Program, answers, says
+from tests.scene.serial.programs import Program, replier, sender
 from tests.scene.small import case, unit
 
 
@@ -25,7 +25,7 @@ def explained(
     replies: dict[bytes, bytes], ask: str = "a", text: str = "OK", duration: str = "2 ms", bits: int = 8
 ) -> Explained:
     expect = {"name": "told", "from": "SCI-A", "after_send": "ask", "within": "1 ms", "text": text}
-    return asked(answers("SCI-A", replies, sciccr=bits - 1), ask, expect, duration, bits)
+    return asked(replier("SCI-A", replies, sciccr=bits - 1), ask, expect, duration, bits)
 
 
 def asked(
@@ -97,7 +97,7 @@ def test_a_reply_cut_short_is_shown_up_to_its_limit():
 def test_a_reply_that_follows_a_time_has_no_character_that_asks_for_it():
     booted = {"name": "told", "from": "SCI-A", "at": "1 us", "within": "1 ms", "text": "OK"}
     small = case(unit={"dsp": unit("SCI-A")}, serial={"expect": [booted]}, duration="2 ms")
-    steps = steps_of(run_and_explain(small, says("SCI-A", b"OR"))["told"])
+    steps = steps_of(run_and_explain(small, sender("SCI-A", b"OR"))["told"])
     assert [step for step in steps if "character" in step] == [R_NOT_K]
 
 
@@ -110,7 +110,7 @@ def test_unsolicited_characters_of_a_run_are_told_with_their_writes():
     }
     budget = {"name": "unasked", "measure": "unsolicited replies", "max": 0}
     small = case(unit={"dsp": unit("SCI-A", "SCI-B")}, serial=table, budget=[budget], duration="2 ms")
-    told = run_and_explain(small, answers("SCI-A", {b"a": b"OK", b"b": b"ER"}))["unasked"]
+    told = run_and_explain(small, replier("SCI-A", {b"a": b"OK", b"b": b"ER"}))["unasked"]
     steps = [step for step in told.chain.steps if "SCITXBUF" in step.what]
     assert [step.what for step in steps] == [
         "dsp: SCITXBUF written, 0x45: unsolicited",
@@ -132,14 +132,14 @@ def never_came(program: Program, *modules: str, text: str = "ab") -> Explained:
 
 
 def test_a_reply_that_never_came_is_told_with_what_was_read_and_where_the_firmware_is():
-    steps = steps_of(never_came(answers("SCI-A", {b"x": b"OK"})))
+    steps = steps_of(never_came(replier("SCI-A", {b"x": b"OK"})))
     assert steps[:3] == [
         "no interrupt is entered from here on",
         "RX: the last character of what asks for it",
         "SCIRXBUF read, 2 times since the request began: 0x61 0x62",
     ]
     assert steps[-1].startswith("dsp: wait for SCI-A.SCIFFRX.RXFFST, begun 9")
-    long = steps_of(never_came(answers("SCI-A", {b"x": b"OK"}), text="a" * 20))
+    long = steps_of(never_came(replier("SCI-A", {b"x": b"OK"}), text="a" * 20))
     assert f"SCIRXBUF read, 20 times since the request began: {'0x61 ' * 15}0x61, ..." in long
 
 
@@ -149,7 +149,7 @@ def test_a_reply_that_never_came_is_explained_up_to_its_limit_or_the_next_send(a
     sends = [{"to": "SCI-A", "name": text, "at": when, "text": text} for text, when in (("a", "100 us"), ("b", at))]
     table = {"send": sends, "expect": [{**OK, "after_send": "a"}]}
     small = case(unit={"dsp": unit("SCI-A")}, serial=table, duration="6 ms")
-    told = run_and_explain(small, answers("SCI-A", {b"b": b"ER"}))["told"]
+    told = run_and_explain(small, replier("SCI-A", {b"b": b"ER"}))["told"]
     assert told.chain.us(told.chain.length) == pytest.approx(until, abs=1)
     assert told.chain.us(told.chain.steps[-1].at) == pytest.approx(until, abs=1)
     assert [step for step in steps_of(told) if "SCIRXBUF" in step] == [

@@ -1,4 +1,4 @@
-"""A scene that is deleted or closed: its firmware ends where it waits, without an effect, and its memory is free."""
+"""A scene that is deleted or closed: its firmware ends where it waits, without an effect, and its memory is freed."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from tests.scene.runs import TIMING, recorded
 from tests.scene.small import case, given, scene_with, unit
 
 CASES = sorted(path.name for path in TIMING.glob("*.toml"))
-SOON = Fraction(1, 1000)
+LENGTH = Fraction(1, 1000)
 
 
 def run(firmware: Callable[[Dsp], None], **more: Any) -> Scene:
-    """A scene that has run a little."""
+    """Return a scene that has run for a short time."""
     scene = scene_with(firmware, ["I2C-A"], **more)
-    scene.run(SOON)
+    scene.run(LENGTH)
     return scene
 
 
-def waiting(at_end: Callable[[], object]) -> Callable[[Dsp], None]:
-    """Firmware that waits for ever, and does something as it is ended."""
+def waiting_firmware(at_end: Callable[[], object]) -> Callable[[Dsp], None]:
+    """Return firmware that waits for ever, and calls `at_end` when it is ended."""
 
     def main(dsp: Dsp) -> None:
         try:
@@ -45,10 +45,10 @@ def waiting(at_end: Callable[[], object]) -> Callable[[Dsp], None]:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_what_a_case_builds_does_not_hold_its_scene(name: str) -> None:
+def test_the_parts_of_a_case_do_not_keep_its_scene_alive(name: str) -> None:
     scene = Scene(load(TIMING / name), keep_values=True)
     units, gone = list(scene.units.values()), ref(scene)
-    scene.run(SOON)
+    scene.run(LENGTH)
     assert gone() is scene
     del scene
     gc.collect()
@@ -57,7 +57,7 @@ def test_what_a_case_builds_does_not_hold_its_scene(name: str) -> None:
     assert [program.place() for program in python] == [None] * len(python)
 
 
-def test_its_firmware_ends_where_it_waits_and_nobody_hears_of_it() -> None:
+def test_firmware_of_a_deleted_scene_ends_where_it_waits_without_records() -> None:
     ended: list[int] = []
 
     def works(dsp: Dsp) -> None:
@@ -66,20 +66,20 @@ def test_its_firmware_ends_where_it_waits_and_nobody_hears_of_it() -> None:
                 dsp.spin(lambda: False)
         finally:
             ended.append(dsp.processor.time.cycle)
-            dsp.compute(1000)  # no time passes any more
+            dsp.compute(1000)  # takes no time any more
             ended.append(-1)
 
-    scene, heard = recorded(case(unit={"dsp": unit("I2C-A")}), [Kind.SPAN, Kind.WAIT], given(dsp=works))
-    scene.run(SOON)
-    told = len(heard)
-    assert told and not ended
+    scene, records = recorded(case(unit={"dsp": unit("I2C-A")}), [Kind.SPAN, Kind.WAIT], given(dsp=works))
+    scene.run(LENGTH)
+    count = len(records)
+    assert count and not ended
     now = scene.units["dsp"].clock.cycle_at(scene.kernel.now)
     del scene
     assert len(ended) == 1 and ended[0] <= now
-    assert len(heard) == told
+    assert len(records) == count
 
 
-def test_firmware_that_will_not_end_is_left_behind() -> None:
+def test_firmware_that_catches_its_end_does_not_prevent_the_deletion() -> None:
     tried: list[int] = []
 
     def stubborn(dsp: Dsp) -> None:
@@ -92,11 +92,11 @@ def test_firmware_that_will_not_end_is_left_behind() -> None:
                     raise
 
     scene = run(stubborn)
-    del scene  # comes back
+    del scene  # returns
     assert tried
 
 
-def test_it_may_be_let_go_of_in_the_middle_of_another_ones_run() -> None:
+def test_a_scene_may_be_deleted_during_the_run_of_another() -> None:
     ended: list[str] = []
 
     def dropping(dsp: Dsp) -> None:
@@ -105,7 +105,7 @@ def test_it_may_be_let_go_of_in_the_middle_of_another_ones_run() -> None:
         dsp.compute(1000)
         ended.append("second")
 
-    held = [run(waiting(lambda: ended.append("first")))]
+    held = [run(waiting_firmware(lambda: ended.append("first")))]
     run(dropping)
     assert ended == ["first", "second"]
 
@@ -116,9 +116,9 @@ def in_its_own_thread(work: Callable[[], object]) -> None:
     thread.join()
 
 
-def test_firmware_of_a_scene_freed_in_another_thread_ends_as_its_own_thread_begins_the_next() -> None:
+def test_firmware_of_a_scene_freed_in_another_thread_ends_when_its_own_thread_builds_the_next() -> None:
     ended: list[int] = []
-    firmware = waiting(lambda: ended.append(get_ident()))
+    firmware = waiting_firmware(lambda: ended.append(get_ident()))
     held = [run(firmware)]
     in_its_own_thread(held.clear)
     assert not held and not ended
@@ -126,20 +126,20 @@ def test_firmware_of_a_scene_freed_in_another_thread_ends_as_its_own_thread_begi
     assert ended == [get_ident()]
 
 
-def test_firmware_ends_with_the_thread_that_runs_it_whoever_frees_its_scene_and_when() -> None:
+def test_firmware_ends_at_the_latest_with_the_thread_that_runs_it() -> None:
     ended: list[int] = []
     held: list[Scene] = []
 
     def build() -> None:
         for _ in range(3):
-            held.append(run(waiting(lambda: ended.append(1))))
+            held.append(run(waiting_firmware(lambda: ended.append(1))))
         in_its_own_thread(held.pop)
 
     in_its_own_thread(build)
     assert len(held) == 2 and len(ended) == 3
 
 
-def test_a_finally_that_never_ends_is_stopped_as_the_scene_is_deleted() -> None:
+def test_an_endless_finally_is_stopped_when_the_scene_is_deleted() -> None:
     begun: list[int] = []
 
     def endless() -> None:
@@ -147,7 +147,7 @@ def test_a_finally_that_never_ends_is_stopped_as_the_scene_is_deleted() -> None:
         while True:
             pass
 
-    scene = run(waiting(endless), stall_limit="100 ms")
+    scene = run(waiting_firmware(endless), stall_limit="100 ms")
     del scene
     assert begun
 
@@ -158,7 +158,7 @@ def test_a_closed_scene_is_free_although_its_subscriber_refers_to_it() -> None:
     def run_one() -> ref[Scene]:
         scene = Scene(load(TIMING / "responder.toml"))
         watch([scene.wires["SDA"]], lambda tick, level: levels.append(scene.measured.wire("SCL").level))
-        scene.run(SOON)
+        scene.run(LENGTH)
         return ref(scene)
 
     gone = run_one()

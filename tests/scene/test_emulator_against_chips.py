@@ -1,6 +1,7 @@
-"""Can a controller tell the emulating F28335 from the three real chips? In its own rounds no; with other requests yes.
+"""Differences between the emulating F28335 and the three real chips: none in the controller's own rounds.
 
-imu_hil_published.toml is the emulator, imu_chips.toml the chips; both show the values of the same frames.
+The emulator is imu_hil_published.toml, and the chips are imu_chips.toml. Both have the values of the same frames. Other
+requests than those of the rounds are answered differently.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ def requests(*tables: str) -> tuple[str, str]:
 
 
 def in_seconds(run: Ran) -> list[tuple[float, ...]]:
-    """What a controller can see of the time: START, end of the address, first bit of data, STOP, stretching."""
+    """Return the times that a controller can measure: START, end of the address, first bit of data, STOP, stretch."""
     second = run.scene.timebase.per_second
     return [
         tuple(tick / second for tick in (p.start_at, p.answer_from, p.answer_at, t.stop_at, p.stretch) if tick >= 0)
@@ -50,7 +51,7 @@ def test_in_200_rounds_all_bytes_and_all_times_of_the_controller_are_the_same(ra
 
 @cache
 def sda_delays(name: str) -> set[float]:
-    """How long after SCL's fall the target moves SDA, in ns, wherever it does; within one bit of a read."""
+    """Return the delays from the fall of SCL to a change of SDA by the target, in ns, in the data bits of reads."""
     edges = Edges()
     run = run_case(load(TIMING / f"{name}.toml"), "0.2", edges.subscribe)
     per_ns = run.scene.timebase.per_second // 10**9
@@ -63,14 +64,14 @@ def sda_delays(name: str) -> set[float]:
     return found
 
 
-def test_only_an_oscilloscope_sees_when_sda_moves():
-    """Both within a bit's low phase, so that no controller samples anything else."""
+def test_changes_of_sda_differ_only_in_time_within_the_low_phase_of_scl():
+    """Both change SDA within the low phase of a bit, so a controller samples the same levels."""
     assert sda_delays(CHIPS) == {300}
     emulated = sda_delays(EMULATOR)
     assert min(emulated) > 0 and max(emulated) < 1000 and emulated != {300}
 
 
-def test_identification_registers_tell():
+def test_identification_registers_differ():
     """The emulator sends its data whatever the pointer is."""
     ask = requests(
         "{address=0x68, pointer=0, count=1}", "{address=0x53, pointer=0, count=1}", "{address=0x1e, pointer=10}"
@@ -81,8 +82,8 @@ def test_identification_registers_tell():
     assert emulator.read()[1] == ["00", "0c", "00 01 f8 30 03 e8"]
 
 
-def test_any_other_pointer_tells():
-    """A burst from the temperature on has the rates two bytes later."""
+def test_data_from_another_pointer_differ():
+    """In a burst that begins at the temperature, the rates are two bytes later."""
     ask = requests("{address=0x68, pointer=0x1b, count=8}", '{chip="accelerometer"}', '{chip="magnetometer"}')
     emulator, chips = both(*ask)
     assert chips.read()[1][0] == "c1 80 00 01 03 e8 f8 30"
@@ -90,8 +91,8 @@ def test_any_other_pointer_tells():
     assert chips.read()[1][1:] == emulator.read()[1][1:]
 
 
-def test_bytes_behind_the_sixth_tell():
-    """The HMC5883L goes back to x: LOCK is set again, and its data stand still. The emulator sends zeros."""
+def test_bytes_after_the_sixth_differ():
+    """The HMC5883L returns to x and sets LOCK again, so its data do not change. The emulator sends zeros."""
     ask = requests('{chip="gyroscope"}', '{chip="accelerometer"}', "{address=0x1e, pointer=3, count=7}")
     emulator, chips = both(*ask)
     assert emulator.read()[1][2] == "00 01 f8 30 03 e8 00"
@@ -99,14 +100,14 @@ def test_bytes_behind_the_sixth_tell():
     assert set(later) == {first}
 
 
-def test_another_order_tells():
+def test_answers_to_another_order_differ():
     emulator, chips = both('controller.order=["accelerometer", "gyroscope", "magnetometer"]')
     assert chips.answered() == ["AGM"] * 5
     assert emulator.answered()[:2] == ["-G-", "A-M"]
 
 
-def test_a_stop_between_pointer_and_read_tells():
-    """The chips keep their pointer. The emulator takes the STOP of the pointer's write for the end of the request."""
+def test_answers_after_a_stop_between_pointer_and_read_differ():
+    """The chips keep their pointer. The emulator takes the STOP after the pointer for the end of the request."""
     emulator, chips = both("controller.pointer_by=STOP")
     assert chips.answered() == ["GGAAMM"] * 5 and "00 01 03 e8 f8 30" in chips.read()[1]
     assert emulator.answered() == ["G-A-MM"] * 5
@@ -115,15 +116,15 @@ def test_a_stop_between_pointer_and_read_tells():
 
 
 @pytest.mark.parametrize(
-    ("request_", "why"),
+    ("request_", "register"),
     [
         ('{address=0x68, pointer=0x15, count=0, write="07"}', "I2C-A.I2CSTR.SDIR"),  # a driver's set-up
         ("{address=0x68, count=6}", "I2C-A.I2CSTR.RRDY"),  # a read without a pointer
     ],
 )
-def test_a_write_or_a_read_without_pointer_hangs_the_emulator(request_: str, why: str):
+def test_a_write_or_a_read_without_pointer_hangs_the_emulator(request_: str, register: str):
     ask = requests(request_, '{chip="gyroscope"}')
     emulator, chips = both(*ask)
     assert set(chips.answered()) == {"0G"}
     assert emulator.result.counts["rounds"] == 0 and emulator.result.counts["stuck"] == 1
-    assert why in emulator.result.stuck[0] and "SCL is held low by dsp.GPIO33" in emulator.result.stuck[0]
+    assert register in emulator.result.stuck[0] and "SCL is held low by dsp.GPIO33" in emulator.result.stuck[0]

@@ -1,1 +1,1 @@
-"""Every option has a short scene that it decides: scripts of firmware and bus go in, records come out."""
+"""Short scenes, at least one for each option, whose records depend on the option."""

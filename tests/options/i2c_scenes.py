@@ -1,4 +1,4 @@
-"""Scenes that options of the I2C module decide. A partner's byte takes 3375 cycles with its acknowledge."""
+"""Scenes whose records depend on options of the I2C module. A byte of a partner takes 3375 cycles with its ACK."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ON = "PCLKCR0=10 +10 I2CPSC=e I2CCLKL=a I2CCLKH=5 I2COAR=50 I2CSAR=50 "
 def i2c(
     firmware: str, *partners: Callable[[], Party], service: str = "", cycles: int = 60_000, **answers: Value
 ) -> Scene:
-    """partners: functions that make them. service: script of the routine of I2CINT1A."""
+    """Return a scene. partners: functions that create bus partners. service: script of the routine of I2CINT1A."""
     return Scene(
         ON + firmware,
         ("I2C-A",),
@@ -30,7 +30,7 @@ def master(script: str) -> Callable[[], Party]:
 
 
 def hand(*moves: tuple[int, int, int]) -> Callable[[], Party]:
-    """Wires that are pulled (0) and released (1): (cycles after START, line, level)."""
+    """Return a partner that pulls (0) and releases (1) wires: (cycles after START, line, level)."""
 
     def make() -> Party:
         party = Hand()

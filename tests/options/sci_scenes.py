@@ -1,4 +1,4 @@
-"""Scenes that options of the SCI decide. A bit has 800 cycles, a sample of RXD has 100."""
+"""Scenes whose records depend on options of the SCI. A bit has 800 cycles, a sample of RXD has 100."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ FIFO = "SCIFFTX=e000 SCIFFRX=2000 "
 def sci(
     firmware: str, rxd: str = "", *, received: str = "", sent: str = "", cycles: int = 60_000, **answers: Value
 ) -> Scene:
-    """rxd: samples. received, sent: scripts of the service routines of SCIRXINTA, SCITXINTA."""
+    """Return a scene. rxd: samples. received, sent: scripts of the service routines of SCIRXINTA and SCITXINTA."""
     service = {vector: text for vector, text in (("SCIRXINTA", received), ("SCITXINTA", sent)) if text}
     levels = {"SCIRXDA": rxd} if rxd else {}
     return Scene(ON + firmware, ("SCI-A",), service=service, levels=levels, cycles=cycles, answers={"sci": answers})
 
 
 def bits(levels: str) -> str:
-    """As samples of RXD."""
+    """Return samples of RXD for these levels, each of one bit."""
     return "".join(level * 8 for level in levels.replace(" ", ""))
 
 
 def characters(*words: int, **form: int | str) -> str:
-    """A bit of 1 behind each."""
+    """Return samples of frames, each followed by a bit of 1."""
     return "".join(bits(frame(word, **form) + "1") for word in words)  # type: ignore[arg-type]
 
 

@@ -1,4 +1,4 @@
-"""Scenes that options of the SPI decide. A bit of a master has 16 cycles, a level on the pins of a slave has 100."""
+"""Scenes whose records depend on options of the SPI. A bit of a master has 16 cycles, a level on a slave's pins 100."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ FIFO = "SPIFFTX=e000 SPIFFRX=2000 "
 
 
 def spi(firmware: str, *, received: str = "", levels: dict[str, str] | None = None) -> Scene:
-    """received: script of the service routine of SPIRXINTA. levels: of pins, by their signals."""
+    """Return a scene. received: script of the service routine of SPIRXINTA. levels: of pins, by their signals."""
     service = {"SPIRXINTA": received} if received else {}
     return Scene(firmware, ("SPI-A",), service=service, levels=levels or {})
 
 
 def clocked(*bits: int, ste: str = "", after: str = "") -> dict[str, str]:
-    """Levels of a master that sends these bits, two levels each, latched with the fall of SPICLK."""
+    """Return the levels of a master that sends these bits, two levels each, latched at the fall of SPICLK."""
     clk = "0" + "10" * len(bits) + after
     simo = "0" + "".join(str(bit) * 2 for bit in bits)
     return {"SPICLKA": clk, "SPISIMOA": simo.ljust(len(clk), "0"), "SPISTEA": ste or "0" * len(clk) + "1"}

@@ -1,4 +1,4 @@
-"""Scenes that options of the system decide: Python firmware where the CPU's instructions do not matter, else images."""
+"""Scenes whose records depend on options of the system: Python firmware, or an image if instructions matter."""
 
 from __future__ import annotations
 
@@ -6,15 +6,18 @@ from periph_sim.core.options import Value
 from tests.options.unit import Scene
 from tests.processor.image.rig import ENPIE, HEAD, VECTOR, timer
 
-TIMER0 = "TCR=10 PRDH=0 PRD=63 TCR=4020 "  # every 100 cycles, TIE, begun
+TIMER0 = "TCR=10 PRDH=0 PRD=63 TCR=4020 "  # every 100 cycles, TIE, started
 SCI = "PCLKCR0=400 +10 SCICCR=7 SCICTL1=3 SCIHBAUD=0 SCILBAUD=18 SCICTL1=23 "
 PADS = "PCLKCR3=2000 +10 GPADIR=20000000 GPASET=20000000 GPACLEAR=20000000 "  # GPIO29 is the wire SCITXDA
 
 
-def image(code: str, *modules: str, behind: str = "") -> Scene:
-    """A program whose end reads a register, so that a record has its time. code: lines that ";" divides."""
+def image(code: str, *modules: str, after_end: str = "") -> Scene:
+    """Return a scene of a program that reads a register at its end, so that the time of the end is recorded.
+
+    code: lines separated by ";". after_end: code after the end.
+    """
     lines = "".join(f"{line if line.rstrip().endswith(':') else f' {line.strip()}'}\n" for line in code.split(";"))
-    end = f" MOVW DP,#WDCR >> 6\n MOV AL,@WDCR\n ESTOP0\n{behind}"
+    end = f" MOVW DP,#WDCR >> 6\n MOV AL,@WDCR\n ESTOP0\n{after_end}"
     return Scene(source=f"{HEAD}{lines}{end}", modules=modules)
 
 
@@ -23,9 +26,9 @@ INTR = ENPIE + VECTOR.replace("0x0D4C", "0x0D40") + " OR IFR,#1 ; INTR INT1"
 
 SCENES = {
     # CPU interrupts
-    "asleep": image(f"{timer(200)} CLRC INTM ; IDLE", "TIMER0", behind=ROUTINE),
+    "asleep": image(f"{timer(200)} CLRC INTM ; IDLE", "TIMER0", after_end=ROUTINE),
     "two interrupts": Scene(TIMER0 + "+400 TCR", ("TIMER0",), service={"TINT0": "TCR=c000 +150 PIEACK=1"}, cycles=2000),
-    "INTR with its flag": image(f"{INTR} ; MOVW DP,#0x0C00 >> 6 ; PUSH IFR ; POP @0x0C02", "TIMER0", behind=ROUTINE),
+    "INTR with its flag": image(f"{INTR} ; MOVW DP,#0x0C00 >> 6 ; PUSH IFR ; POP @0x0C02", "TIMER0", after_end=ROUTINE),
     # PIE
     "PIEACK read": Scene("PIEACK"),
     "a line held": Scene(
@@ -55,7 +58,7 @@ SCENES = {
         "EALLOW ; MOVW DP,#0x0A80 >> 6 ; MOV @0x0A86,#0x505 ; MOV @0x0A80,#1 ; EDIS ; MOVL XAR4,#0x300800 ; LB #there ;"
         ' .sect "constant", 0x300800 ; .word 7 ; .sect "code", 0x300000 ; there: NOP ; NOP ; NOP ; MOV AL,*XAR4 ; NOP'
         " ; NOP ; NOP ; NOP ; NOP",
-        behind=" .space 8\n",
+        after_end=" .space 8\n",
     ),
     "RPT of a location": image("MOVW DP,#COUNT >> 6 ; MOV @COUNT,#0x102 ; RPT @COUNT || NOP"),
     # GPIO

@@ -1,4 +1,4 @@
-"""Every option has a named scene whose records it decides, and which lists it as assumed."""
+"""Every option has a named scene whose records depend on it, and which lists it as assumed."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def by_default(group: str, scene: str) -> Outcome:
 
 
 def others(group: str, option: str, scene: Scene) -> list[Value]:
-    """The answers to an option that a scene does not have; the ends of the range where it is a number."""
+    """Return the answers to an option that a scene does not use, or the ends of the range of a number."""
     about = {of.name: of for of in dataclasses.fields(KINDS[group])}[option]
     taken = scene.answers.get(group, {}).get(option, about.default)
     known = about.metadata
@@ -60,7 +60,7 @@ def test_an_option_is_listed_with_each_answer(group: str):
             assert f"{group}.{of.name}" in run(scene, group, **{of.name: value}).assumed, (of.name, value)
 
 
-NEAR = [  # scenes that come near a question and do not depend on it
+NEAR = [  # scenes that are close to the effect of an option, but do not depend on it
     ("i2c", "al_clears_stt", "foreign START"),
     ("i2c", "bb_on_irs_reset", "registers"),
     ("i2c", "oar_zero", "START byte"),
@@ -77,7 +77,7 @@ NEAR = [  # scenes that come near a question and do not depend on it
 
 
 @pytest.mark.parametrize(("group", "option", "scene"), NEAR)
-def test_a_scene_lists_no_option_that_decides_none_of_it(group: str, option: str, scene: str):
+def test_a_scene_does_not_list_an_option_without_an_effect_on_it(group: str, option: str, scene: str):
     default = by_default(group, scene)
     assert f"{group}.{option}" not in default.assumed
     for value in others(group, option, SCENES[group][scene]):
@@ -91,8 +91,8 @@ def test_no_option_is_listed_by_all_scenes(group: str):
 
 
 @pytest.mark.parametrize("group", SCENES)
-def test_what_a_model_reads_unrecorded_decides_nothing_that_is_not_listed(group: str):
-    """Where a scene does not list one of these options, its other answers leave the records as they are."""
+def test_answers_that_a_model_reads_unrecorded_have_no_effect_unless_listed(group: str):
+    """If a scene does not list one of these options, its other answers do not change the records."""
     names = {of.name for of in dataclasses.fields(KINDS[group])} & set().union(*UNRECORDED.values())
     for name, scene in SCENES[group].items():
         default = by_default(group, name)

@@ -1,4 +1,4 @@
-"""Answers are read through `assume`, which records it. Where they are not, the place is listed here with its reason."""
+"""Models read answers through `assume`, which records them. Exceptions are listed here with their reasons."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from periph_sim.core.options import BoolOption, IntOption, TextOption
 
 PACKAGE = Path(__file__).parents[2] / "periph_sim"
 
-# Of models. Each value is kept, or foreseen; what depends on it is recorded where it does, as test_scenes.py checks.
+# Exceptions in models, which store a value or use it in advance. Its effect is recorded where the comments say, which
+# test_scenes.py checks.
 UNRECORDED = {
     "devices/chips/adxl345.py": {"overrun_in_fifo"},  # the read of INT_SOURCE records it
     "devices/chips/hmc5883l.py": {"idle_code", "power_on_measures", "rdy_clears"},  # reads of registers do
@@ -38,19 +39,19 @@ UNRECORDED = {
     "processor/pin_router.py": {"gpio_out_delay"},  # outputs and routes that change
     "processor/python/waits.py": {"pf2_read_ws"},  # each pass
 }  # fmt: skip
-BESIDE = ("interfaces/commands", "core/options.py", "scene")  # no models: they calculate, or show
+NOT_MODELS = ("interfaces/commands", "core/options.py", "scene")  # they calculate or display
 
 
 def reads_of(path: Path) -> set[str]:
-    """Options whose answers a module reads unrecorded: what the method is called on has the option's name."""
+    """Return the options whose answers a module reads unrecorded, named by the object of the method call."""
     calls = (node.func for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, ast.Call))
     reads = (call.value for call in calls if isinstance(call, ast.Attribute) and call.attr == "unrecorded")
     return {ast.unparse(read).rpartition(".")[2].removeprefix("_") for read in reads}
 
 
-def test_no_model_reads_an_answer_unrecorded_but_these():
+def test_only_these_models_read_answers_unrecorded():
     found = {path.relative_to(PACKAGE).as_posix(): reads_of(path) for path in sorted(PACKAGE.rglob("*.py"))}
-    models = {name: reads for name, reads in found.items() if reads and not name.startswith(BESIDE)}
+    models = {name: reads for name, reads in found.items() if reads and not name.startswith(NOT_MODELS)}
     assert models == UNRECORDED
 
 

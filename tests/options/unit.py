@@ -1,11 +1,11 @@
-"""A unit whose firmware and bus partners are short scripts: its records, and the options listed as assumed, come out.
+"""Runs of a unit whose firmware and bus partners are short scripts. A run returns its records and assumed options.
 
     "I2CMDR=20 ~RRDY I2CDRR" --> firmware --> Dsp <-- wires <-- partners of tests/f28335/i2c_bus.py
     image source             --> program  --'             '---- levels of RXD, or of the pins of the SPI
 
 Words of a firmware script: REGISTER=hex writes, REGISTER reads, +n computes for n cycles, ~FLAG waits for a flag of
-I2CSTR, or TIF of TIMER0; HALT=1 and HALT=0 are a debugger that stops the CPU and lets it run on, as the first module of
-the scene sees it.
+I2CSTR, or for TIF of TIMER0. HALT=1 and HALT=0 stop and resume the CPU as a debugger does; only the first module of the
+scene is notified.
 """
 
 from __future__ import annotations
@@ -37,16 +37,19 @@ KINDS: dict[str, type[Answers]] = {"i2c": I2cOptions, "sci": SciOptions, "spi": 
 SIGNALS = ("SCLA", "SDAA", "SCIRXDA", "SCITXDA")
 SPI_SIGNALS = ("SPISIMOA", "SPISOMIA", "SPICLKA", "SPISTEA")
 CYCLE = 20  # ticks at 150 MHz
-START = 4000  # cycles after which partners begin,
-RXD_START = 4032  # and levels: so that a cycle less of the synchroniser puts its first edge before a sample
+START = 4000  # cycles after which partners begin
+RXD_START = 4032  # and levels: a cycle less in the synchroniser moves the first edge before a sample
 SAMPLE = 100  # cycles of a sample on RXD, an SCICLK; a bit has eight
 
 
 class Scene(NamedTuple):
-    """firmware: a script. source: of an image, in its place. service: vector -> script of its service routine.
+    """A scene of one unit.
 
-    partners: makes the other parties on the I2C bus. levels: of signals that other chips drive, one a sample; the last
-    one stays. answers: to options by group and name, where a scene needs others than the defaults.
+    firmware: a script. source: the source of an image, instead of firmware.
+    service: vector -> script of its service routine.
+    partners: creates the other parties on the I2C bus.
+    levels: of signals that other chips drive, one a sample; the last one stays.
+    answers: to options by group and name, if the scene needs others than the defaults.
     """
 
     firmware: str = ""
@@ -65,7 +68,7 @@ class Outcome(NamedTuple):
 
 
 def run(scene: Scene, group: str = "i2c", **answers: Value) -> Outcome:
-    """Run a scene. answers: to options of this group. Flags are left out: they change without being read."""
+    """Run a scene. answers: to options of this group. Flags are not recorded: they change without being read."""
     kernel, recorder, records = Kernel(), Recorder(), list[Record]()
     recorder.subscribe(set(Kind) - {Kind.FLAG}, records.append)
     signals = SIGNALS + SPI_SIGNALS * ("SPI-A" in scene.modules)
@@ -90,7 +93,7 @@ def run(scene: Scene, group: str = "i2c", **answers: Value) -> Outcome:
 
 
 class Firmware:
-    """Python firmware that does what the scripts of a scene say."""
+    """Python firmware that executes the scripts of a scene."""
 
     def __init__(self, dsp: Dsp, scene: Scene) -> None:
         self._dsp, self._scene = dsp, scene
@@ -171,7 +174,7 @@ class OnWires:
 
 
 def edges_of(samples: str) -> list[tuple[int, int]]:
-    """(tick, level) of the edges of a signal that is high before."""
+    """Return (tick, level) of the edges of a signal that is high before."""
     edges, time, before = [], RXD_START * CYCLE, "1"
     for level, run_of in groupby(samples):
         if level != before:

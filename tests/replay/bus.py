@@ -1,4 +1,4 @@
-"""A bus without chips: the two halves of a capture, and the events that come of putting them together."""
+"""An I2C bus without chips, on which both halves of a capture are played together, and the resulting events."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Bus:
 
 
 def both_halves(capture: Capture, transfers: list[Transfer]) -> Comparison:
-    """What was captured against what comes of its controller's half and its targets' half on one bus."""
+    """Compare a capture with a replay of its controller's half and its targets' half on one bus."""
     assert capture.rate is not None
     answers: dict[int, list[Answer]] = defaultdict(list)
     for turn in turns(transfers):

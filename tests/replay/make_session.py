@@ -1,4 +1,4 @@
-"""A run of the IMU/HIL case as an analyser would have captured it: `python -m tests.replay.make_session` writes one.
+"""A run of the IMU/HIL case as an analyser would capture it: `python -m tests.replay.make_session` writes the trace.
 
 timing/imu_hil_published.toml --run--> edges of SCL, SDA, RX --sampled--> Capture, traces/imu_session.sr
 """
@@ -20,7 +20,7 @@ LINES = ("SCL", "SDA", "RX")
 
 
 def ran(seconds: Fraction, *changes: str) -> tuple[Result, Capture]:
-    """A run and its edges, a position a tick."""
+    """Run the case and return the result and its edges, one position a tick."""
     edges = Edges()
     scene = Scene(load(TIMING / "imu_hil_published.toml", list(changes)), edges.subscribe)
     result = scene.run(seconds)
@@ -28,7 +28,7 @@ def ran(seconds: Fraction, *changes: str) -> tuple[Result, Capture]:
 
 
 def sampled(capture: Capture, rate: int) -> Capture:
-    """The same lines at an analyser's rate: an edge stands at the first sample at or after it."""
+    """Return the lines as sampled by an analyser: each edge is at the first sample at or after it."""
     assert capture.rate is not None
     step = capture.rate / rate
     length = int(capture.length / step)
@@ -41,7 +41,7 @@ def sampled(capture: Capture, rate: int) -> Capture:
 
 
 def samples(capture: Capture) -> bytes:
-    """Sample by sample, channel k in bit k."""
+    """Return the samples of a capture, with channel k in bit k."""
     found = bytearray(capture.length)
     for bit, line in enumerate(capture.channels):
         level, last = line.initial, 0

@@ -1,4 +1,4 @@
-"""A firmware that thinks before it answers a read, as a case in a folder, and a capture to replay against it."""
+"""Firmware that computes before it answers a read, as a case in a folder, and a capture to replay against it."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def main(dsp, settings):
 
 
 def firmware_case(folder: Path, name: str, firmware: str, modules: str = '"I2C-A"', more: str = "") -> Path:
-    """A case file of one unit, with the text of its firmware in a file beside it."""
+    """Write the case file of one unit, with the text of its firmware in a file beside it, and return its path."""
     (folder / f"{name}.py").write_text(firmware)
     case = folder / f"{name}.toml"
     unit = f'[unit.dsp]\nfirmware = "{folder / name}.py"\nmodules = [{modules}]\n'
@@ -46,10 +46,13 @@ def firmware_case(folder: Path, name: str, firmware: str, modules: str = '"I2C-A
 
 
 def slow_case(folder: Path, modules: str = '"I2C-A"', more: str = "") -> Path:
-    """A case file; `unit.dsp.settings.wait` says how many microseconds the firmware thinks."""
+    """Write a case file in which `unit.dsp.settings.wait` is the time, in us, that the firmware computes."""
     return firmware_case(folder, "slow", FIRMWARE, modules, more)
 
 
 def one_read(stretched: int = 0, byte: int = 0xA7) -> Capture:
-    """A read of one byte from 0x50 at 100 kHz, 4 MHz samples; SCL is low for `stretched` more before the byte."""
+    """Return a capture of a read of one byte from 0x50 at 100 kHz and 4 MHz samples.
+
+    stretched: samples for which SCL is low in addition before the byte.
+    """
     return I2cWave(20, 4, idle=400).play(f"S A1+ ~{stretched} {byte:02X}- P .400").capture(4_000_000)

@@ -1,4 +1,4 @@
-"""Differences from a capture: the agents' own, which occur without the firmware, and the firmware's, with its line."""
+"""Differences from a capture: those of the agents, which occur without the firmware, and those of the firmware."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ OWN, OTHER = 0x50, 0x51
 
 @pytest.fixture
 def slow(tmp_path: Path) -> Path:
-    """Firmware that answers reads of 0x50 with A7."""
+    """A case whose firmware answers reads of 0x50 with A7."""
     return slow_case(tmp_path)
 
 
 def reads(*asked: tuple[int, int, int], rate: int = 4_000_000) -> Capture:
-    """Reads of one byte: address, what the captured target sent, samples for which it stretched before."""
+    """Return a capture of reads of one byte: (address, byte sent by the target, samples of stretch before the byte)."""
     wave = new_wave()
     for address, value, stretched in asked:
         ask(wave, address, bytes([value]), stretched)
@@ -51,11 +51,11 @@ def replay(capture: Capture, *changes: str, case: Path, **options) -> Report:
     return I2cReplay(load(case, list(changes)), capture, "SCL", "SDA", **options).run()
 
 
-# The agents' own ----------------------------------------------------------------------
+# Differences of the agents ----------------------------------------------------------------
 
 
 def test_a_stretch_of_another_target_that_is_cut_is_not_the_firmwares(slow: Path):
-    """--longest-low cuts the stretch of 0x51, which an agent plays: all behind it comes 100 us early."""
+    """--longest-low cuts the stretch of 0x51, which an agent plays, so that all later events are 100 us early."""
     capture = reads((OTHER, 0x33, STRETCH), (OWN, 0xA7, 0))
     report = replay(capture, case=slow, addresses=[OWN], longest_low=5 * US, tolerance=20 * US)
     assert (report.verdict, report.unjudged) == ("not judged", THEIR_TIME)
@@ -65,7 +65,7 @@ def test_a_stretch_of_another_target_that_is_cut_is_not_the_firmwares(slow: Path
 
 
 def test_a_target_of_the_replay_that_is_too_slow_for_the_clock_is_not_the_firmwares(slow: Path):
-    """SCL is low for 200 ns, and an agent changes SDA 300 ns behind its fall."""
+    """SCL is low for 200 ns, and an agent changes SDA 300 ns after its fall."""
     report = replay(reads((OTHER, 0x33, 0), (OWN, 0xA7, 0)), case=slow, addresses=[OWN], longest_low=US / 5)
     assert (report.verdict, report.unjudged) == ("not judged", THIS_EVENT)
     ack = report.divergences[0]
@@ -76,10 +76,10 @@ def test_a_target_of_the_replay_that_is_too_slow_for_the_clock_is_not_the_firmwa
     ("first", "tolerance", "verdict"),
     [(OWN, 20 * US, "fail"), (OTHER, 20 * US, "not judged"), (OWN, None, "fail"), (OTHER, None, "fail")],
 )
-def test_what_comes_first_decides_and_times_count_only_with_a_tolerance(
+def test_the_first_difference_decides_and_times_count_only_with_a_tolerance(
     slow: Path, first: int, tolerance: Fraction | None, verdict: str
 ):
-    """The firmware's byte is wrong in one read, the agent's stretch is cut in the other."""
+    """The firmware's byte is wrong in one read, and the agent's stretch is cut in the other."""
     asked = sorted([(OWN, 0xA5, 0), (OTHER, 0x33, STRETCH)], key=lambda read: read[0] != first)
     report = replay(reads(*asked), case=slow, addresses=[OWN], longest_low=5 * US, tolerance=tolerance)
     causes = {one.kind: one.cause for one in report.divergences}
@@ -89,7 +89,7 @@ def test_what_comes_first_decides_and_times_count_only_with_a_tolerance(
 
 @pytest.mark.parametrize("microseconds", [0, 60])
 def test_a_transfer_begins_as_much_later_as_the_one_before_was_stretched(slow: Path, microseconds: int):
-    """The pauses between transfers are those of the capture to the tick."""
+    """The pauses between transfers are equal to those of the capture to the tick."""
     capture = reads((OWN, 0xA7, 0), (OWN, 0xA7, 0), (OWN, 0xA7, 0))
     one = I2cReplay(load(slow, [f"unit.dsp.settings.wait={microseconds}"]), capture, "SCL", "SDA")
     one.run()
@@ -108,7 +108,7 @@ def test_a_transfer_begins_as_much_later_as_the_one_before_was_stretched(slow: P
 def test_a_session_fails_for_a_broken_budget_unless_agents_made_another_event(
     tmp_path: Path, longest_low: Fraction, tolerance: Fraction | None, verdict: str
 ):
-    """Events that differ move all that is measured on the bus; an agent that is early does not."""
+    """Different events invalidate all measurements on the bus; an early event of an agent does not."""
     limit = '[[budget]]\nname = "thinking"\nmeasure = "span:thinking"\nmax = "1 us"\n'
     case = load(slow_case(tmp_path, '"I2C-A", "SCI-A"', limit), ["unit.dsp.settings.wait=2"])
     idle = of_bytes(bytes([1]) * 4000, ("RX",), 4_000_000)
@@ -138,13 +138,13 @@ def test_stretches_as_captured_do_not_make_later_transfers_late(slow: Path):
 
 
 def polls(*acked: bool, data: bool = True, address: int = OWN) -> Capture:
-    """Writes to 0x50 or another address, 100 us between two of them."""
+    """Return a capture of writes to one address, 100 us apart, of which these are acknowledged."""
     asked = {False: f"{address << 1:02X}-", True: f"{address << 1:02X}+{' A5+' * data}"}
     return traffic(" ".join(f"S {asked[ack]} P .400" for ack in acked))
 
 
-def test_firmware_that_is_busy_behind_the_last_captured_poll_is_not_judged():
-    """Nothing was written that the target could store, so the captured polls are played, and no more."""
+def test_firmware_that_is_busy_after_the_last_captured_poll_is_not_judged():
+    """Nothing was written that the target could store, so only the captured polls are played."""
     report = replay(polls(True, False, False, True, data=False), "unit.dsp.settings.busy=['5 ms']", case=RESPONDER)
     assert report.verdict == "not judged" and report.divergences[0].found == "NACK"
     assert report.unjudged == (
@@ -168,17 +168,17 @@ def test_firmware_that_refuses_without_an_answer_and_a_captured_refusal_before_f
     assert replay(asked, *changes, case=RESPONDER).verdict == "fail"
 
 
-# The firmware's, with its statement ---------------------------------------------------
+# Differences of the firmware, with its statement --------------------------------------
 
 
 def line(text: str, source: str = FIRMWARE) -> int:
-    """The number of the only line with a text."""
+    """Return the number of the only line with a text."""
     (number,) = (number for number, words in enumerate(source.splitlines(), 1) if text in words)
     return number
 
 
 def shipped(name: str, text: str) -> str:
-    """A place in shipped firmware, as a report names it."""
+    """Return a place in shipped firmware, as a report names it."""
     return f"{name}:{line(text, (FIRMWARES / name).read_text(encoding='utf-8'))}"
 
 
@@ -188,7 +188,7 @@ def round_of(case: str, player: type[I2cReplay] | type[I2cMasterReplay] | type[I
 
 @pytest.mark.parametrize("player", [I2cReplay, I2cOpenReplay])
 def test_a_wrong_byte_names_the_statement_that_wrote_it(tmp_path: Path, player: type[I2cReplay] | type[I2cOpenReplay]):
-    """The next byte is written while the wrong one is on the wires."""
+    """The next byte is written while the wrong byte is on the wires."""
     case = slow_case(tmp_path)
     write = "i2c.I2CDXR.all = settings.byte"
     more = f"{write}\n        dsp.spin(lambda: i2c.I2CSTR.XRDY == 1)\n        i2c.I2CDXR.all = 0x33"
@@ -228,7 +228,7 @@ def test_a_master_names_the_statement_that_was_executed_where_only_its_time_diff
 
 
 def test_an_image_names_file_line_and_address():
-    """It serves zeros, since no host frame has come; and it is not ready when the capture asks first."""
+    """The image sends zeros because no host frame has arrived, and it is not ready at the first captured request."""
     first = round_of("imu_hil_image.toml", I2cReplay).divergences[0]
     assert re.fullmatch(r"the firmware was at \w+ \(\w+\.\w+:\d+, 0x\w{6}\)", first.cause)
 

@@ -1,4 +1,4 @@
-"""Which channel is which line: mappings, names, and what is said when they are wrong."""
+"""Assignment of channels to lines: mappings, names, and messages if they are wrong."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ I2C = of_bytes(b"\x03", ("SCL", "SDA", "D2"))
 PLAIN = of_bytes(b"\x03", ("D0", "D1"))
 
 
-def test_channels_called_as_the_lines_need_no_map():
+def test_channels_named_as_the_lines_need_no_map():
     assert channel_map(I2C, None) == {"scl": "SCL", "sda": "SDA"}
     assert channel_map(of_bytes(b"\x01", ("Rx",)), None) == {"rx": "Rx"}
     scoped = of_bytes(b"\x03", ("tb.bus.scl", "tb.bus.sda"))
     assert channel_map(scoped, None) == {"scl": "tb.bus.scl", "sda": "tb.bus.sda"}
 
 
-def test_a_channel_is_named_or_counted():
+def test_a_channel_is_given_by_name_or_index():
     assert channel_map(I2C, "scl=0, SDA=D2") == {"scl": "0", "sda": "D2"}
     assert channel_map(PLAIN, "rx=D1") == {"rx": "D1"}
 
 
 @pytest.mark.parametrize(
-    ("capture", "text", "said"),
+    ("capture", "text", "message"),
     [
         (PLAIN, None, "samples: no channels named scl and sda, or rx; name them with --map"),
         (PLAIN, None, "it has D0 (index 0), D1 (index 1)"),
@@ -44,29 +44,29 @@ def test_a_channel_is_named_or_counted():
         (PLAIN, "scl=0,sda=D0", "two lines are one channel"),
     ],
 )
-def test_a_wrong_map_is_refused_in_one_sentence(capture, text, said):
-    with pytest.raises(InputError, match=re.escape(said)):
+def test_a_wrong_map_is_refused_in_one_sentence(capture, text, message):
+    with pytest.raises(InputError, match=re.escape(message)):
         channel_map(capture, text)
 
 
 ALL = of_bytes(b"\x07", ("SCL", "SDA", "RX"))
 
 
-def test_all_three_lines_are_a_session_only_if_one_is_asked_for():
+def test_all_three_lines_are_a_session_only_if_one_is_requested():
     assert channel_map(ALL, None) == {"scl": "SCL", "sda": "SDA"}
     assert channel_map(ALL, None, session=True) == {"scl": "SCL", "sda": "SDA", "rx": "RX"}
     assert channel_map(I2C, None, session=True) == {"scl": "SCL", "sda": "SDA"}
     assert channel_map(ALL, "rx=2,scl=0,sda=1") == {"scl": "0", "sda": "1", "rx": "2"}
 
 
-def test_the_serial_line_is_the_one_named_or_called_so_or_the_only_one():
+def test_the_serial_line_is_the_one_given_or_the_one_named_so_or_the_only_one():
     assert serial_channel(of_bytes(b"\x01", ("D7",)), None) == "D7"
     assert serial_channel(ALL, None) == "RX"
     assert serial_channel(PLAIN, "D1") == "D1"
 
 
 @pytest.mark.parametrize(
-    ("capture", "text", "said"),
+    ("capture", "text", "message"),
     [
         (
             PLAIN,
@@ -77,8 +77,8 @@ def test_the_serial_line_is_the_one_named_or_called_so_or_the_only_one():
         (PLAIN, "9", "--uart-file rx=9: samples: there is no channel '9'; it has D0, D1"),
     ],
 )
-def test_a_serial_line_that_is_not_clear_is_refused(capture, text, said):
-    with pytest.raises(InputError, match=re.escape(said)):
+def test_an_ambiguous_serial_line_is_refused(capture, text, message):
+    with pytest.raises(InputError, match=re.escape(message)):
         serial_channel(capture, text)
 
 
@@ -90,7 +90,7 @@ def test_swapped_lines_are_recognized_and_lines_in_order_are_not(name: str):
         channel_map(capture, "scl=SDA,sda=SCL")
 
 
-def test_the_map_to_give_has_the_serial_line_too():
+def test_the_suggested_map_has_the_serial_line_too():
     with pytest.raises(BadReplay, match=r"--map scl=SCL,sda=SDA,rx=RX$"):
         channel_map(formats.read(FOLDER / "imu_session.sr"), "scl=SDA,sda=SCL,rx=RX")
 

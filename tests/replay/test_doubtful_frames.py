@@ -1,4 +1,4 @@
-"""UART lines read in a wrong format: line and SCI agree on every wrong byte, and that must not pass."""
+"""UART lines read in a wrong format: the SCI agrees with the line in every wrong byte, which must not pass."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def replay(line: bytes | Capture, baud: int = BAUD, shape: str = "8n1", *changes
 
 
 def sent(*frames: list[int], pause: int = 12) -> bytes:
-    """Frames one behind the other, `pause` bits from start to start."""
+    """Return a line with these frames, which start `pause` bits apart."""
     begins = [40 + number * pause * BIT for number in range(len(frames))]
     return uart_wave(zip(begins, frames, strict=True), BIT, 40 + int((len(frames) + 1) * pause * BIT))
 
@@ -47,7 +47,7 @@ def text(parity: str = "none") -> list[list[int]]:
 
 def test_frames_read_at_twice_their_rate_are_not_judged():
     report = replay(sent(*text()), 230_400)
-    assert report.agreed == report.events and report.first_divergence is None, "the SCI misreads the line just so"
+    assert report.agreed == report.events and report.first_divergence is None, "the SCI misreads the line as well"
     assert report.verdict == "not judged" and report.captured_errors > 20
     share = f"{report.captured_errors} of {report.events} frames in the capture "
     assert report.unjudged.startswith(f"read at 230400 baud, 8n1, {share}(")
@@ -77,7 +77,7 @@ def test_a_wrong_parity_is_not_judged():
 
 @pytest.mark.parametrize(("wrong", "verdict"), [(1, "pass"), (4, "pass"), (5, "not judged")])
 def test_single_frames_with_errors_are_counted_and_more_than_a_tenth_is_not_judged(wrong: int, verdict: str):
-    """Frames whose stop bit is low, each followed by a pause."""
+    """Frames with a low stop bit, each followed by a pause."""
     frames = text()
     for number in range(wrong):
         frames[4 * number][-1] = 0
@@ -89,23 +89,25 @@ def test_single_frames_with_errors_are_counted_and_more_than_a_tenth_is_not_judg
         assert report.unjudged.endswith("errors; expected few; check rate, format and polarity of the line")
 
 
-@pytest.mark.parametrize("behind", [[], [1] * 20])
-def test_breaks_are_no_errors_of_the_line(behind: list[int]):
-    """A LIN header each: a break of 13 bits, and two bytes. At the end one whose end the capture has or has not."""
+@pytest.mark.parametrize("following", [[], [1] * 20])
+def test_breaks_are_not_counted_as_errors_of_the_line(following: list[int]):
+    """Each frame is a LIN header: a break of 13 bits and two bytes. A last break ends within the capture or not."""
     header = [0] * 13 + [1, 1] + frame_bits(0x55) + frame_bits(0x3C)
-    report = replay(sent(header, header, [0] * 13 + behind, pause=40)[: int((40 + 2 * 40 + 14 + len(behind)) * BIT)])
+    report = replay(
+        sent(header, header, [0] * 13 + following, pause=40)[: int((40 + 2 * 40 + 14 + len(following)) * BIT)]
+    )
     assert (report.verdict, report.captured_errors, report.errors["FE"]) == ("pass", 0, 3)
     assert any(note.startswith("low for a frame or longer, 13.0 bits at most: ") for note in report.notes)
 
 
 def test_flags_of_the_receiver_are_counted():
-    """A break is one to the SCI ten bits behind its missing stop bit."""
+    """For the SCI, a low line is a break ten bits after its missing stop bit."""
     for bits, found in ((15, 0), (25, 1)):
         report = replay(sent([0] * bits + [1, 1] + frame_bits(0x55), pause=60))
         assert report.errors == {"FE": 1, "PE": 0, "BRKDT": found, "OE": 0, "RXFFOVF": 0}
 
 
-def test_a_capture_that_is_cut_within_a_frame_says_so():
+def test_a_capture_that_ends_within_a_frame_is_noted():
     line = sent(*text())
     start = int(40 + 43 * 12 * BIT)
     report = replay(line[: start + int(4.8 * BIT)])
@@ -115,22 +117,22 @@ def test_a_capture_that_is_cut_within_a_frame_says_so():
 
 
 def test_a_capture_that_ends_in_the_middle_of_its_last_stop_bit_has_that_frame():
-    """At 1200 baud the SCI receives it up to a quarter of a bit later, and the firmware takes it then."""
+    """At 1200 baud the SCI receives it up to a quarter of a bit later, and then the firmware reads it."""
     bit = Fraction(RATE, 1200)
     line = uart_wave([(Fraction(40), frame_bits(0x41))], bit, 40 + int(Fraction(96, 10) * bit))
     report = replay(line, 1200)
     assert (report.verdict, report.events, report.agreed) == ("pass", 1, 1)
 
 
-def test_what_was_not_recorded_is_told_of_a_serial_line_and_of_a_sessions():
+def test_spans_that_were_not_recorded_are_noted_for_a_serial_line_and_a_session():
     capture = of_bytes(bytes([1]) * 4000, ("RX",), RATE)
     holes = replace(capture, channels=(replace(capture.channels[0], unknown=(Span(1000, 3000),)),))
-    said = "RX: 1 span was not recorded, 0.001000000 s in all"
-    assert any(note.startswith(said) for note in replay(holes).notes)
+    message = "RX: 1 span was not recorded, 0.001000000 s in all"
+    assert any(note.startswith(message) for note in replay(holes).notes)
     bus = formats.read(OURS / "imu_session.sr")
     case = load(TIMING / "imu_hil_published.toml")
     session = SessionReplay(case, bus, "SCL", "SDA", holes, "RX", wanted=line_format(BAUD), first=1).run()
-    assert any(note.startswith(said) for note in session.notes)
+    assert any(note.startswith(message) for note in session.notes)
 
 
 @pytest.mark.parametrize(
@@ -148,17 +150,17 @@ def test_a_format_in_letters(text: str, given: dict[str, object]):
 
 @pytest.mark.parametrize(("baud", "doubted"), [(115_200, False), (230_400, True)])
 @pytest.mark.parametrize("changes", [[], ["unit.dsp.settings.model_cost=320 us"]])
-def test_a_session_says_that_rx_is_read_in_a_wrong_format(baud: int, doubted: bool, changes: list[str]):
+def test_a_session_reports_that_rx_is_read_in_a_wrong_format(baud: int, doubted: bool, changes: list[str]):
     capture = formats.read(OURS / "imu_session.sr")
     case = load(TIMING / "imu_hil_published.toml", changes)
     low = Fraction(5, 10**6)
     report = SessionReplay(
         case, capture, "SCL", "SDA", capture, "RX", wanted=line_format(baud), longest_low=low, first=2
     ).run()
-    said = [text for text in (report.unjudged, *report.notes) if text.startswith(f"RX: read at {baud} baud")]
-    assert len(said) == doubted
+    notes = [text for text in (report.unjudged, *report.notes) if text.startswith(f"RX: read at {baud} baud")]
+    assert len(notes) == doubted
     assert report.verdict == ("fail" if changes else "not judged" if doubted else "pass")
-    assert not doubted or said[0] == (report.notes[0] if changes else report.unjudged)
+    assert not doubted or notes[0] == (report.notes[0] if changes else report.unjudged)
 
 
 LOGGER = Path(__file__).resolve().parents[2] / "timing" / "uart_logger.toml"
@@ -166,7 +168,7 @@ PLAIN = Line(100_000)  # ten samples a bit at 1 MHz
 
 
 def judged(events: list[Event], *words: int, line: Line = PLAIN) -> tuple[list[str], list[str], int]:
-    """(words expected, words found, frames that are ambiguous)"""
+    """Return (words expected, words found, number of ambiguous frames)."""
     found = [Word(word, False, False, Fraction(n)) for n, word in enumerate(words)]
     result = Settled(events, line, Fraction(10**6), found)
     return [e.words for e in result.expected], [f.words for f in result.found], len(result.ambiguous)
@@ -185,7 +187,7 @@ def test_without_glitches_everything_is_judged():
 
 @pytest.mark.parametrize(("word", "ambiguous"), [(0x41, 1), (0x43, 1), (0x45, 0)])
 def test_an_unsure_bit_may_be_read_either_way_and_no_other_may(word: int, ambiguous: int):
-    """41 with a glitch in the second data bit."""
+    """The frame is 41 with a glitch in the second data bit."""
     events = [frame(0, 0x41, unsure=0b100), frame(100, 0x55)]
     expected, found, unsure = judged(events, word, 0x55)
     assert unsure == ambiguous
@@ -210,19 +212,19 @@ def test_an_unsure_stop_bit_leaves_a_frame_error_open_and_any_other_bit_the_pari
 
 
 @pytest.mark.parametrize("words", [(0x41, 0x55, 0x66), (0x55, 0x66), (0x12, 0x55, 0x66), (0x12, 0xF0, 0x55, 0x66)])
-def test_behind_an_unsure_start_the_words_are_followed_from_where_they_agree_again(words: tuple[int, ...]):
-    """Read, not seen, read otherwise, read as two: whatever it was, the next pause ends it."""
+def test_after_an_unsure_start_words_are_compared_from_where_they_agree_again(words: tuple[int, ...]):
+    """The frame is read, missed, misread or read as two: in each case the next pause ends it."""
     events = [frame(0, 0x41, unsure=1), frame(1000, 0x55), frame(2000, 0x66)]
     expected, found, unsure = judged(events, *words)
     assert expected == found == ["55", "66"] and unsure == 1
 
 
-def test_an_unsure_start_in_a_burst_may_shift_all_of_it_but_nothing_behind_the_pause():
+def test_an_unsure_start_may_shift_all_of_its_burst_but_nothing_after_the_pause():
     burst = [frame(0, 0x41, unsure=1), frame(100, 0x42), frame(200, 0x43)]
-    behind = frame(1000, 0x55)
-    assert judged([*burst, behind], 0x90, 0xA1, 0x55) == (["55"], ["55"], 3)
-    assert judged([*burst, behind], 0x90, 0x43, 0x55) == (["43", "55"], ["43", "55"], 2)
-    assert judged([*burst, behind], 0x41, 0x42, 0x43, 0x54)[:2] == (["42", "43", "55"], ["42", "43", "54"])
+    following = frame(1000, 0x55)
+    assert judged([*burst, following], 0x90, 0xA1, 0x55) == (["55"], ["55"], 3)
+    assert judged([*burst, following], 0x90, 0x43, 0x55) == (["43", "55"], ["43", "55"], 2)
+    assert judged([*burst, following], 0x41, 0x42, 0x43, 0x54)[:2] == (["42", "43", "55"], ["42", "43", "54"])
 
 
 @pytest.mark.parametrize(("at", "expected"), [(199, ["55"]), (200, ["42", "55"])])
@@ -236,12 +238,12 @@ def test_words_agree_up_to_the_next_unsure_start_whatever_was_read_there():
     assert judged(events, 0x41, 0x42, 0x90, 0x55) == (["42", "55"], ["42", "55"], 2)
 
 
-def test_of_words_that_repeat_those_are_taken_that_end_with_the_line():
+def test_of_repeated_words_those_at_the_end_of_the_line_are_compared():
     for words in ([0x55, 0x55], [0x55, 0x55, 0x55]):
         assert judged([frame(0, 0x55, unsure=1), frame(1000, 0x55)], *words) == (["55"], ["55"], 1)
 
 
-def test_a_rejected_start_of_a_quarter_bit_may_be_a_frame_and_a_shorter_one_is_none():
+def test_a_rejected_start_of_a_quarter_bit_may_be_a_frame_and_a_shorter_one_not():
     likely, short = Event(UartRowKind.REJECTED, 0, 4), Event(UartRowKind.REJECTED, 0, 2)
     events = [frame(1000, 0x55)]
     assert judged([likely, *events], 0xFF, 0x55) == judged([likely, *events], 0x55) == (["55"], ["55"], 0)
@@ -254,8 +256,8 @@ def test_a_rejected_start_of_a_quarter_bit_may_be_a_frame_and_a_shorter_one_is_n
     flipped=st.sets(st.sampled_from([*range(8), "parity", "stop"]), max_size=2),
 )
 @settings(max_examples=80, deadline=None)
-def test_a_word_fits_a_frame_if_only_what_a_glitch_left_open_differs(line: Line, unsure: set, flipped: set):
-    """The place of a bit in a frame: start, data, parity, stop. A data bit that is open leaves the parity open, too."""
+def test_a_word_fits_a_frame_if_only_bits_that_a_glitch_made_unsure_differ(line: Line, unsure: set, flipped: set):
+    """The bits of a frame are start, data, parity and stop. An unsure data bit makes the parity unsure, too."""
     places = ["start", *range(line.bits), *["parity"] * (line.parity != "none"), "stop"]
     unsure, flipped = unsure & set(places), flipped & {*places, "parity"}
     if not unsure:
@@ -268,11 +270,11 @@ def test_a_word_fits_a_frame_if_only_what_a_glitch_left_open_differs(line: Line,
     assert bool(found.ambiguous) == (flipped <= is_open)
 
 
-# On the SCI ---------------------------------------------------------------------------
+# Replays on the SCI ---------------------------------------------------------------------
 
 
 def glitched(sent: bytes, glitches: list[tuple[int, int]], pauses: tuple[int, ...] = ()) -> Capture:
-    """Frames at 2 MHz, each behind a pause of so many bits; each glitch is (place, length) in samples."""
+    """Return frames at 2 MHz, with these pauses in bits after them. Each glitch is (place, length) in samples."""
     at = Fraction(60)
     frames = []
     for number, value in enumerate(sent):
@@ -290,12 +292,12 @@ def replayed(capture: Capture, phase: Fraction = Fraction(0)) -> Report:
 
 
 def in_bit(bit: int) -> int:
-    """The place of a bit's middle, for `glitched`."""
+    """Return the place of a bit's middle, for `glitched`."""
     return 20 + int((bit + Fraction(1, 2)) * BIT)
 
 
 def test_a_byte_that_a_glitch_makes_ambiguous_is_neither_right_nor_wrong():
-    """As in a real capture: 4F was sent, a receiver that looks once reads 5F, one that votes 4F."""
+    """A real capture had this: 4F was sent; a receiver that samples once reads 5F, and one that votes reads 4F."""
     report = replayed(glitched(b"\x41\x4f\x42", [(in_bit(10 + 5), 1)]))
     assert report.verdict == "ambiguous" and report.divergences == []
     assert (report.events, report.agreed, report.ambiguous, report.bytes) == (3, 2, 1, 3)
@@ -308,7 +310,7 @@ def test_a_glitch_beside_the_middle_of_its_bit_is_judged():
     assert (report.verdict, report.agreed, report.ambiguous) == ("pass", 2, 0)
 
 
-def test_a_line_without_a_frame_proves_nothing():
+def test_a_line_without_a_frame_is_not_judged():
     report = replayed(glitched(b"", []))
     assert report.verdict == "not judged" and report.unjudged.startswith("there is no frame on the line")
 
@@ -321,5 +323,5 @@ def test_a_line_without_a_frame_proves_nothing():
 )
 @settings(max_examples=25, deadline=None)
 def test_a_correct_sci_never_fails_for_glitches_of_up_to_a_quarter_bit(sent, glitches, pauses, phase):
-    """At any phase of its sampling clock: BRR = 40, so that a sample is 41 LSPCLK cycles."""
+    """The phase of its sampling clock is arbitrary. With BRR = 40 a sample takes 41 LSPCLK cycles."""
     assert replayed(glitched(sent, glitches, pauses), Fraction(41 * phase, 37_500_000 * 400)).verdict != "fail"

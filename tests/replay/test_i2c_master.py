@@ -1,4 +1,4 @@
-"""The F28335 as master against captured targets: what it asks, what it is answered, where they part."""
+"""The F28335 as master against captured targets: its requests, their answers, and the first difference."""
 
 from __future__ import annotations
 
@@ -50,10 +50,10 @@ def test_a_captured_controller_is_imitated(trace, events, addresses):
         "S A0+ 00+ Sr A3+ 01+ 02- Sr A1+ 33- P",
     ],
 )
-def test_bytes_acks_and_repeated_starts_come_out_as_captured(wave):
+def test_bytes_acks_and_repeated_starts_are_as_captured(wave):
     report = replay(wave)
     assert (report.verdict, report.agreed) == ("pass", report.events)
-    assert unplanned(report.notes) == []
+    assert without_end_of_main(report.notes) == []
 
 
 @pytest.mark.parametrize(
@@ -69,16 +69,18 @@ def test_bytes_acks_and_repeated_starts_come_out_as_captured(wave):
         ("10_000", 65_535),
     ],
 )
-def test_i2cclkl_and_i2cclkh_are_the_captured_low_and_high_times_as_far_as_they_can_be(us, register):
-    """At 10 MHz the low or high time is the register and 5 cycles, rounded half to even; it holds 1 to 65,535."""
+def test_i2cclkl_and_i2cclkh_are_the_captured_low_and_high_times_within_their_range(us, register):
+    """At 10 MHz the low or high time is the register plus 5 cycles, rounded half to even; it holds 1 to 65,535."""
     assert _cycles(Fraction(us.replace("_", "")) / 1_000_000) == register
 
 
-def test_stretches_of_the_captured_target_are_played_with_their_length():
-    """100 us low before the second byte: the master's clock waits, so the rest comes as late as in the capture."""
+def test_stretches_of_the_captured_target_are_played_with_their_duration():
+    """SCL is low for 100 us before the second byte; the master waits, so the rest is as late as in the capture."""
     quick, slow = replay("S A0+ 00+ 11+ P"), replay("S A0+ 00+ ~400 11+ P")
     assert quick.verdict == slow.verdict == "pass"
-    assert slow.lag_worst_us == pytest.approx(quick.lag_worst_us, abs=6), "but for what the wait costs the module"
+    assert slow.lag_worst_us == pytest.approx(quick.lag_worst_us, abs=6), (
+        "except for the cost of the wait in the module"
+    )
     assert (quick.captured_stretch_us, slow.captured_stretch_us) == (0, 100)
 
 
@@ -109,8 +111,8 @@ period = "1 ms"
         ("[0x53, 0x68, 0x1E]", "expected address 68 write, found address 53 write"),
     ],
 )
-def test_a_firmware_without_a_script_asks_what_it_asks(tmp_path, order, outcome):
-    """The sensor head reads the three chips of the trace, in its order."""
+def test_firmware_without_a_script_makes_its_own_requests(tmp_path, order, outcome):
+    """The sensor head reads the three chips of the trace in the configured order."""
     case = tmp_path / "head.toml"
     case.write_text(HEAD)
     report = replay("imu_round.sr", f"unit.head.settings.order={order}", case=case)
@@ -119,12 +121,12 @@ def test_a_firmware_without_a_script_asks_what_it_asks(tmp_path, order, outcome)
     assert found == outcome
 
 
-def test_the_simulated_time_is_the_replay_s_wherever_the_case_begins():
+def test_the_simulated_time_does_not_depend_on_the_start_of_the_case():
     assert 0 < replay("S A0+ 00+ P").simulated_s == replay("S A0+ 00+ P", "start=10 s").simulated_s < 0.03
 
 
-def test_a_firmware_without_a_script_runs_as_long_as_the_capture(tmp_path):
-    """A transfer in 75 ms, and a head whose rounds come every 10 ms; it is looked at every 25 ms and more."""
+def test_firmware_without_a_script_runs_for_the_duration_of_the_capture(tmp_path):
+    """One transfer in 75 ms, and a head with rounds every 10 ms; the progress is reported every 25 ms or more."""
     case, progress = tmp_path / "head.toml", []
     case.write_text(HEAD.replace("1 ms", "10 ms"))
     wave = wave_of("S A0+ 00+ P")
@@ -135,16 +137,16 @@ def test_a_firmware_without_a_script_runs_as_long_as_the_capture(tmp_path):
     assert 0.075 < report.simulated_s < 0.1
 
 
-def unplanned(notes: list[str]) -> list[str]:
-    """But for the end of the script, which comes before that of some captures."""
+def without_end_of_main(notes: list[str]) -> list[str]:
+    """Return the notes except that on the end of the script, which is before the end of some captures."""
     return [note for note in notes if not note.startswith("dsp: main returned at ")]
 
 
-def test_what_is_left_out_is_told_and_nothing_left_is_refused():
+def test_omitted_transfers_are_noted_and_a_capture_without_others_is_refused():
     report = replay("S A0+ 00+ P S A1+ P")
     assert report.verdict == "pass" and report.events == 6
     assert (report.captured_events, report.transfers, report.captured_transfers) == (10, 1, 2)
-    (note,) = unplanned(report.notes)
+    (note,) = without_end_of_main(report.notes)
     assert note == (
         "omitted transfers, which this module cannot do as master: "
         "1 (a read of no byte, whose address was acknowledged)"
@@ -153,17 +155,17 @@ def test_what_is_left_out_is_told_and_nothing_left_is_refused():
         replay("S A0+ 00+")
 
 
-def test_the_events_that_agree_are_counted_behind_one_that_differs():
+def test_events_that_agree_are_counted_also_after_one_that_differs():
     report = replay("S A0+ 00+ P S A0+ 07+ 08+ P", "unit.dsp.settings.script=['50 W 01', '50 W 07 08']")
     assert report.verdict == "fail" and (report.events, report.agreed) == (14, 13)
 
 
-def test_a_script_that_was_filled_in_is_said():
+def test_a_script_that_was_filled_in_is_listed():
     assert "script" in replay("S A0+ 00+ P").filled
     assert "script" not in replay("S A0+ 00+ P", "unit.dsp.settings.script=['50 W 00']").filled
 
 
-def test_a_target_that_answers_otherwise_is_told_with_what_the_master_did():
+def test_a_wrong_byte_of_the_master_is_reported_with_its_write():
     report = replay("S A0+ 00+ P", "unit.dsp.settings.script=['50 W 01']")
     (byte,) = report.divergences
     assert (byte.expected, byte.found) == ("data write 00", "data write 01")
@@ -180,7 +182,7 @@ def main(dsp, settings: Settings):
 
 
 def endless_case(folder: Path, then: str) -> Path:
-    """A case whose firmware executes its script and then this statement."""
+    """Write a case whose firmware executes its script and then this statement."""
     return firmware_case(folder, "endless", SCRIPTED.format(then=then))
 
 
@@ -201,8 +203,8 @@ def endless_case(folder: Path, then: str) -> Path:
         ("while True: script(dsp, settings)", True, "ends there, with more than twice the edges that its script needs"),
     ],
 )
-def test_a_firmware_that_does_not_return_behind_its_script_fails(tmp_path, then, differs, ends):
-    """S 50W 00 P, as captured, and then it polls, computes, or does it all once more, for ever."""
+def test_firmware_that_does_not_return_after_its_script_fails(tmp_path, then, differs, ends):
+    """After S 50W 00 P, as captured, the firmware polls, computes, or repeats the script for ever."""
     report = replay("S A0+ 00+ P", case=endless_case(tmp_path, then), patience=Fraction(50, 1000))
     assert (report.verdict, report.agreed, report.events) == ("fail", 6, 6)
     assert ends in report.notes[0]
@@ -210,7 +212,7 @@ def test_a_firmware_that_does_not_return_behind_its_script_fails(tmp_path, then,
     assert found == [("nothing more", "START")] * differs
 
 
-ENDLESS = "while True: script(dsp, settings)"  # edges for ever
+ENDLESS_SCRIPT = "while True: script(dsp, settings)"  # endless edges
 SILENT = "dsp.spin(lambda: False)"
 
 
@@ -219,15 +221,15 @@ def endless(folder: Path, then: str, **options) -> I2cMasterReplay:
     return I2cMasterReplay(load(endless_case(folder, then)), capture, "SCL", "SDA", **options)
 
 
-def test_firmware_is_waited_for_up_to_the_longest_silence_and_the_most_edges(tmp_path):
-    """Each bound as far as the replay came, and one less."""
+def test_a_replay_ends_after_the_longest_silence_or_the_maximum_of_edges(tmp_path):
+    """Each limit is set to the value that the replay reached, and to one less."""
     silent = endless(tmp_path, SILENT, patience=Fraction(50, 1000))
     silent.run()
     silent._silence = silent.kernel.now - silent.log.last_edge
     assert silent._endless() == ""
     silent._silence -= 1
     assert "without an edge" in silent._endless()
-    busy = endless(tmp_path, ENDLESS)
+    busy = endless(tmp_path, ENDLESS_SCRIPT)
     busy.run()
     busy._most_edges = busy.log.edge_count
     assert busy._endless() == ""
@@ -240,11 +242,11 @@ def test_the_report_has_the_tolerance(tolerance: Fraction | None):
     assert replay("S A0+ 00+ P", tolerance=tolerance).tolerance_us == (3 if tolerance else 0)
 
 
-def test_a_script_s_longest_pause_is_waited_for():
-    """S 50W 00 P, 60 ms of silence, S 50W 01 P, and again, S 50W 02 P: all come, whatever the patience."""
+def test_the_longest_pause_of_a_script_is_waited_for():
+    """Three transfers, 50W 00, 50W 01 and 50W 02, with 60 ms of silence between them, whatever the patience."""
     waves = [wave_of(f"S A0+ {byte:02X}+ P") for byte in range(3)]
     for wave in waves[:2]:
         wave.idle(240_000)
     capture = of_bytes(b"".join(bytes(wave.samples) for wave in waves), ("SCL", "SDA"), 4_000_000)
     report = replay(capture, patience=Fraction(1, 1000))
-    assert (report.verdict, report.agreed, unplanned(report.notes)) == ("pass", 18, [])
+    assert (report.verdict, report.agreed, without_end_of_main(report.notes)) == ("pass", 18, [])

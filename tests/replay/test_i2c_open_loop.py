@@ -1,4 +1,4 @@
-"""Open loop: the capture waits for nobody. What the chip would have driven, and by how much it was late or early."""
+"""Open loop: the capture does not wait. What the chip would have driven, and by how much it was late or early."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def kinds(report: Report) -> list[str]:
 
 @pytest.mark.parametrize("style", ["polled", "interrupt"])
 @pytest.mark.parametrize("fifo", ["false", "true"])
-def test_a_firmware_that_is_in_time_would_have_driven_what_the_capture_shows(style, fifo):
+def test_firmware_that_is_in_time_would_have_driven_what_the_capture_shows(style, fifo):
     settings = (f"unit.dsp.settings.style={style}", f"unit.dsp.settings.fifo={fifo}")
     report = replay("imu_round.sr", *settings)
     assert (report.verdict, report.loop, report.divergences) == ("pass", "open", [])
@@ -53,7 +53,7 @@ def test_a_firmware_of_several_addresses_and_refusals_at_the_start():
     assert replay("nack.sr").verdict == "pass"
 
 
-def test_a_wrong_byte_has_both_values_and_the_access_that_put_it_there():
+def test_a_wrong_byte_is_reported_with_both_values_and_the_write():
     report = replay("nack.sr", "unit.dsp.settings.replies=['e4']")
     (byte,) = report.divergences
     assert (byte.kind, byte.expected, byte.found, byte.index) == ("byte", "data read E5", "data read E4", 16)
@@ -77,8 +77,8 @@ def test_a_chip_that_holds_sda_low_clears_every_bit_of_the_address_and_the_direc
     assert {words for words in found if words.startswith("address")} == {"address 00 write"}
 
 
-def test_a_given_address_stays_in_reach_where_the_captured_target_refused_it():
-    """Without it the firmware is put out of reach for as long, and agrees by that."""
+def test_firmware_with_a_given_address_answers_where_the_captured_target_refused():
+    """Without --address the firmware is set to be asleep for as long, and so agrees."""
     assert replay("nack.sr").verdict == "pass"
     report = replay("nack.sr", "unit.dsp.settings.address=0x50", addresses=[0x53])
     (ack,) = report.divergences
@@ -89,11 +89,13 @@ def test_a_given_address_stays_in_reach_where_the_captured_target_refused_it():
 # Late and early ---------------------------------------------------------------------
 
 
-def test_an_answer_that_is_not_ready_when_scl_rises_is_late_by_as_much(tmp_path):
+def test_an_answer_that_is_not_ready_when_scl_rises_is_late(tmp_path):
     closed = I2cReplay(load(slow_case(tmp_path), ["unit.dsp.settings.wait=100"]), one_read(), "SCL", "SDA").run()
     report = replay(one_read(), "unit.dsp.settings.wait=100", case=slow_case(tmp_path))
     assert report.verdict == "fail" and kinds(report) == ["byte", "timing"]
-    assert report.late_worst_us == pytest.approx(closed.stretch_worst_us, abs=0.1), "what it would have stretched"
+    assert report.late_worst_us == pytest.approx(closed.stretch_worst_us, abs=0.1), (
+        "the stretch that it would have made"
+    )
     assert report.late_worst_us > 80
     late = report.divergences[1]
     assert late.expected == "SCL rises for byte 1 bit 0" and late.capture_s == pytest.approx(200e-6)
@@ -102,15 +104,15 @@ def test_an_answer_that_is_not_ready_when_scl_rises_is_late_by_as_much(tmp_path)
     assert "capture lacks: 1; the longest 85." in note
 
 
-def test_a_lateness_within_the_tolerance_is_none(tmp_path):
-    """The firmware lets SCL go a fraction of a microsecond past the capture's rise, and its byte is right anyway."""
+def test_a_lateness_within_the_tolerance_passes(tmp_path):
+    """The firmware releases SCL less than a microsecond after the captured rise, and its byte is right."""
     case = slow_case(tmp_path)
     within = replay(one_read(), "unit.dsp.settings.wait=15", case=case, tolerance=Fraction(1, 10**6))
     assert within.verdict == "pass" and 0 < within.late_worst_us < 1
     assert kinds(replay(one_read(), "unit.dsp.settings.wait=15", case=case, tolerance=Fraction(0))) == ["timing"]
 
 
-def test_a_stretch_that_the_chip_does_not_need_is_told_and_is_no_failure(tmp_path):
+def test_a_stretch_that_the_chip_does_not_need_is_noted_and_passes(tmp_path):
     report = replay(one_read(stretched=400), "unit.dsp.settings.wait=60", case=slow_case(tmp_path))
     assert report.verdict == "pass" and report.late_worst_us == 0
     assert 45 < report.stretch_worst_us < 55 and report.captured_stretch_us == 100
@@ -123,13 +125,15 @@ def test_a_chip_that_is_not_addressed_is_neither_late_nor_early(tmp_path):
     assert (report.late_worst_us, report.stretch_worst_us, report.stretch_total_us) == (0, 0, 0)
 
 
-def test_of_several_late_or_spare_pauses_the_longest_is_named(tmp_path):
-    """The firmware thinks for 60 us; the captured target stretched for none, 100, 75, 50, 12.5 and 25 us."""
+def test_the_longest_of_several_missing_or_unneeded_stretches_is_named(tmp_path):
+    """The firmware computes for 60 us; the captured target stretched for 0, 100, 75, 50, 12.5 and 25 us."""
     capture = reads(*[(0x50, 0xA7, stretched) for stretched in (0, 400, 300, 200, 50, 100)])
     report = replay(capture, "unit.dsp.settings.wait=60", case=slow_case(tmp_path))
-    spare, late = report.notes[-2:]
-    assert spare.startswith("long low phases of SCL that the chip would have ended earlier: 3 of 5; that at 0.000600 s")
-    assert "lasts 105.000 us, and the chip needs 50.3" in spare
+    unneeded, late = report.notes[-2:]
+    assert unneeded.startswith(
+        "long low phases of SCL that the chip would have ended earlier: 3 of 5; that at 0.000600 s"
+    )
+    assert "lasts 105.000 us, and the chip needs 50.3" in unneeded
     assert late.startswith("stretches that the chip would have made and the capture lacks: 3; the longest 45.3")
     assert late.endswith(" us past SCL's rise at 0.000200 s")
     assert report.late_worst_us == pytest.approx(45.36, abs=0.05)
@@ -138,8 +142,8 @@ def test_of_several_late_or_spare_pauses_the_longest_is_named(tmp_path):
 
 
 @given(wait=st.integers(0, 300), byte=st.integers(0, 255))
-def test_what_a_closed_loop_made_is_what_an_open_loop_would_make(tmp_path_factory, wait: int, byte: int):
-    """Its wires hold the chip's own stretch, so that the chip is never late on them, and lets SCL go as it rises."""
+def test_the_wires_of_a_closed_loop_pass_in_an_open_loop(tmp_path_factory, wait: int, byte: int):
+    """Its wires include the chip's own stretch, so the chip is never late, and releases SCL as it rises."""
     case = slow_case(tmp_path_factory.mktemp("slow"))
     changes = [f"unit.dsp.settings.wait={wait}", f"unit.dsp.settings.byte={byte}"]
     closed = I2cReplay(load(case, changes), one_read(byte=byte), "SCL", "SDA")
@@ -153,16 +157,16 @@ def test_what_a_closed_loop_made_is_what_an_open_loop_would_make(tmp_path_factor
     assert report.stretch_worst_us == pytest.approx(needed, abs=1e-3) and report.stretch_worst_us >= 0
 
 
-# Edges as they are ------------------------------------------------------------------
+# Edges as captured --------------------------------------------------------------------
 
 
-def test_a_capture_that_begins_with_sda_low_is_no_start_to_the_chip():
+def test_a_capture_that_begins_with_sda_low_gives_the_chip_no_start():
     wave = I2cWave(20, 4)
     wave.samples += bytes([0b01]) * 400  # SCL high, SDA low; then a STOP
     assert replay(wave.play(".400 S A1+ 42- P .400").capture(4_000_000)).verdict == "pass"
 
 
-def test_edges_of_both_lines_in_one_sample_are_no_condition():
+def test_edges_of_both_lines_in_one_sample_are_no_start_or_stop():
     wave = I2cWave(20, 0, idle=400)  # SDA changes with SCL's fall
     report = replay(wave.play("S A1+ 42- P .400").capture(4_000_000))
     assert report.verdict == "pass" and any("edge of both lines" in note for note in report.notes)
@@ -177,28 +181,28 @@ def line(*edges: int, initial: int = 1) -> Channel:
     [
         (Fraction(1, 2), 21, [(10, 0), (20, 1)], [(5, 0), (Fraction(21, 2), 1), (Fraction(39, 2), 0), (21, 1)]),
         (Fraction(1, 2), 20, [(10, 0), (20, 1)], [(5, 0), (Fraction(21, 2), 1), (Fraction(39, 2), 0)]),
-        (Fraction(1, 2), 10, [(10, 0)], [(5, 0)]),  # half a sample behind SCL's fall is beyond the end
+        (Fraction(1, 2), 10, [(10, 0)], [(5, 0)]),  # half a sample after SCL's fall is after the end
         (2, 18, [(10, 0)], [(5, 0), (12, 1), (18, 0)]),  # and two positions before its rise are not
         (2, 17, [(10, 0)], [(5, 0), (12, 1)]),
     ],
 )
-def test_edges_of_both_lines_in_one_sample_are_put_into_the_low_phase(half, end, scl, sda):
+def test_edges_of_both_lines_in_one_sample_are_moved_into_the_low_phase(half, end, scl, sda):
     """SCL falls at 10 and rises at 20, SDA falls at 5, rises at 10, falls at 20, and rises at 21."""
     assert _edges(line(10, 20), line(5, 10, 20, 21), half, end) == (scl, sda)
 
 
 def simultaneous() -> Capture:
-    """A read at 100 kHz, seen at 4 MHz, whose SDA always changes in the sample in which SCL falls."""
+    """Return a read at 100 kHz, sampled at 4 MHz, in which SDA always changes in the sample in which SCL falls."""
     wave = I2cWave(20, 0)
-    wave.idle(401)  # an edge beside the others, and
-    wave.samples[7] ^= 2  # one of a spike: all are 250 ns apart, and not 5 us
+    wave.idle(401)  # an edge off the raster of the others, and
+    wave.samples[7] ^= 2  # a spike: edges are multiples of 250 ns apart, not of 5 us
     return wave.play("S A1+ 42- P .400").capture(4_000_000)
 
 
 @pytest.mark.parametrize("suffix", [".sr", ".vcd", ".csv"])
 @pytest.mark.parametrize("stated", [None, Fraction(4_000_000)], ids=["inferred", "stated"])
 def test_one_verdict_whether_the_rate_is_stated_or_inferred_from_time_stamps(tmp_path: Path, suffix: str, stated):
-    """Half a sample is 125 ns in each of them, not half a tick of the file's time scale."""
+    """Half a sample is 125 ns in each of the formats, not half a tick of the file's time scale."""
     formats.write(simultaneous(), tmp_path / f"read{suffix}")
     capture = formats.read(tmp_path / f"read{suffix}", stated)
     assert capture.sampled == (suffix == ".sr" or stated is not None)
@@ -211,8 +215,8 @@ def test_one_verdict_whether_the_rate_is_stated_or_inferred_from_time_stamps(tmp
     assert len(inferred) == (not capture.sampled)
 
 
-def test_the_bus_s_own_raster_is_no_sampling_grid(tmp_path: Path):
-    """Ideal edges, all of them 5 us apart: they are told by the tick, so that a late answer is still late."""
+def test_equal_distances_of_ideal_edges_are_not_taken_for_a_sample_rate(tmp_path: Path):
+    """All ideal edges are multiples of 5 us apart. They are replayed to the tick, so a late answer is still late."""
     wave = I2cWave(20, 0, idle=400).play("S A1+ 42- P .400")
     formats.write(wave.capture(4_000_000), tmp_path / "ideal.vcd")
     report = replay(formats.read(tmp_path / "ideal.vcd"))
@@ -221,7 +225,7 @@ def test_the_bus_s_own_raster_is_no_sampling_grid(tmp_path: Path):
 
 @pytest.mark.parametrize("first", [1, 2])
 def test_only_the_first_transfers_are_played(first: int):
-    """Up to a tenth of a millisecond behind the last STOP; the firmware starts a millisecond before."""
+    """The replay goes to 0.1 ms after the last STOP, and the firmware starts 1 ms before the capture."""
     capture = formats.read(FOLDER / "imu_round.sr")
     stop = i2c.transfers(capture)[first - 1].stop
     report = replay(capture, first=first)
@@ -230,14 +234,14 @@ def test_only_the_first_transfers_are_played(first: int):
     assert report.simulated_s == pytest.approx(0.0011 + stop.at / float(capture.rate), abs=1e-8)
 
 
-def test_however_many_low_phases_there_are_the_capture_is_looked_through_a_few_times(monkeypatch: pytest.MonkeyPatch):
-    looked: list[Played] = []
+def test_the_number_of_passes_over_the_capture_is_constant(monkeypatch: pytest.MonkeyPatch):
+    reads_of_bits: list[Played] = []
     bits = Played.bits
-    monkeypatch.setattr(Played, "bits", lambda part: looked.append(part) or bits(part))
+    monkeypatch.setattr(Played, "bits", lambda part: reads_of_bits.append(part) or bits(part))
     assert replay("imu_round.sr").events == 63
-    assert len(looked) <= 3
+    assert len(reads_of_bits) <= 3
 
 
-def test_the_same_twice_is_the_same():
+def test_two_equal_replays_have_equal_results():
     first, second = (replay("nack.sr", "unit.dsp.settings.replies=['e4']") for _ in range(2))
     assert first.divergences == second.divergences and first.kernel_events == second.kernel_events

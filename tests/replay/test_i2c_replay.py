@@ -1,4 +1,4 @@
-"""Traces against firmware on the chip's model: what agrees, what is told where they part, what stretching does."""
+"""Captures replayed against firmware on the chip's model: agreement, differences, stretches, and refusals."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def replay(capture: Capture | str, *changes: str, case: Path = RESPONDER, **opti
 
 
 def ask(wave: I2cWave, address: int, data: bytes, stretched: int = 0) -> None:
-    """A read of `data`; SCL stays low for `stretched` more samples before the first byte."""
+    """Add a read of `data` in which SCL stays low for `stretched` more samples before the first byte."""
     *others, last = (f"{byte:02X}" for byte in data)
     wave.play(f"S {address << 1 | 1:02X}+ ~{stretched} {''.join(f'{byte}+ ' for byte in others)}{last}- P")
 
@@ -50,7 +50,7 @@ def new_wave(half: int = 20) -> I2cWave:
 
 
 def traffic(words: str) -> Capture:
-    """At 100 kHz; see `I2cWave.play`."""
+    """Return a capture at 100 kHz; see `I2cWave.play`."""
     return captured(new_wave().play(words))
 
 
@@ -60,7 +60,7 @@ def traffic(words: str) -> Capture:
 @pytest.mark.parametrize("style", ["polled", "interrupt"])
 @pytest.mark.parametrize("fifo", ["false", "true"])
 @pytest.mark.parametrize("address", [0x68, 0x53, 0x1E])
-def test_the_responder_answers_for_any_device_of_a_round(address, style, fifo):
+def test_the_responder_replaces_any_device_of_a_round(address, style, fifo):
     settings = (f"unit.dsp.settings.style={style}", f"unit.dsp.settings.fifo={fifo}")
     report = replay("imu_round.sr", *settings, addresses=[address])
     assert report.verdict == "pass" and report.first_divergence is None
@@ -68,7 +68,7 @@ def test_the_responder_answers_for_any_device_of_a_round(address, style, fifo):
     assert report.addresses == [f"{address:02X}"]
     others = ", ".join(f"{other:02X}" for other in sorted({0x68, 0x53, 0x1E} - {address}))
     assert report.notes == [f"an agent answers for {others}, as captured"]
-    assert report.stretch_total_us == report.lag_worst_us == 0, "at 100 kHz this firmware need not stretch"
+    assert report.stretch_total_us == report.lag_worst_us == 0, "at 100 kHz this firmware does not need to stretch"
 
 
 def i2c_replay() -> I2cReplay:
@@ -81,7 +81,7 @@ def uart_replay() -> UartReplay:
 
 
 @pytest.mark.parametrize("made", [i2c_replay, uart_replay])
-def test_a_replay_and_its_scene_are_let_go(made):
+def test_a_replay_and_its_scene_are_freed(made):
     held = made()
     held.run()
     replay_gone, scene_gone = ref(held), ref(held.scene)
@@ -93,13 +93,13 @@ def test_a_replay_and_its_scene_are_let_go(made):
 SERVED = [f"unit.dsp.settings.table.{address:#x}='{bytes(values).hex()}'" for address, _, values in ROUND]
 
 
-def test_a_firmware_that_answers_several_addresses_is_left_all_of_them():
+def test_firmware_that_answers_several_addresses_answers_all_of_them():
     report = replay("imu_round.sr", *SERVED, case=CASES / "imu_hil_published.toml")
     assert report.verdict == "pass" and report.agreed == 63
     assert report.addresses == ["1E", "53", "68"] and report.notes == []
 
 
-def test_without_its_wait_for_sdir_that_firmware_sends_a_byte_too_early():
+def test_without_the_wait_for_sdir_that_firmware_sends_a_byte_too_early():
     report = replay("imu_round.sr", *SERVED, "unit.dsp.settings.sdir_wait=false", case=CASES / "imu_hil_published.toml")
     first = report.first_divergence
     assert report.verdict == "fail" and first is not None
@@ -108,20 +108,20 @@ def test_without_its_wait_for_sdir_that_firmware_sends_a_byte_too_early():
 
 
 @pytest.mark.parametrize("style", ["polled", "interrupt"])
-def test_refusals_before_the_first_answer_find_the_firmware_out_of_reach(style):
+def test_refusals_before_the_first_answer_are_imitated_by_the_firmware(style):
     report = replay("nack.sr", f"unit.dsp.settings.style={style}")
     assert report.verdict == "pass" and report.nacks == 3 and report.addresses == ["53"]
 
 
 @pytest.mark.parametrize("style", ["polled", "interrupt"])
-def test_refusals_after_a_write_find_the_firmware_busy(style):
+def test_refusals_after_a_write_are_imitated_by_busy_firmware(style):
     capture = traffic("S A0+ A5+ P .200 S A0- P .200 S A0- P .200 S A0+ A5+ P .200 S A1+ 12- P")
     report = replay(capture, f"unit.dsp.settings.style={style}")
     assert report.verdict == "pass" and report.nacks == 3
 
 
-def test_refusals_that_no_setting_can_imitate_are_told():
-    """Behind a read, or behind a write that a repeated START ended, nothing says how long the target was busy."""
+def test_refusals_that_no_setting_can_imitate_are_noted():
+    """After a read, or a write ended by a repeated START, it is unknown how long the target was busy."""
     report = replay(traffic("S A1+ 12- P .200 S A0- P .200 S A0- P .200 S A0+ P"))
     assert report.notes == [
         "NACKs of 50 that the firmware cannot be set to repeat, because they follow neither a write with a STOP nor "
@@ -137,7 +137,7 @@ def test_an_address_that_the_case_sets_is_the_firmwares():
 # Divergence -----------------------------------------------------------------------
 
 
-def test_settings_that_the_case_gives_are_kept_and_a_wrong_byte_is_told_with_its_time():
+def test_settings_of_the_case_are_kept_and_a_wrong_byte_is_reported_with_its_time():
     report = replay("nack.sr", "unit.dsp.settings.replies=['e4']")
     first = report.first_divergence
     assert report.verdict == "fail" and first is not None
@@ -146,7 +146,7 @@ def test_settings_that_the_case_gives_are_kept_and_a_wrong_byte_is_told_with_its
     assert first.capture_s == first.replay_s
 
 
-def test_an_address_that_the_capture_does_not_ask_proves_nothing():
+def test_an_address_that_is_not_in_the_capture_is_not_judged():
     report = replay("nack.sr", "unit.dsp.settings.address=0x50")
     assert report.verdict == "not judged" and report.addresses == ["50"]
     assert report.unjudged == "nothing was required of the firmware: 50 is not acknowledged in the capture"
@@ -154,36 +154,36 @@ def test_an_address_that_the_capture_does_not_ask_proves_nothing():
 
 
 def refused(times: int) -> Capture:
-    """A controller that asks for 0x50 again and again, and nobody is there."""
+    """Return a capture of a controller that repeatedly addresses 0x50, which is not acknowledged."""
     return traffic(times * "S A0- P .100 ")
 
 
-def test_a_capture_of_refusals_only_proves_nothing():
+def test_a_capture_of_refusals_only_is_not_judged():
     report = replay(refused(20))
     assert report.verdict == "not judged" and (report.agreed, report.nacks) == (80, 20)
     assert report.unjudged == "nothing was required of the firmware: 50 is not acknowledged in the capture"
     assert report.notes == ["50 is not acknowledged in the capture: the firmware does not answer"]
 
 
-DEAF = """
+IDLE = """
 def main(dsp, settings):
     dsp.spin(lambda: False)
 """
 
 
 @pytest.fixture
-def deaf(tmp_path: Path) -> Path:
-    """A case whose firmware never switches its I2C on."""
-    return firmware_case(tmp_path, "deaf", DEAF)
+def idle(tmp_path: Path) -> Path:
+    """A case whose firmware never enables its I2C module."""
+    return firmware_case(tmp_path, "deaf", IDLE)
 
 
 @pytest.mark.parametrize("addresses", [[], [0x50]])
-def test_with_no_firmware_on_the_bus_refusals_prove_nothing(deaf, addresses):
-    assert replay(refused(3), case=deaf, addresses=addresses).verdict == "not judged"
-    assert replay("nack.sr", case=deaf).verdict == "fail", "there an answer is missing"
+def test_without_firmware_on_the_bus_refusals_are_not_judged(idle, addresses):
+    assert replay(refused(3), case=idle, addresses=addresses).verdict == "not judged"
+    assert replay("nack.sr", case=idle).verdict == "fail", "an answer is missing here"
 
 
-def test_a_given_address_stays_in_reach_so_that_a_wrong_acknowledge_shows():
+def test_firmware_with_a_given_address_answers_so_that_a_wrong_acknowledge_shows():
     report = replay(refused(2), addresses=[0x50])
     (ack,) = [divergence for divergence in report.divergences if divergence.kind == "ACK"]
     assert report.verdict == "fail" and (ack.index, ack.expected, ack.found) == (2, "NACK", "ACK")
@@ -219,7 +219,7 @@ def homonyms(folder: Path, declared: str) -> Path:
     return firmware_case(folder, "homonyms", HOMONYMS.format(declared=declared))
 
 
-def test_settings_that_the_firmware_does_not_declare_are_left_alone_and_named(tmp_path):
+def test_settings_that_the_firmware_does_not_declare_are_not_set_and_are_named(tmp_path):
     report = replay(one_read(), case=homonyms(tmp_path, "()"))
     assert report.filled == [] and report.addresses == ["50"]
     (note,) = [note for note in report.notes if "REPLAY" in note]
@@ -229,21 +229,21 @@ def test_settings_that_the_firmware_does_not_declare_are_left_alone_and_named(tm
 
 
 @pytest.mark.parametrize(
-    ("declared", "said"),
+    ("declared", "note_text"),
     [
         ('("adress",)', "REPLAY names 'adress', which is no setting; did you mean address?"),
         ("7", "REPLAY is 7; expected a tuple"),
     ],
 )
-def test_a_declaration_that_names_no_setting_is_refused(tmp_path, declared: str, said: str):
-    with pytest.raises(BadCase, match=re.escape(said)):
+def test_an_invalid_declaration_of_settings_is_refused(tmp_path, declared: str, note_text: str):
+    with pytest.raises(BadCase, match=re.escape(note_text)):
         replay(one_read(), case=homonyms(tmp_path, declared))
 
 
-# What it proves ---------------------------------------------------------------------
+# Settings from the capture -------------------------------------------------------------
 
 
-def test_what_was_filled_in_from_the_capture_is_said():
+def test_settings_filled_in_from_the_capture_are_listed():
     assert replay("imu_round.sr").filled == ["replies"]
     assert replay("nack.sr").filled == ["replies", "asleep"]
     assert replay("nack.sr", "unit.dsp.settings.replies=['e5']").filled == ["asleep"]
@@ -258,10 +258,10 @@ def slow(tmp_path: Path) -> Path:
     return slow_case(tmp_path)
 
 
-def test_a_slow_firmware_stretches_and_the_rest_comes_later_by_as_much(slow):
+def test_slow_firmware_stretches_and_later_events_are_late_by_the_same_time(slow):
     report = replay(one_read(), "unit.dsp.settings.wait=100", case=slow)
     assert report.verdict == "pass" and report.first_divergence is None
-    # AAS comes at the eighth falling SCL; ACK and the first bit's low phase would have taken 15 us.
+    # AAS is set at the eighth falling SCL; ACK and the first bit's low phase would have taken 15 us.
     assert 84 < report.stretch_worst_us < 86
     assert report.stretch_total_us == pytest.approx(report.lag_worst_us, abs=0.001) == report.stretch_worst_us
 
@@ -272,20 +272,20 @@ def test_a_capture_with_a_stretch_gives_the_firmware_that_time(slow):
     assert report.verdict == "pass" and report.stretch_total_us == 0
 
 
-def test_a_controller_that_lets_scl_go_early_leaves_the_stretch_to_the_firmware(slow):
+def test_with_longest_low_the_stretch_is_that_of_the_firmware(slow):
     report = replay(one_read(stretched=400), "unit.dsp.settings.wait=100", case=slow, longest_low=5 * US)
     assert report.verdict == "pass"
     assert 84 < report.stretch_worst_us < 86
     assert 14 < report.lag_worst_us < 16, "the end comes earlier than captured"
 
 
-def test_a_slave_that_stretches_as_long_as_a_sensor_measures_is_replayed(slow):
+def test_a_stretch_of_65_ms_is_replayed(slow):
     report = replay(one_read(), "unit.dsp.settings.wait=65000", case=slow)
     assert report.verdict == "pass" and report.agreed == report.events
     assert 64_900 < report.stretch_worst_us == report.stretch_total_us < 65_000
 
 
-def test_a_firmware_that_never_answers_ends_the_replay(slow):
+def test_firmware_that_never_answers_ends_the_replay(slow):
     report = replay(one_read(), "unit.dsp.settings.wait=300000", case=slow)
     assert report.verdict == "fail" and report.agreed == 3
     assert report.first_divergence is not None and report.first_divergence.found == "nothing more"
@@ -297,13 +297,13 @@ def test_a_firmware_that_never_answers_ends_the_replay(slow):
     assert report.stretch_worst_us == report.stretch_total_us == 200_000, "the stretch that does not end counts"
 
 
-def test_patience_sets_how_long_a_stretch_may_be(slow):
+def test_patience_limits_the_stretch(slow):
     for patience, verdict in ((Fraction(10, 1000), "fail"), (Fraction(40, 1000), "pass")):
         report = replay(one_read(), "unit.dsp.settings.wait=30000", case=slow, patience=patience)
         assert report.verdict == verdict
 
 
-# What the capture does not show -----------------------------------------------------
+# Limits of the capture -----------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -315,18 +315,20 @@ def test_patience_sets_how_long_a_stretch_may_be(slow):
         (0, ""),
     ],
 )
-def test_a_capture_that_is_cut_in_its_last_transfer_says_so(slow, bits: int, note: str):
-    """A write that ends with the capture, or with its STOP."""
+def test_a_capture_that_ends_within_a_transfer_is_noted(slow, bits: int, note: str):
+    """The capture ends within a write, or with its STOP."""
     end = f"{'101001110'[:bits]}:" if bits else "P .40"
     report = replay(new_wave().play(f"S A0+ {end}").capture(4_000_000), case=slow)
-    said = f"the capture ends {note}: the rest of its last transfer is not compared"
-    assert (said in report.notes) == bool(note) and any("the capture ends" in one for one in report.notes) == bool(note)
+    note_text = f"the capture ends {note}: the rest of its last transfer is not compared"
+    assert (note_text in report.notes) == bool(note) and any("the capture ends" in one for one in report.notes) == bool(
+        note
+    )
 
 
-# Refused ----------------------------------------------------------------------------
+# Captures that are refused --------------------------------------------------------------
 
 
-def test_what_cannot_be_replayed_is_refused_in_one_sentence():
+def test_captures_that_cannot_be_replayed_are_refused_in_one_sentence():
     with pytest.raises(BadReplay, match="firmware responder answers one address; 2 are given"):
         replay("imu_round.sr", addresses=[0x53, 0x68])
     with pytest.raises(InputError, match="a replay needs a time base and the file states no rate"):

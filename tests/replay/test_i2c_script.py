@@ -1,4 +1,4 @@
-"""A capture taken apart: the controller's edges, the targets' answers, and that both together are the capture again."""
+"""The two halves of a capture, the controller's edges and the targets' answers, which together give the capture."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def traffic(words: str) -> Capture:
 
 
 def edges_of(capture: Capture, hold: Fraction = Fraction(1)) -> list[tuple[float, str]]:
-    """The controller's edges of the first transfer: position and "scl 0"."""
+    """Return the controller's edges of the first transfer, as position and "scl 0"."""
     (transfer, *_) = i2c.transfers(capture)
     return [(float(e.at), f"{'scl' if e.clock else 'sda'} {e.level}") for e in controllers_half(transfer, hold)]
 
@@ -48,11 +48,11 @@ READ_OF_ONES = """
 """
 
 
-def test_the_controller_keeps_every_edge_of_scl_and_lets_go_of_sda_where_the_target_speaks():
+def test_the_controllers_half_has_every_edge_of_scl_and_releases_sda_for_the_target():
     edges = edges_of(drawn(READ_OF_ONES))
     clock = [(at, what) for at, what in edges if what.startswith("scl")]
     assert clock[:4] == [(4, "scl 0"), (6, "scl 1"), (8, "scl 0"), (10, "scl 1")] and len(clock) == 2 * 19
-    # START; all ones; the target's ACK is not ours; our own ACK after the byte, where SDA fell; let go; STOP
+    # START; all ones; no ACK of the target; the controller's ACK after the byte, where SDA fell; release; STOP
     assert [(at, what) for at, what in edges if what.startswith("sda")] == [
         (3, "sda 0"),
         (5, "sda 1"),
@@ -61,7 +61,7 @@ def test_the_controller_keeps_every_edge_of_scl_and_lets_go_of_sda_where_the_tar
     ]
 
 
-def test_an_sda_edge_in_the_sample_of_an_scl_edge_is_put_half_a_sample_inside_the_low_phase():
+def test_an_sda_edge_in_the_sample_of_an_scl_edge_is_moved_half_a_sample_into_the_low_phase():
     with_fall = drawn(
         """
         SCL ---- __-- __-- __-- __-- __-- __-- __-- __-- __-- __--
@@ -92,13 +92,13 @@ def test_an_sda_edge_in_the_sample_of_an_scl_edge_is_put_half_a_sample_inside_th
     ]
 
 
-def test_edges_become_moves_whose_rounding_does_not_add_up():
+def test_rounding_of_moves_does_not_accumulate():
     edges = [Edge(Fraction(n), SCL, n & 1) for n in range(100, 108)]
     assert [move.after for move in moves(edges, Fraction(10, 3))] == [0, 3, 4, 3, 3, 4, 3, 3]
     assert moves(edges[:2], Fraction(4)) == [Move(0, SCL, 0), Move(4, SCL, 1)]
 
 
-def test_a_controller_in_a_hurry_lets_scl_go_early_and_has_sda_ready_before():
+def test_a_hurried_controller_releases_scl_early_and_sets_sda_before():
     edges = [
         Edge(Fraction(0), SDA, 0),
         Edge(Fraction(4), SCL, 0),
@@ -113,8 +113,8 @@ def test_a_controller_in_a_hurry_lets_scl_go_early_and_has_sda_ready_before():
     assert hurried(edges, Fraction(96)) == edges
 
 
-def test_low_phases_that_are_longer_by_a_sample_stay_so_that_nothing_adds_up():
-    """SCL low for 20 or 21 samples by turns, as sampling makes it, and once for 30."""
+def test_low_phases_that_are_longer_by_one_sample_are_kept():
+    """SCL is low for 20 or 21 samples alternately, as sampling causes it, and once for 30."""
     lows = [20, 21, 21, 30, 21]
     edges, at = [Edge(Fraction(0), SCL, 0)], 0
     for low in lows:
@@ -127,7 +127,7 @@ def test_low_phases_that_are_longer_by_a_sample_stay_so_that_nothing_adds_up():
     ] * 4
 
 
-def test_the_targets_half_is_a_turn_for_each_address():
+def test_the_targets_half_has_a_turn_for_each_address():
     found = i2c.transfers(traffic("S A6+ 32+ Sr A7+ FB+ FF- P .10 S D0- P"))
     written, read, refused = turns(found)
     assert written == Turn(0x53, False, Answer(True, acks=(True,)), 10, 10 + 4 + 8 * 8 + 4, None)
@@ -136,28 +136,28 @@ def test_the_targets_half_is_a_turn_for_each_address():
     assert refused.answer == Answer(False)
     assert [read.stop, refused.stop] == stops
     assert most_frequent([written, read, refused]) == 0x53
-    assert most_frequent([refused, written]) == 0x53, "an answer counts more than a question"
+    assert most_frequent([refused, written]) == 0x53, "an acknowledged address counts more than a refused one"
     assert most_frequent([]) is None
 
 
-def test_a_byte_the_capture_cut_off_is_answered_with_its_first_bits_and_ones():
+def test_an_incomplete_byte_is_answered_with_its_first_bits_and_ones():
     (turn,) = turns(i2c.transfers(traffic("S A7+ 010:")))
     assert turn.answer.data == bytes([0b01011111]) and turn.stop is None
 
 
-def test_the_usual_hold_is_the_controllers_median_and_half_a_position_where_it_never_moved():
+def test_the_usual_hold_is_the_median_of_the_controller_or_half_a_position():
     wave = I2cWave(20, 7, idle=10).play("S A6+ 32+ Sr A7+ FB- P")
     assert usual_hold(i2c.transfers(wave.capture())) == 7
     assert usual_hold([]) == Fraction(1, 2)
     wave = I2cWave(20, 7, idle=10).play("S A7+")
     wave.hold = 11
-    assert usual_hold(i2c.transfers(wave.play("55+ 55+ 55+").capture())) == 7, "what targets send has another hold"
+    assert usual_hold(i2c.transfers(wave.play("55+ 55+ 55+").capture())) == 7, "the hold of targets is ignored"
 
 
 # Both halves ----------------------------------------------------------------------
 
 
-def again(capture: Capture, transfers: list[Transfer] | None = None) -> None:
+def check_both_halves(capture: Capture, transfers: list[Transfer] | None = None) -> None:
     found = i2c.transfers(capture) if transfers is None else transfers
     outcome = both_halves(capture, found)
     assert outcome.divergence is None and outcome.agreed == len(i2c.events(capture))
@@ -166,22 +166,22 @@ def again(capture: Capture, transfers: list[Transfer] | None = None) -> None:
 
 @pytest.mark.parametrize("name", ["imu_round.sr", "nack.sr"])
 def test_both_halves_together_are_the_capture(name: str):
-    again(formats.read(FOLDER / name))
+    check_both_halves(formats.read(FOLDER / name))
 
 
 def test_both_halves_of_unusual_endings():
-    """A repeated START after one bit of a byte; a read whose last byte is acknowledged; STOP in the ninth pulse."""
-    again(traffic("S A0- 0: Sr A1+ FF+ .8 S P"))  # SDA rises while SCL is still high
+    """They are a repeated START after one bit of a byte, and a STOP in the ninth pulse of an acknowledged last byte."""
+    check_both_halves(traffic("S A0- 0: Sr A1+ FF+ .8 S P"))  # SDA rises while SCL is still high
 
 
 def test_both_halves_of_a_capture_that_ends_within_a_byte():
     for ending in ("~1", "~6"):  # with SCL low, and with SCL high
-        again(traffic(f"S A0+ 10: {ending}"))
+        check_both_halves(traffic(f"S A0+ 10: {ending}"))
 
 
 @pytest.mark.parametrize(("ending", "last"), [("~1", (54, "scl 0")), ("", (50, "scl 1"))])
-def test_the_last_fall_of_scl_is_an_edge_where_the_capture_shows_it(ending: str, last: tuple[int, str]):
-    """START at 10, SCL falls at 14, and rises at 18 and every 8 positions from there; five bits."""
+def test_the_last_fall_of_scl_is_an_edge_if_the_capture_has_it(ending: str, last: tuple[int, str]):
+    """START is at 10, SCL falls at 14, rises at 18 and every 8 positions from there; five bits."""
     found = [edge for edge in edges_of(traffic(f"S 01010: {ending}")) if edge[1].startswith("scl")]
     assert found[-1] == last
 
@@ -205,7 +205,7 @@ def test_both_halves_of_any_traffic_are_that_traffic(half, data, turns_):
         if number + 1 < len(turns_):
             wave.play("Sr" if restart else "P .5 S")
     wave.play("P .1")
-    again(wave.capture())
+    check_both_halves(wave.capture())
 
 
 END = 10_000
@@ -228,7 +228,7 @@ def test_replies_are_the_reads_that_were_answered_in_order():
     assert target.replies == [b"\x01", b"\x02\x03"] and target.busy == []
 
 
-def test_a_refusal_after_a_write_is_a_busy_time_from_its_stop_to_midway_before_the_next_answer():
+def test_a_refusal_after_a_write_is_a_busy_time_that_ends_halfway_to_the_next_answer():
     turns = [
         write(0, stop=100),
         write(200, stop=300),
@@ -241,12 +241,12 @@ def test_a_refusal_after_a_write_is_a_busy_time_from_its_stop_to_midway_before_t
     assert target.asleep is None and target.refused == 0
 
 
-def test_refusals_at_the_start_are_a_time_asleep():
+def test_refusals_at_the_start_set_the_time_asleep():
     assert as_target(0x50, [write(10, ack=False), write(100)], END).asleep == Fraction(20 + 100, 2)
     assert as_target(0x50, [write(10, ack=False)], END).asleep == END
 
 
-def test_refusals_at_the_end_last_to_the_end():
+def test_refusals_at_the_end_are_a_busy_time_to_the_end():
     assert as_target(0x50, [write(0, stop=100), write(200, ack=False)], END).busy == [END - 100]
 
 
@@ -263,7 +263,7 @@ def test_refusals_that_cannot_be_imitated_are_counted():
     assert target.refused == 3 and target.busy == [] and target.asleep is None
 
 
-def test_other_addresses_do_not_count():
+def test_other_addresses_are_ignored():
     turns = [write(0, stop=100), write(200, ack=False, address=0x51), read(300, b"\x01", address=0x51)]
     target = as_target(0x50, turns, END)
     assert target.busy == [0] and target.replies == [] and target.refused == 0

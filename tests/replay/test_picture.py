@@ -1,4 +1,4 @@
-"""The picture of a divergence holds both sides, aligned where they last agreed, and what the chip did."""
+"""The picture of a divergence: both sides, aligned at the last event in agreement, and the actions of the chip."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_a_stretch_is_drawn_with_the_event_at_both_its_times(tmp_path):
     assert shown.count("0xA7") >= 2
 
 
-def test_a_master_and_a_uart_are_drawn_too():
+def test_divergences_of_a_master_and_a_uart_are_drawn():
     case = load(CASES / "captured_master.toml", ["unit.dsp.settings.script=['53 R 1']"])
     player = I2cMasterReplay(case, formats.read(FOLDER / "nack.sr"), "SCL", "SDA")
     shown = texts(player.picture(player.run()))
@@ -82,7 +82,7 @@ def test_without_a_divergence_there_is_no_picture(replay: Any, case: str):
     assert uart.picture(uart.run()) is None
 
 
-# What is drawn, in numbers ------------------------------------------------------------
+# Numbers in the picture ---------------------------------------------------------------
 
 
 class Drawn(NamedTuple):
@@ -124,7 +124,7 @@ BOTH_AGREE = "0 is the last event that agrees, {:.6f} s in the capture, {:.6f} s
 def test_window_marks_and_axis_count_from_the_last_agreed_event_of_each_side(
     monkeypatch, times, agreed, window, marks, axis
 ):
-    """A bit lasts a second; 22 of them are shown before the divergence, 13 behind it, 44 at most before its first."""
+    """A bit is 1 s; the window has 22 bits before and 13 after the divergence, at most 44 before its first event."""
     sides = (Side(name, (), Fraction(4), 0, (), at) for name, at in zip(("capture", "replay"), agreed, strict=True))
     call = drawn(monkeypatch, Divergence(3, "A", "B", *times), "title", *sides, 1.0)
     assert (call.window, call.title, call.axis) == (window, "title", axis.format(*agreed))
@@ -133,12 +133,12 @@ def test_window_marks_and_axis_count_from_the_last_agreed_event_of_each_side(
 
 
 def read_of_12() -> formats.Capture:
-    """53 read: 12, not acknowledged; a position is a quarter of a second, and so of a bit."""
+    """Return a capture of 53 read: 12, not acknowledged; a position is 0.25 s, and a bit is 1 s."""
     return I2cWave(2, 1, idle=8).play("S A7+ 12- P .4").capture(4)
 
 
 def test_the_lanes_show_bytes_edges_flags_and_accesses_of_the_window(monkeypatch):
-    """The capture's last agreed event is at 11 s, the replay's at 9 s, and the window is from -4.5 s to 4.75 s."""
+    """The last event in agreement is at 11 s of the capture and 9 s of the replay; the window is -4.5 s to 4.75 s."""
     capture = read_of_12()
     lines = tuple((name, capture.channel(name)) for name in ("SCL", "SDA"))
     captured = Side("capture", lines, Fraction(4), 0, i2c.transfers(capture), 11.0)
@@ -146,7 +146,7 @@ def test_the_lanes_show_bytes_edges_flags_and_accesses_of_the_window(monkeypatch
     history = (
         HistoryEntry(4.5, "I2C-A.I2CMDR.NACKMOD", 0),
         HistoryEntry(13.75, "I2C-A.I2CMDR.FREE", 1),
-        HistoryEntry(4.25, "I2C-A.I2CMDR.IRS", 1),  # outside of the window: shown for those of ALWAYS only
+        HistoryEntry(4.25, "I2C-A.I2CMDR.IRS", 1),  # outside of the window: shown only for fields in ALWAYS
         HistoryEntry(14.0, "I2C-A.I2CMDR.MST", 1),
         HistoryEntry(9.5, "I2C-A.I2CFFRX.RXFFST", 1),
         HistoryEntry(10.5, "I2C-A.I2CFFRX.RXFFST", 2),
@@ -204,7 +204,7 @@ def test_nine_flags_and_nine_registers_are_drawn_at_most(monkeypatch):
 
 @pytest.mark.parametrize(("index", "agreed"), [(0, (0, 0)), (1, (0, 0.5)), (2, (0.5, 1)), (3, (0, 0)), (4, (0, 0))])
 def test_the_last_agreed_event_has_its_time_on_each_side(index: int, agreed: tuple[float, float]):
-    """The replay is half a second late, and has two events of three."""
+    """The replay is half a second late, and has two of the three events."""
     wrong = Divergence(index, "A", "B", None, None)
     assert last_agreed(wrong, happened("START ACK STOP"), happened("START ACK", late=1)) == agreed
 

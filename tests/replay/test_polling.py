@@ -1,4 +1,4 @@
-"""A replayed controller polls a busy target until it answers, as often as the firmware needs and not as captured."""
+"""A replayed controller polls a busy target until it answers, as often as the firmware needs, not as captured."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def main(dsp, settings):
 
 
 def stored_and_read(refused: int, *, wait_us: int = 200, again: bool = False, writes: int = 2) -> Capture:
-    """Writes of two bytes, each followed by polls until the memory answers, and a read of what was stored last.
+    """Return writes of two bytes, each followed by polls until the memory answers, and a read of the last byte.
 
     again: polls follow by a repeated START instead of STOP and START.
     """
@@ -86,18 +86,18 @@ def memory(tmp_path: Path) -> Path:
     return firmware_case(tmp_path, "memory", EEPROM, more="settings = { busy_us = 0 }\n")
 
 
-def played(case: Path, capture: Capture, busy_us: int, *changes: str, **options) -> Report:
+def replay_memory(case: Path, capture: Capture, busy_us: int, *changes: str, **options) -> Report:
     busy = f"unit.dsp.settings.busy_us={busy_us}"
     return replay(capture, busy, *changes, case=case, addresses=[MEMORY], tolerance=2 * US, **options)
 
 
 @pytest.mark.parametrize("again", [False, True], ids=["by STOP", "by repeated START"])
 @pytest.mark.parametrize("polls", [0, 1, 3, 7])
-def test_firmware_is_polled_as_often_as_it_is_busy_and_all_else_agrees(memory: Path, polls: int, again: bool):
+def test_firmware_is_polled_until_it_is_ready_and_all_other_events_agree(memory: Path, polls: int, again: bool):
     """The firmware is ready shortly before the START of a poll. A module that misses a START does not answer."""
     busy = FIRST + (105 if again else 310) * polls - NINTH - 5
     capture = stored_and_read(3, again=again)
-    report = played(memory, capture, busy)
+    report = replay_memory(memory, capture, busy)
     assert report.verdict == "pass" and report.divergences == [] and report.agreed == report.events
     assert report.events == len(events(capture, "SCL", "SDA")) + 2 * (polls - 3) * (3 if again else 4)
     assert (report.refusals, report.captured_refusals) == (2 * polls, 6)
@@ -111,10 +111,10 @@ def test_firmware_is_polled_as_often_as_it_is_busy_and_all_else_agrees(memory: P
 
 @pytest.mark.parametrize("busy", [0, 900, 4000])
 @pytest.mark.parametrize("again", [False, True])
-def test_a_wrong_byte_is_found_at_its_time_in_the_capture_however_long_the_firmware_is_busy(memory, busy, again):
+def test_a_wrong_byte_has_its_time_in_the_capture_however_long_the_firmware_is_busy(memory, busy, again):
     capture = stored_and_read(3, again=again)
-    report = played(memory, capture, busy, "unit.dsp.settings.broken=true")
-    reference = played(memory, capture, 1000, "unit.dsp.settings.broken=true")
+    report = replay_memory(memory, capture, busy, "unit.dsp.settings.broken=true")
+    reference = replay_memory(memory, capture, 1000, "unit.dsp.settings.broken=true")
     (wrong,), (same,) = report.divergences, reference.divergences
     assert (report.verdict, wrong.expected, wrong.found) == ("fail", "data read 21", "data read 20")
     assert wrong.capture_s == same.capture_s == pytest.approx(float(capture.length) / RATE, abs=250e-6)
@@ -123,7 +123,7 @@ def test_a_wrong_byte_is_found_at_its_time_in_the_capture_however_long_the_firmw
 
 
 def polled_at_first(again: bool) -> Capture:
-    """Three writes, polled once after 200 us and once after 500 us, then not at all, and a read of the last byte."""
+    """Return three writes, polled once after 200 us, once after 500 us, and not at all, and a read of the last byte."""
     wave = new_wave()
     for number, wait in enumerate((800, 2000)):
         poll = f"A0- ~{wait} Sr" if again else f"A0- P .{wait} S"
@@ -132,10 +132,10 @@ def polled_at_first(again: bool) -> Capture:
 
 
 @pytest.mark.parametrize("again", [False, True])
-def test_a_controller_that_polled_elsewhere_polls_here_as_it_did_last(memory: Path, again: bool):
+def test_a_controller_polls_with_the_pause_of_its_last_polls(memory: Path, again: bool):
     capture = polled_at_first(again)
-    (wrong,) = played(memory, capture, 300, "unit.dsp.settings.broken=true").divergences
-    report = played(memory, capture, 2000, "unit.dsp.settings.broken=true")
+    (wrong,) = replay_memory(memory, capture, 300, "unit.dsp.settings.broken=true").divergences
+    report = replay_memory(memory, capture, 2000, "unit.dsp.settings.broken=true")
     (later,) = report.divergences
     assert (later.expected, later.found, later.capture_s) == (wrong.expected, wrong.found, wrong.capture_s)
     assert later.capture_s == pytest.approx(capture.length / RATE - 110e-6, abs=1e-6), (
@@ -146,12 +146,12 @@ def test_a_controller_that_polled_elsewhere_polls_here_as_it_did_last(memory: Pa
 
 def test_an_address_that_was_never_polled_is_not_polled(memory: Path):
     capture = traffic("S A0+ 10+ 33+ P .400 S A0- P .400 S A0+ 10+ 33+ P .400 S A1+ 33- P")
-    report = played(memory, capture, 2000)
+    report = replay_memory(memory, capture, 2000)
     assert report.verdict == "fail" and report.divergences[0].found == "NACK" and report.refusals > 3
 
 
 def test_a_memory_that_never_answers_ends_the_replay_after_patience(memory: Path):
-    report = played(memory, stored_and_read(1), 10**6, patience=Fraction(1, 100))
+    report = replay_memory(memory, stored_and_read(1), 10**6, patience=Fraction(1, 100))
     assert report.verdict == "fail" and 30 < report.refusals < 36
     assert report.notes[0] == (
         "the firmware refuses 50 where it is acknowledged in the capture, since 990.000 us: the replay ends there, "
@@ -162,38 +162,38 @@ def test_a_memory_that_never_answers_ends_the_replay_after_patience(memory: Path
 @pytest.mark.parametrize(
     "words",
     [
-        "S A0- P .400 S A0+ 10+ P",  # not busy at the start
+        "S A0- P .400 S A0+ 10+ P",  # no write before, so not busy
         "S A0+ 10+ 33+ P .400 S A0- P .400 S A2- P .400 S A2+ 10+ P .400 S A0+ 10+ P",  # another target in between
-        "S A2+ 10+ 33+ P .400 S A0- P .400 S A0+ 10+ P",  # another target's write makes nothing busy
-        "S A1+ FF- P .400 S A0- P .400 S A0+ 10+ P",  # behind a read
+        "S A2+ 10+ 33+ P .400 S A0- P .400 S A0+ 10+ P",  # a write to another target does not make this one busy
+        "S A1+ FF- P .400 S A0- P .400 S A0+ 10+ P",  # after a read
         "S A0+ 10+ 33+ P .400 S A0- P .400 S A0- 10- P",  # a refusal with data, at the end
     ],
 )
-def test_what_is_no_poll_of_a_busy_target_is_played_as_captured(memory: Path, words: str):
-    report = played(memory, traffic(words), 0)
+def test_other_refusals_than_polls_of_a_busy_target_are_played_as_captured(memory: Path, words: str):
+    report = replay_memory(memory, traffic(words), 0)
     assert report.verdict == "fail" and report.divergences[0].found == "ACK"
 
 
 def test_polls_of_another_target_in_between_are_played_as_captured(memory: Path):
     words = "S A0+ 10+ 33+ P .400 S A0- P .400 S A2- P .400 S A2+ 10+ P .400 S A0+ 10+ P"
-    assert played(memory, traffic(words), 400).verdict == "pass"
+    assert replay_memory(memory, traffic(words), 400).verdict == "pass"
 
 
-def test_a_read_of_another_target_does_not_end_the_time_in_which_a_target_may_be_busy(memory: Path):
+def test_a_read_of_another_target_does_not_end_the_busy_time_of_a_target(memory: Path):
     capture = traffic("S A0+ 10+ 33+ P .400 S A3+ FF- P .400 S A0- P .400 S A0+ 10+ P")
     for busy, polls in ((0, 0), (1000, 3)):
-        report = played(memory, capture, busy)
+        report = replay_memory(memory, capture, busy)
         assert report.verdict == "pass" and (report.captured_refusals, report.refusals) == (1, polls)
 
 
 def test_polls_are_added_before_the_first_captured_poll(memory: Path):
     capture = traffic("S A0+ 10+ 33+ P .800 S A0+ 10+ P .400 S A0+ 10+ 33+ P .800 S A0- P .800 S A0+ 10+ P .400")
-    report = played(memory, capture, 800)
+    report = replay_memory(memory, capture, 800)
     assert report.verdict == "pass" and (report.refusals, report.captured_refusals) == (4, 1)
 
 
 def test_patience_is_a_limit_for_each_write(memory: Path):
-    report = played(memory, stored_and_read(1), 5000, patience=Fraction(6, 1000))
+    report = replay_memory(memory, stored_and_read(1), 5000, patience=Fraction(6, 1000))
     assert report.verdict == "pass" and report.busy_us[1] > 5000
 
 
@@ -207,7 +207,7 @@ def test_a_session_keeps_the_captured_polls(memory: Path):
     assert report.verdict == "not judged" and "polls only as often as in the capture" in report.unjudged
 
 
-def test_without_a_change_of_the_polls_the_replay_is_that_of_the_capture(memory: Path):
+def test_firmware_with_the_captured_busy_times_is_polled_as_captured(memory: Path):
     """The responder takes its busy times from the capture, so it refuses exactly the captured polls."""
     report = I2cReplay(load(CASES / "responder.toml", []), stored_and_read(3), "SCL", "SDA").run()
     assert report.verdict == "pass" and report.refusals == report.captured_refusals == 6
@@ -215,35 +215,35 @@ def test_without_a_change_of_the_polls_the_replay_is_that_of_the_capture(memory:
 
 
 def test_polls_as_captured_are_not_limited_by_patience(memory: Path):
-    report = played(memory, stored_and_read(20), 195 + 310 * 20, patience=Fraction(1, 1000))
+    report = replay_memory(memory, stored_and_read(20), 195 + 310 * 20, patience=Fraction(1, 1000))
     assert report.verdict == "pass" and report.refusals == 40
 
 
 @pytest.mark.parametrize("stretch", [0, 150, 300, 500, 1000])
 @pytest.mark.parametrize(("busy", "polls"), [(0, 0), (400, 2), (600, 4), (1000, 7)])
-def test_what_longest_low_removes_beside_polls_makes_up_for_a_stretch(memory, busy, polls, stretch):
-    """SCL is low for 205 us before each repeated START of two polls; 20 us of them are played.
+def test_time_that_longest_low_removes_at_polls_compensates_for_a_stretch(memory, busy, polls, stretch):
+    """SCL is low for 205 us before each repeated START of two polls, of which 20 us are played.
 
-    The pauses removed before each played poll make up for the stretch in the same transfer. The next transfer is late
+    The time removed before each played poll compensates for the stretch in the same transfer. The next transfer is late
     by the rest.
     """
     capture = traffic("S A0+ 10+ 33+ P .800 S A0- ~800 Sr A0- ~800 Sr A0+ 10+ Sr A1+ 33- P .400 S A0+ 10+ P")
     changes = (f"unit.dsp.settings.busy_us={busy}", f"unit.dsp.settings.stretch_us={stretch}")
-    played_ = I2cReplay(load(memory, changes), capture, "SCL", "SDA", addresses=[MEMORY], longest_low=20 * US)
-    report = played_.run()
+    replayed = I2cReplay(load(memory, changes), capture, "SCL", "SDA", addresses=[MEMORY], longest_low=20 * US)
+    report = replayed.run()
     assert (report.verdict, report.refusals) == ("pass", polls)
-    wires = played_.log.capture(played_.timebase, played_.kernel.now)
-    begun = transfers(wires, "SCL", "SDA")[-1].phases[0].start.at - played_.origin
+    wires = replayed.log.capture(replayed.timebase, replayed.kernel.now)
+    begun = transfers(wires, "SCL", "SDA")[-1].phases[0].start.at - replayed.origin
     due = 1695 + 305 * (polls - 2)
     late = max(0, max(0, stretch - 14.6) - 185 * polls)  # 14.6 us: ACK and the low phase of the first bit
-    assert begun * 1_000_000 / played_.timebase.per_second == pytest.approx(due + late, abs=0.1)
+    assert begun * 1_000_000 / replayed.timebase.per_second == pytest.approx(due + late, abs=0.1)
 
 
-# The capture ends before an answer -----------------------------------------------
+# Captures that end before an answer ---------------------------------------------
 
 
 def unanswered(refused: int, *, again: bool = False, bits: int | None = None) -> Capture:
-    """A write of two bytes and polls until the end of the capture.
+    """Return a write of two bytes, and polls until the end of the capture.
 
     again: polls follow by a repeated START instead of STOP and START.
     bits: the capture ends after this number of bits of a further poll; None to end it after the last whole poll.
@@ -258,9 +258,9 @@ def unanswered(refused: int, *, again: bool = False, bits: int | None = None) ->
 @pytest.mark.parametrize("bits", [None, 0, 3, 8], ids=str)
 @pytest.mark.parametrize("again", [False, True], ids=["by STOP", "by repeated START"])
 @pytest.mark.parametrize("polls", [0, 1, 3])
-def test_firmware_that_answers_polls_which_the_capture_never_shows_answered_is_not_wrong(memory, polls, again, bits):
+def test_firmware_that_answers_a_poll_that_is_never_answered_in_the_capture_passes(memory, polls, again, bits):
     busy = FIRST + (105 if again else 310) * polls - NINTH - 5
-    report = played(memory, unanswered(4, again=again, bits=bits), busy)
+    report = replay_memory(memory, unanswered(4, again=again, bits=bits), busy)
     assert (report.verdict, report.divergences) == ("pass", [])
     assert (report.refusals, report.captured_refusals) == (polls, 4)
     stop = 1 if bits is None or not again else 0
@@ -272,7 +272,7 @@ def test_firmware_that_answers_polls_which_the_capture_never_shows_answered_is_n
 
 
 @pytest.mark.parametrize("again", [False, True])
-def test_firmware_that_is_still_busy_where_the_capture_ends_agrees_with_it(memory: Path, again: bool):
-    report = played(memory, unanswered(4, again=again), 10**5)
+def test_firmware_that_is_still_busy_at_the_end_of_the_capture_passes(memory: Path, again: bool):
+    report = replay_memory(memory, unanswered(4, again=again), 10**5)
     assert report.verdict == "pass" and report.refusals == 4 and report.agreed == report.events
     assert not any("answers" in note for note in report.notes)

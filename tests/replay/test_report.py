@@ -1,4 +1,4 @@
-"""Two event lists drawn as words: the first difference of each kind, and what it does to those behind it."""
+"""Comparison of two event lists: the first difference of each kind, and its effect on later events."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from periph_sim.replay.report import Comparison, Divergence, Happened, compare
 
 
 def happened(text: str, late: int = 0) -> list[Happened]:
-    """Words at 0, 1/2, 1 ... seconds; `_` in a word is a blank."""
+    """Return events at 0, 1/2, 1 ... seconds from words; `_` in a word is a blank."""
     return [Happened(word.replace("_", " "), Fraction(place + late, 2)) for place, word in enumerate(text.split())]
 
 
@@ -21,7 +21,7 @@ def test_equal_words_agree_whatever_their_times():
     assert compare([], []) == Comparison(0, None, Fraction(0))
 
 
-def test_the_first_difference_is_told_with_both_times():
+def test_the_first_difference_has_both_times():
     first = Divergence(1, "ACK", "NACK", 0.5, 1.0, "ACK")
     outcome = compare(happened("START ACK STOP"), happened("START NACK STOP", late=1))
     assert outcome == Comparison(2, first, Fraction(1, 2), (first,))
@@ -39,7 +39,7 @@ def test_a_list_that_ends_early_is_a_difference():
 @pytest.mark.parametrize(
     ("expected", "found", "ranked"),
     [
-        # a wrong ACK and a wrong byte stand opposite the right ones; the ACK came first, so it may be the cause
+        # a wrong ACK and a wrong byte are paired with the right ones; the ACK is first, so it may be the cause
         ("START data_1 ACK data_2 ACK", "START data_1 NACK data_3 NACK", "ACK:2 byte:3"),
         ("START data_1 ACK data_2 ACK", "START data_9 ACK data_9 ACK", "byte:1"),
         # a STOP that should not be there ends the comparison
@@ -50,7 +50,7 @@ def test_a_list_that_ends_early_is_a_difference():
         ("START data_1 ACK", "START STOP NACK", "event:1"),
     ],
 )
-def test_the_first_of_each_kind_comes_in_order_of_time(expected: str, found: str, ranked: str):
+def test_the_first_differences_of_each_kind_are_in_order_of_time(expected: str, found: str, ranked: str):
     outcome = compare(happened(expected), happened(found))
     assert " ".join(f"{part.kind}:{part.index}" for part in outcome.ranked) == ranked
     assert outcome.divergence is not None
@@ -67,11 +67,11 @@ def test_the_first_of_each_kind_comes_in_order_of_time(expected: str, found: str
         ("START", "STOP", 0),
     ],
 )
-def test_events_agree_wherever_they_stand_and_not_only_up_to_the_first_that_differs(expected, found, agreed):
+def test_events_that_agree_are_counted_also_after_the_first_difference(expected, found, agreed):
     assert compare(happened(expected), happened(found)).agreed == agreed
 
 
-def test_a_time_above_the_tolerance_is_ranked_last_and_is_no_first_divergence():
+def test_a_time_above_the_tolerance_is_ranked_last_and_is_not_the_first_divergence():
     expected, found = happened("START data_1 ACK"), happened("START data_2 ACK")
     found[2] = Happened("ACK", Fraction(11, 10))
     assert [part.kind for part in compare(expected, found, Fraction(1, 10)).ranked] == ["byte"]
@@ -90,16 +90,16 @@ def test_a_time_above_the_tolerance_is_ranked_last_and_is_no_first_divergence():
         (Fraction(-11, 100), "ACK 110000.000 us earlier"),
     ],
 )
-def test_a_time_is_judged_by_its_distance_either_way_and_the_tolerance_itself_is_kept(off: Fraction, found: str | None):
-    was = happened("START ACK STOP")
-    came = [was[0], Happened("ACK", Fraction(1, 2) + off), Happened("STOP", 1 + 2 * off)]
-    outcome = compare(was, came, Fraction(1, 10))
+def test_a_time_may_differ_by_up_to_the_tolerance_in_both_directions(off: Fraction, found: str | None):
+    expected = happened("START ACK STOP")
+    events = [expected[0], Happened("ACK", Fraction(1, 2) + off), Happened("STOP", 1 + 2 * off)]
+    outcome = compare(expected, events, Fraction(1, 10))
     assert outcome.lag == 2 * abs(off)
-    (timing,) = compare(was[:2], came[:2], Fraction(1, 10)).ranked or (None,)
+    (timing,) = compare(expected[:2], events[:2], Fraction(1, 10)).ranked or (None,)
     assert (timing and timing.found) == found
 
 
 def test_the_lag_is_that_of_events_before_the_first_that_differs():
-    was, came = happened("START data_1 ACK"), happened("START data_2 ACK")
-    came[0], came[2] = Happened("START", Fraction(1, 100)), Happened("ACK", Fraction(9))
-    assert compare(was, came).lag == Fraction(1, 100)
+    expected, found = happened("START data_1 ACK"), happened("START data_2 ACK")
+    found[0], found[2] = Happened("START", Fraction(1, 100)), Happened("ACK", Fraction(9))
+    assert compare(expected, found).lag == Fraction(1, 100)

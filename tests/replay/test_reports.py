@@ -1,4 +1,4 @@
-"""Whole reports, one of each kind of replay: every figure, sentence and note that is not a default."""
+"""Complete reports, one of each kind of replay: every value, message and note that is not a default."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ WRITTEN = (
 
 @pytest.fixture(autouse=True)
 def clock(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A wall clock that stands at 100 s as a run begins, and 2.5 s later as it ends; microseconds are told."""
+    """Set the wall clock to 100 s at the start of a run and 2.5 s later at its end; microseconds are reported."""
     monkeypatch.setattr(replay, "perf_counter", iter((100.0, 102.5000124)).__next__)
 
 
-def told(report: Report) -> dict[str, object]:
-    """The fields that are no defaults, figures to 0.1 ns; a divergence in one line.
+def fields_of(report: Report) -> dict[str, object]:
+    """Return the fields that differ from their defaults, with values to 0.1 ns and a divergence in one line.
 
-    Left out are those that a change of the kernel moves, and the chip's open questions.
+    Fields that depend on the kernel, and the chip's open questions, are left out.
     """
     defaults = {
         one.name: one.default_factory() if callable(one.default_factory) else one.default for one in fields(Report)
@@ -61,7 +61,7 @@ def told(report: Report) -> dict[str, object]:
     return found
 
 
-def test_what_is_not_said_of_a_replay_is_nothing():
+def test_values_that_are_not_given_are_empty():
     report = Report("case", "capture", "i2c", "pass", 3, 2, None, 1)
     lists = ("filled", "divergences", "addresses", "budgets", "unknowns", "notes", "busy_us", "captured_busy_us")
     counts = ("captured_events", "transfers", "captured_transfers", "captured_errors", "ambiguous", "nacks")
@@ -87,7 +87,7 @@ def test_what_is_not_said_of_a_replay_is_nothing():
 
 
 def mixed_reads() -> Capture:
-    """A stretch of 25 us of another target; one of 100 us before a byte that is not the firmware's; a plain read."""
+    """Return three reads: a stretch of 25 us by another target, one of 100 us before a wrong byte, and no stretch."""
     return reads((OTHER, 0x33, 100), (OWN, 0xA5, 400), (OWN, 0xA7, 0))
 
 
@@ -97,14 +97,14 @@ NOT_FILLED = (
 )
 
 
-def test_a_closed_loop(tmp_path: Path):
-    """The agents' first stretch is cut by --longest-low; the firmware thinks for 100 us before each of its bytes."""
+def test_the_report_of_a_closed_loop(tmp_path: Path):
+    """--longest-low cuts the agents' stretch; the firmware computes for 100 us before each of its bytes."""
     progress: list[float] = []
     case = load(slow_case(tmp_path), ["unit.dsp.settings.wait=100"])
     given = {"addresses": [OWN], "longest_low": 5 * US, "tolerance": US}
     report = I2cReplay(case, mixed_reads(), "SCL", "SDA", **given).run(progress.append)
     assert progress == [1.0] and (report.case, report.capture) == ("slow", "samples")
-    assert told(report) == {
+    assert fields_of(report) == {
         "wall_s": 2.500012,
         "kind": "i2c",
         "verdict": "not judged",
@@ -133,13 +133,13 @@ def test_a_closed_loop(tmp_path: Path):
     }
 
 
-def test_an_open_loop(tmp_path: Path):
-    """The firmware needs half of the captured stretch, and 45 us more than the plain read gives it."""
+def test_the_report_of_an_open_loop(tmp_path: Path):
+    """The firmware needs half of the captured stretch, and 45 us more than the last read has."""
     progress: list[float] = []
     case = load(slow_case(tmp_path), ["unit.dsp.settings.wait=60"])
     report = I2cOpenReplay(case, mixed_reads(), "SCL", "SDA", addresses=[OWN]).run(progress.append)
     assert progress == [step / 100 for step in range(1, 101)]
-    assert told(report) == {
+    assert fields_of(report) == {
         "wall_s": 2.500012,
         "kind": "i2c",
         "loop": "open",
@@ -174,8 +174,8 @@ def test_an_open_loop(tmp_path: Path):
     }
 
 
-def test_a_master():
-    """Its own script asks as the capture does but for a byte; a transfer that it cannot make is left out."""
+def test_the_report_of_a_master():
+    """Its script differs from the capture in one byte; a transfer that it cannot make is left out."""
     progress: list[float] = []
     wave = wave_of("S A0+ ~400 00+ P S A1+ P S A0+ 11+ Sr A1+ 33- P S A2- P")
     capture = wave.capture(4_000_000)
@@ -184,7 +184,7 @@ def test_a_master():
     assert progress == [1.0]
     notes = report.notes
     assert notes.pop().startswith("dsp: main returned at ")
-    assert told(report) == {
+    assert fields_of(report) == {
         "wall_s": 2.500012,
         "kind": "i2c",
         "role": "master",
@@ -214,7 +214,7 @@ def test_a_master():
     }
 
 
-def test_a_serial_line():
+def test_the_report_of_a_serial_line():
     """At 100 kBd: 41; a break; 4F with a glitch; 42 without its stop bit; 43; a frame that the capture cuts off."""
     progress: list[float] = []
     bit = Fraction(20)  # samples
@@ -226,7 +226,7 @@ def test_a_serial_line():
     case = load(TIMING / "uart_logger.toml")
     report = UartReplay(case, capture, "RX", line_format(100_000)).run(progress.append)
     assert progress == [step / 100 for step in range(1, 101)]
-    assert told(report) == {
+    assert fields_of(report) == {
         "wall_s": 2.500012,
         "kind": "uart",
         "loop": "open",

@@ -1,4 +1,4 @@
-"""A session that was captured of a run of ours: replayed, the firmware does the same and the budgets are the same."""
+"""A session captured from a simulated run: in its replay the firmware acts the same and the budgets are equal."""
 
 from __future__ import annotations
 
@@ -62,17 +62,17 @@ def test_the_same_bytes_and_the_same_budgets_within_the_sampling_period(rate, ch
         assert verdict.verdict == was[name].verdict, name
         tolerance = 2 * period if verdict.unit == "us" else 0
         assert verdict.worst == pytest.approx(was[name].worst, abs=tolerance), name
-        if name not in ("model execution", "SCI FIFO high-water"):  # which begin before the capture, or go on behind it
+        if name not in ("model execution", "SCI FIFO high-water"):  # which extend beyond the capture
             assert verdict.count == was[name].count, name
 
 
-def test_the_longest_low_of_a_sampled_capture_makes_nothing_early():
+def test_longest_low_makes_no_event_of_a_sampled_capture_early():
     """At 4 MHz the low phases of 5 us are captured as 5 or 5.25 us."""
     report = replay(sampled(run()[1], 4_000_000), tolerance=US)
     assert report.verdict == "pass" and report.lag_worst_us <= 0.5
 
 
-def test_the_trace_of_the_repository_is_such_a_session():
+def test_the_trace_of_the_repository_passes():
     report = replay(formats.read(FOLDER / "imu_session.sr"))
     assert (report.verdict, report.kind, report.agreed) == ("pass", "session", 3 * 3 * 21)
     came = by_name(report.budgets)
@@ -92,8 +92,8 @@ def test_budgets_on_rounds_that_the_capture_does_not_have_are_left_out_by_name()
     assert len(notes) == len(OF_ROUNDS)
 
 
-def test_a_request_that_the_capture_does_not_make_is_a_missed_round_and_no_nack():
-    """The second round's accelerometer is asked for register 30 instead of 32."""
+def test_a_request_that_is_not_in_the_capture_is_a_missed_round_and_not_a_nack():
+    """In the second round, register 30 of the accelerometer is read instead of 32."""
     capture = formats.read(FOLDER / "imu_session.sr")
     changed = i2c.transfers(capture, "SCL", "SDA")[4].phases[0].bytes[1].bits[6]
     assert changed.high is not None
@@ -108,7 +108,7 @@ def test_a_request_that_the_capture_does_not_make_is_a_missed_round_and_no_nack(
     assert note.endswith("missed: 1; the first, at 0.025890 s, writes 30 to 0x53")
 
 
-# What a session shows that the run did not have --------------------------------------
+# Differences from the captured run -----------------------------------------------------
 
 
 def test_a_slower_model_breaks_its_budget_on_the_captured_session():
@@ -119,15 +119,15 @@ def test_a_slower_model_breaks_its_budget_on_the_captured_session():
     assert came["model execution"].worst == 320
 
 
-def test_a_firmware_that_does_not_wait_for_sdir_sends_wrong_bytes():
+def test_firmware_that_does_not_wait_for_sdir_sends_wrong_bytes():
     report = replay(run()[1], "unit.dsp.settings.sdir_wait=false")
     assert report.verdict == "fail" and report.divergences[0].kind == "byte"
     assert any(change.what == "W I2C-A.I2CDXR" for change in report.divergences[0].history)
     assert by_name(report.budgets)["wrong bytes"].verdict == "fail"
 
 
-def test_a_host_that_comes_at_another_time_gives_other_ages():
-    """Of two files the second may have begun earlier or later."""
+def test_a_host_at_another_time_gives_other_ages():
+    """The second of two files may begin earlier or later than the first."""
     _, edges = run()
     on_time, early = (by_name(replay(edges, serial=edges, offset=Fraction(at, 1000)).budgets) for at in (0, -2))
     assert early["data age"].worst == pytest.approx(on_time["data age"].worst + 2000, abs=1)
@@ -167,8 +167,8 @@ max = 0
 
 
 @pytest.mark.parametrize("wait", [0, 40, 90])
-def test_stretches_are_those_of_the_run_where_the_controller_lets_scl_go_as_it_did(tmp_path, wait):
-    """From the run's wires nobody can tell who held SCL; with --longest-low the firmware holds it itself, as it did."""
+def test_with_longest_low_stretches_are_those_of_the_captured_run(tmp_path, wait):
+    """The wires do not show who held SCL. With --longest-low the firmware holds it itself, as in the run."""
     case = slow_case(tmp_path, '"I2C-A", "SCI-A"', BUDGETS)
     change = f"unit.dsp.settings.wait={wait}"
     edges = Edges()
@@ -187,8 +187,8 @@ def test_stretches_are_those_of_the_run_where_the_controller_lets_scl_go_as_it_d
 
 
 @pytest.mark.parametrize(("byte", "wrong"), [(0x22, 0), (0xA7, 10)])
-def test_without_a_check_against_the_host_the_captured_bytes_are_the_right_ones(tmp_path, byte: int, wrong: int):
-    """22 was captured, whatever the case expects."""
+def test_without_a_check_against_the_host_the_captured_bytes_are_expected(tmp_path, byte: int, wrong: int):
+    """The captured byte is 22, whatever the case expects."""
     case = slow_case(tmp_path, '"I2C-A", "SCI-A"', BUDGETS)
     edges = Edges()
     scene = Scene(load(case, ["unit.dsp.settings.byte=0x22"]), edges.subscribe)
@@ -206,7 +206,7 @@ max = 0
 """
 
 
-def test_a_firmware_that_holds_scl_until_patience_is_over_is_stuck(tmp_path):
+def test_firmware_that_holds_scl_until_patience_is_over_is_stuck(tmp_path):
     case = slow_case(tmp_path, '"I2C-A", "SCI-A"', BUDGETS + STUCK)
     edges = Edges()
     scene = Scene(load(case), edges.subscribe)
@@ -222,7 +222,7 @@ def test_a_firmware_that_holds_scl_until_patience_is_over_is_stuck(tmp_path):
 
 
 def test_a_frame_ends_with_its_twelfth_byte_or_a_pause():
-    """Bytes 10 positions apart; a pause of more than 30 ends a frame, too."""
+    """Bytes are 10 positions apart; a pause of more than 30 also ends a frame."""
     begins = [*range(0, 140, 10), 160, 190, 221, 231]
     found = _bursts([Event(UartRowKind.FRAME, at, at + 10) for at in begins], Fraction(30), 12)
     assert [[frame.at for frame in burst] for burst in found] == [begins[:12], begins[12:16], begins[16:]]

@@ -1,4 +1,4 @@
-"""What a capture says of its bus: how long SCL is low and high as a rule, what is a stretch, how long it may be."""
+"""Properties of a capture's bus: usual low and high times of SCL, stretches, and the allowed length."""
 
 from __future__ import annotations
 
@@ -50,29 +50,29 @@ def test_only_the_first_transfers_are_played_and_all_are_counted():
 
 
 @pytest.mark.parametrize(
-    ("wave", "where"),
+    ("wave", "place"),
     [
         ("S A0+ 0:", "in the middle of a byte, after 1 bit"),
         ("S A0+ 0: 0: 0:", "in the middle of a byte, after 3 bits"),
         ("S A0+ 0: 0: 0: 0: 0: 0: 0: 0:", "in the middle of a byte, after 8 bits"),
-        ("S A0+ 07+", "before a STOP"),  # the ninth bit is the ACK, with which a byte is whole
+        ("S A0+ 07+", "before a STOP"),  # the ninth bit, the ACK, completes the byte
         ("S A0+ 07+ P", ""),
     ],
 )
-def test_a_note_says_where_the_capture_cuts_its_last_transfer(wave: str, where: str):
-    sentence = f"the capture ends {where}: the rest of its last transfer is not compared"
-    assert part(wave).notes == [sentence] * bool(where)
+def test_a_note_says_where_the_capture_cuts_its_last_transfer(wave: str, place: str):
+    sentence = f"the capture ends {place}: the rest of its last transfer is not compared"
+    assert part(wave).notes == [sentence] * bool(place)
 
 
 @pytest.mark.parametrize(("low", "step"), [(16, 8), (15, 1), (12, 1), (8, 1)])
-def test_edges_lie_on_an_analyser_s_raster_only_if_a_low_phase_has_two_samples(low: int, step: int):
-    """Times in a file, with all edges 8 positions or multiples of it apart: a sample, or the raster of an ideal bus."""
+def test_equal_distances_of_edges_are_a_sample_rate_only_if_a_low_phase_has_two_samples(low: int, step: int):
+    """All edges are multiples of 8 positions apart, which may be the sample period or that of an ideal bus."""
     one = part("S A0+ 07+ P", half=20)
     vars(one).update(half_sample=Fraction(8, 2), low=Fraction(low))
     assert (one.step, one.sample_rate) == (step, Fraction(4_000_000, step))
 
 
-def test_clock_pulses_before_the_first_start_are_told():
+def test_clock_pulses_before_the_first_start_are_noted():
     wave = wave_of("S A0+ 07+ P")
     pulses = bytes([0b11] * 20 + ([0b10] * 20 + [0b11] * 20) * 3)
     one = played(of_bytes(pulses + bytes(wave.samples), ("SCL", "SDA"), 4_000_000), "SCL", "SDA")
@@ -81,7 +81,7 @@ def test_clock_pulses_before_the_first_start_are_told():
     ]
 
 
-def test_a_day_is_replayed_and_no_longer():
+def test_a_capture_longer_than_a_day_is_refused():
     capture = Capture(Path("long"), Fraction(10), 0, ())
     check_length(capture, 864_000)
     with pytest.raises(BadReplay, match=r"long: at 10 Hz there are 24 hours to play; expected at most 24; state the"):

@@ -12,7 +12,7 @@ from periph_sim.core.wire import Wire
 from periph_sim.replay.wire_log import WireLog
 
 
-def test_a_log_has_the_edges_at_their_ticks_and_a_pulse_of_no_length_is_none():
+def test_a_log_has_the_edges_at_their_ticks_without_pulses_of_no_duration():
     kernel, recorder = Kernel(), Recorder()
     wires = [Wire(kernel, name, recorder) for name in ("SCL", "SDA")]
     log = WireLog(*wires)

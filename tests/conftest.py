@@ -131,7 +131,7 @@ UNCOUNTED = (
     "tests/test_earlier_project.py",
     "tests/mutants/",
     "tests/options/test_unrecorded.py",
-    "tests/processor/test_stall_watch.py::test_it_works_in_parallel_worker_processes",
+    "tests/processor/test_stall_watch.py::test_a_stall_in_a_worker_process_is_stopped",
     "tests/interfaces/pytest_plugin/test_collected.py::test_xdist_workers_tell_the_same_table",
     "tests/interfaces/pytest_plugin/test_start.py",
     "tests/interfaces/pytest_plugin/test_whole_session.py",

@@ -1,4 +1,4 @@
-"""A CPU on a kernel with one flag chip and a PIE, and the log of what its firmware saw: nothing else."""
+"""A CPU with one flag chip and a PIE on a kernel, and a log in which firmware notes what it sees."""
 
 from __future__ import annotations
 
@@ -39,9 +39,10 @@ def unit(*modules: str, recorder: Recorder | None = None, **plan: Any) -> tuple[
 
 
 class Bench:
-    """hz: SYSCLKOUT. The chip's lines are PIE 1.1 and 1.2, their vectors SEQ1INT and SEQ2INT.
+    """A processor with one `FlagChip`, whose two interrupt lines are PIE 1.1 (SEQ1INT) and PIE 1.2 (SEQ2INT).
 
-    beside: the bench on whose kernel this one is, with its records.
+    hz: SYSCLKOUT.
+    beside: another bench, whose kernel and recorder this one shares.
     """
 
     def __init__(
@@ -93,11 +94,11 @@ class Bench:
                 self.processor.request(cycle, n + 1)
 
     def note(self, what: str) -> None:
-        """Firmware writes down where it is and when."""
+        """Note a name and the current cycle in the log."""
         self.log.append((what, self.cpu.cycle))
 
     def enable(self) -> None:
-        """PIE on, both lines enabled, INT1 enabled: without cost, before anything runs."""
+        """Enable the PIE, both of its lines and INT1, at no cost, before anything runs."""
         for offset, value in ((0x0, 1), (0x2, 3), (0x1, 0xFFF)):
             self.pie.write(0, offset, value)
         self.core.ier = 1

@@ -1,4 +1,4 @@
-"""A chip of one status register whose flags change at given cycles, and which can ask for interrupts."""
+"""A chip with one status register, whose flags change at given cycles and may request interrupts, and a counter."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ FLAGS = RegisterMap("FLAGS", "test", (STATUS, COUNT))
 
 
 class FlagChip(Chip):
-    """changes: (cycle, new STATUS value, interrupt line to pulse or -1)."""
+    """A chip that changes its flags by itself.
+
+    changes: (cycle, new STATUS value, interrupt line to pulse or -1).
+    """
 
     MAP = FLAGS
     INPUTS: tuple[str, ...] = ()

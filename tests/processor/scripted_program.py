@@ -1,4 +1,4 @@
-"""A program that is no firmware of Python's: words of "code" by address, executed in a loop without any greenlet."""
+"""A program other than Python firmware: steps of code by address, executed in a loop without greenlets."""
 
 from __future__ import annotations
 
@@ -14,15 +14,19 @@ ST0, AL, PC_LOW, PC_HIGH = 0, 2, 12, 13  # words of the context
 
 class Op(Enum):
     WORK = "cycles pass"
-    LOAD = "AL takes what is read"
-    LOAD_LONG = "the same with 32 bits, of which AL takes the low ones"
+    LOAD = "AL is loaded"
+    LOAD_LONG = "AL is loaded with the low half of 32 bits"
     STORE = "a value is written"
-    SET = "AL takes a value"
-    IRET = "back from a service routine"
+    SET = "AL is set to a value"
+    IRET = "the service routine returns"
 
 
 class Step(NamedTuple):
-    """number: cycles, or the value. width: of the access."""
+    """A step of the code.
+
+    number: cycles, or the value.
+    width: of the access.
+    """
 
     op: Op
     address: int = 0
@@ -33,7 +37,14 @@ BOUNDARY, ACCESS, END = range(3)
 
 
 class ScriptedProgram(Program):
-    """code: steps by address. pc, al, st0: registers. seen: what loads brought, with the cycle. entered: vectors."""
+    """A program for a processor.
+
+    code: steps by address.
+    pc, al, st0: its registers.
+    seen: loaded values, with their cycles.
+    entered: vectors, with their cycles.
+    runs: the cycles in which `run` returned.
+    """
 
     def __init__(self, processor: Processor, code: dict[int, list[Step]], pc: int) -> None:
         super().__init__()
@@ -41,7 +52,7 @@ class ScriptedProgram(Program):
         self.al = self.st0 = 0
         self.seen: list[tuple[int, int]] = []
         self.entered: list[tuple[int, int]] = []
-        self.runs: list[int] = []  # the cycles in which it stopped
+        self.runs: list[int] = []
         self._code = {begin + i: step for begin, steps in code.items() for i, step in enumerate(steps)}
         self._processor = processor
         self._doing = BOUNDARY
@@ -86,7 +97,7 @@ class ScriptedProgram(Program):
         return bus.writes_at(cycle, step.address) if step.op is Op.STORE else cycle
 
     def _make(self, step: Step) -> int:
-        """The step's access and effect; the cycles that are left of it come out."""
+        """Make the step's access and have its effect; return the cycles that it still takes."""
         bus, time = self._processor.bus, self._processor.time
         if step.op in (Op.LOAD, Op.LOAD_LONG):
             time.meet()
@@ -100,7 +111,7 @@ class ScriptedProgram(Program):
         return step.number if step.op is Op.WORK else 1
 
     def _end(self) -> None:
-        """Nothing is left but what was posted."""
+        """End the program when all posted writes have landed."""
         time = self._processor.time
         while time.lands < NEVER:
             if not self._processor.reach(time.lands + 1):
@@ -108,7 +119,7 @@ class ScriptedProgram(Program):
         self.returned_at = time.cycle
 
     def place(self) -> None:
-        """No statement of Python's."""
+        """Return None, since there is no statement of Python firmware."""
 
     def enter(self, vector: int) -> str:
         self.entered.append((vector, self._processor.time.cycle))

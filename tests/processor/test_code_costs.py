@@ -1,4 +1,4 @@
-"""What compiled code costs besides accesses: between them, in the passes of a wait, around a service routine."""
+"""Costs of compiled code besides its accesses: between them, in the passes of a wait, around a service routine."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ def bench_with(changes: list[tuple[int, int, int]] | None = None, *, skip_polls:
 
 
 @pytest.mark.parametrize("between", [0, 1, 5, 15])
-def test_every_access_pays_for_the_code_before_it(between):
+def test_every_access_includes_the_cost_of_the_code_before_it(between):
     bench = bench_with(between_accesses=between)
 
     def main() -> None:
         bench.flags.STATUS.all = 0
         bench.note("write")
-        bench.cpu.compute(3)  # past the protection
+        bench.cpu.compute(3)  # until the protection is over
         _ = bench.flags.STATUS.all
         bench.note("read")
         bench.flags.STATUS.C = 1
@@ -37,7 +37,7 @@ def test_every_access_pays_for_the_code_before_it(between):
 
 
 def test_code_between_write_and_read_passes_within_the_protection():
-    """3 cycles of protection less 2 of code."""
+    """The protection takes 3 cycles, less the 2 of the code."""
     bench = bench_with(between_accesses=2)
 
     def main() -> None:
@@ -48,7 +48,7 @@ def test_code_between_write_and_read_passes_within_the_protection():
     assert bench.run(main, 100) == [("end", 2 + 1 + 2 + 1 + 3)]
 
 
-def test_interrupt_cuts_in_between_two_accesses():
+def test_an_interrupt_is_taken_between_two_accesses():
     bench = bench_with([(100, 0, 0)], between_accesses=200)
     bench.cpu.program.handle("SEQ1INT", lambda: bench.note("routine"))
     bench.enable()
@@ -73,26 +73,26 @@ def polls(bench: Bench, pass_cycles: int | None = None) -> list[int]:
     return found
 
 
-def test_passes_of_a_wait_do_not_pay_for_code_between_accesses():
+def test_passes_of_a_wait_do_not_include_the_cost_between_accesses():
     benches = [bench_with([(200, 1, -1)], skip_polls=False, between_accesses=cycles) for cycles in (0, 9)]
     assert polls(benches[0]) == polls(benches[1])
 
 
 @pytest.mark.parametrize("loop", [7, 10, 21])
-def test_poll_pass_is_the_distance_of_two_polls(loop):
+def test_poll_pass_is_the_distance_between_two_polls(loop):
     reads = polls(bench_with([(500, 1, -1)], skip_polls=False, poll_pass=loop))
     assert {b - a for a, b in pairwise(reads)} == {loop}
 
 
 @pytest.mark.parametrize(("length", "took"), [(9, 9), (12, 12), (21, 21), (2, 3)])
 @pytest.mark.parametrize("frame", [Frame.PF1, Frame.PF2])
-def test_a_wait_says_the_length_of_its_own_passes(length, took, frame):
-    """Never less than its reads take: one of frame 1 or 2 takes 3 cycles."""
+def test_a_wait_may_have_its_own_pass_length(length, took, frame):
+    """It is never less than the reads take: 3 cycles for one of frame 1 or 2."""
     reads = polls(Bench([(500, 1, -1)], code=CodeCosts(), skip_polls=False, frame=frame), length)
     assert {b - a for a, b in pairwise(reads)} == {took}
 
 
-def test_pass_of_two_reads_takes_its_length_whichever_were_made():
+def test_a_pass_of_two_reads_takes_its_length_whether_one_or_both_are_made():
     bench = bench_with([(100, 2, -1), (200, 0, -1), (300, 3, -1)], skip_polls=False)
     flags = bench.flags
     begins: list[int] = []
@@ -105,8 +105,8 @@ def test_pass_of_two_reads_takes_its_length_whichever_were_made():
     assert {b - a for a, b in pairwise(begins)} == {25}
 
 
-def test_stall_and_routine_lengthen_a_pass_by_themselves():
-    """The first read waits 3 cycles for a write; a routine of 10 + 20 + 8 cycles comes in the second pass."""
+def test_a_stall_and_a_service_routine_lengthen_a_pass():
+    """The first read waits 3 cycles for a write; in the second pass comes a routine of 10 + 20 + 8 cycles."""
     bench = Bench([(40, 0, 0), (200, 1, -1)], skip_polls=False)
     bench.cpu.program.handle("SEQ1INT", lambda: bench.cpu.compute(20))
     bench.enable()
@@ -124,7 +124,7 @@ def test_stall_and_routine_lengthen_a_pass_by_themselves():
     assert [b - a for a, b in pairwise(begins)][:4] == [33, 30 + 38, 30, 30]
 
 
-def test_service_routine_pays_prologue_and_epilogue():
+def test_a_service_routine_includes_prologue_and_epilogue():
     bench = bench_with([(100, 0, 0)], isr_prologue=17, isr_epilogue=13)
     bench.cpu.program.handle("SEQ1INT", lambda: bench.note("routine"))
     bench.enable()
@@ -147,13 +147,13 @@ def test_service_routine_pays_prologue_and_epilogue():
         (None, 25, False, 30 + 4),  # passes of 10 cycles: the third ends at 30
         (None, 30, False, 30 + 4),
         (None, 31, False, 40 + 4),
-        (None, 0, False, 10 + 4),  # one pass at least
+        (None, 0, False, 10 + 4),  # at least one pass
         (12, 25, True, 12 + 1 + 4),  # seen by the read of the second pass
         (23, 25, False, 30 + 4),  # the read after it would be at 32
         (22, 25, True, 22 + 1 + 4),
     ],
 )
-def test_a_wait_times_out_at_the_end_of_the_pass_in_which_its_time_is_over(flag, timeout, came, end, skip):
+def test_a_wait_times_out_at_the_end_of_the_pass_in_which_its_timeout_elapses(flag, timeout, came, end, skip):
     bench = bench_with([] if flag is None else [(flag, 1, -1)], skip_polls=skip)
 
     def main() -> None:
@@ -184,7 +184,7 @@ CHANGES = st.lists(st.tuples(st.integers(1, 400), st.integers(0, 3), st.sampled_
     length=st.none() | st.integers(1, 40),
     costs=st.builds(CodeCosts, st.integers(0, 6), st.integers(3, 31), st.integers(0, 20), st.integers(0, 20)),
 )
-def test_skipping_equals_polling_whatever_waits_cost_and_when_they_time_out(changes, lead, timeout, length, costs):
+def test_skipping_equals_polling_for_any_costs_and_timeouts(changes, lead, timeout, length, costs):
     def log_of(skip: bool) -> list[tuple[str, int]]:
         bench = Bench(list(changes), code=costs, skip_polls=skip)
         flags, cpu = bench.flags, bench.cpu

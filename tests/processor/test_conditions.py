@@ -1,4 +1,4 @@
-"""Conditions declared on a register: cycles, records and events of the function that says so, without Python."""
+"""Declared conditions on a register have the cycles, records and events of the equivalent function."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ flag_changes = st.lists(
 
 
 def either(form: str) -> Callable[[object, object], object]:
-    """The function, or what is declared in its place: both stand in one line of the firmware."""
+    """Select the function or the declared condition; both are in one line of the firmware."""
     return lambda function, condition: function if form == "function" else condition
 
 
@@ -54,7 +54,7 @@ def firmware(bench: Bench, form: str, kind: str, lead: int, timeout: int | None,
                 came = bench.waits.spin(of(lambda: (status.all & 5) == 4, status.when(mask=5, value=4)), **more)
             elif kind == "register":
                 came = bench.waits.spin(of(lambda: status.all == 3, status.when(all=3)), **more)
-            elif kind == "counter":  # a read takes the count away
+            elif kind == "counter":  # a read clears the count
                 came = bench.waits.spin(of(lambda: flags.COUNT.N == 1, flags.COUNT.when(N=1)), **more)
             else:
                 came = spin_either(*of((lambda: s.A == 1, lambda: s.B == 1), (s.when(A=1), s.when(B=1))), **loop)
@@ -67,8 +67,8 @@ def firmware(bench: Bench, form: str, kind: str, lead: int, timeout: int | None,
     return main
 
 
-def told(record: Record) -> tuple[object, ...]:
-    """A record; of a place in the firmware its file and line, since a lambda is a function of its own."""
+def comparable(record: Record) -> tuple[object, ...]:
+    """Return a record for comparison; a place in the firmware as file and line, since each lambda has its own name."""
     text = record.text
     place = (text.path, text.line) if isinstance(text, SourceLocation) else text
     return (record.tick, record.kind, record.where, record.what, record.value, record.cause, place)
@@ -82,7 +82,7 @@ def run_of(form, changes, kinds, *, loop=10, skip=True, interrupts=True, **given
     if interrupts:
         bench.enable()
     log = bench.run(firmware(bench, form, **given), 900)
-    return log, bench.kernel.events, bench.cpu.program.polls_skipped, [told(record) for record in found]
+    return log, bench.kernel.events, bench.cpu.program.polls_skipped, [comparable(record) for record in found]
 
 
 @settings(max_examples=150, deadline=None)
@@ -97,7 +97,7 @@ def run_of(form, changes, kinds, *, loop=10, skip=True, interrupts=True, **given
     pass_cycles=st.sampled_from([None, 12, 40]),
     kinds=st.sampled_from([(), (Kind.WAIT, Kind.FLAG), (Kind.ACCESS, Kind.WAIT, Kind.IRQ, Kind.FLAG)]),
 )
-def test_a_declared_wait_is_the_function_it_stands_for(changes, kinds, **given):
+def test_a_declared_wait_equals_the_wait_for_its_function(changes, kinds, **given):
     function, declared = (run_of(form, changes, kinds, **given) for form in FORMS)
     assert declared == function
     assert not kinds or declared[3]
@@ -126,7 +126,7 @@ def test_no_pass_of_a_declared_wait_calls_the_firmware():
     assert len(calls["function"]) == 201 and calls["declared"] == []
 
 
-def test_a_field_in_the_upper_half_of_a_32_bit_register_and_a_half_of_a_pair():
+def test_declared_conditions_on_halves_of_32_bit_registers_equal_functions():
     came: dict[str, list[int]] = {}
     for form in FORMS:
         dsp, kernel = unit("GPIO", "TIMER0")
@@ -146,7 +146,7 @@ def test_a_field_in_the_upper_half_of_a_32_bit_register_and_a_half_of_a_pair():
     assert came["declared"] == came["function"] and len(came["declared"]) == 2
 
 
-def test_a_condition_that_is_called_is_one_read():
+def test_calling_a_condition_makes_one_read():
     bench = Bench([(1, 1, -1)])
     answers: list[bool] = []
 
@@ -192,7 +192,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("statement", WRONG)
-def test_what_cannot_be_asked_is_told_with_the_statement(statement: str):
+def test_an_invalid_condition_is_refused_with_the_line_of_its_statement(statement: str):
     bench = Bench([])
     code = compile(f"def main():\n    {statement}\n", "blink.py", "exec")
     space: dict[str, object] = {"flags": bench.flags}
@@ -205,7 +205,7 @@ def test_what_cannot_be_asked_is_told_with_the_statement(statement: str):
     assert str(raised.value) == before + WRONG[statement].format(where)
 
 
-def test_what_is_no_number_of_a_half_is_told():
+def test_an_invalid_condition_on_a_half_is_refused():
     dsp, _ = unit("TIMER0")
     half = dsp.module("TIMER0").PRD.half
     with pytest.raises(AttributeError, match=r"TIMER0\.PRD\.half has no field 'all'"):

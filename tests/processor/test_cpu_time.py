@@ -1,4 +1,4 @@
-"""Time of one CPU: errors in its firmware, a change of its clock, firmware that is ended and begun anew."""
+"""The time of one CPU: errors in its firmware, a change of its clock, and firmware that is killed and started again."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ def line() -> int:
     return sys._getframe(1).f_lineno
 
 
-def test_error_in_our_own_code_stays_what_it_is():
+def test_an_error_in_periph_sim_itself_is_raised_unchanged():
     bench = Bench([])
     with pytest.raises(TypeError):
         bench.run(lambda: bench.cpu.compute("ten"), 100)
 
 
 @pytest.mark.parametrize(("message", "text"), [(("too hot",), "too hot"), ((), "no message")])
-def test_error_of_firmware_is_told_with_its_line(message: tuple[str, ...], text: str):
+def test_an_error_of_firmware_is_reported_with_its_line(message: tuple[str, ...], text: str):
     bench = Bench([])
     raised: list[int] = []
 
@@ -39,7 +39,7 @@ def test_error_of_firmware_is_told_with_its_line(message: tuple[str, ...], text:
     assert str(error.value) == f"dsp: OverflowError at line {raised[0]} of test_cpu_time.py: {text}"
 
 
-def test_error_that_firmware_words_itself_stays_as_it_is():
+def test_a_firmware_error_raised_by_firmware_is_unchanged():
     bench = Bench([])
 
     def main() -> None:
@@ -52,8 +52,8 @@ def test_error_that_firmware_words_itself_stays_as_it_is():
 
 @pytest.mark.parametrize("how", ["instruction", "compute"])
 @pytest.mark.parametrize("hz", [75_000_000, 300_000_000])
-def test_firmware_goes_on_at_the_rate_of_a_retuned_clock(hz: int, how: str):
-    """Of 1000 cycles 400 are over when the clock changes."""
+def test_firmware_continues_at_the_rate_of_a_retuned_clock(hz: int, how: str):
+    """The clock changes after 400 of 1000 cycles."""
     bench = Bench([])
     ended: list[int] = []
 
@@ -73,13 +73,13 @@ def test_firmware_goes_on_at_the_rate_of_a_retuned_clock(hz: int, how: str):
     assert bench.kernel.events == 3  # start, change, end
 
 
-def test_firmware_that_is_ended_runs_its_finally_and_lands_no_write():
+def test_killed_firmware_runs_its_finally_and_its_posted_writes_do_not_land():
     bench = Bench([(1, 4, -1)])
 
     def main() -> None:
         try:
             bench.cpu.compute(10)
-            bench.flags.STATUS.all = 4  # would clear C two cycles later
+            bench.flags.STATUS.all = 4  # would clear C two cycles later, if it landed
             bench.cpu.compute(1000)
         finally:
             bench.note("ended")
@@ -87,14 +87,14 @@ def test_firmware_that_is_ended_runs_its_finally_and_lands_no_write():
     bench.cpu.start(main, delay=5)
     bench.kernel.run_until(16 * TICKS)
     bench.processor.kill()
-    bench.processor.time.reclock()  # of a CPU that waits for nothing
+    bench.processor.time.reclock()  # must do nothing, since the CPU waits for nothing
     assert bench.log == [("ended", 16)]
     bench.kernel.run_until(2000 * TICKS)
     assert (bench.chip.status, bench.cpu.program.finished, bench.kernel.next_time()) == (4, False, NEVER)
     assert bench.processor.causing_statement() is None
 
 
-def test_firmware_that_is_ended_in_its_sleep_is_not_woken_by_an_interrupt():
+def test_an_interrupt_does_not_wake_killed_firmware():
     bench = Bench([])
     bench.cpu.start(lambda: bench.cpu.compute(1000))
     bench.kernel.run_until(10 * TICKS)
@@ -106,15 +106,15 @@ def test_firmware_that_is_ended_in_its_sleep_is_not_woken_by_an_interrupt():
 def test_firmware_can_be_started_again():
     bench = Bench([])
     bench.cpu.start(lambda: (bench.cpu.compute(49), bench.flags.STATUS.__setattr__("all", 4), bench.cpu.compute(100)))
-    bench.kernel.run_until(50 * TICKS)  # a write is on its way
+    bench.kernel.run_until(50 * TICKS)  # a write is posted
     bench.processor.kill()
     bench.cpu.start(lambda: (bench.cpu.compute(30), bench.note("end")), delay=7)
     bench.kernel.run_until(1000 * TICKS)
     assert bench.log == [("end", 50 + 7 + 30)] and bench.cpu.program.finished
 
 
-def test_what_a_read_sets_off_cuts_into_the_computation_behind_it():
-    """The read of COUNT in cycle 102, its second wait state over, promises an interrupt for five cycles later."""
+def test_an_interrupt_caused_by_a_read_interrupts_the_computation_after_it():
+    """The read of COUNT in cycle 102, after its second wait state, schedules an interrupt for five cycles later."""
     bench = Bench([])
     bench.enable()
     bench.cpu.program.handle("SEQ1INT", lambda: bench.note("served"))
@@ -131,8 +131,8 @@ def test_what_a_read_sets_off_cuts_into_the_computation_behind_it():
     assert log == [("read", 102), ("served", 102 + 5 + 14)]
 
 
-def test_it_is_the_time_of_the_access_for_everybody_when_a_write_lands_or_a_read_acts():
-    """Reads without side effects pass before, which need nobody else."""
+def test_kernel_time_is_that_of_the_access_when_a_write_lands_or_a_read_has_effects():
+    """Reads without side effects are made earlier, since no other party can notice."""
     bench = Bench([])
     seen: list[tuple[str, int, int]] = []
     read, write = bench.chip.read, bench.chip.write

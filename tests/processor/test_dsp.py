@@ -1,4 +1,4 @@
-"""A unit put together: where its modules stand, and how they follow clocks and gates that firmware changes back."""
+"""A complete unit: the addresses of its modules, and how modules follow clocks and gates that firmware changes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,10 @@ FRAMES = """
 
 
 def unit(*modules: str, low: frozenset[int] = frozenset(), **wires: int) -> tuple[Dsp, Kernel, dict[str, Wire]]:
-    """A unit with wires by name -> GPIO number. low: pads that a resistor pulls down."""
+    """Return a unit with wires, given by name and GPIO number, its kernel and the wires.
+
+    low: pads that a resistor pulls down.
+    """
     kernel, recorder = Kernel(), Recorder()
     made = {name: Wire(kernel, name, recorder) for name in wires}
     plan = DspPlan("dsp", modules, {pin: made[name] for name, pin in wires.items()}, pulled_down=low)
@@ -41,16 +44,16 @@ def run(dsp: Dsp, kernel: Kernel, firmware: Callable[[], None]) -> None:
     assert dsp.cpu.program.finished
 
 
-def test_every_module_ends_where_the_manual_has_the_end_of_its_addresses():
+def test_every_module_has_the_address_range_of_the_manual():
     memory = unit(*PART.selectable)[0].memory
     words = FRAMES.split()
-    told = {name: (int(first, 16), int(last, 16)) for name, first, last in zip(*[iter(words)] * 3, strict=True)}
-    assert {name: (place.base, place.base + place.size - 1) for name, place in memory.places.items()} == told
+    manual = {name: (int(first, 16), int(last, 16)) for name, first, last in zip(*[iter(words)] * 3, strict=True)}
+    assert {name: (place.base, place.base + place.size - 1) for name, place in memory.places.items()} == manual
     assert memory.at(0x7000) is None
     assert str(memory.refusal(0x7000)).startswith("0x7000 belongs to no module")
 
 
-def test_a_module_whose_clock_is_taken_back_can_be_written_no_more():
+def test_a_module_whose_clock_is_disabled_again_ignores_writes():
     dsp, kernel, _ = unit("SCI-A")
     seen: list[int] = []
 
@@ -95,17 +98,17 @@ def test_without_its_clock_a_module_reads_0(module: str, enable: str, register: 
 
 
 @pytest.mark.parametrize("skip", [False, True])
-def test_a_wait_sees_a_register_without_clock_as_a_read_does_and_a_debugger_sees_what_it_holds(skip: bool):
-    """The timer's routine takes the clock away and gives it back; the wait is for what the register holds."""
+def test_without_clock_a_wait_reads_0_and_a_debugger_sees_the_value_of_the_register(skip: bool):
+    """The timer's routine stops and restarts the module's clock; firmware waits to read 0 and then the value."""
     dsp, kernel = bench.unit("SCI-A", "TIMER0", skip_polls=skip)
-    told: list[tuple[str, int]] = []
+    log: list[tuple[str, int]] = []
 
     def tick() -> None:
         clocks = dsp.module("SYS")
         dsp.eallow()
         clocks.PCLKCR0.SCIAENCLK = 1 - clocks.PCLKCR0.SCIAENCLK
         dsp.edis()
-        told.append(("held", dsp.sockets["SCI-A"].peek(dsp.cpu.cycle, SCI_MAP["SCILBAUD"].offset)))
+        log.append(("held", dsp.sockets["SCI-A"].peek(dsp.cpu.cycle, SCI_MAP["SCILBAUD"].offset)))
         dsp.module("PIE").PIEACK.all = 1
 
     def main() -> None:
@@ -119,13 +122,13 @@ def test_a_wait_sees_a_register_without_clock_as_a_read_does_and_a_debugger_sees
         start_pie(dsp, {"TINT0": tick})
         timer.TCR.all = 0x4020  # TIE, TRB
         dsp.spin(lambda: sci.SCILBAUD.all == 0)
-        told.append(("gone", dsp.cpu.cycle))
+        log.append(("gone", dsp.cpu.cycle))
         dsp.spin(lambda: sci.SCILBAUD.all == 0x11)
-        told.append(("back", dsp.cpu.cycle))
+        log.append(("back", dsp.cpu.cycle))
 
     run(dsp, kernel, main)
-    assert [what for what, _ in told[:4]] == ["held", "gone", "held", "back"]
-    held, gone, still, back = (value for _, value in told[:4])
+    assert [what for what, _ in log[:4]] == ["held", "gone", "held", "back"]
+    held, gone, still, back = (value for _, value in log[:4])
     assert held == still == 0x11
     assert 2900 < back - gone < 3100
     assert "sci.clock_gate_access" in dsp.touched
@@ -205,8 +208,8 @@ def test_pieack_after_pieier_requests_a_second_time_and_the_error_says_so():
         run(dsp, kernel, main)
 
 
-def test_lspclk_changed_and_changed_back_is_that_of_the_sci_each_time():
-    """One data bit of 0 behind the start bit: TXD is low for 16 SCICLK of two LSPCLK each, as BRR = 0 has it."""
+def test_the_sci_follows_lspclk_when_it_is_changed_and_changed_back():
+    """The start bit and one data bit of 0: with BRR = 0, TXD is low for 16 SCICLK of two LSPCLK each."""
     dsp, kernel, wires = unit("SCI-A", TXD=29)
     low: list[int] = []
     watch([wires["TXD"]], lambda tick, level: low.append(dsp.clock.cycle_at(tick)))
@@ -227,8 +230,8 @@ def test_lspclk_changed_and_changed_back_is_that_of_the_sci_each_time():
     assert [rise - fall for fall, rise in zip(low[::2], low[1::2], strict=True)] == [16 * 2 * n for n in (4, 2, 4)]
 
 
-def test_the_statement_of_a_lost_word_is_the_write_and_not_what_runs_when_it_lands():
-    """TXSHF takes the first character, SCITXBUF the second; the third is lost while the statement behind it runs."""
+def test_the_statement_of_a_lost_word_is_the_write_and_not_the_one_at_its_landing():
+    """TXSHF takes the first character and SCITXBUF the second; the third is lost while the next statement runs."""
     dsp, kernel, _ = unit("SCI-A")
 
     def main() -> None:
@@ -249,8 +252,8 @@ def test_the_statement_of_a_lost_word_is_the_write_and_not_what_runs_when_it_lan
     assert (count, place.line - main.__code__.co_firstlineno) == (1, 9)
 
 
-def test_a_reset_takes_all_modules_at_once_so_that_none_sees_the_slower_clock_at_work():
-    """I2CPSC = 14 suits 150 MHz; at the reset's 7.5 MHz it would be told to be wrong."""
+def test_a_reset_resets_all_modules_before_any_sees_the_slower_clock():
+    """I2CPSC = 14 suits 150 MHz; at the 7.5 MHz after the reset it would be noted as wrong."""
     dsp, kernel, _ = unit("I2C-A", SDA=32, SCL=33)
 
     def main() -> None:
@@ -258,7 +261,7 @@ def test_a_reset_takes_all_modules_at_once_so_that_none_sees_the_slower_clock_at
             start_i2c(dsp)
             dsp.module("I2C-A").I2CMDR.IRS = 1
             dsp.eallow()
-            dsp.module("SYS").WDCR.all = 0  # WDCHK is wrong: a reset
+            dsp.module("SYS").WDCR.all = 0  # a wrong value of WDCHK resets the unit
 
     dsp.start(main)
     kernel.run_until(kernel.now + 2_000_000)
@@ -278,7 +281,7 @@ def reset_by_pin(dsp: Dsp, kernel: Kernel, low_at: int, low_for: int) -> None:
 
 
 def test_a_unit_whose_reset_pin_is_low_for_long_stays_in_reset_until_its_release():
-    """The watchdog, which a reset switches on, overflows 4.37 ms later if it counts."""
+    """The watchdog, which a reset enables, would overflow after 4.37 ms if it counted."""
     dsp, kernel, _ = unit()
     begun: list[int] = []
 
@@ -297,7 +300,7 @@ def test_a_unit_whose_reset_pin_is_low_for_long_stays_in_reset_until_its_release
 
 
 def test_modules_count_from_the_release_of_the_reset_pin():
-    """Main reads WDCNTR and TIM at once: SYSCLKOUT is 7.5 MHz, and WDCNTR counts each 512 periods of OSCCLK."""
+    """Main reads WDCNTR and TIM at once: SYSCLKOUT is 7.5 MHz, and WDCNTR counts every 512 periods of OSCCLK."""
     dsp, kernel = bench.unit("TIMER0", from_boot=True)
     seen: list[tuple[int, bool]] = []
 

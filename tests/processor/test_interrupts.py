@@ -1,4 +1,4 @@
-"""From a request to the service routine and back, on the host: latency, boundaries, nesting, order."""
+"""From an interrupt request to the service routine and back in Python firmware: latency, boundaries, nesting, order."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tests.processor.bench import Bench, recorder_of
 
 
 def served(bench: Bench, cost: int = 20) -> None:
-    """Both lines get routines that note their entry and their end."""
+    """Give both lines routines that note their entry and their end."""
 
     def routine(name: str) -> None:
         bench.note(f"{name} in")
@@ -49,7 +49,7 @@ def test_open_vector_fetch_waits_on_the_host(waits):
 @pytest.mark.parametrize("intm", [0, 1])
 @pytest.mark.parametrize("wake", [0, 1, 16])
 def test_open_idle_wake_on_the_host(wake, intm):
-    """A request at 100 wakes the CPU at 104: the service routine comes 10 cycles behind that, or else what follows."""
+    """A request at 100 wakes the CPU at 104; with INTM = 0 the routine begins 10 cycles later, else main continues."""
 
     def main(bench: Bench) -> None:
         if intm:
@@ -79,21 +79,21 @@ def test_the_instruction_in_progress_completes_first(into):
 @pytest.mark.rule("SYS-131")
 def test_a_repeated_instruction_is_not_interrupted():
     def main(bench: Bench) -> None:
-        bench.cpu.instruction(100)  # RPT #99 before the request, to its end
+        bench.cpu.instruction(100)  # as RPT #99, which begins before the request and is executed to its end
         bench.cpu.compute(100)
 
     assert entry_after(50, main) == 100 + 10 - 50
 
 
 @pytest.mark.rule("SYS-137", "SYS-142", "SYS-100", "SYS-101")
-def test_nothing_is_taken_during_entry_routine_or_return():
+def test_no_interrupt_is_taken_during_entry_routine_or_return():
     bench = Bench([(100, 0, 0), (103, 0, 1)])
     served(bench)
     log = bench.run(lambda: bench.cpu.compute(1000), 400)
     first_in, first_out, second_in, _ = (cycle for _, cycle in log)
     assert first_in == 114
     iret_done = first_out + 8
-    assert second_in == iret_done + 10  # the acknowledge let the pulse out before; IRET had to complete
+    assert second_in == iret_done + 10  # the acknowledge released the pulse earlier, but IRET had to complete
 
 
 @pytest.mark.rule("SYS-143")
@@ -110,12 +110,12 @@ def test_open_irq_after_iret_on_the_host(option, instructions):
     log = bench.run(main, 300)
     names = [name for name, _ in log]
     out, second = names.index("1 out"), names.index("2 in")
-    # the first "main" after a return closes the instruction during whose boundary the interrupt came
+    # the first "main" after the return belongs to the instruction that the first interrupt followed
     assert names[out + 1 : second].count("main") == instructions
 
 
 @pytest.mark.rule("SYS-144", "SYS-145")
-def test_setc_and_clrc_intm_hold_and_release():
+def test_setc_intm_delays_an_interrupt_until_clrc_intm():
     bench = Bench([(20, 0, 0)])
     served(bench)
 
@@ -151,7 +151,7 @@ def test_idle_waits_for_an_enabled_interrupt(intm):
     assert bench.kernel.events <= 6
 
 
-def test_interrupts_cut_a_computation_and_it_pays_its_rest_afterwards():
+def test_an_interrupted_computation_continues_for_its_remaining_cycles():
     bench = Bench([(100, 0, 0)])
     served(bench, cost=30)
 
@@ -164,7 +164,7 @@ def test_interrupts_cut_a_computation_and_it_pays_its_rest_afterwards():
     assert log[-1] == ("done", 500 + entry + routine + iret)
 
 
-def test_a_vector_without_a_routine_is_a_mistake_that_names_it():
+def test_an_interrupt_without_a_handler_ends_the_run_with_its_name():
     bench = Bench([(100, 0, 0)])
     bench.enable()
     with pytest.raises(
@@ -173,7 +173,7 @@ def test_a_vector_without_a_routine_is_a_mistake_that_names_it():
         bench.run(lambda: bench.cpu.compute(1000), 400)
 
 
-def test_a_vector_from_boot_rom_is_a_mistake_that_says_so():
+def test_an_interrupt_with_the_pie_disabled_ends_the_run():
     bench = Bench([(100, 0, 0)])
     served(bench)
     bench.pie.write(0, 0, 0)  # ENPIE = 0
@@ -193,7 +193,7 @@ def test_a_vector_from_boot_rom_is_a_mistake_that_says_so():
         (lambda cpu: cpu.nop(), 1, 0x0011, 1, 0),
     ],
 )
-def test_what_instructions_about_interrupts_do_and_cost(call, cost, ier, intm, eallow):
+def test_effects_and_cycles_of_instructions_for_interrupts(call, cost, ier, intm, eallow):
     bench = Bench([])
     bench.core.ier = 0x0011
 
@@ -206,7 +206,7 @@ def test_what_instructions_about_interrupts_do_and_cost(call, cost, ier, intm, e
 
 
 def test_a_note_of_the_cpu_is_counted_and_recorded_each_time():
-    """IRET with INTM = 0, in two routines."""
+    """Two routines reach IRET with INTM = 0."""
     recorder, records = recorder_of(Kind.NOTE)
     bench = Bench([(100, 0, 0), (300, 0, 0)], recorder=recorder)
     bench.enable()
@@ -226,10 +226,10 @@ def test_a_note_of_the_cpu_is_counted_and_recorded_each_time():
 
 @pytest.mark.rule("SYS-126")
 @pytest.mark.parametrize(("field", "pause", "reported"), [("all", 0, 1), ("PIEACK", 0, 1), ("PIEACK", 1, 0)])
-def test_pieack_and_eint_without_a_nop_between_are_noted_for_the_word_and_for_its_field(
+def test_pieack_and_eint_without_a_nop_between_are_noted_for_word_and_field_writes(
     field: str, pause: int, reported: int
 ):
-    """PIEACK = 1, NOP or not, CLRC INTM."""
+    """The routine writes PIEACK, executes a NOP or not, and then CLRC INTM."""
     bench = Bench([(100, 0, 0)])
     bench.enable()
 
@@ -248,7 +248,7 @@ def test_pieack_and_eint_without_a_nop_between_are_noted_for_the_word_and_for_it
 
 @pytest.mark.parametrize("into", range(8))
 def test_after_main_returns_service_routines_still_run(into: int):
-    """Main ends in the run-time library's endless branch, 4 cycles a pass; IFR latches 4 cycles after the request."""
+    """After main, the CPU is in an endless branch of 4 cycles; IFR latches 4 cycles after the request."""
 
     def main(bench: Bench) -> None:
         bench.cpu.compute(50)

@@ -1,4 +1,4 @@
-"""Pads as modules see them through the multiplexer and the external interrupts, at the cycle of each setting."""
+"""Levels of pads that modules receive through the multiplexer and as external interrupts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ FRAME = 3 * 8 * 8  # cycles of start, data and stop bit with BRR = 0 and LSPCLK 
 
 
 def sci_on_gpio28(dsp: Dsp) -> None:
-    """SCI-A receives one data bit a character; GPIO28 is its pin, without a synchroniser of the GPIO's."""
+    """Make SCI-A receive characters of one data bit on GPIO28, without the GPIO's synchroniser."""
     clocks, gpio = dsp.module("SYS"), dsp.module("GPIO")
     clocks.PCLKCR0.SCIAENCLK = 1
     gpio.GPAQSEL2.GPIO28 = 3
@@ -21,7 +21,7 @@ def sci_on_gpio28(dsp: Dsp) -> None:
     dsp.module("SCI-A").SCICTL1.all = 0x21
 
 
-def test_a_pad_that_is_low_when_the_multiplexer_gives_it_to_the_sci_begins_a_start_bit_then():
+def test_a_pad_that_is_low_when_the_multiplexer_connects_it_to_the_sci_begins_a_start_bit():
     dsp, kernel, wires = unit("GPIO", "SCI-A", RXD=28)
     wires["RXD"].attach("hand").drive(0)
     cycles: list[int] = []
@@ -31,10 +31,10 @@ def test_a_pad_that_is_low_when_the_multiplexer_gives_it_to_the_sci_begins_a_sta
         dsp.eallow()
         sci_on_gpio28(dsp)
         gpio.GPAMUX2.GPIO28 = 0
-        sci.SCICTL1.all = 0x01  # SW RESET: whatever came before is forgotten
+        sci.SCICTL1.all = 0x01  # SW RESET discards anything received before
         dsp.compute(10)
         sci.SCICTL1.all = 0x21
-        for _ in range(500):  # nobody else has a say meanwhile
+        for _ in range(500):  # no other event occurs meanwhile
             _ = sci.SCICCR.all
         gpio.GPAMUX2.GPIO28 = 1
         cycles.append(dsp.cpu.cycle)
@@ -43,10 +43,10 @@ def test_a_pad_that_is_low_when_the_multiplexer_gives_it_to_the_sci_begins_a_sta
 
     run(dsp, kernel, main)
     given, framed = cycles
-    assert FRAME - 8 < framed - given < FRAME + 16  # FE comes with the last tick of the stop bit, the read behind it
+    assert FRAME - 8 < framed - given < FRAME + 16  # FE is set in the last tick of the stop bit and read after it
 
 
-def test_an_external_interrupt_enabled_after_the_edge_of_a_pin_that_feeds_the_sci_does_not_ask():
+def test_an_external_interrupt_enabled_after_the_edge_of_a_shared_pin_makes_no_request():
     dsp, kernel, wires = unit("GPIO", "SCI-A", "XINT", RXD=28)
     hand = wires["RXD"].attach("hand")
     kernel.call_at(kernel.now + 5000 * CYCLE, lambda: hand.drive(0))
@@ -66,7 +66,7 @@ def test_an_external_interrupt_enabled_after_the_edge_of_a_pin_that_feeds_the_sc
     assert asked == [0]
 
 
-def test_a_pad_that_a_resistor_pulls_down_is_low_again_once_the_sci_has_let_it_go():
+def test_a_pad_with_a_pull_down_is_low_again_when_the_sci_releases_it():
     dsp, kernel, wires = unit("GPIO", "SCI-A", low=frozenset({29}), TXD=29)
     levels: list[int] = []
 
@@ -82,7 +82,7 @@ def test_a_pad_that_a_resistor_pulls_down_is_low_again_once_the_sci_has_let_it_g
 
 
 def events(second: int) -> int:
-    """What a run takes in which two pads fall, 5 and `second` ticks behind a SYSCLKOUT edge."""
+    """Return the events of a run in which two pads fall 5 and `second` ticks after a SYSCLKOUT edge."""
     dsp, kernel, wires = unit("GPIO", "SCI-A", "XINT", RXD=28, BUTTON=7)
     for wire, tick in zip(wires.values(), (5, second), strict=True):
         kernel.call_at(kernel.now + 5000 * CYCLE + tick, partial(wire.attach("hand").drive, 0))
@@ -99,5 +99,5 @@ def events(second: int) -> int:
     return kernel.events
 
 
-def test_edges_between_the_same_two_sysclkout_edges_are_looked_at_once():
+def test_edges_between_the_same_two_sysclkout_edges_are_sampled_once():
     assert events(5) == events(9) == events(22) - 1

@@ -1,4 +1,4 @@
-"""A loop of Python that polls registers without `dsp.spin` is reported while it runs, with its line; waits are not.
+"""A loop of Python that polls registers without `dsp.spin` is reported with its line while it runs; waits are not.
 
 reads  R R R R ... R (1000)   -> one note, and a line on standard error
 waits  spin, R, spin, R, ...  -> none
@@ -36,7 +36,7 @@ def main(dsp, settings):
 
 
 def run(folder: Path, loop: str, duration: str = "1 ms") -> tuple[Result, list[Record]]:
-    """The result of a run, and its notes as they were recorded."""
+    """Return the result of a run, and the records of its notes."""
     (folder / "polls.py").write_text(FIRMWARE.format(loop=loop), encoding="utf-8")
     case = folder / "polls.toml"
     case.write_text(CASE.format(duration=duration), encoding="utf-8")
@@ -67,7 +67,7 @@ def test_a_loop_that_polls_is_reported_once_with_its_line(
     assert capsys.readouterr().err == f"dsp, line 3 of polls.py: {SAYS}\n"
 
 
-def test_it_is_reported_while_the_loop_runs_and_not_at_its_end(tmp_path: Path):
+def test_a_loop_is_reported_while_it_runs(tmp_path: Path):
     _, notes = run(tmp_path, "while i2c.I2CSTR.AAS == 0: pass")
     assert notes[0].tick < 3_000_000_000 / 1000 / 4, "in the first quarter of this millisecond"
 

@@ -1,4 +1,4 @@
-"""Skipped waiting equals brute-force polling: same cycles, whatever the period, the phase and the interrupts."""
+"""Skipped waits take the same cycles as executing every poll, for any period, phase and interrupts."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_skipping_equals_polling_on_a_clock_that_does_not_divide(changes, lead, 
 
 
 def until(bench: Bench, condition: Callable[[], object]) -> Callable[[], None]:
-    """Firmware that waits for the condition, and notes when it was seen."""
+    """Return firmware that waits for the condition, and then makes a note."""
 
     def main() -> None:
         bench.waits.spin(condition)
@@ -98,16 +98,16 @@ def until(bench: Bench, condition: Callable[[], object]) -> Callable[[], None]:
 
 
 @pytest.mark.parametrize("wait", [1_000, 1_000_000, 1_000_000_000])
-def test_a_wait_costs_the_same_number_of_events_however_long_it_is(wait):
+def test_a_wait_of_any_length_takes_the_same_number_of_events(wait):
     bench = Bench([(wait, 1, -1)])
     log = bench.run(until(bench, lambda: bench.flags.STATUS.A == 1), wait + 100)
     assert bench.kernel.events == 3  # the start, the flag, the resumption
     (_, cycle) = log[0]
-    assert wait <= cycle - 5 <= wait + 10  # at most one pass late, then the read's end and the branch not taken
+    assert wait <= cycle - 5 <= wait + 10  # at most one pass late, then the end of the read and the branch not taken
 
 
 def test_polls_are_ten_cycles_apart_and_see_the_flag_at_the_read():
-    """One pass: read 1 + 2 wait states, branch back 7. A flag of cycle f is seen by the first read at or after f."""
+    """A pass is a read with 2 wait states and a branch of 7 cycles. The first read at or after the flag sees it."""
     for flag in range(5, 40):
         bench = Bench([(flag, 1, -1)])
         main = until(bench, lambda flags=bench.flags: flags.STATUS.A == 1)
@@ -116,21 +116,21 @@ def test_polls_are_ten_cycles_apart_and_see_the_flag_at_the_read():
         assert bench.run(main, 200) == [("seen", seen + 1 + 4)]
 
 
-def test_a_flag_that_is_gone_before_the_next_read_is_missed():
+def test_a_flag_that_is_cleared_before_the_next_read_is_missed():
     bench = Bench([(14, 1, -1), (20, 0, -1)])
     assert bench.run(until(bench, lambda: bench.flags.STATUS.A == 1), 500) == []
 
 
-def test_a_spin_on_a_register_that_a_read_changes_is_polled_for_real():
+def test_polls_of_a_register_that_a_read_changes_are_not_skipped():
     bench = Bench([(50, 1, -1), (60, 1, -1)])
     bench.run(until(bench, lambda: bench.flags.COUNT.N == 2), 300)
-    assert bench.log == []  # every pass took what had come so far: never two at once
+    assert bench.log == []  # every pass clears the count, so it never becomes 2
     assert bench.cpu.program.polls_skipped == 0
 
 
 @pytest.mark.parametrize("skip", [True, False])
 def test_a_wait_for_a_bit_in_the_upper_half_of_a_32_bit_register_ends(skip):
-    """GPIO28 is bit 28 of GPADAT: the wire behind it falls and rises while firmware waits for both."""
+    """GPIO28 is bit 28 of GPADAT; its wire falls and rises while firmware waits for both."""
     kernel, recorder = Kernel(), Recorder()
     wire = Wire(kernel, "RX", recorder)
     hand = wire.attach("hand")
@@ -150,8 +150,8 @@ def test_a_wait_for_a_bit_in_the_upper_half_of_a_32_bit_register_ends(skip):
     assert seen == [0, 1]
 
 
-def test_a_write_on_its_way_lands_though_the_wait_behind_it_is_skipped():
-    """A pass of 3 cycles, its read outside of the block; the write before it lands 4 cycles after its issue."""
+def test_a_posted_write_lands_although_the_wait_after_it_is_skipped():
+    """A pass of 3 cycles reads outside of the protected block; the write lands 4 cycles after its issue."""
     bench = Bench([(1, 4, -1)], options=SystemOptions(write_lands=4), code=replace(BARE, poll_pass=3))
 
     def main() -> None:
@@ -163,8 +163,8 @@ def test_a_write_on_its_way_lands_though_the_wait_behind_it_is_skipped():
     assert bench.chip.status == 0, "the wait still lasts"
 
 
-def test_a_wait_is_skipped_on_behind_an_interrupt_that_cut_into_it():
-    """Passes of 6 cycles up to the flag in cycle 9000: all but a handful are skipped."""
+def test_a_wait_is_skipped_again_after_an_interrupt():
+    """Passes take 6 cycles and the flag is set in cycle 9000: nearly all of them are skipped."""
     bench = Bench([(100, 0, 0), (9000, 1, -1)], code=replace(BARE, poll_pass=6))
     bench.enable()
     bench.cpu.program.handle("SEQ1INT", lambda: bench.note("served"))
@@ -188,8 +188,8 @@ def test_waits_with_thousands_of_reads_in_a_pass_are_recorded():
     assert [record.text for record in records if not record.value] == ["", TIMED_OUT]
 
 
-def test_an_interrupt_asked_for_behind_a_wait_waits_for_the_end_of_an_instruction():
-    """The write behind the wait asks for it; the instruction of 1000 cycles goes on, and B rises meanwhile."""
+def test_an_interrupt_requested_after_a_wait_is_taken_at_the_end_of_the_instruction():
+    """The write after the wait requests it; the instruction of 1000 cycles is completed, and B rises meanwhile."""
     bench = Bench([(1000, 1, -1), (1500, 3, -1)])
     bench.enable()
     bench.cpu.program.handle("SEQ1INT", lambda: bench.note("served"))
@@ -211,33 +211,33 @@ def test_an_interrupt_asked_for_behind_a_wait_waits_for_the_end_of_an_instructio
     assert bench.kernel.events == 5
 
 
-def asked(
+def evaluations(
     changes: list[tuple[int, int, int]], work: int = 0, *, skip: bool = True
 ) -> tuple[list[tuple[str, int]], int]:
-    """Return what a wait for A reads, with `work` cycles in its condition, and the number of its evaluations."""
+    """Return the log of a wait for A with `work` cycles in its condition, and how often the condition was evaluated."""
     bench = Bench(changes, code=replace(BARE, poll_pass=10), skip_polls=skip)
-    asked: list[int] = []
+    evaluated: list[int] = []
 
     def condition() -> bool:
-        asked.append(bench.cpu.cycle)
+        evaluated.append(bench.cpu.cycle)
         bench.cpu.compute(work)
         return bool(bench.flags.STATUS.A)
 
-    return bench.run(until(bench, condition), 600), len(asked)
+    return bench.run(until(bench, condition), 600), len(evaluated)
 
 
-def test_a_condition_is_asked_again_only_where_a_bit_that_it_read_differs():
-    """A comes and goes between two reads three times; then it comes and stays."""
+def test_a_condition_is_evaluated_again_only_when_a_bit_that_it_read_differs():
+    """A is set and cleared three times between two reads; then it is set and stays."""
     glitches = [(104, 1, -1), (107, 0, -1), (204, 1, -1), (207, 0, -1), (304, 1, -1), (307, 0, -1)]
-    seen, times = asked([*glitches, (400, 1, -1)])
+    seen, times = evaluations([*glitches, (400, 1, -1)])
     assert times == 2  # the first pass, and the one that ends the wait
-    polled, every_pass = asked([*glitches, (400, 1, -1)], skip=False)
+    polled, every_pass = evaluations([*glitches, (400, 1, -1)], skip=False)
     assert seen == polled == [("seen", 402 + 1 + 4)] and every_pass == 41
 
 
 @pytest.mark.parametrize("work", [1, 7])
-def test_a_condition_that_takes_time_of_its_own_is_asked_in_each_pass_that_is_made(work):
+def test_a_condition_that_computes_is_evaluated_in_each_executed_pass(work):
     glitches = [(104, 1, -1), (105, 0, -1), (204, 1, -1), (206, 0, -1), (304, 1, -1), (309, 0, -1), (400, 1, -1)]
-    seen, times = asked(glitches, work)
-    polled, every_pass = asked(glitches, work, skip=False)
+    seen, times = evaluations(glitches, work)
+    polled, every_pass = evaluations(glitches, work, skip=False)
     assert seen == polled and 2 < times < every_pass

@@ -1,7 +1,7 @@
-"""Writes are posted: when they land, which reads wait for them, which overtake them, and what an interrupt sees.
+"""Posted writes: when they land, which reads wait for them, which overtake them, and what an interrupt sees.
 
-A diagram has a row for each register and way, a column a cycle, `^` where the access takes effect; `end` is where main
-is when it has issued everything. A read in the column of a landing comes before it.
+A diagram has a row for each register and direction and a column for each cycle; `^` marks the cycle in which the access
+takes effect, and `end` the one in which main has issued everything. A read in the cycle of a landing comes before it.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def set_c(bench: Bench) -> None:
 
 
 @pytest.mark.rule("SYS-037")
-def test_field_write_costs_what_a_read_costs_and_lands_two_cycles_after_its_read():
+def test_a_field_write_takes_the_cycles_of_a_read_and_lands_two_cycles_after_its_read():
     assert drawn(set_c, 8) == tidy("""
         R STATUS ..^.....
         W STATUS ....^...
@@ -99,7 +99,7 @@ def test_read_outside_of_the_block_overtakes_the_write_of_a_field_write():
 
 
 @pytest.mark.parametrize("event", range(8))
-def test_read_in_the_cycle_of_a_landing_comes_before_it_whatever_else_happens_then(event):
+def test_a_read_in_the_cycle_of_a_landing_precedes_it(event):
     recorder, accesses = recorder_of(Kind.ACCESS)
     bench = Bench([(event, 1, -1)], recorder=recorder)
     bench.run(lambda: (set_c(bench), bench.pie_regs.PIECTRL.all), 100)
@@ -111,7 +111,7 @@ def test_read_in_the_cycle_of_a_landing_comes_before_it_whatever_else_happens_th
 
 
 def sees_the_write(between: int, options: SystemOptions | None = None) -> bool:
-    """Return True if the count is the reloaded one so many instructions behind the write that reloads it."""
+    """True if a read after `between` instructions sees the count that the write reloads."""
     dsp, kernel = unit("TIMER0", code=BARE, system=options or SystemOptions())
     timer = dsp.module("TIMER0")
     seen: list[int] = []
@@ -137,8 +137,8 @@ def test_read_of_a_timer_overtakes_the_write_before_it(between, overtakes):
 
 
 @pytest.mark.rule("SYS-043")
-def test_read_of_the_register_just_written_waits_wherever_it_is():
-    """PF0: write 1, three cycles of protection, read 2."""
+def test_a_read_of_the_register_just_written_waits_in_any_frame():
+    """In frame 0 the write takes 1 cycle, the protection 3 and the read 2."""
 
     def main(bench: Bench) -> None:
         bench.pie_regs.PIEIER3.all = 5
@@ -165,7 +165,7 @@ def test_writes_land_in_the_order_in_which_they_were_issued():
 
 
 def test_routine_entered_between_issue_and_landing_sees_the_write():
-    """The interrupt is taken at the boundary behind the field write, a cycle before this lands."""
+    """The interrupt is taken at the boundary after the field write, one cycle before the write lands."""
 
     def main(bench: Bench) -> None:
         bench.enable()
@@ -175,7 +175,7 @@ def test_routine_entered_between_issue_and_landing_sees_the_write():
 
         bench.cpu.program.handle("SEQ1INT", routine)
         bench.cpu.compute(19)
-        bench.flags.STATUS.C = 1  # written 1 clears it: set since cycle 2
+        bench.flags.STATUS.C = 1  # C is set since cycle 2; writing 1 clears it
 
     changes = [(2, 4, -1), (18, 4, 0)]
     assert drawn(main, 49, changes=changes) == tidy("""
@@ -189,8 +189,8 @@ def test_routine_entered_between_issue_and_landing_sees_the_write():
     assert bench.log == [("C=0", 35)]
 
 
-def test_landing_write_keeps_place_and_cause_of_the_statement_that_issued_it():
-    """A routine's last write lands behind its IRET; a main's lands while a routine is being entered."""
+def test_a_landing_write_has_the_place_and_cause_of_the_statement_that_issued_it():
+    """A routine's last write lands after its IRET; a write of main lands while a routine is being entered."""
     recorder, records = recorder_of(Kind.ACCESS, Kind.IRQ)
     bench = Bench([(18, 0, 0)], recorder=recorder)
 
@@ -245,14 +245,14 @@ def test_two_writes_to_frame_1_land_two_cycles_apart():
 
 @pytest.mark.parametrize(("lands", "overtaking"), [(2, 1), (4, 3)])
 def test_open_write_lands(lands, overtaking):
-    """How many instructions behind a write may read a register of frame 0 as it was before."""
+    """A read of a register in frame 0 up to this many instructions after a write returns the old value."""
     options = SystemOptions(write_lands=lands)
 
     assert [sees_the_write(between, options) for between in range(6)] == [between >= overtaking for between in range(6)]
 
 
 @pytest.mark.parametrize("lands", [2, 4])
-def test_protection_holds_whatever_the_landing(lands):
+def test_the_protection_covers_any_delay_of_the_landing(lands):
     bench = Bench([(1, 4, -1)], options=SystemOptions(write_lands=lands, pf2_read_ws=0))
     bench.run(lambda: (bench.cpu.compute(9), set_c(bench), bench.note(f"C={bench.flags.STATUS.C}")), 100)
     assert bench.log[0][0] == "C=0"
@@ -266,8 +266,10 @@ CHANGES = st.lists(st.tuples(st.integers(1, 300), st.integers(0, 7), st.sampled_
 
 
 @given(steps=STEPS, changes=CHANGES, lands=st.sampled_from([2, 4]), loop=st.integers(3, 12))
-@example(steps=[("plain", 0), ("spin", 2)], changes=[(1, 4, -1)], lands=4, loop=3)  # a pass shorter than the way
-def test_skipping_polls_gives_the_records_of_polling_whatever_is_posted(steps, changes, lands, loop):
+@example(
+    steps=[("plain", 0), ("spin", 2)], changes=[(1, 4, -1)], lands=4, loop=3
+)  # a pass that is shorter than the delay of the landing
+def test_skipping_polls_with_posted_writes_gives_the_records_of_polling(steps, changes, lands, loop):
     skipped, polled = (played(steps, changes, lands, loop, skip) for skip in (True, False))
     assert skipped == polled
 
@@ -279,7 +281,7 @@ def test_records_come_in_the_order_of_their_ticks(steps, changes, lands):
 
 
 def played(steps, changes, lands: int, loop: int, skip: bool):
-    """What firmware notes and what is recorded of it, polls apart: of skipped passes only the last is made."""
+    """Return notes and records without polls, since of skipped passes only the last is recorded."""
     recorder, records = recorder_of(Kind.ACCESS, Kind.IRQ, Kind.FLAG)
     options, code = SystemOptions(write_lands=lands), replace(BARE, poll_pass=loop)
     bench = Bench(list(changes), options=options, code=code, skip_polls=skip, recorder=recorder)

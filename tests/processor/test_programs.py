@@ -1,4 +1,4 @@
-"""Programs that are no Python firmware: time, bus and interrupts serve them as they serve firmware."""
+"""Programs other than Python firmware have the same service of time, bus and interrupts as firmware."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.processor.bench import Bench, recorder_of
 from tests.processor.scripted_program import Op, ScriptedProgram, Step
 
 TICKS = 20  # of a cycle
-MAIN, ROUTINE = 0x9000, 0x30_A000  # code addresses: in L1, and one that needs all 22 bits
+MAIN, ROUTINE = 0x9000, 0x30_A000  # code addresses: one in L1, and one that needs all 22 bits
 STATUS, COUNT, PIEACK, SEQ1INT = 0x7100, 0x7101, 0x0CE1, 0x0D40
 
 
@@ -25,7 +25,7 @@ def work(cycles: int) -> Step:
 
 
 def scripted(bench: Bench, *main: Step, routine: tuple[Step, ...] = ()) -> ScriptedProgram:
-    """A program on the bench, begun now, with the vector of SEQ1INT stored as its start-up code would."""
+    """Start a program on the bench; the vector of SEQ1INT is stored as its start-up code would store it."""
     code = {MAIN: list(main), ROUTINE: [*routine, Step(Op.STORE, PIEACK, 1), Step(Op.IRET)]}
     program = ScriptedProgram(bench.processor, code, MAIN)
     bench.processor.bus.ram.put_word32(SEQ1INT, ROUTINE)
@@ -34,11 +34,11 @@ def scripted(bench: Bench, *main: Step, routine: tuple[Step, ...] = ()) -> Scrip
 
 
 def bare(records: list[Record]) -> list[tuple[Any, ...]]:
-    """Records without their place in the source, which only Python firmware has."""
+    """Return records without their place in the source, which only Python firmware has."""
     return [(r.tick, r.kind, r.where, r.what, r.value, r.cause) for r in records]
 
 
-def test_an_interrupt_goes_through_the_table_and_the_stack_in_memory():
+def test_an_interrupt_uses_the_vector_table_and_the_stack_in_memory():
     """Request at 100, latched at 104; the vector is fetched one cycle later, the routine begins at 114."""
     bench = Bench([(100, 1, 0)])
     bench.enable()
@@ -55,7 +55,7 @@ def test_an_interrupt_goes_through_the_table_and_the_stack_in_memory():
     bench.kernel.call_at(115 * TICKS, look)
     bench.kernel.run_until(400 * TICKS)
     assert program.entered == [(ROUTINE, 114)]
-    back_to = MAIN + 2 + 4  # the step that was next
+    back_to = MAIN + 2 + 4  # the address of the next step
     assert inside == [(["0x1234", "0xbeef", hex(st1), "0x1", hex(back_to), "0x0"], 0x421 + 15, 0)]
     assert (program.al, program.st0, bench.core.sp, bench.core.ier) == (0xBEEF, 0x1234, 0x421, 1)
     assert program.seen == [(1, 115 + 2)]  # two wait states of frame 2
@@ -64,16 +64,16 @@ def test_an_interrupt_goes_through_the_table_and_the_stack_in_memory():
     assert program.finished
 
 
-def test_it_is_run_up_to_where_something_else_acts_and_no_further():
-    """An event of somebody else's at 50 changes what a load at 52 sees, and not what one at 49 saw."""
+def test_a_program_runs_until_the_next_event_of_another_party():
+    """An event of another party at 50 changes the value that a load at 52 reads, and not that of a load at 49."""
     bench = Bench([(50, 3, -1)])
     program = scripted(bench, work(47), Step(Op.LOAD, STATUS), Step(Op.LOAD, STATUS))
     bench.kernel.run_until(200 * TICKS)
     assert program.seen == [(0, 49), (3, 52)]
-    assert program.runs[0] == 49  # it may go on to before 50; the first load ends at 50
+    assert program.runs[0] == 49  # it may run until just before 50; the first load ends at 50
 
 
-def test_an_interrupt_meanwhile_waits_for_the_boundary():
+def test_an_interrupt_within_a_step_is_taken_at_its_end():
     bench = Bench([(100, 1, 0)])
     bench.enable()
     program = scripted(bench, work(130), work(10))
@@ -81,8 +81,8 @@ def test_an_interrupt_meanwhile_waits_for_the_boundary():
     assert program.entered == [(ROUTINE, 130 + 10)]
 
 
-def test_a_routine_may_return_to_another_place_than_it_came_from():
-    """It moves the stack to a frame that it made: the program goes on where that says."""
+def test_a_routine_may_return_to_another_place_than_the_interrupted_one():
+    """The routine sets the stack pointer to a frame that it wrote; the program continues where that frame says."""
     bench = Bench([(100, 1, 0)])
     bench.enable()
     program = scripted(bench, work(100), work(100), routine=(work(20),))
@@ -100,8 +100,8 @@ def test_a_routine_may_return_to_another_place_than_it_came_from():
 
 
 @pytest.mark.parametrize("steps", [1, 7, 13])
-def test_it_makes_the_same_records_as_python_firmware_that_does_the_same(steps: int):
-    """Loads with an effect, posted writes and an interrupt, recorded by both: tick, cause and order are equal."""
+def test_a_program_makes_the_same_records_as_equivalent_python_firmware(steps: int):
+    """Loads with side effects, posted writes and an interrupt have records of equal order, ticks and causes."""
     kinds = (Kind.ACCESS, Kind.IRQ, Kind.FLAG)
     changes = [(40, 5, -1), (100, 1, 0), (300, 4, -1)]
 
@@ -133,8 +133,8 @@ def test_it_makes_the_same_records_as_python_firmware_that_does_the_same(steps: 
     assert bench.processor.program is program and program.finished and firmware.cpu.program.finished
 
 
-def test_it_runs_beside_python_firmware_that_reads_the_same_module():
-    """COUNT is cleared by a read: who comes first has it, in the order of the cycles, whoever ran first."""
+def test_a_program_and_python_firmware_read_the_same_module():
+    """A read clears COUNT: the first read in the order of cycles gets the count, whichever program is run first."""
     recorder, found = recorder_of(Kind.ACCESS)
     one = Bench([(10, 1, -1), (60, 0, -1)], recorder=recorder)
     two = Bench([], beside=one, name="iss")
@@ -158,8 +158,8 @@ def test_it_runs_beside_python_firmware_that_reads_the_same_module():
     ]
 
 
-def test_a_write_lands_on_the_way_to_a_later_cycle():
-    """Posted in cycle 10, it takes effect at the end of cycle 12, in the middle of 40 cycles of work."""
+def test_a_posted_write_lands_within_later_work():
+    """A write posted in cycle 10 takes effect at the end of cycle 12, within 40 cycles of work."""
     bench = Bench([(5, 4, -1)])
     program = scripted(bench, work(10), Step(Op.STORE, STATUS, 4), work(40))
     seen: list[tuple[int, int]] = []
@@ -170,7 +170,7 @@ def test_a_write_lands_on_the_way_to_a_later_cycle():
     assert seen == [(12, 4), (13, 0)]
 
 
-def test_what_was_posted_last_lands_before_the_program_is_over():
+def test_the_last_posted_write_lands_before_the_program_has_ended():
     bench = Bench([(5, 4, -1)])
     program = scripted(bench, work(10), Step(Op.STORE, STATUS, 4))
     bench.kernel.run_until(100 * TICKS)
@@ -178,7 +178,7 @@ def test_what_was_posted_last_lands_before_the_program_is_over():
 
 
 def test_memory_is_read_and_written_with_its_wait_states():
-    """M0, L7 and the PIE's table: one wait state for reads of the last, and EALLOW for writes."""
+    """M0, L7 and the PIE vector table, whose reads have a wait state and whose writes need EALLOW."""
     bench = Bench([])
     m0, l7 = 0x0010, 0xFFFE
     program = scripted(
@@ -199,19 +199,19 @@ def test_memory_is_read_and_written_with_its_wait_states():
 
 
 @pytest.mark.parametrize("address", [0x0E00, 0x7000, 0x1_0000, 0x3F_FFC0, -1])
-def test_where_nothing_answers_is_told(address: int):
+def test_an_address_without_memory_or_register_is_refused(address: int):
     with pytest.raises(NoSuchAddress):
         Bench([]).processor.bus.reads_at(0, address)
 
 
-def test_an_access_that_acts_without_its_time_is_refused():
+def test_an_access_with_effects_at_another_time_is_refused():
     bench = Bench([])
     with pytest.raises(RuntimeError, match=r"dsp: an access in cycle 7 has effects; call CpuTime\.meet before it"):
         bench.processor.bus.read(7, COUNT)
 
 
 @pytest.mark.parametrize(("sp", "address"), [(0x0801, "0x0802"), (0x07F8, "0x0805")])
-def test_a_stack_that_is_no_memory_ends_the_run(sp: int, address: str):
+def test_a_stack_pointer_outside_memory_ends_the_run(sp: int, address: str):
     bench = Bench([(100, 1, 0)])
     bench.enable()
     scripted(bench, work(50), *[work(1)] * 100)
@@ -220,8 +220,8 @@ def test_a_stack_that_is_no_memory_ends_the_run(sp: int, address: str):
         bench.kernel.run_until(400 * TICKS)
 
 
-def test_a_vector_without_a_name_is_told_by_its_line():
-    """Line 1.3 belongs to no module; firmware that sets its flag by itself takes it."""
+def test_an_interrupt_without_a_name_is_recorded_with_its_group_and_line():
+    """Line 1.3 belongs to no module; its flag is set directly."""
     recorder, found = recorder_of(Kind.IRQ)
     bench = Bench([], recorder=recorder)
     bench.enable()
@@ -233,7 +233,7 @@ def test_a_vector_without_a_name_is_told_by_its_line():
     assert [(r.what, r.value) for r in found] == [("INT1.3", 1), ("INT1.3", 0)] and program.finished
 
 
-def test_a_processor_without_a_program_says_so():
+def test_a_processor_without_a_program_raises_an_error():
     processor = Bench([]).processor
     with pytest.raises(RuntimeError, match=r"dsp has no program; give it one with Processor\.start"):
         processor.program  # noqa: B018
@@ -241,7 +241,7 @@ def test_a_processor_without_a_program_says_so():
     assert processor.causing_statement() is None
 
 
-def test_a_program_that_is_none_says_what_is_missing():
+def test_methods_that_a_program_must_define_are_not_implemented():
     class Nothing(Program):
         pass
 

@@ -1,4 +1,4 @@
-"""A function that asks one field beside a number is made without Python from its second wait on; nobody can tell."""
+"""From the second wait on, a comparison of one field with a number is evaluated without Python; results are equal."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tests.processor.bench import Bench
 
 @pytest.fixture(autouse=True)
 def untraced(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where lines are counted or a debugger steps, each pass is called, so that it can be seen."""
+    """Pretend that nothing traces the lines: with a tracer each pass calls the function, so that it can be seen."""
     monkeypatch.setattr(sys, "gettrace", lambda: None)
 
 
@@ -28,7 +28,7 @@ flag_changes = st.lists(
 
 
 class Kept(RecordSink):
-    """Keeps all records; wants the places of these accesses only."""
+    """A sink that keeps all records, and requests the places of the accesses selected by `places`."""
 
     def __init__(self, places: int) -> None:
         self.found: list[object] = []
@@ -47,9 +47,10 @@ class Kept(RecordSink):
 
 
 def run_of(changes, lead, form, interrupts, timeout, kinds, places=None):
-    """form: what a condition is wrapped in; what is no plain function is not recognised.
+    """Run firmware that waits by functions; return its log, events, skipped polls and records.
 
-    places: which of them a keeper of the records wants; None where they are told whole.
+    form: applied to each condition; `partial` gives an object that is not recognised.
+    places: the accesses whose places a sink of the records requests; None for a subscriber of whole records.
     """
     recorder, found = Recorder(), []
     if kinds and places is None:
@@ -94,21 +95,23 @@ def run_of(changes, lead, form, interrupts, timeout, kinds, places=None):
     kinds=st.sampled_from([(), (Kind.WAIT, Kind.FLAG), (Kind.ACCESS, Kind.WAIT, Kind.IRQ), (Kind.ACCESS,)]),
     places=st.sampled_from([None, NOWHERE, OF_MODIFIES]),
 )
-def test_recognised_or_called_in_each_pass_it_comes_out_the_same(changes, lead, interrupts, timeout, kinds, places):
+def test_recognised_functions_give_the_results_of_calling_them_in_each_pass(
+    changes, lead, interrupts, timeout, kinds, places
+):
     runs = [run_of(changes, lead, form, interrupts, timeout, kinds, places) for form in (lambda f: f, partial)]
     recognised, called = runs
     assert recognised == called
 
 
 def second_wait(function, bench: Bench):
-    """What is made of a function that was seen once, its register named once."""
+    """Return the condition made of a function at its second use, after its register has been used once."""
     recogniser = Recogniser(bench.cpu.program)
     assert recogniser.condition(function) is None
     bench.flags.STATUS, bench.flags.COUNT  # noqa: B018
     return recogniser.condition(function)
 
 
-def test_what_is_recognised():
+def test_comparisons_of_one_field_with_a_number_are_recognised():
     bench = Bench([])
     flags = bench.flags
     for function in (
@@ -121,7 +124,7 @@ def test_what_is_recognised():
         assert second_wait(function, bench) is not None
 
 
-def test_what_is_not():
+def test_other_functions_are_not_recognised():
     bench = Bench([])
     flags, other, seen = bench.flags, SimpleNamespace(STATUS=bench.flags.STATUS), []
     for function in (
@@ -130,9 +133,9 @@ def test_what_is_not():
         lambda: 1 == flags.STATUS.A,  # noqa: SIM300
         lambda: flags.STATUS.A >= 1,
         lambda: flags.STATUS.A == True,  # noqa: E712
-        lambda: flags.STATUS.A == 2,  # never holds: Python may say so
+        lambda: flags.STATUS.A == 2,  # never holds: Python must report that
         lambda: flags.STATUS.nothing == 1,
-        lambda: flags.COUNT.N == 1,  # its read clears it
+        lambda: flags.COUNT.N == 1,  # a read clears it
         lambda: other.STATUS.A == 1,
         lambda: (seen.append(1), flags.STATUS.A == 1)[1],
         lambda level=1: level == flags.STATUS.A,
@@ -144,20 +147,20 @@ def test_what_is_not():
 @pytest.mark.parametrize(
     ("places", "fields", "whole"), [(NOWHERE, True, True), (OF_MODIFIES, True, False), (None, False, False)]
 )
-def test_a_program_with_places_of_its_own_reads_without_python_where_nobody_wants_them(places, fields, whole):
+def test_recognition_depends_on_the_places_that_subscribers_request(places, fields, whole):
     recorder = Recorder()
     recorder.subscribe([Kind.ACCESS], (lambda record: None) if places is None else Kept(places))
     bench = Bench([], recorder=recorder)
     flags = bench.flags
-    told_whole = places is None  # who is told a Record may look about, where a pass is made by Python
-    assert (second_wait(lambda: flags.STATUS.A == 1, bench) is None) is told_whole
-    assert (second_wait(lambda: flags.STATUS.all == 1, bench) is None) is told_whole
+    whole_records = places is None  # such a subscriber may examine the state, so Python must make the passes
+    assert (second_wait(lambda: flags.STATUS.A == 1, bench) is None) is whole_records
+    assert (second_wait(lambda: flags.STATUS.all == 1, bench) is None) is whole_records
     bench.cpu.program.placed = lambda: None
     assert (second_wait(lambda: flags.STATUS.A == 1, bench) is not None) is fields
     assert (second_wait(lambda: flags.STATUS.all == 1, bench) is not None) is whole
 
 
-def test_a_read_has_its_line_in_the_firmware_though_no_frame_is_there():
+def test_a_recognised_read_is_recorded_with_its_line_in_the_firmware():
     recorder, kept = Recorder(), Kept(EVERYWHERE)
     recorder.subscribe([Kind.ACCESS], kept)
     bench = Bench([(400, 1, -1)], recorder=recorder)
@@ -180,7 +183,7 @@ def test_a_read_has_its_line_in_the_firmware_though_no_frame_is_there():
     assert len(found) == 3 and set(found) == {f"<lambda>:{line}"}
 
 
-def test_the_module_is_the_one_that_the_function_names_now():
+def test_a_recognised_function_uses_the_current_value_of_its_variable():
     one, two = Bench([]), Bench([])
     recogniser, found = Recogniser(one.cpu.program), []
 
@@ -193,7 +196,7 @@ def test_the_module_is_the_one_that_the_function_names_now():
     assert found[0] is None and found[1] is found[2] is not None and found[3] is not found[1]
 
 
-def test_a_variable_without_a_value_is_left_to_python():
+def test_a_function_with_an_unbound_variable_is_not_recognised():
     recogniser = Recogniser(Bench([]).cpu.program)
 
     def asks():

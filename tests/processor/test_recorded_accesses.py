@@ -1,4 +1,4 @@
-"""Records of firmware: the values of accesses, and the file and line of waits, spans and service routines."""
+"""Records of firmware: values of accesses, and file and line of waits, spans and service routines."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def test_a_recorded_read_has_the_value_that_the_firmware_got():
     def main() -> None:
         bench.cpu.compute(20)
         got.append(bench.flags.STATUS.all)
-        got.append(bench.flags.COUNT.all)  # reading clears it
+        got.append(bench.flags.COUNT.all)  # a read clears it
         got.append(bench.flags.COUNT.all)
 
     bench.run(main, 200)
@@ -29,7 +29,7 @@ def test_a_recorded_read_has_the_value_that_the_firmware_got():
     assert [(a.what, a.value) for a in accesses] == [("R FLAGS.STATUS", 5), ("R FLAGS.COUNT", 2), ("R FLAGS.COUNT", 0)]
 
 
-def test_the_field_that_firmware_named_is_recorded():
+def test_the_field_of_an_access_is_recorded():
     recorder, accesses = recorder_of(Kind.ACCESS)
     bench = Bench([], recorder=recorder)
 
@@ -43,7 +43,7 @@ def test_the_field_that_firmware_named_is_recorded():
     assert [(a.what[0], a.field) for a in accesses] == [("R", "C"), ("R", ""), ("R", "C"), ("W", "C"), ("W", "")]
 
 
-def test_each_half_of_a_pair_is_recorded_in_its_place():
+def test_each_half_of_a_pair_is_recorded_at_its_position():
     recorder, accesses = recorder_of(Kind.ACCESS)
     dsp, kernel = unit("TIMER0", recorder=recorder)
     period = dsp.module("TIMER0").PRD
@@ -95,10 +95,10 @@ def records(*kinds: Kind, seconds: Fraction = Fraction(8, 1000)) -> list[Record]
 
 
 class OfModifies(RecordSink):
-    """Keeps what is said of the places of accesses to I2CSTR by who needs them of read-modify-writes only."""
+    """A sink that keeps the places of accesses to I2CSTR, and requests those of read-modify-writes only."""
 
     def __init__(self) -> None:
-        self.said: list[tuple[str, str, str]] = []  # R or W, the field, the place
+        self.kept: list[tuple[str, str, str]] = []  # R or W, the field, the place
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         return ("R I2C-A.I2CSTR", "W I2C-A.I2CSTR").index(what) if what.endswith("I2CSTR") else -1
@@ -107,7 +107,7 @@ class OfModifies(RecordSink):
         return OF_MODIFIES
 
     def keep(self, tag: int, number: int, tick: int, value: int, text: str, cause: int, field: str) -> None:
-        self.said.append(("RW"[tag], field, text))
+        self.kept.append(("RW"[tag], field, text))
 
 
 def source(record: Record) -> str:
@@ -116,7 +116,7 @@ def source(record: Record) -> str:
     return linecache.getline(where.path, where.line).strip()
 
 
-def test_waits_begin_and_end_in_turn_and_name_what_is_polled():
+def test_records_of_waits_alternate_and_name_the_polled_fields():
     waits = records(Kind.WAIT)
     assert [w.value for w in waits] == [1, 0] * (len(waits) // 2) + [1] * (len(waits) % 2)
     first, second = waits[0], waits[2]
@@ -125,22 +125,22 @@ def test_waits_begin_and_end_in_turn_and_name_what_is_polled():
     assert any(w.what == "I2C-A.I2CSTR.XRDY and I2C-A.I2CSTR.SCD" for w in waits)
 
 
-def test_a_condition_that_holds_at_once_is_no_wait():
-    """The firmware of the emulator without its wait for SDIR finds XRDY set at its second look."""
+def test_a_condition_that_is_true_at_once_is_not_recorded_as_a_wait():
+    """The firmware of the emulator without its wait for SDIR finds XRDY set at once."""
     waits = records(Kind.WAIT, seconds=Fraction(4, 1000))
     assert [w.what for w in waits] == ["I2C-A.I2CSTR.AAS"]
 
 
-def test_spans_and_routines_say_where_they_are():
+def test_records_of_spans_and_routines_have_their_source_lines():
     found = [r for r in records(Kind.SPAN, Kind.IRQ, Kind.ACCESS) if r.value and r.kind is not Kind.ACCESS]
-    said = {r.what: source(r) for r in found}
-    assert said == {
+    sources = {r.what: source(r) for r in found}
+    assert sources == {
         "model": 'dsp.compute(self.cost, "model")',
         "SCIRXINTA": "def sci_received(self) -> None:",
     }
 
 
-def test_a_span_of_a_with_statement_is_where_the_statement_is(tmp_path: Path):
+def test_a_span_of_a_with_statement_has_the_line_of_the_statement(tmp_path: Path):
     firmware = tmp_path / "steps.py"
     firmware.write_text(
         'def main(dsp, settings):\n    with dsp.span("step"):\n        dsp.compute(9)\n', encoding="utf-8"
@@ -155,7 +155,7 @@ def test_a_span_of_a_with_statement_is_where_the_statement_is(tmp_path: Path):
     assert (found[0].text, source(found[0])) == ("main:2", 'with dsp.span("step"):')
 
 
-def test_what_happens_while_a_routine_computes_is_not_its_doing():
+def test_a_routine_is_not_the_cause_of_other_events_while_it_computes():
     case = load(
         Path(__file__).parents[2] / "timing" / "imu_hil_published.toml",
         ["unit.dsp.settings.frame_cost=200 us", "host.first=4.24 ms"],
@@ -170,11 +170,11 @@ def test_what_happens_while_a_routine_computes_is_not_its_doing():
     assert sum(r.kind is Kind.EDGE for r in inside) > 20
 
 
-def test_the_place_of_a_field_that_is_only_read_is_not_worked_out_for_who_wants_those_of_modifies():
+def test_a_sink_of_read_modify_writes_gets_no_places_of_other_reads():
     keeper = OfModifies()
     Scene(CASE, lambda recorder, _: recorder.subscribe([Kind.ACCESS], keeper)).run(Fraction(8, 1000))
-    modified = [(way, field) for way, field, place in keeper.said if place]
-    assert {field for _, field in modified} == {"SCD"} and len({place for _, _, place in keeper.said if place}) == 1
+    modified = [(way, field) for way, field, place in keeper.kept if place]
+    assert {field for _, field in modified} == {"SCD"} and len({place for _, _, place in keeper.kept if place}) == 1
     assert modified.count(("R", "SCD")) == modified.count(("W", "SCD")) > 0
-    polls = [place for way, field, place in keeper.said if field in ("AAS", "RRDY", "XRDY")]
+    polls = [place for way, field, place in keeper.kept if field in ("AAS", "RRDY", "XRDY")]
     assert len(polls) > 20 and not any(polls)

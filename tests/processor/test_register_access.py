@@ -1,4 +1,4 @@
-"""What accesses cost, and in which cycle they act: wait states, write-to-read protection, EALLOW, bit-field writes."""
+"""Cycles and instants of register accesses: wait states, write-to-read protection, EALLOW, bit-field writes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tests.processor.bench import Bench, unit
 def cost_and_options_of(
     frame: Frame, access: str, options: SystemOptions | None = None, times: int = 1, base: int = 0x3000
 ) -> tuple[int, set[str]]:
-    """Cycles of `times` accesses in a row to a module outside of the protected block, and the options assumed."""
+    """Return the cycles of `times` consecutive accesses outside of the protected block, and the options used."""
     bench = Bench([], frame=frame, options=options, base=base)
 
     def main() -> None:
@@ -41,7 +41,7 @@ def cost_and_options_of(
 
 @pytest.mark.rule("SYS-034", "SYS-035", "SYS-037", "I2C-006")
 @pytest.mark.parametrize(("frame", "read", "write"), [(Frame.PF0, 2, 1), (Frame.PF1, 3, 1), (Frame.PF2, 3, 1)])
-def test_an_access_costs_one_cycle_and_its_frames_wait_states(frame, read, write):
+def test_an_access_takes_one_cycle_and_the_wait_states_of_its_frame(frame, read, write):
     assert cost_and_options_of(frame, "read")[0] == read
     assert cost_and_options_of(frame, "write")[0] == write
 
@@ -103,7 +103,7 @@ def test_outside_of_the_block_a_read_does_not_wait_for_a_write_inside():
 
     def main() -> None:
         bench.flags.STATUS.all = 0
-        _ = bench.pie_regs.PIECTRL.all  # PF0, outside: one wait state, no protection
+        _ = bench.pie_regs.PIECTRL.all  # frame 0, outside of the block: one wait state, no protection
         bench.note("end")
 
     assert bench.run(main, 100) == [("end", 1 + 2)]
@@ -122,7 +122,7 @@ def test_a_read_after_a_write_of_the_same_register_sees_the_write():
 
 
 @pytest.mark.rule("SYS-046", "SYS-019", "I2C-004", "I2C-010", "SYS-123")
-def test_a_protected_write_counts_only_between_eallow_and_edis():
+def test_a_protected_write_has_an_effect_only_between_eallow_and_edis():
     dsp, kernel = unit("I2C-A")
     seen: list[int] = []
 
@@ -147,19 +147,19 @@ def test_a_protected_write_counts_only_between_eallow_and_edis():
 
 
 @pytest.mark.parametrize(("set_at", "lost"), [(1, True), (2, True), (3, False), (4, False), (5, False)])
-def test_a_flag_that_comes_between_read_and_write_survives_the_write_back(set_at, lost):
-    """C is write-1-to-clear. A write of A's field reads C first: if C is set by then, the write-back clears it."""
+def test_a_flag_set_between_read_and_write_is_kept_by_the_write_back(set_at, lost):
+    """C is write-1-to-clear. A write of field A first reads C: if C is set by then, writing it back clears it."""
     bench = Bench([(set_at, 4, -1)])
 
     def main() -> None:
-        bench.flags.STATUS.A = 0  # a read-modify-write aimed at another field
+        bench.flags.STATUS.A = 0  # a read-modify-write meant for another field
         bench.cpu.compute(20)
         bench.note(f"C={bench.flags.STATUS.C}")
 
     assert bench.run(main, 100)[0][0] == f"C={0 if lost else 1}"
 
 
-def test_wrong_names_and_addresses_say_what_is_near():
+def test_unknown_names_and_addresses_are_refused_with_suggestions():
     bench = Bench([])
     with pytest.raises(AttributeError, match=r"FLAGS has no register 'STATSU'; did you mean STATUS\?"):
         _ = bench.flags.STATSU
@@ -177,8 +177,8 @@ def test_wrong_names_and_addresses_say_what_is_near():
 
 
 @pytest.mark.rule("I2C-005", "SYS-040")
-def test_a_register_is_made_once_and_only_if_firmware_names_it(monkeypatch: pytest.MonkeyPatch):
-    """A unit has a hundred of them, each a class of its own: making all took most of the set-up of a small scene."""
+def test_a_register_port_is_made_once_when_firmware_first_uses_it(monkeypatch: pytest.MonkeyPatch):
+    """A unit has a hundred registers with a class each; making all of them took most of the set-up of a small scene."""
     made: list[str] = []
     make = register_view.register_port
 
@@ -193,13 +193,13 @@ def test_a_register_is_made_once_and_only_if_firmware_names_it(monkeypatch: pyte
     assert made == ["STATUS", "COUNT"]
 
 
-def test_frame_2_takes_no_32_bit_access():
+def test_frame_2_ignores_32_bit_accesses():
     bench = Bench([(1, 4, -1)], base=0x7100)
     bench.run(
         lambda: (bench.cpu.store(0x7100, 0xFFFF_FFFF, width=32), bench.note(f"{bench.cpu.load(0x7100, 32)}")), 100
     )
-    assert bench.log == [("0", 6)]  # nothing was read, and each took the time of a read
-    assert bench.chip.status == 4  # nothing was written: C, which a 1 clears, still stands
+    assert bench.log == [("0", 6)]  # nothing was read, and each access took the time of a read
+    assert bench.chip.status == 4  # nothing was written: C, which writing 1 clears, is still set
     (note,) = bench.processor.notes.counts
     assert note.text == "STATUS of FLAGS was accessed with 32 bits; peripheral frame 2 takes 16 only"
 
@@ -211,7 +211,7 @@ def test_an_address_reads_and_writes_its_register():
 
 
 class Board:
-    """A unit with GPIO and a timer, its pins driven from outside, its registers as a debugger shows them."""
+    """A unit with GPIO and a timer, with pins driven from outside and registers read as by a debugger."""
 
     def __init__(self, **wires: int) -> None:
         kernel, recorder = Kernel(), Recorder()
@@ -251,7 +251,7 @@ def test_32_bit_write_of_a_pair_of_16_bit_registers_reaches_both():
     ]
 
 
-def test_halves_of_a_pair_are_written_and_read_one_by_one():
+def test_halves_of_a_pair_are_written_and_read_separately():
     board = Board()
     timer = board.dsp.module("TIMER0")
     seen: list[int] = []
@@ -292,8 +292,8 @@ def test_32_bit_load_of_two_pie_registers_reads_both():
 
 @pytest.mark.rule("SYS-057", "SYS-059")
 @pytest.mark.parametrize(("how", "pad", "level"), [("store", 20, 1), ("field", 20, 1), ("field", 4, 0)])
-def test_a_write_of_half_a_port_copies_the_pads_of_its_own_half_alone(how: str, pad: int, level: int):
-    """The pad's latch is 1 while the pad is held low from outside: bit-banging on GPIO5 copies GPIO4, not GPIO20."""
+def test_a_write_of_half_a_port_copies_only_the_pads_of_that_half(how: str, pad: int, level: int):
+    """The latch is 1 and the pad is held low from outside: bit-banging on GPIO5 copies GPIO4's pad, not GPIO20's."""
     board = Board(LOW=pad)
     gpio = board.dsp.module("GPIO")
 
@@ -312,11 +312,11 @@ def test_a_write_of_half_a_port_copies_the_pads_of_its_own_half_alone(how: str, 
     board.run(main)
     board.hands[pad].drive(1)
     board.kernel.run_until(board.kernel.now + 1000)
-    assert board.pads[pad].level == level  # nobody pulls it now, so it shows the latch
+    assert board.pads[pad].level == level  # nothing drives it from outside now, so it shows the latch
 
 
 @pytest.mark.parametrize("strict", [True, False])
-def test_duty_that_the_cpu_notes_ends_a_strict_run_with_its_line_and_time(strict):
+def test_a_noted_violation_ends_a_strict_run_with_its_line_and_time(strict):
     dsp, kernel = unit(strict=strict, code=BARE)
     lines: list[int] = []
 
@@ -327,12 +327,12 @@ def test_duty_that_the_cpu_notes_ends_a_strict_run_with_its_line_and_time(strict
         dsp.cpu.compute(10)
 
     dsp.start(main)
-    told = "PCLKCR0 of SYS was written without EALLOW; the write is ignored"
+    note_text = "PCLKCR0 of SYS was written without EALLOW; the write is ignored"
     if strict:
         with pytest.raises(FirmwareError) as error:
             kernel.run_until(20 * 5000)
         place = f"line {lines[0]} of test_register_access.py"
-        assert str(error.value) == f"dsp, {place}, at 9.987 us: {told} [SPRUFB0D section 7.2]"
+        assert str(error.value) == f"dsp, {place}, at 9.987 us: {note_text} [SPRUFB0D section 7.2]"
     else:
         kernel.run_until(20 * 5000)
-        assert [(note.text, count) for note, count in dsp.processor.notes.counts.items()] == [(told, 1)]
+        assert [(note.text, count) for note, count in dsp.processor.notes.counts.items()] == [(note_text, 1)]

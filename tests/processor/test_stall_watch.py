@@ -1,4 +1,4 @@
-"""Firmware that lets no simulated time pass is stopped, with its line, wherever it runs; what takes long is not."""
+"""Firmware that lets no simulated time pass is stopped and reported with its line; slow firmware is not."""
 
 from __future__ import annotations
 
@@ -58,18 +58,18 @@ def case_file(folder: Path, body: str, limit: str = "300 ms", name: str = "busy"
 
 
 @pytest.mark.parametrize("loop", LOOPS)
-def test_endless_loop_is_stopped_with_its_line(tmp_path: Path, loop: str):
+def test_an_endless_loop_is_stopped_with_its_line(tmp_path: Path, loop: str):
     result = Scene(load(case_file(tmp_path, loop))).run()
     assert result.verdict == "fail" and result.simulated_s == 0
-    (told,) = result.stuck
-    assert told in [
+    (message,) = result.stuck
+    assert message in [
         f"dsp let no simulated time pass for 0.3 s of CPU time at line {line} of busy.py; "
         "give it an access, compute or spin"
         for line in LOOPS[loop]
     ]
 
 
-def test_the_command_tells_it_once_and_ends_with_status_1(periph_sim: Run, tmp_path: Path):
+def test_the_command_reports_a_stall_once_and_ends_with_status_1(periph_sim: Run, tmp_path: Path):
     came = periph_sim("run", str(case_file(tmp_path, "dsp.compute(1000)\n    while True:\n        pass")))
     assert (came.status, came.err) == (1, "") and "of busy.py" in came.out
     lines = came.out.splitlines()
@@ -79,7 +79,7 @@ def test_the_command_tells_it_once_and_ends_with_status_1(periph_sim: Run, tmp_p
     assert sum(line.startswith("stuck: ") for line in lines) == 1
 
 
-def test_it_works_in_another_thread_than_the_main_one(tmp_path: Path):
+def test_a_stall_in_another_thread_than_the_main_one_is_stopped(tmp_path: Path):
     results: list[Result] = []
     path = case_file(tmp_path, "while True:\n        pass")
     thread = threading.Thread(target=lambda: results.append(Scene(load(path)).run()))
@@ -88,24 +88,24 @@ def test_it_works_in_another_thread_than_the_main_one(tmp_path: Path):
     assert [result.verdict for result in results] == ["fail"] and "of busy.py" in results[0].stuck[0]
 
 
-def test_it_works_in_parallel_worker_processes(tmp_path: Path):
+def test_a_stall_in_a_worker_process_is_stopped(tmp_path: Path):
     loop = "while True:\n        pass"
     files = [case_file(tmp_path, loop, name=name) for name in ("one", "two")]
     for one, name in zip(check(files, jobs=2), ("one", "two"), strict=True):
         assert any(f"of {name}.py" in finding.text for finding in one.findings)
 
 
-def test_work_that_lets_time_pass_now_and_then_is_not_stopped(tmp_path: Path):
+def test_firmware_that_lets_time_pass_occasionally_is_not_stopped(tmp_path: Path):
     body = "for _ in range(6):\n        sum(range(3_000_000))\n        dsp.compute(10)"
     result = Scene(load(case_file(tmp_path, body, "500 ms"))).run()
-    assert not any("simulated time" in told for told in result.stuck)
+    assert not any("simulated time" in message for message in result.stuck)
 
 
 @pytest.mark.parametrize(("limit", "added"), [("300 ms", 1), ("0 s", 0)])
 def test_firmware_is_watched_from_its_start_and_only_while_it_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: str, added: int
 ):
-    """An exception on its way to the thread ends with the firmware's turn, not in what the thread does next."""
+    """A pending exception is delivered while the firmware runs, and not in later code of the thread."""
     calls: list[tuple[str, object]] = []
     watch = SimpleNamespace(
         add=lambda cpu: calls.append(("add", cpu.name)),
@@ -118,10 +118,10 @@ def test_firmware_is_watched_from_its_start_and_only_while_it_runs(
     assert set(calls) == ({("add", "dsp"), ("leave", threading.get_ident())} if added else set())
 
 
-def test_firmware_that_goes_on_has_its_whole_limit_again_and_a_cpu_that_is_gone_is_let_go(
+def test_continued_firmware_gets_its_full_limit_again_and_the_thread_ends_without_cpus(
     monkeypatch: pytest.MonkeyPatch,
 ):
-    """Each look finds one more second of CPU time spent at the same instant; more than three are too much."""
+    """Each check finds one more second of CPU time at the same simulated instant; more than three are too many."""
 
     class Busy:
         thread = 1
@@ -130,26 +130,26 @@ def test_firmware_that_goes_on_has_its_whole_limit_again_and_a_cpu_that_is_gone_
         def instant(self) -> tuple[int, int]:
             return 0, 0
 
-    looks: list[int] = []
+    checks: list[int] = []
     stopped: list[int] = []
     watch = user_code._Watch()
     monkeypatch.setattr(user_code, "PERIOD", 0.001)
-    monkeypatch.setattr(user_code, "_cpu_seconds", lambda thread: looks.append(thread) or float(len(looks)))
-    monkeypatch.setattr(watch, "_stop", lambda cpu, at: stopped.append(len(looks)))
+    monkeypatch.setattr(user_code, "_cpu_seconds", lambda thread: checks.append(thread) or float(len(checks)))
+    monkeypatch.setattr(watch, "_stop", lambda cpu, at: stopped.append(len(checks)))
     busy = Busy()
     watch.add(busy)
-    while len(looks) < 14:
+    while len(checks) < 14:
         time.sleep(0.001)
     busy.thread = 0
-    looker = watch._thread
-    assert stopped[:3] == [5, 9, 13] and looker is not None
+    watcher = watch._thread
+    assert stopped[:3] == [5, 9, 13] and watcher is not None
     del busy
-    looker.join(5)
-    assert not looker.is_alive()
+    watcher.join(5)
+    assert not watcher.is_alive()
 
 
 @pytest.mark.parametrize("stopped", [True, False])
-def test_an_exception_on_its_way_ends_with_the_turn_and_no_other_turn_has_one(
+def test_a_pending_exception_is_raised_when_the_thread_leaves_the_firmware(
     monkeypatch: pytest.MonkeyPatch, stopped: bool
 ):
     raised: list[int] = []
@@ -166,19 +166,19 @@ def test_an_exception_on_its_way_ends_with_the_turn_and_no_other_turn_has_one(
     assert (raised, watch._stopped) == ([17] if stopped else [], set())
 
 
-def test_where_the_system_tells_no_cpu_time_of_a_thread_that_of_the_process_counts(monkeypatch: pytest.MonkeyPatch):
+def test_the_cpu_time_of_the_process_is_used_if_that_of_a_thread_is_unavailable(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delattr(time, "pthread_getcpuclockid", raising=False)
     assert 0 < user_code._cpu_seconds(threading.get_ident()) <= time.process_time()
 
 
-def test_limit_of_0_is_none(tmp_path: Path):
+def test_a_limit_of_0_disables_the_watch(tmp_path: Path):
     scene = Scene(load(case_file(tmp_path, "sum(range(20_000_000))", "0 s")))
     assert scene.units["dsp"].cpu.program.stall_limit == 0
     assert scene.run().simulated_s == 0.001
 
 
-def test_firmware_under_a_debugger_is_left_alone():
-    """The frame's own trace function tells: tracing a whole scene would take minutes."""
+def test_firmware_under_a_debugger_is_recognized():
+    """A debugger is recognized by the frame's own trace function; a whole scene under a tracer would take minutes."""
     frame = sys._getframe()
     assert not _debugged(frame)
     try:

@@ -1,4 +1,4 @@
-"""Firmware that waits does itself what is due meanwhile: nobody can tell, and stacks are changed for others only."""
+"""Waiting firmware runs the event loop itself, with the same results; stacks are switched only between units."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ TICKS = 20  # of a cycle
 
 
 class Acts(Agent):
-    """An agent that calls a function. The kernel does not know: to it, it is as any other."""
+    """An agent that calls a function when its event is due."""
 
     def __init__(self, bench: Bench, cycle: int, does: Callable[[], object], phase: int = TIMER) -> None:
         self.does = does
@@ -30,7 +30,7 @@ class Acts(Agent):
 
 @contextmanager
 def switches() -> Iterator[list[str]]:
-    """The changes of stack that are made meanwhile."""
+    """Collect the switches between stacks."""
     made: list[str] = []
     before = greenlet.settrace(lambda event, _: made.append(event))
     try:
@@ -40,7 +40,7 @@ def switches() -> Iterator[list[str]]:
 
 
 def firmware_frames() -> list[str]:
-    """The functions of this file on the present stack."""
+    """Return the functions of this file on the current stack."""
     frame, names = sys._getframe(1), []
     while frame is not None:
         if frame.f_code.co_filename == __file__:
@@ -50,7 +50,7 @@ def firmware_frames() -> list[str]:
 
 
 def waits(bench: Bench, times: int) -> Callable[[], None]:
-    """Firmware that sees A rise and fall so often."""
+    """Return firmware that waits `times` times for A to rise and to fall."""
 
     def firmware() -> None:
         for _ in range(times):
@@ -67,7 +67,7 @@ def toggles(times: int, begin: int = 100, every: int = 50) -> list[tuple[int, in
 
 
 @pytest.mark.parametrize("times", [1, 40])
-def test_one_unit_waits_as_often_as_it_likes_and_its_stack_is_entered_once_and_left_once(times: int):
+def test_the_stack_of_a_single_unit_is_entered_and_left_once_for_any_number_of_waits(times: int):
     bench = Bench(toggles(times))
     bench.cpu.start(waits(bench, times))
     with switches() as made:
@@ -76,22 +76,22 @@ def test_one_unit_waits_as_often_as_it_likes_and_its_stack_is_entered_once_and_l
     assert made == ["switch", "switch"]
 
 
-def test_of_two_units_the_stack_changes_as_often_as_the_one_that_goes_on_changes():
+def test_with_two_units_stacks_are_switched_only_when_the_other_unit_continues():
     one = Bench(toggles(20, every=200))
     two = Bench(toggles(20, begin=200, every=200), beside=one, name="other", base=0x7200)
     for bench in (one, two):
         bench.cpu.start(waits(bench, 20))
-    one.kernel.run_until(50 * TICKS)  # both wait
+    one.kernel.run_until(50 * TICKS)  # both units wait
     with switches() as made:
         one.kernel.run_until(10_000 * TICKS)
     assert len(one.log) == len(two.log) == 40
-    assert len(made) == 2 * 40 + 1  # to who sees its flag change each time, and out
+    assert len(made) == 2 * 40 + 1  # one to the unit whose flag changes each time, and one out at the end
     alone = Bench(toggles(20, begin=200, every=200))
     alone.run(waits(alone, 20), 10_000)
     assert two.log == alone.log
 
 
-def test_a_plain_function_is_called_from_home_and_never_above_firmware():
+def test_a_plain_callback_is_called_from_the_outer_loop_and_not_on_the_stack_of_firmware():
     bench, seen = Bench([]), {}
 
     def firmware() -> None:
@@ -101,12 +101,12 @@ def test_a_plain_function_is_called_from_home_and_never_above_firmware():
     Acts(bench, 10, lambda: seen.update(agent=firmware_frames()))
     bench.kernel.call_at(20 * TICKS, lambda: seen.update(plain=firmware_frames()))
     bench.kernel.run_until(200 * TICKS)
-    assert "firmware" in seen["agent"], "the way on which no stack is changed"
+    assert "firmware" in seen["agent"], "no stack is switched for an agent"
     assert "firmware" not in seen["plain"] and bench.cpu.program.finished
 
 
 @pytest.mark.parametrize("plain", [True, False])
-def test_an_exception_of_somebody_else_is_raised_at_home_and_firmware_does_not_see_it(plain: bool):
+def test_an_exception_of_another_party_is_raised_in_the_outer_loop_and_not_in_firmware(plain: bool):
     bench, fault = Bench([]), ValueError("of a model")
 
     def fail() -> None:
@@ -130,11 +130,11 @@ def test_an_exception_of_somebody_else_is_raised_at_home_and_firmware_does_not_s
     names = [entry.name for entry in raised.traceback]
     assert raised.value is fault and names[-1] == "fail" and "firmware" not in names
     assert bench.log == [] and bench.kernel.now == 10 * TICKS
-    bench.kernel.run_until(200 * TICKS)  # whoever takes it as told may go on
+    bench.kernel.run_until(200 * TICKS)  # a caller that handles the exception may continue the run
     assert bench.log == [("end", 100)]
 
 
-def test_events_without_end_are_told_at_home():
+def test_endless_events_at_one_instant_are_reported_in_the_outer_loop():
     bench = Bench([])
 
     def again() -> None:
@@ -146,7 +146,7 @@ def test_events_without_end_are_told_at_home():
         bench.kernel.run_until(200 * TICKS)
 
 
-def test_an_error_of_firmware_whose_turn_came_in_the_wait_of_another_is_its_own():
+def test_an_error_of_firmware_that_ran_in_the_wait_of_another_is_not_raised_in_the_latter():
     one = Bench([])
     two = Bench([], beside=one, name="other", base=0x7200)
 
@@ -169,7 +169,7 @@ def test_an_error_of_firmware_whose_turn_came_in_the_wait_of_another_is_its_own(
     assert one.log == [("end", 500)]
 
 
-def test_a_unit_is_ended_and_begun_again_while_another_waits():
+def test_a_unit_is_killed_and_started_again_while_another_waits():
     one = Bench(toggles(4))
     two = Bench([], beside=one, name="other", base=0x7200)
 
@@ -192,7 +192,7 @@ def test_a_unit_is_ended_and_begun_again_while_another_waits():
     assert len(one.log) == 8
 
 
-def test_firmware_that_is_ended_and_refuses_to_never_goes_on():
+def test_killed_firmware_that_waits_in_its_finally_does_not_continue():
     bench = Bench([])
 
     def firmware() -> None:
@@ -213,7 +213,7 @@ def test_firmware_that_is_ended_and_refuses_to_never_goes_on():
 
 
 @pytest.mark.parametrize("cycles", [50, 210])
-def test_a_run_may_end_in_the_middle_of_a_wait_and_go_on(cycles: int):
+def test_a_run_may_end_within_a_wait_and_continue(cycles: int):
     bench = Bench(toggles(10))
     bench.cpu.start(waits(bench, 10))
     ends: list[int] = []
@@ -236,8 +236,8 @@ def test_a_run_is_stopped_from_inside_a_wait():
     assert len(bench.log) == 20
 
 
-def test_units_are_ended_from_outside_in_the_middle_of_two_waits():
-    """One of them gave the other its turn in its own wait."""
+def test_two_waiting_units_can_be_killed_from_outside():
+    """The event loop of one unit's wait runs the other unit."""
     one = Bench(toggles(3))
     two = Bench(toggles(3, begin=125), beside=one, name="other", base=0x7200)
     ended: list[str] = []
@@ -259,8 +259,8 @@ def test_units_are_ended_from_outside_in_the_middle_of_two_waits():
     assert ended == ["one", "two"]
 
 
-def test_the_cause_of_what_firmware_does_is_its_own_whoever_acted_meanwhile():
-    """An agent acts under a record of its own in the middle of a wait: nothing of it is left to the firmware."""
+def test_the_cause_of_firmware_is_kept_while_others_act_in_its_wait():
+    """An agent sets a cause within the wait; the cause of the firmware is not affected."""
     bench, causes = Bench(toggles(1)), {}
     recorder = bench.recorder
 
@@ -280,7 +280,7 @@ def test_the_cause_of_what_firmware_does_is_its_own_whoever_acted_meanwhile():
     assert causes == {"agent finds": 0, "later": 0, "firmware": 5}
 
 
-def test_a_place_is_that_of_the_waiting_statement_also_for_those_who_ask_in_the_wait():
+def test_the_causing_statement_within_a_wait_is_the_waiting_one():
     bench, places = Bench([]), []
 
     def look() -> None:
@@ -297,8 +297,8 @@ def test_a_place_is_that_of_the_waiting_statement_also_for_those_who_ask_in_the_
     assert bench.processor.causing_statement() is None or bench.cpu.program.finished
 
 
-def test_a_program_that_is_to_go_on_in_what_it_began_itself_is_told():
-    """A replay in the middle of a wait goes over the very instant at which that wait ends."""
+def test_continuing_a_program_within_its_own_event_is_refused():
+    """A replay within a wait passes the instant at which that wait ends."""
     bench = Bench([])
 
     class Replays(Agent):

@@ -1,4 +1,4 @@
-"""A hook, or a file, of a user's device that never returns ends the run with its line and status 1; a long one not."""
+"""A hook or file of a user's device that never returns ends the run with its line and status 1."""
 
 from __future__ import annotations
 
@@ -51,8 +51,10 @@ def case_of(folder: Path, **hooks: str) -> Path:
 def test_a_hook_that_never_returns_is_stopped_with_its_line(tmp_path: Path, hooks: dict[str, str], lines: tuple[int]):
     result = Scene(load(case_of(tmp_path, **hooks))).run()
     assert result.verdict == "fail" and 0.001 < result.simulated_s < 0.002
-    (told,) = result.stuck
-    assert told in [f"device mine did not return within 0.3 s of CPU time at line {line} of mine.py" for line in lines]
+    (message,) = result.stuck
+    assert message in [
+        f"device mine did not return within 0.3 s of CPU time at line {line} of mine.py" for line in lines
+    ]
 
 
 @pytest.mark.parametrize(
@@ -66,26 +68,26 @@ def test_a_file_or_a_device_that_is_never_made_ends_the_run_as_it_begins(
     case = case_of(tmp_path)
     device = tmp_path / "mine.py"
     device.write_text(device.read_text("utf-8").replace(old, new), "utf-8")
-    told = f"device mine did not return within 0.3 s of CPU time at line {line} of mine.py"
+    message = f"device mine did not return within 0.3 s of CPU time at line {line} of mine.py"
     result = Scene(load(case)).run()
-    assert (result.verdict, result.simulated_s, result.stuck) == ("fail", 0, [told])
+    assert (result.verdict, result.simulated_s, result.stuck) == ("fail", 0, [message])
     came = periph_sim("run", str(case))
-    assert (came.status, came.err) == (1, "") and f"stuck: {told}" in " ".join(came.out.split())
+    assert (came.status, came.err) == (1, "") and f"stuck: {message}" in " ".join(came.out.split())
 
 
-def test_a_hook_that_returns_in_time_is_left_alone(tmp_path: Path):
+def test_a_hook_that_returns_in_time_is_not_stopped(tmp_path: Path):
     result = Scene(load(case_of(tmp_path, on_read="return sum(range(100_000)) & 0xFF"))).run()
     assert result.stuck == [] and result.counts["rounds"] == 2
 
 
-def test_a_limit_of_0_lets_a_hook_take_any_time():
+def test_a_limit_of_0_disables_the_watch_of_a_hook():
     guard = UserCode("device mine", 0.0)
     seen: list[int] = []
     assert guard(lambda: seen.append(guard.thread)) is None
-    assert seen == [0], "nobody watches it"
+    assert seen == [0], "no thread is registered with the watch"
 
 
-def test_each_call_is_another_instant_and_a_hook_in_a_hook_is_the_same_one():
+def test_each_call_is_a_new_instant_and_a_nested_hook_belongs_to_the_outer_call():
     guard = UserCode("device mine", 10.0)
     seen: list[tuple[int, int]] = []
     guard(lambda: guard(lambda: seen.append(guard.instant())))
@@ -93,7 +95,7 @@ def test_each_call_is_another_instant_and_a_hook_in_a_hook_is_the_same_one():
     assert seen == [(1, 0), (2, 0)] and guard.thread == 0
 
 
-def test_the_one_who_raises_it_is_told():
+def test_a_stall_detected_by_the_caller_is_reported():
     def stopped() -> None:
         raise NoProgress
 

@@ -1,4 +1,4 @@
-"""A case with firmware and an I2C device of the user's own: texts go in, files in a folder come out."""
+"""Write a case with a user's own firmware and I2C device to a folder."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ max = "5 ms"
 
 
 def write_case(folder: Path, name: str, firmware: str, device: str, keys: str) -> Path:
-    """The case NAME.toml with these further keys, NAME.py and mine.py: one byte is written and read every 5 ms."""
+    """Write NAME.toml with these further keys, NAME.py and mine.py; the case writes and reads one byte every 5 ms."""
     for file, text in ((f"{name}.py", firmware), ("mine.py", device)):
         (folder / file).write_text(text, encoding="utf-8")
     path = folder / f"{name}.toml"

@@ -1,7 +1,7 @@
-"""Source and words: of every form there is, and the other way round by the decoder, which reads the same table.
+"""Every form is assembled, and decoded again by the decoder, which reads the same table.
 
-Lines of a form are written from the manual's operand kinds [SPRU430F 5, 6; SPRUEO2A 2, 4], not from what the assembler
-accepts: "MOVL loc32,ACC"  ->  "MOVL @XAR0,ACC", "MOVL *SP++,ACC", ...
+The source lines of a form are generated from the manual's operand kinds [SPRU430F 5, 6; SPRUEO2A 2, 4], not from what
+the assembler accepts: "MOVL loc32,ACC"  ->  "MOVL @XAR0,ACC", "MOVL *SP++,ACC", ...
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ REGISTERS = [str(n) for n in range(8)]
 
 
 def numbers(least: int, most: int) -> list[str]:
-    """A range, both ends and some between."""
+    """Return both ends of a range and some numbers between, as text."""
     return [
         str(number) for number in sorted({least, least + 1, (least + most) // 2, most - 1, most}) if number >= least
     ]
@@ -111,7 +111,7 @@ KIND = re.compile("|".join(f"(?:{re.sub('[?]P<[a-z]+>', '?:', pattern)})" for pa
 
 
 def lines(syntax: str, at: int) -> Iterator[str]:
-    """Source of this form at an address: each text of each operand, beside the first and the last of the others."""
+    """Yield source lines of a form: each text of each operand, combined with the first and the last of the others."""
     mnemonic, _, rest = syntax.partition(" ")
     pieces: list[Sequence[str]] = []
     behind = 0
@@ -150,7 +150,7 @@ def test_words(expected: tuple[int, ...], source: str):
 
 
 @pytest.mark.parametrize("row", FORMS, ids=[row.id for row in FORMS])
-def test_both_ends_of_every_field_make_the_round(row: Encoding):
+def test_both_ends_of_every_field_are_decoded_and_assembled_again(row: Encoding):
     for end in (0, 1):
         assert_round_trip(row, row.pair({name: place.mask * end for name, place in row.fields.items()}))
 
@@ -167,7 +167,7 @@ def assert_round_trip(row: Encoding, pair: int) -> None:
     assert back.words < found.words or back.encoding is found.encoding
     if back.encoding is found.encoding:
         field = found.values.get("l")
-        both_shown_alike = "32" in row.syntax and field in (0xA8, 0xAA)  # ACC and P have two values each
+        both_shown_alike = "32" in row.syntax and field in (0xA8, 0xAA)  # ACC and P have two encodings each
         assert back.values == (found.values | {"l": field + 1} if both_shown_alike else found.values)
 
 
@@ -197,8 +197,8 @@ def test_case_and_spaces_are_free():
         ("XOR ACC,#1<<3", "XOR ACC,#1<<#3"),
     ],
 )
-def test_what_compilers_leave_out(short: str, written_out: str):
-    """No @ before a register, no # before a shift or where a call goes, no shift by 0."""
+def test_short_forms_that_compilers_write(short: str, written_out: str):
+    """The @ before a register, the # before a shift count or call target, and a shift by 0 may be omitted."""
     assert words(short, there=0x33_8000) == words(written_out, there=0x33_8000)
 
 
@@ -211,31 +211,33 @@ def test_what_compilers_leave_out(short: str, written_out: str):
         ("MOV32 @P,R2H", (0xBFAB, 0x0F1A)),
     ],
 )
-def test_moves_between_registers_of_cpu_and_fpu_name_the_address_of_the_latter(source: str, expected: tuple[int, ...]):
-    """R0H is at 0x0F12, and each next one four words behind it [SPRUEO2A, MOV32]."""
+def test_moves_between_cpu_and_fpu_registers_contain_the_address_of_the_fpu_register(
+    source: str, expected: tuple[int, ...]
+):
+    """R0H is at 0x0F12, and each further register is four words higher [SPRUEO2A, MOV32]."""
     assert words(source) == expected
 
 
 def test_interrupts_are_switched_by_a_bit_of_setc_and_clrc():
-    """And take what these take for that bit [SPRU430F, DINT, EINT]."""
+    """They also take the cycles of SETC and CLRC for that bit [SPRU430F, DINT, EINT]."""
     for name, source in (("DINT", "SETC INTM"), ("EINT", "CLRC INTM")):
         row, other = parse(name, AT, {}).encoding, parse(source, AT, {}).encoding
         assert words(name) == words(source)
         assert row.cycles == other.cycles_of({"y": 0x10})[0] == 2
 
 
-def test_push_and_pop_of_32_bits_are_their_moves():
+def test_push_and_pop_of_32_bits_are_movl_instructions():
     assert words("PUSH XAR4") == words("MOVL *SP++,XAR4")
     assert words("POP ACC") == words("MOVL ACC,*--SP")
 
 
-def test_symbols_of_data_are_the_word_of_their_page_and_of_code_the_distance():
+def test_a_data_symbol_gives_the_offset_in_its_page_and_a_code_symbol_the_distance():
     assert words("MOV @I2CMDR,#0x4600", I2CMDR=0x7909) == (0x2809, 0x4600)
     assert words("SB wait,NTC", wait=AT - 3) == (0x6CFD,)
     assert words("LCR #main", main=0x33_8000) == (0x7673, 0x8000)
 
 
-def test_a_symbol_that_comes_later_fits_until_it_is_known():
+def test_the_range_of_a_later_symbol_is_checked_when_its_value_is_known():
     parsed = parse("SB later,EQ", AT, {})
     assert parsed.words(AT, {"later": AT + 2}) == (0x6102,)
     with pytest.raises(BadInstruction, match="reaches -128 to 127"):
@@ -285,7 +287,7 @@ def test_refused_in_one_sentence(source: str, sentence: str):
         ("MPY P,T,#{}", -0x8000, 0xFFFF), ("ADD @0,#{}", -0x8000, 0xFFFF), ("MOVB AL.LSB,*+XAR4[{}]", 0, 7),
     ],
 )  # fmt: skip
-def test_a_number_is_taken_from_the_least_to_the_most_that_its_field_holds(source: str, least: int, most: int):
+def test_a_number_is_accepted_from_the_minimum_to_the_maximum_of_its_field(source: str, least: int, most: int):
     for number in (least, most):
         words(source.format(number))
     for number in (least - 1, most + 1):
@@ -350,7 +352,7 @@ def test_expressions(text: str, value: int):
         "None",
     ],
 )
-def test_what_is_no_expression(text: str):
+def test_malformed_expressions_are_refused(text: str):
     with pytest.raises(BadInstruction):
         evaluate(text, {}, AT)
 
@@ -364,7 +366,7 @@ SYNTAXES = [
 
 
 @pytest.mark.parametrize(("form", "syntax"), SYNTAXES, ids=[form for form, _ in SYNTAXES])
-def test_assembled_decoded_and_assembled_again_the_words_are_the_same(form: str, syntax: str):
+def test_decoding_and_assembling_again_gives_the_same_words(form: str, syntax: str):
     for source in dict.fromkeys(lines(syntax, AT)):
         first = words(source)
         found = decode_at(AT, first[0], first[-1])

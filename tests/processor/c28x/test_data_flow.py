@@ -1,6 +1,8 @@
-"""`data_flow` against the functions that execute: a part of a register, or a word, is changed before an instruction.
+"""`data_flow` agrees with what is executed: one register part or memory word is changed before an instruction.
 
-part --changed--> executed --> after   equal but for this part, if it is no source; otherwise only results differ
+    part --changed--> executed --> after
+
+If the part is not a source, everything else must be equal afterwards; if it is one, only the results may differ.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ Change = Callable[["Reading"], None]
 
 
 class Reading(Scattered):
-    """A CPU that stores which words it has read."""
+    """A CPU that remembers which words it has read."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -57,7 +59,7 @@ def parts_of(cpu: Reading) -> dict[str, object]:
 
 
 def change(part: str, seed: int) -> Change:
-    """A change of one part, which is equal for equal seeds."""
+    """Return a function that changes one part; equal seeds give equal changes."""
 
     def apply(cpu: Reading) -> None:
         draw = random.Random(seed)
@@ -92,7 +94,7 @@ def change_word(address: int, seed: int) -> Change:
 
 
 def executed(pair: int, seed: int, first: Change | None = None) -> Effect | None:
-    """The effect of an instruction in a random state; None if it is refused."""
+    """Return the effect of an instruction in a random state, or None if it is refused."""
     draw, cpu = random.Random(seed), Reading()
     stir(cpu, draw)
     cpu.arp, cpu.shadow_r = draw.randrange(8), [draw.getrandbits(32) for _ in range(8)]
@@ -108,7 +110,7 @@ def executed(pair: int, seed: int, first: Change | None = None) -> Effect | None
 
 
 def different(one: Effect, other: Effect) -> set[str]:
-    """The parts that differ; "decided" if cycles, or the addresses of stores, differ."""
+    """Return the parts that differ, with "decided" if cycles or the addresses of stores differ."""
     found = {part for part in PARTS if one.parts[part] != other.parts[part]}
     same = one.cycles == other.cycles and [at for at, _ in one.stores] == [at for at, _ in other.stores]
     return found if same else found | {"decided"}
@@ -140,7 +142,7 @@ def mistakes(row: Encoding, draw: random.Random) -> list[str]:
     return found
 
 
-def test_each_part_changes_only_the_results_of_an_instruction_that_has_it_as_a_source():
+def test_each_part_affects_only_the_results_of_instructions_that_have_it_as_a_source():
     draw = random.Random(7)
     assert [one for row in FORMS for _ in range(TRIES) for one in mistakes(row, draw)] == []
 

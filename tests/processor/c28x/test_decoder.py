@@ -1,4 +1,4 @@
-"""Words and the instruction that they are, as TI's tools show it."""
+"""Decoded instructions have the text that TI's tools show."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from periph_sim.processor.c28x.decoder import Instruction, decode_at, sweep
 
 AT = 0x8000
 
-# words, text: from SPRU430F's opcode rows and SPRUEO2A's, worked out by hand
+# words and text, derived by hand from the opcode rows of SPRU430F and SPRUEO2A
 SHOWN = [
     ((0x7700,), "NOP"),
     ((0x7640 | 0x00, 0x8594), "LCR #0x8594"),
@@ -67,17 +67,17 @@ def test_text(words: tuple[int, ...], text: str):
     assert (found.text, found.words) == (text, len(words))
 
 
-def test_a_sweep_passes_unknown_words_on_by_their_address_and_goes_on_behind_them():
+def test_a_sweep_returns_the_address_of_an_unknown_word_and_continues_after_it():
     found = list(sweep(AT, [0x7700, 0xFF60, 0x7640, 0x8000]))
     assert [one if isinstance(one, int) else one.text for one in found] == ["NOP", AT + 1, "LCR #0x8000"]
 
 
-def test_an_instruction_that_its_section_cuts_off_is_none():
+def test_an_instruction_cut_off_by_the_end_of_its_section_is_an_unknown_word():
     assert list(sweep(AT, [0x7640])) == [AT]
 
 
 @given(st.lists(st.integers(0, 0xFFFF), max_size=12))
-def test_any_words_are_swept_without_gap_or_overlap(words: list[int]):
+def test_a_sweep_of_any_words_has_no_gap_and_no_overlap(words: list[int]):
     at = AT
     for one in sweep(AT, words):
         assert at == (one.address if isinstance(one, Instruction) else one)

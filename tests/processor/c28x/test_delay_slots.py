@@ -1,4 +1,4 @@
-"""Who reads a result of the FPU too early: by the columns of the table; and code of TI's compiler, which never does."""
+"""Instructions that read an FPU result too early are found from the table; code of TI's compiler has none."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from tests.processor.image_files.public_images import public_image
 
 
 def code_of(image: Image) -> tuple[list[Instruction], dict[int, int]]:
-    """All instructions of an image, and the words of its code by address."""
+    """Return all instructions of an image, and the words of its code by address."""
     words = {section.run + at: word for section in image.code for at, word in enumerate(section.words)}
     found = [one for section in image.code for one in sweep(section.run, section.words)]
     return [one for one in found if isinstance(one, Instruction)], words
 
 
-def told(source: str) -> list[str]:
+def violations(source: str) -> list[str]:
     instructions, words = code_of(assemble('.sect ".text", 0x9000\n_c_int00:\n' + source))
     return [text for one in instructions for text in not_kept(one, lambda address: words.get(address, 0))]
 
@@ -51,19 +51,19 @@ def told(source: str) -> list[str]:
         ("ADDL ACC,P", "", ""),
     ],
 )
-def test_what_comes_late_and_what_is_read(source: str, late: str, read: str):
+def test_late_results_and_registers_read(source: str, late: str, read: str):
     (one, *_), _ = code_of(assemble(f'.sect ".text", 0x9000\n_c_int00: {source}\n'))
     registers = [mask & 0xFF for mask in (late_results(one), read_registers(one))]
     assert registers == [sum(1 << int(n) for n in some) for some in (late, read)]
 
 
 def test_a_slot_is_one_instruction_long():
-    assert told(" MPYF32 R0H,R1H,R2H\n MOV32 R3H,R0H") == [
+    assert violations(" MPYF32 R0H,R1H,R2H\n MOV32 R3H,R0H") == [
         "MOV32 at 0x009002 reads R0H in the delay slot of MPYF32 at 0x009000: the setting "
         "fpu_delay_slot selects whether it gets the new result"
     ]
-    assert told(" MPYF32 R0H,R1H,R2H\n NOP\n MOV32 R3H,R0H") == []
-    assert told(" MPYF32 R0H,R1H,R2H\n MOV32 R3H,R4H") == []
+    assert violations(" MPYF32 R0H,R1H,R2H\n NOP\n MOV32 R3H,R0H") == []
+    assert violations(" MPYF32 R0H,R1H,R2H\n MOV32 R3H,R4H") == []
 
 
 @pytest.mark.parametrize(
@@ -79,24 +79,24 @@ def test_a_slot_is_one_instruction_long():
         ("NOP", 0),
     ],
 )
-def test_flags_of_a_result_come_with_it(reader: str, found: int):
-    texts = told(f" MPYF32 R0H,R1H,R2H\n {reader}")
+def test_flags_of_a_result_are_as_late_as_the_result(reader: str, found: int):
+    texts = violations(f" MPYF32 R0H,R1H,R2H\n {reader}")
     assert [text.split(" at ")[0] + text.split(" reads")[1][:12] for text in texts] == [
         f"{reader.split()[0]} LUF and LVF"
     ] * found
-    assert told(f" F32TOI16 R0H,R1H\n {reader}") == []
+    assert violations(f" F32TOI16 R0H,R1H\n {reader}") == []
 
 
 @pytest.mark.parametrize(("last", "found"), [(" ADDF32 R3H,R3H,R0H\nend: NOP", 1), (" NOP\nend: NOP", 0)])
 def test_the_last_instruction_of_a_repeated_block_is_followed_by_its_first_one(last: str, found: int):
     source = " RPTB end,#1\n ADDF32 R4H,R3H,R1H\n" + " NOP\n" * 8 + last
-    texts = told(source)
+    texts = violations(source)
     assert len(texts) == found
     assert not found or texts[0].startswith("ADDF32 at 0x009002 reads R3H in the delay slot of ADDF32 at ")
 
 
 @pytest.mark.parametrize(("name", "late"), [("S12a", 1232), ("S1", 2)])
-def test_tis_compiler_keeps_every_slot(name: str, late: int):
+def test_code_of_tis_compiler_violates_no_delay_slot(name: str, late: int):
     instructions, words = code_of(load(public_image(name)))
     assert sum(late_results(one) != 0 for one in instructions) == late
     assert [text for one in instructions for text in not_kept(one, lambda address: words.get(address, 0))] == []

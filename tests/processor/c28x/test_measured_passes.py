@@ -1,4 +1,4 @@
-"""Passes of waits as compilers make them, and blocks that RPTB repeats: cycles as they were measured or published."""
+"""Cycles of compiled wait loops and of blocks repeated by RPTB, compared with measured or published values."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def source(*code: str) -> str:
     [(TXRDY, 9, 4), (PLLLOCKS, 12, 4), (DELAY, 5, 2), (f"{CALL} | ESTOP0 | {CALLED}", 18, 7)],
 )
 def test_a_pass_without_stalls(code: str, cycles: int, instructions: int):
-    """A register of frame 2 takes two wait states; nothing answers, so that the wait goes on."""
+    """A register of frame 2 has two wait states; no module is there, so the wait loop never ends."""
     rig = Rig(HEAD + source("MOVW DP,#0x1C4", "MOVB ACC,#0", code), skip=False, stalls=False, odd_32bit_target=0)
     rig.run(400_000)
     began = rig.program.instructions, rig.dsp.processor.time.cycle
@@ -37,8 +37,8 @@ def test_a_pass_without_stalls(code: str, cycles: int, instructions: int):
 @pytest.mark.parametrize(
     ("block", "cycles"), [("MOV32 R0H,*XAR4++", 8), ("MPYF32 R1H,R0H,R0H || ADDF32 R2H,R2H,R1H", 8)]
 )
-def test_a_repeated_block_is_its_cycles_times_the_count(block: str, cycles: int, count: int):
-    """8 instructions of a cycle each, RPTB 1 before them and nothing for the way back."""
+def test_a_repeated_block_takes_its_cycles_times_the_count(block: str, cycles: int, count: int):
+    """Eight instructions of one cycle each; RPTB takes 1 cycle before them, and the jump back takes none."""
 
     def took(times: int) -> int:
         body = "".join(f" {block}\n" for _ in range(8))
@@ -70,13 +70,17 @@ again: ADDL ACC,*XAR6++
 @pytest.mark.parametrize(
     ("routine", "base", "each"),
     [
-        (SQUARES, 4 + 1 + 4 + 4, 6),  # LCR, ADDB, RPTB of a register, LRETR
-        (FILL, 4 + 1 + 4 + 4, 1),  # the pass that RPT does not count is the instruction itself
-        (SUM, 4 + 3 + 1 + 4 + 2 - 4, 1 + 4),  # 1 for XAR6, 3 cycles behind its load; BANZ 4, and 2 in the last pass
+        (SQUARES, 4 + 1 + 4 + 4, 6),  # LCR, ADDB, RPTB with a register, LRETR
+        (FILL, 4 + 1 + 4 + 4, 1),  # RPT counts one pass less than are made
+        (
+            SUM,
+            4 + 3 + 1 + 4 + 2 - 4,
+            1 + 4,
+        ),  # 1 for XAR6, 3 cycles after its load; BANZ takes 4, and 2 in the last pass
     ],
 )
-def test_a_routine_takes_base_and_a_cycle_count_for_each_element(routine: str, base: int, each: int, count: int):
-    """Call and return included, as TI's libraries state it."""
+def test_a_routine_takes_a_base_and_a_number_of_cycles_per_element(routine: str, base: int, each: int, count: int):
+    """Cycles include call and return, as TI's libraries state them."""
 
     def took(call: str) -> int:
         code = f"""{HEAD} MOVL XAR4,#0x9400

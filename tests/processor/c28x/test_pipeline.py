@@ -1,4 +1,4 @@
-"""Stalls of short programs, by the rules of SPRU430F 4.3 and 4.4 and of TI's page on pipeline conflicts."""
+"""Pipeline stalls of short programs, by SPRU430F 4.3 and 4.4 and TI's page on pipeline conflicts."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ BEGIN = " MOVW DP,#0x9100 >> 6\n MOVL XAR4,#0x9100\n MOVL XAR5,#0x9140\n MOVL XA
 
 
 def cycles(code: str, **options: Value) -> int:
-    """What it takes from the reset to ESTOP0."""
+    """Return the cycles from reset to ESTOP0."""
     return ended(HEAD + BEGIN + code + "\n ESTOP0\n", **options)
 
 
@@ -24,29 +24,29 @@ def stalls(code: str) -> int:
 @pytest.mark.parametrize(
     ("code", "expected"),
     [
-        # a register that is loaded in E, and an address of it in D2
+        # a register is loaded in E and used for an address in D2
         ("MOVL XAR4,@0 | MOV AL,*XAR4", 3),
         ("MOVL XAR4,@0 | NOP | MOV AL,*XAR4", 2),
         ("MOVL XAR4,@0 | NOP | NOP | MOV AL,*XAR4", 1),
         ("MOVL XAR4,@0 | NOP | NOP | NOP | MOV AL,*XAR4", 0),
         ("MOVL XAR4,@0 | EALLOW | MOV AL,*XAR4", 0),  # 4 cycles
-        ("MOVL XAR4,@0 | MOVL XAR5,@2 | MOV AL,*XAR4 | MOV AH,*XAR5", 2),  # the first wait is the second one's, too
+        ("MOVL XAR4,@0 | MOVL XAR5,@2 | MOV AL,*XAR4 | MOV AH,*XAR5", 2),  # the first stall also covers the second
         ("MOVL XAR4,@0 | MOV AL,*XAR5", 0),
         ("MOVL XAR4,#0x9100 | MOV AL,*XAR4", 0),  # written in D2
-        ("MOVL XAR4,@0 | MOVL XAR4,#0x9100", 3),  # D2 behind E, both written
+        ("MOVL XAR4,@0 | MOVL XAR4,#0x9100", 3),  # D2 after E: both write the register
         ("MOVL XAR4,@0 | MOV @2,AR4", 3),  # read in D2 as a source
         ("MOV @AR4,AL | MOV AH,*XAR4", 3),
         ("MOVZ AR0,@0 | MOV AL,*+XAR4[AR0]", 3),
         ("MOVZ AR0,@0 | MOV AL,*+XAR4[1]", 0),
         ("MOV DP,#0x244 | MOV AL,@0", 0),
-        ("PUSH DP | POP DP | MOV AL,@0", 3 + 3),  # the word, and DP
+        ("PUSH DP | POP DP | MOV AL,@0", 3 + 3),  # once for the stacked word, once for DP
         # the stack pointer: ADDB writes it in E
         ("ADDB SP,#2 | MOV *-SP[1],AL", 3),
         ("ADDB SP,#2 | SUBB SP,#2", 0),  # both in E
         ("MOVL XAR7,@0 | LCR *XAR7", 3),
         # ACC, P, T and flags are read and written in E
         ("MOVL ACC,@0 | ADDL ACC,@2 | MOVL P,@ACC | MOV T,@AL", 0),
-        # a word that was just written
+        # a read of a word that was just written
         ("MOV @0,AL | MOV AH,@0", 3),
         ("MOV @0,AL | NOP | MOV AH,@0", 2),
         ("MOV @0,AL | NOP | NOP | MOV AH,@0", 1),
@@ -55,7 +55,7 @@ def stalls(code: str) -> int:
         ("MOVL @0,ACC | MOV AH,@1", 3),  # half of what is written
         ("MOV @1,AL | MOVL ACC,@0", 3),  # half of what is read
         ("INC @0 | MOV AL,@0", 3),
-        ("INC @0 | INC @0", 3),  # read, too
+        ("INC @0 | INC @0", 3),  # INC reads too
         ("MOV @0,AL | MOV @0,AH", 0),
         ("MOV @0,AL | MOV @1,AL | MOV AH,@0 | MOV AL,@1", 2),
         ("PUSH AL | POP AL", 3),
@@ -70,7 +70,7 @@ def test_stalls(code: str, expected: int):
 
 @pytest.mark.parametrize("code", ["MOV32 @ACC,*(0:0x0F1A)", "MOV32 *(0:0x0F12),@ACC", "MOV32 *(0:0x0F2E),@XAR4"])
 def test_a_move_between_fpu_and_cpu_takes_one_cycle(code: str):
-    """R2H, R0H and R7H by their address; as between registers, without the wait states of frame 0 [SPRUEO2A 4.2]."""
+    """R2H, R0H and R7H by address: no wait states of frame 0, as between registers [SPRUEO2A 4.2]."""
     assert cycles(f" {code}") - cycles("") == 1
 
 
@@ -92,7 +92,7 @@ def test_open_push_acc_cycles(took: int):
 
 @pytest.mark.parametrize("more", [1, 0])
 def test_open_odd_32bit_target(more: int):
-    """The same code at an even and an odd address; the second word of a 32-bit instruction needs another fetch."""
+    """The same code at an even and an odd address: at the odd one, half of a 32-bit instruction needs another fetch."""
     even, odd = (
         cycles(f" .align 2\n LB #there\n{pad}there: MOVL XAR6,#0x12345\n", odd_32bit_target=more)
         for pad in ("", " .space 1\n")
@@ -102,7 +102,7 @@ def test_open_odd_32bit_target(more: int):
 
 @pytest.mark.parametrize("more", [0, 1])
 def test_open_saram_conflict(more: int):
-    """Code and data in L1; data elsewhere do not conflict."""
+    """Code and data in L1 conflict; data in another block does not."""
     rig = Rig(f"{HEAD}{BEGIN} MOV AL,@0\n ESTOP0\n", saram_conflict=more).run()
     assert "system.saram_conflict" in rig.dsp.touched
     assert cycles(" MOV AL,@0", saram_conflict=more) - cycles(" MOV AL,@0") == more
@@ -121,7 +121,7 @@ def test_open_rptc_width(bits: int, repeats: int):
 
 
 def from_l4(code: str, **options: Value) -> int:
-    """What code takes in L4 more than in L1; both come by a jump."""
+    """Return the additional cycles of code in L4 compared with L1; both are reached by a jump."""
 
     def at(base: int) -> int:
         return ended(HEAD + f' LB #there\n .sect "code", {base:#x}\nthere: {code}\n ESTOP0\n .space 8\n', **options)
@@ -132,16 +132,19 @@ def from_l4(code: str, **options: Value) -> int:
 @pytest.mark.parametrize(
     ("code", "more"),
     [
-        ("NOP", 1),  # the first fetch, and that of ESTOP0 is the same
-        ("NOP\n" * 8, 1),  # 16-bit instructions at full speed: two come each two cycles
-        ("MOVL XAR6,#1\n" * 8, 1 + 8),  # 32-bit ones at half: 17 fetches with ESTOP0's, less the last two that overlap
+        ("NOP", 1),  # the first fetch; ESTOP0 is fetched with it
+        ("NOP\n" * 8, 1),  # 16-bit instructions at full speed: each fetch brings two
+        (
+            "MOVL XAR6,#1\n" * 8,
+            1 + 8,
+        ),  # 32-bit ones at half speed: 17 fetches with that of ESTOP0, less the last two, which overlap
         ("MPYB P,T,#0\n" + "MOVL XAR6,#1\n" * 2, 3),
-        ("RPT #20\n || NOP\n" + "MOVL XAR6,#1\n" * 3, 1),  # the queue fills up meanwhile
+        ("RPT #20\n || NOP\n" + "MOVL XAR6,#1\n" * 3, 1),  # meanwhile the queue is filled
         (
             "RPT #20\n || NOP\n" + "MOVL XAR6,#1\n" * 9,
             1 + 3,
-        ),  # four units of it; a fifth is fetched as the first is taken
-        ("LB #there + 4\n" + "NOP\n" * 4, 2),  # a jump waits anew
+        ),  # the queue holds four units; a fifth is fetched as the first is taken
+        ("LB #there + 4\n" + "NOP\n" * 4, 2),  # a jump waits for a new fetch
     ],
 )
 def test_code_in_memory_with_a_wait_state(code: str, more: int):
@@ -153,8 +156,8 @@ def test_code_in_memory_with_a_wait_state(code: str, more: int):
 
 @pytest.mark.parametrize("call", ["LCR #f", "LCR *XAR7"])
 @pytest.mark.parametrize(("nops", "took"), [(0, 4), (1, 5), (2, 6), (3, 7), (4, 8)])
-def test_a_return_does_not_wait_for_what_its_call_has_pushed(call: str, nops: int, took: int):
-    """LCR passes D2 in its first cycle and pushes in W, four cycles later; LRETR enters D2 then at the earliest.
+def test_a_return_does_not_wait_for_the_return_address(call: str, nops: int, took: int):
+    """LCR leaves D2 in its first cycle and pushes in W, four cycles later; LRETR enters D2 at the earliest then.
 
     cycle          1   2   3   4   5   6   7
     LCR            D2  R1  R2  E   W            pushes RPC
@@ -168,11 +171,11 @@ def test_a_return_does_not_wait_for_what_its_call_has_pushed(call: str, nops: in
 @pytest.mark.parametrize(
     ("code", "expected"),
     [
-        # an instruction that keeps D2 for several cycles writes in the last of them
+        # an instruction that occupies D2 for several cycles writes in the last of them
         ("PUSH @AL | POP AL", 3),
         ("MOV *(0:0x9100),@AL | MOV AH,@0", 3),
         ("MOV *(0:0x9100),@AL | NOP | MOV AH,@0", 2),
-        # one that keeps it until it has left E, or W, has written: N + 4 = N + 1 passes and 3, D2 to E
+        # one that occupies it until it has left E or W has then written: N + 4 is N + 1 passes and 3 cycles to E
         ("NORM ACC,XAR4++ | MOV AL,*XAR4", 0),
         ("PUSH DP:ST1 | NOP | NOP | NOP | NOP | POP DP:ST1 | MOV AL,@0", 0),
     ],
@@ -182,12 +185,12 @@ def test_writers_of_several_cycles(code: str, expected: int):
     assert stalls(body.replace("POP AL", "POP @AL")) == expected
 
 
-def test_passes_of_rpt_wait_for_nothing_in_between():
-    """N + 4, though each pass needs the register that the one before writes in E [SPRU430F chapter 6, NORM]."""
+def test_passes_of_rpt_do_not_stall():
+    """RPT takes N + 4 cycles, though each pass needs the register that the previous one writes [SPRU430F 6, NORM]."""
     assert cycles(" RPT #9\n || NORM ACC,XAR6++") - cycles("") == 1 + 9 + 4
 
 
-def test_the_first_pass_of_rpt_waits():
+def test_the_first_pass_of_rpt_stalls():
     assert cycles(" MOVL XAR6,@0\n RPT #9\n || NORM ACC,XAR6++") - cycles(" NOP\n RPT #9\n || NORM ACC,XAR6++") == 2
 
 
@@ -208,7 +211,7 @@ def ar(*numbers: int) -> int:
         (0x97, ar(7, 0)),
         (0x98, ar(0, 1)),  # *+XAR0[AR1]
         (0x9F, ar(7, 1)),
-        (0xA0, 0),  # @AR0: no address
+        (0xA0, 0),  # @AR0 is a register, so there is no address
         (0xA7, 0),
         (0xA9, 0),  # @AL
         (0xAE, BY_ARP | ar(0)),  # *0++
@@ -232,7 +235,7 @@ WAITS = 5
 
 
 def begun(depth: int = DEPTH) -> FetchQueue:
-    """A jump to address 0, whose first instruction is executed in cycle 5."""
+    """Return a queue after a jump to address 0, whose first instruction is executed in cycle 5."""
     queue = FetchQueue()
     queue.begin(0, 0, 2, WAITS, WAITS, depth)
     assert queue.wait(0, 0, 1) == 5
@@ -240,50 +243,48 @@ def begun(depth: int = DEPTH) -> FetchQueue:
 
 
 def there(queue: FetchQueue, unit: int) -> int:
-    """The cycle from which on an instruction of this unit can be executed, if all before it were by cycle 5."""
+    """Return the earliest cycle of an instruction in this unit, if all before it are executed by cycle 5."""
     return queue.wait(0, 4 * unit, 4 * unit + 1)
 
 
 @pytest.mark.parametrize(("unit", "cycle"), [(1, 11), (2, 17), (3, 23)])
-def test_units_come_one_behind_the_other(unit: int, cycle: int):
+def test_units_are_fetched_one_after_the_other(unit: int, cycle: int):
     assert there(begun(), unit) == cycle
 
 
 @pytest.mark.parametrize(
     ("cycle", "waits", "unit", "later"),
     [
-        (8, 3, 1, 11),  # waits for unit 1
-        (8, 3, 2, 23),  # which unit 2 is fetched behind
+        (8, 3, 1, 11),  # waits for the fetch of unit 1
+        (8, 3, 2, 23),  # unit 2 is fetched after the read
         (10, 1, 2, 23),
-        (11, 0, 2, 23),  # between the two
-        (12, 5, 2, 17),  # waits for unit 2
+        (11, 0, 2, 23),  # between two fetches
+        (12, 5, 2, 17),  # waits for the fetch of unit 2
         (12, 5, 3, 29),
-        (23, 0, 3, 23),  # all that comes ahead is there
+        (23, 0, 3, 23),  # all units of the queue are already fetched
     ],
 )
-def test_a_read_waits_for_the_fetch_under_way_and_the_next_one_for_the_read(
-    cycle: int, waits: int, unit: int, later: int
-):
+def test_a_read_waits_for_the_current_fetch_and_delays_the_next_one(cycle: int, waits: int, unit: int, later: int):
     queue = begun()
     assert queue.read(cycle, WAITS) == waits
     assert there(queue, unit) == later
 
 
-def test_a_read_directly_behind_another_comes_before_the_next_fetch():
+def test_a_read_directly_after_another_precedes_the_next_fetch():
     queue = begun()
     assert (queue.read(8, WAITS), queue.read(17, WAITS)) == (3, 0)
     assert there(queue, 2) == 29
 
 
-def test_a_fetch_that_waits_for_its_place_waits_for_the_read_too():
-    """Unit 4 takes the place of unit 0, which is executed to cycle 31; the read is over in 36."""
+def test_a_fetch_that_waits_for_a_free_place_also_waits_for_the_read():
+    """Unit 4 takes the place of unit 0, which is executed until cycle 31; the read ends in cycle 36."""
     queue = begun()
     assert queue.read(30, WAITS) == 0
     assert queue.wait(31, 1, 4) == 0
     assert there(queue, 4) == 42
 
 
-def test_with_half_the_places_the_third_unit_waits_for_the_first():
+def test_a_queue_of_half_the_depth_fetches_the_third_unit_after_the_first_is_executed():
     queue = begun(DEPTH // 2)
     assert queue.wait(31, 1, 4) == 0
     assert there(queue, 1) == 11

@@ -1,10 +1,10 @@
-"""Statements on registers in C, and the accesses that they are: a matrix goes in; a C file and the accesses come out.
+"""A matrix of statements on registers in C, and the register accesses that each of them makes.
 
 Each row of the matrix is a register whose union has the whole (`all`), its 16-bit words if it has two (`half`) and bit
-fields (`bit`): a field `f` of one width and position, and fields `lo`, `hi` and `rest` for the other bits. On each the
-statements of `STATEMENTS` are executed. What they do is computed here from the rules of C and three rules of the chip:
-a read of a field is a read of its word; a write of a field is a read and a write of its word, or a write alone if the
-field is the word; anything else is one access of the number's width.
+fields (`bit`): a field `f` of one width and position, and fields `lo`, `hi` and `rest` for the other bits. The
+statements of `STATEMENTS` are executed on each of them. Their accesses are computed here from the rules of C and three
+rules of the chip: a read of a field is a read of its word; a write of a field is a read and a write of its word, or
+only a write if the field is the whole word; anything else is one access of the number's width.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from random import Random
 
-FIRST = 0x6000  # of the registers: a frame of modules that nothing models, which keeps what is written
+FIRST = 0x6000  # address of the registers, in a frame without modelled modules, which keeps what is written
 Access = tuple[str, int, int, int]  # R or W, address, words, value
 
-# Declared type of the fields, of the whole, of the halves; bits of the whole; whether fields have a sign.
+# declared types of the fields, of the whole and of the halves; bits of the whole; True if the fields are signed
 TYPES = {
     "unsigned int": ("unsigned int", "unsigned int", "", 16, False),
     "uint16_t": ("uint16_t", "uint16_t", "", 16, False),
@@ -37,7 +37,7 @@ SHAPES = [(bit, 1) for bit in range(16)] + sorted(
 
 @dataclass
 class Chip:
-    """What registers hold, and the accesses so far."""
+    """Memory that keeps what registers are written, and the accesses so far."""
 
     words: dict[int, int] = field(default_factory=dict)
     log: list[Access] = field(default_factory=list)
@@ -63,7 +63,7 @@ class Field:
     signed: bool
 
     def value(self, number: int) -> int:
-        """The number that the field holds once this one is assigned."""
+        """Return the number that the field holds after `number` was assigned to it."""
         number &= (1 << self.width) - 1
         return number - (1 << self.width) if self.signed and number >> self.width - 1 else number
 
@@ -78,18 +78,23 @@ class Field:
 
 @dataclass(frozen=True)
 class Register:
-    """place: the expression of C. fields: `f` first."""
+    """A register of the matrix.
+
+    place: the C expression of the register.
+    number: the C type of the whole.
+    fields: its fields, `f` first.
+    """
 
     place: str
     word: int
     count: int
     fields: tuple[Field, ...]
-    number: str  # its type
+    number: str
     halves: bool
 
 
 def declared(kind: str, shape: tuple[int, int], half: int, name: str, word: int) -> tuple[str, Register]:
-    """(a union of this name, the register that has it as a member of `Regs` at a word's address)."""
+    """Return the declaration of a union of this name, and its register, which `Regs` has as a member at this word."""
     of_field, whole, of_half, bits, signed = TYPES[kind]
     begin, width = shape
     parts = [("lo", 0, begin), ("f", begin, width), ("hi", begin + width, 16 - begin - width)]
@@ -107,7 +112,7 @@ def _f_first(one: Field) -> bool:
     return one.name != "f"
 
 
-# Statements: what C says, with {r} the register, {c} and {d} numbers, OUT(...) a write elsewhere; and what it is.
+# Statements in C and their effects: {r} is the register, {c} and {d} are numbers, OUT(...) is a write elsewhere.
 Effect = Callable[[Chip, Register, int, int], "int | None"]
 
 
@@ -197,10 +202,10 @@ OUT = 0x6B40
 
 
 def matrix(shapes: int = 1, every: int = 1) -> tuple[str, list[tuple[str, list[Access]]]]:
-    """(a C file, each statement with its accesses): all of them (20 000), or a part that has each pair of properties.
+    """Return a C file, and its statements with their accesses: all 20 000, or a part with each pair of properties.
 
-    shapes: each type has one of so many shapes, another one than the type before. every: likewise each register has one
-    of so many statements.
+    shapes: each type has one of this many shapes, each time another one than the previous type.
+    every: likewise each register has one of this many statements.
     """
     random, chip, word, turn = Random(1), Chip(), FIRST, 0
     unions, members, functions, statements = [], [], [], []
@@ -231,7 +236,7 @@ def matrix(shapes: int = 1, every: int = 1) -> tuple[str, list[tuple[str, list[A
 def _executed(
     random: Random, chip: Chip, register: Register, name: str, template: str, effect: Effect
 ) -> tuple[str, list[Access]]:
-    """(a statement with its numbers, its accesses)."""
+    """Return a statement with its numbers inserted, and its accesses."""
     f, other = register.fields[0], register.fields[-1]
     c, d = random.getrandbits(f.width), random.getrandbits(16 * register.count)
     numbers = {"c": c, "d": d, "v": f.value(c), "w": other.value(d), "r": register.place, "u": name, "o": other.name}

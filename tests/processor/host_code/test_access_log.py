@@ -1,4 +1,4 @@
-"""A restored scene brings its C sources to the instant of the snapshot by re-executing them from a log."""
+"""Restoring a snapshot re-executes C sources from a log of their accesses."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ SET_UP = "EALLOW; SysCtrlRegs.WDCR = 0x68; GpioCtrlRegs.GPADIR = 0x80000000; EDI
 
 @pytest.fixture
 def echo(tmp_path: Path) -> Callable[..., Case]:
-    """Returns the case of echo.c, or of a main with this body."""
+    """Return a function that makes a case of echo.c, or of a main with the given body."""
     (tmp_path / "device.h").write_text((HERE / "device.h").read_text() + ADC)
 
     def case(body: str = "", text: str = HOST) -> Case:
@@ -83,7 +83,7 @@ def states_at(scene: Scene, instants: list[int]) -> list[Snapshot]:
 
 
 def goes_on(case: Case, state: Snapshot, until: int, records: list[Record]) -> Scene:
-    """Restore a state, run, and compare the records; those from the checkpoint to the state are made again."""
+    """Restore a state, run on, and compare the records; those between the checkpoint and the state are made again."""
     scene, again = recorded(case)
     again.clear()  # records of the construction
     scene.restore(state)
@@ -95,7 +95,7 @@ def goes_on(case: Case, state: Snapshot, until: int, records: list[Record]) -> S
 
 
 @pytest.mark.parametrize(("count", "ahead"), [(1, 400), pytest.param(10, 200, marks=pytest.mark.long)])
-def test_the_emulator_goes_on_from_random_instants_as_it_did(count: int, ahead: int):
+def test_the_emulator_continues_equally_from_snapshots_at_random_instants(count: int, ahead: int):
     case, random = load(TIMING / "imu_hil_c.toml"), Random(1)
     whole, records = recorded(case)
     states = states_at(whole, sorted(us(whole, random.uniform(150, 7300)) for _ in range(count)))
@@ -105,8 +105,8 @@ def test_the_emulator_goes_on_from_random_instants_as_it_did(count: int, ahead: 
 
 
 @pytest.mark.long
-def test_service_routines_are_entered_again_where_they_were(echo: Callable[..., Case]):
-    """Main is in an empty loop. The search for a checkpoint begins in and beside the first routine."""
+def test_snapshots_in_and_near_a_service_routine_can_be_restored(echo: Callable[..., Case]):
+    """Main is in an empty loop; the snapshots are just before, in and after the first service routine."""
     case = echo()
     whole, records = recorded(case)
     whole.advance(us(whole, 7000))
@@ -123,8 +123,8 @@ def test_service_routines_are_entered_again_where_they_were(echo: Callable[..., 
 
 
 @pytest.mark.long
-def test_a_restored_scene_has_states_that_can_be_restored(echo: Callable[..., Case]):
-    """Also twice, and after the first scene has run on; with two units of C sources, and one of an image."""
+def test_snapshots_of_a_restored_scene_can_be_restored(echo: Callable[..., Case]):
+    """This also holds twice, after the first scene has run on, and with two units of C sources and one of an image."""
     case = echo(text=HOST + OTHER_UNITS)
     whole, records = recorded(case)
     (early,) = states_at(whole, [us(whole, 6100)])
@@ -137,7 +137,7 @@ def test_a_restored_scene_has_states_that_can_be_restored(echo: Callable[..., Ca
 
 
 def test_after_a_reset_the_log_begins_again(echo: Callable[..., Case]):
-    """The watchdog resets the unit at the end of its first 4.4 ms."""
+    """The watchdog resets the unit after its first 4.4 ms."""
     case = echo("for (;;) GpioDataRegs.GPATOGGLE.all = ++AdcRegs.word[3];")
     whole, records = recorded(case)
     states = states_at(whole, [us(whole, at) for at in (2000, 7000)])
@@ -148,7 +148,7 @@ def test_after_a_reset_the_log_begins_again(echo: Callable[..., Case]):
 
 
 def test_without_a_log_the_scene_runs_to_the_snapshot(echo: Callable[..., Case]):
-    """Also to one that has a log."""
+    """This also holds for a snapshot of a scene that has a log."""
     case = echo()
     whole, _ = recorded(case)
     (state,) = states_at(whole, [us(whole, 6100)])
@@ -160,11 +160,11 @@ def test_without_a_log_the_scene_runs_to_the_snapshot(echo: Callable[..., Case])
     assert state.differences(scene.state()) == {}
 
 
-# What is refused ---------------------------------------------------------------------
+# Snapshots that are refused ----------------------------------------------------------
 
 
 def refused(case: Case, state: Snapshot) -> str:
-    """Return why the snapshot is refused, having changed nothing: the scene runs as any new one."""
+    """Return the message of the refused snapshot, which must change nothing: the scene then runs as a new one."""
     scene, records = recorded(case)
     before = scene.state()
     with pytest.raises(NotRestorable) as error:
@@ -178,7 +178,7 @@ def refused(case: Case, state: Snapshot) -> str:
     return str(error.value)
 
 
-def test_another_build(echo: Callable[..., Case]):
+def test_a_snapshot_of_another_build_is_refused(echo: Callable[..., Case]):
     whole, _ = recorded(echo())
     (state,) = states_at(whole, [us(whole, 6100)])
     shorter = (HERE / "device.h").read_text().replace('asm(" EDIS")', 'asm(" nop")')
@@ -217,8 +217,10 @@ DEPENDS = "; what they do depends on more than their accesses, for example on ti
         ("if (again) *(int *)0 = 1; ", ": Segmentation fault at main:2, the host's address 0x0"),
     ],
 )
-def test_sources_that_depend_on_the_host(echo: Callable[..., Case], body: str, sentence: str):
-    """The body sees by an environment variable that it has run before."""
+def test_sources_that_behave_differently_the_second_time_are_refused(
+    echo: Callable[..., Case], body: str, sentence: str
+):
+    """The sources know by an environment variable that they run a second time."""
     name = "PERIPH_SIM_TEST_SECOND_RUN"
     first = "char *getenv(const char *); int setenv(const char *, const char *, int); "
     again = f'int again = getenv("{name}") != 0; setenv("{name}", "1", 1); '

@@ -1,4 +1,4 @@
-"""firmware/c/imu_hil.c answers on the wires with the bytes of the same program in Python and in machine code."""
+"""firmware/c/imu_hil.c sends the same bytes as the same program in Python and in machine code."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ ARITHMETIC = {"arithmetic": "bytes", "model_cost": "1 us"}
 
 
 def run(case: Case) -> tuple[list[tuple[str, int | str]], Result]:
-    """What goes over the bus and is sent over the UART, in its order; and the result."""
-    told: list[Record] = []
-    scene = Scene(case, lambda recorder, _: recorder.subscribe([Kind.BUS, Kind.FRAME], told.append))
+    """Run a case; return the bus traffic and the frames that the unit sends, in order, and the result."""
+    records: list[Record] = []
+    scene = Scene(case, lambda recorder, _: recorder.subscribe([Kind.BUS, Kind.FRAME], records.append))
     result = scene.run()
-    return [(record.what, record.value) for record in told if record.where != "RX"], result
+    return [(record.what, record.value) for record in records if record.where != "RX"], result
 
 
 def with_program(case: Case, **program: object) -> Case:
@@ -34,7 +34,7 @@ def with_program(case: Case, **program: object) -> Case:
     return case.model_copy(update={"unit": {"dsp": unit}})
 
 
-def test_the_emulator_in_c_answers_with_the_bytes_of_its_twins():
+def test_the_emulator_in_c_sends_the_bytes_of_the_other_implementations():
     case = load(TIMING / "imu_hil_c.toml")
     in_c, result = run(case)
     python, _ = run(with_program(case, firmware="imu_hil", settings=ARITHMETIC))
@@ -44,8 +44,8 @@ def test_the_emulator_in_c_answers_with_the_bytes_of_its_twins():
     assert len({value for what, value in in_c if what == "byte"}) > 10
 
 
-def test_bit_fields_of_the_header_are_those_of_the_maps():
-    """Names and positions of f28335.h, against the maps of the models."""
+def test_bit_fields_of_the_header_agree_with_the_register_maps():
+    """Names and positions of the bit fields in f28335.h agree with the register maps of the models."""
     header = (SHIPPED.parent / "c" / "f28335.h").read_text(encoding="utf-8")
     scene = Scene(load(TIMING / "imu_hil_c.toml"))
     maps = [place.socket.chip.MAP for place in scene.units["dsp"].memory.places.values()]

@@ -1,4 +1,4 @@
-"""Each statement on a register in C makes the accesses of the chip, whatever types its header has; or it is refused."""
+"""Each C statement on a register makes the accesses of the chip for every declared type, or the type is refused."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ max = 0
 
 
 class Recorded(UnmappedMemory):
-    """Memory of modules that nothing models, with a log."""
+    """The memory of modules that are not modelled, with a log of accesses."""
 
     log: list[tuple[str, int, int, int]]
 
@@ -52,7 +52,7 @@ class Recorded(UnmappedMemory):
 
 
 def accesses(log: list[tuple[str, int, int, int]]) -> list[Access]:
-    """Words of one cycle are one access."""
+    """Return accesses; words of one cycle are joined to one access."""
     found: list[Access] = []
     last = (-1, "")
     for how, cycle, address, value in log:
@@ -66,7 +66,7 @@ def accesses(log: list[tuple[str, int, int, int]]) -> list[Access]:
 
 
 def run(folder: Path, monkeypatch: pytest.MonkeyPatch, text: str, undefined: str = "false") -> list[Access]:
-    """What a main makes of registers that nothing models."""
+    """Return the accesses that a main makes to registers without a model."""
     (folder / "main.c").write_text(text)
     (folder / "case.toml").write_text(CASE.format(undefined=undefined))
     monkeypatch.setattr(firmware, "UnmappedMemory", Recorded)
@@ -155,15 +155,15 @@ int main(void) {
 
 
 def test_a_field_of_a_32_bit_register_is_an_access_of_its_half(tmp_path: Path):
-    """A second time, too, when the store is known."""
+    """This also holds the second time, when the layout of the store is already known."""
     (tmp_path / "main.c").write_text(TIMER)
     (tmp_path / "case.toml").write_text(CASE.format(undefined="false").replace('"GPIO"', '"GPIO", "TIMER0"'))
-    told: list[Record] = []
+    records: list[Record] = []
     Scene(
         load(tmp_path / "case.toml", ["duration=100 us"]),
-        lambda recorder, _: recorder.subscribe([Kind.ACCESS], told.append),
+        lambda recorder, _: recorder.subscribe([Kind.ACCESS], records.append),
     ).run()
-    seen = [(record.what, record.value) for record in told]
+    seen = [(record.what, record.value) for record in records]
     bits = [("R GPIO.GPASET", 0), ("W GPIO.GPASET", 0x8000_0000), ("R GPIO.GPADAT", 0xF000), ("W GPIO.GPADAT", 0xF001)]
     assert seen == [("W TIMER0.PRD", 1000), ("R TIMER0.TCR", 0), ("W TIMER0.TCR", 0x10), *bits, *bits]
 
@@ -209,7 +209,7 @@ def test_a_field_of_a_32_bit_register_is_an_access_of_its_half(tmp_path: Path):
         ),
     ],
 )
-def test_a_member_without_a_certain_place_is_refused_with_its_line(tmp_path: Path, members: str, sentence: str):
+def test_a_member_of_unknown_position_is_refused_with_its_line(tmp_path: Path, members: str, sentence: str):
     text = f"#include <stdint.h>\nstruct REGS {{ struct {{\n{members} }};\nextern volatile struct REGS ECanaRegs;\n"
     source, library = tmp_path / "refused.c", tmp_path / "refused.so"
     source.write_text(text + "int main(void) { return *(volatile int *)&ECanaRegs; }\n")
@@ -219,7 +219,7 @@ def test_a_member_without_a_certain_place_is_refused_with_its_line(tmp_path: Pat
     assert str(refused.value).startswith(f"refused.c, line 3: ECanaRegs.{sentence}")
 
 
-def test_a_refused_member_is_one_sentence_of_the_case(tmp_path: Path):
+def test_a_refused_member_gives_one_sentence_of_the_case(tmp_path: Path):
     (tmp_path / "main.c").write_text(MIXED.replace("uint16_t k : 4", "uint16_t k : 4; uint16_t x : 13"))
     (tmp_path / "case.toml").write_text(CASE.format(undefined="false"))
     with pytest.raises(BadCase, match=r"main\.c, line 7: ECanaRegs\.fields\.") as refused:

@@ -1,4 +1,4 @@
-"""[unit.NAME] sources: C firmware of our own, compiled for the host, on the wires; and what it must not do."""
+"""[unit.NAME] sources: C firmware compiled for the host runs on the wires; programming errors end the run."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ print(*(Scene(load(Path(sys.argv[1]))).run().verdict for _ in range(3)))
 
 @pytest.mark.parametrize(("program", "said"), [(SLOW_TO_BEGIN, "pass\n"), (BESIDE_A_BUSY_THREAD, "pass pass pass\n")])
 def test_the_timer_that_finds_empty_loops_disturbs_nothing_else(folder: Path, program: str, said: str):
-    """It ticks before the firmware's first call. It counts CPU time of all threads, and each may handle its signal."""
+    """It expires before the firmware's first call. It counts CPU time of all threads, and any may get its signal."""
     command = [sys.executable, "-c", program, str(folder / "echo.toml")]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=100)
     assert (done.returncode, done.stdout, done.stderr) == (0, said, "")
@@ -129,7 +129,7 @@ def test_no_output_replaces_a_header_wherever_it_is(folder: Path):
 
 
 def command(folder: Path, text: str, *arguments: str) -> subprocess.CompletedProcess[str]:
-    """Run the case with this source, in a process of its own."""
+    """Run the case with this source in a process of its own."""
     (folder / "echo.c").write_text(text)
     given = [sys.executable, *(arguments or ("-m", "periph_sim")), "run", "echo.toml"]
     return subprocess.run(given, cwd=folder, capture_output=True, text=True, check=False)
@@ -143,13 +143,13 @@ def test_an_echo_by_interrupt_answers_on_the_line(folder: Path):
 
 
 def test_macros_of_the_case_reach_the_sources(folder: Path):
-    """Each answer is one more than what came."""
+    """Each answer is one more than the received character."""
     assert run(folder, "unit.dsp.compile.defines.FIRST=1").verdict == "fail"
-    told = run(folder, "unit.dsp.compile.defines.FIRST=1", 'serial.expect.0.text="ij\\""')
-    assert told.verdict == "pass", told
+    result = run(folder, "unit.dsp.compile.defines.FIRST=1", 'serial.expect.0.text="ij\\""')
+    assert result.verdict == "pass", result
 
 
-def test_two_runs_are_equal_and_each_begins_with_its_variables(folder: Path):
+def test_two_runs_are_equal_because_each_initializes_its_variables(folder: Path):
     first, second = run(folder), run(folder)
     assert (first.events, first.budgets) == (second.events, second.budgets)
 
@@ -170,7 +170,7 @@ def test_a_record_names_function_and_line(periph_sim: Run, folder: Path):  # noq
 
 
 def test_time_passes_in_loops_without_any_access(folder: Path):
-    """An empty one, one that counts, and a delay of the headers; then MARK moves."""
+    """An empty loop, a counting loop and a delay of the headers pass time; then MARK changes."""
     body = (
         "long i; EALLOW; SysCtrlRegs.WDCR = 0x68; GpioCtrlRegs.GPADIR = 0x80000000; EDIS;"
         "for (i = 0; i < 1000; i++); DSP28x_usDelay(1000); GpioDataRegs.GPASET.all = 0x80000000; for (;;);"
@@ -198,7 +198,7 @@ def test_time_passes_in_loops_without_any_access(folder: Path):
         ("void exit(int); exit(0);", "exit(0) is called at main:2; firmware on the chip cannot end"),
     ],
 )
-def test_what_firmware_must_not_do_ends_the_run_with_its_place(folder: Path, body: str, sentence: str):
+def test_errors_of_firmware_end_the_run_with_their_place(folder: Path, body: str, sentence: str):
     came = command(folder, MAIN.format(body))
     assert (came.returncode, came.stderr) == (1, "") and f"stuck: dsp: {sentence}" in came.stdout
 
@@ -216,7 +216,7 @@ def test_what_firmware_must_not_do_ends_the_run_with_its_place(folder: Path, bod
         ("*(volatile Uint32 *)&SciaRegs = 1;", "an access of 8 bytes at main:2 is not a register's"),
     ],
 )
-def test_what_the_host_has_replaced_ends_the_run_with_its_place(folder: Path, body: str, sentence: str):
+def test_misuse_of_replaced_functions_and_registers_ends_the_run_with_its_place(folder: Path, body: str, sentence: str):
     (folder / "echo.c").write_text(MAIN.format(body))
     assert f"dsp: {sentence}" in "".join(run(folder).stuck)
 
@@ -233,7 +233,7 @@ def test_what_the_host_has_replaced_ends_the_run_with_its_place(folder: Path, bo
         ("unit.dsp.settings.x=1", "", "only Python firmware has settings; sources take [unit.NAME.compile] defines"),
     ],
 )
-def test_what_gcc_and_the_case_refuse_is_one_sentence(folder: Path, change: str, text: str, sentence: str):
+def test_errors_of_gcc_and_of_the_case_give_one_sentence(folder: Path, change: str, text: str, sentence: str):
     if text:
         (folder / "echo.c").write_text(text)
     with pytest.raises(BadCase) as refused:
@@ -248,26 +248,26 @@ def test_a_header_is_found_whatever_the_case_of_its_letters(folder: Path):
 
 
 def test_ctrl_c_while_c_code_runs_ends_the_run(folder: Path):
-    """The firmware sends the signal itself, so that it comes between two calls of Python."""
-    # What starts the tests in the background has SIGINT ignored, and Python would leave it so.
+    """The firmware sends the signal itself, so that it arrives between two calls of Python."""
+    # A process started in the background has SIGINT ignored, and Python would keep that.
     begin = "import signal, runpy; signal.signal(signal.SIGINT, signal.default_int_handler); "
     text = "int raise(int);\n" + MAIN.format("raise(2); for (;;) SciaRegs.SCIRXST.all;")
     came = command(folder, text, "-c", begin + "runpy.run_module('periph_sim', run_name='__main__')")
     assert (came.returncode, came.stdout, came.stderr.strip()) == (2, "", "stopped")
 
 
-def test_a_source_that_is_no_text_is_one_sentence(folder: Path):
+def test_a_source_that_is_not_text_gives_one_sentence(folder: Path):
     (folder / "echo.c").write_bytes(bytes(range(128, 256)))
     with pytest.raises(BadCase, match=r"echo\.c, line 1: gcc says: "):
         run(folder)
 
 
-def test_sources_without_main(folder: Path):
+def test_sources_without_main_are_refused(folder: Path):
     came = command(folder, "int f(void) { return 0; }\n")
     assert came.returncode == 2 and "dsp: no source has a function main" in came.stderr
 
 
-def test_undefined_behaviour_is_told_on_standard_error(folder: Path):
+def test_undefined_behaviour_is_reported_on_standard_error(folder: Path):
     (folder / "echo.toml").write_text(CASE.replace('["."]', '["."]\nundefined = true'))
     came = command(folder, MAIN.format("volatile int i = 0x7FFFFFFF; i = i + 1; for (;;);"))
     assert "echo.c:2:" in came.stderr and "signed integer overflow" in came.stderr

@@ -1,4 +1,4 @@
-"""Programs of which some words are data from the start: they are run, and the marks of data at the end come out."""
+"""Run programs with words that are marked as data from the start, and return the marks at the end."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BEGIN = " MOVL XAR4,#0x8200\n MOVL XAR5,#0x8220\n"
 
 
 def marked(source: str, *modules: str, frames: bool = False, **options: Value) -> tuple[DataMarks, Rig]:
-    """Run a program in which the words of DATA are marked, and return the marks at its end.
+    """Run a program in which the words of DATA are marked, and return the marks at its end and the unit.
 
     frames: True if a frame has begun before.
     """
@@ -37,7 +37,7 @@ def words(marks: DataMarks) -> set[int]:
 
 
 def ran(code: list[int], values: list[int], seed: int) -> tuple[Rig, str]:
-    """Run words of code on these values of DATA, from random registers. Return the unit, and how the run ended."""
+    """Run code on these values of DATA from random registers; return the unit and how the run ended."""
     rig = Rig(Image("assembled", 0x9000, (Section(".text", 0x9000, 0x9000, len(code), code, code=True),)))
     draw, cpu = random.Random(seed), rig.cpu
     for address in (*OTHER, *FREE, *range(0x400, 0x500), *range(0x4, 0x10)):
@@ -58,7 +58,7 @@ def ran(code: list[int], values: list[int], seed: int) -> tuple[Rig, str]:
 
 
 def known(rig: Rig) -> dict[Any, object]:
-    """The words and parts of registers that have no mark."""
+    """Return the words and parts of registers that have no mark, and the marks."""
     marks, cpu = rig.cpu.marks, rig.cpu
     assert marks is not None
     halves = {"acc": ("AL", "AH"), "p": ("PL", "PH"), "xt": ("TL", "T")}

@@ -1,4 +1,4 @@
-"""A unit that runs a program in assembly: its source goes in; CPU, memory, records and notes come out."""
+"""A unit that runs a program in assembly, with its CPU, memory, records and notes."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ ENPIE = " MOVW DP,#0x0CE0 >> 6\n MOV @0x0CE0,#1\n"
 
 
 def timer(cycles: int) -> str:
-    """Assembly after HEAD: timer 0 requests TINT0 every so many cycles, and its vector is that of _routine."""
+    """Return assembly for after HEAD: timer 0 requests TINT0, whose routine is _routine, with a period in cycles."""
     return f"""{VECTOR}
  MOVW DP,#0x0CE0 >> 6
  MOV @0x0CE0,#1
@@ -54,7 +54,7 @@ def timer(cycles: int) -> str:
 
 
 class Rig:
-    """A unit that runs a program, or its source, from its entry on, 2 ms at most."""
+    """A unit that runs a program, given as an image or as source, from its entry; `run` takes 2 ms by default."""
 
     def __init__(
         self,
@@ -83,7 +83,7 @@ class Rig:
         return self
 
     def record_waits(self) -> list[Record]:
-        """Its WAIT records, as the run goes on."""
+        """Return the list to which the unit's WAIT records will be added."""
         waits: list[Record] = []
         self.recorder.subscribe({Kind.WAIT}, waits.append)
         self.program.record_waits(self.recorder)
@@ -97,7 +97,7 @@ class Rig:
 
 
 def ended(source: str | Image, **options: Any) -> int:
-    """The cycle in which a program comes to ESTOP0. options: of `Rig`."""
+    """Return the cycle in which a program reaches ESTOP0; the options are those of `Rig`."""
     at = Rig(source, **options).run().program.returned_at
     assert at is not None
     return at

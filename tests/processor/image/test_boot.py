@@ -1,4 +1,4 @@
-"""Where an image begins, and what registers answer that nothing models."""
+"""Where an image begins, and the values that stubs give to registers without a model."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FLASH = '.sect "codestart", 0x33FFF6\n LB #_main\n' + HEAD.replace("_c_int00", "
 ADCST = 0x7119
 
 
-def test_flash_begins_where_the_boot_rom_goes_with_half_the_crystals_clock():
+def test_flash_begins_at_the_address_of_the_boot_rom_with_half_the_crystal_frequency():
     rig = Rig(FLASH + " MOVW DP,#0x7011 >> 6\n MOV AL,@0x7011\n ESTOP0", boot="flash").run()
     assert rig.program.finished
     assert rig.cpu.acc & 0x180 == 2 << 7  # DIVSEL of PLLSTS
@@ -22,7 +22,7 @@ def test_flash_begins_where_the_boot_rom_goes_with_half_the_crystals_clock():
     assert rig.program.returned_at == 15 + 4 + 10 + 1 + 3
 
 
-def test_the_entry_begins_at_the_resets_clock():
+def test_the_entry_begins_with_the_clock_of_the_reset():
     rig = Rig(FLASH + " ESTOP0").run()
     assert (rig.dsp.clock.hz, rig.program.returned_at) == (7_500_000, 10)
 
@@ -39,13 +39,13 @@ def test_a_reset_boots_again():
     assert rig.dsp.clock.hz == 15_000_000
 
 
-def test_an_image_without_code_there_is_refused():
+def test_an_image_without_code_at_the_boot_address_is_refused():
     with pytest.raises(BadImage, match=r'boot = "flash" begins at 0x33fff6, where this image has nothing'):
         Rig(HEAD + " ESTOP0", boot="flash")
 
 
-def test_a_stub_answers_from_its_time_on_whatever_was_written():
-    """The program waits for bit 0 of ADCST, which comes after 100 us."""
+def test_a_stub_gives_its_value_from_its_time_on_regardless_of_writes():
+    """The program waits for bit 0 of ADCST, which the stub sets after 100 us."""
     wait = (
         HEAD + f" MOVW DP,#{ADCST} >> 6\nloop: MOV @{ADCST},#2\n MOV AL,@{ADCST}\n TBIT @AL,#0\n SB loop,NTC\n ESTOP0"
     )
@@ -73,7 +73,7 @@ def test_a_stub_names_its_register(register: str | int, address: int):
         ("SYS.PLLSTS", "SYS.PLLSTS is modelled; stubs are for registers that are not"),
     ],
 )
-def test_a_stub_of_what_needs_none_is_refused(register: str, sentence: str):
+def test_a_stub_of_a_modelled_register_or_of_no_register_is_refused(register: str, sentence: str):
     memory = Rig(HEAD + " ESTOP0").dsp.memory
     with pytest.raises(BadStub, match=sentence):
         stubbed(register, memory)

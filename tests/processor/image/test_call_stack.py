@@ -1,4 +1,4 @@
-"""Which functions are under way: programs of our own in assembly, whose calls and returns are told as they come."""
+"""Call listeners are notified of calls and returns, here those of assembly programs."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from .rig import ENPIE, HEAD, Rig
 from .test_image_program import CYCLE, TIMER
 
 
-class Told(CallListener):
-    """Calls and returns as text, with the cycle at which they were told."""
+class CallLog(CallListener):
+    """Calls and returns as text, with the cycles of their notifications."""
 
     def __init__(self, rig: Rig) -> None:
         self.lines: list[str] = []
@@ -27,11 +27,11 @@ class Told(CallListener):
         self.at.append(tick // CYCLE)
 
 
-def calls_of(source: str, *modules: str, ticks: int = 6_000_000) -> Told:
+def calls_of(source: str, *modules: str, ticks: int = 6_000_000) -> CallLog:
     rig = Rig(source, *modules)
-    told = Told(rig)
+    log = CallLog(rig)
     rig.run(ticks)
-    return told
+    return log
 
 
 LEAF = """
@@ -44,17 +44,17 @@ _inner: RPT #9 || NOP
 """
 
 
-def test_a_call_in_a_call_begins_at_its_first_instruction_and_ends_behind_its_return():
-    told = calls_of(HEAD + " LCR #_outer\n ESTOP0" + LEAF)
-    assert told.lines == ["> _c_int00", "> _outer", "> _inner", "< _inner", "< _outer"]
-    # 10 cycles of the head, LCR 4 twice, once to an odd address; RPT 1 + 10, LRETR 4; NOP 1, LRETR 4
-    assert [at - told.at[0] for at in told.at] == [0, 15, 19, 34, 39]
+def test_a_nested_call_begins_at_its_first_instruction_and_ends_after_its_return():
+    log = calls_of(HEAD + " LCR #_outer\n ESTOP0" + LEAF)
+    assert log.lines == ["> _c_int00", "> _outer", "> _inner", "< _inner", "< _outer"]
+    # 10 cycles before, two LCR of 4, one of them to an odd address; RPT 1 + 10, LRETR 4; NOP 1, LRETR 4
+    assert [at - log.at[0] for at in log.at] == [0, 15, 19, 34, 39]
 
 
 LEAVES = " NOP\n ESTOP0\n .global _leaf\n_leaf: NOP\n "
 TRAP = " EALLOW\n MOVL XAR4,#_leaf\n MOVL XAR5,#0x0D80\n MOVL *XAR5,XAR4\n EDIS\n TRAP #5\n"
-# For the code behind the head, what is told behind the call of _c_int00.
-TOLD = {
+# Code after HEAD, and the notifications after that of the call of _c_int00.
+CASES = {
     "LC": (f" LC #_leaf\n{LEAVES} LRET", "> _leaf < _leaf"),
     "FFC": (f" FFC XAR7,#_leaf\n{LEAVES} LB *XAR7", "> _leaf < _leaf"),
     "LCR *XAR7": (f" MOVL XAR7,#_leaf\n LCR *XAR7\n{LEAVES} LRETR", "> _leaf < _leaf"),
@@ -81,21 +81,21 @@ TOLD = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("case", TOLD)
-def test_calls_and_returns_are_told(case: str):
-    source, told = TOLD[case]
-    assert " ".join(calls_of(f"{HEAD}{source}\n").lines) == f"> _c_int00 {told}".strip()
+@pytest.mark.parametrize("case", CASES)
+def test_listeners_are_notified_of_calls_and_returns(case: str):
+    source, expected = CASES[case]
+    assert " ".join(calls_of(f"{HEAD}{source}\n").lines) == f"> _c_int00 {expected}".strip()
 
 
-def test_a_service_routine_interrupts_what_goes_on():
-    told = calls_of(TIMER, "TIMER0", ticks=1_000_000)
-    assert told.lines[:5] == ["> _c_int00", "> _routine", "< _routine", "> _routine", "< _routine"]
-    _, began, over, again, _ = told.at[:5]
+def test_a_service_routine_is_a_call_that_begins_with_the_interrupt():
+    log = calls_of(TIMER, "TIMER0", ticks=1_000_000)
+    assert log.lines[:5] == ["> _c_int00", "> _routine", "< _routine", "> _routine", "< _routine"]
+    _, began, over, again, _ = log.at[:5]
     # seven instructions of a cycle each, and IRET 8
     assert (over - began, again - began) == (15, 500)
 
 
-def test_who_listens_late_is_told_what_is_under_way():
+def test_a_listener_added_late_is_notified_of_the_functions_being_executed():
     rig = Rig(HEAD + " LCR #_outer\n ESTOP0" + LEAF)
-    first = Told(rig)
+    first = CallLog(rig)
     assert first.lines == ["> _c_int00"]

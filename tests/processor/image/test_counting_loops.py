@@ -1,4 +1,4 @@
-"""Loops that count: their passes are skipped, and nothing is different from executing every one of them."""
+"""Passes of counting loops are skipped with the results of executing each of them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.profiles import examples
 
 DATA = "MOVW DP,#0x9140 >> 6; MOVL XAR5,#0x7054; "  # words of memory, and SCICTL2
 SHORT, LONG = 1000, 100_000
-# Before the loop; its passes for a count; and the part of them that is executed, at most
+# The code before the loop, and the loop; `count` is the number of passes
 SHAPES = {
     "DELAY_US": ("MOVL XAR3,#{count}; MOVL ACC,@XAR3", "SUBB ACC,#1; BF {n},GEQ"),
     "to an address": ("MOVB XAR1,#0; MOVL XAR2,#{count}", "ADDB XAR1,#1; BAR {n},AR1,AR2,NEQ"),
@@ -38,7 +38,7 @@ SHAPES = {
     ),
 }  # fmt: skip
 READY = " .global _ready\n_ready: ADDB SP,#2\n AND AL,*XAR5,#0x8\n MOV *-SP[1],AL\n SUBB SP,#2\n LRETR\n"
-# Passes that do more than count: what follows from a counter otherwise, and what changes besides
+# Loops that do more than count: they use a counter in another way, or change something else
 OTHERS = {
     "a string": ("MOVL XAR4,#0x9180; MOVL XAR6,#0x9210; MOV *XAR6,#1", "MOV AL,*XAR4++; SB {n},EQ"),
     "compared with a string": (
@@ -73,26 +73,33 @@ def source(before: str, loop: str, count: int = SHORT, end: str = "ESTOP0") -> s
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_a_loop_that_counts_is_skipped_but_for_some_passes(name: str):
+def test_most_passes_of_a_counting_loop_are_skipped(name: str):
     skipped, came = both(source(*SHAPES[name]), ticks=60_000_000)
     assert came["ended"] is not None
     assert skipped > (150 if name == "for, by a register" else SHORT - 90)
 
 
-def test_counts_of_more_than_16_bits_are_skipped_from_carry_to_carry():
+def test_counts_of_more_than_16_bits_are_skipped():
     skipped, came = both(source(*SHAPES["DELAY_US"], count=65536 + 500), ticks=200_000_000)
     assert came["ended"] is not None
     assert skipped > 65536 - 300
 
 
 @pytest.mark.parametrize("name", OTHERS)
-def test_passes_that_do_more_than_count_are_made(name: str):
+def test_passes_that_do_more_than_count_are_executed(name: str):
     skipped, came = both(source(*OTHERS[name]))
     assert (skipped, came["ended"] is not None) == (0, True)
 
 
-CONDITIONS = ("EQ", "GEQ", "GT", "HI", "HIS", "NOV")  # none with its opposite: together they would cost the same
-# What sets flags; @0 and @2:3 are counters, with an instruction in front that makes them count
+CONDITIONS = (
+    "EQ",
+    "GEQ",
+    "GT",
+    "HI",
+    "HIS",
+    "NOV",
+)  # no condition together with its opposite, since the cycles of the pair would never change
+# Instructions that set flags and advance a counter in @0 or @2:3, and values of the counter to pass
 CROSSINGS = {
     "INC @0": (0, 0x8000), "DEC @0": (0, 0x8000), "INC @0; MOV AL,@0": (0, 0x8000), "ADD @0,#7": (0, 0x8000),
     "INC @0; MOVB AL,#0x10; CMP AL,@0": (0x10, 0x8000, 0x8010), "DEC @0; CMP @0,#0x1000": (0, 0x1000, 0x8000, 0x9000),
@@ -111,8 +118,8 @@ CROSSINGS = {
 
 
 @pytest.mark.parametrize("flags", CROSSINGS)
-def test_flags_change_in_the_pass_in_which_they_would(flags: str):
-    """A branch taken costs more than one that is not: all of them behind the counter come to the same cycles."""
+def test_flags_change_in_the_same_pass_as_without_skipping(flags: str):
+    """A taken branch costs more than one not taken, so equal flags give equal cycles after the loop."""
     branches = "; ".join(f"SB {{n}}y{at},{condition}; {{n}}y{at}: NOP" for at, condition in enumerate(CONDITIONS))
     step = 7 if "#7" in flags else -1 if "DEC" in flags or "#-1" in flags or "SUB" in flags else 1
     constants = "MOV @4,#0x2340; MOV @5,#1; MOVB ACC,#0; ZAP OVC; MOVL XAR3,#190"
@@ -127,8 +134,8 @@ def test_flags_change_in_the_pass_in_which_they_would(flags: str):
     assert every > 20
 
 
-def test_interrupts_and_flags_end_it_in_the_cycle_in_which_they_would():
-    """SCI-A sends; the time-out is over before TXEMPTY, or not."""
+def test_interrupts_and_flags_end_a_loop_in_the_same_cycle_as_without_skipping():
+    """SCI-A sends, and the time-out ends before TXEMPTY or after it."""
     for count in (600, 900, 60_000):
         for period in (450, 1201):
             send = "MOVL XAR5,#0x9180; MOVW DP,#0x1C1; MOV @0x7059,#0x41; MOVL XAR3,#{count}"
@@ -139,7 +146,7 @@ def test_interrupts_and_flags_end_it_in_the_cycle_in_which_they_would():
             assert came["ended"] is not None and skipped > 10
 
 
-def test_a_stub_ends_it():
+def test_a_stub_ends_a_counting_loop():
     loop = (
         f"MOVL XAR3,#60000; MOVW DP,#{ADCST} >> 6; w: TBIT @{ADCST},#0; SB x,TC; BANZ w,AR3--; x: MOVL XAR4,#0; ESTOP0"
     )
@@ -150,8 +157,8 @@ def test_a_stub_ends_it():
         assert came["ended"] is not None and skipped > 500
 
 
-def test_the_pll_locks_within_a_time_out():
-    """The clock changes as the wait ends, or as the time-out is still counted."""
+def test_a_wait_for_the_pll_with_a_time_out_is_skipped():
+    """The clock changes at the end of the wait, or while the time-out is still being counted."""
     for count in (400, 60_000):
         lock = f"EALLOW; MOVL XAR3,#{count}; MOVW DP,#0x7011 >> 6; MOV @0x7021,#10"
         wait = "w: TBIT @0x7011,#0; SB x,TC; BANZ w,AR3--; x: RPT #200 || NOP; MOVL XAR3,#9000; d: BANZ d,AR3--; ESTOP0"
@@ -160,18 +167,18 @@ def test_the_pll_locks_within_a_time_out():
 
 
 def waits_of(rig: Rig) -> list[tuple[str, int]]:
-    told = rig.record_waits()
+    waits = rig.record_waits()
     rig.run()
-    return [(one.what, one.value) for one in told]
+    return [(one.what, one.value) for one in waits]
 
 
-def test_a_time_out_is_a_wait_and_a_delay_is_none():
+def test_a_time_out_is_recorded_as_a_wait_and_a_delay_is_not():
     assert waits_of(Rig(source(*SHAPES["time-out"]), "SCI-A")) == [("SCI-A.SCICTL2.all", 1), ("SCI-A.SCICTL2.all", 0)]
     assert waits_of(Rig(source(*SHAPES["DELAY_US"]))) == []
 
 
-def test_a_reset_in_the_middle_of_a_pass_leaves_memory_as_it_was_then():
-    """The watchdog resets the unit after 32768 cycles; the loop goes on with the count that it finds."""
+def test_a_reset_within_a_pass_leaves_memory_as_without_skipping():
+    """The watchdog resets the unit after 32768 cycles; the loop continues from the count that it finds."""
     loop = "w: LCR #_ready; INC @0; MOV @1,#5; MOV AL,@0; MOV @2,AL; MOV @1,#6; MOV @2,#7; CMP @0,#1500; SB w,LO"
     for late in range(0, 33, 8):
         code = lines(f"{DATA}RPT #{late} || NOP; {loop}; ESTOP0", "w", 0)
@@ -187,7 +194,7 @@ def test_a_reset_in_the_middle_of_a_pass_leaves_memory_as_it_was_then():
         assert rigs[0].program.polls_skipped > 500
 
 
-def test_a_number_is_known_until_it_comes_to_the_bound():
+def test_passes_until_a_number_reaches_the_bound():
     for value in range(-40, 40):
         for step in (-7, -3, -1, 1, 2, 5):
             passes = passes_within(Number(value, step), 8)
@@ -222,7 +229,7 @@ ENDS = (0, 1, 30, 0x7F80, 0x8000, 0xFF90, 0xFFFF)
 
 
 def random_loop(draw: random.Random, n: str) -> str:
-    """A loop that counts XAR3 down and does a little besides, most of it likewise counting."""
+    """Return a loop that counts XAR3 down and executes a few other instructions, most of which count too."""
     w, ell = (lambda: str(draw.randrange(6))), (lambda: str(2 * draw.randrange(3)))
     body = []
     for at in range(draw.randrange(1, 6)):
@@ -250,7 +257,7 @@ def test_skipping_changes_nothing(seed: int):
     assert both(random_program(random.Random(seed)), ticks=60_000_000)[1]["ended"] is not None
 
 
-def test_random_loops_are_skipped_often_enough_to_tell():
+def test_most_of_the_random_loops_are_skipped():
     skipped = [both(random_program(random.Random(seed)), ticks=60_000_000)[0] > 0 for seed in range(5)]
     assert sum(skipped) >= 3
 
@@ -271,7 +278,7 @@ SIDES = {
 NUMBERS = [("simm8", 0xFF, 0xFFFF), ("simm16", 0x8000, 0x8000), ("uimm8", 0xFF, 0xFF), ("1", 7, 1), ("loc", 7, None)]
 
 
-def test_forms_that_are_a_sum_a_copy_or_a_comparison():
+def test_forms_that_are_a_sum_or_a_copy_or_a_comparison():
     assert {row.id for row in encodings() if sum_of(row) is not None} == SUMS
     assert {name: sum_of(by_id()[name]) for name in SIDES} == SIDES
     assert [Sum("AX", "AX", 1, right).number(c) for right, c, _ in NUMBERS] == [number for _, _, number in NUMBERS]

@@ -1,6 +1,8 @@
-"""Marks of data and interrupts: contexts that are saved and restored, and late results of the FPU.
+"""Marks of data across interrupts: contexts that are saved and restored, and late results of the FPU.
 
-program --interrupt--> context in memory --IRET--> program: marked words for marked parts of registers, and back
+    program --interrupt--> context in memory --IRET--> program
+
+Marked parts of registers give marked words of the context, and these mark the parts again when they are restored.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from tests.processor.image.marked_programs import BEGIN, known, marked, words
 from tests.processor.image.rig import HEAD, Rig, timer
 
 FLAGS = {"C", "N", "OVC", "OVM", "PM", "SXM", "TC", "V", "Z"}
-# For each word of a context, the parts of registers that IRET restores from it and that data can reach.
+# For each word of a context, the parts of registers that IRET restores from it and that data may reach.
 CONTEXT = (FLAGS, {"T"}, {"AL"}, {"AH"}, {"PL"}, {"PH"}, {"AR0"}, {"AR1"}, *[set[str]()] * 6)
 HERE = 0x9800  # the address to which IRET returns
 LOOP = (
@@ -67,7 +69,7 @@ def test_marks_of_registers_that_an_interrupt_saves(loop: str, use: str, found: 
 
 @pytest.mark.parametrize(("at", "parts"), list(enumerate(CONTEXT)))
 def test_iret_restores_the_marks_of_a_context(at: int, parts: set[str]) -> None:
-    """Data in a word of a context reach these parts. Any other word decides how the program continues."""
+    """Data in a word of a context reach these parts; data in any other word decide how the program continues."""
     seen = []
     for value in (0, 0xFFFF if parts else 0):
         rig = Rig(HEAD + f' ADDB SP,#{CONTEXT_SP}\n IRET\n .sect "here",{HERE}\n ESTOP0')
@@ -107,7 +109,7 @@ def test_a_context_has_the_marks_of_the_parts_that_iret_restores() -> None:
     ],
 )
 def test_results_of_the_fpu_arrive_before_a_service_routine(code: str, use: str, found: set[int]) -> None:
-    """One of the interrupts comes after the instruction whose result is late, before its delay slot."""
+    """One of the interrupts occurs after the instruction whose result is late, before its delay slot."""
     places = {}
     for cycles in range(65, 75):
         source = f"{timer(cycles)}{BEGIN} MOV32 R1H,*XAR4\n ZERO R2H\n CLRC INTM\n RPT #60 || NOP\n{code}"

@@ -1,6 +1,7 @@
-"""Marks of data in an image: where they go, what uses data to decide, and equal runs with other data.
+"""Marks of data in an image: where data go, which uses of data decide, and equal runs with other data.
 
-data in 0x8200 ... --random instructions--> `found` is None: the same cycles with other data; only marked words differ
+A random program starts with data in 0x8200 and following. If its `found` is None at the end, a run with other data
+takes the same cycles, and only marked words differ.
 """
 
 from __future__ import annotations
@@ -114,7 +115,7 @@ def test_uses_of_data_that_decide(source: str, how: str | None) -> None:
         (0x6FC2, ""),  # GPASET
     ],
 )
-def test_a_write_to_a_register_that_decides_what_is_received(address: int, name: str) -> None:
+def test_a_write_to_a_register_that_controls_reception_while_frames_come(address: int, name: str) -> None:
     source = f" EALLOW\n MOVL XAR6,#{address}\n MOV AL,*XAR6\n MOV *XAR6,AL\n"
     before, after = (marked(source, "SCI-A", "GPIO", "XINT", frames=frames)[0].found for frames in (False, True))
     assert before is None
@@ -142,7 +143,7 @@ def test_the_delay_slot_of_the_fpu_reads_a_marked_old_value() -> None:
 
 @pytest.mark.parametrize("period", range(999, 1009))
 def test_a_replayed_read_of_a_line_is_marked(period: int) -> None:
-    """The timer ends the wait at any place of a pass, and the reads before this place are replayed."""
+    """The timer ends the wait at any instruction of a pass, and the reads before it are replayed."""
     source = f" MOVW DP,#0x0C00 >> 6\n MOVL XAR6,#{period}\n MOVL @0x0C02,XAR6\n MOV @0x0C04,#0x4020\n"
     source += " MOVL XAR6,#0x6FC0\nagain: MOV AL,*XAR6\n TBIT @0x0C04,#15\n SB again,NTC\n MOV *XAR5,AL\n"
     marks, rig = marked(BEGIN + source, "TIMER0", "GPIO")
@@ -156,7 +157,7 @@ def test_a_read_of_a_register_with_data_or_of_lines_is_marked(address: int) -> N
     assert words(marked(BEGIN + source, "SCI-A", "SPI-A", "GPIO", "I2C-A")[0]) == {0x8220}
 
 
-def test_the_state_of_the_cpu_is_another_one_after_a_change_of_marks() -> None:
+def test_a_change_of_marks_changes_the_state_of_the_cpu() -> None:
     cpu = Rig(HEAD).cpu
     cpu.marks = DataMarks(DATA)
     seen = [cpu.is_as_before(), cpu.is_as_before()]
@@ -189,7 +190,7 @@ def test_states_with_other_marks_of_words_differ() -> None:
 
 
 def test_an_instruction_marks_only_the_words_that_it_writes() -> None:
-    """The first instruction reads data, and writes nothing."""
+    """The first instruction only reads data."""
     rig, _ = ran([0x06C4, 0x7625], [0] * len(DATA), 0)  # MOVL ACC,*XAR4; ESTOP0
     assert rig.cpu.marks is not None
     assert words(rig.cpu.marks) == set()
@@ -203,7 +204,7 @@ def test_cleared_words_have_no_mark() -> None:
 
 
 def test_a_loop_whose_marks_still_change_is_not_taken_for_a_wait() -> None:
-    """Each pass moves the mark on by a word. The words are equal, so the state of the CPU and the memory repeats."""
+    """Each pass moves the mark by one word; the words are equal, so the CPU state and the memory repeat."""
     moves = "".join(f" MOV AL,*+XAR5[{at}]\n MOV *+XAR5[{at + 1}],AL\n" for at in range(6, -1, -1))
     source = f"{BEGIN} MOVL XAR5,#0x8210\n MOV AL,*XAR4\n MOV *XAR5,AL\n"
     source += f" MOVB XAR6,#5\nagain: MOVW DP,#0x0C00 >> 6\n{moves} TBIT @0x0C04,#14\n SB again,NTC\n"
@@ -220,7 +221,7 @@ def test_a_loop_whose_marks_still_change_is_not_taken_for_a_wait() -> None:
 
 
 def program(draw: random.Random) -> list[int]:
-    """Random instructions, of which the first two read data."""
+    """Return random instructions after two that read data."""
     code = [0x06C4, 0xE2AF, 0x00C4]  # MOVL ACC,*XAR4; MOV32 R0H,*XAR4
     for _ in range(LENGTH):
         row = draw.choice(PLAIN if draw.random() < 0.9 else FORMS)

@@ -1,4 +1,4 @@
-"""What machine code cannot mean ends its run there, or is noted: the stack, odd addresses, memory that nobody wrote."""
+"""Errors of machine code end the run or are noted: the stack, odd addresses, illegal words, memory without contents."""
 
 from __future__ import annotations
 
@@ -64,24 +64,24 @@ def test_the_run_ends_with_place_registers_and_last_jumps(source: str, sentence:
     assert "\n" not in str(error.value)
 
 
-def test_a_stack_that_is_set_elsewhere_is_a_tasks():
+def test_a_stack_pointer_set_to_another_section_is_that_of_a_task():
     rig = Rig(STACK + " MOV @SP,#0x9400\n PUSH ACC\n PUSH ACC\n MOV @SP,#0x400\n PUSH ACC\n ESTOP0").run()
     assert (rig.program.finished, rig.cpu.sp) == (True, 0x402)
 
 
-@pytest.mark.parametrize("reserved", ["0x0, 0x100", "0x9800, 1"])  # SP is elsewhere at the reset; one word is no stack
-def test_a_stack_where_sp_is_not_at_the_reset_and_one_of_a_word_are_not_left(reserved: str):
+@pytest.mark.parametrize("reserved", ["0x0, 0x100", "0x9800, 1"])  # at the reset SP is elsewhere; one word is no stack
+def test_a_stack_section_without_sp_at_the_reset_or_of_one_word_is_not_checked(reserved: str):
     rig = Rig(f' .reserve ".stack", {reserved}\n{HEAD} PUSH ACC\n MOV @SP,#0x9800\n PUSH ACC\n ESTOP0').run()
     assert (rig.program.finished, rig.cpu.sp) == (True, 0x9802)
 
 
-def test_32_bits_at_an_odd_stack_pointer_are_what_a_service_routine_means():
+def test_32_bit_accesses_by_an_odd_stack_pointer_use_the_even_address():
     rig = Rig(HEAD + " ADDB SP,#1\n MOVB ACC,#5\n MOVL *SP++,ACC\n MOVB ACC,#0\n MOVL ACC,*--SP\n ESTOP0").run()
     assert (rig.program.finished, rig.cpu.acc, rig.word(0x400)) == (True, 5, 5)
 
 
-def test_what_rpt_cannot_repeat_is_executed_once_and_noted():
-    """And what it can is not."""
+def test_an_instruction_that_rpt_cannot_repeat_is_executed_once_and_noted():
+    """RPT of an instruction that can be repeated is not noted."""
     rig = Rig(HEAD + " RPT #3\n || INC @AR1\n RPT #3\n || ADDB XAR2,#1\n RPT #3\n || NOP\n ESTOP0").run()
     assert rig.program.finished and rig.cpu.xar[2] == 1
     assert [text for text in rig.notes() if "RPT" in text] == [
@@ -90,8 +90,8 @@ def test_what_rpt_cannot_repeat_is_executed_once_and_noted():
     ]
 
 
-def test_l0_to_l3_are_at_0x3f8000_once_more():
-    """Data and code: what is written at one place is read, and executed, at the other."""
+def test_l0_to_l3_are_mirrored_at_0x3f8000():
+    """This holds for data and code: words written in one range are read and executed in the other."""
     swap = " MOVL XAR4,#0x9100\n MOV *XAR4,#0x9A07\n MOV *+XAR4[1],#0x0006\n"  # MOVB AL,#7; LRETR
     again = " MOVL XAR5,#0x3F9100\n MOV *XAR5,#0x9A09\n LCR #0x3F9100\n MOV @AR3,AL\n"  # MOVB AL,#9
     call = " LCR #0x3F9100\n MOV @AR2,AL\n"
@@ -109,7 +109,7 @@ def test_sections_that_share_memory_are_noted():
     ]
 
 
-def test_a_read_of_what_nothing_wrote_is_noted_once_for_a_function():
+def test_a_read_of_memory_without_contents_is_noted_once_per_function():
     source = " MOVL XAR4,#0x9100\n MOV AL,*XAR4++\n MOV AL,*XAR4\n LCR #_f\n ESTOP0\n .global _f\n"
     rig = Rig(HEAD + " MOVL XAR5,#0x9110\n MOV *XAR5,#0\n MOV AL,*XAR5\n" + source + "_f: MOVL ACC,*+XAR4[3]\n LRETR")
     notes = [text for text in rig.run().notes() if "has not been written" in text]

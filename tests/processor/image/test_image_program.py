@@ -1,4 +1,4 @@
-"""Images on a unit of a scene: what code does to registers, interrupts and time, by programs of our own in assembly."""
+"""Images on a unit: how code acts on registers, interrupts and time, shown by programs in assembly."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from periph_sim.f28335.pie.register_map import PIECTRL
 from periph_sim.processor.user_code import FirmwareError
 from tests.processor.image.rig import ENPIE, HEAD, Rig, timer
 
-CYCLE = 400  # ticks, behind reset: 30 MHz / 4, of ticks of 1/3 ns
+CYCLE = 400  # ticks of 1/3 ns; after the reset the CPU runs at 30 MHz / 4
 COUNT = 0x9100
 
-# Timer 0 interrupts every 500 cycles; its routine counts and keeps nothing itself.
+# Timer 0 interrupts every 500 cycles; its routine counts the interrupts and changes registers without saving them.
 TIMER = (
     HEAD
     + timer(500)
@@ -37,7 +37,7 @@ _routine: PUSH ACC
 )
 
 
-def test_a_program_ends_at_estop0_and_its_cycles_are_the_tables():
+def test_a_program_ends_at_estop0_after_the_cycles_of_the_table():
     """EALLOW 4, MOVW 1, MOV 1, EDIS 4, then ten passes of 1 + 4, the last of 1 + 4; RPT 1 and its 20."""
     rig = Rig(HEAD + " MOVB ACC,#9\nloop: SUBB ACC,#1\n BF loop,GEQ\n RPT #19 || NOP\n ESTOP0").run()
     assert rig.program.finished
@@ -46,15 +46,15 @@ def test_a_program_ends_at_estop0_and_its_cycles_are_the_tables():
     assert rig.program.ending("2 us").startswith("ESTOP0 ended the program at 2 us, in _c_int00+0x")
 
 
-def test_an_access_waits_as_its_frame_does_and_a_read_for_the_write_before():
-    """A write of frame 2 goes out at once; the read behind it waits until it has landed, and two wait states."""
+def test_an_access_has_the_wait_states_of_its_frame_and_a_read_waits_for_the_previous_write():
+    """A write to frame 2 is posted; the read after it waits until the write has landed, and has two wait states."""
     alone = Rig(HEAD + " RPT #9 || NOP\n MOV AL,@0x701C\n ESTOP0").run().program.returned_at
     after_write = Rig(HEAD + " RPT #9 || NOP\n MOV @0x701B,#2\n MOV AL,@0x701C\n ESTOP0").run().program.returned_at
     assert alone == 10 + 11 + 3
     assert after_write == alone + 1 + 3
 
 
-def test_interrupts_save_and_restore_in_memory():
+def test_interrupts_save_registers_in_memory_and_restore_them():
     rig = Rig(TIMER, "TIMER0").run(3_000_000)
     count = rig.word(COUNT)
     assert count == 14  # 1 ms has 7500 cycles, a few of which pass before the timer runs
@@ -62,16 +62,18 @@ def test_interrupts_save_and_restore_in_memory():
     assert {record.what for record in began} == {"TINT0"}
     assert len(began) in (count, count + 1)
     ticks = [record.tick for record in began]
-    # each 500 cycles, but for the instruction that the request finds under way, at most 7 cycles
+    # every 500 cycles, except for the instruction in progress at the request, at most 7 cycles
     assert {abs(after - before - 500 * CYCLE) <= 7 * CYCLE for before, after in pairwise(ticks[2:])} == {True}
     assert rig.cpu.xar[0] == 0x12345
     assert (rig.cpu.sxm, rig.cpu.ovm) == (1, 1)
     routine = rig.program.functions.named("_routine").address
     assert {record.text for record in began} == {f"_routine+0x0 ({routine:#08x})"}
-    assert 0.3 * rig.program.instructions < 2 * rig.cpu.acc < rig.program.instructions  # the loop goes on where it was
+    assert (
+        0.3 * rig.program.instructions < 2 * rig.cpu.acc < rig.program.instructions
+    )  # the loop continues where it was interrupted
 
 
-def test_idle_sleeps_until_the_timer_and_then_goes_on():
+def test_idle_sleeps_until_the_timer_interrupt():
     source = TIMER.replace("loop: ADDB ACC,#1\n SB loop,UNC", "loop: IDLE\n ADDB ACC,#1\n SB loop,UNC")
     rig = Rig(source, "TIMER0").run(3_000_000)
     count = rig.word(COUNT)
@@ -79,7 +81,7 @@ def test_idle_sleeps_until_the_timer_and_then_goes_on():
     assert rig.program.instructions < 60 + 14 * count
 
 
-def test_trap_enters_by_the_table_and_comes_back():
+def test_trap_enters_the_routine_of_its_vector_and_returns():
     source = (
         HEAD
         + ENPIE
@@ -109,7 +111,7 @@ _routine: MOVB ACC,#9
     ]
 
 
-def test_eallow_protects_and_a_frame_without_model_keeps_what_is_written_and_is_noted_once():
+def test_writes_without_eallow_are_ignored_and_a_frame_without_model_is_noted_once():
     rig = Rig(
         HEAD + " MOV @0x701C,#0xFFFF\n MOVW DP,#0x7100 >> 6\n MOV @0x7100,#5\n MOV AL,@0x7100\n MOV AH,@0x7101\n"
         " MOVW DP,#0xC08 >> 6\n MOV @0xC0C,#0\n ESTOP0"
@@ -125,7 +127,7 @@ def test_eallow_protects_and_a_frame_without_model_keeps_what_is_written_and_is_
     ]
 
 
-def test_flash_that_nobody_programmed_is_erased_and_the_part_says_its_id():
+def test_unprogrammed_flash_reads_as_erased_and_the_part_id_can_be_read():
     rig = Rig(
         HEAD + " MOVL XAR4,#0x330000\n MOV AL,*XAR4\n MOVL XAR4,#0x380090\n MOV AH,*XAR4\n LCR #0x380080\n ESTOP0"
     )
@@ -145,8 +147,8 @@ def test_code_in_flash_and_data_at_both_ends():
     assert (rig.cpu.acc, rig.program.finished) == (0x1234, True)
 
 
-def test_iret_returns_through_a_frame_that_the_program_made_up():
-    """As an RTOS begins a task: 14 words from 0x420 on, SP behind them, IRET."""
+def test_iret_returns_through_a_stack_frame_that_the_program_wrote():
+    """An RTOS starts a task in this way: 14 words from 0x420, SP after them, IRET."""
     frame = (0, 0x1234, 0x5678, 0x9ABC, 0, 0, 7, 0, 0x0A0B, 0x3FF, 0, 0, "_task & 0xFFFF", "_task >> 16")
     stores = "".join(f" MOV *XAR4++,#{word}\n" for word in frame)
     source = HEAD + f" MOVL XAR4,#0x420\n{stores} MOV @SP,#0x42F\n IRET\n .space 4\n .global _task\n_task: ESTOP0"
@@ -155,19 +157,19 @@ def test_iret_returns_through_a_frame_that_the_program_made_up():
     assert (rig.cpu.acc, rig.cpu.sp, rig.cpu.dp, rig.cpu.xar[0] & 0xFFFF) == (0x9ABC_5678, 0x420, 0x3FF, 7)
 
 
-def test_a_vector_of_0_is_told():
+def test_a_vector_of_0_ends_the_run():
     with pytest.raises(FirmwareError, match=r"interrupt TINT0 was taken, but its vector is 0; at _c_int00\+0x"):
         Rig(TIMER.replace(" MOVL *XAR5,XAR4\n", ""), "TIMER0").run()
 
 
-def test_the_watchdog_begins_the_program_anew_with_memory_as_it_was():
+def test_a_watchdog_reset_restarts_the_program_and_keeps_memory():
     rig = Rig(HEAD.replace("#0x68", "#0x28") + " MOVW DP,#COUNT >> 6\n INC @COUNT\nloop: SB loop,UNC")
     rig.run(60_000_000)
     assert rig.dsp.resets >= 1
     assert rig.word(COUNT) == rig.dsp.resets + 1
 
 
-def test_what_is_written_just_before_estop0_lands():
+def test_a_write_directly_before_estop0_lands():
     rig = Rig(HEAD + " MOVW DP,#TCR >> 6\n MOVL XAR4,#5000\n MOVL @TCR-2,XAR4\n ESTOP0", "TIMER0").run()
     assert rig.program.finished
     assert rig.dsp.sockets["TIMER0"].chip.peek(rig.dsp.processor.time.cycle, 2) == 5000
@@ -184,7 +186,7 @@ def test_places_name_the_function_and_the_instruction():
     [
         ("TBIT @0x7011,#0", "R SYS.PLLSTS", "PLLLOCKS"),
         ("AND AL,@0x7011,#0x0180", "R SYS.PLLSTS", "DIVSEL"),
-        ("AND AL,@0x7011,#0x0101", "R SYS.PLLSTS", ""),  # of two fields
+        ("AND AL,@0x7011,#0x0101", "R SYS.PLLSTS", ""),  # bits of two fields
         ("AND AL,@0x7011,#0xFFFF", "R SYS.PLLSTS", ""),
         ("MOV AL,@0x7011", "R SYS.PLLSTS", ""),
         ("TBIT @0x6FC1,#2", "R GPIO.GPADAT", "GPIO18"),  # the upper half
@@ -192,7 +194,7 @@ def test_places_name_the_function_and_the_instruction():
     ],
 )
 def test_an_instruction_that_names_bits_names_their_field(read: str, what: str, field: str):
-    """Behind a test of one bit a plain read of the same word names none."""
+    """A plain read of the same word, after an instruction that names bits, names no field."""
     address = read.partition("@")[2].partition(",")[0]
     rig = Rig(HEAD + f" MOVW DP,#{address} >> 6\n {read}\n MOV AH,@{address}\n ESTOP0", "GPIO").run(20_000)
     reads = [record for record in rig.records if record.kind is Kind.ACCESS and record.what == what]
@@ -200,7 +202,7 @@ def test_an_instruction_that_names_bits_names_their_field(read: str, what: str, 
     assert reads[0].value == reads[1].value
 
 
-def test_external_memory_is_noted_once_a_zone():
+def test_external_memory_is_noted_once_per_zone():
     zone = (
         " MOVL XAR4,#0x100000\n MOV *XAR4,#5\n MOV AL,*XAR4\n MOVL XAR5,#0x4000\n MOV AH,*XAR5\n MOV AH,*XAR5\n ESTOP0"
     )

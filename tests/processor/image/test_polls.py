@@ -1,4 +1,4 @@
-"""Waits whose passes are skipped: nothing is different from executing every one of them, but how long that takes."""
+"""Passes of polling loops are skipped with the results of executing each of them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.profiles import examples
 ADCST, COUNT, FLAG = 0x7119, 0x9100, 0x9101
 SCICTL2 = "SCI-A.SCICTL2.all"
 
-# SCI-A at its fastest; timer 0 asks all PERIOD cycles, and its routine counts; each 5th time it sets FLAG
+# SCI-A at its fastest; timer 0 requests every PERIOD cycles, and its routine counts and sets FLAG at each 5th interrupt
 HARDWARE = """
  EALLOW
  MOVW DP,#0x7010 >> 6
@@ -67,16 +67,16 @@ WAITS = (
     SEND + "{n}: TBIT @0x7054,#7; SB {n},NTC",
     SEND + "{n}: MOVW DP,#0x1C1; AND AL,@0x7054,#0x80; LSR AL,#7; SBF {n},EQ",
     SEND + "{n}: LCR #_ready; CMPB AL,#0; BF {n},EQ",
-    # the transmitter is empty; with a store of what stands there
+    # wait until the transmitter is empty; the value is stored and loaded again
     SEND + "{n}: MOV AL,@0x7054; MOV *SP++,AL; MOV AL,*--SP; TBIT @AL,#6; SB {n},NTC",
     # a flag that the service routine sets
     "MOVW DP,#0x9100 >> 6; MOV @0x9101,#0; {n}: NOP; MOV AL,@0x9101; SB {n},EQ",
-    # the timer's counter is read: no pass is like another
+    # the timer's counter is read, so no two passes are equal
     "MOVW DP,#0x0C00 >> 6; {n}: MOV AL,@0x0C00; CMPB AL,#0x80; SB {n},HI",
-    # a count down, and a time-out beside a flag
+    # a count down, and a time-out with a flag
     "MOVL XAR3,#{count}; {n}: BANZ {n},AR3--",
     SEND + "MOVL XAR3,#{count}; {n}: TBIT @0x7054,#7; SB x{n},TC; BANZ {n},AR3--; x{n}: NOP",
-    # a count in memory of the passes
+    # the passes are counted in memory
     SEND + "{n}: MOVW DP,#0x9110 >> 6; INC @0x9110; MOVW DP,#0x1C1; TBIT @0x7054,#7; SB {n},NTC",
     # two registers
     SEND + "{n}: MOV AL,@0x7054; AND AL,@0x7055; MOV AH,@0x7054; TBIT @AH,#6; SB {n},NTC",
@@ -86,14 +86,14 @@ READY = " .global _ready\n_ready: ADDB SP,#2\n AND AL,@0x7054,#0x80\n MOV *-SP[1
 
 
 def lines(wait: str, name: str, count: int) -> str:
-    """A wait as a source has it."""
+    """Return a wait as lines of source."""
     code = wait.format(n=name, count=count).split("; ")
     return "".join(f"{line}\n" if ": " in line else f" {line}\n" for line in code)
 
 
 def outcome(rig: Rig) -> dict[str, object]:
-    """All that a program can have made of a run."""
-    told = [(record.tick, record.what, record.value) for record in rig.records if record.kind is Kind.IRQ]
+    """Return the state of a run that a program can observe."""
+    interrupts = [(record.tick, record.what, record.value) for record in rig.records if record.kind is Kind.IRQ]
     memory = [rig.word(address) for address in (*range(0x400, 0x440), *range(0x9000, 0x9200))]
     return {
         "ended": rig.program.returned_at,
@@ -101,13 +101,13 @@ def outcome(rig: Rig) -> dict[str, object]:
         "state": rig.cpu.state()[:TIMING],
         "pc": rig.cpu.pc,
         "memory": memory,
-        "interrupts": told,
+        "interrupts": interrupts,
         "events of SCI": rig.dsp.sockets["SCI-A"].chip.peek(rig.dsp.processor.time.cycle, 4),
     }
 
 
 def both(source: str, stubs: Iterable[Stub] = (), ticks: int = 6_000_000) -> tuple[int, dict[str, object]]:
-    """Passes that were skipped, and what came of it, which is the same without skipping, with the records of waits."""
+    """Compare runs with and without skipping; return the skipped passes and the outcome, which is the same."""
     skipping, executing = (Rig(source, "SCI-A", "TIMER0", stubs=stubs, skip=skip) for skip in (True, False))
     waits = [rig.record_waits() for rig in (skipping, executing)]
     skipping.run(ticks)
@@ -119,7 +119,7 @@ def both(source: str, stubs: Iterable[Stub] = (), ticks: int = 6_000_000) -> tup
 
 
 def program(draw: random.Random) -> str:
-    """Waits in a random order, with random interrupts."""
+    """Return waits in a random order, with random interrupts."""
     interrupts = draw.choice(("CLRC INTM", "CLRC INTM", "NOP"))
     possible = [wait for wait in WAITS if interrupts != "NOP" or wait is not WAITS[FOR_FLAG]]
     waits = "".join(
@@ -130,7 +130,7 @@ def program(draw: random.Random) -> str:
     return HEAD + hardware + waits + " ESTOP0\n" + ROUTINE.format(every=draw.randrange(1, 4)) + READY
 
 
-def test_each_wait_is_skipped_where_it_can_be():
+def test_which_waits_are_skipped():
     skipped = []
     for wait in WAITS:
         hardware = HARDWARE.format(baud=8, period=2999, interrupts="CLRC INTM")
@@ -147,8 +147,8 @@ def test_skipping_changes_nothing(seed: int):
     assert both(program(random.Random(seed)), ticks=20_000_000)[1]["ended"] is not None
 
 
-def test_a_lock_of_the_pll_is_waited_for_without_passes():
-    """The clock changes as the wait ends."""
+def test_a_wait_for_the_lock_of_the_pll_is_skipped():
+    """The clock changes at the end of the wait."""
     wait = "w: MOV AL,@0x7011; ANDB AL,#1; CMPB AL,#1; SBF w,NEQ; EDIS; RPT #200 || NOP; ESTOP0"
     source = HEAD + lines(f"EALLOW; MOVW DP,#0x7011 >> 6; MOV @0x7021,#10; {wait}", "w", 0)
     skipped, came = both(source, ticks=20_000_000)
@@ -162,7 +162,7 @@ def test_a_stub_ends_a_wait():
         assert skipped > 20 and came["ended"] is not None
 
 
-def test_a_watchdog_reset_ends_a_sleep():
+def test_a_watchdog_reset_ends_a_skipped_wait():
     wait = HEAD.replace("#0x68", "#0x28") + f" MOVW DP,#{ADCST} >> 6\nloop: MOV AL,@{ADCST}\n SB loop,EQ\n ESTOP0"
     rigs = [Rig(wait, skip=skip).run(14_000_000) for skip in (True, False)]
     assert [rig.dsp.resets for rig in rigs] == [1, 1]
@@ -170,8 +170,8 @@ def test_a_watchdog_reset_ends_a_sleep():
     assert rigs[0].cpu.state()[:TIMING] == rigs[1].cpu.state()[:TIMING]
 
 
-def test_a_watchdog_reset_ends_a_wait_for_what_the_reset_changes():
-    """SCICTL2 reads 0xC0 until the reset takes the SCI's clock away; the wait is recorded as over, then begins anew."""
+def test_a_watchdog_reset_ends_a_wait_for_a_register_that_it_changes():
+    """SCICTL2 reads 0xC0 until the reset stops the SCI's clock; that wait ends in the record, and a new one begins."""
     clock = "EALLOW; MOVW DP,#0x7010 >> 6; MOV @0x701C,#0x0400; EDIS; MOVW DP,#0x7050 >> 6"
     wait = HEAD.replace("#0x68", "#0x28") + lines(f"{clock}; w: MOV AL,@0x7054; SB w,NEQ; ESTOP0", "w", 0)
     rigs = [Rig(wait, "SCI-A", skip=skip) for skip in (True, False)]
@@ -180,13 +180,13 @@ def test_a_watchdog_reset_ends_a_wait_for_what_the_reset_changes():
         rig.run(14_000_000)
     assert [rig.dsp.resets for rig in rigs] == [1, 1]
     assert rigs[0].cpu.state()[:TIMING] == rigs[1].cpu.state()[:TIMING]
-    told = [[(one.tick, one.what, one.value) for one in some] for some in waits]
-    assert [one[1:] for one in told[0]] == [(SCICTL2, 1), (SCICTL2, 0), (SCICTL2, 1)]
-    assert told[0] == told[1]
+    recorded = [[(one.tick, one.what, one.value) for one in some] for some in waits]
+    assert [one[1:] for one in recorded[0]] == [(SCICTL2, 1), (SCICTL2, 0), (SCICTL2, 1)]
+    assert recorded[0] == recorded[1]
 
 
 def test_a_bit_that_is_not_tested_changes_while_a_pass_is_examined():
-    """TXRDY and TXEMPTY change at some time after the loop has begun. It is skipped all the same."""
+    """TXRDY and TXEMPTY change some time after the loop has begun; it is still skipped."""
     for before in range(120):
         wait = f"MOVW DP,#0x1C1; MOV @0x7059,#0x41; RPT #{before} || NOP; w: TBIT @0x7054,#0; SB w,NTC"
         hardware = HARDWARE.format(baud=1, period=60_000, interrupts="NOP")

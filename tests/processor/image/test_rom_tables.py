@@ -1,4 +1,4 @@
-"""The math tables of the boot ROM against calculations without the functions that made them."""
+"""The math tables of the boot ROM agree with calculations by other means than those that generated them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tests.processor.image.rig import HEAD, Rig
 
 
 def fixed(address: int, count: int) -> list[int]:
-    """The signed 32-bit numbers from an address on."""
+    """Return signed 32-bit numbers from an address on."""
     begin = address - MATH_TABLES.start
     return list(unpack(f"<{count}i", pack(f"<{2 * count}H", *words()[begin : begin + 2 * count])))
 
@@ -22,7 +22,7 @@ def floating(address: int, count: int) -> list[float]:
 
 
 def circle() -> list[Decimal]:
-    """sin(2 pi k / 512) for k = 0 to 640, by rotations; the first comes from a square by halving its angle."""
+    """Return sin(2 pi k / 512) for k = 0 to 640, by rotations; halving the angle of a square gives the first one."""
     with localcontext() as context:
         context.prec = 50
         cosine = Decimal(0)
@@ -35,7 +35,7 @@ def circle() -> list[Decimal]:
         return found
 
 
-def test_the_tables_fill_their_addresses():
+def test_the_tables_have_the_size_of_their_address_range():
     assert len(words()) == len(MATH_TABLES) == 0x0B50 + 0x8C + 0x06A0
 
 
@@ -47,7 +47,7 @@ def test_sines_are_those_of_a_rotation():
     assert floating(0x3FECDC, 1) == [1.0]  # where TI's images look for the cosine of 0
 
 
-def test_quotients_and_square_roots_are_the_nearest_words():
+def test_quotients_and_square_roots_are_correctly_rounded():
     limits, *quotients = fixed(0x3FE510, 257)
     assert limits == 0
     for n, word in enumerate(quotients[:128]):
@@ -79,19 +79,19 @@ def test_arguments_of_the_exponential_lie_between_its_limits():
     assert [round(2**31 / word) for word in fixed(0x3FEBC8, 10)] == list(range(11, 1, -1))
 
 
-def test_products_are_rounded_at_half_of_the_last_place():
+def test_limits_and_rounding_constants_of_products():
     limits = fixed(0x3FE9E8, 180)
     assert limits[::6] == [2 ** (q - 1) for q in range(30, 0, -1)]
     assert limits[3::6] == [2 ** (q - 1) - 1 for q in range(30, 0, -1)]
     assert limits[5::6] == [-(2 ** (q - 1)) for q in range(30, 0, -1)]
 
 
-def test_a_program_reads_them_with_the_wait_state_of_rom():
+def test_a_program_reads_the_tables():
     rig = Rig(HEAD + " MOVL XAR4,#0x3FECDC\n MOVL ACC,*XAR4\n ESTOP0").run()
     assert rig.program.finished and rig.cpu.acc == 0x3F80_0000 and rig.notes() == []
 
 
-def test_the_constants_before_the_tables():
+def test_constants_at_the_start_of_the_tables():
     assert fixed(0x3FE502, 7) == [2 * 2**29, 1, 0, -2, 0, 0, -1]
     assert fixed(0x3FE712, 9) == [3 * 2**29, 0x8000, 0, -0x1_0000, 0x7FFF, 2**30, 2**29, math.isqrt(2**59) + 1, 0]
     two, *halves = fixed(0x3FE824, 31)

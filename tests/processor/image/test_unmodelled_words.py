@@ -1,4 +1,4 @@
-"""Words of frames that nothing models: the first access looks up what a word is, later ones only read or write it."""
+"""Words of frames without a model: the first access looks up the properties of a word, later ones do not."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ loop: INC @0x6809
  MOVL @0x680A,ACC
  BANZ loop,AR0--
  ESTOP0
-"""  # 50 passes; ePWM1
+"""  # 50 passes over two words of ePWM1
 
 
-def test_a_loop_over_words_that_nothing_models_looks_each_of_them_up_once(monkeypatch: pytest.MonkeyPatch):
+def test_a_loop_over_words_without_a_model_looks_each_of_them_up_once(monkeypatch: pytest.MonkeyPatch):
     found, looked = Counter[int](), Counter[int]()
     at, area_at = AddressMap.at, elsewhere.area_at
     monkeypatch.setattr(AddressMap, "at", lambda memory, address: (found.update([address]), at(memory, address))[1])
@@ -35,11 +35,13 @@ def test_a_loop_over_words_that_nothing_models_looks_each_of_them_up_once(monkey
     assert rig.cpu.acc == 100
     assert rig.cpu.elsewhere.read(0, 0x6809) == 50
     assert found[0x6809] == 1 and found[0x680A] == 1
-    assert max(looked[address] for address in (0x6809, 0x680A, 0x680B)) <= 3  # its wait states, its read and its write
+    assert (
+        max(looked[address] for address in (0x6809, 0x680A, 0x680B)) <= 3
+    )  # for its wait states, its read and its write
 
 
-def test_a_protected_word_is_kept_with_eallow_only_each_time():
-    """0x0B35 of XINTF: written with EALLOW, then twice without, then with it again."""
+def test_each_write_of_a_protected_word_needs_eallow():
+    """0x0B35 of XINTF is written with EALLOW, then twice without it, then with it again."""
     kept = " MOVW DP,#0x0B35 >> 6\n EALLOW\n MOV @0x0B35,#1\n EDIS\n"
     ignored = " MOV @0x0B35,#2\n MOV @0x0B35,#3\n MOV AL,@0x0B35\n"
     again = " EALLOW\n MOV @0x0B35,#4\n EDIS\n MOV AH,@0x0B35\n ESTOP0"
@@ -51,13 +53,13 @@ def test_a_protected_word_is_kept_with_eallow_only_each_time():
     ]
 
 
-def test_a_command_of_the_flash_api_is_refused_though_its_word_was_read_before():
+def test_a_flash_command_is_refused_although_its_word_was_read_before():
     read = " MOVW DP,#0x0A90 >> 6\n MOV AL,@0x0A90\n MOV AL,@0x0A90\n EALLOW\n MOV @0x0A90,#1\n ESTOP0"
     with pytest.raises(FirmwareLost, match=r"flash control \+ 0x10 is written: erasing and programming flash"):
         Rig(HEAD + read).run()
 
 
-def test_a_stub_answers_for_a_word_that_was_read_and_written_before():
+def test_a_stub_replaces_a_word_that_was_read_and_written_before():
     rig = Rig(HEAD + LOOP).run()
     assert rig.cpu.elsewhere.read(0, 0x6809) == 50
     rig.cpu.elsewhere.answer(0x6809, 7)
@@ -66,16 +68,16 @@ def test_a_stub_answers_for_a_word_that_was_read_and_written_before():
     assert rig.cpu.elsewhere.read(0, 0x6809) == 7
 
 
-def test_each_write_of_the_flashs_wait_states_counts():
+def test_each_write_of_the_wait_states_of_flash_takes_effect():
     writes = "".join(f" MOV @0x0A86,#{waits:#06x}\n" for waits in (0x0505, 0x0304))
     rig = Rig(f"{HEAD} MOVW DP,#0x0A86 >> 6\n EALLOW\n{writes} ESTOP0").run()
     assert rig.cpu.elsewhere.fetches(0x33_0000) == (1, 4, 3)
 
 
-def test_a_reset_resets_registers_of_frames_and_keeps_zone_0():
-    """The flash's wait states and its prefetch, TBCTL of ePWM1 (0x6800) and a word of XINTF zone 0.
+def test_a_reset_clears_registers_of_frames_and_keeps_zone_0():
+    """Registers: the flash's wait states and its prefetch, TBCTL of ePWM1 (0x6800); and a word of XINTF zone 0.
 
-    The first pass keeps what it reads at 0x9101, writes, and ends in a reset by WDCHK = 0; the second pass ends.
+    The first pass stores what it reads at 0x9101, writes, and resets the unit by WDCHK = 0; the second pass ends.
     """
     reads = "".join(
         f" MOVW DP,#{address:#x} >> 6\n MOV AL,@{address:#x}\n MOV *XAR4++,AL\n"

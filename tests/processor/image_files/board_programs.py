@@ -1,10 +1,10 @@
-"""Programs in assembly for tests of boards: what public images do there, in few lines of our own.
+"""Programs in assembly for tests of boards; each does in a few lines what a public image does on that board.
 
-RS485    sends a text on SCI-B at GPIO22, the driver enable at GPIO49; then off, on TXEMPTY or TXRDY
-ECHO     SCI-A on GPIO35 and 36 at 4800 baud; timer 0's interrupt looks at it and uses the FPU, as main does
-SENDER   sends a character on SCI-A at 9600 baud each 10 ms, waiting in a loop as TI's DELAY_US
-CLOCK    sets a clock byte by byte and reads it back, each transfer ended by I2C-A's interrupt, its bytes in the FIFOs
-KEYPAD   drives a column on GPIO25 low, looks at the row on GPIO20, and says on SCI-C at GPIO63 what it saw
+RS485    sends a text on SCI-B at GPIO22 with the driver enabled by GPIO49, and disables it on TXEMPTY or TXRDY
+ECHO     SCI-A on GPIO35 and 36 at 4800 baud; the interrupt of timer 0 polls it and uses the FPU, as main does
+SENDER   sends a character on SCI-A at 9600 baud every 10 ms, with a delay loop as in TI's DELAY_US
+CLOCK    sets a clock byte by byte and reads it back; I2C-A's interrupt ends each transfer, its bytes are in the FIFOs
+KEYPAD   drives a column on GPIO25 low, reads the row on GPIO20, and sends the result on SCI-C at GPIO63
 LINKED   one program, linked to RAM, or to flash with a function that start-up code copies to RAM
 """
 

@@ -1,4 +1,4 @@
-"""Images of our own for tests: words of code go in; an image comes out."""
+"""Build images for tests from words of code."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def text(words: Sequence[int] = CODE, address: int = ENTRY, name: str = ".text",
 
 
 def image(*sections: Section, entry: int = ENTRY) -> Image:
-    """One with these sections; with the code above, data and a stack where none are given."""
+    """Return an image of these sections; if none are given, of the code above, data and a stack."""
     if sections:
         return Image("TI COFF2", entry, sections)
     data = Section(".econst", 0x9000, 0x9000, 3, (1, 0xFFFF, 3))

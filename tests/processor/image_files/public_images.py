@@ -1,4 +1,4 @@
-"""Images that other people published: a name goes in, its path comes out, or the test is skipped with the reason."""
+"""Images published by others; a test that needs one which is not there is skipped with the reason."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ IMAGES: Mapping[str, Mapping[str, str | int]] = tomllib.loads(
 
 
 def public_image(name: str) -> Path:
-    """The file of this row of public_images.toml, with the contents that it had when the row was written."""
+    """Return the path of the image of this row in public_images.toml, whose digest it must have."""
     return public_file(name, IMAGES[name])
 
 
 def public_file(name: str, row: Mapping[str, str | int]) -> Path:
-    """The file that a row of facts about files names."""
+    """Return the path of the file that a row names."""
     folder = os.environ.get(VARIABLE)
     if not folder:
         pytest.skip(f"{VARIABLE} names no folder of public images")

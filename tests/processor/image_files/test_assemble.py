@@ -1,4 +1,4 @@
-"""Source of a program, and the image that it is or the line that is wrong."""
+"""Assembly source gives an image, or an error with the line."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def words(source: str) -> tuple[int, ...]:
     return tuple(assemble(BEGUN + source).sections[0].words[1:])
 
 
-def test_sections_stand_where_the_source_says():
+def test_sections_have_the_addresses_of_the_source():
     found = assemble(
         BEGUN
         + '.sect "ramfuncs", 0x9000, 0x320000\nLRETR\n.sect ".econst", 0xA000\n.word 1\n.reserve ".bss", 0x400, 9\n'
@@ -60,13 +60,13 @@ def test_words(source: str, expected: tuple[int, ...]):
     assert words(source) == expected
 
 
-def test_here_is_the_address_of_a_line_and_0_before_any_section():
+def test_dollar_is_the_address_of_a_line_and_0_before_any_section():
     assert words(".word $, $\n.long $") == (0x8001, 0x8002, 0x8003, 0)
     found = assemble("BEFORE .set $ + 5\n" + BEGUN + "AT .set $\n")
     assert [one.address for one in found.symbols] == [5, 0x8000, 0x8001]
 
 
-def test_a_section_and_an_include_have_their_most(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+def test_limits_of_section_size_and_include_depth(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     monkeypatch.setattr(assemble_module, "MOST_WORDS", 4)
     assert words(".space 3") == (0, 0, 0)
     for directive, sentence in (
@@ -85,12 +85,12 @@ def test_a_section_and_an_include_have_their_most(monkeypatch: pytest.MonkeyPatc
         assemble(source.format("a"), tmp_path / "x.asm")
 
 
-def test_a_file_beside_a_source_hides_a_shipped_one(tmp_path: Path):
-    (tmp_path / "f28335.inc").write_bytes(b"\xef\xbb\xbfI2CMDR .set 7")  # with the mark of UTF-8 at its begin
+def test_a_file_beside_the_source_hides_a_shipped_one(tmp_path: Path):
+    (tmp_path / "f28335.inc").write_bytes(b"\xef\xbb\xbfI2CMDR .set 7")  # starts with a byte order mark
     assert assemble(f'.include "f28335.inc"\n{BEGUN}.word I2CMDR', tmp_path / "x.asm").sections[0].words[1] == 7
 
 
-def test_functions_are_what_is_global_and_the_entry():
+def test_functions_are_global_symbols_and_the_entry():
     found = assemble(BEGUN + "wait: NOP\n_f: LRETR\n .global _f\nSIZE .set 3\n")
     assert [(one.name, one.external, one.label, one.section) for one in found.symbols] == [
         ("_c_int00", True, False, ".text"),
@@ -100,7 +100,7 @@ def test_functions_are_what_is_global_and_the_entry():
     ]
 
 
-def test_files_are_included_from_beside_the_source_else_from_the_shipped_ones(tmp_path: Path):
+def test_included_files_are_searched_beside_the_source_and_then_among_the_shipped_ones(tmp_path: Path):
     (tmp_path / "inner").mkdir()
     (tmp_path / "inner" / "a.inc").write_text('.include "b.inc"\nA .set B + 1')
     (tmp_path / "inner" / "b.inc").write_text("B .set 4 ; beside a.inc")
@@ -110,7 +110,7 @@ def test_files_are_included_from_beside_the_source_else_from_the_shipped_ones(tm
     assert [one.name for one in sources_of(source)] == ["x.asm", "a.inc", "f28335.inc", "b.inc"]
 
 
-def test_a_program_that_is_not_there_is_the_shipped_one_of_its_name(tmp_path: Path):
+def test_a_missing_program_is_the_shipped_one_of_that_name(tmp_path: Path):
     mine = tmp_path / "blink.asm"
     assert assemble_file(mine)[0].symbol_at[0x9023] == "_toggle"
     mine.write_text(BEGUN + ".word 7", encoding="utf-8")
@@ -122,7 +122,7 @@ def test_a_program_that_is_not_there_is_the_shipped_one_of_its_name(tmp_path: Pa
         assemble_file(tmp_path / "fiirmware" / "c28x" / "rtc.asm")
 
 
-def test_a_mistake_in_an_included_file_is_told_with_its_own_line(tmp_path: Path):
+def test_an_error_in_an_included_file_has_the_line_of_that_file(tmp_path: Path):
     (tmp_path / "a.inc").write_text("\nA .set 1 +\n")
     (tmp_path / "x.asm").write_text(BEGUN + '.include "a.inc"')
     with pytest.raises(BadImage, match=r"x\.asm: a\.inc, line 2: '1 \+' is not a number"):
@@ -228,7 +228,7 @@ _c_int00: NOP
 
 
 def test_each_address_has_the_line_that_it_was_assembled_from():
-    """NOP in line 3, MOVL of two words in line 5, RPT and NOP in line 6; a second section below the first."""
+    """NOP is in line 3, MOVL of two words in line 5, RPT and NOP in line 6; a second section has lower addresses."""
     debug = DebugInfo(assemble(SOURCE, Path("own.asm")))
     lines = {address: str(debug.line_at(address)) for address in (0x8000, 0x9000, 0x9001, 0x9002, 0x9003, 0x9004)}
     assert lines == {
@@ -240,7 +240,7 @@ def test_each_address_has_the_line_that_it_was_assembled_from():
 
 
 def test_every_byte_of_a_program_of_two_lines():
-    """A line of the source and one of a file that it includes, 197 lines further; 128 words behind it is the end."""
+    """One line of the source and one of an included file, 197 lines later; the sequence ends 128 words after it."""
     sections = debug_sections("a.asm", [([(0x8000, "a.asm", 3), (0x8001, "b.inc", 200)], 0x8081)])
     assert sections == {
         ".debug_abbrev": bytes.fromhex("01 11 00  03 08  10 06  13 05  25 08  00 00  00"),
@@ -254,7 +254,7 @@ def test_every_byte_of_a_program_of_two_lines():
     }
 
 
-def test_no_file_no_debug_data():
+def test_an_image_from_text_has_no_debug_data():
     assert assemble(SOURCE).debug == {}
 
 
@@ -267,7 +267,7 @@ def test_no_file_no_debug_data():
     st.integers(0, 0x3F_0000),
     st.integers(1, 1000),
 )
-def test_any_rows_come_back(steps: list[tuple[int, str, int]], first: int, last: int):
+def test_any_line_table_is_read_back(steps: list[tuple[int, str, int]], first: int, last: int):
     rows, at = [], first
     for words, file, line in steps:
         rows.append((at, file, line))

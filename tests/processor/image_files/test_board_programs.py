@@ -1,4 +1,4 @@
-"""Programs of our own on boards as those of public images are: what these prove is proven without them, too."""
+"""Programs on boards: they show without public images what those show on the same boards."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PASSES_OF_10_MS = 300_000
 
 
 class Board:
-    """A case whose unit runs a program: what it put on the wires, its records, its result."""
+    """A case whose unit runs a program, with its records, its result and the bytes that it sent."""
 
     def __init__(self, program: Path, seconds: str, unit: Mapping[str, Any], kinds: Iterable[Kind], **tables: Any):
         self.records: list[Record] = []
@@ -43,10 +43,10 @@ def program(folder: Path, source: str) -> Path:
 
 
 @pytest.mark.parametrize(("last_wait", "cuts"), [(TXEMPTY, 0), (TXRDY, 1)])
-def test_an_rs485_driver_is_on_while_the_image_sends_and_is_told_if_it_goes_off_early(
+def test_an_rs485_driver_is_enabled_while_the_image_sends_and_disabling_it_early_is_noted(
     tmp_path: Path, last_wait: int, cuts: int
 ):
-    """On SCI-B, whose pins the program chooses. TXRDY says only that the last character has gone to the shifter."""
+    """SCI-B uses pins that the program selects. TXRDY only says that the last character is in the shift register."""
     unit = {"modules": ["SCI-B", "GPIO"], "pins": {"DE": 49, "SCI-B.TX": 22, "SCI-B.RX": 23}}
     budgets = [{"name": "cut", "measure": "count of frame RS485 cut", "max": 0}]
     tables = {"transceiver": [{"on": "dsp.SCI-B", "de": "DE"}], "budget": budgets}
@@ -64,7 +64,7 @@ def test_an_rs485_driver_is_on_while_the_image_sends_and_is_told_if_it_goes_off_
     ]
 
 
-def test_an_echo_by_a_timers_interrupt_leaves_the_fpu_registers_of_what_it_interrupts(tmp_path: Path):
+def test_an_echo_by_a_timer_interrupt_keeps_the_fpu_registers_of_main(tmp_path: Path):
     unit = {"modules": ["SCI-A", "GPIO", "TIMER0"], "pins": {"TX": 35, "RX": 36}}
     send = [{"name": "hi", "to": "dsp.SCI-A", "text": "hi", "at": "5 ms", "gap": "1 ms"}]
     board = Board(program(tmp_path, ECHO), "0.0135", unit, [Kind.IRQ], serial={"baud": 4800, "send": send})
@@ -75,24 +75,26 @@ def test_an_echo_by_a_timers_interrupt_leaves_the_fpu_registers_of_what_it_inter
     assert all(abs((after - before) / per_us - 500) < 0.1 for before, after in pairwise(taken))
     cpu = board.scene.units["dsp"].program.cpu  # type: ignore[attr-defined]
     counted, one = struct.unpack("<2f", struct.pack("<2I", *(number & 0xFFFF_FFFF for number in cpu.r[:2])))
-    assert one == 1.0 and counted == int(counted) > 100_000  # of the routine's own registers nothing is left in these
+    assert (
+        one == 1.0 and counted == int(counted) > 100_000
+    )  # the routine's values of these registers were replaced by the saved ones
 
 
-def test_pins_without_a_wire_are_told_with_the_keys_to_add(tmp_path: Path):
+def test_pins_without_a_wire_are_noted_with_the_keys_to_add(tmp_path: Path):
     board = Board(program(tmp_path, ECHO), "0.005", {"modules": ["SCI-A", "GPIO", "TIMER0"]}, [])
-    [told] = [note for note in board.result.notes if "SCI-A" in note]
-    assert told == (
+    [note] = [note for note in board.result.notes if "SCI-A" in note]
+    assert note == (
         "dsp: SCI-A has RX on GPIO36 and TX on GPIO35, where the case has no wire; "
         "add pins = { RX = 36, TX = 35 } to the unit"
     )
     unit = {"modules": ["SCI-B", "GPIO"], "pins": {"SCI-B.TX": 22}}
     board = Board(program(tmp_path, RS485.replace("LAST_WAIT", "6")), "0.005", unit, [])
-    [told] = [note for note in board.result.notes if "SCI-B" in note]
-    assert 'SCI-B has RX on GPIO23, where the case has no wire; add pins = { "SCI-B.RX" = 23 }' in told
+    [note] = [note for note in board.result.notes if "SCI-B" in note]
+    assert 'SCI-B has RX on GPIO23, where the case has no wire; add pins = { "SCI-B.RX" = 23 }' in note
 
 
-def test_a_sender_sends_each_10_ms_but_for_the_phase_of_its_bit_clock(tmp_path: Path):
-    """A pass of the wait is 5 cycles; a frame begins at the SCI's next clock, each eighth of a bit."""
+def test_a_sender_sends_every_10_ms_up_to_the_phase_of_its_bit_clock(tmp_path: Path):
+    """A pass of the wait takes 5 cycles; a frame begins at the SCI's next clock edge, eight of which are a bit."""
     unit = {"modules": ["SCI-A", "GPIO"], "pins": {"TX": 29, "RX": 28}}
     source = SENDER.replace("PASSES", str(PASSES_OF_10_MS))
     board = Board(program(tmp_path, source), "0.0155", unit, [Kind.ACCESS], serial={"baud": 9600})
@@ -106,7 +108,7 @@ def test_a_sender_sends_each_10_ms_but_for_the_phase_of_its_bit_clock(tmp_path: 
 
 
 def test_a_clock_is_set_byte_by_byte_and_read_back_by_interrupts(tmp_path: Path):
-    """Each STOP is an interrupt, and ARDY behind the pointer, which a repeated START follows."""
+    """Each STOP interrupts, and so does ARDY after the pointer, before the repeated START."""
     unit = {"modules": ["I2C-A", "GPIO"]}
     board = Board(program(tmp_path, CLOCK), "0.0125", unit, [Kind.IRQ], device={"clock": {"model": "isl12026"}})
     dsp = board.scene.units["dsp"]
@@ -118,8 +120,8 @@ def test_a_clock_is_set_byte_by_byte_and_read_back_by_interrupts(tmp_path: Path)
 
 
 @pytest.mark.parametrize(("key", "answer"), [([], b"u"), ([{"from": "dsp.GPIO25", "to": "dsp.GPIO20"}], b"d")])
-def test_a_key_is_a_cable_from_its_column_to_its_row(tmp_path: Path, key: list[dict[str, str]], answer: bytes):
-    """What was seen is said on SCI-C."""
+def test_a_pressed_key_is_a_cable_from_its_column_to_its_row(tmp_path: Path, key: list[dict[str, str]], answer: bytes):
+    """The program sends on SCI-C which level it has read."""
     unit = {"modules": ["SCI-C", "GPIO"], "pins": {} if key else {"ROW": 20}}
     board = Board(program(tmp_path, KEYPAD), "0.0046", unit, [], cable=key)
     assert board.sent("SCI-C.TX") == answer
@@ -132,8 +134,8 @@ BUILDS = {
 }
 
 
-def test_one_program_linked_to_flash_and_to_ram_makes_the_same_writes_in_their_order(tmp_path: Path):
-    """In flash it is slower; its function is copied to RAM, where it runs."""
+def test_one_program_linked_to_flash_and_to_ram_makes_the_same_writes_in_the_same_order(tmp_path: Path):
+    """In flash the program is slower; its function is copied to RAM and runs there."""
     came = {}
     for boot, where in BUILDS.items():
         source = LINKED.format(**where, ramfuncs="0x8000")
@@ -149,8 +151,8 @@ def test_one_program_linked_to_flash_and_to_ram_makes_the_same_writes_in_their_o
     assert came["flash"][1] > came["ram"][1] + 100
 
 
-def test_an_image_that_leaves_pieack_as_the_reset_may_have_it_gets_no_interrupt(tmp_path: Path):
-    """`pieack_reset`: with all groups waiting for an acknowledge, the slave never serves its first byte."""
+def test_an_image_that_never_writes_pieack_may_get_no_interrupt(tmp_path: Path):
+    """`pieack_reset`: if all groups wait for an acknowledge, the slave never sends its first byte."""
     slave = (SHIPPED / "register_slave.asm").read_text(encoding="utf-8")
     request = [{"name": "read", "address": 0x50, "pointer": 1, "count": 2, "expect": "11 12"}]
     tables = {

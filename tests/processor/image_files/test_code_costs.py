@@ -1,10 +1,10 @@
-"""The costs of code around accesses that docs/fidelity.md states are those measured in programs that run.
+"""The costs of code around accesses in docs/fidelity.md are those measured in programs that run.
 
-Our own images are always measured, public ones where they are installed.
+The project's images are always measured, public ones if they are installed.
 
-pass      from a read of a register to the next one, by the same line, most often
+pass      from a read of a register to its next read by the same line; the most frequent distance
 enter     from the entry of a service routine to its first access
-leave     from its last access to where the interrupted code goes on, IRET in it
+leave     from its last access to the end of IRET, where the interrupted code continues
 """
 
 from __future__ import annotations
@@ -31,7 +31,11 @@ ALL = ["SCI-A", "SCI-B", "SCI-C", "I2C-A", "GPIO", "XINT", "TIMER0", "TIMER1", "
 
 
 class Program(NamedTuple):
-    """Settings that make its waits visible. seconds: of the run. unit, tables: of the case."""
+    """Settings of a program, chosen so that its waits occur.
+
+    seconds: duration of the run.
+    unit, tables: additions to the case.
+    """
 
     seconds: str
     unit: Mapping[str, Any] = {}
@@ -56,25 +60,25 @@ PROGRAMS = {
 
 
 def costs(name: str) -> dict[str, int]:
-    """Cycles by "pass REGISTER", "enter VECTOR" and "leave VECTOR"."""
+    """Return cycles by "pass REGISTER", "enter VECTOR" and "leave VECTOR"."""
     program = PROGRAMS[name]
     path = SHIPPED / name if Path(name).suffix else public_image(name)
     unit = {"image": str(path), "modules": ALL, **program.unit}
     case = Case.model_validate({"name": name, "duration": "1 s", "unit": {"dsp": unit}, **program.tables})
-    told: list[Record] = []
-    scene = Scene(case, lambda recorder, _: recorder.subscribe([Kind.ACCESS, Kind.IRQ], told.append))
+    records: list[Record] = []
+    scene = Scene(case, lambda recorder, _: recorder.subscribe([Kind.ACCESS, Kind.IRQ], records.append))
     scene.run(Fraction(program.seconds))
     cycle = scene.timebase.per_second // 150_000_000
     found: dict[str, Counter[int]] = {}
-    accesses = [one for one in told if one.kind is Kind.ACCESS]
+    accesses = [one for one in records if one.kind is Kind.ACCESS]
     for before, after in pairwise(accesses):
-        slow = after.what == "R SYS.PLLSTS"  # while the PLL locks, cycles are longer
+        slow = after.what == "R SYS.PLLSTS"  # cycles are longer while the PLL locks
         if slow or not before.what.startswith("R "):
             continue
         if (before.what, statement(before.text)) == (after.what, statement(after.text)):
             found.setdefault(f"pass {after.what[2:]}", Counter())[(after.tick - before.tick) // cycle] += 1
     entered, last = None, 0
-    for one in told:
+    for one in records:
         if one.kind is Kind.ACCESS:
             if entered is not None and last < entered.tick:
                 found.setdefault(f"enter {entered.what}", Counter())[(one.tick - entered.tick) // cycle] += 1
@@ -91,7 +95,7 @@ ROW = re.compile(r"^\| [^|]* \[(\S+)\] \| ((?:pass|enter|leave|enter, leave) \S+
 
 
 def shown() -> Mapping[str, dict[str, int]]:
-    """The page's figures by program."""
+    """Return the figures of the page, by program."""
     found: dict[str, dict[str, int]] = {}
     for program, what, cycles in ROW.findall((ROOT / "docs" / "fidelity.md").read_text(encoding="utf-8")):
         kinds, _, name = what.rpartition(" ")
@@ -101,7 +105,7 @@ def shown() -> Mapping[str, dict[str, int]]:
 
 
 @pytest.mark.parametrize("program", sorted(shown()))
-def test_the_pages_figures_are_measured(program: str):
+def test_the_figures_of_the_page_are_those_measured(program: str):
     measured = costs(program)
     assert {what: measured.get(what) for what in shown()[program]} == shown()[program]
 

@@ -1,4 +1,4 @@
-"""TI COFF2 byte by byte [SPRAAO8]: what is written, and what flags, symbols and names of a file mean."""
+"""TI COFF2 [SPRAAO8]: every byte of a written file, and the flags, symbols and names of files that are read."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ SYMBOL = struct.Struct("<8sIhHBB")
 FLAGS_OF_SECOND = SECTION_AT + 48 + 40
 
 
-def test_every_byte_of_a_file_that_is_written():
-    """A section of code that is copied, data with a long name, a stack; symbols of each kind; debug data."""
+def test_every_byte_of_a_written_file():
+    """It has copied code, data with a long name, a stack, symbols of each kind and debug data."""
     sections = (
         Section(".text", 0x320000, 0x8000, 2, (0x7625, 0x7700), code=True),
         Section("long_name1", 0x9000, 0x9000, 1, (7,)),
@@ -62,7 +62,7 @@ Row = tuple[bytes, int, int, int, int]  # name, value, section, class, auxiliary
 
 
 def with_symbols(*rows: Row, strings: bytes = b"") -> bytes:
-    """A file of .text alone with these symbols; auxiliary entries are zeros."""
+    """Return a file that has only .text and these symbols; their auxiliary entries are zeros."""
     entries = [
         SYMBOL.pack(name, at, section, 0, kind, more) + bytes(18 * more) for name, at, section, kind, more in rows
     ]
@@ -71,8 +71,8 @@ def with_symbols(*rows: Row, strings: bytes = b"") -> bytes:
     return data[:-4] + b"".join(entries) + struct.pack("<I", 4 + len(strings)) + strings
 
 
-def test_symbols_that_say_where_something_is():
-    """Symbols of the classes external, static and label are read; those of sections and objects are left out."""
+def test_symbols_of_addresses_are_read():
+    """Symbols of the classes external, static and label are read; those of sections and objects are not."""
     rows = (
         (b"a", 0x8000, 1, 2, 1), (b"b", 0x8001, 1, 3, 0), (b"c", 0x8002, 1, 6, 2), (b"number", 1, -1, 2, 0),
         (b"d", 1, 0, 2, 0), (b"e", 1, -2, 2, 0), (b"f", 1, 2, 2, 0), (b".file", 1, 1, 103, 1), (b"g", 1, 1, 4, 0),
@@ -92,13 +92,13 @@ def test_symbols_that_say_where_something_is():
 
 
 @pytest.mark.parametrize(("place", "strings"), [(3, b"abc\0"), (9, b"abc\0"), (4, b"abc")])
-def test_a_name_that_is_not_whole_in_the_table_of_names_is_refused(place: int, strings: bytes):
+def test_a_name_that_exceeds_the_string_table_is_refused(place: int, strings: bytes):
     said = refused(with_symbols((struct.pack("<II", 0, place), 0x8000, 1, 2, 0), strings=strings))
     assert said == f"it is truncated: a name is at byte {place} of its string table of {4 + len(strings)}"
 
 
 def test_a_file_may_end_with_its_last_section():
-    """As strip leaves it: without symbols, and without a table of names."""
+    """strip leaves such a file, without symbols and without a string table."""
     data = write(image(text()))[:-4]
     assert parse(data).sections[0].words == CODE
     assert refused(data[:-1]) == (
@@ -107,7 +107,7 @@ def test_a_file_may_end_with_its_last_section():
     assert refused(GOOD[:21]) == "it is truncated: its header needs byte 21, the file has 21 bytes"
 
 
-def test_files_of_other_tools_are_told_by_their_first_two_bytes():
+def test_coff_files_are_recognized_by_their_first_two_bytes():
     assert [coff2.is_coff(data) for data in (b"", b"\xc2", b"\xbf\0", b"\xc0\0", b"\xc1\0", b"\xc2\0", b"\xc3\0")] == [
         False, False, False, True, True, True, False
     ]  # fmt: skip
@@ -136,7 +136,7 @@ def test_a_file_for_another_target_is_named(version: int, target: int, named: st
         (0x10, False, False, False), (0x50, False, False, False), (0x30, False, False, True), (0x60, True, True, True),
     ],
 )  # fmt: skip
-def test_what_the_flags_of_a_section_mean(flags: int, loaded: bool, allocated: bool, code: bool):
+def test_section_flags(flags: int, loaded: bool, allocated: bool, code: bool):
     (_, section, _) = coff2.read(changed(GOOD, FLAGS_OF_SECOND, "I", flags)).sections
     assert (section.loaded, section.allocated, section.code) == (loaded, allocated, code)
 
@@ -153,7 +153,7 @@ def test_cinit_is_applied_only_as_a_copy_of_data():
 
 
 def test_records_of_cinit_may_name_22_bits_of_address_and_end_with_their_section():
-    """n words behind 16 bits of address, -n words behind 32, the lower word first; 0x8000 are -32768."""
+    """A record is n words after a 16-bit address, or -n words after a 32-bit one, low word first; 0x8000 is -32768."""
     assert coff2.read(cinit(0xFFFE, 0x9200, 0x31, 5, 6, 1, 0x9100, 7)).initial == ((0x319200, (5, 6)), (0x9100, (7,)))
     for words in ((2, 0x9100, 7), (0xFFFF, 0x9200, 0x31), (0x8000, 0, 0, 1), (0x7FFF, 0, 1)):
         assert refused(cinit(*words)) == "it is truncated: a record of .cinit ends after its section"
@@ -170,15 +170,17 @@ def test_debug_sections_are_copies_with_contents_whose_size_counts_bytes():
     assert coff2.read(changed(data, FLAGS_OF_SECOND, "I", 0x30)).debug == {".debug_x": b"abcde\4"}  # of text: words
 
 
-def test_a_section_begins_behind_another_one_and_an_entry_is_one_of_its_words():
+def test_adjacent_sections_do_not_overlap_and_the_entry_is_within_one():
     more = text(address=ENTRY + len(CODE), name=".more")
     found = parse(write(image(text(), more, entry=ENTRY + 2 * len(CODE) - 1)))
     assert [one.name for one in found.sections] == [".text", ".more"]
     assert "not in a loaded code" in refused(write(image(text(), entry=ENTRY + len(CODE))))
-    assert parse(write(image(text(), Section("Cla1Prog", 0x9000, 0x9000, 0)))).entry == ENTRY  # has no contents
+    assert (
+        parse(write(image(text(), Section("Cla1Prog", 0x9000, 0x9000, 0)))).entry == ENTRY
+    )  # a section without contents
 
 
-def test_a_model_of_an_image_answers_for_each_word():
+def test_symbols_stack_and_run_addresses_of_an_image():
     stack = [Section(".stack", 0x400, 0x500, size) for size in (14, 15)]
     far = text(address=0x320000, run=0x9000, name="far")
     symbols = (

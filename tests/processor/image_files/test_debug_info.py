@@ -1,4 +1,4 @@
-"""Functions and lines of debug data that are written byte by byte after DWARF 2, sections 6.2, 7.5 and 7.6."""
+"""Functions and lines of debug data that are written byte by byte as in DWARF 2, sections 6.2, 7.5 and 7.6."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ABBREVIATIONS = bytes.fromhex(
     "01 11 01 10 06 00 00"  # unit: DW_AT_stmt_list
     "02 2E 00 03 08 11 01 12 01 00 00"  # subprogram: DW_AT_name, low_pc, high_pc as an address
     "03 2E 00 03 08 11 01 12 06 00 00"  # high_pc as a length
-    "04 2E 00 03 08 11 01 00 00"  # without high_pc: declared, not defined here
+    "04 2E 00 03 08 11 01 00 00"  # without high_pc: a declaration
     "05 34 00 03 08 11 01 12 01 00 00 00"  # a variable with addresses, which no compiler writes
 )
 BY_END, BY_LENGTH, DECLARED, VARIABLE = 2, 3, 4, 5
@@ -63,8 +63,8 @@ def test_functions_are_those_with_an_extent_each_once_by_address():
     )
 
 
-def test_symbols_tell_functions_where_debug_data_tell_none_and_a_section_ends_the_last_one():
-    """Of several symbols at an address the external one counts, and of those the first by name."""
+def test_symbols_give_functions_where_debug_data_have_none_and_a_section_ends_the_last_one():
+    """If an address has several symbols, the external one is used, and of several such the first by name."""
     a, b = DebugInfo(IMAGE).line_at(0x8000), DebugInfo(IMAGE).line_at(0x8008)
     assert (str(a), str(b)) == ("a.c:7", "b.c:9")
     assert inspect(IMAGE).functions == (
@@ -75,13 +75,13 @@ def test_symbols_tell_functions_where_debug_data_tell_none_and_a_section_ends_th
     assert inspect(replace(IMAGE, entry=0x8003)).entry_name == "first"
 
 
-def test_cycles_of_an_instruction_stand_beside_its_line():
+def test_cycles_of_instructions_are_listed_with_their_lines():
     assert [row.line for row in function_cycles(IMAGE, "_between").rows] == ["7"] * 4
     assert {row.line for row in function_cycles(replace(IMAGE, debug={}), "_first").rows} == {""}
 
 
-def test_a_line_behind_another_sequence_counts_in_either_order_and_a_later_row_of_an_address():
-    """The end of one sequence is the begin of the next one: the line holds, not the end."""
+def test_a_sequence_that_begins_at_the_end_of_another_and_the_last_of_two_rows_are_used():
+    """The end of one sequence is the start of another: the line of the latter is used."""
     first, second = (
         ([(0x8000, "a.c", 1), (0x8002, "a.c", 2), (0x8002, "a.c", 3)], 0x8004),
         ([(0x8004, "a.c", 9)], 0x8006),
@@ -93,7 +93,7 @@ def test_a_line_behind_another_sequence_counts_in_either_order_and_a_later_row_o
         ]  # fmt: skip
 
 
-def test_a_file_that_no_table_has_is_unknown():
+def test_a_file_number_outside_the_table_is_unknown():
     sections = debug_sections("a.c", [([(0x8000, "a.c", 7), (0x8002, "b.c", 9)], 0x8004)])
     lines = sections[".debug_line"]
     for number, file in ((0, "?"), (1, "a.c"), (2, "b.c"), (3, "?")):
@@ -102,13 +102,13 @@ def test_a_file_that_no_table_has_is_unknown():
         assert line is not None and (line.file, line.line) == (file, 9)
 
 
-def test_sections_without_each_other_tell_nothing():
+def test_debug_data_without_one_of_their_sections_are_ignored():
     for name in (".debug_info", ".debug_abbrev"):
         debug = DebugInfo(replace(IMAGE, debug={key: data for key, data in DEBUG.items() if key != name}))
         assert (debug.functions, debug.lines, debug.damaged) == ((), (), "")
 
 
-def test_what_comes_before_the_damage_is_told():
+def test_functions_before_damaged_debug_data_are_read():
     whole = DEBUG[".debug_info"]
     debug = DebugInfo(replace(IMAGE, debug={**DEBUG, ".debug_info": whole + whole[:-20]}))
     assert debug.functions and debug.damaged

@@ -1,4 +1,4 @@
-"""ELF of a C28x, field by field: what is a section of the chip, where it is loaded, which symbols count."""
+"""ELF of a C28x, field by field: which sections are the chip's, their load addresses, and which symbols are read."""
 
 from __future__ import annotations
 
@@ -24,7 +24,10 @@ Row = tuple[str, int, int, int]  # name, value, binding and type, section from 1
 
 
 class Part(NamedTuple):
-    """A section. size: in bytes, if it is not that of its contents."""
+    """A section.
+
+    size: in bytes; None is the size of its contents.
+    """
 
     name: str
     kind: int
@@ -35,7 +38,10 @@ class Part(NamedTuple):
 
 
 class Load(NamedTuple):
-    """A segment around sections, from the first one's contents on. kind: 1 is PT_LOAD."""
+    """A segment that contains sections from `first` to `last`.
+
+    kind: 1 is PT_LOAD.
+    """
 
     load: int
     first: str
@@ -86,8 +92,8 @@ def read(*parts: Part, loads: list[Load], symbols: Sequence[Row] = ()) -> Image:
     return elf.read(file_of([*parts], loads, symbols))
 
 
-def test_sections_of_the_chip_lie_where_a_segment_loads_them():
-    """Of the second section by its distance from the segment's begin, in words; another kind of segment loads none."""
+def test_sections_have_the_load_address_of_their_segment():
+    """The second section is loaded after the first one, in words; other kinds of segment load nothing."""
     parts = (TEXT, CONST, BSS, BYTE, EMPTY, DEBUG, Part(".note", NOTE, 0, 0, b"d"), Part(".debug_y", NOTE, 0, 0, b"e"))
     found = read(*parts, loads=[Load(0x1000, ".text", ".const", kind=4), Load(0x320000, ".text", ".const")])
     assert (found.kind, found.entry, found.tool_version, found.initial) == ("ELF", 0x8001, 0, ())
@@ -110,7 +116,7 @@ def test_each_section_may_have_a_segment_of_its_own():
         read(TEXT, CONST, loads=[Load(0x320000, ".text", ".text")])
 
 
-def test_symbols_with_a_name_and_a_place():
+def test_symbols_with_a_name_and_a_section_are_read():
     rows = [
         ("main", 0x8000, GLOBAL | FUNC, 1), ("helper", 0x8001, LOCAL | FUNC, 1), ("weak", 0x8002, WEAK | OBJECT, 2),
         ("$C$L1", 0x8002, LOCAL | NOTYPE, 1), ("$C$F", 0x8002, LOCAL | FUNC, 1), ("place", 0x8002, LOCAL | NOTYPE, 1),
@@ -135,7 +141,7 @@ def test_contents_of_an_odd_number_of_bytes_are_refused():
 
 
 @pytest.mark.parametrize(("bits", "little"), [(64, True), (32, False)])
-def test_another_class_or_order_of_bytes_is_refused(monkeypatch: pytest.MonkeyPatch, bits: int, little: bool):
+def test_another_class_or_byte_order_is_refused(monkeypatch: pytest.MonkeyPatch, bits: int, little: bool):
     class Other(dict[str, str]):
         elfclass, little_endian = bits, little
 

@@ -1,4 +1,4 @@
-"""Cycles of a function of our own, explained; and that a run takes as many."""
+"""Cycles of each instruction of a function, with the reasons of stalls; a run takes as many."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ here: SUBB SP,#4
 """
 
 
-def test_each_instruction_has_its_cycles_and_the_reason_of_its_stalls():
+def test_each_instruction_has_its_cycles_and_the_reason_for_its_stalls():
     found = function_cycles(assemble(HEAD + FUNCTION), "_f")
     assert [(row.text.split()[0], row.published, row.stall, row.why) for row in found.rows] == [
         ("ADDB", "1", 0, ""),
@@ -42,15 +42,15 @@ def test_each_instruction_has_its_cycles_and_the_reason_of_its_stalls():
     assert found.least == sum(int(row.published.split("/")[-1]) + row.stall for row in found.rows) == 34
 
 
-def test_a_run_takes_as_many():
-    """MOVL reads frame 2: 2 wait states; LCR at the front: 4, and the head's 10."""
+def test_a_run_takes_the_cycles_of_the_table():
+    """MOVL reads frame 2, which has 2 wait states; the LCR before takes 4 cycles, and HEAD 10."""
     source = HEAD + " LCR #_f\n" + FUNCTION
     ended = Rig(source, odd_32bit_target=0).run().program.returned_at
     assert ended == 10 + 4 + function_cycles(assemble(source), "_f").least + 2
 
 
-def test_32_bits_on_the_stack_are_an_even_word_and_the_one_behind_it():
-    """SP is even in functions [SPRU514, stack alignment]: *-SP[4] is that word and *-SP[3]."""
+def test_32_bits_on_the_stack_are_an_even_word_and_the_next_one():
+    """SP is even in functions [SPRU514, stack alignment], so a pair of words is *-SP[4] and *-SP[3]."""
     source = HEAD + " LCR #_f\n ESTOP0\n .global _f\n_f: ADDB SP,#6\n" + " NOP\n" * 4
     source += (
         " MOVL *-SP[4],ACC\n MOV AL,*-SP[5]\n MOVL *-SP[4],ACC\n MOV AL,*-SP[3]\n SUBB SP,#6\n"
@@ -70,7 +70,7 @@ READS = "reads what was just written"
     [
         ("MOV *-SP[2],AL\n MOV AL,*-SP[2]", [(0, ""), (3, READS)]),
         ("MOV *-SP[2],AL\n NOP\n MOV AL,*-SP[2]", [(0, ""), (0, ""), (2, READS)]),
-        ("MOV *-SP[2],AL\n MOV *SP++,AH\n MOV AL,*-SP[2]", [(0, "")] * 3),  # another word: SP has moved
+        ("MOV *-SP[2],AL\n MOV *SP++,AH\n MOV AL,*-SP[2]", [(0, "")] * 3),  # another word, since SP has changed
         ("MOV *-SP[2],AL\n MOV AH,*--SP\n MOV AL,*-SP[2]", [(0, "")] * 3),
         ("MOV *-SP[2],AL\n ADDB SP,#1\n MOV AL,*-SP[2]", [(0, ""), (0, ""), (3, "waits for SP")]),
         ("MOV @2,AL\n MOVZ DP,#3\n MOV AL,@2", [(0, "")] * 3),  # another page
@@ -89,7 +89,7 @@ READS = "reads what was just written"
         ("MOVL @0x10,ACC\n MOV AL,@0x0F", [(0, "")] * 2),
         ("INC @1\n MOV AL,@1", [(0, ""), (3, READS)]),
         ("MOV AL,@1\n MOV AL,@1", [(0, "")] * 2),
-        ("MOV *XAR4,AL\n MOV AL,*XAR4", [(0, "")] * 2),  # through a pointer: not known
+        ("MOV *XAR4,AL\n MOV AL,*XAR4", [(0, "")] * 2),  # unknown, since it is through a pointer
     ],
 )
 def test_stalls_of_a_few_instructions(code: str, stalls: list[tuple[int, str]]):
@@ -105,13 +105,13 @@ WAITS = "fetched with 1 wait state"
     ("begin", "reasons"),
     [(0xBFFF, ["", WAITS]), (0xC000, [WAITS, WAITS]), (0xFFFE, [WAITS, WAITS]), (0xFFFF, [WAITS, ""])],
 )
-def test_code_in_waited_memory_says_so(begin: int, reasons: list[str]):
+def test_code_in_memory_with_wait_states_has_the_reason(begin: int, reasons: list[str]):
     source = f' .sect "code", {begin:#x}\n .global _c_int00\n_c_int00: NOP\n ESTOP0\n'
     assert [row.why for row in function_cycles(assemble(source), "_c_int00").rows] == reasons
 
 
-def test_words_that_are_no_instruction_and_one_that_its_section_cuts_off_have_rows():
-    """0xE271 is of a TMU; 0x2809 begins MOV loc16,#16bit, whose second word is not there."""
+def test_unknown_words_and_an_instruction_cut_off_by_its_section_have_rows():
+    """0xE271 is an instruction of a TMU; 0x2809 begins MOV loc16,#16bit, whose second word is missing."""
     source = ' .sect "code", 0x8000\n .global _c_int00\n_c_int00: .word 0xE271, 0x7700, 0x2809\n'
     found = function_cycles(assemble(source + " NOP\n .entry _c_int00\n"), "_c_int00")
     assert found.rows[0] == (0x8000, ".word 0xe271", "", 0, "not an instruction", "")
@@ -120,13 +120,13 @@ def test_words_that_are_no_instruction_and_one_that_its_section_cuts_off_have_ro
     assert [row.text for row in cut.rows] == ["NOP", "MOV @0x9,#0"]
 
 
-def test_a_function_that_is_not_there():
+def test_an_unknown_function_is_refused():
     with pytest.raises(BadImage, match=r"there is no function '_g'; .*_f"):
         function_cycles(assemble(HEAD + FUNCTION), "_g")
 
 
-def test_a_branch_has_both_its_cycles_but_for_one_without_a_condition():
-    """SB without one takes 4 [SPRU430F, SB]; CLRC INTM 2, and LOOPZ 5 a pass."""
+def test_a_conditional_branch_has_the_cycles_of_both_outcomes():
+    """SB without a condition takes 4 cycles [SPRU430F, SB]; CLRC INTM takes 2, and LOOPZ 5 per pass."""
     code = " ESTOP0\n .global _f\n_f: SB _f,NEQ\n B _f,EQ\n LOOPZ @AL,#1\n CLRC INTM\n SB _f,UNC\n"
     found = function_cycles(assemble(HEAD + code), "_f")
     assert [row.published for row in found.rows] == ["7/4", "7/4", "5", "2", "4"]

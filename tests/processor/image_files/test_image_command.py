@@ -1,4 +1,4 @@
-"""`periph-sim image FILE` as a user meets it."""
+"""Output and errors of the command `periph-sim image FILE`."""
 
 from __future__ import annotations
 
@@ -49,16 +49,16 @@ def test_text(periph_sim: Run, file: Path):  # noqa: F811
 
 
 def test_json(periph_sim: Run, file: Path):  # noqa: F811
-    told = json.loads(periph_sim("image", str(file), "--json").out)
-    assert (told["schema"], told["instructions"], told["unknown"]) == ("periph-sim image", 9, [])
+    found = json.loads(periph_sim("image", str(file), "--json").out)
+    assert (found["schema"], found["instructions"], found["unknown"]) == ("periph-sim image", 9, [])
 
 
-def test_verbose_lists_where_each_register_is_touched(periph_sim: Run, file: Path):  # noqa: F811
+def test_verbose_lists_the_functions_that_access_each_register(periph_sim: Run, file: Path):  # noqa: F811
     came = periph_sim("image", str(file), "-v")
     assert " I2C-A I2CSTR  0x7902       1       1  _main" in came.out.splitlines()
 
 
-def test_status_1_and_the_words_that_are_unknown(periph_sim: Run, tmp_path: Path):  # noqa: F811
+def test_unknown_words_are_listed_and_the_status_is_1(periph_sim: Run, tmp_path: Path):  # noqa: F811
     path = tmp_path / "tmu.out"
     path.write_bytes(write(image(text((0x7700, 0xE271, 0x0006)))))
     came = periph_sim("image", str(path))
@@ -69,7 +69,7 @@ def test_status_1_and_the_words_that_are_unknown(periph_sim: Run, tmp_path: Path
     assert "0x008001  0xe271  0x008001  the TMU of an F2837x" in lines[heading + 1]
 
 
-def test_sections_that_share_memory_are_told(periph_sim: Run, tmp_path: Path):  # noqa: F811
+def test_sections_that_share_memory_get_a_note(periph_sim: Run, tmp_path: Path):  # noqa: F811
     path = tmp_path / "shared.out"
     reserved = (Section(".stack", 0x400, 0x400, 0x100), Section(".ebss", 0x4F0, 0x4F0, 0x20))
     path.write_bytes(write(image(text(), *reserved, Section(".esysmem", 0x500, 0x500, 0x10), Section("x", 0, 0, 0))))
@@ -83,7 +83,7 @@ def test_sections_that_share_memory_are_told(periph_sim: Run, tmp_path: Path):  
     assert len(json.loads(periph_sim("image", "--json", str(path)).out)["shared_memory"]) == 2
 
 
-def test_bad_input_is_one_sentence_and_status_2(periph_sim: Run, tmp_path: Path):  # noqa: F811
+def test_bad_input_gives_one_sentence_and_status_2(periph_sim: Run, tmp_path: Path):  # noqa: F811
     path = tmp_path / "x.out"
     path.write_bytes(b"\x7fELF" + bytes(100))
     came = periph_sim("image", str(path))

@@ -1,4 +1,4 @@
-"""What code names: registers, vectors, functions and words that are no instruction, in images of our own."""
+"""Inspection of an image: registers that code accesses, vectors, functions and words that are no instruction."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def touched(found: Inspection) -> list[tuple[str, str, int, int]]:
     return [(one.module, one.name, one.reads, one.writes) for one in found.registers]
 
 
-def test_registers_by_data_page_with_what_is_done_to_them():
+def test_registers_accessed_by_data_page_with_their_reads_and_writes():
     found = inspect(image())
     assert touched(found) == [("I2C-A", "I2CSTR", 1, 1), ("I2C-A", "I2CMDR", 0, 1)]
     assert found.registers[0].functions == ("_main",)
@@ -31,7 +31,7 @@ def test_vectors_with_their_handlers():
     )  # fmt: skip
 
 
-def test_functions_end_where_the_next_one_begins_and_labels_are_none():
+def test_functions_end_where_the_next_one_begins_and_labels_are_not_functions():
     found = inspect(image())
     assert [(one.name, one.address, one.size) for one in found.functions] == [
         ("_main", ENTRY, len(CODE) - 1),
@@ -42,18 +42,18 @@ def test_functions_end_where_the_next_one_begins_and_labels_are_none():
 
 
 def test_a_frame_that_is_not_modelled_is_named_by_module_and_offset():
-    """MOVW DP,#0x1C4 (0x7100); MOV @0x3,#0."""
+    """The code is MOVW DP,#0x1C4 (0x7100) and MOV @0x3,#0."""
     found = of_code(0x761F, 0x01C4, 0x2B03, 0x0006)
     assert touched(found) == [("ADC", "+0x03", 0, 1)]
 
 
-def test_code_that_is_copied_runs_elsewhere():
+def test_copied_code_is_inspected_at_its_run_address():
     found = inspect(image(text(address=0x320000, run=ENTRY), entry=0x320000))
     assert touched(found) == [("I2C-A", "I2CSTR", 1, 1), ("I2C-A", "I2CMDR", 0, 1)]
     assert found.vectors[0].handler == f"{HANDLER:#08x}"
 
 
-def test_a_handler_has_the_name_that_budgets_know_and_not_its_symbol(monkeypatch: pytest.MonkeyPatch):
+def test_a_handler_has_the_name_used_in_budgets_and_not_its_symbol(monkeypatch: pytest.MonkeyPatch):
     of_debug_data = Function("on_transfer", HANDLER, 1, ".text", None)
     monkeypatch.setattr(debug_info, "functions_of", lambda image, debug: (of_debug_data,))
     (vector,) = inspect(image()).vectors

@@ -1,4 +1,4 @@
-"""What is in an image, as text and as a dictionary: an inspection by hand goes in."""
+"""The text and the dictionary of an inspection, here of one that is written by hand."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ WHOLE = Inspection(
 EMPTY = replace(WHOLE, vectors=(), registers=(), unknown=(), functions=FUNCTIONS[:10])
 
 
-def test_the_whole_text():
+def test_complete_text():
     assert text(WHOLE).splitlines() == [
         "TI COFF2, entry 0x008001 (_begin)",
         "9 instructions in 16 words of code, 2 unknown words",
@@ -88,7 +88,7 @@ def test_the_whole_text():
     ]
 
 
-def test_all_functions_by_address_and_each_register_where_it_is_touched():
+def test_verbose_text_lists_all_functions_by_address_and_the_functions_of_each_register():
     lines = text(WHOLE, every=True).splitlines()
     first = lines.index(" register      address  reads  writes  in")
     assert lines[first + 2 : first + 6] == [
@@ -101,7 +101,7 @@ def test_all_functions_by_address_and_each_register_where_it_is_touched():
     assert not [line for line in lines if line.startswith(("and ", "not modelled"))]
 
 
-def test_what_an_image_has_none_of():
+def test_text_of_an_image_without_vectors_registers_and_unknown_words():
     without_symbol = replace(IMAGE, tool_version=6, entry=0x8004)
     lines = text(replace(EMPTY, debug_damaged="KeyError: 3", entry_name="f0", image=without_symbol))
     assert lines.startswith(
@@ -112,9 +112,9 @@ def test_what_an_image_has_none_of():
     assert "smaller functions" not in lines and "not instructions" not in lines
 
 
-def test_the_whole_dictionary():
-    told = as_json(replace(WHOLE, functions=FUNCTIONS[:2], registers=WHOLE.registers[:1], unknown=WHOLE.unknown[:1]))
-    assert told == {
+def test_complete_dictionary():
+    found = as_json(replace(WHOLE, functions=FUNCTIONS[:2], registers=WHOLE.registers[:1], unknown=WHOLE.unknown[:1]))
+    assert found == {
         "kind": "TI COFF2",
         "linker": 0,
         "entry": {"address": 0x8001, "name": "_begin"},

@@ -1,4 +1,4 @@
-"""Bytes of a linker's output file, and the image that they are or one sentence why they are none."""
+"""A linker's output file is parsed to an image, or refused in one sentence."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ def refused(data: bytes) -> str:
     return str(error.value)
 
 
-def test_names_of_more_than_8_characters_are_read_where_no_symbol_is_left():
-    """As strip leaves a file."""
+def test_names_of_more_than_8_characters_are_read_without_symbols():
+    """strip leaves such a file."""
     found = parse(write(image(text(), Section("a_long_name", 0x9000, 0x9000, 1, (1,)))))
     assert [one.name for one in found.sections] == [".text", "a_long_name"] and found.symbols == ()
 
 
-def test_elf_is_told_by_its_first_bytes():
+def test_elf_is_recognized_by_its_first_bytes():
     assert [(one.name, one.code) for one in parse(ELF).sections] == [(".text", True)]
 
 
@@ -56,7 +56,10 @@ REFUSED = [
     (changed(GOOD, SECTION_AT + 16, "I", 0x10000), "truncated: section '.text' ends at byte"),
     (changed(GOOD, 8, "I", 1 << 31), "truncated: its symbol table"),
     (changed(GOOD, 22 + 16, "I", 0x9000), "entry 0x009000 is not in a loaded code"),
-    (write(image(text(address=0x320000, run=ENTRY))), "entry 0x008000 is not in a loaded code"),  # not there at first
+    (
+        write(image(text(address=0x320000, run=ENTRY))),
+        "entry 0x008000 is not in a loaded code",
+    ),  # before the code is copied
     (write(image(text(), text(address=0x8008, name=".text.2"))), "sections '.text' and '.text.2' overlap at 0x008008"),
     (write(image(text(address=0x7900))), "'.text' lies at 0x007900, over peripheral registers (peripheral frame 2)"),
     (write(image(text(address=0xD00))), "over peripheral registers (PIE vectors)"),
@@ -106,7 +109,7 @@ def parsed_or_refused(data: bytes) -> None:
 
 
 @given(st.binary(max_size=200))
-def test_any_bytes_behind_a_coff_header_are_parsed_or_refused(tail: bytes):
+def test_any_bytes_after_a_coff_header_are_parsed_or_refused(tail: bytes):
     parsed_or_refused(GOOD[:22] + tail)
 
 

@@ -1,6 +1,6 @@
-"""Programs of our own in machine code: assembled from firmware/c28x, they put on the wires what their Python twins put.
+"""The shipped assembly programs of firmware/c28x produce the same traffic as their Python counterparts.
 
-A line of the emulator's source is broken at a time; the budgets of its case say what came of it.
+Each test of `BROKEN` breaks one line of the emulator's source, and a budget of its case must fail.
 """
 
 from __future__ import annotations
@@ -25,21 +25,21 @@ from tests.scene.runs import TIMING
 from tests.scene.small import case as small
 
 IMU_HIL = TIMING / "imu_hil_image.toml"
-# Two rounds soon after the PLL has locked: the first one shows the memory's zeros, the second one a frame.
+# Two rounds shortly after the PLL has locked: the first sends the initial zeros of the memory, the second a frame.
 CLOSE = ("controller.first=6.5 ms", "controller.period=3 ms", "host.first=4.6 ms")
-TOO_CLOSE = "schedule slack"  # which that breaks
+TOO_CLOSE = "schedule slack"  # the budget that CLOSE breaks
 
 
 def run(case: Case, seconds: str) -> tuple[list[tuple[str, int | str]], Result, Scene]:
-    """What went over bus and UART, in its order; the result; the scene."""
-    told: list[Record] = []
-    scene = Scene(case, lambda recorder, _: recorder.subscribe([Kind.BUS, Kind.FRAME], told.append))
+    """Run a case; return the bus and UART traffic in order, the result and the scene."""
+    records: list[Record] = []
+    scene = Scene(case, lambda recorder, _: recorder.subscribe([Kind.BUS, Kind.FRAME], records.append))
     result = scene.run(Fraction(seconds))
-    return [(record.what, record.value) for record in told if record.where != "RX"], result, scene
+    return [(record.what, record.value) for record in records if record.where != "RX"], result, scene
 
 
-def twin(case: Case, firmware: str, **settings: object) -> Case:
-    """The case with Python firmware in place of its image."""
+def python_case(case: Case, firmware: str, **settings: object) -> Case:
+    """Return the case with Python firmware in place of its image."""
     modules, pins = case.unit["dsp"].modules, case.unit["dsp"].pins
     unit = Unit(firmware=firmware, modules=modules, pins=pins, settings=settings)
     return case.model_copy(update={"unit": {"dsp": unit}})
@@ -51,14 +51,14 @@ def image(name: str, *modules: str, **more: object) -> Case:
 
 
 def words(scene: Scene, name: str, count: int) -> list[int]:
-    """Words of the program's memory, from a symbol on."""
+    """Return words of the program's memory from a symbol on."""
     dsp = scene.units["dsp"]
     symbol = next(one for one in dsp.program.image.symbols if one.name == name)  # type: ignore[union-attr]
     return [dsp.processor.bus.ram.word(symbol.address + index) for index in range(count)]
 
 
-def test_registers_and_bits_are_those_of_the_maps():
-    """What f28335.inc names, against the maps of the models."""
+def test_registers_and_bits_of_the_include_file_agree_with_the_register_maps():
+    """Registers, bits and vectors in f28335.inc agree with the register maps of the models."""
     numbers = {name: int(value, 0) for name, value in re.findall(r"^(\w+) +\.set +(\w+)", _source("f28335.inc"), re.M)}
     bits = {field.name: field.lsb for register in (I2CSTR, I2CMDR) for field in register.fields}
     vectors = {
@@ -70,10 +70,10 @@ def test_registers_and_bits_are_those_of_the_maps():
     assert len(numbers) > 50
 
 
-def test_the_emulator_sends_the_bytes_of_its_twin_and_meets_its_budgets():
+def test_the_emulator_sends_the_bytes_of_the_python_firmware_and_meets_its_budgets():
     case = load(IMU_HIL, list(CLOSE))
     mine, result, _ = run(case, "0.0123")
-    other, other_result, _ = run(twin(case, "imu_hil", model_cost="1 us"), "0.0123")
+    other, other_result, _ = run(python_case(case, "imu_hil", model_cost="1 us"), "0.0123")
     assert mine == other
     assert result.counts["rounds"] == 2 and max(value for what, value in mine if what == "byte") > 0x100
     assert {one.name for one in (*result.budgets, *other_result.budgets) if not one.passed} == {TOO_CLOSE}
@@ -101,7 +101,7 @@ def test_a_broken_line_breaks_a_budget(tmp_path: Path, what: str):
     assert {one.name for one in result.budgets if one.verdict == "fail"} == broken | {TOO_CLOSE}
 
 
-def test_the_register_slave_answers_as_its_twin():
+def test_the_register_slave_has_the_traffic_of_the_python_firmware():
     requests = [
         {"name": "over the end", "address": 0x50, "pointer": 0xFE, "write": "a1 a2 a3", "count": 0},
         {"name": "and read", "address": 0x50, "pointer": 0xFD, "count": 6, "expect": "00 a1 a2 a3 11 12"},
@@ -113,26 +113,26 @@ def test_the_register_slave_answers_as_its_twin():
     budgets = [{"name": "wrong bytes", "measure": "wrong bytes", "max": 0}]
     case = image("register_slave", "I2C-A", controller=controller, budget=budgets)
     mine, result, scene = run(case, "0.009")
-    other, _, _ = run(twin(case, "register_slave", registers="10 11 12 13"), "0.009")
+    other, _, _ = run(python_case(case, "register_slave", registers="10 11 12 13"), "0.009")
     assert mine == other
     assert [(verdict.passed, verdict.count) for verdict in result.budgets] == [(True, 8)]
     assert words(scene, "_registers", 2) == [0xA3, 0x11]
 
 
-def test_the_echo_sends_what_its_twin_sends():
+def test_the_echo_has_the_traffic_of_the_python_firmware():
     serial = {"send": [{"name": "text", "to": "dsp.SCI-A", "text": "ab\n", "at": "5 ms"}]}
     case = image("sci_echo", "SCI-A", serial=serial)
     mine, _, _ = run(case, "0.006")
-    assert mine == run(twin(case, "sci_echo"), "0.006")[0] and len(mine) >= 4
+    assert mine == run(python_case(case, "sci_echo"), "0.006")[0] and len(mine) >= 4
 
 
-def test_the_master_stores_in_an_eeprom_asks_until_it_is_done_and_reads_back():
+def test_the_master_writes_an_eeprom_polls_it_and_reads_the_data_back():
     device = {"eeprom": {"model": "24lc64", "write_time": "0.4 ms"}}
-    told, _, scene = run(image("eeprom", "I2C-A", device=device), "0.0075")
+    sent, _, scene = run(image("eeprom", "I2C-A", device=device), "0.0075")
     assert words(scene, "_got", 8) == list(range(0xA0, 0xA8))
     assert scene.devices["eeprom"].target.memory[0x38:0x40] == bytes(range(0xA0, 0xA8))
     assert scene.units["dsp"].program.finished
-    assert [what for what, _ in told].count("STOP") > 3  # of the write, of polls, of the read
+    assert [what for what, _ in sent].count("STOP") > 3  # those of the write, of the polls and of the read
 
 
 def test_the_master_sets_a_clock_and_reads_it_back():
@@ -141,7 +141,7 @@ def test_the_master_sets_a_clock_and_reads_it_back():
     assert scene.units["dsp"].program.finished and scene.devices["clock"].log.notes == {}
 
 
-def test_the_led_blinks_by_the_timer_while_the_cpu_sleeps():
+def test_the_timer_blinks_an_led_while_the_cpu_sleeps():
     blink = {"kind": "blink", "wire": "LED", "rate": "1 kHz", "duty": "50 %", "after": "4.5 ms", "tolerance": "1 ns"}
     strobe = {"kind": "edges", "wire": "LED", "edges": [["0 s", "rise"], ["500 us", "fall"]], "since": "first edge"}
     watch = {"led": blink, "strobe": {**strobe, "after": "4.5 ms", "more": True, "tolerance": "1 ns"}}

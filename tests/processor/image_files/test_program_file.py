@@ -1,4 +1,4 @@
-"""Programs from files: what is assembled again, and when."""
+"""A program is assembled again only when one of its files has changed."""
 
 from __future__ import annotations
 
@@ -30,6 +30,6 @@ def test_a_source_is_assembled_again_only_if_a_file_has_changed(tmp_path: Path):
     assert words_of(source) == [(0x0006, 0x0006, 0x7700)]
 
 
-def test_debug_data_are_read_once_for_all_scenes_of_an_image():
+def test_scenes_of_one_image_share_its_debug_data():
     first, second = (Scene(load(TIMING / "imu_hil_image.toml")).units["dsp"].program.functions for _ in range(2))
     assert first.debug is second.debug and first.debug.lines

@@ -1,4 +1,4 @@
-"""Every public image of the acceptance list loads, and each word of its code is known. Skipped where none are."""
+"""Every public image of public_images.toml loads, and each word of its code is known. Skipped if they are missing."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from periph_sim.processor.image_files.inspection import inspect
 from periph_sim.processor.image_files.load import load
 from tests.processor.image_files.public_images import IMAGES, public_image
 
-FLASH_API = "Flash28_API"  # code and tables in one section: decodes in parts only
+FLASH_API = "Flash28_API"  # a section with code and tables, of which only parts can be decoded
 I2C_RTC, AS608 = "S5", "S9a"
 
 
@@ -26,9 +26,9 @@ def test_every_word_of_code_is_known(name: str):
 
 @pytest.mark.parametrize("name", IMAGES)
 def test_branches_and_functions_are_at_the_beginning_of_an_instruction(name: str):
-    """Judges the length of every form and from where distances count."""
+    """This checks the length of every form and the base of relative addresses."""
     image = load(public_image(name))
-    told = 0
+    checked = 0
     for section in image.code:
         if section.name == FLASH_API:
             continue
@@ -38,8 +38,8 @@ def test_branches_and_functions_are_at_the_beginning_of_an_instruction(name: str
         inside = [goal for goal in goals if goal is not None and section.runs_at(goal)]
         functions = [one.address for one in DebugInfo(image).functions if section.runs_at(one.address)]
         assert set(inside) | set(functions) <= begins
-        told += len(inside) + len(functions)
-    assert told > 100
+        checked += len(inside) + len(functions)
+    assert checked > 100
 
 
 @pytest.mark.parametrize("name", IMAGES)

@@ -1,13 +1,14 @@
-"""Listings of TI's assembler judge ours and the decoder, which share a table. Skipped where they are not there.
+"""The assembler and the decoder agree with listings of TI's assembler. Skipped if there are no listings.
 
-Every line with an encoding is compared both ways: the words decode to an instruction of its mnemonic and length, and
-the source assembles to the words. TI's assembler takes some names for forms that the manual names otherwise.
+The assembler and the decoder share a table, so they cannot check each other. Every line with an encoding is compared in
+both directions: the words decode to an instruction of its mnemonic and length, and the source assembles to the words.
+TI's assembler accepts some names for forms that have other names in the manual.
 
     "     98 00000004 FE02          ADDB      SP,#2     ; comment"
-    "     107 00000007 761F!         MOVW      DP,#_CpuSysRegs+128"     "!" and the like: the linker changes this word
+    "     107 00000007 761F!         MOVW      DP,#_CpuSysRegs+128"     "!" and similar: the linker changes this word
     "         00000008 0002"                                            the second word
 
-Constants of symbols that other files define are 0 there.
+In a listing, constants of symbols that other files define are 0.
 """
 
 from __future__ import annotations
@@ -30,12 +31,15 @@ BEGINS = "TMS320C2000 Assembler"
 WORD = re.compile(r" *(\d+)? +([0-9a-fA-F]{8}) ([0-9A-Fa-f]{4})(.) *([^;]*)")
 LABEL = re.compile(r" *\d+ ([0-9a-f]{8})? +([\w$.]+):")
 SETS = re.compile(r" *\d+ +([0-9a-f]{4,8}) +([\w$.]+)\s+\.(?:set|asg)\b")
-DATA = ("_CLA", "$C$DW")  # names of tables, whose lines have words, too
+DATA = ("_CLA", "$C$DW")  # names of tables, whose lines have words too
 
 
 @dataclass
 class Line:
-    """bound: the linker changes one of its words."""
+    """A line of a listing with an instruction.
+
+    bound: True if the linker changes one of its words.
+    """
 
     address: int
     source: str
@@ -44,7 +48,7 @@ class Line:
 
 
 class Symbols(dict[str, int]):
-    """0 for what another file defines."""
+    """Symbols of a file; a symbol that another file defines is 0."""
 
     def __contains__(self, name: object) -> bool:
         return True
@@ -54,14 +58,14 @@ class Symbols(dict[str, int]):
 
 
 def instructions(text: str) -> tuple[list[Line], Symbols]:
-    """The instructions of a listing, without lines of data."""
+    """Return the instructions of a listing, without lines of data, and its symbols."""
     symbols, labels = Symbols(), list[str]()
     for printed in text.splitlines():
         label, sets, word = LABEL.match(printed), SETS.match(printed), WORD.match(printed)
         if label and label[1]:
             symbols[label[2]] = int(label[1], 16)
         elif label:
-            labels.append(label[2])  # what follows says where it is
+            labels.append(label[2])  # the next line with words has its address
         elif sets:
             symbols[sets[2]] = int(sets[1], 16)
         elif word:
@@ -91,14 +95,14 @@ def _lines(text: str) -> Iterator[Line]:
 REPOSITORY = "Furkanprlk/DSP_F28335_Examples"  # at 3b480c1: boot ROMs of the F2837x, compiled code and assembly
 BOTH_NAMES = {"C28OBJ": "SETC OBJMODE", "C28ADDR": "CLRC AMODE", "C28MAP": "SETC M0M1MAP"}
 STACK_MOVES = ("PUSH", "POP")
-NOT_THIS_CHIP = re.compile(r"V(MOV32|CRC)|SETFLG .*RNDF64")  # VCU and 64-bit FPU of the F2837x
-NUMBER_AS_DISTANCE = "SB 0, UNC"  # to itself
+NOT_THIS_CHIP = re.compile(r"V(MOV32|CRC)|SETFLG .*RNDF64")  # instructions of the VCU and 64-bit FPU of the F2837x
+NUMBER_AS_DISTANCE = "SB 0, UNC"  # a branch to itself
 WITHOUT_SHIFT = re.compile(r"(MOV ACC, ?#\w+)$")
 
 
 @cache
 def listings() -> dict[str, str]:
-    """Text of each different listing by its path."""
+    """Return the texts of the different listings, by path."""
     folder = os.environ.get(VARIABLE)
     root = Path(folder or "", REPOSITORY)
     if not folder or not root.is_dir():
@@ -113,7 +117,7 @@ def listings() -> dict[str, str]:
 
 @cache
 def lines() -> list[tuple[Line, Symbols]]:
-    """Each different line once."""
+    """Return the different lines of all listings, each once."""
     found: dict[tuple[str, tuple[int, ...]], tuple[Line, Symbols]] = {}
     for text in listings().values():
         of_file, symbols = instructions(text)
@@ -123,7 +127,7 @@ def lines() -> list[tuple[Line, Symbols]]:
 
 
 def by_the_manual(line: Line) -> str:
-    """The source with the manual's names: short branches, moves of a byte, a page of an address."""
+    """Return the source with the manual's names of short branches, byte moves and the page of an address."""
     source = BOTH_NAMES.get(line.source, line.source.removeprefix("||")).partition(" ||")[0]
     if len(line.words) == 1:
         source = re.sub(r"^(BF?) ", lambda name: f"S{name[1]} ", source)
@@ -140,7 +144,9 @@ def test_words_of_each_line_decode_to_its_instruction():
         source = by_the_manual(line)
         found = decode_at(line.address, line.words[0], line.words[-1])
         assert found is not None, line
-        two = line.source.partition("||")[2] != "" and line.source.startswith("RPT")  # RPT, and what it repeats
+        two = line.source.partition("||")[2] != "" and line.source.startswith(
+            "RPT"
+        )  # RPT and the instruction that it repeats
         assert found.words == len(line.words) - two, line
         mnemonic = source.split()[0].upper()
         assert found.encoding.mnemonic == mnemonic or (found.encoding.mnemonic == "MOVL" and mnemonic in STACK_MOVES), (
@@ -159,6 +165,6 @@ def test_the_source_of_each_line_assembles_to_its_words():
 
 
 def moves(words: tuple[int, ...]) -> str:
-    """A move between two registers, which each of them may be the operand of: either form takes a cycle."""
+    """Return the text of a move between two registers, which has two encodings of one cycle; otherwise ""."""
     found = decode_at(0, words[0], words[-1])
     return found.text.replace("@", "") if found is not None and found.encoding.mnemonic in ("MOV", "MOVL") else ""

@@ -1,13 +1,13 @@
-"""Cycles that TI states for a call of its library routines, against a run of the routines. Skipped without the files.
+"""Calls of TI's library routines take the cycles that TI states. Skipped if the libraries are missing.
 
-Formulas are those of the sources' heads, "including the call and return". Heads of the FPU library count columns of the
-manual and no stall, which one of them admits; those of IQmath that were corrected (1.4, 2002) count stalls, too.
+The formulas are those in the heads of the sources, "including the call and return". Heads of the FPU library count
+cycles of the manual without stalls, as one of them says; those of IQmath corrected in 2002 (1.4) include stalls.
 
-Routines are read from an archive of objects as TI's tools write it, with addresses in place and tables bound:
+Routines are read from an archive of objects written by TI's tools; addresses are inserted and tables are linked:
 
     "!<arch>" | member: header 60, COFF2 object | ...        "//" holds names of more than 15 characters
 
-Source: SPRAAO8 (COFF2 objects; an entry of relocation has 12 bytes), SPRU513 chapter 7 (archiver).
+Sources: SPRAAO8 (COFF2 objects; a relocation entry has 12 bytes), SPRU513 chapter 7 (archiver).
 """
 
 from __future__ import annotations
@@ -34,24 +34,27 @@ RELOCATION = struct.Struct("<IIHH")
 
 @dataclass(frozen=True)
 class Routine:
-    """The one section of an object that is loaded. binds: what a 22-bit address in it means, by its offset."""
+    """The only loaded section of an object.
+
+    binds: the symbol of each 22-bit address in it, by offset.
+    """
 
     words: tuple[int, ...]
     binds: Mapping[int, str]
     defines: Mapping[str, int]
 
     def at(self, symbols: Mapping[str, int]) -> tuple[int, ...]:
-        """Its words, where symbols are at these addresses."""
+        """Return its words with symbols at these addresses."""
         words = list(self.words)
         for offset, name in self.binds.items():
-            address = symbols[name] + (words[offset] << 16 | words[offset + 1])  # what is there is added
+            address = symbols[name] + (words[offset] << 16 | words[offset + 1])  # the words hold an addend
             words[offset] = words[offset] & ~0x3F | address >> 16 & 0x3F
             words[offset + 1] = address & 0xFFFF
         return tuple(words)
 
 
 def routines(library: Path) -> dict[str, Routine]:
-    """Each member of an archive by its name without the ending."""
+    """Return each member of an archive by its name without the suffix."""
     return {name.rpartition(".")[0]: _object(data) for name, data in _members(library.read_bytes())}
 
 
@@ -101,7 +104,7 @@ def _name(field: bytes, strings: bytes) -> str:
 
 
 LIBRARIES = tomllib.loads(Path(__file__).with_name("public_libraries.toml").read_text(encoding="utf-8"))
-CODE, ARRAYS, ZONE_6 = 0xB000, (0x8000, 0x8400, 0x8800), 0x10_0000  # memory without waits, and with one
+CODE, ARRAYS, ZONE_6 = 0xB000, (0x8000, 0x8400, 0x8800), 0x10_0000  # memory without wait states, and with one
 COUNTS = (8, 16, 32)
 CALL = """
  MOVL XAR4,#0x8000
@@ -126,7 +129,7 @@ def library(name: str) -> dict[str, Routine]:
 
 
 def took(routine: Routine, acc: int, pushed: int, data: tuple[Section, ...], **options: Value) -> int:
-    """Cycles of a call with these arguments, from LCR to behind LRETR."""
+    """Return the cycles of a call with these arguments, LCR and LRETR included."""
     words = routine.at(
         {name: data[0].run + at for name, at in library("iqmath")["IQmathTables"].defines.items()}
         if routine.binds
@@ -141,12 +144,12 @@ def took(routine: Routine, acc: int, pushed: int, data: tuple[Section, ...], **o
     return until(f" LCR #{CODE + min(routine.defines.values())}\n") - until("")
 
 
-# FPU library: base + N * a pass of the loop -------------------------------------------------------------------------
+# FPU library: base + N * cycles of a loop pass ----------------------------------------------------------------------
 
 NUMBERS = struct.unpack("<512H", struct.pack("<256f", *(1.5 + n for n in range(256))))
 VECTORS = tuple(Section(f"array{at:x}", at, at, len(NUMBERS), NUMBERS) for at in ARRAYS)
-FPU = {  # routine: cycles beside the loop, of an element, stalls that the head leaves out, and columns that it does
-    "abs_SP_CV": (9, 28, 0, 4),  # iabs_SP_CV, with the same instructions around its loop, states 13
+FPU = {  # routine: cycles outside the loop, cycles per element, stalls and further cycles that the head omits
+    "abs_SP_CV": (9, 28, 0, 4),  # the head of iabs_SP_CV, with the same instructions outside its loop, states 13
     "abs_SP_CV_2": (22, 18, 0, 0),
     "add_SP_CSxCV": (19, 4, 3, 0),  # MOVL XAR6,*-SP[4], MOV32 R0H,*XAR6++
     "add_SP_CVxCV": (15, 6, 0, 0),
@@ -187,7 +190,7 @@ CORRECTED = {  # routine: (ACC, cycles with tables in SARAM, in ROM)
     "IQ24rsmpy": (0x100_0000, 20, 26),
     "IQ10rsmpy": (0x10_0000, 21, 27),
     "IQ24div": (0x200_0000, 62, 70),
-    "IQ24isqrt": (0x400_0000, 66, 73),  # 3 of them, here and below: MOVL XAR4,@ACC, MOVL XT,@XAR4
+    "IQ24isqrt": (0x400_0000, 66, 73),  # 3 stalls, also below: MOVL XAR4,@ACC, MOVL XT,@XAR4
     "IQ10isqrt": (0x1000, 67, 74),
     "IQ24sqrt": (0x400_0000, 65, 69),
     "IQ22sqrt": (0x400_0000, 64, 68),
@@ -195,7 +198,7 @@ CORRECTED = {  # routine: (ACC, cycles with tables in SARAM, in ROM)
     "IQ24mag": (0x300_0000, 89, 93),
 }
 WITHOUT_TABLES = {"IQ24int": 15, "IQ24toF": 22}
-COLUMNS = {  # routine: (ACC, cycles as stated, stalls that the head leaves out, columns that it does)
+COLUMNS = {  # routine: (ACC, cycles as stated, stalls and further cycles that the head omits)
     "IQ30sin": (0x1000_0000, 45, 3, 0),  # MOVL XAR5,*+XAR7[AR0], SUBL ACC,@XAR5
     "IQ24sin": (0x100_0000, 45, 3, 0),
     "IQ10sin": (0x1000, 46, 3, 0),
@@ -226,25 +229,25 @@ def test_a_routine_of_iqmath_without_tables(name: str):
 
 
 @pytest.mark.parametrize("name", COLUMNS)
-def test_a_routine_of_iqmath_whose_head_counts_columns(name: str):
+def test_a_routine_of_iqmath_whose_head_counts_no_stalls(name: str):
     acc, stated, stalls, columns = COLUMNS[name]
     routine = library("iqmath")[name]
     assert took(routine, acc, 0x100_0000, tables(ARRAYS[0]), stalls=False) == stated + columns
     assert took(routine, acc, 0x100_0000, tables(ARRAYS[0])) == stated + columns + stalls
 
 
-# Heads that are of another body, or rough ---------------------------------------------------------------------------
+# Heads that describe another version, or are approximate ------------------------------------------------------------
 
-REWRITTEN = {  # routine: (cycles as stated, of the body); their histories: "1.4d: re-implemented without branch"
-    "IQ24frac": (18, 17),  # "Regs Used: XT, XAR7", neither of which the body has
-    "IQ24mpyI32int": (28, 22),  # "worst case", of a body that has one case only
+REWRITTEN = {  # routine: (cycles stated, cycles of the code); their histories: "1.4d: re-implemented without branch"
+    "IQ24frac": (18, 17),  # "Regs Used: XT, XAR7", neither of which the code uses
+    "IQ24mpyI32int": (28, 22),  # "worst case", but the code has only one case
     "IQ24mpyI32frac": (34, 24),
 }
 
 
 @pytest.mark.parametrize("name", REWRITTEN)
-def test_a_routine_whose_head_is_older_than_its_body(name: str):
-    """Each instruction takes the column's cycles, and none stalls: 9 + 8, 14 + 8 and 16 + 8 with LCR and LRETR."""
+def test_a_routine_whose_head_is_older_than_its_code(name: str):
+    """Each instruction takes the manual's cycles without stalls: 9 + 8, 14 + 8 and 16 + 8 with LCR and LRETR."""
     stated, body = REWRITTEN[name]
     assert body < stated
     for acc in (0x80_0000, 0xFF80_0000):
@@ -253,16 +256,16 @@ def test_a_routine_whose_head_is_older_than_its_body(name: str):
 
 
 def test_atan2_per_unit():
-    """Its head states 121. Columns are 117, and 122 with the stalls that IQ24atan2 has, too, whose head has none.
+    """Its head states 121; the manual's cycles are 117, and 122 with the stalls, which IQ24atan2 has too.
 
-    117 + 4 are the columns with a second cycle for each of the four MOV loc16,#16bit behind what both share.
+    121 is 117 and a second cycle for each of the four MOV loc16,#16bit that follow the part shared with IQ24atan2.
     """
     routine = library("iqmath")["IQ24atan2PU"]
     assert took(routine, 0x80_0000, 0x100_0000, tables(ARRAYS[0]), stalls=False) == 117
-    assert took(routine, 0x80_0000, 0x100_0000, tables(ARRAYS[0])) == 117 + 3 + 2  # @XAR6 behind its load; SP, LRETR
+    assert took(routine, 0x80_0000, 0x100_0000, tables(ARRAYS[0])) == 117 + 3 + 2  # @XAR6 after its load; SP, LRETR
 
 
-ROUGH = {  # routine: cycles beside one a word; "~20 cycles of overhead (including the call and return)"
+ROUGH = {  # routine: cycles besides one per word; "~20 cycles of overhead (including the call and return)"
     "memcpy_fast": 19,  # LCR 4, ADDB 1, BF 4, MOVL 1, RPT @AL 4, PREAD N + 1, LRETR 4
     "memset_fast": 17,  # LCR 4, ADDB 1, BF 4, RPT @AH 4, MOV N, LRETR 4
 }

@@ -1,8 +1,8 @@
-"""Public images S9 to S14 run on a unit as far as the chip is modelled. Skipped where no folder of images is named.
+"""Public images S9 to S14 run as far as the chip is modelled. Skipped if no folder of images is given.
 
-    reset --> start-up, clocks --> so many instructions, none illegal --> where it is, and what went over its wires
+    reset --> start-up, clocks --> a number of instructions, none illegal --> the function reached, the bytes sent
 
-In `make explore` ten times as many instructions. What is expected of whom: the acceptance list of issue 13.
+`make explore` runs ten times as many instructions.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from tests.profiles import explores
 MODULES = ["SCI-A", "SCI-B", "SCI-C", "I2C-A", "GPIO", "XINT", "TIMER0", "TIMER1", "TIMER2"]
 STEP = Fraction(1, 200)  # seconds
 MOST = 400  # steps
-# What InitECan waits for: CANES.CCE of eCAN-A and -B is 1 after it asks for changes, and 0 after it takes that back.
+# InitECan waits for CANES.CCE of eCAN-A and -B to be 1 after it requests changes, and 0 after it ends the request.
 CAN = [
     *({"register": canes, "value": 0x10} for canes in (0x6018, 0x6218)),
     {"register": 0x6018, "value": 0, "after": "8 ms"},
@@ -36,7 +36,7 @@ CLOCKS = ("SYS.PLLCR", "SYS.PLLSTS", "SYS.LOSPCP", "SYS.HISPCP", "SYS.PCLKCR0", 
 
 
 class Ran:
-    """A program, run for at least so many instructions. sent: bytes of each TX. writes: to registers, in order."""
+    """A run of a program until it has executed at least a number of instructions."""
 
     def __init__(self, name: str, instructions: int, kinds: Iterable[Kind] = (), **unit: Any) -> None:
         self.records: list[Record] = []
@@ -60,21 +60,21 @@ class Ran:
         return bytes(one.value & 0xFF for one in self.records if (one.where, one.what) == (wire, "end"))
 
     def begins(self, wire: str = "TX") -> list[float]:
-        """When its characters began, in ms."""
+        """Return the start times of its characters in ms."""
         per_ms = self.scene.timebase.per_second / 1000
         return [one.tick / per_ms for one in self.records if (one.where, one.what) == (wire, "begin")]
 
     def written(self) -> list[tuple[str, int]]:
-        """Registers and what was written to them."""
+        """Return the register writes in order, as names and values."""
         return [(one.what.removeprefix("W "), one.value) for one in self.records if one.what.startswith("W ")]
 
 
 BOOTS = {
-    "S9a": ({}, 1_000_000),  # AS608: three serial ports
+    "S9a": ({}, 1_000_000),  # AS608: uses three serial ports
     "S9b": ({"boot": "ram", "stub": CAN}, 1_000_000),  # drone control, not optimised
-    "S9c": ({"boot": "ram", "stub": CAN}, 1_000_000),  # and optimised
-    "S9d": ({"boot": "ram"}, 1_000_000),  # QP/C: IRET through frames that it makes itself
-    "S9e": ({}, 400_000),  # runs in flash, wait states and all
+    "S9c": ({"boot": "ram", "stub": CAN}, 1_000_000),  # the same program, optimised
+    "S9d": ({"boot": "ram"}, 1_000_000),  # QP/C: IRET through stack frames that it creates
+    "S9e": ({}, 400_000),  # runs in flash, with wait states
     "S9f": ({}, 1_000_000),  # I2C lab
     "S11": ({}, 1_000_000),  # compiler 22.6
     "S12a": ({"boot": "flash"}, 1_000_000),
@@ -85,18 +85,18 @@ BOOTS = {
 
 
 @pytest.mark.parametrize("name", BOOTS)
-def test_it_boots_and_runs_without_an_illegal_instruction(name: str):
+def test_a_program_boots_and_executes_no_illegal_instruction(name: str):
     unit, instructions = BOOTS[name]
     instructions *= 10 if explores() else 1
     ran = Ran(name, instructions, **unit)
     assert ran.program.instructions >= instructions
-    assert ran.dsp.resets == 0  # the watchdog was turned off in time
+    assert ran.dsp.resets == 0  # the watchdog was disabled in time
     assert ran.dsp.clock.hz > 30_000_000  # and the PLL was set
     assert not ran.program.finished
 
 
-def test_two_builds_of_a_program_differ_where_their_sources_do():
-    """S9b and S9c: nothing moves on their wires before somebody speaks to them. Rates and pins are of two states."""
+def test_two_builds_of_a_program_differ_as_their_sources_do():
+    """S9b and S9c: their wires are silent until they receive something. Bit rates and pins are of two versions."""
     last = []
     for name in ("S9b", "S9c"):
         ran = Ran(name, 1_400_000, [Kind.ACCESS], boot="ram", stub=CAN)
@@ -107,7 +107,7 @@ def test_two_builds_of_a_program_differ_where_their_sources_do():
     assert {what: debug[what] for what in CLOCKS} == {what: release[what] for what in CLOCKS}
 
 
-def test_qp_switches_tasks_through_frames_of_its_own():
+def test_qp_switches_tasks_through_stack_frames_that_it_creates():
     ran = Ran("S9d", 700_000, boot="ram")
     assert ran.sent() == b"\nStav Tx IDLE!!"
     assert abs(ran.begins()[0] - 4.476) < 0.05
@@ -118,8 +118,8 @@ def test_a_board_test_in_flash_prints_its_banner_on_sci_c():
     assert ran.sent("SCI-C.TX").startswith(b"\r\n" + b"*" * 40)
 
 
-def test_the_same_sender_from_another_compiler():
-    """S10: 0x73 each 10 ms, as S8 sends it."""
+def test_a_sender_built_with_another_compiler():
+    """S10 sends 0x73 every 5 ms."""
     ran = Ran("S10", 2_600_000)
     begins = ran.begins()
     assert set(ran.sent()) == {0x73}
@@ -128,7 +128,7 @@ def test_the_same_sender_from_another_compiler():
 
 
 def test_one_program_linked_to_flash_and_to_ram_makes_the_same_accesses():
-    """S12: the first write of each register comes in the same order, but for what flash alone is set up by."""
+    """S12: registers are first written in the same order, except for those that only flash needs."""
     orders = []
     for name, boot in (("S12a", "flash"), ("S12b", "ram")):
         ran = Ran(name, 1_000_000, [Kind.ACCESS], boot=boot)
@@ -138,8 +138,8 @@ def test_one_program_linked_to_flash_and_to_ram_makes_the_same_accesses():
     assert [what for what in orders[0] if what in both] == [what for what in orders[1] if what in both]
 
 
-def test_sys_bios_ticks():
-    """S13: its clock is timer 1's interrupt, each millisecond, and tasks are switched by IRET."""
+def test_sys_bios_ticks_have_a_constant_period():
+    """S13: its clock tick is the interrupt of timer 1, and tasks are switched by IRET."""
     ran = Ran("S13", 400_000)
     ticks = [one.tick for one in ran.records if one.kind is Kind.IRQ and one.what == "INT13" and one.value]
     per_ms = ran.scene.timebase.per_second / 1000

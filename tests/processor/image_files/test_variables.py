@@ -1,4 +1,4 @@
-"""Variables by name: numbers, members of structures, elements of arrays, words by address; and what is refused."""
+"""Variables by name: numbers, members, elements of arrays and words by address; invalid names are refused."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ class Value(NamedTuple):
 
 
 class Entry:
-    """An entry of debug data, as pyelftools gives it. attributes: without DW_AT_; `type` is another entry."""
+    """An entry of debug data with the interface of pyelftools.
+
+    attributes: names without DW_AT_; `type` is another entry.
+    """
 
     def __init__(self, tag: str, *children: Entry, **attributes: Any) -> None:
         self.tag = tag if tag.startswith("DW_TAG_lo_user") else f"DW_TAG_{tag}"
@@ -74,7 +77,7 @@ def named(kind: Entry, times: int) -> Entry:
         (named(INT, 63), (1, "signed")), (named(INT, 64), None), (LOOP, None), (Entry("const_type"), None),
     ],
 )  # fmt: skip
-def test_types_that_are_one_number(kind: Any, number: tuple[int, str] | None):
+def test_types_of_numbers(kind: Any, number: tuple[int, str] | None):
     assert number_type(kind) == number
 
 
@@ -105,7 +108,7 @@ WHOLE = Entry(
         (".either.all", 0x40, UNSIGNED), (".either.far", 0x40 + 0x103, INT), (".counted[1][3]", 0x60 + 14, POINTER),
     ],
 )  # fmt: skip
-def test_a_part_has_its_offset_and_type(path: str, offset: int, kind: Any):
+def test_a_member_or_element_has_its_offset_and_type(path: str, offset: int, kind: Any):
     found, inner = inside(WHOLE, "v", path)
     assert found == offset and (kind is None or inner is kind)
 
@@ -129,13 +132,13 @@ def test_a_part_has_its_offset_and_type(path: str, offset: int, kind: Any):
         (".points[1]x", "'v.points[1]x': 'x' is neither a member, .NAME, nor an element, [NUMBER]"),
     ],
 )
-def test_what_is_no_part_is_refused(path: str, sentence: str):
+def test_invalid_members_and_elements_are_refused(path: str, sentence: str):
     with pytest.raises(BadVariable) as refused:
         inside(WHOLE, "v", path)
     assert str(refused.value).startswith(sentence)
 
 
-def test_nothing_is_inside_void_and_what_leads_round_in_a_circle():
+def test_void_and_a_circular_typedef_have_no_members_and_no_elements():
     for kind in (LOOP, Entry("const_type")):
         for path, what in ((".x", "members"), ("[0]", "array")):
             with pytest.raises(BadVariable, match=what):
@@ -163,13 +166,13 @@ def test_members_of_a_type(kind: Any, names: list[str]):
         (Entry("array_type", Entry("subrange_type"), type=LONG), 2),
     ],
 )
-def test_elements_lie_as_far_apart_as_their_type_is_long(kind: Any, words: int):
+def test_the_distance_of_elements_is_the_size_of_their_type(kind: Any, words: int):
     found, _ = inside(array(kind, 9), "v", "[5]")
     assert found == 5 * words
 
 
-def test_damaged_debug_data_are_said_to_be(variables: Variables):
-    """Each byte of them wrong, one at a time: a variable, or one sentence."""
+def test_damaged_debug_data_give_a_variable_or_one_sentence(variables: Variables):
+    """One byte at a time is damaged: a variable is found, or refused in one sentence."""
     image = typed_image()
     entries = image.debug[".debug_info"]
     sentences = set()
@@ -210,7 +213,7 @@ def variables() -> Variables:
         ("0x9084-long", 0x9084, 2, "unsigned"),
     ],
 )
-def test_a_part_has_its_place_and_width(variables: Variables, name: str, address: int, words: int, kind: str):
+def test_a_variable_has_its_address_and_width(variables: Variables, name: str, address: int, words: int, kind: str):
     found = variables.find(name)
     assert (found.name, found.address, found.words, found.kind) == (name, address, words, kind)
 
@@ -241,7 +244,7 @@ def test_a_part_has_its_place_and_width(variables: Variables, name: str, address
         ("0x7900", "0x7900 is at 0x7900, which is not memory"),
     ],
 )  # fmt: skip
-def test_what_is_no_number_is_refused_with_the_way_out(variables: Variables, name: str, sentence: str):
+def test_a_name_that_is_no_number_is_refused_with_advice(variables: Variables, name: str, sentence: str):
     with pytest.raises(BadVariable) as refused:
         variables.find(name)
     assert str(refused.value).startswith(sentence)
@@ -256,13 +259,13 @@ def test_what_is_no_number_is_refused_with_the_way_out(variables: Variables, nam
         ("signed", 2, 0x8000, 0x8000), ("signed", 2, 0x8000_0000, -0x8000_0000), ("signed", 2, 0xFFFF_FFFE, -2),
     ],
 )  # fmt: skip
-def test_bits_are_the_number_of_their_type(kind: str, words: int, bits: int, value: int):
+def test_bits_are_converted_to_a_number_of_the_type(kind: str, words: int, bits: int, value: int):
     variable = Variable("x", 0x9000, words, kind)
     assert variable.value_of(bits) == value
     assert kind == "float" or variable.bits_of(value) == bits
 
 
-def test_a_float_takes_any_number_of_its_range_and_other_variables_whole_ones():
+def test_a_float_accepts_any_number_in_its_range_and_other_variables_accept_integers():
     assert (
         Variable("x", 0x9000, 2, "float").bits_of(-2.0) == Variable("x", 0x9000, 2, "float").bits_of(-2) == 0xC000_0000
     )
@@ -273,7 +276,7 @@ def test_a_float_takes_any_number_of_its_range_and_other_variables_whole_ones():
         Variable("x", 0x9000, 1, "signed").bits_of(1.0)
 
 
-def test_symbols_with_brackets_and_dots_are_known_whole_and_those_of_code_not_at_all():
+def test_symbols_with_brackets_and_dots_are_found_and_symbols_of_code_are_not():
     symbols = (
         Symbol("a.b", 0x9001, ".ebss"), Symbol("a[1]", 0x9002, ".ebss"), Symbol("a", 0x9003, ".ebss"),
         Symbol("f", 0x9000, ".text"), Symbol("SIZE", 0x9004, ""),
@@ -290,8 +293,8 @@ def test_symbols_with_brackets_and_dots_are_known_whole_and_those_of_code_not_at
 @pytest.mark.parametrize(
     ("words", "value", "bits"), [(1, -0x8000, 0x8000), (1, 0xFFFF, 0xFFFF), (2, -(1 << 31), 1 << 31)]
 )
-def test_the_ends_of_what_a_variable_holds(words: int, value: int, bits: int):
-    """As signed and as unsigned numbers; one further does not fit."""
+def test_the_limits_of_a_variable(words: int, value: int, bits: int):
+    """The limits of signed and of unsigned numbers fit; one beyond them does not."""
     variable = Variable("x", 0x9000, words, "signed")
     assert variable.bits_of(value) == bits
     beyond = value - 1 if value < 0 else value + 1

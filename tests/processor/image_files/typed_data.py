@@ -1,4 +1,4 @@
-"""An image whose debug data declare variables with types, written byte by byte after DWARF 2, sections 7.5 and 7.6.
+"""An image whose debug data declare variables with types, written byte by byte as in DWARF 2, sections 7.5 and 7.6.
 
 struct { far long count; unsigned parts[3][2]; struct { int sign; float gain; } inner; unsigned low : 3; } state;
 unsigned words[5];    long long wide;    int *pointers[3];
@@ -42,7 +42,7 @@ SIGNED, UNSIGNED, FLOAT = 5, 7, 4
 
 
 class Entries:
-    """Debug entries one behind the other; each gives its place, by which others refer to it."""
+    """Consecutive debug entries; `add` returns the offset of an entry, by which others refer to it."""
 
     def __init__(self) -> None:
         self.data = bytes((UNIT,))
@@ -69,17 +69,17 @@ def to(place: int) -> bytes:
 
 
 def at(offset: int) -> bytes:
-    """DW_OP_plus_uconst."""
+    """Return a DW_OP_plus_uconst block."""
     return bytes((2, 0x23, offset))
 
 
 def address(of: int) -> bytes:
-    """DW_OP_addr."""
+    """Return a DW_OP_addr block."""
     return bytes((5, 0x03)) + struct.pack("<I", of)
 
 
 def typed_image() -> Image:
-    """state at 0x9040, words at 0x9060, wide at 0x9070, pointers at 0x90A0; plain, at 0x9080, has a symbol alone."""
+    """Return it: state is at 0x9040, words at 0x9060, wide at 0x9070, pointers at 0x90A0; plain is only a symbol."""
     entries = Entries()
     add = entries.add
     long_ = add(BASE, text("long"), b"\2", bytes((SIGNED,)))
@@ -118,8 +118,8 @@ def typed_image() -> Image:
     entries.end()
     body = struct.pack("<HIB", 2, 0, 4) + entries.data
     abbreviations = b"".join(
-        bytes((number, *uleb(tag), children, *(byte for pair in told for byte in pair), 0, 0))
-        for number, (tag, children, told) in ABBREVIATIONS.items()
+        bytes((number, *uleb(tag), children, *(byte for pair in attributes for byte in pair), 0, 0))
+        for number, (tag, children, attributes) in ABBREVIATIONS.items()
     )
     known = {
         "_state": 0x9040,

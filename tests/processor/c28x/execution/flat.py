@@ -1,4 +1,4 @@
-"""A C28x on memory that is nothing but memory: words go in; registers and memory after a program come out."""
+"""A C28x with plain memory and nothing else, to run a few instructions and examine registers and memory."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from periph_sim.processor.c28x.execution.engine import Engine
 
 
 class Flat(Engine):
-    """Memory that nobody wrote is 0."""
+    """A CPU whose memory reads as 0 where nothing was written."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -28,16 +28,16 @@ class Flat(Engine):
         self.stopped = True
 
     def put_xars(self, values: Mapping[int, int]) -> None:
-        """XARn by their numbers. A compiled CPU hands out copies of its register files."""
+        """Set XARn by number; a compiled CPU returns copies of its register files, so they are assigned as a whole."""
         self.xar = [values.get(n, before) for n, before in enumerate(self.xar)]
 
     def put_floats(self, values: Mapping[int, int]) -> None:
-        """RnH, as bits, by their numbers."""
+        """Set RnH, as bits, by number."""
         self.r = [values.get(n, before) for n, before in enumerate(self.r)]
 
 
 def loaded(source: str, at: int = 0x8000) -> Flat:
-    """Assembly, a line an instruction, at an address; PC is there."""
+    """Return a CPU with this assembly, one instruction per line, in memory at `at`, where its PC is."""
     cpu = Flat()
     cpu.pc = at
     for line in filter(None, (line.strip() for line in source.splitlines())):
@@ -49,7 +49,7 @@ def loaded(source: str, at: int = 0x8000) -> Flat:
 
 
 def ran(source: str, **registers: int) -> tuple[Flat, int]:
-    """The CPU when it comes to ESTOP0 behind the source, and the cycles up to there."""
+    """Run the source up to the ESTOP0 behind it; return the CPU and the cycles that it took."""
     cpu = loaded(f"{source}\nESTOP0")
     for name, value in registers.items():
         setattr(cpu, name, value)

@@ -1,9 +1,10 @@
-"""Random instructions of every form, from states that lead from one to the next: a count goes in; a digest comes out.
+"""Run random instructions of every form, and print a digest of the results.
 
-python -m tests.processor.c28x.execution.random_instructions COUNT [SEED] [FROM TO]
+    python -m tests.processor.c28x.execution.random_instructions COUNT [SEED] [FROM TO]
 
-The digest is of registers, what was written to memory, cycles or the refusal, after each pass of each instruction. A
-line for each BLOCK of them; with FROM and TO, all of it for these instructions, to see where two runs part.
+The digest covers registers, memory writes and cycles, or the refusal, after each pass of each instruction. One line is
+printed for each BLOCK instructions; with FROM and TO, the full results of these instructions are printed instead, to
+find the first difference between two runs.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ FORMS = [row for row in encodings() if not row.alias_of]
 
 
 class Scattered(Flat):
-    """Memory that nobody wrote has a word that its address tells."""
+    """A CPU whose memory, where nothing was written, reads as a word computed from the address."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -41,11 +42,11 @@ class Scattered(Flat):
         super().store16(address, value)
 
     def stop(self) -> None:
-        """It goes on."""
+        """Do nothing, so that execution continues."""
 
 
 def pair_of(row: Encoding, draw: random.Random) -> int:
-    """Two words that are an instruction of this form."""
+    """Return two random words that are an instruction of this form."""
     while True:
         pair = row.value | draw.getrandbits(32) & ~row.mask
         if decode(pair >> 16, pair & 0xFFFF) is row:
@@ -57,13 +58,13 @@ def number(draw: random.Random) -> int:
 
 
 def float_bits(draw: random.Random) -> int:
-    """One of the ends, one near 1, so that sums are rounded and have a fraction, or any."""
+    """Return a special value, one near 1 (so that sums are rounded and have a fraction) or any other, as bits."""
     near = draw.getrandbits(1) << 31 | draw.randrange(112, 142) << 23 | draw.getrandbits(23)
     return draw.choice((draw.choice(FLOATS), near, draw.getrandbits(32)))
 
 
 def stir(cpu: Scattered, draw: random.Random) -> None:
-    """Some registers anew, so that what one instruction made does not decide all that follow."""
+    """Set registers to random values, so that the result of one instruction does not determine all that follow."""
     cpu.acc, cpu.p, cpu.xt = number(draw), number(draw), number(draw)
     cpu.xar = [number(draw) for _ in range(8)]
     cpu.r = [float_bits(draw) for _ in range(8)]
@@ -74,7 +75,7 @@ def stir(cpu: Scattered, draw: random.Random) -> None:
 
 
 def passes(count: int, seed: int | str, forms: Sequence[Encoding] = FORMS) -> Iterator[str]:
-    """What is there after each pass of so many instructions, every form in turn."""
+    """Yield the state after each pass of `count` instructions; every form occurs in turn."""
     draw, cpu = random.Random(seed), Scattered()
     order: list[Encoding] = []
     for at in range(count):
@@ -107,7 +108,7 @@ def passes(count: int, seed: int | str, forms: Sequence[Encoding] = FORMS) -> It
 
 
 def digests(count: int, seed: int = 1) -> list[str]:
-    """The form that runs, then a digest of all up to each BLOCK instructions."""
+    """Return the name of the form that runs (compiled or interpreted), then one digest for each BLOCK instructions."""
     digest, lines, begun = blake2b(digest_size=12), [form.running], 0
     for line in passes(count, seed):
         at = int(line.split(" ", 1)[0])

@@ -1,10 +1,11 @@
-"""Every form whose op is a formula, from random states and from the ends of each range, against a second reading.
+"""Every form whose op is a formula gives the results of a second, independent implementation.
 
-The columns `op` and `flags` of encodings.toml are worked out on wide integers, without code of what executes:
+States are random or at the ends of each range. The columns `op` and `flags` of encodings.toml are evaluated with
+unbounded integers, without the product's functions that execute them:
 
     "ACC += x16(loc) << s"  +  "N Z C V OVC"  +  state before  ->  registers, operand and flags after
 
-A form whose op is prose is not read: `PROSE` names each.
+Forms whose op is prose cannot be evaluated; test_by_hand.py and test_by_table.py test them.
 """
 
 from __future__ import annotations
@@ -22,14 +23,19 @@ from periph_sim.processor.c28x.execution.operations import form_of, operation
 from tests.processor.c28x.execution.flat import Flat
 
 STATEMENT = re.compile(r"(ACC:P|ACC|AX|P|PH|PL|T|TL|XT|XAR\d|XARn|AR6|AR7|loc|DP|SP|PM|OVC) (=|\+=|-=|&=|\|=|\^=) (.+)")
-DIFFERENCE = re.compile(r"(ACC|AX) - (loc|u\(loc\))( - !C)?")  # the only ones that are no -=
+DIFFERENCE = re.compile(r"(ACC|AX) - (loc|u\(loc\))( - !C)?")  # subtractions that are not written as -=
 WIDTH = {"ACC": 32, "P": 32, "XT": 32, "loc": 0, "AX": 16, "T": 16, "PH": 16, "PL": 16, "TL": 16, "ACC:P": 64}
 WIDTH |= {"AR6": 16, "AR7": 16, "DP": 16, "SP": 16, "PM": 3, "OVC": 6, "XARn": 32} | {f"XAR{n}": 32 for n in range(8)}
-FLAGGED = ("ACC:P", "ACC", "AX", "loc", "P")  # whose value N and Z are of, if more than one thing is written
+FLAGGED = ("ACC:P", "ACC", "AX", "loc", "P")  # if several of them are written, N and Z describe the first of these
 
 
 class Before(NamedTuple):
-    """acc to sxm: registers. loc: the operand, of `bits` bits. values: of the form's fields."""
+    """The state before an instruction.
+
+    registers: ACC to SXM.
+    loc: the operand, of `bits` bits.
+    values: the fields of the form.
+    """
 
     registers: Mapping[str, int]
     loc: int
@@ -38,7 +44,7 @@ class Before(NamedTuple):
 
 
 class CannotRead(Exception):
-    """An op that is prose."""
+    """The op is prose."""
 
 
 def signed(value: int, bits: int) -> int:
@@ -47,7 +53,7 @@ def signed(value: int, bits: int) -> int:
 
 
 def names(before: Before) -> dict[str, object]:
-    """What an op may mention, as numbers and functions."""
+    """Return the numbers and functions that an op may use, by name."""
     r, values = before.registers, before.values
     p_shift = r["PM"]
     p = signed(r["P"], 32)
@@ -97,14 +103,14 @@ KNOWN = set(names(Before(ZEROS, 0, 16, {"n": 0})))
 
 
 class After(NamedTuple):
-    """written: what each named place holds; flags: those that the form writes."""
+    """The state after an instruction: the value of each written place, and of each flag that the form writes."""
 
     written: dict[str, int]
     flags: dict[str, int]
 
 
 def read(op: str, flags: str, before: Before) -> After:
-    """What a form does. CannotRead where its op is prose."""
+    """Evaluate a form. Raise CannotRead if its op is prose."""
     statements = [re.sub(r" \((carry|borrow)[^)]*\)", "", part.strip()) for part in op.split(";")]
     statements = [part for part in statements if not re.fullmatch(r"OVCU [+-]= (carry|borrow)", part)]
     parsed = [STATEMENT.fullmatch(part.partition(", ")[0]) for part in statements]
@@ -149,7 +155,7 @@ def evaluated(expression: str, state: dict[str, object]) -> int:
 def arithmetic(
     operands: tuple[int, int, int], adds: bool, width: int, flags: str, before: Before, into: dict[str, int]
 ) -> int:
-    """a + b + carry, or a - b - borrow, with its flags, on integers that are wide enough."""
+    """Return a + b + carry, or a - b - borrow, and set its flags, with unbounded integers."""
     names_of = flags.split()
     ones = (1 << width) - 1
     a, b, third = operands
@@ -232,13 +238,13 @@ def registers_of(cpu: Flat) -> dict[str, object]:
     }  # fmt: skip
 
 
-def test_how_many_forms_are_read_twice():
-    """The rest is prose in the table: their tests are by hand."""
+def test_count_of_forms_that_are_compared():
+    """All other forms are prose in the table; they are tested by hand."""
     assert len(READABLE) == 167
 
 
 @pytest.mark.parametrize("row", READABLE, ids=[row.id for row in READABLE])
-def test_both_readings_agree(row: Encoding):
+def test_both_implementations_agree(row: Encoding):
     draw = random.Random(row.id)
     for _ in range(RANDOM_STATES):
         cpu = state(draw)
@@ -257,19 +263,19 @@ def test_both_readings_agree(row: Encoding):
         cpu.pc = 0x8000
         cpu.begin(f)
         assert cpu.finish(f) == row.cycles
-        told = f"{f.encoding.id} {values} {before} loc={loc:#x}"
+        case = f"{f.encoding.id} {values} {before} loc={loc:#x}"
         after = registers_of(cpu)
         now = names(Before(after, cpu.load32(AT) if f.wide else cpu.load16(AT), 0, values))
         now["OVC"] = cpu.ovc & 0x3F
         for place, value in expected.written.items():
-            assert now[{"ACC:P": "ACCP"}.get(place, place)] == value, f"{place}: {told}"
+            assert now[{"ACC:P": "ACCP"}.get(place, place)] == value, f"{place}: {case}"
         for flag, value in expected.flags.items():
-            assert after[flag] == value, f"{flag}: {told}"
+            assert after[flag] == value, f"{flag}: {case}"
         written = {place.replace("AX", "ACC") for place in expected.written}
         written |= {{"T": "XT", "TL": "XT", "PH": "P", "PL": "P"}.get(place, place) for place in written}
         whole = {"XAR"} if any("AR" in place for place in written) else set()
         untouched = before.keys() - expected.flags.keys() - written - whole
-        assert {name: after[name] for name in untouched} == {name: before[name] for name in untouched}, told
+        assert {name: after[name] for name in untouched} == {name: before[name] for name in untouched}, case
 
 
 def test_every_form_has_a_function():

@@ -1,6 +1,7 @@
-"""Interpreted and compiled are equal after each of many random instructions of every form; a million in `make explore`.
+"""The compiled and the interpreted CPU are equal after each of many random instructions of every form.
 
-Skipped where tests run interpreted: those of the compiled form have compared both. A process for the interpreted one.
+`make explore` compares a million instructions. The test is skipped where the suite runs interpreted. The interpreted
+CPU runs in a process of its own.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ def other_form(count: int, seed: int) -> list[str]:
 @pytest.mark.long
 @pytest.mark.skipif(form.running != COMPILED, reason="compared by the tests of the compiled form: make core")
 def test_registers_memory_and_cycles_are_equal() -> None:
-    """In both forms, python -m tests.processor.c28x.execution.random_instructions COUNT SEED FROM TO shows where."""
+    """If it fails, `random_instructions COUNT SEED FROM TO`, run in both forms, shows where they differ."""
     count, seed = (1_000_000, 2) if explores() else (20_000, 1)
     assert count > 40 * len(FORMS)
     compiled, interpreted = digests(count, seed), other_form(count, seed)

@@ -1,4 +1,4 @@
-"""What the table says in prose: shifts, compares, branches, the stack, repeats, bytes, division; cycles."""
+"""Forms that the table describes in prose: shifts, compares, branches, the stack, repeats and division; and cycles."""
 
 from __future__ import annotations
 
@@ -22,7 +22,11 @@ def signed(value: int, bits: int) -> int:
 
 
 class Shift(NamedTuple):
-    """mask: of T, where the count is there. kind: L left, A arithmetic, R logical, S as SXM says."""
+    """A shift.
+
+    kind: L is left, A arithmetic right, R logical right, S right as SXM says.
+    mask: the bits of T that hold the count; 0 if the source states the count.
+    """
 
     source: str
     bits: int
@@ -83,7 +87,7 @@ CONDITIONS = {
     "LOS": lambda z, n, c, v, tc: not c or z, "NOV": lambda z, n, c, v, tc: not v, "OV": lambda z, n, c, v, tc: v,
     "NTC": lambda z, n, c, v, tc: not tc, "TC": lambda z, n, c, v, tc: tc, "UNC": lambda z, n, c, v, tc: True,
 }  # fmt: skip
-COST = {"SB": (7, 4), "B": (7, 4), "BF": (4, 4)}  # taken, not [SPRU430F]
+COST = {"SB": (7, 4), "B": (7, 4), "BF": (4, 4)}  # cycles if taken, if not taken [SPRU430F]
 
 
 @pytest.mark.parametrize("name", CONDITIONS)
@@ -113,7 +117,7 @@ def state_of(cpu: Flat) -> list[object]:
 
 
 @pytest.mark.parametrize("name", PAIRS)
-def test_what_is_pushed_is_popped(name: str):
+def test_pop_restores_what_push_stored(name: str):
     cpu = loaded(f"PUSH {name}\nPOP {name}")
     cpu.acc, cpu.p, cpu.xt, cpu.xar = 0x8765_4321, 0x1234_5678, 0x0BAD_CAFE, [0x1111_1111 * n + n for n in range(8)]
     cpu.dp, cpu.rpc, cpu.rb, cpu.dbgier, cpu.ifr = 0x1C5, 0x12_3456, 0x4123_4567, 3, 5
@@ -124,7 +128,7 @@ def test_what_is_pushed_is_popped(name: str):
     stored = [cpu.memory[0x400 + at] for at in range(pushed)]
     cpu.acc ^= 0x5555 if name == "@AL" else 0
     cpu.step()
-    if name in ("@AL", "ACC"):  # its flags come with it
+    if name in ("@AL", "ACC"):  # POP also sets N and Z
         assert (cpu.acc, cpu.n, cpu.z) == (0x8765_4321, int(name == "ACC"), 0)
         cpu.put_st0(0x5283)
     assert state_of(cpu) == before
@@ -134,7 +138,7 @@ def test_what_is_pushed_is_popped(name: str):
 def test_repeat_runs_once_more_than_its_count_and_costs_a_cycle_a_pass():
     cpu, cycles = ran("RPT #9\nNOP")
     assert cycles == 1 + 10
-    cpu, cycles = ran("RPT @AL\nADDB ACC,#1", acc=3)  # not repeatable: once
+    cpu, cycles = ran("RPT @AL\nADDB ACC,#1", acc=3)  # ADDB is not repeatable, so it runs once
     assert (cpu.acc, cycles) == (4, 4 + 1)
 
 
@@ -152,8 +156,8 @@ REPEATED = [row for row in encodings() if row.repeated and row.mnemonic not in (
 
 @pytest.mark.parametrize("row", REPEATED, ids=[row.id for row in REPEATED])
 @pytest.mark.parametrize("count", [0, 5])
-def test_a_repeated_instruction_takes_what_the_table_says_of_its_passes(row: Encoding, count: int):
-    """RPT #0 in front is one pass, which takes N + k with N = 0 [SPRU430F chapter 6, CYC; SPRUEO2A MACF32]."""
+def test_cycles_of_a_repeated_instruction_are_those_of_the_table(row: Encoding, count: int):
+    """RPT #0 executes the instruction once, in N + k cycles with N = 0 [SPRU430F chapter 6, CYC; SPRUEO2A MACF32]."""
     pair = row.pair({name: 0x84 if name == "l" else 1 for name in row.fields})
     words = (pair >> 16, pair & 0xFFFF)[: row.words]
     cpu, at = loaded(f"RPT #{count}"), 0x8001
@@ -167,7 +171,7 @@ def test_a_repeated_instruction_takes_what_the_table_says_of_its_passes(row: Enc
     assert took == count + row.repeated
 
 
-def test_repeated_program_reads_step_in_a_shadow_of_xar7():
+def test_repeated_program_reads_advance_a_copy_of_xar7():
     cpu = loaded("MOVL XAR7,#0x9000\nMOVL XAR6,#0xA000\nRPT #3\nPREAD *XAR6++,*XAR7\nESTOP0")
     cpu.memory |= {0x9000 + at: 10 + at for at in range(4)}
     cycles = 0
@@ -177,7 +181,7 @@ def test_repeated_program_reads_step_in_a_shadow_of_xar7():
     assert (cpu.xar[7], cpu.xar[6], cycles - 4) == (0x9000, 0xA004, 1 + 1 + 1 + 3 + 2)
 
 
-def test_a_block_is_repeated_and_costs_nothing_for_its_end():
+def test_a_repeated_block_has_no_cost_at_its_end():
     cpu, cycles = ran("RPTB 0x800A,#4\n" + "ADDB ACC,#1\n" * 8)
     assert (cpu.acc, cycles, cpu.rb >> 30) == (5 * 8, 1 + 5 * 8, 0)
 
@@ -210,6 +214,6 @@ def test_norm_shifts_redundant_sign_bits_out_and_counts_them():
         ("DMOV @AL", "also writes the next address"),
     ],
 )
-def test_what_the_chip_or_this_model_refuses(source: str, sentence: str):
+def test_illegal_or_unmodelled_instructions_are_refused(source: str, sentence: str):
     with pytest.raises(IllegalOperation, match=sentence):
         loaded(source).step()

@@ -1,8 +1,13 @@
-"""One line a case: an instruction, what stands in registers and memory before, and after [SPRU430F, SPRUEO2A].
+"""One case per line: an instruction, registers and memory before, registers and memory after [SPRU430F, SPRUEO2A].
 
-XAR4 is 0x9000 and XAR7 0xA000 unless a line says otherwise; w, w1, d are the word, the next one and the 32 bits at
-0x9000, prog those at 0xA000; s0 and s1 the words at 0x400, where SP is; m9005 the word at 0x9005. f0 to f7: floats in
-R0H to R7H. took: cycles.
+XAR4 is 0x9000 and XAR7 is 0xA000 unless the line sets them. Names in a line:
+
+- w, w1, d: the word at 0x9000, the next one, and the 32 bits at 0x9000; d2: the 32 bits at 0x9002
+- prog: the 32 bits at 0xA000
+- s0, s1: the words at 0x400, where SP points, and 0x401
+- m9005: the word at 0x9005, and so on; far: the word at 0x3FA000
+- f0 to f7: R0H to R7H as floats; r0 to r7: as bits; x0 to x7: XAR0 to XAR7
+- took: cycles
 """
 
 from __future__ import annotations
@@ -303,7 +308,7 @@ ADDRESS = re.compile(r"m([0-9A-F]+)")
 
 
 def given(text: str) -> dict[str, int]:
-    """Names and values; a float is its bits."""
+    """Parse names and values; a float is returned as its bits."""
     pairs = (pair.split("=") for pair in text.split())
     return {
         name: struct.unpack("<I", struct.pack("<f", float(value)))[0] if name in FLOATS else int(value, 0)

@@ -1,7 +1,9 @@
-"""The column `depends` of the table against what executes: what it leaves out decides nothing, what it names does.
+"""The column `depends` of the table agrees with what is executed.
 
-state before --SXM = 0--> executed --> after   equal but for SXM, which is as it was: not decided by SXM
-             --SXM = 1--> executed --> after
+    state before --SXM = 0--> executed --> after   equal but for SXM itself, which is kept: SXM has no effect
+                 --SXM = 1--> executed --> after
+
+Status bits that the column omits have no effect on the instruction, and those that it names have one.
 """
 
 from __future__ import annotations
@@ -14,17 +16,17 @@ from periph_sim.processor.c28x.encodings import Encoding
 from periph_sim.processor.c28x.execution.registers import IllegalOperation
 from tests.processor.c28x.execution.random_instructions import AT, FORMS, Scattered, stir
 
-TRIES = 12  # for what must change nothing
-MOST_TRIES = 3000  # until what is named changes something
-DIRECT = 0x05  # an operand whose address ARP and SP do not decide
+TRIES = 12  # for bits that must have no effect
+MOST_TRIES = 3000  # to find an effect of a named bit
+DIRECT = 0x05  # an operand whose address does not depend on ARP and SP
 REGISTERS = {"SXM": "sxm", "OVM": "ovm", "TC": "tc", "C": "c", "Z": "z", "N": "n", "V": "v"}
 REGISTERS |= {"ARP": "arp", "PM": "pm", "OVC": "ovc"}
 ST1_BITS = {"SPA": 4}
 STF_BITS = {"ZF": 3, "NF": 2, "TF": 6, "LUF": 1, "LVF": 0, "RND32": 9}
 STATUS = {*REGISTERS, *ST1_BITS, *STF_BITS}
-VALUES = {"ARP": (1, 2), "PM": (0, 4), "OVC": (-3, 5)}  # two of each; of the others 0 and 1
+VALUES = {"ARP": (1, 2), "PM": (0, 4), "OVC": (-3, 5)}  # two values of each; all other bits take 0 and 1
 CONDITIONS = {"COND": {"N", "Z", "C", "V", "TC"}, "CNDF": {"ZF", "NF", "TF", "LUF", "LVF"}}
-WHOLE = ("ST0", "ST1", "STF", "regs")  # status registers that are stored or loaded
+WHOLE = ("ST0", "ST1", "STF", "regs")  # status registers that are stored or loaded as a whole
 
 State = Mapping[str, int]
 
@@ -47,7 +49,7 @@ def status(cpu: Scattered) -> State:
 
 
 def executed(pair: int, seed: int, given: State) -> tuple[object, State, State] | None:
-    """What one instruction leaves, and status before and behind it; None if it is refused."""
+    """Execute one instruction; return its results and the status before and after it, or None if it is refused."""
     draw, cpu = random.Random(seed), Scattered()
     stir(cpu, draw)
     cpu.arp, cpu.sp = draw.randrange(8), draw.randrange(0x400, 0x7F00)
@@ -67,7 +69,7 @@ def executed(pair: int, seed: int, given: State) -> tuple[object, State, State] 
 
 
 def decide(row: Encoding, names: Collection[str], draw: random.Random) -> bool:
-    """True if these status bits, one value of each or the other, make a difference from a random state."""
+    """True if these status bits, set to one value or the other, make a difference from a random state."""
     pair = 0
     while decode(pair >> 16, pair & 0xFFFF) is not row:
         pair = row.value | draw.getrandbits(32) & ~row.mask
@@ -78,7 +80,7 @@ def decide(row: Encoding, names: Collection[str], draw: random.Random) -> bool:
     one, other = (executed(pair, seed, {name: VALUES.get(name, (0, 1))[at] for name in names}) for at in (0, 1))
     if one is None or other is None:
         return one is not other
-    alike = (  # equal, or as much more than before
+    alike = (  # equal, or changed by the same amount
         one[2][name] == other[2][name] or one[2][name] - one[1][name] == other[2][name] - other[1][name]
         for name in STATUS
     )
@@ -86,7 +88,7 @@ def decide(row: Encoding, names: Collection[str], draw: random.Random) -> bool:
 
 
 def named(row: Encoding) -> set[str]:
-    """Status that the row says it reads."""
+    """Return the status that the row says it reads."""
     words = [*row.depends.split(), *(place.partition("@")[0] for place in row.reads)]
     return set().union(*(CONDITIONS.get(word, {word}) for word in words)) & STATUS
 
@@ -94,13 +96,13 @@ def named(row: Encoding) -> set[str]:
 PLAIN = [row for row in FORMS if not {place.partition("@")[0] for place in (*row.reads, *row.writes)} & {*WHOLE}]
 
 
-def test_what_is_not_named_decides_nothing():
+def test_status_that_is_not_named_has_no_effect():
     draw = random.Random(1)
     others = {row.id: sorted(STATUS - named(row)) for row in PLAIN}
     assert [row.id for row in PLAIN if any(decide(row, others[row.id], draw) for _ in range(TRIES))] == []
 
 
-def test_what_is_named_decides():
+def test_status_that_is_named_has_an_effect():
     draw = random.Random(2)
     pairs = [(row, name) for row in PLAIN for name in sorted(named(row))]
     idle = [(row.id, name) for row, name in pairs if not any(decide(row, [name], draw) for _ in range(MOST_TRIES))]

@@ -26,14 +26,14 @@ def bits_of(value: object) -> int:
 
 
 def flushed(bits: int) -> int:
-    """Denormal results are 0 here."""
+    """Return 0 for a denormal result, as the FPU does."""
     return bits if bits >> 23 & 0xFF else 0
 
 
 @pytest.mark.parametrize(("source", "operation"), [
     ("ADDF32 R0H,R1H,R2H", np.add), ("SUBF32 R0H,R1H,R2H", np.subtract), ("MPYF32 R0H,R1H,R2H", np.multiply),
 ])  # fmt: skip
-def test_nearest_even_as_ieee(source: str, operation: np.ufunc):
+def test_rounding_to_nearest_even_as_in_numpy(source: str, operation: np.ufunc):
     cpu = loaded(source)
     cpu.stf = 1 << 9
     for a in BITS:

@@ -1,10 +1,10 @@
-"""Each form of instruction does in random states what it did when its digest was recorded.
+"""In random states each form of instruction behaves as it did when its digest was recorded.
 
     form --> TIMES random instructions --> text, flow, hazards; registers, memory, cycles --> digest <--> known_results
 
-No oracle: other tests of this folder judge the results, and this one notices any change of them, even in a corner that
-none of those reaches. After an intended change `python -m tests.processor.c28x.execution.test_known_results` writes the
-file anew, and the commit says why the forms whose lines it changes behave otherwise.
+This is no independent check: other tests of this folder judge the results. This one notices any change of them, even in
+cases that no other test reaches. After an intended change, `python -m
+tests.processor.c28x.execution.test_known_results` writes the file anew, and the commit explains the forms that changed.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ TIMES = 40
 
 
 def static(row: Encoding, pair: int) -> str:
-    """Properties of an instruction that need no execution."""
+    """Return properties of an instruction that need no execution, as text."""
     one = Instruction(AT, pair, row)
     f = operation(one)
     needs, makes = hazards(row, f.l, f.n, f.m)
@@ -41,7 +41,7 @@ def digest(lines: Iterator[str]) -> str:
 
 
 def known() -> dict[str, str]:
-    """Two digests of each form: of what it is, and of what it does."""
+    """Return two digests of each form: of its static properties, and of its execution."""
     found = {}
     for row in FORMS:
         lines = [*passes(TIMES, row.id, [row])]
@@ -50,7 +50,7 @@ def known() -> dict[str, str]:
     return found
 
 
-def test_each_form_is_and_does_what_it_did():
+def test_each_form_has_its_recorded_digests():
     before = dict(line.split(" ", 1) for line in KNOWN.read_text(encoding="utf-8").splitlines())
     now = known()
     assert {name: (before.get(name), found) for name, found in now.items() if found != before.get(name)} == {}

@@ -7,5 +7,5 @@ import pytest
 
 @pytest.fixture
 def log(tmp_path: Path) -> Path:
-    """Where a session writes its log."""
+    """Return the path at which a session writes its log."""
     return tmp_path / "live.jsonl"

@@ -1,4 +1,4 @@
-"""Small sessions for tests: shipped firmware and a few lines of case, with nobody on the wires but the outside."""
+"""Small sessions for tests: shipped firmware in a case of few lines, whose only other party is outside."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ BUS = ("SDA", "SCL")
 
 
 def case(firmware: str = "responder", modules: Sequence[str] = ("I2C-A",), dsp: Any = None, **more: Any) -> Case:
-    """A case with shipped firmware. dsp: further keys of its unit."""
+    """Return a case with shipped firmware; `dsp` has further keys of its unit."""
     unit = {"firmware": str(FIRMWARE / f"{firmware}.py"), "modules": list(modules), **(dsp or {})}
     return make_case(name="mine", duration="1 s", **({"unit": {"dsp": unit}} | more))
 
 
 def begun(of: Case | Path, lines: Sequence[str] | None = BUS, **more: Any) -> Session:
-    """A session at 1 ms, where the start-up of shipped firmware is done."""
+    """Return a session at 1 ms, when the start-up of shipped firmware is over."""
     session = Session(of, lines, **more)
     session.advance(session.ticks("1 ms"))
     return session
@@ -48,7 +48,7 @@ def fails(code: int, call: Callable[..., object], *arguments: Any, match: str | 
 
 
 class Records:
-    """All records of a session. events: how many it took, where a test counts them."""
+    """All records of a session; a test may count events in `events`."""
 
     def __init__(self) -> None:
         self.kept: list[Record] = []
@@ -59,6 +59,6 @@ class Records:
 
 
 def bus(**more: Any) -> tuple[Session, Records]:
-    """A session of the responder (address 0x50, bytes 1, 2, 3 ...) on SDA and SCL, its start-up done."""
+    """Return a session of the responder (address 0x50, bytes 1, 2, 3 ...) on SDA and SCL after its start-up."""
     records = Records()
     return begun(case(), subscribe=records.subscribe, **more), records

@@ -1,4 +1,4 @@
-"""The emulator whose three addresses answer in any order, by pins and as three units: what a bus may do to a slave."""
+"""The emulator with three addresses read in any order, on GPIO pins and as three units, and robust to bus events."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from tests.scene.runs import TIMING
 
 GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
 DATA_AT = {GYROSCOPE: 0x1D, ACCELEROMETER: 0x32, MAGNETOMETER: 0x03}
-FRAMES = 300 if explores() else 4  # that come during reads
+FRAMES = 300 if explores() else 4  # frames that come during reads
 FORMS = {"pins": "imu_any_order", "units": "any_order_units"}
 
 
 def emulator(form: str) -> tuple[Session, SerialLine]:
-    """A shipped case without its head and host, which are outside; its models are done."""
+    """Return a session of a shipped case without head and host, after its models have run, and its serial line."""
     shipped = load(TIMING / f"{FORMS[form]}.toml")
     alone = shipped.model_copy(update={"host": None, "controller": None, "budget": ()})
     session = begun(alone, (*BUS, "RX"))
@@ -32,12 +32,12 @@ def emulator(form: str) -> tuple[Session, SerialLine]:
 
 
 def pins(**settings: object) -> Session:
-    """The emulator on two pins, nobody on its serial line."""
+    """Return the emulator on two GPIO pins; nothing is connected to its serial line."""
     return alone({"dsp": unit(["GPIO", "XINT"], **settings) | {"pins": {"SDA": 32, "SCL": 33}}})
 
 
 def units() -> Session:
-    """The same as three units."""
+    """Return the same chips as three units."""
     return alone({f"chip{chip}": unit(["I2C-A"], bus="module", addresses=[chip]) for chip in DATA_AT})
 
 
@@ -53,7 +53,7 @@ def unit(modules: list[str], **settings: object) -> dict[str, Any]:
 
 
 def chips_of(frame: tuple[int, int, int, int, int, int]) -> dict[int, bytes]:
-    """What the chips show of a frame: angles, accelerations, angles with z before y."""
+    """Return what the chips show after a frame: angles, accelerations, and angles with z before y."""
     roll, pitch, yaw, x, y, z = frame
     return {
         GYROSCOPE: pack(">3h", roll, pitch, yaw),
@@ -74,7 +74,7 @@ def test_chips_are_read_in_any_order(form: str) -> None:
             assert session.i2c.transfer(chip, bytes([DATA_AT[chip]]), 6) == shown[chip]
 
 
-def test_a_frame_with_a_broken_character_is_left_out() -> None:
+def test_a_frame_with_a_damaged_character_is_ignored() -> None:
     session, line = emulator("pins")
     frames = [(1, 2, 3, 4, 5, 6), (7, 8, 9, 10, 11, 12), (13, 14, 15, 16, 17, 18)]
     seen = []
@@ -88,8 +88,8 @@ def test_a_frame_with_a_broken_character_is_left_out() -> None:
     assert seen == [chips_of(frames[kept])[GYROSCOPE] for kept in (0, 0, 2)]
 
 
-def test_the_models_run_once_more_when_every_chip_was_read() -> None:
-    """So that noise stays alive where no frame comes."""
+def test_the_models_run_again_when_every_chip_was_read() -> None:
+    """This keeps the noise changing when no frame comes."""
     records = Records()
     those = {"dsp": unit(["GPIO", "XINT"], model_cost="50 us") | {"pins": {"SDA": 32, "SCL": 33}}}
     session = begun(case(unit=those), subscribe=records.subscribe)
@@ -103,12 +103,12 @@ def test_the_models_run_once_more_when_every_chip_was_read() -> None:
         assert session.i2c.transfer(chip, bytes([DATA_AT[chip]]), 6) is not None
         ran.append(runs())
     for chip in (ACCELEROMETER, MAGNETOMETER):
-        assert session.i2c.transfer(chip, b"\x3e\x01") == b""  # a write is no read
+        assert session.i2c.transfer(chip, b"\x3e\x01") == b""  # a write does not count as a read
     assert [*ran, runs()] == [1, 1, 1, 2, 2, 2, 3, 3, 3]
 
 
 @pytest.mark.parametrize("before", ["nothing", "a write"])
-def test_a_start_is_seen_though_scl_falls_before_it_is_read(before: str) -> None:
+def test_a_start_is_detected_although_scl_falls_before_it_is_sampled(before: str) -> None:
     """Both lines fall within 100 ns; the address follows at 100 kHz."""
     session = pins()
     master = session.i2c
@@ -132,8 +132,8 @@ def test_a_start_is_seen_though_scl_falls_before_it_is_read(before: str) -> None
 
 
 @pytest.mark.parametrize("rate", ["100 kHz", "400 kHz"])
-def test_a_frame_that_comes_during_a_read_does_not_tear_it(rate: str) -> None:
-    """Frames follow each other without a pause, so that a service routine falls into every read."""
+def test_a_frame_during_a_read_does_not_mix_old_and_new_data(rate: str) -> None:
+    """Frames follow each other without a pause, so that a service routine interrupts every read."""
     session, line = emulator("pins")
     session.i2c.rate = rate
     frames = [tuple(range(n, n + 6)) for n in range(0x100, 0x100 + FRAMES)]
@@ -145,14 +145,14 @@ def test_a_frame_that_comes_during_a_read_does_not_tear_it(rate: str) -> None:
             got = session.i2c.transfer(chip, bytes([at]), 6)
             assert got is not None
             seen = possible[chip].index(got)
-            assert seen >= last[chip], "of an older frame than before"
+            assert seen >= last[chip], "the data are of an older frame than before"
             last[chip] = seen
     assert seen == len(frames)
 
 
 @pytest.mark.parametrize("form", ALONE)
-def test_nobody_takes_what_is_not_for_the_three(form: str) -> None:
-    """A module acknowledges the general call by itself (I2CSTR.AD0); pins leave it alone."""
+def test_other_addresses_are_not_acknowledged(form: str) -> None:
+    """A module acknowledges the general call by itself (I2CSTR.AD0); the emulator on pins does not."""
     master = ALONE[form]().i2c
     for address in (0x52, 0x69, 0x7F):
         assert master.transfer(address, b"\x06") is None
@@ -164,7 +164,7 @@ def test_nobody_takes_what_is_not_for_the_three(form: str) -> None:
 
 
 @pytest.mark.parametrize("form", ALONE)
-def test_registers_are_written_and_read_behind_a_pointer(form: str) -> None:
+def test_registers_are_written_and_read_after_a_pointer(form: str) -> None:
     """S 53W 2C 0A 08 P   S 53W 2C Sr 53R 0A 08 00 P   S 53R 00 P   S 1EW 0A P   S 1ER 48 34 33 P"""
     master = ALONE[form]().i2c
     assert master.transfer(ACCELEROMETER, b"\x2c\x0a\x08") == b""
@@ -178,10 +178,10 @@ def test_registers_are_written_and_read_behind_a_pointer(form: str) -> None:
 @pytest.mark.parametrize("number", [1, 7])
 @pytest.mark.parametrize("ends", ["STOP", "repeated START"])
 @pytest.mark.parametrize("form", ALONE)
-def test_a_byte_that_breaks_off_is_none(form: str, ends: str, number: int) -> None:
-    """In an address, in a written byte and in one that is read; the next transfer is as if it had not been.
+def test_an_incomplete_byte_is_ignored(form: str, ends: str, number: int) -> None:
+    """A transfer ends within an address, a written byte or a read byte; the next transfer is unaffected.
 
-    But that a module asks for the next byte as soon as one is on its way, so the pointer has moved.
+    Only the pointer of a module has advanced, which requests the next byte as soon as one is being sent.
     """
     master = ALONE[form]().i2c
 
@@ -194,7 +194,7 @@ def test_a_byte_that_breaks_off_is_none(form: str, ends: str, number: int) -> No
         assert master.read(ack=False) == 0xE5
         master.stop()
 
-    master.start(0x50)  # nobody: the rest is as in the middle of anything
+    master.start(0x50)  # no target has this address; all that follows is part of no transfer for the three
     master.start(ACCELEROMETER)
     master.write(0x00)
     master.bits(*[0, 1, 1, 0, 1, 0, 1][:number])
@@ -202,13 +202,13 @@ def test_a_byte_that_breaks_off_is_none(form: str, ends: str, number: int) -> No
     master.start(ACCELEROMETER)
     master.write(0x00)
     master.start(ACCELEROMETER, read=True)
-    assert master.bits(1, 1) == [1, 1]  # of 0xE5: behind the third one a 0 is out
+    assert master.bits(1, 1) == [1, 1]  # of 0xE5; the third bit is 1 too, and then a 0 is driven
     broken_off()
 
 
 @pytest.mark.parametrize("form", ALONE)
-def test_clocks_free_the_bus_where_a_read_was_given_up_at_a_0(form: str) -> None:
-    """UM10204 section 3.1.16: SDA let go by the master, which was reset, and up to nine clocks."""
+def test_clocks_free_the_bus_after_a_read_was_abandoned_at_a_0(form: str) -> None:
+    """UM10204 section 3.1.16: the master was reset and released SDA; up to nine clocks free the bus."""
     session = ALONE[form]()
     master = session.i2c
     assert master.start(ACCELEROMETER, read=True)
@@ -220,8 +220,8 @@ def test_clocks_free_the_bus_where_a_read_was_given_up_at_a_0(form: str) -> None
     assert master.transfer(ACCELEROMETER, b"\x00", 1) == b"\xe5"
 
 
-def test_what_others_say_to_each_other_is_left_alone() -> None:
-    """A slave by its module is on the bus, too; its data look like our addresses."""
+def test_transfers_of_others_are_ignored() -> None:
+    """A slave with an I2C module is on the bus too; its data look like addresses of the emulator."""
     other = {"firmware": case("register_slave").unit["dsp"].firmware, "modules": ["I2C-A"]}
     session = alone({"dsp": unit(["GPIO", "XINT"]) | {"pins": {"SDA": 32, "SCL": 33}}, "other": other})
     data = bytes([GYROSCOPE << 1, ACCELEROMETER << 1 | 1, 0x00, 0xFF])
@@ -232,7 +232,7 @@ def test_what_others_say_to_each_other_is_left_alone() -> None:
 
 
 def test_scl_is_held_while_a_slow_target_works() -> None:
-    """6 us a byte, at 400 kHz: an address, a written byte and one that is read are each longer by about that."""
+    """Code takes 6 us per byte at 400 kHz: an address, a written byte and a read byte are each longer by about that."""
     session = pins(costs={"byte": 900})
     session.i2c.rate = "400 kHz"
     began = session.now
@@ -241,8 +241,8 @@ def test_scl_is_held_while_a_slow_target_works() -> None:
     assert session.i2c.transfer(ACCELEROMETER, b"\x20", 2) == b"\x5a\x00"
 
 
-def test_a_unit_without_the_module_answers_as_fast_mode_asks() -> None:
-    """At 400 kHz, code costs on: SCL is held at a byte's end for less than a bit."""
+def test_the_emulator_on_pins_holds_scl_for_less_than_a_bit_at_400_khz() -> None:
+    """With code costs at 400 kHz, SCL is held at the end of a byte for less than a bit."""
     session = pins()
     session.i2c.rate = "400 kHz"
     began = session.now
@@ -259,5 +259,5 @@ def test_a_unit_without_the_module_answers_as_fast_mode_asks() -> None:
         ({"models_run": "round"}, "a round is undefined if any order is possible; leave models_run out"),
     ],
 )
-def test_settings_that_cannot_be_are_refused(settings: dict[str, object], message: str) -> None:
+def test_impossible_settings_are_refused(settings: dict[str, object], message: str) -> None:
     refuses(message, pins, **settings, error=BadCase)

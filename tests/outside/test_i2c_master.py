@@ -1,4 +1,4 @@
-"""A controller at a session's bus, call by call: what it asks, what is answered, and who else is on the wires."""
+"""A session's I2C controller, call by call: its edges, the answers, and other parties on the bus."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.outside.sessions import BUS, Records, begun, bus, case, refuses
 from tests.scene.runs import TIMING
 
 
-def test_call_by_call_as_drivers_do() -> None:
+def test_a_transfer_call_by_call_as_in_drivers() -> None:
     """S 50W A 00 A  Sr 50R A c1 A c2 N P"""
     session, _ = bus()
     master = session.i2c
@@ -29,7 +29,7 @@ def test_call_by_call_as_drivers_do() -> None:
     assert session.level("SCL") == session.level("SDA") == 1
 
 
-def test_a_transfer_and_who_does_not_answer() -> None:
+def test_transfers_with_and_without_an_answer() -> None:
     session, _ = bus()
     assert session.i2c.transfer(0x50, b"\x00", 5) == bytes([1, 2, 3, 4, 5])
     assert session.i2c.transfer(0x33, b"\x00", 5) is None
@@ -39,7 +39,7 @@ def test_a_transfer_and_who_does_not_answer() -> None:
 
 
 def edges_of(bits: str, half: int, hold: int) -> tuple[list[tuple[int, str, int]], int]:
-    """The edges of "S 0110 Sr 1 P", and when it is over; ticks from the START."""
+    """Return the edges of "S 0110 Sr 1 P" and the time of its end, in ticks from the START."""
     edges, at, sda = [], 0, 1
 
     def move(tick: int, line: str, level: int) -> None:
@@ -66,8 +66,8 @@ def edges_of(bits: str, half: int, hold: int) -> tuple[list[tuple[int, str, int]
 @pytest.mark.parametrize(
     ("rate", "half", "hold"), [("100 kHz", 15_000, 900), ("1 MHz", 1500, 750), ("5 MHz", 300, 150)]
 )
-def test_every_edge_is_where_the_rate_puts_it(rate: str, half: int, hold: int) -> None:
-    """Half a period low, half high, SDA 300 ns behind SCL's fall or in the middle of its low time. Nobody answers."""
+def test_every_edge_is_at_the_time_given_by_the_rate(rate: str, half: int, hold: int) -> None:
+    """Half a period low, half high; SDA 300 ns after SCL's fall or in the middle of its low time; no target answers."""
     session, records = bus()
     master, begin = session.i2c, session.now
     assert session.ticks_per_second == 3_000_000_000
@@ -84,7 +84,7 @@ def test_every_edge_is_where_the_rate_puts_it(rate: str, half: int, hold: int) -
 
 
 def test_a_late_call_moves_sda_before_scl() -> None:
-    """S 33W N, a pause, P: SDA falls as `stop` is called, SCL rises a tick later, and half a period behind SDA does."""
+    """S 33W N, a pause, P: SDA falls when `stop` is called, SCL rises a tick later, SDA half a period after that."""
     session, records = bus()
     session.i2c.start(0x33)
     late = session.now + session.ticks("1 ms")
@@ -96,7 +96,7 @@ def test_a_late_call_moves_sda_before_scl() -> None:
     assert made == [(0, "SDA", 0), (1, "SCL", 1), (15_001, "SDA", 1)]
 
 
-def test_a_stretched_clock_is_high_for_half_a_period_all_the_same() -> None:
+def test_a_stretched_clock_is_still_high_for_half_a_period() -> None:
     """
     us    5    10   15   20   25 27                60   65
     SCL   |____|----|____|----|__ held by a target |----|____
@@ -111,7 +111,7 @@ def test_a_stretched_clock_is_high_for_half_a_period_all_the_same() -> None:
 
 
 @pytest.mark.parametrize("rate", ["0 Hz", "fast", "-1 Hz", "10 GHz"])
-def test_a_rate_that_is_none_is_refused(rate: str) -> None:
+def test_an_invalid_rate_is_refused(rate: str) -> None:
     with pytest.raises(OutsideError, match=f"rate '{rate}': expected a frequency above 0 and up to 5 MHz"):
         bus()[0].i2c.rate = rate
 
@@ -135,13 +135,13 @@ def test_calls_in_the_wrong_order_are_refused() -> None:
         (("0x50",), "address '0x50': expected 0 to 0x7f"),
     ],
 )
-def test_a_transfer_that_is_none_leaves_the_bus_alone(asked: tuple[Any, ...], sentence: str) -> None:
+def test_an_invalid_transfer_is_refused_without_bus_traffic(asked: tuple[Any, ...], sentence: str) -> None:
     session, _ = bus()
     refuses(sentence, session.i2c.transfer, *asked)
     assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
 
 
-def test_a_line_that_others_hold_is_told_with_their_names() -> None:
+def test_a_line_held_by_others_is_reported_with_their_names() -> None:
     held = {"kind": "hold", "wire": "SCL", "at": "2 ms", "length": "100 ms"}
     session = Session(case(fault=[held]), BUS)
     session.advance(session.ticks("2 ms") + 10)
@@ -151,16 +151,16 @@ def test_a_line_that_others_hold_is_told_with_their_names() -> None:
     assert session.i2c.transfer(0x50, b"\x00", 1) == b"\x01"
 
 
-def test_wires_that_do_not_lead_outside_have_no_controller() -> None:
+def test_a_session_without_both_wires_has_no_controller() -> None:
     with pytest.raises(OutsideError, match="SCL of case mine does not lead outside; name both"):
         _ = Session(case(), ("SDA",)).i2c
 
 
-def test_single_bits_break_off_in_a_byte_and_a_clear_frees_the_bus() -> None:
+def test_single_bits_can_end_within_a_byte_and_clear_frees_the_bus() -> None:
     session, _ = bus()
     master = session.i2c
     assert master.start(0x50, read=True)
-    assert master.bits(1, 1, 1) == [0, 0, 0]  # of 0x01
+    assert master.bits(1, 1, 1) == [0, 0, 0]  # bits of 0x01
     assert session.pulls("SDA")
     assert master.clear() and not session.pulls("SDA")
     assert master.transfer(0x50, count=1) is not None
@@ -169,7 +169,7 @@ def test_single_bits_break_off_in_a_byte_and_a_clear_frees_the_bus() -> None:
     refuses(r"bits: found \(1, 2\), expected 0, pulled low, or 1, let go", master.bits, 1, 2)
     assert (master.reads, master.writes) == (False, True)
     stranger = session.scene.wire("SDA").attach("stranger")
-    stranger.drive(0)  # only one of the lines is high after it
+    stranger.drive(0)  # afterwards only one of the lines is high
     assert not master.clear() and session.level("SCL") == 1
     stranger.drive(1)
     session.scene.wire("SCL").attach("stranger").drive(0)
@@ -177,7 +177,7 @@ def test_single_bits_break_off_in_a_byte_and_a_clear_frees_the_bus() -> None:
 
 
 def beside_another_controller() -> Session:
-    """A session whose time is that of another unit's START, to 0x68."""
+    """Return a session at the time of a START to 0x68 by another unit."""
     heads = load(TIMING / "two_dsps.toml").model_copy(update={"budget": ()})
     found = Session(heads, BUS)
     pulled = found.advance(found.ticks("21 ms"))
@@ -187,7 +187,7 @@ def beside_another_controller() -> Session:
     return session
 
 
-def test_arbitration_that_is_lost_lets_go_of_the_bus() -> None:
+def test_lost_arbitration_releases_the_bus() -> None:
     session = beside_another_controller()
     refuses(
         "another controller has won the bus; begin again when it is free",

@@ -1,4 +1,4 @@
-"""Where the log of a session goes: no input is replaced, and a session that is refused leaves the last one's log."""
+"""The log of a session: it replaces no input, and a session that is refused keeps the previous log."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def test_a_log_never_replaces_the_case(tmp_path: Path) -> None:
     assert case.read_text() == before
 
 
-def test_a_log_never_replaces_what_the_case_names_or_its_firmware_may_import(tmp_path: Path) -> None:
+def test_a_log_never_replaces_a_file_of_the_case_or_a_module_of_its_firmware(tmp_path: Path) -> None:
     case = written(tmp_path)
     drivers, earlier = tmp_path / "drivers.py", tmp_path / "earlier.jsonl"
     text = case.read_text().replace("[unit.dsp]", '[outside]\nwires = ["RX"]\nlog = "earlier.jsonl"\n[unit.dsp]')
@@ -39,7 +39,7 @@ def test_a_log_never_replaces_what_the_case_names_or_its_firmware_may_import(tmp
         assert log.read_text() == before
 
 
-def test_a_session_that_is_refused_before_time_passes_leaves_the_log_of_the_last_one(tmp_path: Path) -> None:
+def test_a_session_refused_before_time_advances_keeps_the_previous_log(tmp_path: Path) -> None:
     log, taken = tmp_path / "live.jsonl", tmp_path / "taken"
     before = "the last session\n" * 10
     log.write_text(before)
@@ -60,7 +60,7 @@ def test_a_session_that_is_refused_before_time_passes_leaves_the_log_of_the_last
         assert log.read_text().startswith('{"format": "periph-sim outside"') and log.read_text().count("\n") == 2
 
 
-def test_the_head_of_a_log_names_the_case_its_changes_and_the_wires(tmp_path: Path) -> None:
+def test_the_head_of_a_log_contains_the_case_its_changes_and_the_wires(tmp_path: Path) -> None:
     log = tmp_path / "logs" / "live.jsonl"
     log.parent.mkdir()
     with Session(case_for_line(written(tmp_path), "scia", ("duration=2 s",)), log=log) as session:

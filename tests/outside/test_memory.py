@@ -1,6 +1,6 @@
-"""The memory of a run does not grow with its length: held objects are counted at two times of it.
+"""The memory of a run does not grow with its length: objects are counted at two times.
 
-Live traffic at full speed is run longer by `make explore`: for a day.
+`make explore` runs live traffic at full speed for a simulated day.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from tests.profiles import explores
 from tests.reachable import held
 from tests.scene.runs import TIMING
 
-APART = 3  # seconds: 150 rounds, in which all that is kept of each is seen
-BOUNDED = (Tally, MotionFrames)  # of which tests of their own tell that
-RISE_AND_FALL = 150  # objects: of caches of fixed length
+APART = 3  # seconds: 150 rounds, enough to reveal anything that is kept for each round
+BOUNDED = (Tally, MotionFrames)  # other tests show that these do not grow
+RISE_AND_FALL = 150  # objects of caches with a fixed size
 
 
 @pytest.mark.parametrize("name", ["imu_hil", "imu_hil_published"])
 def test_a_scene_with_its_budgets_holds_no_more_after_more_rounds(name: str):
-    """But for the history of frames, which grows by 28 bytes a frame, as it says."""
+    """Only the history of frames grows, by 28 bytes per frame, as documented."""
     scene = Scene(load(TIMING / f"{name}.toml"))
     second = scene.timebase.per_second
     scene.advance(scene.start + 2 * second)
@@ -46,7 +46,7 @@ def test_a_scene_with_its_budgets_holds_no_more_after_more_rounds(name: str):
 
 
 def test_a_session_holds_no_more_after_more_traffic(tmp_path: Path):
-    """Frames by serial port, reads by a controller, a log, steps of a millisecond: what a live run does."""
+    """The session has the load of a live run: frames, reads by a controller, a log, steps of a millisecond."""
     units: dict[str, Any] = {
         "logger": {"firmware": str(FIRMWARE / "uart_logger.py"), "modules": ["SCI-A"]},
         "chip": {"firmware": str(FIRMWARE / "responder.py"), "modules": ["I2C-A"]},
@@ -54,7 +54,7 @@ def test_a_session_holds_no_more_after_more_traffic(tmp_path: Path):
     with Session(case(unit=units), ("SDA", "SCL", "RX", "TX"), log=tmp_path / "live.log") as session:
         line, master = session.serial("scia"), session.i2c
         step = session.ticks("1 ms")
-        session.advance(step)  # both have started
+        session.advance(step)  # the start-up of both is over
 
         def traffic(rounds: int) -> int:
             for _ in range(rounds):
@@ -69,11 +69,11 @@ def test_a_session_holds_no_more_after_more_traffic(tmp_path: Path):
 
 
 IMU = Path(__file__).parents[3] / "timing" / "imu_hil.toml"
-GROWS = "lost flags"  # the one budget that keeps the time of each occurrence
+GROWS = "lost flags"  # the only budget that keeps the time of each occurrence
 
 
 class HostFrames:
-    """A door that writes twelve bytes each 20 ms and reads what comes."""
+    """A door that writes twelve bytes every 20 ms and counts the received bytes."""
 
     def __init__(self, session: Session) -> None:
         self.session, self.line = session, session.serial("scia")
@@ -91,29 +91,29 @@ class HostFrames:
 
 
 def passes(host: HostFrames, seconds: int) -> int:
-    """The blocks of memory that Python holds then."""
+    """Run up to this time; return the number of memory blocks that Python has allocated."""
     session = host.session
     Loop(session, Pacer(session.ticks_per_second, Fraction(0)), [host]).run(session.ticks(f"{seconds} s"))
     gc.collect()
     return sys.getallocatedblocks()
 
 
-def test_nothing_grows_and_no_byte_is_lost(tmp_path: Path) -> None:
+def test_memory_does_not_grow_and_no_byte_is_lost(tmp_path: Path) -> None:
     host = HostFrames(Session(written(tmp_path), ("RX",), log=tmp_path / "live.jsonl"))
     first, last = passes(host, 1), passes(host, 3)
-    assert last - first < 100, "blocks in 100 frames of 12 bytes"
+    assert last - first < 100, "blocks after 100 more frames of 12 bytes"
     assert host.written == 151 * 12 == host.line.sent + host.line.waiting
     assert host.came >= 149 * 12
 
 
 @pytest.mark.long
 @pytest.mark.timeout(86_400)
-def test_a_day_of_it() -> None:
+def test_memory_and_bytes_of_a_day() -> None:
     if not explores():
         pytest.skip("a day of traffic: make explore")
     ready = case_for_line(IMU, "scia")
     kept = tuple(budget for budget in ready.budget if budget.measure != GROWS)
     host = HostFrames(Session(ready.model_copy(update={"budget": kept})))
     first, last = passes(host, 3600), passes(host, 86_400)
-    assert last - first < 20_000, "blocks, of 4.1 million frames"
+    assert last - first < 20_000, "blocks after 4.1 million more frames"
     assert host.line.sent + host.line.waiting == host.written

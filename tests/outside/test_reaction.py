@@ -1,4 +1,4 @@
-"""`Session.next_output`: no pin of ours moves before it, whatever is on the bus; who steps by it alone loses none."""
+"""`Session.next_output`: no pin of the case changes before it, and a party that steps only to it misses no change."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TABLE = {"table": {"0x68": "11 22 33 44 55 66", "0x53": "00 FF 00 FF 00 FF", "0x
 
 
 def restless() -> Firmware:
-    """Sends zeros, and in the middle of its bits leaves the bus and comes back, or wants to be the master."""
+    """Return firmware that sends zeros, and within its bits leaves the bus and comes back, or requests to be master."""
 
     def main(dsp: Any, settings: Any) -> None:
         draw, i2c = Random(1), dsp.module("I2C-A")
@@ -43,7 +43,7 @@ def restless() -> Firmware:
 
 
 def slow_reader(synchronised: bool = False) -> Firmware:
-    """Reads what it is written so late that SCL is held for it; what it reads it does not look at."""
+    """Return firmware that reads received bytes so late that SCL is held, and ignores them."""
 
     def main(dsp: Any, settings: Any) -> None:
         draw, i2c = Random(1), dsp.module("I2C-A")
@@ -62,7 +62,7 @@ def slow_reader(synchronised: bool = False) -> Firmware:
 
 
 def pin_answer() -> Firmware:
-    """SCL is an interrupt whose routine moves SDA first; and the program moves it in between."""
+    """Return firmware that toggles SDA in an interrupt by SCL, and also at other times."""
 
     def main(dsp: Any, settings: Any) -> None:
         draw, gpio, xint, pieack = Random(1), dsp.module("GPIO"), dsp.module("XINT"), dsp.module("PIE").PIEACK
@@ -85,7 +85,7 @@ def pin_answer() -> Firmware:
 
 
 def two_units() -> Case:
-    """Return a case with a second unit on the bus, whose address is another one."""
+    """Return a case with a second unit at another address of the bus."""
     one = {"firmware": str(FIRMWARE / "register_slave.py"), "modules": ["I2C-A"], "settings": REGISTERS}
     return case(unit={"dsp": one, "other": one | {"settings": REGISTERS | {"address": 0x22}}})
 
@@ -96,8 +96,10 @@ PROGRAMS = {
     "slow reader": slow_reader,
     "program and interrupt at a pin": pin_answer,
 }
-# Steps for each move put; a program that never rests may move a pin at any time, and has 20.
-MOST_STEPS = {"slow reader behind synchronised pins": 1}  # nobody can tell of most edges of a byte that it is written
+# Steps per applied change of the lines; firmware that never waits may change a pin at any time, and has 20.
+MOST_STEPS = {
+    "slow reader behind synchronised pins": 1
+}  # from most edges of a byte it is not known that the byte is written
 CASES = {
     "slow reader": lambda: case(dsp={"options": {"system": {"pf2_read_ws": 0, "write_lands": 4}}}),
     "slow reader behind synchronised pins": lambda: case(modules=("I2C-A", "GPIO")),
@@ -113,7 +115,7 @@ CASES = {
 
 
 def traffic(addresses: tuple[int, ...], seed: int, end: int, half: int, writes: bool = False) -> Moves:
-    """Transfers, or long writes, to our addresses and others, some cut short, with edges that a bus should not have."""
+    """Return transfers or long writes to the given and other addresses, some incomplete, with irregular edges."""
     draw, moves = Random(seed), []
     at, levels = 3_000_000, {"SCL": 1, "SDA": 1}
 
@@ -123,7 +125,7 @@ def traffic(addresses: tuple[int, ...], seed: int, end: int, half: int, writes: 
         if levels[line] != level:
             levels[line] = level
             moves.append((at, {line: level}))
-        if draw.random() < 0.02:  # a pulse, and perhaps the other line moves in it
+        if draw.random() < 0.02:  # a pulse; the other line may change in it
             other = draw.choice(BUS)
             moves.append((at := at + draw.randint(1, 700), {other: 1 - levels[other]}))
             inside = BUS[1 - BUS.index(other)]
@@ -139,7 +141,7 @@ def traffic(addresses: tuple[int, ...], seed: int, end: int, half: int, writes: 
         move("SCL", 0, half)
 
     def transfer(address: int) -> None:
-        """A pointer and what is written behind it, or read by a repeated START; or only a part of that."""
+        """Add a pointer with bytes written after it or read after a repeated START, or a part of that."""
         count = draw.randint(1, 6)
         data = [(0, draw.choice((0, 2, 0x80)))] if draw.random() < 0.8 else [(1, 0xFF)] * count
         parts = [data, [(1, 0xFF)] * count] if draw.random() < 0.7 else [data]
@@ -175,7 +177,10 @@ def traffic(addresses: tuple[int, ...], seed: int, end: int, half: int, writes: 
 def stepped(
     name: str, moves: Moves, end: int, *, finely: bool, recorded: bool = True, done: Sequence[int] = ()
 ) -> tuple[list[object], int, int]:
-    """Records; how often our pins moved, and time was stepped: as `next_output` says alone, or also to each move."""
+    """Return the records, the number of pin changes, and the number of steps of time.
+
+    finely: step to each applied change as well as to `next_output`.
+    """
     records = Records()
     steps = moved = 0
     filtered = {"settings": REGISTERS, **FILTERS[name][0]} if name in FILTERS else {}
@@ -200,9 +205,11 @@ def stepped(
 
 
 @pytest.mark.parametrize("seed", range(1, 12) if explores() else [1])
-@pytest.mark.parametrize("half", [15_000, 3_750])  # of a period: 100 and 400 kHz
+@pytest.mark.parametrize("half", [15_000, 3_750])  # half a period, at 100 and 400 kHz
 @pytest.mark.parametrize("name", CASES)
-def test_no_pin_moves_before_next_output_and_who_waits_for_it_loses_nothing(name: str, half: int, seed: int) -> None:
+def test_no_pin_changes_before_next_output_and_stepping_to_it_gives_all_changes(
+    name: str, half: int, seed: int
+) -> None:
     addresses = (0x68, 0x53, 0x1E) if "frames" in name else (0x50,)
     moves = traffic(
         addresses,
@@ -215,14 +222,14 @@ def test_no_pin_moves_before_next_output_and_who_waits_for_it_loses_nothing(name
     lazily, moved, steps = stepped(name, moves, end, finely=False)
     finely, again, _ = stepped(name, moves, end, finely=True)
     assert lazily == finely and moved == again > 0
-    if "pin" in name:  # the pads of GPIO have other events where nothing is recorded
+    if "pin" in name:  # without records, the pads of GPIO have other events
         assert stepped(name, moves, end, finely="synchronised" in name, recorded=False)[1] == moved
     assert all(one[0] < other[0] for one, other in pairwise(moves))
     assert moved <= steps < MOST_STEPS.get(name, 20 if name in PROGRAMS else 4) * len(moves)
 
 
 def put_byte(moves: Moves, at: int, half: int, value: int, sda: int) -> int:
-    """Append the bits of a byte and a released one, from a fall of SCL at `at`; return when SCL has fallen after them.
+    """Append the bits of a byte and a released bit after a fall of SCL at `at`; return the last fall of SCL.
 
     sda: the level of SDA before.
     """
@@ -237,7 +244,7 @@ def put_byte(moves: Moves, at: int, half: int, value: int, sda: int) -> int:
 
 
 def written(*values: int) -> Moves:
-    """S, these bytes and a released bit behind each, P, at 100 kHz."""
+    """Return START, these bytes with a released bit after each, and STOP, at 100 kHz."""
     half, at, sda = 15_000, 3_000_000, 0
     moves: Moves = [(at, {"SDA": 0}), (at + half, {"SCL": 0})]
     at += half
@@ -257,20 +264,20 @@ def written(*values: int) -> Moves:
         ("slow reader behind synchronised pins", 0x50, 6, 115, 168),
     ],
 )
-def test_a_transfer_costs_few_steps(name: str, address: int, moved: int, lazily: int, finely: int) -> None:
+def test_a_transfer_takes_few_steps(name: str, address: int, moved: int, lazily: int, finely: int) -> None:
     moves = written(address << 1, 0x02, 0xC3)
     end = moves[-1][0] + 100_000
     assert stepped(name, moves, end, finely=False)[1:] == (moved, lazily)
     assert stepped(name, moves, end, finely=True)[1:] == (moved, finely)
 
 
-def test_an_sci_s_pin_moves_at_the_tick_that_is_foretold() -> None:
-    """A byte on RX, and the byte that answers it on TX: 0x59 is sent as 0 1001 1010 1."""
+def test_a_pin_of_an_sci_changes_at_next_output() -> None:
+    """A byte is sent on RX and another one answers on TX: 0x59 is sent as 0 1001 1010 1."""
     found = []
     for finely in (False, True):
         session, line, _ = echo()
         with session:
-            line.write(bytes([0x58]))  # it waits, so its edges are not put yet
+            line.write(bytes([0x58]))  # the byte waits, so its edges are not applied yet
             moved: list[Change] = []
             end = session.now + session.ticks("300 us")
             for at in range(session.now, end, session.ticks("7 us")) if finely else (end,):
@@ -282,8 +289,8 @@ def test_an_sci_s_pin_moves_at_the_tick_that_is_foretold() -> None:
     assert found[0] == found[1] and [change.level for change in found[0]] == [0, 1] * 4 and found[0][0].line == "TX"
 
 
-def test_a_list_of_changes_is_the_caller_s() -> None:
-    """An empty one, too, does not grow with later changes."""
+def test_a_returned_list_of_changes_is_not_modified_later() -> None:
+    """This includes an empty one, which does not grow with later changes."""
     moves = written(0x50 << 1)
     with Session(CASES["polling"](), BUS) as session:
         before = session.advance(1)
@@ -308,7 +315,7 @@ def test_a_list_of_changes_is_the_caller_s() -> None:
     ],
     ids=["fault", "controller"],
 )
-def test_a_pin_that_moves_at_the_first_tick_is_foretold(party: dict[str, Any]) -> None:
+def test_next_output_predicts_a_change_at_the_first_tick(party: dict[str, Any]) -> None:
     with Session(case(**party), BUS) as session:
         assert session.next_output() == 0
         assert session.advance(1) == [Change(0, "SDA", 0)]
@@ -316,7 +323,7 @@ def test_a_pin_that_moves_at_the_first_tick_is_foretold(party: dict[str, Any]) -
         assert due is not None and session.advance(due) == []
 
 
-def test_nothing_is_foretold_where_nothing_can_move() -> None:
+def test_there_is_no_next_output_if_no_pin_can_change() -> None:
     ended = Firmware("ended", lambda dsp, settings: None, None)
     with Session(case(modules=("I2C-A",)), BUS, programs={"dsp": ended}) as session:
         session.advance(session.ticks("1 ms"))
@@ -327,7 +334,7 @@ def test_nothing_is_foretold_where_nothing_can_move() -> None:
 
 Pulses = list[tuple[int, int, int]]
 
-FILTERS: dict[str, tuple[dict[str, Any], Pulses]] = {  # as keys of a unit, with pulses that are near their limits
+FILTERS: dict[str, tuple[dict[str, Any], Pulses]] = {  # keys of a unit, and pulses close to the limits of the filter
     "of 15 cycles": ({}, [(1, 299, 1), (0, 299, 298), (10, 290, 20), (1, 300, 1), (3, 400, 20), (7, 100, 50)]),
     "of 15 cycles of a slow crystal": ({"ppm": -4500}, [(115, 301, 1), (0, 400, 20)]),
     "of 15 cycles, behind a synchroniser": (
@@ -346,9 +353,11 @@ FILTERS: dict[str, tuple[dict[str, Any], Pulses]] = {  # as keys of a unit, with
 
 
 def starts_in_pulses(pulses: Pulses) -> tuple[Moves, list[int]]:
-    """A START to another; then SCL is low for a pulse only, in which SDA falls; then our address. When pulses begin.
+    """Return for each pulse a START to another address, SCL low for a pulse in which SDA falls, and the own address.
 
-    pulses: ticks from one that 20 divides to the pulse, its length, and how much of it has passed as SDA falls.
+    The begin times of the pulses are returned too.
+
+    pulses: ticks from a multiple of 20 to the pulse, its length, and the ticks from its begin to the fall of SDA.
     """
     moves: Moves = []
     begins = []
@@ -368,18 +377,18 @@ def starts_in_pulses(pulses: Pulses) -> tuple[Moves, list[int]]:
 
 @pytest.mark.parametrize("done", [False, True])
 @pytest.mark.parametrize("name", FILTERS)
-def test_a_start_in_a_pulse_that_a_filter_swallows_is_answered(name: str, done: bool) -> None:
+def test_a_start_in_a_pulse_shorter_than_a_filter_is_answered(name: str, done: bool) -> None:
     pulses = FILTERS[name][1]
     moves, begins = starts_in_pulses(pulses)
     end = moves[-1][0] + 100_000
     lazily, moved, _ = stepped(name, moves, end, finely=False, done=begins if done else ())
     finely, again, _ = stepped(name, moves, end, finely=True)
     assert lazily == finely and moved == again
-    assert 0 < moved < 2 * len(pulses)  # an ACK each, but for a pulse that comes through
+    assert 0 < moved < 2 * len(pulses)  # an ACK for each, except for a pulse that passes the filter
 
 
 def leaves(how: str) -> Firmware:
-    """A slave that pulls SDA for zeros, and at 133 us lets go of it, since it resets its module."""
+    """Return a slave that drives SDA low for zeros, and after 133 us releases it by a reset of its module."""
 
     def main(dsp: Any, settings: Any) -> None:
         i2c, timer = dsp.module("I2C-A"), dsp.module("TIMER0")
@@ -415,7 +424,7 @@ def leaves(how: str) -> Firmware:
     "how",
     ["at once", "behind another write", "behind a read that waits for a write", "by a field", "in an interrupt"],
 )
-def test_a_write_that_moves_a_pin_is_foretold_to_the_tick(how: str, lands: int) -> None:
+def test_next_output_predicts_a_pin_change_by_a_register_write_exactly(how: str, lands: int) -> None:
     unit = {"firmware": str(FIRMWARE / "responder.py"), "modules": ["I2C-A", "TIMER0"]}
     options = {"options": {"system": {"write_lands": lands}}}
     with Session(case(unit={"dsp": unit | options}), BUS, programs={"dsp": leaves(how)}) as session:
@@ -438,7 +447,7 @@ def test_a_write_that_moves_a_pin_is_foretold_to_the_tick(how: str, lands: int) 
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_moves_may_be_put_in_any_order_before_time_advances(seed: int) -> None:
+def test_changes_may_be_applied_in_any_order_before_time_advances(seed: int) -> None:
     moves = traffic((0x50,), seed, 3_400_000, 3_750)
     given = []
     for order in (moves, Random(seed).sample(moves, len(moves))):

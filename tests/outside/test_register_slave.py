@@ -1,4 +1,4 @@
-"""The register slave beside a dictionary: random writes and reads, in any order, at both rates of the bus."""
+"""The register slave agrees with an array of bytes after random writes and reads at both bus rates."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def slave(**settings: object) -> Session:
     return begun(case("register_slave", dsp={"settings": settings}))
 
 
-def test_pointer_data_repeated_start_and_going_on() -> None:
+def test_pointer_data_repeated_start_and_continued_reads() -> None:
     """S 50W 10 A1 A2 P   S 50W 10 Sr 50R A1 P   S 50R A2 P   S 50R 00 P"""
     master = slave().i2c
     assert master.transfer(0x50, b"\x10\xa1\xa2") == b""
@@ -24,15 +24,15 @@ def test_pointer_data_repeated_start_and_going_on() -> None:
     assert master.transfer(0x50, count=1) == b"\x00"
 
 
-def test_what_was_loaded_too_early_is_read_as_it_is_later() -> None:
-    """The byte behind a read lies in I2CDXR already when it is written anew."""
+def test_a_byte_loaded_in_advance_is_replaced_when_it_is_written() -> None:
+    """The byte after the last read one is already in I2CDXR when a write changes it."""
     master = slave(registers="01 02 03").i2c
     assert master.transfer(0x50, b"\x00", 1) == b"\x01"
     assert master.transfer(0x50, b"\x01\x99") == b""
     assert master.transfer(0x50, b"\x01", 2) == b"\x99\x03"
 
 
-def test_its_registers_wrap_and_must_fit() -> None:
+def test_addresses_wrap_and_register_values_must_fit() -> None:
     master = slave(registers="01 02 03", size=3).i2c
     assert master.transfer(0x50, b"\x02", 4) == b"\x03\x01\x02\x03"
     said = "registers has 3 bytes, and there are 2 registers"
@@ -67,11 +67,11 @@ def random_transfers(rate: str, number: int) -> None:
 
 
 @pytest.mark.parametrize("rate", ["100 kHz", "400 kHz"])
-def test_it_stands_random_transfers_beside_a_dictionary(rate: str) -> None:
+def test_random_transfers_agree_with_an_array(rate: str) -> None:
     random_transfers(rate, 60)
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("rate", ["100 kHz", "400 kHz"])
-def test_it_stands_a_thousand(rate: str) -> None:
+def test_a_thousand_random_transfers_agree_with_an_array(rate: str) -> None:
     random_transfers(rate, 1000)

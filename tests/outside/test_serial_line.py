@@ -1,4 +1,4 @@
-"""The other end of an SCI: bytes on RX, bytes from TX, and all that a real line can do wrong."""
+"""The other end of an SCI: bytes sent on RX, bytes received from TX, and errors of a real line."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from periph_sim.scene.firmware_loader import Firmware
 from tests.outside.sessions import Records, case, refuses
 
 LINES = ("RX", "TX")
-FE, PE = 0x10, 0x04  # of SCIRXST
+FE, PE = 0x10, 0x04  # bits of SCIRXST
 FE_OR_PE = FE | PE
 
 
 class Echo:
-    """Firmware that answers each word with it plus one, and keeps what SCIRXBUF gave, error bits included."""
+    """Firmware that answers each character with the next one, and keeps what SCIRXBUF gave, with error bits."""
 
     def __init__(self, sciccr: int = 7) -> None:
         self.words: list[int] = []
@@ -37,7 +37,7 @@ class Echo:
             word = sci.SCIRXBUF.RXDT
             self.words.append(word | status << 8)
             if status:
-                dsp.compute(45_000)  # 300 us: a break is known ten bits later
+                dsp.compute(45_000)  # 300 us, since a break is detected ten bits later
                 self.breaks += sci.SCIRXST.BRKDT
                 sci.SCICTL1.all = 0x03
                 sci.SCICTL1.all = 0x23
@@ -58,12 +58,12 @@ def later(session: Session, length: str) -> None:
 
 
 def sent(session: Session, line: SerialLine, data: bytes, wrong: Any = "", length: str = "1 ms") -> None:
-    """Write bytes, and let this time pass."""
+    """Write bytes and advance by `length`."""
     line.write(data, wrong)
     later(session, length)
 
 
-def test_what_is_written_comes_back_as_firmware_answers() -> None:
+def test_written_bytes_are_received_and_answered_by_firmware() -> None:
     session, line, firmware = echo()
     line.write(b"hello")
     assert line.waiting == 5 and line.read() == b""
@@ -84,8 +84,8 @@ def test_formats(form: str, sciccr: int) -> None:
     assert line.wrong == 0
 
 
-def test_a_receiver_that_sleeps_hears_only_those_behind_its_address() -> None:
-    """Firmware sleeps until an address comes, a byte whose ninth bit is 1; bytes keep theirs while they wait."""
+def test_a_sleeping_receiver_gets_only_bytes_after_its_address() -> None:
+    """Firmware sleeps until an address comes, a byte whose ninth bit is 1; waiting bytes keep their ninth bit."""
     heard: list[int] = []
 
     def sleeper(dsp: Any, settings: Any) -> None:
@@ -113,7 +113,7 @@ def test_a_receiver_that_sleeps_hears_only_those_behind_its_address() -> None:
     later(session, "3 ms")
     assert (bytes(heard), line.wrong, line.read()) == (b"yes", 0, b"\x21yes\x22")
     line.set(115_200, "8m1")
-    line.write(b"\x21")  # what the SCI sends has the ninth bit 0, so that its parity is wrong now
+    line.write(b"\x21")  # characters of the SCI have a ninth bit of 0, so their parity is now wrong
     later(session, "1 ms")
     assert (line.read(), line.wrong) == (b"\x21", 1)
 
@@ -138,13 +138,13 @@ def test_wrong_bits_reach_the_status(wrong: Any, bit: int) -> None:
 @pytest.mark.parametrize(
     ("data", "wrong", "sentence"), [("abc", "", "is not of type bytes"), (b"a", "foo", "wrong='foo': expected")]
 )
-def test_what_cannot_be_sent_is_refused(data: Any, wrong: Any, sentence: str) -> None:
+def test_invalid_data_is_refused(data: Any, wrong: Any, sentence: str) -> None:
     _, line, _ = echo()
     refuses(sentence, line.write, data, wrong)
     assert line.waiting == 0
 
 
-def test_another_rate_is_a_mismatch_on_the_wire() -> None:
+def test_another_rate_causes_framing_errors() -> None:
     session, line, firmware = echo(baud=57_600)
     sent(session, line, b"\x00\x00", length="2 ms")
     assert any(word >> 8 & FE for word in firmware.words)
@@ -154,7 +154,7 @@ def test_another_rate_is_a_mismatch_on_the_wire() -> None:
     assert firmware.words[-1] == ord("A")
 
 
-def test_a_break_is_one() -> None:
+def test_a_break_is_detected_once() -> None:
     session, line, firmware = echo()
     line.send_break("300 us")
     refuses("a break cannot begin: bytes are on their way", line.send_break, "300 us")
@@ -170,12 +170,12 @@ def test_a_break_lasts_until_it_is_ended_or_bytes_follow() -> None:
     assert line.broken and line.waiting == 1
     later(session, "2 ms")
     assert (firmware.words[:2], session.level("RX")) == ([ord("a"), FE << 8], 0)
-    assert firmware.breaks > 1  # it is there again whenever the module begins anew
+    assert firmware.breaks > 1  # the break is detected again after each reset of the module
     sent(session, line, b"b")
     assert (line.broken, line.waiting, line.sent, session.level("RX")) == (False, 0, 2, 1)
 
 
-def test_much_that_waits_is_bytes_and_no_events() -> None:
+def test_waiting_bytes_schedule_no_events() -> None:
     session, line, _ = echo()
     line.write(bytes(1_000_000))
     before = session.scene.kernel.events
@@ -190,7 +190,7 @@ BIT = Fraction(3_000_000_000, 115_200)  # ticks
 
 
 def quiet(form: str = "8n1") -> tuple[Session, SerialLine, Records]:
-    """A session at 1 ms whose firmware does nothing about what comes."""
+    """Return a session at 1 ms whose firmware ignores received bytes, its line and its records."""
     records = Records()
     session = Session(case("uart_logger", ("SCI-A",)), LINES, subscribe=records.subscribe)
     line = session.serial("scia", form=form)
@@ -199,12 +199,12 @@ def quiet(form: str = "8n1") -> tuple[Session, SerialLine, Records]:
 
 
 def edges_of_rx(records: Records) -> list[tuple[int, int]]:
-    """(tick, level), from 1 ms on."""
+    """Return tick and level of each edge of RX from 1 ms on."""
     return [(one.tick - 3_000_000, one.value) for one in records.kept if (one.kind, one.where) == (Kind.EDGE, "RX")]
 
 
 def edges_of(levels: str, begin: int = 0) -> list[tuple[int, int]]:
-    """The edges of levels that hold for a bit each, behind a high line; each at the tick in which it comes."""
+    """Return the edges, with their ticks, of levels of one bit each that follow a high line."""
     bits = "1" + levels.replace(" ", "")
     return [(int(begin + place * BIT), int(level)) for place, level in enumerate(bits[1:]) if level != bits[place]]
 
@@ -217,10 +217,10 @@ def edges_of(levels: str, begin: int = 0) -> list[tuple[int, int]]:
         ("8o2", "", "0 10101000 0 11"),
         ("8e1", "parity", "0 10101000 0 1"),
         ("7o2", "parity", "0 1010100 1 11"),
-        ("8m1", "", "0 10101000 1 1"),  # the ninth bit is 1, in any byte
+        ("8m1", "", "0 10101000 1 1"),  # the ninth bit is 1 in any byte
         ("8s1", "", "0 10101000 0 1"),
         ("8s1", "parity", "0 10101000 1 1"),
-        ("5n2", "stop", "0 10101 00 1"),  # the line is free a bit later
+        ("5n2", "stop", "0 10101 00 1"),  # the line is idle one bit later
         ("8e1", "stop", "0 10101000 1 0 1"),
     ],
 )
@@ -231,7 +231,7 @@ def test_frames_follow_each_other_without_a_gap_and_without_drift(form: str, wro
     assert (line.sent, line.waiting, session.level("RX")) == (5, 0, 1)
 
 
-def test_another_rate_counts_from_the_end_of_the_frame_before() -> None:
+def test_another_rate_is_used_from_the_end_of_the_current_frame() -> None:
     session, line, records = quiet()
     line.write(b"\xff")
     later(session, "10 us")
@@ -244,12 +244,12 @@ def test_another_rate_counts_from_the_end_of_the_frame_before() -> None:
 @pytest.mark.parametrize(
     ("wrong", "form", "frame"),
     [
-        ("parity", "8n1", "0 00000000 1"),  # there is no parity bit any more
-        ("parity", "8o1", "0 00000000 0 1"),  # it would be 1
+        ("parity", "8n1", "0 00000000 1"),  # the new format has no parity bit
+        ("parity", "8o1", "0 00000000 0 1"),  # the correct bit is 1
         ("stop", "8n2", "0 00000000 00 1"),
     ],
 )
-def test_bytes_with_a_wrong_bit_that_wait_are_sent_in_the_new_format(wrong: Any, form: str, frame: str) -> None:
+def test_waiting_bytes_with_a_wrong_bit_are_sent_in_the_new_format(wrong: Any, form: str, frame: str) -> None:
     session, line, records = quiet("8e1")
     line.write(b"\0", wrong)
     line.set(115_200, form)
@@ -257,14 +257,14 @@ def test_bytes_with_a_wrong_bit_that_wait_are_sent_in_the_new_format(wrong: Any,
     assert edges_of_rx(records) == edges_of(frame)
 
 
-def test_a_break_is_as_long_as_it_is_asked_for_and_parted_from_a_frame_by_a_bit() -> None:
+def test_a_break_has_the_requested_length_and_a_frame_follows_after_one_bit() -> None:
     session, line, records = quiet()
     line.send_break("300 us")
     sent(session, line, b"\xff")
     assert edges_of_rx(records) == [(0, 0), (900_000, 1), (int(900_000 + BIT), 0), (int(900_000 + 2 * BIT), 1)]
 
 
-def test_a_break_that_is_held_lasts_a_bit_at_least() -> None:
+def test_a_held_break_lasts_at_least_one_bit() -> None:
     session, line, records = quiet()
     for on in (True, False, True):
         line.hold_break(on)
@@ -273,7 +273,7 @@ def test_a_break_that_is_held_lasts_a_bit_at_least() -> None:
 
 
 @pytest.mark.parametrize(("count", "discarded"), [(1152, 0), (1153, 1153)])
-def test_another_client_finds_no_more_than_a_tenth_of_a_second_of_bytes(count: int, discarded: int) -> None:
+def test_for_a_new_client_more_than_a_tenth_of_a_second_of_bytes_is_discarded(count: int, discarded: int) -> None:
     session, line, records = quiet()
     line.write(bytes(count))
     if discarded:
@@ -284,7 +284,7 @@ def test_another_client_finds_no_more_than_a_tenth_of_a_second_of_bytes(count: i
     assert not discarded or session.level("RX")
 
 
-def test_its_log_tells_each_instant_and_where_a_frame_begins(log: Path) -> None:
+def test_the_log_contains_each_instant_and_the_begin_of_each_frame(log: Path) -> None:
     session = Session(case("uart_logger", ("SCI-A",)), LINES, log=log)
     line = session.serial("scia")
     sent(session, line, b"\xff")
@@ -310,7 +310,7 @@ def test_its_log_tells_each_instant_and_where_a_frame_begins(log: Path) -> None:
         ("SCI-A", 9600, "8x1", "format '8x1': expected"),
     ],
 )
-def test_what_is_no_port_rate_or_format_is_refused(port: str, baud: int, form: str, sentence: str) -> None:
+def test_an_invalid_port_rate_or_format_is_refused(port: str, baud: int, form: str, sentence: str) -> None:
     session = Session(case("uart_logger", ("SCI-A",)), LINES)
     refuses(sentence, session.serial, port, baud, form)
 
@@ -321,7 +321,7 @@ def test_one_baud_is_the_slowest_rate() -> None:
     assert line.checked(1, "8n1")[0] == session.ticks_per_second
 
 
-def test_a_frame_begins_before_the_tick_up_to_which_it_is_fed() -> None:
+def test_a_frame_begins_before_the_tick_given_to_feed() -> None:
     session, line, _ = quiet()
     line.write(b"a")
     line.feed(session.now)
@@ -337,7 +337,7 @@ def test_a_break_is_no_character() -> None:
     assert session.finish().sci_bytes == 0
 
 
-def test_a_port_has_one_other_end_and_rx_leads_outside() -> None:
+def test_a_port_can_be_opened_once_and_its_rx_must_be_given_to_the_session() -> None:
     session = Session(case("uart_logger", ("SCI-A",)), LINES)
     line = session.serial("dsp.SCI-A")
     refuses(r"dsp.SCI-A has its other end already", session.serial, "scia")

@@ -1,4 +1,4 @@
-"""A case stepped from outside: what is applied when, what our pins do, and that nothing else makes a difference."""
+"""A case stepped from outside: when changes are applied, when pins of the case change, and that steps do not matter."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from tests.outside.sessions import BUS, Records, begun, bus, case, refuses
 Applied = list[tuple[int, dict[str, int]]]
 
 
-def test_a_transfer_bit_by_bit_and_when_our_pins_answer() -> None:
-    """SDA --|__1_0_1_0_0_0_0_W_[ack]; SCL falls behind it: the ACK begins a filter's width and a bit later."""
+def test_a_transfer_bit_by_bit_and_the_time_of_its_ack() -> None:
+    """SDA --|__1_0_1_0_0_0_0_W_[ack]; the ACK begins a filter delay after SCL falls at the end of the eighth bit."""
     session, _ = bus()
     half = session.ticks("5 us")
     at = session.now
@@ -51,7 +51,7 @@ def test_a_transfer_bit_by_bit_and_when_our_pins_answer() -> None:
 
 
 def played(applied: Applied, steps: list[int], seed: int = 0) -> list[object]:
-    """Records of these moves, where time is stepped by these lengths between them, and lines are given in any order."""
+    """Return the records of these changes with time stepped by these lengths; lines are given in random order."""
     draw = Random(seed)
     session, records = bus()
     begin = session.now
@@ -59,7 +59,7 @@ def played(applied: Applied, steps: list[int], seed: int = 0) -> list[object]:
         while steps and session.now + steps[0] <= begin + at:
             session.advance(session.now + steps.pop(0))
         if seed and draw.random() < 0.5:
-            session.advance(begin + at)  # to the very tick: nothing of it is done yet
+            session.advance(begin + at)  # the tick itself is not executed yet
         order = list(levels.items())
         draw.shuffle(order)
         if draw.random() < 0.5:
@@ -86,7 +86,7 @@ def played(applied: Applied, steps: list[int], seed: int = 0) -> list[object]:
     st.integers(0, 1000),
 )
 @settings(max_examples=30)
-def test_the_same_moves_give_the_same_records_however_time_is_stepped(
+def test_the_same_changes_give_the_same_records_for_any_steps_of_time(
     moves: Applied, steps: list[int], seed: int
 ) -> None:
     applied, at = [], 0
@@ -118,7 +118,7 @@ def test_an_advance_that_was_interrupted_can_be_repeated() -> None:
     assert moved == [(2 * ms, "SDA", 0), (27 * ms // 10, "SCL", 0), (3 * ms, "SDA", 1)]
 
 
-def test_what_the_outside_did_is_done_again_from_its_log(log: Path) -> None:
+def test_the_log_replays_the_changes_from_outside(log: Path) -> None:
     session, live = bus(log=log)
     assert session.i2c.transfer(0x50, b"\x00", 4) == b"\x01\x02\x03\x04"
     assert session.i2c.transfer(0x51, b"\x00", 4) is None
@@ -182,7 +182,7 @@ def test_a_log_of_another_version_or_clock_is_refused(tmp_path: Path, log: Path)
     refuses("give the log another place", Session, case(), BUS, log=tmp_path / "no" / "folder.jsonl")
 
 
-def test_the_past_is_refused_with_both_times_and_the_present_is_not() -> None:
+def test_a_past_tick_is_refused_with_both_times_and_the_current_tick_is_accepted() -> None:
     session, _ = bus()
     session.apply(session.now, {"SDA": 0})
     refuses(
@@ -197,7 +197,7 @@ def test_the_past_is_refused_with_both_times_and_the_present_is_not() -> None:
     assert session.level("SDA") == 0
 
 
-def test_a_call_that_is_refused_does_nothing() -> None:
+def test_a_refused_call_has_no_effect() -> None:
     session, _ = bus()
     for levels, sentence in (
         ({"SDA": 0, "SDL": 0}, "line 'SDL' does not lead outside of case mine; did you mean SDA?"),
@@ -219,11 +219,11 @@ def test_a_call_that_is_refused_does_nothing() -> None:
         (("SDA", "SDA"), "outside.wires: SDA is named twice; once is enough"),
     ],
 )
-def test_wires_that_are_not_there_are_refused(wires: tuple[str, ...], sentence: str) -> None:
+def test_unknown_or_repeated_wires_are_refused(wires: tuple[str, ...], sentence: str) -> None:
     refuses(sentence, Session, case(), wires, error=BadCase)
 
 
-def test_a_case_says_itself_who_is_outside_and_is_not_run(tmp_path: Path) -> None:
+def test_a_case_may_declare_its_outside_wires_and_is_then_not_run(tmp_path: Path) -> None:
     path = tmp_path / "case.toml"
     unit = case().unit["dsp"]
     path.write_text(
@@ -247,7 +247,7 @@ def test_waiting_for_the_outside_is_no_deadlock() -> None:
 
 
 @pytest.mark.parametrize(("address", "verdicts"), [(0x50, ["pass", "pass"]), (0x22, ["not judged", "fail"])])
-def test_budgets_of_the_bus_are_judged_by_what_is_on_it(address: int, verdicts: list[str]) -> None:
+def test_budgets_of_the_bus_are_judged_by_transfers_from_outside(address: int, verdicts: list[str]) -> None:
     budgets = [
         {"name": "stretch", "measure": "stretch", "max": "50 us"},
         {"name": "nacked", "measure": "nacked", "max": 0},
@@ -257,7 +257,7 @@ def test_budgets_of_the_bus_are_judged_by_what_is_on_it(address: int, verdicts: 
     assert [verdict.verdict for verdict in session.finish().budgets] == verdicts
 
 
-def test_a_transfer_that_never_ends_is_judged_too(log: Path) -> None:
+def test_a_transfer_that_never_ends_is_judged(log: Path) -> None:
     budgets = [{"name": "stretch", "measure": "stretch", "max": "50 us"}]
     session = begun(case(budget=budgets), log=log)
     assert session.i2c.start(0x50)
@@ -268,14 +268,14 @@ def test_a_transfer_that_never_ends_is_judged_too(log: Path) -> None:
 
 
 @pytest.mark.parametrize("tick", [5e6, "1 ms", None, True])
-def test_a_tick_is_a_whole_number(tick: object) -> None:
+def test_a_tick_must_be_an_integer(tick: object) -> None:
     session, _ = bus()
     for call in (lambda: session.advance(tick), lambda: session.apply(tick, {"SDA": 1})):  # type: ignore[arg-type]
         refuses(r"is no tick: expected a whole number, as from session.ticks\('5 us'\)", call)
     session.finish()
 
 
-def test_nothing_grows_where_nobody_asks_for_the_next_output() -> None:
+def test_memory_does_not_grow_without_calls_of_next_output() -> None:
     asked, session = bus()[0], bus()[0]
     for _ in range(2000):
         for one in (asked, session):
@@ -288,13 +288,13 @@ def test_nothing_grows_where_nobody_asks_for_the_next_output() -> None:
     assert session.next_output() == asked.next_output()
 
 
-def test_a_hold_that_does_not_outlast_its_instant_is_no_change() -> None:
-    """A chip lets SDA go as soon as its fall has settled; at 7 it pulls again, and holds it."""
+def test_a_pulse_within_one_instant_is_no_change() -> None:
+    """A chip releases SDA as soon as its fall has settled; at 7 it drives SDA low again, and keeps it low."""
     kernel = Kernel()
     sda, scl = (Wire(kernel, name, Recorder()) for name in ("SDA", "SCL"))
     door = OutsidePins(kernel, {"SDA": sda, "SCL": scl}, lambda tick, levels: None)
     chip, clock = sda.attach("chip"), scl.attach("chip")
-    held = iter([1, 1, 0])  # what the chip does once its pull has settled
+    held = iter([1, 1, 0])  # the levels that the chip drives after each settled fall
     watch([sda], lambda tick, level: None if level else chip.drive(next(held)))
     kernel.call_at(3, lambda: chip.drive(0))
     kernel.call_at(5, lambda: clock.drive(0))

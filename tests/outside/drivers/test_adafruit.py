@@ -1,6 +1,6 @@
-"""Drivers of Adafruit's as they come from the registry, on chip models and on firmware that acts as a chip.
+"""Adafruit's published drivers work with chip models, and with firmware that emulates a chip.
 
-They take 4 mg an LSB where the ADXL345 has 1/256 g, and 1/1100 gauss where the HMC5883L has 1/1090.
+The drivers assume 4 mg per LSB, while the ADXL345 has 1/256 g, and 1/1100 gauss, while the HMC5883L has 1/1090.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def test_a_magnetometer_model_is_driven_as_the_chip() -> None:
 
 
 def test_firmware_is_driven_as_the_chip() -> None:
-    """An F28335 with the registers of an ADXL345: its identity at 0, a sample at 0x32."""
+    """An F28335 has the registers of an ADXL345: its identity at 0 and a sample at 0x32."""
     registers = bytearray(0x39)
     registers[0] = 0xE5
     registers[0x32:0x38] = (
@@ -59,14 +59,14 @@ def test_firmware_is_driven_as_the_chip() -> None:
     assert sensor.data_rate == adxl34x.DataRate.RATE_100_HZ
 
 
-def test_firmware_that_does_i2c_by_software_is_driven_as_the_chip() -> None:
-    """The emulator by pins: six data bytes of zeros, since no frame came, and registers that the driver writes."""
+def test_firmware_with_i2c_in_software_is_driven_as_the_chip() -> None:
+    """The emulator on GPIO pins has received no frame, so its data bytes are 0; the driver also writes registers."""
     sensor = adxl34x.ADXL345(I2C(pins()))
     assert sensor.acceleration == (0, 0, 0)
     sensor.range = adxl34x.Range.RANGE_8_G
     assert sensor.range == adxl34x.Range.RANGE_8_G
 
 
-def test_nobody_at_the_address_is_what_the_driver_says_of_hardware() -> None:
+def test_a_missing_chip_gives_the_error_of_the_driver() -> None:
     with pytest.raises(ValueError, match="No I2C device at address: 0x53"):
         adxl34x.ADXL345(I2C(slave(address=0x20)))

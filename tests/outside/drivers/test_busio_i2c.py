@@ -1,4 +1,4 @@
-"""`busio.I2C` as drivers call it, on a session's bus."""
+"""`busio.I2C`, as drivers call it, transfers on a session's bus."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def bus() -> I2C:
     return I2C(slave(registers="e5 02 03", address=0x53))
 
 
-def test_what_drivers_call() -> None:
+def test_calls_of_drivers() -> None:
     i2c = bus()
     assert i2c.try_lock() and not i2c.try_lock()
     i2c.unlock()
@@ -32,7 +32,7 @@ def test_what_drivers_call() -> None:
     assert got == b"\x00\xe5\x77\x88"
 
 
-def test_without_bounds_a_buffer_is_transferred_whole() -> None:
+def test_without_bounds_the_whole_buffer_is_transferred() -> None:
     """S 53W 01 P   S 53R 02 03 P   S 53W 00 Sr 53R E5 02 P"""
     i2c, got = bus(), bytearray(2)
     i2c.writeto(0x53, b"\x01")
@@ -42,12 +42,12 @@ def test_without_bounds_a_buffer_is_transferred_whole() -> None:
     assert got == b"\xe5\x02"
 
 
-def test_a_scan_leaves_out_the_reserved_addresses(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_scan_omits_the_reserved_addresses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(I2C, "_asks", lambda _, address: True)
     assert bus().scan() == list(range(0x08, 0x78))
 
 
-def test_who_does_not_answer_is_an_oserror() -> None:
+def test_a_missing_acknowledge_is_an_oserror() -> None:
     with bus() as i2c:
         for call, data in ((i2c.writeto, b"\x00"), (i2c.readfrom_into, bytearray(1))):
             fails(errno.ENODEV, call, 0x20, data, match="address 0x20 was not acknowledged")
@@ -57,7 +57,7 @@ def test_who_does_not_answer_is_an_oserror() -> None:
 
 
 @pytest.mark.parametrize("address", [-1, 0x80, "0x50"])
-def test_what_is_no_address_is_an_invalid_argument(address: Any) -> None:
+def test_an_invalid_address_is_an_invalid_argument(address: Any) -> None:
     with bus() as i2c:
         fails(errno.EINVAL, i2c.writeto, address, b"\x00", match=f"address {address!r}: expected 0 to 0x7f")
 

@@ -1,4 +1,4 @@
-"""`/dev/i2c-N` opened by number: smbus2 as it comes from the registry, and plain files, on a session's bus."""
+"""`/dev/i2c-N` on a session's bus, opened by number: with smbus2 as it is published, and as plain files."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_bytes_words_and_blocks(number_1: Any) -> None:
     assert bus.block_process_call(0x20, 0x20, [9]) == [9, 0, 0, 0, 0, 0, 0, 0]
 
 
-def test_it_says_that_it_can_do_what_it_does(number_1: Any) -> None:
+def test_its_functions_are_those_that_it_supports(number_1: Any) -> None:
     every = smbus2.I2cFunc
     cannot = every.ADDR_10BIT | every.PROTOCOL_MANGLING | every.NOSTART | every.SLAVE | every.SMBUS_HOST_NOTIFY
     assert number_1.funcs == sum(every) & ~cannot
@@ -86,7 +86,7 @@ def test_a_block_of_another_length_is_refused_before_it_is_sent(length: int) -> 
         assert session.now == before
 
 
-def test_transfers_and_flags_that_there_are_none_of(number_1: Any) -> None:
+def test_unsupported_transfers_and_flags_are_refused(number_1: Any) -> None:
     asked = smbus2.smbus2.i2c_smbus_ioctl_data.create(size=9)
     fcntl.ioctl(number_1.fd, SLAVE, 0x20)
     message = smbus2.i2c_msg.write(0x20, [1])
@@ -110,17 +110,17 @@ def test_messages_with_repeated_starts(number_1: Any) -> None:
         (lambda bus: bus.i2c_rdwr(smbus2.i2c_msg.read(0x33, 1)), errno.ENXIO),
         (lambda bus: bus.i2c_rdwr(smbus2.i2c_msg.write(0x80, [1])), errno.EINVAL),
         (lambda bus: bus.i2c_rdwr(smbus2.i2c_msg.write(0x20, [1]), smbus2.i2c_msg.read(0x80, 1)), errno.EINVAL),
-        (lambda bus: bus.read_block_data(0x20, 0x70), errno.EPROTO),  # it says that 0 bytes come
+        (lambda bus: bus.read_block_data(0x20, 0x70), errno.EPROTO),  # the count in the block is 0
     ],
 )
-def test_what_goes_wrong_is_the_kernel_s_error_and_the_bus_is_free(
+def test_failures_have_the_error_codes_of_linux_and_leave_the_bus_free(
     call: Callable[[Any], object], code: int, number_1: Any
 ) -> None:
     fails(code, call, number_1)
     assert number_1.read_byte_data(0x20, 0) == 1
 
 
-def test_arbitration_that_is_lost_is_to_be_tried_again() -> None:
+def test_lost_arbitration_has_the_error_code_for_another_attempt() -> None:
     with i2c_dev({1: beside_another_controller()}, pause="0 us"), smbus2.SMBus(1) as bus:
         fails(errno.EAGAIN, bus.write_byte, 0x7F, 0, match="another controller has won the bus")
 
@@ -155,7 +155,7 @@ def test_the_program_computes_for_a_pause_before_each_transfer() -> None:
     assert ends[1] - ends[0] == session.ticks("1 ms")
 
 
-def test_other_files_are_as_they_were(tmp_path: Any) -> None:
+def test_other_files_are_not_affected(tmp_path: Any) -> None:
     opened, ioctl = os.open, fcntl.ioctl
     with i2c_dev({}):
         file = os.open(tmp_path / "a", os.O_RDWR | os.O_CREAT)
@@ -167,7 +167,7 @@ def test_other_files_are_as_they_were(tmp_path: Any) -> None:
 
 
 def code_of(*data: int) -> int:
-    """CRC-8 by division of polynomials, as SMBus 3.2 section 6.4.1.3 has it."""
+    """Return the CRC-8, computed by division of polynomials as in SMBus 3.2 section 6.4.1.3."""
     rest = int.from_bytes(bytes(data), "big") << 8
     while rest.bit_length() > 8:
         rest ^= 0x107 << rest.bit_length() - 9
@@ -175,7 +175,7 @@ def code_of(*data: int) -> int:
 
 
 def test_packet_error_codes_are_sent_and_checked() -> None:
-    """The chip knows of none: it stores the code that comes, and sends what lies behind the data."""
+    """The chip does not support them: it stores a received code as data, and sends the bytes that follow the data."""
     read, word = code_of(0x40, 0x00, 0x41, 0xAB), code_of(0x40, 0x04, 0x41, 0x12, 0x34)
     block = code_of(0x40, 0x08, 0x41, 2, 7, 8)
     registers = bytes([0xAB, read, 0, 0, 0x12, 0x34, word, 0, 2, 7, 8, block]).hex(" ")
@@ -187,7 +187,10 @@ def test_packet_error_codes_are_sent_and_checked() -> None:
         assert bus.read_block_data(0x20, 8) == [7, 8]
         bus.write_byte_data(0x20, 0x40, 0x99)
         bus.write_block_data(0x20, 0x50, [5, 6])
-        assert bus.read_i2c_block_data(0x20, 0x40, 2) == [0x99, code_of(0x40, 0x40, 0x99)]  # has none by itself
+        assert bus.read_i2c_block_data(0x20, 0x40, 2) == [
+            0x99,
+            code_of(0x40, 0x40, 0x99),
+        ]  # a block read of I2C has no code of its own
         assert bus.read_i2c_block_data(0x20, 0x50, 4) == [2, 5, 6, code_of(0x40, 0x50, 2, 5, 6)]
         bus.write_byte(0x20, 0x60)
         assert bus.read_i2c_block_data(0x20, 0x60, 1) == [code_of(0x40, 0x60)]
@@ -198,8 +201,8 @@ def test_packet_error_codes_are_sent_and_checked() -> None:
         assert bus.read_byte_data(0x20, 0x20) == 0
 
 
-def test_files_that_python_opens_are_the_adapter_too() -> None:
-    """As Blinka's pure Python SMBus does it."""
+def test_a_file_opened_by_name_is_the_adapter() -> None:
+    """Blinka's pure Python SMBus does so."""
     pureio = pytest.importorskip(
         "Adafruit_PureIO.smbus", reason="Adafruit-PureIO is not installed: see the extra drivers"
     )
@@ -213,7 +216,7 @@ def test_files_that_python_opens_are_the_adapter_too() -> None:
         fails(errno.ENOENT, pureio.SMBus, 7)
 
 
-def test_a_file_that_open_gives_is_the_adapter_too() -> None:
+def test_a_file_returned_by_open_is_the_adapter() -> None:
     with i2c_dev({1: slave(address=0x20, registers="01 02 03 04")}):
         with open("/dev/i2c-1", "r+b", buffering=0) as file:
             fails(errno.EINVAL, file.write, b"\x00", match="no address was given")

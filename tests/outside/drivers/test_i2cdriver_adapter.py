@@ -1,4 +1,4 @@
-"""The I2CDriver's protocol, byte by byte, on a session's bus: no port, no program."""
+"""The protocol of the I2CDriver, byte by byte, on a session's bus without a port and a program."""
 
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ def adapter(session: Session | None = None) -> I2cDriver:
         (WRITE + b"\xc0\x01" + READ + b"\x82p", ACKED * 3 + b"\x0b\x0c\x0d"),
         (WRITE + b"\xc2\x10\xaa\xbb" + b"p" + b"r\x50\x10\x03", ACKED * 2 + b"\xaa\xbb\x00"),
         (b"r\x50\x02\x01" + READ + b"a\x02\x80p", b"\x0c" + ACKED + b"\x0d\x00\x00"),
-        (b"r\x50\x00\x00", b"\x0a\x0b\x0c\x0d" + bytes(252)),  # 0 is 256
+        (b"r\x50\x00\x00", b"\x0a\x0b\x0c\x0d" + bytes(252)),  # a count of 0 means 256
         (READ + b"a\x00", ACKED + b"\x0a\x0b\x0c\x0d" + bytes(252)),
         (b"s\x40\xc1\x01\x02p", REFUSED + REFUSED),
         (b"s\x41\x81p" + b"r\x20\x00\x02", REFUSED + b"\xff" * 4),
-        (b"\x83\xc0\x00p", b"\xff" * 4 + REFUSED),  # no START: nobody to read of, nothing to write to
+        (b"\x83\xc0\x00p", b"\xff" * 4 + REFUSED),  # without a START there is nothing to read or to write to
         (b"s\xa1\xc0\x00\x80p", ACKED + REFUSED + b"\x0a"),
         (WRITE + b"x" + b"r\x50\x00\x01", ACKED + b"3\x0a"),
         (b"b\x0a\x1a\x02\x12\x0a@e!", b"\x03\x01!"),  # SCL and SDA high, SCL low
     ],
 )
-def test_what_is_answered(sent: bytes, said: bytes) -> None:
+def test_replies(sent: bytes, said: bytes) -> None:
     assert adapter().receive(sent) == said
     slowly = adapter()
     assert b"".join(slowly.receive(bytes([byte])) for byte in sent) == said
@@ -71,7 +71,7 @@ def test_a_scan_reports_each_address() -> None:
     assert [address for address, report in enumerate(reports, 8) if report == ACKED[0]] == [0x50]
 
 
-def test_the_status_says_rate_lines_pull_ups_and_checksum() -> None:
+def test_the_status_contains_rate_lines_pull_ups_and_checksum() -> None:
     driver = adapter()
     booted = driver.receive(b"?")
     assert booted == b"[i2cdriver1 F28335 000000000 5.000 000 25.0 I 1 1 100 24 ffff".ljust(79) + b"]"
@@ -83,7 +83,7 @@ def test_the_status_says_rate_lines_pull_ups_and_checksum() -> None:
     assert len(driver.receive(b"J")) == 80
 
 
-def test_a_held_line_is_a_timeout_and_a_reset_says_which() -> None:
+def test_a_held_line_is_a_timeout_and_a_reset_reports_which() -> None:
     session = slave(registers="0a")
     driver = adapter(session)
     stranger = session.scene.wire("SCL").attach("stranger")
@@ -92,7 +92,9 @@ def test_a_held_line_is_a_timeout_and_a_reset_says_which() -> None:
     assert driver.receive(b"x") == b"2"  # SDA is high
     stranger.drive(1)
     session.advance(session.now + 1)
-    assert driver.receive(b"x\xc0\x00" + WRITE + b"p") == b"3" + REFUSED + ACKED  # without START; no time-out any more
+    assert (
+        driver.receive(b"x\xc0\x00" + WRITE + b"p") == b"3" + REFUSED + ACKED
+    )  # neither has a START; the timeout is over
 
 
 @pytest.mark.parametrize(
@@ -100,11 +102,13 @@ def test_a_held_line_is_a_timeout_and_a_reset_says_which() -> None:
     [
         ("SCL", b"\xc0\x00", TIMED_OUT),  # a byte
         ("SDA", READ + b"\xc0\x00", TIMED_OUT * 2),  # a repeated START, and a byte
-        ("SDA", b"p\xc0\x00", TIMED_OUT),  # a STOP, and a byte, whose report is the first
+        ("SDA", b"p\xc0\x00", TIMED_OUT),  # a STOP and a byte; the byte has the first report
     ],
 )
-def test_what_a_held_line_cuts_off_is_a_timeout_and_no_ack(held: str, commands: bytes, reports: bytes) -> None:
-    """S 50W A, then a line is held. The bus is let go."""
+def test_a_transfer_ended_by_a_held_line_reports_a_timeout_and_no_ack(
+    held: str, commands: bytes, reports: bytes
+) -> None:
+    """S 50W A, then a line is held. The bus is released."""
     session = slave(registers="0a")
     driver = adapter(session)
     assert not driver.capturing and driver.receive(WRITE) == ACKED
@@ -113,23 +117,23 @@ def test_what_a_held_line_cuts_off_is_a_timeout_and_no_ack(held: str, commands: 
     assert session.level("SCL") == (held == "SDA")
 
 
-def test_arbitration_that_is_lost_is_reported() -> None:
+def test_lost_arbitration_is_reported() -> None:
     driver = I2cDriver(beside_another_controller(), 0)
     assert driver.receive(b"s\xfe\xc0\x00p") == b"44"
 
 
-def test_a_bus_that_was_left_in_a_read_is_free_behind_a_reset() -> None:
+def test_a_reset_frees_a_bus_that_was_left_within_a_read() -> None:
     session = slave(registers="00")
     driver = adapter(session)
-    assert driver.receive(READ) == ACKED  # and the first bit, a 0
+    assert driver.receive(READ) == ACKED  # and drives the first bit, a 0
     assert session.pulls("SDA")
     assert driver.receive(b"x") == b"3"
     assert not session.pulls("SDA")
     assert driver.receive(b"r\x50\x01\x01") == b"\x00"
 
 
-def test_a_capture_is_what_others_do_on_the_bus() -> None:
-    """One F28335 reads another one's chips: 68W 1D, 68R 11 12 ..., in tokens of three bits and an ACK."""
+def test_a_capture_records_the_traffic_of_others() -> None:
+    """One F28335 reads the chips of another: 68W 1D, 68R 11 12 ..., captured in tokens of three bits and an ACK."""
     changes = ["unit.imu.settings.table={0x68='11 12 13 14 15 16'}", "budget=[]"]
     case = load(TIMING / "two_dsps.toml", changes)
     session = Session(case, BUS)
@@ -146,12 +150,12 @@ def test_a_capture_is_what_others_do_on_the_bus() -> None:
     assert driver.captured() == b"" and driver.receive(b"e@") == b"@"
     driver.receive(b"c")
     session.advance(session.ticks("65 ms"))
-    assert driver.receive(b"c") == driver.captured() == b"", "what a capture did not hand over is gone with it"
+    assert driver.receive(b"c") == driver.captured() == b"", "the end of a capture discards its remaining tokens"
 
 
 @pytest.mark.parametrize("sent", [b"c", b"b", b"b\x02@"])
-def test_a_capture_and_bits_let_go_of_the_bus(sent: bytes) -> None:
-    """START and an address: SCL is held low for the next byte, until a capture or bits begin, or the bits end."""
+def test_a_capture_and_bit_mode_release_the_bus(sent: bytes) -> None:
+    """After START and an address SCL is held low, and released when a capture or bit mode begins, or bit mode ends."""
     session = slave(registers="0a")
     driver = adapter(session)
     assert driver.receive(WRITE) == ACKED and session.level("SCL") == 0
@@ -159,7 +163,7 @@ def test_a_capture_and_bits_let_go_of_the_bus(sent: bytes) -> None:
     assert session.level("SCL") == 1
 
 
-def test_garbage_is_stood_and_forgotten() -> None:
+def test_commands_work_after_garbage() -> None:
     draw = Random(12)
     driver = adapter()
     for _ in range(12):

@@ -1,4 +1,4 @@
-"""The package `i2cdriver` as it comes from the registry, on a port whose other end is a case."""
+"""The published package `i2cdriver` works on a port whose other end is a case."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ i2cdriver = pytest.importorskip("i2cdriver", reason="i2cdriver is not installed:
 
 @pytest.fixture(autouse=True)
 def patience(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The package gives each answer a second of real time; here it waits, however busy the machine is."""
+    """Replace the package's timeout of one second of real time, since the machine may be busy."""
     monkeypatch.setattr(i2cdriver.serial, "Serial", partial(_patient, i2cdriver.serial.Serial))
 
 
@@ -45,7 +45,7 @@ def test_an_unmodified_program_reads_writes_and_scans(tmp_path: Path) -> None:
         assert driver.regrd(0x50, 4, "<H") == 0x0201
         assert not driver.regwr(0x51, 4, 1)
         driver.setspeed(400)
-        data = bytes(range(130))  # three commands
+        data = bytes(range(130))  # needs three commands
         assert driver.start(0x50, 0) and driver.write(b"\x10" + data)
         assert driver.start(0x50, 0) and driver.write([0x10]) and driver.start(0x50, 1)
         assert driver.read(130) == data
@@ -60,19 +60,21 @@ def test_an_unmodified_program_reads_writes_and_scans(tmp_path: Path) -> None:
     assert replay(chip, log).wire_bytes == port.result.wire_bytes > 300
 
 
-def test_a_program_sees_what_others_do_on_the_bus() -> None:
+def test_a_program_captures_the_traffic_of_others() -> None:
     heads = load(TIMING / "two_dsps.toml").model_copy(update={"budget": ()})
     with I2cDriverPort(heads, BUS) as port:
-        assert all(one.daemon for one in threading.enumerate() if one.name == "i2cdriver")  # a program may forget it
+        assert all(
+            one.daemon for one in threading.enumerate() if one.name == "i2cdriver"
+        )  # a program may never close the port
         driver = i2cdriver.I2CDriver(port.path, reset="never")
-        driver.ser.timeout = 0.05  # a capture goes on with what came until then, or nothing
+        driver.ser.timeout = 0.05  # a capture then returns what has come until now, or nothing
         events = driver.capture_start()()
         seen = [next(events) for _ in range(3)]
         driver.ser.close()
     assert seen == [i2cdriver.START(0x68, 0, True), i2cdriver.BYTE(0x1D, 0, True), i2cdriver.START(0x68, 1, True)]
 
 
-def test_what_cannot_be_is_said_before_a_program_opens_it(tmp_path: Path) -> None:
+def test_impossible_ports_are_refused_when_they_are_made(tmp_path: Path) -> None:
     taken = tmp_path / "taken"
     taken.write_text("mine")
     before = len(os.listdir("/proc/self/fd"))
@@ -89,14 +91,14 @@ def test_what_cannot_be_is_said_before_a_program_opens_it(tmp_path: Path) -> Non
     assert len(os.listdir("/proc/self/fd")) == before
 
 
-def test_a_system_without_pseudo_terminals_is_said_before_a_program_opens_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_system_without_pseudo_terminals_is_refused_when_a_port_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "periph_sim.outside.live.i2cdriver_door", None)
     with pytest.raises(ImportError, match="i2cdriver_door"), I2cDriverPort(case(), BUS):
         pass
 
 
-def test_a_port_is_raw_and_a_program_that_reads_no_answers_keeps_no_block_from_ending(tmp_path: Path) -> None:
-    """A status of 80 bytes for each question: more than a pseudo-terminal holds."""
+def test_a_port_is_raw_and_unread_answers_do_not_delay_its_end(tmp_path: Path) -> None:
+    """Each question has a status of 80 bytes as answer, so the answers exceed the buffer of a pseudo-terminal."""
     link = tmp_path / "i2c"
     with I2cDriverPort(case("register_slave"), BUS, link=link) as port:
         client = os.open(port.path, os.O_RDWR | os.O_NOCTTY)

@@ -1,4 +1,4 @@
-"""A case of a few lines: an SCI that answers each character with the next one."""
+"""A small case: an SCI that answers each character with the next one."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def written(folder: Path) -> Path:
 
 
 class Echo:
-    """A session of the case, stepped by the test. A subclass opens a door at its line."""
+    """A session of the case, advanced by the test; a subclass opens a door at its line."""
 
     door: Any
 

@@ -1,4 +1,4 @@
-"""A case of a few lines: a slave with registers, which a controller reads."""
+"""A small case: a slave with registers, which a controller reads."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bytes that wait for a client: the last so many of them, handed over as far as there is room."""
+"""A backlog of bytes for a client: it keeps the last ones up to its size, and passes them on while there is room."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from periph_sim.outside.live import backlog
 from periph_sim.outside.live.backlog import Backlog, left_there
 
 
-def test_what_is_beyond_its_size_is_given_up_and_counted() -> None:
+def test_bytes_beyond_the_size_of_a_backlog_are_discarded_and_counted() -> None:
     waiting = Backlog(5)
     waiting.add(b"abcde")
     assert (waiting.lost, len(waiting)) == (0, 5)
@@ -20,7 +20,7 @@ def test_what_is_beyond_its_size_is_given_up_and_counted() -> None:
 
 
 @pytest.mark.parametrize("room", [BlockingIOError(), 0])
-def test_it_is_handed_over_in_pieces_as_long_as_there_is_room(monkeypatch: pytest.MonkeyPatch, room: object) -> None:
+def test_a_backlog_is_passed_on_in_pieces_while_there_is_room(monkeypatch: pytest.MonkeyPatch, room: object) -> None:
     monkeypatch.setattr(backlog, "AT_ONCE", 4)
     waiting, offered, taken = Backlog(), [], iter([4, 1, room])
     waiting.add(b"abcdefg")
@@ -37,11 +37,11 @@ def test_it_is_handed_over_in_pieces_as_long_as_there_is_room(monkeypatch: pytes
     assert waiting.read(9) == b"fg"
 
 
-def test_its_sizes() -> None:
+def test_sizes_of_a_backlog() -> None:
     assert (backlog.MOST, backlog.AT_ONCE, backlog.MOST_HELD) == (1 << 20, 4096, 16 << 20)
 
 
-def test_bytes_that_a_system_holds_are_counted_up_to_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bytes_left_in_the_system_are_counted_up_to_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     pieces = iter([b"abc", b"d", b""])
     assert left_there(lambda: next(pieces)) == 4
     monkeypatch.setattr(backlog, "MOST_HELD", 10)

@@ -1,4 +1,4 @@
-"""An I2CDriver in a session's loop: commands go in at its pseudo-terminal, time moves by what they do, and paces on."""
+"""An I2CDriver door in a session's loop: commands from its pseudo-terminal advance time, and pacing continues."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from periph_sim.scene.scene import Scene
 from tests.outside.live.registers import written
 from tests.outside.sessions import Records, refuses
 
-REGISTER = bytes([ord("r"), 0x50, 1, 2])  # two from 1 on
+REGISTER = bytes([ord("r"), 0x50, 1, 2])  # read two registers from 1 on
 
 
 class Served:
-    """A client's end of it, and the loop, stepped by the test."""
+    """A client at the pseudo-terminal, and the loop, advanced by the test."""
 
     def __init__(self, folder: Path, log: Path | None = None, pace: int = 0) -> None:
         self.records = Records()
@@ -46,13 +46,13 @@ class Served:
         self.loop.run(self.session.now + self.session.ticks(length))
 
     def answer(self, command: bytes) -> bytes:
-        """What the client reads 2 ms after this command."""
+        """Return what the client reads 2 ms after this command."""
         os.write(self.file, command)
         self.passes("2 ms")
         return os.read(self.file, 10)
 
     def next_client(self) -> None:
-        """The client leaves, and another one comes."""
+        """Disconnect the client, and connect another one."""
         os.close(self.file)
         self.passes("1 ms")
         self.file = os.open(self.door.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
@@ -78,7 +78,7 @@ def test_commands_that_are_never_read_are_counted(tmp_path: Path) -> None:
     assert served.door.unread == len(REGISTER)
 
 
-def test_commands_are_done_in_their_own_time_and_the_controller_gives_way(tmp_path: Path, log: Path) -> None:
+def test_commands_take_simulated_time_and_replace_the_controller_of_the_case(tmp_path: Path, log: Path) -> None:
     served = Served(tmp_path, log)
     served.passes("2 ms")
     os.write(served.file, REGISTER)
@@ -91,7 +91,9 @@ def test_commands_are_done_in_their_own_time_and_the_controller_gives_way(tmp_pa
     served.close()
     assert result.notes == ["SDA and SCL are driven from outside, in place of [controller]"]
     assert [(one.name, one.verdict) for one in result.budgets] == [("all rounds", "not judged"), ("work", "pass")]
-    assert result.wire_bytes == 5 and result.counts["rounds"] == 0  # the case asks from 0 on, and this was from 1 on
+    assert (
+        result.wire_bytes == 5 and result.counts["rounds"] == 0
+    )  # the case reads from register 0, and this read was from 1 on
     files, target = files_of(log, str(tmp_path / "again"))
     target.write_text(files[target])
     again = Records()
@@ -100,12 +102,14 @@ def test_commands_are_done_in_their_own_time_and_the_controller_gives_way(tmp_pa
     assert again.kept == served.records.kept
 
 
-def test_the_loop_waits_for_the_clock_behind_what_a_client_did(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_loop_waits_for_the_clock_after_commands_of_a_client(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     served = Served(tmp_path, pace=1)
     begin = served.session.now
 
     def select(files: list[int], _: object, __: object, left: float) -> tuple[list[int], list[int], list[int]]:
-        """In the middle of the second step commands come, which take several steps."""
+        """Deliver commands in the middle of the second step that take several steps."""
         if served.now == 0:
             served.now = 0.0005
             os.write(served.file, REGISTER * 3)
@@ -116,12 +120,16 @@ def test_the_loop_waits_for_the_clock_behind_what_a_client_did(tmp_path: Path, m
     monkeypatch.setattr("periph_sim.outside.live.loop.select.select", select)
     served.passes("2 ms")
     taken = (served.session.now - begin) / served.session.ticks_per_second
-    assert taken > 0.0025 and served.now == pytest.approx(taken - 0.001, abs=1e-5)  # the clock starts with the first
+    assert taken > 0.0025 and served.now == pytest.approx(
+        taken - 0.001, abs=1e-5
+    )  # the clock starts with the first step
     assert served.pacer.worst == 0
     served.close()
 
 
-def test_who_reads_no_answers_is_not_heard_until_it_does(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_commands_of_a_client_are_not_read_while_it_reads_no_answers(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(i2cdriver_door, "MOST", 100)
     for waiting, waited_for in ((99, 1), (100, 0)):
         served.door.back.add(bytes(waiting))
@@ -143,15 +151,15 @@ def test_who_reads_no_answers_is_not_heard_until_it_does(served: Served, monkeyp
     assert got == b"A" * 40_000 and not served.door.back.lost
 
 
-def test_what_it_cannot_have(tmp_path: Path) -> None:
+def test_a_missing_wire_and_an_unknown_measure_are_refused(tmp_path: Path) -> None:
     refuses("SCL of case registers does not lead outside", I2cDriverDoor, Session(load(written(tmp_path)), ("SDA",)))
     refuses("cpu lode", case_for_bus, written(tmp_path), ("budget.1.measure=cpu lode",), error=BadCase)
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux's inotify reports who opens a terminal")
 @pytest.mark.parametrize("left", [b"r\x50\x01", b"\xc3\x01", b"c", b"eA" * 5 + b"s"])
 @pytest.mark.parametrize("unread", [True, False])
-def test_half_a_command_of_a_dead_client_is_not_completed_by_the_next_one(served: Served, left: bytes, unread: bool):
+def test_an_incomplete_command_of_a_disconnected_client_is_discarded(served: Served, left: bytes, unread: bool):
     served.passes("2 ms")
     os.write(served.file, left)
     if not unread:
@@ -160,9 +168,9 @@ def test_half_a_command_of_a_dead_client_is_not_completed_by_the_next_one(served
     assert served.answer(b"r\x50\x03\x01") == b"\x44" and not served.door.adapter.capturing
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
-def test_answers_that_waited_for_a_dead_client_are_discarded_and_a_closed_door_is_gone(tmp_path: Path) -> None:
-    """Two thousand statuses of 80 bytes: more than a pseudo-terminal holds."""
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux's inotify reports who opens a terminal")
+def test_answers_to_a_disconnected_client_are_discarded_and_a_closed_door_is_removed(tmp_path: Path) -> None:
+    """The answers are 2000 statuses of 80 bytes, more than the buffer of a pseudo-terminal holds."""
     served = Served(tmp_path)
     os.write(served.file, b"?" * 2000)
     served.passes("1 ms")

@@ -1,4 +1,4 @@
-"""The loop step by step: what it calls of a session, a pacer and its doors, and in which order."""
+"""The loop step by step: its calls to a session, a pacer and doors, and their order."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from periph_sim.outside.live.loop import Loop
 
 
 class Session:
-    """It writes down to which ticks it is advanced."""
+    """A session that logs the ticks to which it is advanced."""
 
     def __init__(self, calls: list[str]) -> None:
         self.now = 0
@@ -25,7 +25,7 @@ class Session:
 
 
 class Pacer:
-    """lefts: the answers of `wait`, then 0."""
+    """A pacer whose `wait` returns each of `lefts` in turn, and then 0."""
 
     def __init__(self, calls: list[str], lefts: list[float]) -> None:
         self._calls, self._lefts = calls, lefts
@@ -39,7 +39,7 @@ class Pacer:
 
 
 class Door:
-    """moves: what each turn does, in order."""
+    """A door that calls one of `moves` in each turn, in order."""
 
     def __init__(self, calls: list[str], number: int, moves: list[Any]) -> None:
         self._calls, self._number, self._moves = calls, number, moves
@@ -59,7 +59,7 @@ def made(*moves: Any, lefts: tuple[float, ...] = (), step: str = "1 ms") -> tupl
     return calls, session, Loop(session, Pacer(calls, [*lefts]), [Door(calls, 7, [*moves])], step)  # type: ignore[arg-type]
 
 
-def test_each_step_waits_turns_advances_and_the_last_one_is_as_long_as_is_left() -> None:
+def test_each_step_waits_turns_and_advances_and_the_last_one_is_shorter() -> None:
     calls, _, loop = made()
     loop.run(2500)
     steps = [f"wait {at}, turn, advance {at}, reached {at}" for at in (1000, 2000, 2500)]
@@ -70,7 +70,7 @@ def test_each_step_waits_turns_advances_and_the_last_one_is_as_long_as_is_left()
     assert ", ".join(calls) == ", ".join([*steps, "turn"]), "a step is one tick at least"
 
 
-def test_a_door_may_move_time_itself_and_stop_the_loop() -> None:
+def test_a_door_may_advance_time_and_stop_the_loop() -> None:
     calls, session, loop = made(lambda: setattr(session, "now", 1000), lambda: None, lambda: loop.stopped.set())
     loop.run()
     assert ", ".join(calls) == (
@@ -79,8 +79,8 @@ def test_a_door_may_move_time_itself_and_stop_the_loop() -> None:
     )
 
 
-def test_while_it_waits_input_of_a_door_is_taken_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Input comes once; its turn takes until 1500, which is what the clock is then waited for."""
+def test_input_of_a_door_ends_the_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Input comes once; its turn advances to 1500, so the loop then waits for that tick."""
     asked: list[tuple[list[int], float]] = []
 
     def select(files: list[int], _: object, __: object, left: float) -> tuple[list[int], list[int], list[int]]:
@@ -94,14 +94,14 @@ def test_while_it_waits_input_of_a_door_is_taken_at_once(monkeypatch: pytest.Mon
     assert ", ".join(calls) == "wait 1000, turn, wait 1500, wait 1500, turn, reached 1500, turn"
 
 
-def test_one_that_is_stopped_waits_no_longer(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_stopped_loop_does_not_wait(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("periph_sim.outside.live.loop.select.select", lambda files, *_: (files, [], []))
     calls, _, loop = made(lambda: loop.stopped.set(), lefts=(0.5, 0.5, 0.5))
     loop.run(1000)
     assert ", ".join(calls) == "wait 1000, turn, wait 1000, turn, advance 1000, reached 1000, turn"
 
 
-def test_without_files_it_sleeps_because_select_refuses_none_on_windows(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_files_the_loop_sleeps_because_select_refuses_that_on_windows(monkeypatch: pytest.MonkeyPatch) -> None:
     slept: list[float] = []
     monkeypatch.setattr("periph_sim.outside.live.loop.time.sleep", slept.append)
     monkeypatch.setattr("periph_sim.outside.live.loop.select.select", None)

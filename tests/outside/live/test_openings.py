@@ -1,4 +1,4 @@
-"""Clients of a file as inotify reports them: the first that comes and the last that leaves count, others do not."""
+"""Clients of a file as reported by inotify: only the first to open and the last to close are reported."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from periph_sim.outside.live.pty_door import Openings
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="inotify is a service of Linux")
-def test_the_first_that_comes_and_the_last_that_leaves(tmp_path: Path) -> None:
+def test_the_first_to_open_and_the_last_to_close_are_reported(tmp_path: Path) -> None:
     """
     first   ____/~~~~~~~~~\\___________/~\\__
     second  ________/~~~~~~~~~\\_/~\\_______
@@ -24,7 +24,7 @@ def test_the_first_that_comes_and_the_last_that_leaves(tmp_path: Path) -> None:
     assert openings.passed() == (False, False)
     first = path.open("rb")
     assert openings.passed() == (False, True)
-    assert first.read() == b"abc"  # reading is neither
+    assert first.read() == b"abc"  # reading is not reported
     assert openings.passed() == (False, False)
     second = path.open("rb")
     assert openings.passed() == (False, False)
@@ -41,7 +41,7 @@ def test_the_first_that_comes_and_the_last_that_leaves(tmp_path: Path) -> None:
     openings.close()
 
 
-def test_without_inotify_nobody_is_seen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_inotify_no_client_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ctypes, "CDLL", lambda *_, **__: object())
     path = tmp_path / "port"
     path.touch()

@@ -1,4 +1,4 @@
-"""Keeping up with a clock, by a clock of the test's own."""
+"""Pacing by a clock, for which the test has its own."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def paced(pace: str = "1", when_late: Any = "slip") -> tuple[Pacer, Clock]:
 
 
 @pytest.mark.parametrize(("pace", "wait"), [("1", 2.0), ("2", 1.0), ("0.5", 4.0), ("0", 0.0)])
-def test_how_long_to_wait(pace: str, wait: float) -> None:
+def test_waits(pace: str, wait: float) -> None:
     pacer, clock = paced(pace)
     assert pacer.wait(2000) == pytest.approx(wait)
     clock.now += 0.25
@@ -45,7 +45,7 @@ def late_by(pacer: Pacer, clock: Clock, tick: int, lateness: float) -> None:
     ("when_late", "last"),
     [("slip", "later than 50 ms: 2 times, 2 slips"), ("catch-up", "later than 50 ms: 2 times, caught up")],
 )
-def test_the_histogram_in_words(when_late: str, last: str) -> None:
+def test_text_of_the_histogram(when_late: str, last: str) -> None:
     pacer, clock = paced(when_late=when_late)
     for tick, lateness in enumerate([0.0, 0.00009, 0.00011, 0.0499, 0.0501, 2.0], start=1):
         late_by(pacer, clock, 10_000 * tick, lateness)
@@ -63,16 +63,16 @@ def test_the_histogram_in_words(when_late: str, last: str) -> None:
     ]
 
 
-def test_time_that_was_not_waited_for_is_not_late() -> None:
+def test_time_before_the_first_wait_is_not_late() -> None:
     clock = Clock()
     pacer = Pacer(1000, Fraction(2), "slip", clock)
     pacer.reached(5000)
     assert pacer.counts == [0] * 12
-    assert pacer.wait(3000) == 0.0, "the clock starts with the first call, whatever tick that is of"
+    assert pacer.wait(3000) == 0.0, "the clock starts with the first call, at any tick"
     assert pacer.wait(4000) == pytest.approx(0.5)
 
 
-def test_slip_leaves_it_behind_and_catch_up_does_not() -> None:
+def test_slip_accepts_lateness_and_catch_up_recovers_it() -> None:
     for when_late, wait in (("slip", 0.1), ("catch-up", 0.0)):
         pacer, clock = paced("1", when_late)
         late_by(pacer, clock, 100, 0.200)
@@ -81,12 +81,12 @@ def test_slip_leaves_it_behind_and_catch_up_does_not() -> None:
         assert pacer.text()[-1].startswith("later than 50 ms: 1 time, ")
 
 
-def test_stop_ends_it() -> None:
+def test_stop_ends_the_session() -> None:
     pacer, clock = paced("1", "stop")
     refuses(r"simulated time is 200.0 ms late, and --when-late is stop", late_by, pacer, clock, 100, 0.200)
 
 
-def test_full_speed_is_never_late_and_a_pace_below_0_is_none() -> None:
+def test_full_speed_is_never_late_and_a_pace_below_0_is_refused() -> None:
     pacer, clock = paced("0")
     late_by(pacer, clock, 100, 5.0)
     assert (pacer.text(), pacer.worst) == ([], 0.0)

@@ -1,4 +1,4 @@
-"""A real port, for which a pseudo-terminal stands: open elsewhere, gone in mid-frame, there again."""
+"""A door at a real port, here a pseudo-terminal: opened by another program, unplugged within a frame, plugged again."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tests.outside.sessions import refuses  # noqa: E402
 
 
 class Cable:
-    """Its far end, and a name that stays as it is plugged in anew."""
+    """A cable, with its far end and a name that is the same whenever it is plugged in."""
 
     def __init__(self, name: Path) -> None:
         self.name = name
@@ -45,7 +45,7 @@ class Cable:
 
 
 def send(cable: Cable, door: PortDoor, data: bytes) -> None:
-    """The system carries it over by and by."""
+    """Send data from the far end, and wait until the system has delivered it."""
     os.write(cable.far, data)
     while door._port.in_waiting < len(data):
         select.select(door.files(), [], [], 60)
@@ -59,7 +59,7 @@ def got(cable: Cable, count: int) -> bytes:
 
 
 class Plugged(Echo):
-    """A session whose line is at a cable."""
+    """A session whose line is connected to a cable."""
 
     def __init__(self, folder: Path) -> None:
         super().__init__(folder)
@@ -75,7 +75,7 @@ def plugged(tmp_path: Path) -> Iterator[Plugged]:
     one.cable.unplug()
 
 
-def test_a_port_that_goes_in_mid_frame_is_told_and_opened_again(plugged: Plugged) -> None:
+def test_a_port_that_is_unplugged_within_a_frame_is_reported_and_opened_again(plugged: Plugged) -> None:
     cable, said, line, door = plugged.cable, plugged.said, plugged.line, plugged.door
     refuses(
         "ttyUSB0: another program has it open; close it there first", PortDoor, line, str(cable.name), 115_200, "8n1"
@@ -83,7 +83,7 @@ def test_a_port_that_goes_in_mid_frame_is_told_and_opened_again(plugged: Plugged
     plugged.passes("1 ms")
     send(cable, door, b"abc")
     plugged.passes("0.1 ms")
-    assert (line.sent, line.received) == (2, 0)  # the first is under way, and the second has its place
+    assert (line.sent, line.received) == (2, 0)  # the first is being sent, and the second is next
     cable.unplug()
     plugged.passes("1.2 ms")
     assert said == [f"{cable.name}: {GONE}; it will be opened again once it is back"] and door.files() == []
@@ -100,7 +100,7 @@ def test_a_port_that_goes_in_mid_frame_is_told_and_opened_again(plugged: Plugged
     assert (line.sent, line.received, got(cable, 4)) == (4, 4, b"bcde")
 
 
-def test_a_port_that_went_is_left_alone_for_a_second(plugged: Plugged) -> None:
+def test_an_unplugged_port_is_not_opened_again_for_a_second(plugged: Plugged) -> None:
     """
     s      0             0.99      1.0
     port   gone, there   there     there
@@ -124,8 +124,10 @@ def test_a_port_without_a_file_number_as_on_windows_is_polled_at_each_step(plugg
     monkeypatch.undo()
 
 
-def test_a_port_that_is_ahead_of_the_line_waits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """100 bytes may wait: the next one stays in the system until one is sent, and is counted if it is lost."""
+def test_bytes_beyond_the_capacity_of_the_line_stay_in_the_system(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The line accepts 100 bytes: the next one stays in the system until one is sent, and is counted if it is lost."""
     monkeypatch.setattr(port_door, "MOST", 100)
     plugged = Plugged(tmp_path)
     cable, line, door = plugged.cable, plugged.line, plugged.door
@@ -152,7 +154,7 @@ def test_a_port_that_is_ahead_of_the_line_waits(tmp_path: Path, monkeypatch: pyt
         ("{folder}/plain", "{folder}/plain: it is no serial port"),
     ],
 )
-def test_a_port_that_is_none_is_refused_in_our_words(port: str, sentence: str, tmp_path: Path) -> None:
+def test_an_invalid_port_is_refused_in_one_sentence(port: str, sentence: str, tmp_path: Path) -> None:
     (tmp_path / "plain").touch()
     session = Session(written(tmp_path), ("RX", "TX"))
     with pytest.raises(OutsideError) as refused:
@@ -160,7 +162,7 @@ def test_a_port_that_is_none_is_refused_in_our_words(port: str, sentence: str, t
     assert str(refused.value) == sentence.format(folder=tmp_path)
 
 
-def test_pyserial_s_words_are_ours() -> None:
+def test_errors_of_pyserial_are_reworded() -> None:
     said = [
         (serial.SerialException("write failed: [Errno 5] Input/output error"), GONE),
         (serial.SerialException("device reports readiness to read but returned no data (device ...)"), GONE),

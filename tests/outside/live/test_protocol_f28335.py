@@ -1,4 +1,4 @@
-"""pyserial's `serial_for_url` on a case: as a port behaves, and what is no such port."""
+"""pyserial's `serial_for_url` opens a case, which behaves as a port; invalid URLs are refused."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from tests.outside.live.echo import written  # noqa: E402
 
 
 def moves_of_rx(log: Path) -> list[tuple[int, int]]:
-    """(tick, level) of each move of RX in a log."""
+    """Return tick and level of each edge of RX in a log."""
     return [(tick, levels["RX"]) for tick, levels, _ in LogReader(log).instants() if "RX" in levels]
 
 
@@ -49,7 +49,7 @@ def test_a_plain_script_at_full_speed(tmp_path: Path, recwarn: pytest.WarningsRe
         assert line.read() == b"b"
         assert line.read_until(b"x") == b""
     assert 0.02 < line.result.simulated_s < 0.03
-    assert (line.result.sci_bytes, line.unsent, recwarn.list) == (6, 0, []), "a flush has sent all"
+    assert (line.result.sci_bytes, line.unsent, recwarn.list) == (6, 0, []), "flush has sent all bytes"
 
 
 def test_each_byte_has_the_ninth_bit_of_the_parity_with_which_it_was_written(tmp_path: Path) -> None:
@@ -64,7 +64,7 @@ def test_each_byte_has_the_ninth_bit_of_the_parity_with_which_it_was_written(tmp
     assert records == [(0x21, "", 1), (ord("a"), "", 0)]
 
 
-def test_bytes_that_wait_are_counted_before_they_are_read_and_gone_behind_a_reset_of_the_input(tmp_path: Path) -> None:
+def test_waiting_bytes_are_counted_and_discarded_by_a_reset_of_the_input(tmp_path: Path) -> None:
     with port(tmp_path) as line:
         line.write(b"ab")
         line.flush()
@@ -76,7 +76,7 @@ def test_bytes_that_wait_are_counted_before_they_are_read_and_gone_behind_a_rese
 
 
 class InHours:
-    """A session in which each step is an hour long, since nobody has the time for 36 million of them."""
+    """A session with steps of an hour; the 3.6 million steps of a millisecond would take too long."""
 
     def __init__(self, session: Session) -> None:
         self.advance, self.ticks_per_second, self._session = session.advance, session.ticks_per_second, session
@@ -97,7 +97,7 @@ def test_a_read_without_time_out_ends_after_an_hour_of_simulated_time(tmp_path: 
         line._session = session
 
 
-def test_at_the_pace_of_a_clock(tmp_path: Path) -> None:
+def test_a_script_at_the_pace_of_a_clock(tmp_path: Path) -> None:
     line = port(tmp_path, "&pace=1", timeout=30)
     line.write(b"hello")
     assert line.read(5) == b"ifmmp"
@@ -108,11 +108,11 @@ def test_at_the_pace_of_a_clock(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("pace", [0, 1])
-def test_bytes_that_are_not_sent_at_the_end_are_counted_and_told(tmp_path: Path, pace: int) -> None:
+def test_unsent_bytes_at_the_end_are_counted_and_reported(tmp_path: Path, pace: int) -> None:
     """A character takes 8.3 ms at 1200 baud."""
     line = port(tmp_path, f"&pace={pace}", baudrate=1200)
     line.write(bytes(5000))
-    assert line.in_waiting + line.out_waiting > 4000, "they are the line's"
+    assert line.in_waiting + line.out_waiting > 4000, "the line has not sent them"
     said = rf"&pace={pace} was closed before it had sent (4\d\d\d|5000) bytes; call flush\(\) first$"
     with pytest.warns(RuntimeWarning, match=said):
         line.close()
@@ -125,7 +125,7 @@ def test_bytes_that_are_not_sent_at_the_end_are_counted_and_told(tmp_path: Path,
 @UNSENT
 def test_a_flush_in_another_thread_ends_as_the_port_is_closed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     line = port(tmp_path, "&pace=1", baudrate=300)
-    line.write(bytes(300))  # ten seconds
+    line.write(bytes(300))  # take ten seconds
     begun, waits = threading.Event(), line._queue.waits
     monkeypatch.setattr(line._queue, "waits", lambda: begun.set() or waits())
     flush = threading.Thread(target=line.flush, daemon=True)
@@ -136,13 +136,13 @@ def test_a_flush_in_another_thread_ends_as_the_port_is_closed(tmp_path: Path, mo
     assert not flush.is_alive()
 
 
-def test_its_clock_is_as_fast_as_its_pace(tmp_path: Path) -> None:
+def test_the_clock_of_a_port_follows_its_pace(tmp_path: Path) -> None:
     with port(tmp_path, "&pace=2") as line:
         before = time.monotonic()
         assert 2 * before <= line.clock() <= 2 * time.monotonic()
 
 
-def test_it_is_opened_again_and_what_was_live_replays(tmp_path: Path, log: Path) -> None:
+def test_a_port_can_be_opened_again_and_its_log_can_be_replayed(tmp_path: Path, log: Path) -> None:
     line = port(tmp_path, f"&pace=0&log={log}")
     line.write(b"abc")
     assert line.read(3) == b"bcd"
@@ -156,7 +156,7 @@ def test_it_is_opened_again_and_what_was_live_replays(tmp_path: Path, log: Path)
     assert line.result.sci_bytes == 0
 
 
-def test_another_rate_is_a_mismatch_and_may_be_mended(tmp_path: Path) -> None:
+def test_another_rate_corrupts_characters_until_it_is_corrected(tmp_path: Path) -> None:
     with port(tmp_path, baudrate=9600) as line:
         line.write(b"a")
         assert line.read(9) != b"b"
@@ -169,7 +169,7 @@ def test_another_rate_is_a_mismatch_and_may_be_mended(tmp_path: Path) -> None:
         assert line.cts is False
 
 
-def test_a_rate_that_is_set_is_the_line_s_unless_no_line_can_have_it(tmp_path: Path) -> None:
+def test_a_rate_is_set_or_refused_if_impossible(tmp_path: Path) -> None:
     with port(tmp_path, baudrate=9600) as line:
         line.baudrate = 115_200
         line.write(b"a")
@@ -181,14 +181,19 @@ def test_a_rate_that_is_set_is_the_line_s_unless_no_line_can_have_it(tmp_path: P
 @pytest.mark.parametrize(
     ("baud", "count", "length", "least"),
     [
-        (115_200, 2000, 0.05, 3_000_000),  # behind 174 ms; at least a millisecond, while a frame is low for a bit only
-        (50, 1, 0.2, 180_000_000),  # behind 200 ms; at least 60 ms, which is three bits
+        (
+            115_200,
+            2000,
+            0.05,
+            3_000_000,
+        ),  # after 174 ms; at least a millisecond, while in a frame RX is low for one bit only
+        (50, 1, 0.2, 180_000_000),  # after 200 ms; at least 60 ms, which are three bits
     ],
 )
 def test_a_break_at_the_pace_of_a_clock_follows_the_bytes_written_before(
     tmp_path: Path, log: Path, baud: int, count: int, length: float, least: int
 ) -> None:
-    """Its end is requested `length` after its beginning, which must not wait behind bytes then."""
+    """The break's end is requested `length` after its beginning, and the beginning must not wait for bytes then."""
     with port(tmp_path, f"&log={log}", baudrate=baud) as line:
         line.write(b"\xff" * count)
         line.send_break(length)
@@ -197,7 +202,7 @@ def test_a_break_at_the_pace_of_a_clock_follows_the_bytes_written_before(
     assert longest > least
 
 
-def test_the_scene_of_a_closed_port_is_free(tmp_path: Path) -> None:
+def test_the_scene_of_a_closed_port_is_released(tmp_path: Path) -> None:
     line = port(tmp_path)
     scene = ref(line._session.scene)
     line.write(b"a")
@@ -218,7 +223,7 @@ def test_a_break_has_its_length_in_simulated_time(tmp_path: Path, log: Path) -> 
         line.timeout = 0.01
         line.break_condition = True
         line.read(100)
-        line.break_condition = False  # once, and for all turns
+        line.break_condition = False  # to release the break once is sufficient
         line.read(100)
         assert (line.cts, line.dsr, line.ri, line.cd) == (False,) * 4
     ticks, levels = zip(*moves_of_rx(log), strict=True)
@@ -229,7 +234,7 @@ def test_a_break_has_its_length_in_simulated_time(tmp_path: Path, log: Path) -> 
     assert broken - begin >= 10 * bit, "the frame has ended"
 
 
-def test_a_break_waits_for_the_end_of_a_slow_frame_and_of_a_break_that_was_held(tmp_path: Path, log: Path) -> None:
+def test_a_break_waits_for_the_end_of_a_frame_and_of_an_earlier_break(tmp_path: Path, log: Path) -> None:
     """A frame takes 8.3 ms at 1200 baud."""
     with port(tmp_path, f"&pace=0&log={log}", baudrate=1200, timeout=0.02) as line:
         line.write(b"\xff\xff")
@@ -243,7 +248,7 @@ def test_a_break_waits_for_the_end_of_a_slow_frame_and_of_a_break_that_was_held(
     assert sent >= held_over
 
 
-def test_a_break_behind_more_than_an_hour_of_bytes_is_refused_in_a_sentence(
+def test_a_break_after_more_than_an_hour_of_bytes_is_refused_in_one_sentence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(protocol_f28335, "FOREVER", 1)
@@ -267,13 +272,13 @@ def test_a_break_behind_more_than_an_hour_of_bytes_is_refused_in_a_sentence(
         ("f28335://{}/echo.toml?port=usb&pace=0", "there is no SCI 'usb'"),
     ],
 )
-def test_what_is_no_port_is_refused_in_a_sentence(url: str, sentence: str, tmp_path: Path) -> None:
+def test_an_invalid_url_is_refused_in_one_sentence(url: str, sentence: str, tmp_path: Path) -> None:
     written(tmp_path)
     with pytest.raises(serial.SerialException, match=sentence):
         serial.serial_for_url(url.format(tmp_path))
 
 
-def test_a_closed_port_is_told_by_its_url(tmp_path: Path) -> None:
+def test_errors_of_a_closed_port_name_its_url(tmp_path: Path) -> None:
     line = port(tmp_path)
     with pytest.raises(serial.SerialException, match="open already"):
         line.open()
@@ -284,9 +289,9 @@ def test_a_closed_port_is_told_by_its_url(tmp_path: Path) -> None:
             call()
 
 
-@pytest.mark.timeout(20)  # seconds: a client that is not woken would wait for ever
-@pytest.mark.parametrize("cycles", [45_000_000, 1000])  # 300 ms: the client waits already
-def test_firmware_that_fails_is_told_to_the_client(tmp_path: Path, cycles: int) -> None:
+@pytest.mark.timeout(20)  # seconds; a client that is not woken would wait forever
+@pytest.mark.parametrize("cycles", [45_000_000, 1000])  # 300 ms, so that the client already waits
+def test_an_error_of_firmware_is_raised_in_the_client(tmp_path: Path, cycles: int) -> None:
     case = written(tmp_path)
     (tmp_path / "echo_firmware.py").write_text(f"def main(dsp, settings):\n    dsp.compute({cycles})\n    1 / 0\n")
     line = serial.serial_for_url(f"f28335://{case}?pace=1", timeout=None)
@@ -296,7 +301,7 @@ def test_firmware_that_fails_is_told_to_the_client(tmp_path: Path, cycles: int) 
     line.close()
 
 
-def test_firmware_that_fails_at_full_speed_is_told_to_the_client(tmp_path: Path) -> None:
+def test_an_error_of_firmware_at_full_speed_is_raised_in_the_client(tmp_path: Path) -> None:
     case = written(tmp_path)
     (tmp_path / "echo_firmware.py").write_text("def main(dsp, settings):\n    dsp.compute(1000)\n    1 / 0\n")
     with serial.serial_for_url(f"f28335://{case}?pace=0", timeout=1) as line:
@@ -308,9 +313,9 @@ def test_firmware_that_fails_at_full_speed_is_told_to_the_client(tmp_path: Path)
 
 
 @UNSENT
-@pytest.mark.timeout(30)  # seconds: one who waits for room that never comes would loop
+@pytest.mark.timeout(30)  # seconds; a client that waits for room that never comes would loop
 @pytest.mark.parametrize("pace", [0, 1000])
-def test_who_writes_more_than_the_line_takes_waits_and_loses_nothing(tmp_path: Path, monkeypatch, pace: int) -> None:
+def test_writing_more_than_the_line_accepts_blocks_and_loses_nothing(tmp_path: Path, monkeypatch, pace: int) -> None:
     monkeypatch.setattr(protocol_f28335, "MOST", 20)
     with port(tmp_path, f"&pace={pace}", write_timeout=None if pace else 0.1) as line:
         assert line.write(bytes(range(100))) == 100
@@ -328,7 +333,7 @@ def test_who_writes_more_than_the_line_takes_waits_and_loses_nothing(tmp_path: P
 
 
 @UNSENT
-def test_a_write_that_finds_no_room_ends_at_its_time_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_blocked_write_ends_at_its_timeout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A character takes 200 ms at 50 baud."""
     monkeypatch.setattr(protocol_f28335, "MOST", 1)
     with port(tmp_path, baudrate=50, write_timeout=0.02) as line:
@@ -340,14 +345,14 @@ def test_a_write_that_finds_no_room_ends_at_its_time_limit(tmp_path: Path, monke
 
 
 @UNSENT
-def test_at_the_pace_of_a_clock_the_time_limit_of_a_write_is_real_time(tmp_path: Path, monkeypatch) -> None:
-    """20 characters take 4.4 simulated seconds at 50 baud, which is 44 ms of real time."""
+def test_at_the_pace_of_a_clock_the_timeout_of_a_write_is_real_time(tmp_path: Path, monkeypatch) -> None:
+    """20 characters take 4.4 simulated seconds at 50 baud, which are 44 ms of real time."""
     monkeypatch.setattr(protocol_f28335, "MOST", 1)
     with port(tmp_path, "&pace=100", baudrate=50, write_timeout=3) as line:
         assert line.write(bytes(20)) == 20
 
 
-def test_what_nobody_reads_is_counted_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_discarded_unread_bytes_are_counted_and_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(protocol_f28335, "Backlog", lambda: Backlog(10))
     line = port(tmp_path, timeout=1)
     line.write(b"abcdefghijklmnopqrst")

@@ -1,4 +1,4 @@
-"""A pseudo-terminal in front of an SCI: clients that come, set a rate, leave; nothing that was sent is lost."""
+"""A pseudo-terminal at an SCI: clients connect, set a rate and disconnect; no sent byte is lost."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from tests.outside.sessions import refuses
 
 
 class Served(Echo):
-    """A case with a pseudo-terminal, stepped by the test."""
+    """A case with a pseudo-terminal, advanced by the test."""
 
     def __init__(self, folder: Path, link: Path | None = None) -> None:
         super().__init__(folder)
@@ -44,8 +44,8 @@ def client(path: str | Path) -> int:
     return file
 
 
-def heard(served: Served, file: int, end: bytes) -> bytes:
-    """What a client reads up to this end; the system hands it on in its own time."""
+def read_until(served: Served, file: int, end: bytes) -> bytes:
+    """Return what a client reads until `end`, for which the system may need some time."""
     got = b""
     for _ in range(500):
         served.passes("1 ms")
@@ -56,7 +56,7 @@ def heard(served: Served, file: int, end: bytes) -> bytes:
     return got
 
 
-def test_clients_come_and_go(tmp_path: Path) -> None:
+def test_clients_connect_and_disconnect(tmp_path: Path) -> None:
     link = tmp_path / "dsp"
     served = Served(tmp_path, link)
     served.passes("5 ms")
@@ -71,11 +71,13 @@ def test_clients_come_and_go(tmp_path: Path) -> None:
     assert not link.is_symlink()
 
 
-def test_what_comes_while_nobody_listens_waits(served: Served) -> None:
+def test_bytes_wait_while_the_client_reads_nothing(served: Served) -> None:
     file, data, sent = client(served.door.path), bytes(range(256)) * 24, 0
     for _ in range(200):
         if sent < len(data):
-            sent += os.write(file, data[sent : sent + 50])  # in pauses: the firmware's own rate is a little lower
+            sent += os.write(
+                file, data[sent : sent + 50]
+            )  # with pauses, since the firmware's own rate is slightly lower
         served.passes("10 ms")
     got = b""
     for _ in range(200):
@@ -89,7 +91,7 @@ def test_what_comes_while_nobody_listens_waits(served: Served) -> None:
     os.close(file)
 
 
-def test_it_waits_for_its_terminal_until_the_line_has_enough_to_send(served: Served) -> None:
+def test_the_terminal_is_watched_until_the_line_has_enough_to_send(served: Served) -> None:
     file = client(served.door.path)
     ready, _, _ = select.select(served.door.files(), [], [], 0)
     os.write(file, b"a")
@@ -100,17 +102,17 @@ def test_it_waits_for_its_terminal_until_the_line_has_enough_to_send(served: Ser
     os.close(file)
 
 
-def test_a_client_that_sets_nothing_has_a_raw_line(served: Served) -> None:
-    """No CR becomes LF, no LF becomes CR LF, Ctrl-C and Ctrl-D are bytes, and what the SCI sends is not sent back."""
+def test_the_terminal_is_raw_without_settings_of_the_client(served: Served) -> None:
+    """CR and LF are kept, Ctrl-C and Ctrl-D are bytes, and what the SCI sends is not echoed to it."""
     file = os.open(served.door.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     os.write(file, b"\r\n\x03\x04\x11\x09\x0c")
-    assert heard(served, file, b"\x0d") == b"\x0e\x0b\x04\x05\x12\x0a\x0d"
+    assert read_until(served, file, b"\x0d") == b"\x0e\x0b\x04\x05\x12\x0a\x0d"
     served.passes("2 ms")
     assert served.line.sent == 7
     os.close(file)
 
 
-def test_the_client_s_rate_is_the_line_s(served: Served) -> None:
+def test_the_line_has_the_rate_of_the_client(served: Served) -> None:
     file = client(served.door.path)
     attributes = termios.tcgetattr(file)
     assert attributes[4:6] == [termios.B115200] * 2
@@ -127,7 +129,7 @@ def test_the_client_s_rate_is_the_line_s(served: Served) -> None:
     os.close(file)
 
 
-def test_the_rate_at_which_a_client_sends_is_the_line_s(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_line_has_the_rate_at_which_the_client_sends(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
     """A terminal may have two rates: this client receives at 9600 baud and sends at 19,200."""
     of_both = termios.tcgetattr(served.door._kept)
     split = [*of_both[:4], termios.B9600, termios.B19200, of_both[6]]
@@ -136,7 +138,9 @@ def test_the_rate_at_which_a_client_sends_is_the_line_s(served: Served, monkeypa
     assert served.line._bit == Fraction(served.session.ticks_per_second, 19_200)
 
 
-def test_who_is_ahead_waits_and_what_was_not_taken_is_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_client_ahead_of_the_line_waits_and_unread_bytes_are_counted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(pty_door, "MOST", 100)
     served = Served(tmp_path)
     file, sent = client(served.door.path), 0
@@ -151,16 +155,16 @@ def test_who_is_ahead_waits_and_what_was_not_taken_is_counted(tmp_path: Path, mo
     os.close(file)
 
 
-def test_a_link_that_a_session_left_behind_is_replaced_and_any_other_is_refused(tmp_path: Path) -> None:
+def test_a_link_left_by_a_session_is_replaced_and_any_other_is_refused(tmp_path: Path) -> None:
     link, other = tmp_path / "dsp", Served(tmp_path)
     pts = Path(other.door.path).parent
-    link.symlink_to(pts / "99999")  # of a session that was killed
+    link.symlink_to(pts / "99999")  # left by a session that was killed
     served = Served(tmp_path, link)
     assert str(link.readlink()) == served.door.path
     refuses(f"dsp: it is a link to {served.door.path} already; give the link", Served, tmp_path, link)
     assert str(link.readlink()) == served.door.path
     link.unlink()
-    link.symlink_to(other.door.path)  # somebody else's meanwhile
+    link.symlink_to(other.door.path)  # meanwhile it belongs to another session
     served.door.close()
     assert str(link.readlink()) == other.door.path
     other.door.close()
@@ -171,7 +175,7 @@ def test_a_link_that_a_session_left_behind_is_replaced_and_any_other_is_refused(
 
 
 def test_a_link_that_may_not_be_replaced_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is of an earlier pseudo-terminal with the number of the new one, in a folder that nobody may write to."""
+    """The link is to an earlier pseudo-terminal of the same number, in a folder that is not writable."""
 
     def unlink(path: Path, missing_ok: bool = False) -> None:
         raise PermissionError(errno.EACCES, "Permission denied")
@@ -185,20 +189,18 @@ def test_a_link_that_may_not_be_replaced_is_refused(tmp_path: Path, monkeypatch:
 
 
 class Unopened:
-    """Nobody opens a pseudo-terminal that is not there."""
+    """A stand-in for `Openings`, since the pseudo-terminal does not exist."""
 
     def __init__(self, path: str) -> None:
         assert path == "/dev/pts/99999"
 
     def close(self) -> None:
-        """It has no file open."""
+        """Do nothing, since no file is open."""
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
-def test_all_that_a_client_wrote_before_it_left_goes_on_the_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """3000 bytes, of which 100 may wait while a client is there: it writes between two turns, and leaves."""
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux's inotify reports who opens a terminal")
+def test_all_bytes_written_before_a_disconnect_are_sent(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The line accepts 100 of 3000 bytes while a client is connected; it writes between two turns and disconnects."""
     monkeypatch.setattr(pty_door, "MOST", 100)
     served = Served(tmp_path)
     file = client(served.door.path)
@@ -211,8 +213,8 @@ def test_all_that_a_client_wrote_before_it_left_goes_on_the_line(
     assert served.door.unread == 0
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
-def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(served: Served) -> None:
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux's inotify reports who opens a terminal")
+def test_unsent_bytes_of_a_disconnected_client_do_not_delay_the_next_client(served: Served) -> None:
     file = client(served.door.path)
     for _ in range(20):
         os.write(file, b"x" * 1000)
@@ -223,7 +225,7 @@ def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(serv
     file = client(served.door.path)
     served.passes("1 ms")
     os.write(file, b"hello")
-    assert heard(served, file, b"ifmmp").strip(b"y") == b"ifmmp" and not served.line.waiting
+    assert read_until(served, file, b"ifmmp").strip(b"y") == b"ifmmp" and not served.line.waiting
     (sentence,) = served.said
     assert sentence.startswith("a client connected: 19") and sentence.endswith(
         "unsent bytes of the one before are discarded"
@@ -234,6 +236,6 @@ def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(serv
     served.door.turn()
     os.close(file)
     served.door.turn()
-    file = client(served.door.path)  # at once: the five bytes of the program before are still sent
-    assert heard(served, file, b"tipsu") == b"tipsu" and len(served.said) == 1
+    file = client(served.door.path)  # at once, so the five bytes of the previous client are still sent
+    assert read_until(served, file, b"tipsu") == b"tipsu" and len(served.said) == 1
     os.close(file)

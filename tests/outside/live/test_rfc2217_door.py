@@ -1,4 +1,4 @@
-"""A serial line over TCP: clients of pyserial and bare sockets, those that vanish, come second, or send garbage."""
+"""A serial line over TCP: clients of pyserial and plain sockets that vanish, connect second or send garbage."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from tests.outside.sessions import refuses  # noqa: E402
 
 
 class Served(Echo):
-    """A case with a TCP port, stepped by the test, or by a thread while a client that blocks is at work."""
+    """A case with a TCP port, advanced by the test, or by a thread while a blocking client is connected."""
 
     def __init__(self, folder: Path) -> None:
         super().__init__(folder)
@@ -35,7 +35,7 @@ class Served(Echo):
         self.address = ("127.0.0.1", int(self.door.path.rpartition(":")[2]))
 
     def client(self) -> socket.socket:
-        """Of a program that knows no Telnet; what Telnet asks it is read."""
+        """Connect a client without Telnet; the Telnet negotiation is read and ignored."""
         came = socket.create_connection(self.address)
         self.passes("2 ms")
         assert came.recv(100).startswith(b"\xff")
@@ -43,7 +43,7 @@ class Served(Echo):
         return came
 
     def answer(self, client: socket.socket, data: bytes) -> bytes:
-        """What the client reads 2 ms after it has sent these bytes."""
+        """Return what the client reads 2 ms after it has sent these bytes."""
         client.send(data)
         self.passes("2 ms")
         return client.recv(4096)
@@ -56,12 +56,12 @@ def served(tmp_path: Path) -> Iterator[Served]:
     one.door.close()
 
 
-def test_the_client_s_rate_and_format_are_the_line_s(tmp_path: Path) -> None:
+def test_the_line_has_the_rate_and_format_of_the_client(tmp_path: Path) -> None:
     ended, ready = threading.Event(), threading.Event()
     made: list[Served] = []
 
     def serve() -> None:
-        """Firmware stays in the thread that began it."""
+        """Advance the session in this thread, because firmware must stay in the thread that started it."""
         made.append(Served(tmp_path))
         ready.set()
         while not ended.wait(0.0005):
@@ -97,7 +97,7 @@ def test_the_client_s_rate_and_format_are_the_line_s(tmp_path: Path) -> None:
     assert made[0].session.scene.measured.value_of("dsp.SCI-A", "SCIRXST.BRKDT") == 1
 
 
-def test_a_program_without_telnet_has_the_line_as_it_was_made(served: Served) -> None:
+def test_a_client_without_telnet_uses_the_initial_rate_and_format(served: Served) -> None:
     with served.client() as client:
         assert served.answer(client, b"abc\xff\xff") == b"bcd\x00"
     served.passes("2 ms")
@@ -105,7 +105,9 @@ def test_a_program_without_telnet_has_the_line_as_it_was_made(served: Served) ->
 
 
 @pytest.mark.parametrize("system", ["this system", "one without poll"])
-def test_a_second_client_is_told_who_is_there(served: Served, system: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_second_client_is_rejected_with_the_name_of_the_first(
+    served: Served, system: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     if system == "one without poll":
         monkeypatch.delattr(rfc2217_door.select, "poll", raising=False)
     with served.client() as first, socket.create_connection(served.address) as second:
@@ -122,7 +124,7 @@ def test_a_second_client_is_told_who_is_there(served: Served, system: str, monke
 
 
 @pytest.mark.parametrize("garbage", [b"\xff\xf0", b"\xff\xfa\x2c\x03\x77\xff\xf0", b"\xff\xfa" + b"x" * 300])
-def test_garbage_ends_its_client_and_nothing_else(served: Served, garbage: bytes) -> None:
+def test_garbage_only_disconnects_its_client(served: Served, garbage: bytes) -> None:
     with served.client() as client:
         client.send(b"ab" + garbage)
         served.passes("5 ms")
@@ -150,12 +152,12 @@ def test_unread_answers_to_telnet_options_have_a_limit(
 ) -> None:
     with served.client() as client:
         monkeypatch.setattr(rfc2217_door, "MOST", most)
-        client.send(b"\xff\xfd\x63" * 100)  # each is answered with three bytes
+        client.send(b"\xff\xfd\x63" * 100)  # each has an answer of three bytes
         served.passes("2 ms")
         assert ("faster than it read the answers" in served.said[-1]) != stays
 
 
-def test_a_door_that_closes_ends_its_client(served: Served) -> None:
+def test_a_closed_door_disconnects_its_client(served: Served) -> None:
     with served.client() as client:
         assert len(served.door.files()) == 2
         served.door.close()
@@ -165,7 +167,7 @@ def test_a_door_that_closes_ends_its_client(served: Served) -> None:
             socket.create_connection(served.address)
 
 
-def test_a_wait_ends_with_a_client_that_comes_or_sends_but_not_with_one_that_is_ahead(served: Served) -> None:
+def test_a_client_ahead_of_the_line_does_not_end_a_wait(served: Served) -> None:
     assert len(served.door.files()) == 1
     with served.client():
         assert len(served.door.files()) == 2
@@ -173,22 +175,22 @@ def test_a_wait_ends_with_a_client_that_comes_or_sends_but_not_with_one_that_is_
         assert len(served.door.files()) == 1
 
 
-def test_a_client_that_vanishes_in_mid_frame_leaves_what_it_sent(served: Served) -> None:
+def test_bytes_of_a_client_that_vanishes_within_a_frame_are_sent(served: Served) -> None:
     client = served.client()
-    client.send(b"abcdefghijkl" + b"\xff\xfa\x2c\x05\x05\xff\xf0")  # and a break that it never ends
+    client.send(b"abcdefghijkl" + b"\xff\xfa\x2c\x05\x05\xff\xf0")  # and a break that the client never ends
     served.passes("0.2 ms")
     client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-    client.close()  # by a reset
+    client.close()  # closed by a TCP reset
     served.passes("10 ms")
     assert "vanished" in served.said[-1]
     assert served.line.sent == 12 and not served.line.waiting
     assert served.session.level("RX") == 1
     with socket.create_connection(served.address) as other:
         served.passes("1 ms")
-        assert b"defghijklm" in other.recv(100)  # nobody had read them
+        assert b"defghijklm" in other.recv(100)  # the vanished client had not read them
 
 
-def test_who_is_a_megabyte_ahead_waits(served: Served) -> None:
+def test_a_client_a_megabyte_ahead_of_the_line_waits(served: Served) -> None:
     sent = 0
     with served.client() as client:
         for _ in range(20):
@@ -204,7 +206,7 @@ def test_who_is_a_megabyte_ahead_waits(served: Served) -> None:
 
 
 class Line:
-    """It writes down what a port does to it."""
+    """A line that logs the calls of a port."""
 
     broken = False
 
@@ -224,7 +226,7 @@ class Line:
         return b"old"
 
 
-def test_a_port_manager_sets_rate_format_and_break_behind_what_came_before(served: Served) -> None:
+def test_rate_format_and_break_are_set_after_earlier_bytes(served: Served) -> None:
     line = Line()
     port = ManagedPort(line, 9600, "7e2", served.door)  # type: ignore[arg-type]
     port.before = lambda: line.calls.append("before")
@@ -262,17 +264,17 @@ def test_a_port_that_is_taken_is_refused(served: Served, tmp_path: Path) -> None
         "8n1",
         0,
         "192.0.2.1",
-    )  # of RFC 5737, which is nobody's
+    )  # an address reserved by RFC 5737
 
 
-def test_without_pyserial_the_way_out_is_told(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_pyserial_the_error_names_the_package(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "serial", None)
     way_out = r"needs pyserial: pip install 'periph-sim\[live\]'"
     refuses(f"RFC 2217 {way_out}", Rfc2217Door, served.line, 115_200, "8n1", 0)
     refuses(f"a real port {way_out}", PortDoor, served.line, "/dev/none", 115_200, "8n1")
 
 
-def test_a_client_that_left_makes_room_on_a_system_without_poll(served: Served, monkeypatch) -> None:
+def test_a_disconnected_client_is_replaced_on_a_system_without_poll(served: Served, monkeypatch) -> None:
     monkeypatch.delattr(rfc2217_door.select, "poll", raising=False)
     served.client().close()
     with socket.create_connection(served.address) as second:
@@ -281,11 +283,11 @@ def test_a_client_that_left_makes_room_on_a_system_without_poll(served: Served, 
         assert served.answer(second, b"a").endswith(b"b")
 
 
-@pytest.mark.posix("poll, which sees the end behind unread bytes")
-def test_the_end_of_a_client_that_is_ahead_is_seen_when_the_next_one_comes(
+@pytest.mark.posix("poll, which reports a disconnect while bytes are unread")
+def test_a_disconnect_of_a_client_ahead_of_the_line_is_detected_when_the_next_connects(
     served: Served, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Its last bytes are discarded unread; the next client is let in, and not turned away."""
+    """The last bytes of the first client are discarded unread; the next client is accepted."""
     first = served.client()
     monkeypatch.setattr(rfc2217_door, "MOST", 100)
     first.send(bytes(5000))
@@ -302,22 +304,24 @@ def test_the_end_of_a_client_that_is_ahead_is_seen_when_the_next_one_comes(
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems name these options otherwise")
-def test_a_client_whose_computer_went_is_let_go_in_25_seconds(served: Served) -> None:
-    """10 s of silence, then three probes, 5 s apart."""
+def test_a_client_on_a_computer_that_is_gone_is_disconnected_after_25_seconds(served: Served) -> None:
+    """After 10 s of silence, three probes are sent 5 s apart."""
     with served.client():
         connection = served.door._client._connection
         options = (socket.TCP_KEEPIDLE, socket.TCP_KEEPINTVL, socket.TCP_KEEPCNT)
         idle, every, count = (connection.getsockopt(socket.IPPROTO_TCP, option) for option in options)
         assert connection.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE) == 1
         assert (idle, every, count, idle + every * count) == (10, 5, 3, 25)
-        assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY) == 1  # a byte is not kept for the next one
+        assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY) == 1  # each byte is sent at once
 
 
-def test_a_client_that_the_system_cannot_let_in_is_told(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_connection_that_the_system_cannot_accept_is_reported(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
     listener = served.door._listener
 
     class Full:
-        """A listener where no file is left for another connection."""
+        """A listener for which the system has no file left."""
 
         fileno, close = listener.fileno, listener.close
 

@@ -1,4 +1,4 @@
-"""The terminal on a case with a console of ours: its greeting, the keys, the answers, and why it ended."""
+"""The terminal on a case, with a test's console: greeting, keys, answers and the reason of its end."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tests.outside.live.echo import written  # noqa: E402
 
 
 class Console(miniterm.ConsoleBase):  # type: ignore[misc]
-    """Keys that a test presses; what is shown can be waited for."""
+    """A console with keys pressed by a test, which can wait for text to be shown."""
 
     def __init__(self) -> None:
         self._keys: SimpleQueue[str] = SimpleQueue()
@@ -35,7 +35,7 @@ class Console(miniterm.ConsoleBase):  # type: ignore[misc]
             self._written.notify_all()
 
     def shows(self, text: str) -> bool:
-        """Return True once this text was shown; False if it was not in half a minute."""
+        """Return True when this text is shown, or False if it is not within half a minute."""
         with self._written:
             return self._written.wait_for(lambda: text in self._shown, 30)
 
@@ -49,7 +49,7 @@ def console(monkeypatch: pytest.MonkeyPatch) -> Console:
 
 @contextmanager
 def talking(case: Path) -> Iterator[Terminal]:
-    """A terminal in a thread, which ends in the block."""
+    """Run a terminal in a thread until the end of the block."""
     with serial.serial_for_url(f"f28335://{case}?pace=1", baudrate=115_200, timeout=0.05) as port:
         terminal = Terminal(port, False, "lf", "default", "UTF-8")
         talk = threading.Thread(target=terminal.talk, args=("hello",))
@@ -59,7 +59,7 @@ def talking(case: Path) -> Iterator[Terminal]:
         assert not talk.is_alive()
 
 
-def test_it_greets_and_shows_what_the_sci_answers(console: Console, tmp_path: Path) -> None:
+def test_the_terminal_shows_a_greeting_and_the_answers_of_the_sci(console: Console, tmp_path: Path) -> None:
     with talking(written(tmp_path)) as terminal:
         assert console.shows("hello\r\n")
         console.press("a")
@@ -68,7 +68,7 @@ def test_it_greets_and_shows_what_the_sci_answers(console: Console, tmp_path: Pa
     assert terminal.failed == ""
 
 
-def test_it_ends_behind_the_thread_that_shows_answers(
+def test_the_terminal_ends_after_the_thread_that_shows_answers(
     console: Console, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ended, reader = [], miniterm.Miniterm.reader
@@ -85,7 +85,7 @@ def test_it_ends_behind_the_thread_that_shows_answers(
     assert ended == [True]
 
 
-def test_it_keeps_why_the_session_ended_by_itself(console: Console, tmp_path: Path) -> None:
+def test_the_terminal_keeps_the_error_that_ended_the_session(console: Console, tmp_path: Path) -> None:
     case = written(tmp_path)
     (tmp_path / "echo_firmware.py").write_text("def main(dsp, settings):\n    dsp.compute(1000)\n    1 / 0\n")
     with talking(case) as terminal:

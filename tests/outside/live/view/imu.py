@@ -1,4 +1,4 @@
-"""A live session of the IMU emulator, stepped by a test: a head that asks every 20 ms, a host that is outside."""
+"""A live session of the IMU emulator, advanced by a test, with a head that reads every 20 ms and a host outside."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FRAME = struct.pack("<6h", 3000, -2000, 10000, 0, 0, 0)  # 0.3, -0.2 and 1 rad
 
 
 class Clock:
-    """Two seconds of it are one of the session."""
+    """A clock of which two seconds are one second of the session."""
 
     def __init__(self) -> None:
         self.session: Session | None = None
@@ -27,7 +27,7 @@ class Clock:
 
 
 class Imu:
-    """watched: with a view, or without."""
+    """The session, with a view if `watched`."""
 
     def __init__(self, watched: bool = True, **more: Any) -> None:
         unit = {"firmware": str(FIRMWARE / "imu_hil.py"), "modules": MODULES, "settings": {"arithmetic": "float64"}}

@@ -1,4 +1,4 @@
-"""The page of a live session: what it serves, to whom, and how it looks in a browser."""
+"""The page of a live session: what is served, to whom, and how it looks in a browser."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.outside.sessions import refuses
 
 
 @pytest.fixture(scope="module")
-def told() -> StatusSnapshot:
+def snapshot() -> StatusSnapshot:
     imu = Imu(budget=[{"name": "too much", "measure": "round", "max": "1 us"}])
     imu.line.write(FRAME)
     for _ in range(3):
@@ -47,7 +47,7 @@ def asked(served: Browser, path: str, host: str = "") -> tuple[int, bytes]:
     return came.status, came.read()
 
 
-def test_the_page_and_nothing_else_for_this_computer_only(served: Browser) -> None:
+def test_only_the_page_is_served_and_only_to_this_computer(served: Browser) -> None:
     status, page = asked(served, "/")
     assert status == 200 and b"EventSource" in page
     assert asked(served, "/etc/passwd")[0] == 404
@@ -56,7 +56,7 @@ def test_the_page_and_nothing_else_for_this_computer_only(served: Browser) -> No
         assert asked(served, "/events", host)[0] == 403
 
 
-def test_what_the_answers_say_of_themselves(board: Board, served: Browser, told: StatusSnapshot) -> None:
+def test_headers_of_the_answers(board: Board, served: Browser, snapshot: StatusSnapshot) -> None:
     connection = HTTPConnection(*served.url.removeprefix("http://").rstrip("/").split(":"), timeout=30)  # type: ignore[arg-type]
     connection.request("GET", "/")
     page = connection.getresponse()
@@ -69,46 +69,48 @@ def test_what_the_answers_say_of_themselves(board: Board, served: Browser, told:
         "Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; "
         "connect-src 'self'; img-src data:",
     }
-    board.put(told)
+    board.put(snapshot)
     board.close()
     connection.request("GET", "/events")
     events = connection.getresponse()
     assert [events.getheader(name) for name in ("Content-Type", "Cache-Control")] == ["text/event-stream", "no-store"]
-    assert events.read() == f"data: {json.dumps(told)}\n\n".encode()
+    assert events.read() == f"data: {json.dumps(snapshot)}\n\n".encode()
 
 
-def test_at_another_address_it_answers_to_any_name(board: Board) -> None:
+def test_at_another_address_any_host_name_is_accepted(board: Board) -> None:
     one = Browser(board, 0, "0.0.0.0")
     assert asked(one, "/", "bench.example")[0] == 200
     board.close()
     one.close()
 
 
-def test_events_are_the_snapshots_and_end_with_the_session(board: Board, served: Browser, told: StatusSnapshot) -> None:
-    board.put(told)
-    board.put({**told, "over": True})
+def test_events_are_the_snapshots_and_end_with_the_session(
+    board: Board, served: Browser, snapshot: StatusSnapshot
+) -> None:
+    board.put(snapshot)
+    board.put({**snapshot, "over": True})
     board.close()
     status, data = asked(served, "/events")
     events = [
         json.loads(line.removeprefix("data: ")) for line in data.decode().splitlines() if line.startswith("data:")
     ]
-    assert status == 200 and events == [{**told, "over": True}]
+    assert status == 200 and events == [{**snapshot, "over": True}]
 
 
-def test_clients_that_leave_or_send_garbage_are_nobody_s_trouble(
-    board: Board, served: Browser, told: StatusSnapshot
+def test_clients_that_disconnect_or_send_garbage_do_not_affect_others(
+    board: Board, served: Browser, snapshot: StatusSnapshot
 ) -> None:
     address = ("127.0.0.1", int(served.url.rstrip("/").rpartition(":")[2]))
     for data in (b"", b"\x00\xff\r\n\r\n", b"GET /events HTTP/1.0\r\nHost: localhost\r\n\r\n"):
         with socket.create_connection(address) as client:
             client.sendall(data)
-    board.put(told)
+    board.put(snapshot)
     assert asked(served, "/")[0] == 200
 
 
-def test_it_ends_in_a_fraction_of_a_second(board: Board) -> None:
+def test_closing_takes_a_fraction_of_a_second(board: Board) -> None:
     times = []
-    for _ in range(5):  # the quickest: other programs may run, too
+    for _ in range(5):  # the fastest is used, since other programs may run
         one = Browser(board, 0)
         begin = time.monotonic()
         one.close()
@@ -122,13 +124,15 @@ def test_a_port_that_is_taken_is_refused(served: Browser, board: Board) -> None:
 
 
 @pytest.mark.long  # a browser
-def test_it_shows_all_of_a_snapshot(board: Board, served: Browser, told: StatusSnapshot, browser) -> None:
+def test_the_page_shows_all_parts_of_a_snapshot(
+    board: Board, served: Browser, snapshot: StatusSnapshot, browser
+) -> None:
     wrong: list[str] = []
     for width, scheme in ((1400, "dark"), (400, "light")):
         page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
         page.on("console", lambda message: wrong.append(message.text))
         page.on("pageerror", lambda error: wrong.append(str(error)))
-        board.put(told)
+        board.put(snapshot)
         page.goto(served.url)
         page.wait_for_selector("#wave path")
         text = page.inner_text("body")
@@ -137,7 +141,7 @@ def test_it_shows_all_of_a_snapshot(board: Board, served: Browser, told: StatusS
         assert page.locator("#said li").inner_text() == "client 1 <b>came</b>"
         assert page.locator("#wave path").count() == 3
         assert page.evaluate("document.documentElement.scrollWidth") == width
-        board.put({**told, "over": True, "budgets": []})
+        board.put({**snapshot, "over": True, "budgets": []})
         page.locator("#state", has_text="ended").wait_for()
         page.close()
     assert not wrong

@@ -1,4 +1,4 @@
-"""What a live session says of itself, with nothing of it changed by being looked at."""
+"""The status of a live session; taking it does not affect the session."""
 
 from __future__ import annotations
 
@@ -36,29 +36,36 @@ def watched() -> Imu:
     return imu
 
 
-def test_a_snapshot_tells_counts_rates_readings_and_attitude() -> None:
-    told = watched().status.snapshot()
-    assert (told["case"], told["where"], told["said"], told["over"]) == ("mine", "/dev/pts/1", ["client 1 came"], False)
-    assert told["simulated_s"] == pytest.approx(0.081)
-    assert told["totals"] == {"SCI bytes in": 12, "SCI bytes out": 0, "waiting": 0, "I2C bytes": 108, "rounds": 4}
-    assert told["rates"]["SCI bytes in"] == pytest.approx(12 / 0.080)
-    assert told["rates"]["rounds"] == pytest.approx(4 / 0.080)
-    assert told["rates"]["pace"] == pytest.approx(0.5)
-    assert [(one["chip"], one["unit"]) for one in told["readings"]] == [
+def test_a_snapshot_contains_counts_rates_readings_and_attitude() -> None:
+    snapshot = watched().status.snapshot()
+    assert (snapshot["case"], snapshot["where"], snapshot["said"], snapshot["over"]) == (
+        "mine",
+        "/dev/pts/1",
+        ["client 1 came"],
+        False,
+    )
+    assert snapshot["simulated_s"] == pytest.approx(0.081)
+    assert snapshot["totals"] == {"SCI bytes in": 12, "SCI bytes out": 0, "waiting": 0, "I2C bytes": 108, "rounds": 4}
+    assert snapshot["rates"]["SCI bytes in"] == pytest.approx(12 / 0.080)
+    assert snapshot["rates"]["rounds"] == pytest.approx(4 / 0.080)
+    assert snapshot["rates"]["pace"] == pytest.approx(0.5)
+    assert [(one["chip"], one["unit"]) for one in snapshot["readings"]] == [
         ("gyroscope", "deg/s"),
         ("accelerometer", "g"),
         ("magnetometer", "gauss"),
     ]
-    assert told["attitude"] == pytest.approx([17.2, -11.5, 57.3], abs=1.5)  # by the noise and the codes of 10 bits
-    values = {one["chip"]: one["values"] for one in told["readings"]}
+    assert snapshot["attitude"] == pytest.approx(
+        [17.2, -11.5, 57.3], abs=1.5
+    )  # noise and 10-bit codes limit the accuracy
+    values = {one["chip"]: one["values"] for one in snapshot["readings"]}
     assert [value * 115 / 8 for value in values["gyroscope"]] == pytest.approx([-44, 51, 1])
     assert [value * 256 for value in values["accelerometer"]] == pytest.approx([-59, -72, -241])
     assert [value * 660 for value in values["magnetometer"]] == pytest.approx([-16, -79, 31])
-    assert told["flags"] == []
-    assert json.loads(json.dumps(told)) == told
+    assert snapshot["flags"] == []
+    assert json.loads(json.dumps(snapshot)) == snapshot
 
 
-def test_bytes_that_wait_for_the_line_are_shown_apart_from_those_sent() -> None:
+def test_waiting_bytes_and_sent_bytes_are_counted_separately() -> None:
     imu = watched()
     imu.line.write(FRAME)
     assert imu.status.snapshot()["totals"] | {"I2C bytes": 0, "rounds": 0} == {
@@ -84,22 +91,22 @@ def test_a_snapshot_is_put_four_times_a_second_and_at_the_end() -> None:
     door.close()
     number, last = board.after(3, 0)
     assert number == 4 and last is not None and last["over"] and board.closed
-    assert board.after(4, 30.0) == (4, None)  # at once: there will be no more
+    assert board.after(4, 30.0) == (4, None)  # at once, since there will be no more
 
 
 def test_budgets_and_lateness_so_far() -> None:
     imu = watched()
-    told = imu.status.snapshot()
-    states = {one["name"]: (one["state"], one["limit"]) for one in told["budgets"]}
+    snapshot = imu.status.snapshot()
+    states = {one["name"]: (one["state"], one["limit"]) for one in snapshot["budgets"]}
     assert states == {
         "round": ("pass", "3 ms"),
         "too much": ("fail", "1 us"),
         "half": ("pass", "p50 10 us"),
         "none yet": ("", "3 %"),
     }
-    seen = [(one["seen"], one["margin"]) for one in told["budgets"]]
+    seen = [(one["seen"], one["margin"]) for one in snapshot["budgets"]]
     assert seen == [("2.620 ms", "380.000 us"), ("2.620 ms", "-2.619 ms"), ("5.000 us", "5.000 us"), ("-", "-")]
-    late = told["lateness"]
+    late = snapshot["lateness"]
     assert late is not None and late.pop("worst") == pytest.approx(0.081)
     assert late == {
         "steps": [0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 1.0],
@@ -113,7 +120,7 @@ def test_budgets_and_lateness_so_far() -> None:
 
 
 def test_rates_are_those_of_the_last_two_seconds_and_sentences_the_last_three() -> None:
-    """A snapshot each second of the clock, half a second of the session; 100 bytes are sent in the first."""
+    """A snapshot every second of the clock, which is half a second of the session; 100 bytes are sent in the first."""
     session, clock, shown = Session(case("uart_logger", ("SCI-A",)), ("RX",)), Clock(), []
     clock.session, line = session, session.serial("scia")
     status = Status(session, line, Pacer(session.ticks_per_second, clock=clock), Board(), clock=clock)
@@ -128,23 +135,23 @@ def test_rates_are_those_of_the_last_two_seconds_and_sentences_the_last_three() 
     assert status.snapshot(over=True)["over"] and shown[0]["lateness"] is None
 
 
-def test_a_percentile_is_looked_at_every_ten_seconds() -> None:
+def test_a_percentile_is_computed_every_ten_seconds() -> None:
     imu = watched()
-    told = imu.status.snapshot()["budgets"][2]
-    old = {**told, "seen": "looked at before"}
+    budget = imu.status.snapshot()["budgets"][2]
+    old = {**budget, "seen": "looked at before"}
     for since, seen in ((9.99, "looked at before"), (10.0, "5.000 us")):
         imu.status._percentiles["half"] = (imu.status._clock() - since, old)
         assert imu.status.snapshot()["budgets"][2]["seen"] == seen
 
 
-def test_flags_that_stand_are_named() -> None:
+def test_flags_that_are_set_are_named() -> None:
     imu = watched()
     imu.line.hold_break(True)
     imu.passes("1 ms")
     assert "dsp.SCI-A.SCIRXST.BRKDT" in imu.status.snapshot()["flags"]
 
 
-def test_looking_changes_no_record() -> None:
+def test_taking_snapshots_changes_no_record() -> None:
     looked, alone = Imu(budget=BUDGETS), Imu(watched=False, budget=BUDGETS)
     for imu in (looked, alone):
         imu.line.write(FRAME * 2)
@@ -164,14 +171,14 @@ def test_the_wave_of_the_last_round() -> None:
     lines = {one["name"]: one for one in wave["lines"]}
     assert list(lines) == ["SCL", "SDA", "RX"]
     assert lines["RX"] == {"name": "RX", "first": 1, "edges": []}
-    clocks = 27 * 9 * 2 + 3 * 4  # two edges a bit, and two more at each repeated START and STOP
+    clocks = 27 * 9 * 2 + 3 * 4  # two edges per bit, and two more at each START, repeated START and STOP
     assert lines["SCL"]["first"] == 1 and len(lines["SCL"]["edges"]) == clocks
     for line in wave["lines"]:
         assert line["edges"] == sorted(line["edges"]) and all(0 <= at <= wave["length"] for at in line["edges"])
         assert line["edges"] == [round(at, 3) for at in line["edges"]]
 
 
-def test_the_edges_of_a_round_are_those_from_20_us_before_to_20_us_behind() -> None:
+def test_the_edges_of_a_round_extend_20_us_before_and_after_it() -> None:
     """
     at  -21  -20   -1    0   50  100  120  121 us of a round from 0 to 100, which begins 1 ms after the run
     A     0    1         0              1    0
@@ -204,7 +211,7 @@ def test_the_edges_of_a_round_are_those_from_20_us_before_to_20_us_behind() -> N
     lines = [{"name": "RX", "first": 1, "edges": [20.0, 2020.0]}]
     assert alone.wave(0) == {"title": "the serial lines", "at_s": 0.00998, "length": 2040.0, "lines": lines}
     assert alone.tag_of(Kind.EDGE, "TX", "level") == UNWANTED
-    for at in range(20_000, 20_000 + KEPT - 1):  # one of the edges of before is kept
+    for at in range(20_000, 20_000 + KEPT - 1):  # one of the earlier edges is kept
         alone.on_record(0, at, at & 1)
     alone.on_record(0, 12_000 * us, 0)
     full = alone.wave(0)
@@ -214,7 +221,7 @@ def test_the_edges_of_a_round_are_those_from_20_us_before_to_20_us_behind() -> N
     assert full is not None and len(full["lines"][0]["edges"]) == KEPT == 16_384
 
 
-def test_without_rounds_it_is_what_the_serial_lines_did() -> None:
+def test_without_rounds_the_wave_shows_the_serial_lines() -> None:
     imu = Imu()
     assert imu.wave is not None and imu.wave.wave(0) is None
     imu.line.write(b"\x55")
@@ -227,8 +234,8 @@ def test_without_rounds_it_is_what_the_serial_lines_did() -> None:
 def test_a_case_without_bus_or_sensors_has_neither_readings_nor_attitude() -> None:
     session = Session(case("uart_logger", ("SCI-A",)), ("RX",))
     imu = Imu()
-    told = Status(session, session.serial("scia"), imu.pacer, Board()).snapshot()
-    assert (told["readings"], told["attitude"], told["wave"], told["budgets"]) == ([], None, None, [])
+    snapshot = Status(session, session.serial("scia"), imu.pacer, Board()).snapshot()
+    assert (snapshot["readings"], snapshot["attitude"], snapshot["wave"], snapshot["budgets"]) == ([], None, None, [])
 
 
 @pytest.fixture
@@ -236,7 +243,7 @@ def board() -> Board:
     return Board()
 
 
-def test_a_reader_is_given_what_is_newer_than_what_it_has(board: Board) -> None:
+def test_a_reader_receives_only_newer_snapshots(board: Board) -> None:
     assert board.after(0, 0.0) == (0, None)
     board.put({"round": 1})  # type: ignore[typeddict-item]
     board.put({"round": 2})  # type: ignore[typeddict-item]
@@ -245,7 +252,7 @@ def test_a_reader_is_given_what_is_newer_than_what_it_has(board: Board) -> None:
 
 
 @pytest.mark.parametrize("news", [lambda board: board.put({}), Board.close])
-def test_a_reader_that_waits_is_woken(board: Board, news) -> None:
+def test_a_waiting_reader_is_woken(board: Board, news) -> None:
     came: list[int] = []
     reader = threading.Thread(target=lambda: came.append(board.after(0, 60.0)[0]))
     reader.start()

@@ -1,4 +1,4 @@
-"""What test benches and their tests share: cases, one run of all benches, and each once more without a simulator."""
+"""Cases of the test benches, one run of all benches in a simulator, and their replay without a simulator."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ RTL = [
     *sorted(Path(__file__).with_name("rtl").glob("*.v")),
     Path(__file__).parents[2] / "timing" / "rtl" / "i2c_master.v",
 ]
-TOLD = "COSIM_TOLD"  # the folder of a run: told.json says how many rounds, each bench has a folder there
+RUN_FOLDER = "COSIM_RUN_FOLDER"  # the folder of a run, with the settings in run.json and a folder for each bench
 
 
 def case(firmware: str = "responder", modules: tuple[str, ...] = ("I2C-A",), settings: Any = None, **more: Any) -> Case:
@@ -34,7 +34,7 @@ def case(firmware: str = "responder", modules: tuple[str, ...] = ("I2C-A",), set
 
 
 def head(address: int, duration: str) -> Case:
-    """The sensor head's firmware, with one chip at this address."""
+    """Return a case with the sensor head's firmware, which reads one chip at this address."""
     return case("sensor_head", ("I2C-A", "TIMER0"), {"order": [address], "period": "2 ms"}, duration=duration)
 
 
@@ -58,7 +58,7 @@ CASES = {
 
 
 def echo() -> Firmware:
-    """Each character comes back plus one."""
+    """Return firmware that answers each character with the next one."""
 
     def main(dsp: Any, settings: Any) -> None:
         sci = start_sci(dsp, "SCI-A", 40, 7, fifo=False)  # 37.5 MHz / (8 * 41): 114329 baud
@@ -74,16 +74,17 @@ def echo() -> Firmware:
 PROGRAMS = {"serial_line": echo}
 
 
-def told() -> tuple[Path, dict[str, Any]]:
-    """In the simulator: the folder of the run, and what the test says of it."""
-    folder = Path(os.environ[TOLD])
-    return folder, json.loads((folder / "told.json").read_text())
+def run_settings() -> tuple[Path, dict[str, Any]]:
+    """Return the folder of the run and its settings; for use within the simulator."""
+    folder = Path(os.environ[RUN_FOLDER])
+    return folder, json.loads((folder / "run.json").read_text())
 
 
 def run_benches(folder: Path, rounds: int, phases: int, simulator: str = "icarus", **more: Any) -> None:
-    """All benches in one simulation. phases: of a host's frames, in a round each.
+    """Run all benches in one simulation. The test is skipped, with what is missing, if there is no simulator.
 
-    Skipped, with what is missing, where there is no simulator.
+    rounds: of each bench.
+    phases: of the host's frames, one in each round of a bench with a host.
     """
     lack = missing(simulator)
     for package in ("i2c", "uart"):
@@ -91,32 +92,32 @@ def run_benches(folder: Path, rounds: int, phases: int, simulator: str = "icarus
             lack = f"cocotbext-{package} is not installed; pip install -e '.[dev]'"
     if lack:
         pytest.skip(lack)
-    (folder / "told.json").write_text(json.dumps({"rounds": rounds, "phases": phases, "simulator": simulator}))
+    (folder / "run.json").write_text(json.dumps({"rounds": rounds, "phases": phases, "simulator": simulator}))
     simulate(
         RTL,
         "bus",
         "tests.cosim.benches_of",
         folder=folder,
         simulator=simulator,
-        environment={TOLD: str(folder)},
+        environment={RUN_FOLDER: str(folder)},
         build_args=["-Wno-fatal"] if simulator == "verilator" else [],
         **more,
     )
 
 
 def found(folder: Path, bench: str) -> dict[str, Any]:
-    """The findings of a bench."""
+    """Return the findings of a bench."""
     return json.loads((folder / bench / "found.json").read_text())
 
 
 def replayed(folder: Path, bench: str) -> bool:
-    """Whether the bench's log makes the same records without a simulator, byte for byte."""
+    """True if the replay of the bench's log without a simulator gives the same recording, byte for byte."""
     again = folder / bench / "again.jsonl"
     begin = Fraction(found(folder, bench)["begin_ps"], 10**12)
     of = CASES[bench].model_copy(update={"start": begin})
     programs = {"dsp": PROGRAMS[bench]()} if bench in PROGRAMS else None
     with recording(again, of.recorded_modules) as (subscribe, ended_at):
         replay(of, folder / bench / "outside.jsonl", subscribe=subscribe, programs=programs)
-        ended_at(0, {})  # nothing in such a file depends on it
+        ended_at(0, {})  # nothing in this recording depends on it
     live = (folder / bench / "live.jsonl").read_bytes()
     return live.count(b"\n") > 200 and live == again.read_bytes()

@@ -1,4 +1,4 @@
-"""Test benches that run inside a simulator, one after the other; tests of pytest look at what each of them found."""
+"""Test benches that run one after the other within a simulator; tests of pytest check the findings of each."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from cocotbext.uart import UartSink, UartSource
 
 from periph_sim.core import kernel
 from periph_sim.cosim import F28335, OutsideError
-from tests.cosim.benches import CASES, echo, told
+from tests.cosim.benches import CASES, echo, run_settings
 
-BEGAN: dict[str, int] = {}  # the step at which the part of each bench was made
-LEFT: list[F28335] = []  # without an end, by a test that is over
+BEGAN: dict[str, int] = {}  # the step at which the part of each bench was created
+LEFT: list[F28335] = []  # a part that a bench has not finished
 
 
 def part(dut: Any, bench: str, *, bus: bool = True, serial: bool = False, **more: Any) -> F28335:
-    """The case of this bench on the bus, on the serial line or on both; its log and records in the bench's folder."""
-    folder = told()[0] / bench
+    """Return the case of this bench on the bus, the serial line or both, with log and records in the bench's folder."""
+    folder = run_settings()[0] / bench
     folder.mkdir(exist_ok=True)
     BEGAN[bench] = get_sim_time("step")
     lines = {"scl": dut.scl, "scl_o": "dsp_scl", "sda": dut.sda, "sda_o": dut.dsp_sda} if bus else {}
@@ -32,8 +32,8 @@ def part(dut: Any, bench: str, *, bus: bool = True, serial: bool = False, **more
     return F28335(dut, CASES[bench], log=folder / "outside.jsonl", record=folder / "live.jsonl", **lines, **more)
 
 
-def tell(bench: str, dsp: F28335, **found: Any) -> None:
-    """The findings of a bench."""
+def write_findings(bench: str, dsp: F28335, **found: Any) -> None:
+    """Write the findings of a bench."""
     result = dsp.result
     found |= {
         "begin_ps": BEGAN[bench],
@@ -42,14 +42,14 @@ def tell(bench: str, dsp: F28335, **found: Any) -> None:
         "wakes": dsp.wakes,
     }
     found["kernel"] = kernel.__file__
-    (told()[0] / bench / "found.json").write_text(json.dumps(found))
+    (run_settings()[0] / bench / "found.json").write_text(json.dumps(found))
 
 
 async def read_rounds(
     dut: Any, bench: str, addresses: tuple[int, ...], count: int, speed: float, host: bool = False
 ) -> None:
-    """A foreign master reads by these addresses, round by round, each later in its millisecond than the one before."""
-    _, settings = told()
+    """Let cocotbext-i2c's master read from these addresses; each round is at a later phase of its millisecond."""
+    _, settings = run_settings()
     dsp = part(dut, bench)
     master = I2cMaster(sda=dut.sda, sda_o=dut.other_sda, scl=dut.scl, scl_o=dut.other_scl, speed=speed)
     await Timer(1, "ms")
@@ -61,7 +61,7 @@ async def read_rounds(
             got.append(list(await master.read(address, count)))
             await master.send_stop()
             await Timer(60, "us")
-    tell(bench, dsp, got=got)
+    write_findings(bench, dsp, got=got)
 
 
 @cocotb.test(timeout_time=3, timeout_unit="sec")
@@ -81,8 +81,8 @@ async def three_chips_and_a_host(dut: Any) -> None:
 
 @cocotb.test(timeout_time=3, timeout_unit="sec")
 async def frames_of_a_foreign_uart(dut: Any) -> None:
-    """Each frame begins at another phase of a round, from 1.2 ms before it to as much behind; what it says is read."""
-    _, settings = told()
+    """Frames begin at different phases of a round, from 1.2 ms before it to 1.2 ms after it; the chips are read."""
+    _, settings = run_settings()
     dsp = part(dut, "frames_of_a_foreign_uart", serial=True)
     source = UartSource(dut.rx, baud=115_200)
     master = I2cMaster(sda=dut.sda, sda_o=dut.other_sda, scl=dut.scl, scl_o=dut.other_scl, speed=200e3)
@@ -105,12 +105,12 @@ async def frames_of_a_foreign_uart(dut: Any) -> None:
         await sends
         await source.wait()
         await Timer(500, "us")
-    tell("frames_of_a_foreign_uart", dsp, got=got)
+    write_findings("frames_of_a_foreign_uart", dsp, got=got)
 
 
-async def registers_beside_a_dictionary(dut: Any, bench: str, speed: float) -> None:
-    """Random writes and reads of a register slave; what is wrong beside a dictionary."""
-    _, settings = told()
+async def registers_against_a_dictionary(dut: Any, bench: str, speed: float) -> None:
+    """Write and read registers of a slave at random; report reads that differ from a dictionary."""
+    _, settings = run_settings()
     dsp = part(dut, bench)
     master = I2cMaster(sda=dut.sda, sda_o=dut.other_sda, scl=dut.scl, scl_o=dut.other_scl, speed=speed)
     draw, shadow, wrong = Random(bench), dict.fromkeys(range(256), 0), []
@@ -128,25 +128,25 @@ async def registers_beside_a_dictionary(dut: Any, bench: str, speed: float) -> N
                 wrong.append((pointer, read))
         await master.send_stop()
         await Timer(draw.randint(20, 200), "us")
-    tell(bench, dsp, wrong=wrong)
+    write_findings(bench, dsp, wrong=wrong)
 
 
 @cocotb.test(timeout_time=3, timeout_unit="sec")
 async def registers(dut: Any) -> None:
-    await registers_beside_a_dictionary(dut, "registers", 200e3)
+    await registers_against_a_dictionary(dut, "registers", 200e3)
 
 
 @cocotb.test(timeout_time=3, timeout_unit="sec")
 async def registers_400k(dut: Any) -> None:
-    await registers_beside_a_dictionary(dut, "registers_400k", 800e3)
+    await registers_against_a_dictionary(dut, "registers_400k", 800e3)
 
 
 @cocotb.test(timeout_time=3, timeout_unit="sec")
 async def zero_hold_at_16_mhz(dut: Any) -> None:
-    """SDA moves with the fall of SCL, and no edge is in the first tick of a cycle of SYSCLKOUT."""
-    _, settings = told()
+    """SDA changes with the fall of SCL, and no edge is in the first tick of a cycle of SYSCLKOUT."""
+    _, settings = run_settings()
     dsp = part(dut, "zero_hold_at_16_mhz")
-    await Timer(1_000_000_367, "step")  # 1.1 ticks behind a cycle's begin; half a period is 93.75 ticks
+    await Timer(1_000_000_367, "step")  # 1.1 ticks after the begin of a cycle; half a period is 93.75 ticks
     dut.period_ps.value, dut.quarter.value, dut.zero_hold.value, dut.count.value = 62_500, 40, 1, 6
     dut.pointer_a.value, dut.run.value = 0, 1
     got, before = [], int(dut.rounds_a.value)
@@ -160,27 +160,27 @@ async def zero_hold_at_16_mhz(dut: Any) -> None:
         await Timer(60, "us")
     dut.run.value = 0
     dut.period_ps.value, dut.quarter.value, dut.zero_hold.value, dut.count.value = 20_000, 125, 0, 4
-    tell("zero_hold_at_16_mhz", dsp, got=got, nacks=int(dut.nacks_a.value))
+    write_findings("zero_hold_at_16_mhz", dsp, got=got, nacks=int(dut.nacks_a.value))
 
 
 @cocotb.test(timeout_time=3, timeout_unit="sec")
 async def foreign_memory(dut: Any) -> None:
-    """Our firmware is the master, cocotbext-i2c's memory answers."""
+    """The firmware is the master, and the memory of cocotbext-i2c answers."""
     memory = I2cMemory(sda=dut.sda, sda_o=dut.other_sda, scl=dut.scl, scl_o=dut.other_scl, addr=0x53)
     memory.write_mem(0x32, bytes(range(0x40, 0x46)))
     dsp = part(dut, "foreign_memory")
     await dsp.finished()
-    tell("foreign_memory", dsp)
+    write_findings("foreign_memory", dsp)
 
 
 @cocotb.test(timeout_time=3, timeout_unit="sec")
 async def slave_in_logic(dut: Any) -> None:
-    """Our firmware is the master; a slave in logic stretches SCL behind each byte."""
+    """The firmware is the master, and a slave in logic stretches SCL after each byte."""
     dut.run.value = 1
     dsp = part(dut, "slave_in_logic")
     await dsp.finished()
     dut.run.value = 0
-    tell("slave_in_logic", dsp)
+    write_findings("slave_in_logic", dsp)
 
 
 async def until(when: Callable[[], bool], clock: Any, cycles: int = 200_000) -> None:
@@ -188,15 +188,15 @@ async def until(when: Callable[[], bool], clock: Any, cycles: int = 200_000) -> 
         if when():
             return
         await Timer(2, "us")
-    raise AssertionError("the masters in logic did not come to an end")
+    raise AssertionError("the masters in logic did not finish")
 
 
 @cocotb.test(timeout_time=3, timeout_unit="sec")
 async def masters_in_logic(dut: Any) -> None:
-    """Both masters want the bus at once; the one with the lower pointer wins it first."""
+    """Both masters start at once; arbitration is won by the one with the lower pointer."""
     dsp = part(dut, "masters_in_logic")
     before = [int(rounds.value) for rounds in (dut.rounds_a, dut.rounds_b)]
-    await Timer(200_010, "ns")  # all rises of its clock are on cycle edges of SYSCLKOUT
+    await Timer(200_010, "ns")  # all rising edges of its clock are at cycle edges of SYSCLKOUT
     dut.clk.value, dut.run.value = 0, 1
     dut.pointer_a.value, dut.pointer_b.value = 0x10, 0x08
     dut.go_a.value = dut.go_b.value = 1
@@ -207,18 +207,18 @@ async def masters_in_logic(dut: Any) -> None:
     await Timer(20, "us")
     dut.run.value = 0
     names = ("data_a", "data_b", "losses_a", "losses_b", "nacks_a", "nacks_b")
-    tell("masters_in_logic", dsp, **{name: int(getattr(dut, name).value) for name in names})
+    write_findings("masters_in_logic", dsp, **{name: int(getattr(dut, name).value) for name in names})
 
 
 @cocotb.test(timeout_time=3, timeout_unit="sec")
 async def serial_line(dut: Any) -> None:
-    """Characters of a foreign UART come back plus one."""
+    """Firmware answers each character of cocotbext-uart with the next one."""
     dsp = part(dut, "serial_line", bus=False, serial=True, programs={"dsp": echo()})
     source, sink = UartSource(dut.rx, baud=115_200), UartSink(dut.tx, baud=115_200)
     await Timer(1, "ms")
     await source.write(bytes(range(40, 80)))
     await dsp.finished()
-    tell("serial_line", dsp, got=list(sink.read_nowait()), framing=dsp.peek("SCI-A.SCIRXST.FE"))
+    write_findings("serial_line", dsp, got=list(sink.read_nowait()), framing=dsp.peek("SCI-A.SCIRXST.FE"))
 
 
 def answer(call: Callable[..., object], *arguments: Any, **more: Any) -> str:
@@ -231,7 +231,7 @@ def answer(call: Callable[..., object], *arguments: Any, **more: Any) -> str:
 
 @cocotb.test(timeout_time=3, timeout_unit="sec")
 async def refusals(dut: Any) -> None:
-    """What cannot be, each with its sentence."""
+    """Collect the error message of each impossible call."""
     case = CASES["foreign_master"]
     lines = {"scl": dut.scl, "scl_o": dut.dsp_scl, "sda": dut.sda, "sda_o": dut.dsp_sda}
     made: dict[str, dict[str, Any]] = {
@@ -253,12 +253,14 @@ async def refusals(dut: Any) -> None:
         sentences[level] = answer(F28335, dut, CASES["serial_line"], rx=dut.rx)
     dut.rx.value = 1
     LEFT.append(dsp)
-    (told()[0] / "refusals.json").write_text(json.dumps(sentences))
+    (run_settings()[0] / "refusals.json").write_text(json.dumps(sentences))
 
 
-@cocotb.test(expect_error=OutsideError, timeout_time=1, timeout_unit="ms", skip=told()[1]["simulator"] == "verilator")
+@cocotb.test(
+    expect_error=OutsideError, timeout_time=1, timeout_unit="ms", skip=run_settings()[1]["simulator"] == "verilator"
+)
 async def a_line_that_loses_its_level(dut: Any) -> None:
-    """The test ends with it, although nobody waits for the part. Verilator knows no x."""
+    """The error ends the test, although nothing awaits the part. Verilator has no x."""
     F28335(dut, CASES["serial_line"], rx=dut.rx)
     await Timer(1, "us")
     dut.rx.value = "x"
@@ -267,7 +269,7 @@ async def a_line_that_loses_its_level(dut: Any) -> None:
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def what_a_test_left_is_over_with_it(dut: Any) -> None:
-    """A START and clocks, of which a part of an earlier test would be woken."""
+    """A START and clocks would wake a part that was left by an earlier test."""
     (left,) = LEFT
     wakes = left.wakes
     dut.other_sda.value = 0

@@ -1,9 +1,9 @@
-"""What a case costs in a simulator beside a memory of cocotbext-i2c, with the same master in the same harness.
+"""Costs of a case in a simulator compared with a memory of cocotbext-i2c, which has the same master and harness.
 
     python -m tests.cosim.cost [--rounds 200] [--times 5] [--simulator icarus]
 
-Each party is run in turn, in a process of its own, as often as asked; CPU time is of that process, from the first round
-to the last. A round reads six bytes behind a pointer from three addresses.
+The parties run in turn, each in a process of its own, as often as requested; the CPU time of that process is measured
+from the first round to the last. A round reads six bytes after a pointer from three addresses.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from pathlib import Path
 from statistics import median
 
 from periph_sim.scene.case.model import Case
-from tests.cosim.benches import RTL, TABLE, TOLD, case
+from tests.cosim.benches import RTL, RUN_FOLDER, TABLE, case
 
 CHIPS = (0x68, 0x53, 0x1E)
-ROUND = ["11 12 13 14 15 16", "21 22 23 24 25 26", "31 32 33 34 35 36"]  # as TABLE has them
-BYTES = 3 * 9  # of a round: address, pointer, address, six of data
+ROUND = ["11 12 13 14 15 16", "21 22 23 24 25 26", "31 32 33 34 35 36"]  # the data of TABLE
+BYTES = 3 * 9  # in a round: address, pointer, address and six of data, for each chip
 HOST = {"host": {}, "seed": 1}
 
 
 def cases() -> dict[str, Case]:
-    """The parties but for the memory. register_slave has one address, and the same bytes behind each."""
+    """Return the parties other than the memory. register_slave has only one address, which is read three times."""
     registers = {"address": 0x68, "registers": ROUND[0]}
     imu = {"table": TABLE}
     return {
@@ -40,13 +40,13 @@ PARTIES = (MEMORY, *cases())
 
 
 def measured(party: str, rounds: int, simulator: str) -> dict[str, float]:
-    """CPU seconds of one run, wake-ups of the simulator by our timer."""
+    """Return the CPU seconds of one run, and how often its timer woke the simulator."""
     from periph_sim.cosim import simulate
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "told.json").write_text(json.dumps({"party": party, "rounds": rounds}))
-        environment = {TOLD: name, "COCOTB_LOG_LEVEL": "WARNING"}
+        (folder / "run.json").write_text(json.dumps({"party": party, "rounds": rounds}))
+        environment = {RUN_FOLDER: name, "COCOTB_LOG_LEVEL": "WARNING"}
         simulate(
             RTL,
             "bus",
@@ -60,7 +60,7 @@ def measured(party: str, rounds: int, simulator: str) -> dict[str, float]:
 
 
 def table(found: dict[str, list[dict[str, float]]], rounds: int) -> str:
-    """Median of the times of each party, in microseconds a byte, against that of the memory."""
+    """Return a table of the median times of each party in microseconds per byte, and relative to the memory."""
     memory = median(run["seconds"] for run in found[MEMORY])
     lines = []
     for party, runs in found.items():

@@ -1,4 +1,4 @@
-"""The bench of `cost`, inside a simulator."""
+"""The bench of `cost`, which runs within a simulator."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from cocotb.triggers import Timer
 from cocotbext.i2c import I2cMaster, I2cMemory
 
 from periph_sim.cosim import F28335
-from tests.cosim.benches import told
+from tests.cosim.benches import run_settings
 from tests.cosim.cost import CHIPS, MEMORY, ROUND, cases
 
 
 @cocotb.test()
 async def rounds(dut: Any) -> None:
-    folder, asked = told()
+    folder, asked = run_settings()
     party = asked["party"]
     logging.getLogger("cocotb").setLevel(logging.WARNING)
     addresses, dsp = CHIPS, None

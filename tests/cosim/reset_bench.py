@@ -1,4 +1,4 @@
-"""Benches whose line RX is x until a reset: it has the level that was asked for; an x after that is an error."""
+"""Benches whose line RX is x until a reset: before it, RX has the requested level; an x after it is an error."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A case in Icarus Verilog, with parties that nobody here wrote: what they get, and the same run without it."""
+"""A case in Icarus Verilog with masters, memories and UARTs of other projects, and its replay without a simulator."""
 
 from __future__ import annotations
 
@@ -15,48 +15,50 @@ from tests.cosim.benches import CASES, found, replayed, run_benches
 from tests.profiles import explores
 
 pytestmark = pytest.mark.uncounted
-CYCLE = 20  # ticks, of SYSCLKOUT
+CYCLE = 20  # ticks of a cycle of SYSCLKOUT
 CHIPS = [list(range(first, first + 6)) for first in (0x11, 0x21, 0x31)]
 
 
 @pytest.fixture(scope="module")
 def benches(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """All benches, run once."""
+    """Run all benches once."""
     folder = tmp_path_factory.mktemp("benches")
     run_benches(folder, rounds=3, phases=8)
     yield folder
 
 
 def read_by_us(folder: Path, bench: str) -> list[str]:
-    """The bytes of the first read by our master, as the monitor of the bus has them."""
+    """Return the bytes of the first read by the firmware's master, as in the records of the bus monitor."""
     records = [json.loads(line) for line in (folder / bench / "live.jsonl").read_text().splitlines()]
-    told = [record[4:6] for record in records if isinstance(record, list) and record[2] == "bus"]
-    begin = told.index(["repeated START", None])
-    return [text for what, text in told[begin : begin + 8] if what == "byte"]
+    bus = [record[4:6] for record in records if isinstance(record, list) and record[2] == "bus"]
+    begin = bus.index(["repeated START", None])
+    return [text for what, text in bus[begin : begin + 8] if what == "byte"]
 
 
 def falls(folder: Path, bench: str) -> list[int]:
-    """The ticks at which SCL fell, which is the masters' doing, from the begin of the case on."""
+    """Return the ticks at which a master outside drove SCL low, from the begin of the case."""
     instants = [json.loads(text) for text in (folder / bench / "outside.jsonl").read_text().splitlines()]
     return [instant[0] for instant in instants if isinstance(instant, list) and instant[1].get("SCL") == 0]
 
 
 def chips(number: int) -> list[list[int]]:
-    """What the three chips show of a frame."""
+    """Return what the three chips show after a frame."""
     roll, pitch, yaw, *accelerations = range(100 * number, 100 * number + 6)
     words = (">3h", roll, pitch, yaw), ("<3h", *accelerations), (">3h", roll, yaw, pitch)
     return [list(struct.pack(form, *values)) for form, *values in words]
 
 
 def check(folder: Path, rounds: int, phases: int) -> None:
-    """What the parties of all benches got, and the same once more without a simulator."""
+    """Check the findings of all benches, and that their replays without a simulator give the same records."""
     found_of: dict[str, dict[str, Any]] = {bench: found(folder, bench) for bench in CASES}
     for bench in ("foreign_master", "foreign_master_400k"):
         assert found_of[bench]["got"] == [[1, 2, 3, 4]] * rounds
         assert found_of[bench]["wire_bytes"] == 7 * rounds
     host = found_of["three_chips_and_a_host"]
     assert host["got"] == CHIPS * phases
-    assert host["wakes"] < 35 * host["wire_bytes"]  # of 52 where each edge and each step of the firmware wakes it
+    assert (
+        host["wakes"] < 35 * host["wire_bytes"]
+    )  # 52 without shortcuts, when every edge and every step of the firmware wakes the simulator
     frames = found_of["frames_of_a_foreign_uart"]["got"]
     assert len(frames) == 3 * phases
     for number in range(1, phases):
@@ -65,7 +67,7 @@ def check(folder: Path, rounds: int, phases: int) -> None:
     assert found_of["registers"]["wrong"] == found_of["registers_400k"]["wrong"] == []
     assert found_of["zero_hold_at_16_mhz"]["got"] == [0x5AA500FF817E] * rounds
     assert all(tick % CYCLE for tick in falls(folder, "zero_hold_at_16_mhz"))
-    masters = found_of["masters_in_logic"]  # the lower pointer wins, and the other one comes behind it
+    masters = found_of["masters_in_logic"]  # the lower pointer wins arbitration, and the other master follows
     assert (masters["losses_a"], masters["losses_b"]) == (1, 0)
     assert (masters["data_a"] & 0xFFFFFFFF, masters["data_b"]) == (0x05060708, 0x01020304)
     assert (masters["nacks_a"], masters["nacks_b"], masters["wire_bytes"]) == (0, 0, 14)
@@ -83,15 +85,15 @@ def check(folder: Path, rounds: int, phases: int) -> None:
     assert [bench for bench in CASES if not replayed(folder, bench)] == []
 
 
-def test_masters_memories_logic_and_uarts_and_the_same_without_a_simulator(benches: Path) -> None:
+def test_benches_and_their_replay_without_a_simulator(benches: Path) -> None:
     check(benches, rounds=3, phases=8)
 
 
-def test_in_the_simulator_the_same_form_of_the_core_runs(benches: Path) -> None:
+def test_the_simulator_runs_the_same_form_of_the_core(benches: Path) -> None:
     assert found(benches, "registers")["kernel"] == kernel.__file__
 
 
-def test_what_cannot_be_is_refused_in_a_sentence(benches: Path) -> None:
+def test_impossible_calls_are_refused_in_one_sentence(benches: Path) -> None:
     said = json.loads((benches / "refusals.json").read_text())
     assert said["no line"] == "no line is given; give scl, scl_o, sda, sda_o, rx or tx"
     assert said["half"].startswith("scl and scl_o go together: the resolved line, and a register for our own pull")
@@ -109,6 +111,6 @@ def test_what_cannot_be_is_refused_in_a_sentence(benches: Path) -> None:
 @pytest.mark.timeout(3600)
 @pytest.mark.parametrize("simulator", ["icarus", "verilator"])
 def test_two_hundred_rounds_of_each_party(simulator: str, tmp_path: Path) -> None:
-    """Each later in its millisecond than the one before, so that they meet all phases of the host's frames."""
+    """Each round is at a later phase of its millisecond, so that all phases of the host's frames occur."""
     run_benches(tmp_path, rounds=200, phases=200, simulator=simulator)
     check(tmp_path, rounds=200, phases=200)

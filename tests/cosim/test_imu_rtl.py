@@ -1,4 +1,4 @@
-"""The shipped bench: the IMU emulator behind a sensor head in Verilog, in both simulators, and alone."""
+"""The shipped bench: the IMU emulator with a sensor head in Verilog, in both simulators, and without a simulator."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ IN_BOTH = pytest.mark.skipif(not explores(), reason="in `make explore`")
 
 
 @pytest.mark.parametrize("simulator", ["icarus", pytest.param("verilator", marks=IN_BOTH)])
-def test_each_value_is_that_of_a_frame_and_the_budgets_hold(simulator: str, tmp_path: Path) -> None:
+def test_the_bench_passes_and_its_replay_meets_the_budgets(simulator: str, tmp_path: Path) -> None:
     if lack := missing(simulator):
         pytest.skip(lack)
     given = ["-Wno-fatal"] if simulator == "verilator" else []
@@ -33,6 +33,6 @@ def test_each_value_is_that_of_a_frame_and_the_budgets_hold(simulator: str, tmp_
     assert (result.counts["rounds"], result.wire_bytes, result.verdict) == (11, 297, "pass")
 
 
-def test_the_same_case_holds_with_its_own_controller() -> None:
+def test_the_case_passes_with_its_own_controller() -> None:
     result = Scene(load(FOLDER / "imu_hil_rtl.toml")).run()
     assert result.verdict == "pass" and result.counts["rounds"] == 11

@@ -1,4 +1,4 @@
-"""Registers by name: which names are refused, and how."""
+"""Registers are read by name, and unknown names are refused."""
 
 from __future__ import annotations
 

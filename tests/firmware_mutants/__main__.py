@@ -1,9 +1,9 @@
-"""`python -m tests.firmware_mutants`: every statement of both emulators changed, and which budget catches it.
+"""`python -m tests.firmware_mutants`: change each statement of both emulators, and report which budget catches it.
 
     every mutant --> Trial --> tests/firmware_mutants/results.md, survivors on the screen
 
-Exit status 1 if less than 95 % of those that are not argued to have no effect are caught, if an argued one is caught,
-or if one survives that survivors.py does not know.
+The exit status is 1 if less than 95 % of the mutants that are not argued to have no effect are caught, if an argued
+one is caught, or if one survives that is not listed in survivors.py.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m tests.firmware_mutants", description=(__doc__ or "").split("\n")[0]
     )
-    parser.add_argument("file", nargs="*", default=list(FUNCTIONS), help=f"of {', '.join(FUNCTIONS)}; all if none")
+    parser.add_argument("file", nargs="*", default=list(FUNCTIONS), help=f"one of {', '.join(FUNCTIONS)}; default: all")
     parser.add_argument("--only", default="", help="mutants whose text contains this; no page is written")
-    parser.add_argument("--sample", type=int, default=0, help="so many of each file, drawn; no page is written")
+    parser.add_argument("--sample", type=int, default=0, help="random mutants of each file to run; no page is written")
     options = parser.parse_args(arguments)
-    gc.freeze()  # a scene is full of cycles: what was imported need not be looked through for them each time
+    gc.freeze()  # a scene has many reference cycles; imported objects need not be searched for them
     trials, holds = {}, True
     for file in options.file:
         chosen = [one for one in all_mutants(file) if options.only in str(one)]
@@ -37,9 +37,9 @@ def main(arguments: list[str]) -> int:
         tally = Tally(trials[file])
         print(f"{file}: {tally}")
         for trial in tally.survivors:
-            print(f"{'survived, and is not known to' if trial in tally.unknown else 'survived'}: {trial.mutant}")
+            print(f"{'survived, not listed in survivors.py' if trial in tally.unknown else 'survived'}: {trial.mutant}")
         for trial in tally.refuted:
-            print(f"argued, but caught by {trial.by}: {trial.mutant}")
+            print(f"argued to have no effect, but caught by {trial.by}: {trial.mutant}")
         holds = tally.holds and holds
     if set(trials) == set(FUNCTIONS) and not options.only and not options.sample:
         kept = section_of(PAGE.read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""Mutants without effect on this chip, argued: a mutant goes in; the argument comes out, or nothing."""
+"""Mutants that are argued to have no effect on this chip, with their arguments."""
 
 from __future__ import annotations
 
@@ -10,9 +10,12 @@ WITHOUT_EFFECT = "without-effect"
 
 
 class Argument(NamedTuple):
-    """why: nothing can tell. mutants: their texts; "N cycles late" stands for each delay.
+    """An argument for some mutants.
 
-    rules: of the manuals, by their numbers. lint: that says of the unchanged statement that it has no effect.
+    why: the reason that no effect is observable.
+    mutants: their texts; "N cycles late" stands for each delay.
+    rules: the rules of the manuals on which it is based, by number.
+    lint: the finding of `lint` for the unchanged statement, if there is one.
     """
 
     why: str
@@ -41,7 +44,7 @@ OF_THE_PUBLISHED = (
         WITHOUT_EFFECT,
     ),
     Argument(
-        "TRX is the direction of a master: so it may be written before the wait, too",
+        "TRX is the direction of a master, so it may also be written before the wait",
         ("batch_read: moved past i2c.I2CMDR.TRX = 1: dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)",),
         ("I2C-053",),
     ),
@@ -51,12 +54,12 @@ OF_THE_PUBLISHED = (
         ("I2C-053", "I2C-335"),
     ),
     Argument(
-        "the field's write gives back all of I2CSTR, so SCD is cleared with it; XRDY is not cleared by a 1",
+        "the write of the field writes back all of I2CSTR, so SCD is cleared too; a 1 does not clear XRDY",
         ("batch_read: exchanged: i2c.I2CSTR.SCD = 1 --> i2c.I2CSTR.XRDY = 1",),
         ("I2C-233",),
     ),
     Argument(
-        "IRS is 1 there since the own address was set, and STB is a master's",
+        "IRS has been 1 since the own address was set, and STB only affects a master",
         (
             "batch_read: exchanged: i2c.I2CMDR.IRS = 1 --> i2c.I2CMDR.STB = 1",
             "batch_read: moved past if self.settings.mask_during_i2c:: i2c.I2CMDR.IRS = 1",
@@ -64,22 +67,22 @@ OF_THE_PUBLISHED = (
         ("I2C-065",),
     ),
     Argument(
-        "nobody uses what it returns",
+        "the returned value is not used",
         ("batch_read: exchanged: return i2c.I2CSTR.NACK --> return i2c.I2CSTR.AL",),
     ),
     Argument(
-        "an iterator is made without an access, and takes no time",
+        "creating an iterator makes no access and takes no time",
         ("batch_read: moved past buffer = endless(data): if self.settings.sdir_wait:",),
     ),
     Argument(
-        "the main loop looks at frame_waits when the service routine is over, and not before",
+        "the main loop reads frame_waits only after the service routine has ended",
         (
             "sci_received: moved past self.frame_waits = True: if self.settings.frame_cost:",
             "sci_received: moved past sci.SCIFFRX.RXFFOVRCLR = 1: self.frame_waits = True",
         ),
     ),
     Argument(
-        "RXFFOVF asks for no interrupt and nobody reads it; RXFIFORESET is 1, and a 0 in RXFFOVRCLR does nothing",
+        "RXFFOVF requests no interrupt and is not read; RXFIFORESET is 1, and a 0 in RXFFOVRCLR has no effect",
         (
             "sci_received: exchanged: sci.SCIFFRX.RXFFOVRCLR = 1 --> sci.SCIFFRX.RXFIFORESET = 1",
             "sci_received: exchanged: sci.SCIFFRX.RXFFOVRCLR = 1 --> sci.SCIFFRX.RXFFOVRCLR = 0",
@@ -87,7 +90,7 @@ OF_THE_PUBLISHED = (
         ("SCI-008", "SCI-180"),
     ),
     Argument(
-        "each clears a flag of its own; the FIFO is empty, so no request comes between them",
+        "each statement clears another flag; the FIFO is empty, so there is no request between them",
         (
             "sci_received: moved past sci.SCIFFRX.RXFFINTCLR = 1: sci.SCIFFRX.RXFFOVRCLR = 1",
             "sci_received: moved past pie.PIEACK.all = 256: sci.SCIFFRX.RXFFINTCLR = 1",
@@ -129,7 +132,7 @@ OF_THE_START = (
         ),
     ),
     Argument(
-        "a name for a module or a port takes no time",
+        "an assignment of a module or a port to a variable takes no time",
         (
             "start_pin: moved past port = 'ABC'[pin // 32]: gpio = dsp.module('GPIO')",
             "start_pin: moved past dsp.clear_pin(pin): port = 'ABC'[pin // 32]",
@@ -140,12 +143,12 @@ OF_THE_START = (
         ),
     ),
     Argument(
-        "GPIO data registers are not protected, and the pin is an input still",
+        "GPIO data registers are not protected, and the pin is still an input",
         ("start_pin: moved past dsp.eallow(): dsp.clear_pin(pin)",),
         ("SYS-046", "SYS-058"),
     ),
     Argument(
-        "a module gets its clock before its first access either way; its pins are set without it",
+        "the module has its clock before its first access in either order, and its pins can be set without it",
         (
             "start_i2c: moved past if dsp.has('GPIO'):: clocks.PCLKCR0.I2CAENCLK = 1",
             "sci_fifo_receiver: moved past if dsp.has('GPIO'):: clocks.PCLKCR0.SCIAENCLK = 1",
@@ -153,7 +156,7 @@ OF_THE_START = (
         ("I2C-008", "SYS-049"),
     ),
     Argument(
-        "settings of pins do not depend on each other, and the module that gets them is in reset",
+        "settings of pins do not depend on each other, and the module that uses the pins is in reset",
         (
             "start_i2c: moved past gpio.GPBQSEL1.GPIO33 = 3: gpio.GPBQSEL1.GPIO32 = 3",
             "start_i2c: moved past gpio.GPBMUX1.GPIO32 = 1: gpio.GPBQSEL1.GPIO33 = 3",
@@ -164,12 +167,12 @@ OF_THE_START = (
         ("SYS-049", "SYS-050", "I2C-336", "SCI-013"),
     ),
     Argument(
-        "SDA synchronised to SYSCLKOUT is a cycle late at most, and still between the same two edges of SCL",
+        "SDA synchronised to SYSCLKOUT is at most one cycle late, and still between the same two edges of SCL",
         ("start_i2c: exchanged: gpio.GPBQSEL1.GPIO32 = 3 --> gpio.GPBQSEL1.GPIO33 = 3",),
         ("SYS-067", "SYS-068"),
     ),
     Argument(
-        "RX synchronised is a cycle late at most, qualified by six samples six: a 200th of a bit",
+        "RX is at most one cycle late if synchronised, and six if qualified by six samples, which is a 200th of a bit",
         (
             "sci_fifo_receiver: exchanged: gpio.GPAQSEL2.GPIO28 = 3 --> gpio.GPAQSEL2.GPIO29 = 3",
             "sci_fifo_receiver: exchanged: gpio.GPAQSEL2.GPIO28 = 3 --> gpio.GPAQSEL2.GPIO28 = 2",
@@ -199,12 +202,12 @@ OF_THE_START = (
         ("I2C-336", "I2C-337", "SCI-013", "SCI-204"),
     ),
     Argument(
-        "the first character begins milliseconds after both",
+        "the first character begins milliseconds after both statements",
         ("sci_fifo_receiver: moved past sci.SCICTL1.all = 35: sci.SCIFFRX.all = 24672 | level",),
         ("SCI-205", "SCI-207"),
     ),
     Argument(
-        "a slave makes no SCL: the divisors of a master's clock are not used",
+        "a slave does not generate SCL, so the divisors of a master's clock are not used",
         (
             "start_i2c: exchanged: i2c.I2CCLKL.all = 10 --> i2c.I2CCLKL.all = 8",
             "start_i2c: exchanged: i2c.I2CCLKH.all = 5 --> i2c.I2CCLKH.all = 4",
@@ -212,12 +215,12 @@ OF_THE_START = (
         ("I2C-042",),
     ),
     Argument(
-        "the module is in reset until the last write to SCICTL1, which sets RXENA, too",
+        "the module is in reset until the last write to SCICTL1, which also sets RXENA",
         ("sci_fifo_receiver: exchanged: sci.SCICTL1.all = 3 --> sci.SCICTL1.all = 2",),
         ("SCI-013",),
     ),
     Argument(
-        "TXINT has no service routine: its bit of PIEIER is 0",
+        "TXINT has no service routine, and its bit of PIEIER is 0",
         ("sci_fifo_receiver: exchanged: sci.SCICTL2.all = 0 --> sci.SCICTL2.all = 1",),
         ("SCI-144", "SCI-161"),
     ),
@@ -227,12 +230,12 @@ OF_THE_START = (
         ("SCI-079",),
     ),
     Argument(
-        "the next write sets all of SCIFFRX; the level counts for a FIFO that is out of reset",
+        "the next write sets all of SCIFFRX; the level matters only when the FIFO is out of reset",
         ("sci_fifo_receiver: exchanged: sci.SCIFFRX.all = 0 --> sci.SCIFFRX.all = 1",),
     ),
     Argument(
-        "INTM holds every interrupt until dsp.eint(), the last statement of the start-up but one at most, and nothing "
-        "asks for one within it",
+        "INTM holds every interrupt until dsp.eint(), which is one of the last two statements of the start-up, and "
+        "nothing requests one within it",
         (
             "start_pie: moved past pie.PIEACK.all = 4095: pie.PIECTRL.ENPIE = 1",
             f"start_pie: moved past {OF_EACH_INTERRUPT}: pie.PIEACK.all = 4095",
@@ -242,7 +245,7 @@ OF_THE_START = (
         ("SYS-151",),
     ),
     Argument(
-        "bit 0 is of group 1, of which nothing is enabled",
+        "bit 0 belongs to group 1, of which no interrupt is enabled",
         ("start_pie: exchanged: pie.PIEACK.all = 4095 --> pie.PIEACK.all = 4094",),
         ("SYS-103",),
     ),
@@ -250,14 +253,14 @@ OF_THE_START = (
 
 OF_THE_ROBUST = (
     Argument(
-        "the main loop looks at the frame when the service routine is over, and not before",
+        "the main loop reads the frame only after the service routine has ended",
         (
             "sci_received: moved past if self.settings.frame_cost:: if not any((word & BROKEN for word in words)):",
             "sci_received: moved past self.frame_waits = True: self.frame = bytes((word & 255 for word in words))",
         ),
     ),
     Argument(
-        "the FIFO is empty, and the next 12 characters take a millisecond: no request comes between them",
+        "the FIFO is empty, and the next 12 characters take a millisecond, so there is no request between them",
         (
             "sci_received: moved past sci.SCIFFRX.all = RX_ON | RX_CLEAR | FRAME_BYTES: if self.settings.frame_cost:",
             "sci_received: moved past self.pie.PIEACK.all = GROUP_9: sci.SCIFFRX.all = RX_ON | RX_CLEAR | FRAME_BYTES",
@@ -265,7 +268,7 @@ OF_THE_ROBUST = (
         ("SCI-175", "SCI-176", "SYS-101"),
     ),
     Argument(
-        "receiver and FIFO are in reset until both are released, and RX is idle meanwhile",
+        "receiver and FIFO are in reset until both are released, and RX is idle until then",
         (
             "look_at_line: moved past sci.SCIFFRX.all = FRAME_BYTES: sci.SCICTL1.SWRESET = 0",
             "look_at_line: moved past sci.SCICTL1.SWRESET = 1: sci.SCIFFRX.all = RX_ON | RX_CLEAR | FRAME_BYTES",
@@ -273,11 +276,11 @@ OF_THE_ROBUST = (
         ("SCI-202", "SCI-205", "SCI-207"),
     ),
     Argument(
-        "the next write sets all of SCIFFRX; the level counts for a FIFO that is out of reset",
+        "the next write sets all of SCIFFRX; the level matters only when the FIFO is out of reset",
         ("look_at_line: exchanged: sci.SCIFFRX.all = FRAME_BYTES --> sci.SCIFFRX.all = FRAME_BYTES >> 1",),
     ),
     Argument(
-        "fewer than 12 words waited, so RXFFINT is 0; RXFFOVF asks for no interrupt and nobody reads it",
+        "fewer than 12 words waited, so RXFFINT is 0; RXFFOVF requests no interrupt and is not read",
         (
             "look_at_line: exchanged: sci.SCIFFRX.all = RX_ON | RX_CLEAR | FRAME_BYTES --> "
             "sci.SCIFFRX.all = RX_ON | RX_ON | FRAME_BYTES",
@@ -300,7 +303,7 @@ OF_THE_ROBUST = (
         ),
     ),
     Argument(
-        "found is set by each look of the wait before it is returned",
+        "each evaluation of the wait's condition sets found before it is returned",
         (
             "wait_for: exchanged: i2c, timer, found = (self.i2c, self.wait_timer, 0) --> "
             "i2c, timer, found = (self.i2c, self.wait_timer, 1)",
@@ -312,19 +315,19 @@ OF_THE_ROBUST = (
         ("I2C-336",),
     ),
     Argument(
-        "FREE counts at a breakpoint only",
+        "FREE only has an effect at a breakpoint",
         ("own_address: exchanged: i2c.I2CMDR.all = FREE | IRS --> i2c.I2CMDR.all = IRS | IRS",),
         ("I2C-324", "I2C-325"),
     ),
     Argument(
-        "the two conditions exclude each other: no flag at all is no SDIR and no SCD",
+        "the two conditions exclude each other, since without any flag there is neither SDIR nor SCD",
         (
             "serve: moved past if found & SDIR:: if not found:",
             "send: moved past if not found:: if found & SCD:",
         ),
     ),
     Argument(
-        "without a return it returns None, and who asks for it asks only whether it is true",
+        "without a return statement it returns None, and the caller only tests whether the value is true",
         ("send: deleted: return False",),
     ),
 )
@@ -333,10 +336,10 @@ ARGUMENTS = (*OF_THE_PUBLISHED, *OF_THE_ROBUST, *OF_THE_START)
 
 
 def argument_of(mutant: Mutant) -> Argument | None:
-    """None for a mutant that some budget should catch."""
+    """Return the argument for a mutant, or None if a budget should catch the mutant."""
     return next((one for one in ARGUMENTS if any(means(text, mutant) for text in one.mutants)), None)
 
 
 def means(text: str, mutant: Mutant) -> bool:
-    """True if an argument's text is about this mutant."""
+    """True if a text in an argument denotes this mutant."""
     return mutant.text in (text, *(text.replace("N cycles", f"{cycles} cycles") for cycles in DELAYS))

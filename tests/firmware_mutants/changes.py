@@ -1,12 +1,12 @@
-"""Changes of a firmware, one statement at a time: source and the names of functions go in, mutants come out.
+"""Mutants of firmware: each changes one statement of the given functions.
 
     each statement --deleted------------> pass
                    --delayed by n-------> dsp.compute(n) before it
                    --moved past its neighbour
                    --each constant, named constant and register field in it exchanged for another
 
-A constant loses its lowest bit; 0 becomes 1. A named one is exchanged for the next that its line defines; one that
-comes from elsewhere, or stands alone, is halved. A field is exchanged for the next one of its register.
+A constant loses its lowest set bit; 0 becomes 1. A named constant is exchanged for the next one that its line defines;
+one that is defined elsewhere or alone is halved. A field is exchanged for the next one of its register.
 """
 
 from __future__ import annotations
@@ -25,14 +25,20 @@ REGISTERS: dict[str, Register] = {register.name: register for each in MAPS.value
 VECTORS = {"SCIRXINTA": "SCITXINTA"}
 BLOCKS = ("body", "orelse")
 
-Path = tuple[tuple[str, int], ...]  # from a function down: which block, which statement of it
+Path = tuple[tuple[str, int], ...]  # from a function down: a block, and the index of the statement in it
 
 
 @dataclass(frozen=True)
 class Mutant:
-    """file: the module's name. line: of the statement. kind: what was done. before, after: the statement's source.
+    """A changed module.
 
-    source: of the whole module. path: of the statement. place: of what is exchanged in it.
+    file: the module's name.
+    line: of the statement.
+    kind: how it is changed.
+    before, after: the source of the statement.
+    source: of the whole module.
+    path: of the statement.
+    place: the number of the exchanged part in the statement.
     """
 
     file: str
@@ -50,12 +56,12 @@ class Mutant:
 
     @property
     def text(self) -> str:
-        """What was done to which statement, without its line."""
+        """The changed statement and the change, without the line."""
         what = f" --> {self.after}" if self.kind == EXCHANGED else ""
         return f"{self.function}: {self.kind}: {self.before}{what}"
 
     def tree(self) -> ast.Module:
-        """The changed module."""
+        """Return the changed module."""
         tree = ast.parse(self.source)
         function = _functions(tree)[self.function]
         parent = _at(function, self.path[:-1]) if len(self.path) > 1 else function
@@ -75,7 +81,7 @@ class Mutant:
 
 
 def mutants(file: str, source: str, functions: tuple[str, ...]) -> Iterator[Mutant]:
-    """Every change of these functions' statements, in order."""
+    """Yield every change of the statements of these functions, in order."""
     tree = ast.parse(source)
     found, following = _functions(tree), _following(tree)
     for name in functions:
@@ -88,7 +94,7 @@ def mutants(file: str, source: str, functions: tuple[str, ...]) -> Iterator[Muta
 
 
 def _changes(statement: ast.stmt, others: list[ast.stmt], following: dict[str, str]) -> Iterator[tuple[str, str, int]]:
-    """(kind, the statement afterwards, which of its parts). others: the statements behind it."""
+    """Yield kind, changed statement and number of the changed part; `others` are the statements that follow."""
     yield DELETED, "pass", 0
     for cycles in DELAYS:
         yield f"{cycles} cycles late", "", 0
@@ -105,7 +111,7 @@ def _functions(tree: ast.Module) -> dict[str, ast.FunctionDef]:
 
 
 def _statements(function: ast.AST, path: Path = ()) -> Iterator[Path]:
-    """Where the statements of a function are, those within statements too."""
+    """Yield the paths of the statements of a function, nested ones included."""
     for block in BLOCKS:
         for index, statement in enumerate(getattr(function, block, ())):
             if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
@@ -124,7 +130,7 @@ def _at(function: ast.AST, path: Path) -> ast.stmt:
 
 
 def _exchangeable(statement: ast.stmt) -> Iterator[ast.expr]:
-    """Constants, named constants and register fields of a statement, not of those within it."""
+    """Yield constants, named constants and register fields of a statement, without those of nested statements."""
     waiting: list[ast.AST] = [
         node
         for node in ast.iter_child_nodes(statement)
@@ -143,7 +149,7 @@ def _exchangeable(statement: ast.stmt) -> Iterator[ast.expr]:
 
 
 def _register(node: ast.Attribute) -> Register | None:
-    """The register whose field this is."""
+    """Return the register of which this is a field, or None."""
     owner = node.value
     register = REGISTERS.get(owner.attr) if isinstance(owner, ast.Attribute) else None
     return register if register is not None and node.attr in register and len(register.fields) > 1 else None
@@ -173,7 +179,7 @@ def _exchange(statement: ast.stmt, place: ast.expr, following: dict[str, str]) -
 
 
 def _following(tree: ast.Module) -> dict[str, str]:
-    """Of each named constant that the module defines together with others the next one."""
+    """Return the successor of each named constant that the module defines together with others."""
     found: dict[str, str] = {}
     for statement in tree.body:
         if isinstance(statement, ast.Assign) and isinstance(statement.targets[0], ast.Tuple):
@@ -183,6 +189,6 @@ def _following(tree: ast.Module) -> dict[str, str]:
 
 
 def _text(statement: ast.AST) -> str:
-    """The first line of a statement's source."""
+    """Return the first line of a statement's source."""
     text = ast.unparse(statement).splitlines()[0]
     return text if len(text) <= 90 else f"{text[:87]}..."

@@ -1,4 +1,4 @@
-"""results.md, which names what catches each mutant, from the trials: one row per statement."""
+"""The page results.md, with a row for each statement and what catches its mutants."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from .trials import BROKEN, ENDED, FIRMWARES, MOVED_IN_TIME, Trial, all_mutants
 KINDS = (DELETED, *(f"{cycles} cycles late" for cycles in DELAYS), MOVED, EXCHANGED)
 HEAD = """# Firmware mutants
 
-`make firmware-mutants` changes one statement after another of the service path, the start-up and the SCI routine of
-both emulators, runs the flagship's cases with it, and writes this page. A statement is deleted, delayed by 20 and by
-300 cycles, moved past the one behind it, and has each constant, named constant and register field in it exchanged for
-another: a constant loses its lowest bit, a field gives way to the next one of its register.
+`make firmware-mutants` changes each statement of the service path, the start-up and the SCI routine of both emulators,
+runs the flagship's cases with each change, and writes this page. A statement is deleted, delayed by 20 and by 300
+cycles, moved past the next one, and has each constant, named constant and register field in it exchanged for another:
+a constant loses its lowest set bit, a field is replaced by the next one of its register.
 
-Cases are run for a fraction of a second, with faults that come sooner. A mutant counts as caught where
+Cases are run for a fraction of a second, with earlier faults. A mutant counts as caught if
 
 * **a budget** in bold is broken or no longer judged: `periph-sim run` fails,
 * the run *ends* with an error that names the line,
-* a budget's worst, least or count, in plain letters, is not what the unchanged firmware has: `periph-sim check` fails;
-  *when* stands behind it if only the instant of a worst or least value is another one. Where the code between two
-  waits takes another time, the phase of the polls moves the margin of I2CDXR, too, or the end of a wait.
+* a budget's worst, least or count, in plain letters, differs from that of the unchanged firmware: `periph-sim check`
+  fails; *when* follows it if only the instant of a worst or least value differs. If the code between two waits takes
+  another time, the phase of the polls also changes the margin of I2CDXR, or the end of a wait.
 
-A number in brackets is an argument, below, why nothing on this chip can tell.
+A number in brackets refers to an argument below that the mutant has no observable effect on this chip.
 """
 
 
@@ -39,7 +39,7 @@ def page(trials: Mapping[str, Sequence[Trial]]) -> str:
 
 
 def _left_out(file: str, trials: Sequence[Trial]) -> str:
-    """A sentence on a file of which not every mutant was tried."""
+    """Return a sentence if not every mutant of a file was tried."""
     every = len(all_mutants(file))
     return "" if len(trials) == every else f" {len(trials)} of {every} mutants were tried."
 
@@ -82,7 +82,7 @@ def _caught(trial: Trial) -> str:
 
 
 def _survivors(trials: Mapping[str, Sequence[Trial]]) -> str:
-    """What would catch those that survived; nothing where none did."""
+    """Return what would catch the mutants that survived, or nothing if none did."""
     left = [(file, trial.mutant) for file, of_file in trials.items() for trial in Tally(of_file).survivors]
     rows = [
         f"* `{file}.py`, line {one.line}, {one.kind}: {KNOWN.get(one.text, 'not looked at')}." for file, one in left
@@ -94,6 +94,6 @@ def _arguments() -> str:
     rows = ["\n## Without effect on this chip\n"]
     for number, one in enumerate(ARGUMENTS, 1):
         source = f" ({', '.join(one.rules)})" if one.rules else ""
-        said = f" `lint` says so: {one.lint}." if one.lint else ""
+        said = f" `lint` reports it: {one.lint}." if one.lint else ""
         rows.append(f"{number}. {one.why}{source}.{said}")
     return "\n".join(rows) + "\n"

@@ -1,11 +1,11 @@
-"""`python -m tests.firmware_mutants.real`: the share of real mutants that the shipped budgets detect.
+"""`python -m tests.firmware_mutants.real`: measure the share of real mutants that the shipped budgets detect.
 
     Random(seed) --> mutants of both firmwares --reality--> real ones --shipped--> detected by a budget
                                                                 '--phases of baselines--> detected by a figure
-                                                                '--neither--> listed with how rarely they differ
+                                                                '--neither--> listed with the number of phases
 
-A seed is drawn for each of two samples unless it is given. The result replaces the section of the page.
-Exit status 1 if budgets detect less than 80 % of the real mutants of any sample.
+A seed is drawn for each of two samples unless seeds are given. The result replaces the section of the page.
+The exit status is 1 if budgets detect less than 80 % of the real mutants of any sample.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class Judged:
 
 
 def judged(mutant: Mutant, seed: int) -> Judged | None:
-    """Return how a mutant is detected; None if it behaves as the unchanged firmware or ends the run with an error."""
+    """Return how a mutant is detected, or None if it behaves as the unchanged firmware or ends the run."""
     found = difference(mutant, seed)
     if found is None or found.kind == ENDS:
         return None
@@ -72,7 +72,7 @@ def judged(mutant: Mutant, seed: int) -> Judged | None:
 
 
 def figure_moved(mutant: Mutant, seed: int) -> str:
-    """Return the first figure that differs in phases other than those of the decision; empty if none does."""
+    """Return the first figure that differs in phases other than those of the decision, or "" if none does."""
     for phase in phases(mutant.file, seed + 1, BASELINES):
         firmware = phase.run.firmware
         changes = compare(_usual(phase), _figures(phase, mutated(firmware, mutant)))
@@ -143,8 +143,8 @@ def section(samples: Sequence[Sample]) -> str:
         for one in samples
     ]
     left = {found.mutant: found for one in samples for found in one.real if found.how != BUDGET}
-    told = [f"* `{found.mutant}`: {_reason(found)}\n" for found in left.values()]
-    return SECTION + HEAD + "".join(rows) + ("\nNo budget detects:\n\n" + "".join(told) if told else "")
+    lines = [f"* `{found.mutant}`: {_reason(found)}\n" for found in left.values()]
+    return SECTION + HEAD + "".join(rows) + ("\nNo budget detects:\n\n" + "".join(lines) if lines else "")
 
 
 def _reason(found: Judged) -> str:
@@ -152,12 +152,12 @@ def _reason(found: Judged) -> str:
     if found.how == FIGURE:
         return f"{found.by} is another figure; {what}."
     if found.difference.kind == SLOW:
-        return f"its waits make each pass, so it is too slow to tell: {found.difference.what}; counted as real."
+        return f"its waits execute each pass, so it is too slow to decide: {found.difference.what}; counted as real."
     return f"it differs in {found.rare} of {PHASES} phases only, and in none of the {BASELINES}; {what}."
 
 
 def with_section(page: str, text: str) -> str:
-    """Return the page with its section replaced, or inserted before the first other one if it has none."""
+    """Return the page with its section replaced, or inserted before the first other section."""
     start = page.find(SECTION)
     end = page.find(NEXT, max(start, 0)) + 1 or len(page)
     if start < 0:
@@ -166,7 +166,7 @@ def with_section(page: str, text: str) -> str:
 
 
 def section_of(page: str) -> str:
-    """Return the section of a page; empty if it has none."""
+    """Return the section of a page, or "" if it has none."""
     start = page.find(SECTION)
     return page[start : page.find(NEXT, start) + 1 or len(page)].rstrip("\n") + "\n" if start >= 0 else ""
 
@@ -175,22 +175,24 @@ def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m tests.firmware_mutants.real", description=(__doc__ or "").split("\n")[0]
     )
-    parser.add_argument("--seed", type=int, action="append", help="of a sample; may be repeated; no page is written")
-    parser.add_argument("--sample", type=int, default=SAMPLE, help="so many mutants of both firmwares together")
+    parser.add_argument(
+        "--seed", type=int, action="append", help="seed of a sample, may be repeated; no page is written"
+    )
+    parser.add_argument("--sample", type=int, default=SAMPLE, help="number of mutants of both firmwares together")
     options = parser.parse_args(arguments)
     gc.freeze()
     drawn = SystemRandom()
     samples = []
     for seed in options.seed or [drawn.randrange(10**6) for _ in range(2)]:
         print(f"seed {seed}", flush=True)
-        samples.append(Sample(seed, options.sample, _tell))
+        samples.append(Sample(seed, options.sample, _print_judged))
         print(samples[-1], flush=True)
     if not options.seed and options.sample == SAMPLE:
         PAGE.write_text(with_section(PAGE.read_text(encoding="utf-8"), section(samples)), encoding="utf-8")
     return 0 if all(one.share >= ENOUGH for one in samples) else 1
 
 
-def _tell(one: Judged) -> None:
+def _print_judged(one: Judged) -> None:
     print(f"{one.how}: {one.mutant}: {one.by if one.how == BUDGET else _reason(one)}", flush=True)
 
 

@@ -1,10 +1,10 @@
-"""Decision whether a mutant is real: it runs in 200 phases and is compared with the unchanged firmware.
+"""Decide whether a mutant is real: it runs in 200 phases and is compared with the unchanged firmware.
 
-    Random(seed) --> 200 phases: a bench, when its host or its head begins, its case's seed
+    Random(seed) --> 200 phases: a bench, the begin of its host or its head, the seed of its case
     each phase ----> unchanged firmware --> Behaviour
                '---> mutant ----> Behaviour --> first difference: bytes, order on the wires, a missed deadline
 
-The benches are shortened runs of the shipped cases. Their budgets play no part: DEADLINES and AGE take their place.
+The benches are shortened runs of the shipped cases. Their budgets are not used: DEADLINES and AGE replace them.
 """
 
 from __future__ import annotations
@@ -37,15 +37,19 @@ DEADLINES = {
     "SCL": ("stretch", 'max="0 us"', "the head's driver knows no stretching: a byte is there before its first clock"),
     "FIFO": ("overruns", "max=0", "a frame is read before 16 words wait: 4 characters, 347 us, behind its last"),
 }
-# Data age: the published firmware runs its models behind a round, so a frame waits 21 ms for them and its values 20 ms
-# for the next round. The robust one runs them when a frame is complete, 21 ms before the next one at most; within 0.5
-# ms of a round it waits for its end, 2.6 ms.
+# Data age: the published firmware runs its models after a round, so a frame waits up to 21 ms for them, and its values
+# up to 20 ms for the next round. The robust one runs them when a frame is complete, at most 21 ms before a round;
+# within 0.5 ms of a round it waits for the end of the round, 2.6 ms.
 AGE = {
     "imu_hil": "41 ms",
     "imu_hil_robust": "24 ms",
 }
-HOST, HEAD, BETWEEN = "host.first", "controller.first", "between"  # what begins anywhere in its period
-BENCHES = {  # the shipped cases of a firmware, their faults sooner: a run, and what is drawn
+HOST, HEAD, BETWEEN = (
+    "host.first",
+    "controller.first",
+    "between",
+)  # the key of the start that is drawn within its period
+BENCHES = {  # the shipped cases of a firmware with earlier faults: a run, and which start is drawn
     "imu_hil": (
         (Run("imu_hil", "imu_hil", "0.048"), HOST),
         (Run("imu_hil", "imu_hil_400k", "0.047"), HOST),
@@ -70,11 +74,13 @@ BENCHES = {  # the shipped cases of a firmware, their faults sooner: a run, and 
     ),
 }
 BYTES, ORDER, DEADLINE, ENDS, SLOW = "bytes", "order", "deadline", "ends", "slow"
-PATIENCE = 40  # s of CPU for all phases of a mutant, which take 2 s: its waits make each pass if it takes longer
+PATIENCE = (
+    40  # s of CPU time for all phases of a mutant, which take 2 s; it takes longer if its waits execute each pass
+)
 
 
 class Phase(NamedTuple):
-    """A bench, and the instant within its period at which host or head begins, as changes of the case."""
+    """A bench, and the start of its host or head within its period, as changes of the case."""
 
     run: Run
     changes: tuple[str, ...]
@@ -83,7 +89,7 @@ class Phase(NamedTuple):
 class Difference(NamedTuple):
     """A difference from the unchanged firmware.
 
-    kind: BYTES, ORDER, DEADLINE, ENDS, or SLOW if it takes too long to tell.
+    kind: BYTES, ORDER, DEADLINE, ENDS, or SLOW if the decision takes too long.
     phase: the number of the phase.
     """
 
@@ -94,11 +100,11 @@ class Difference(NamedTuple):
 
 @dataclass
 class Behaviour:
-    """The behaviour of the firmware as a bench measures it.
+    """The measured behaviour of firmware in a bench.
 
-    bytes: each addressed part of a transfer, with ACK or NACK of each byte: A or N.
+    bytes: each addressed part of a transfer, with A for the ACK or N for the NACK of each byte.
     order: events on SDA, SCL and MODEL, with their ticks.
-    missed: names of deadlines.
+    missed: names of missed deadlines.
     """
 
     bytes: list[str] = field(default_factory=list)
@@ -106,7 +112,7 @@ class Behaviour:
     missed: frozenset[str] = frozenset()
 
     def difference(self, usual: Behaviour) -> tuple[str, str]:
-        """Return kind and text of the first difference from the usual behaviour; two empty texts if there is none."""
+        """Return kind and text of the first difference from the usual behaviour, or two empty texts."""
         missed = sorted(self.missed - usual.missed)
         if missed:
             return DEADLINE, missed[0]
@@ -127,25 +133,25 @@ def _names(order: list[tuple[int, str]]) -> list[str]:
 
 @cache
 def phases(file: str, seed: int, count: int = PHASES) -> tuple[Phase, ...]:
-    """Return so many phases of the benches of a firmware, in turn."""
+    """Return this many phases of the benches of a firmware, which take turns."""
     draw, benches = Random(seed), BENCHES[file]
     return tuple(_phase(*benches[number % len(benches)], draw) for number in range(count))
 
 
 def _phase(run: Run, drawn: str, draw: Random) -> Phase:
-    """Draw one. Where frames are damaged the head begins at a drawn instant, so that the damage stays at its place."""
+    """Draw a phase. If frames are damaged, the head's start is drawn, so that the damage is at a fixed place."""
     first = draw.randrange(PERIOD)
     at = {HOST: 2000 + first, HEAD: 5000 + first, BETWEEN: 8000 + first * 7 // 10}[drawn]
     return Phase(run, (f"{HEAD if drawn == HEAD else HOST}={at} us", f"seed={draw.randrange(1, 10**6)}"))
 
 
 def difference(mutant: Mutant, seed: int, count: int = PHASES) -> Difference | None:
-    """Return the first difference; None if the mutant behaves as the unchanged firmware in all these phases."""
+    """Return the first difference, or None if the mutant behaves as the unchanged firmware in all these phases."""
     return next(differences(mutant, seed, count), None)
 
 
 def differences(mutant: Mutant, seed: int, count: int = PHASES) -> Iterator[Difference]:
-    """Yield one difference for each phase that has any."""
+    """Yield a difference for each phase that has one."""
     modules: dict[str, Any] = {}
     began = process_time()
     for number, phase in enumerate(phases(mutant.file, seed, count)):
@@ -157,7 +163,7 @@ def differences(mutant: Mutant, seed: int, count: int = PHASES) -> Iterator[Diff
             if firmware not in modules:
                 modules[firmware] = mutated(firmware, mutant)
             found = behaviour(phase, modules[firmware])
-        except Exception as error:  # firmware that cannot go on
+        except Exception as error:  # firmware that cannot continue
             yield Difference(ENDS, type(error).__name__, number)
             return
         kind, what = found.difference(_usual(phase))
@@ -171,7 +177,7 @@ def _usual(phase: Phase) -> Behaviour:
 
 
 def behaviour(phase: Phase, module: Any) -> Behaviour:
-    """Run a phase with this firmware."""
+    """Return the behaviour of this firmware in a phase."""
     run, found = phase.run, Behaviour()
     rows = [(name, measure, limit) for name, (measure, limit, _) in DEADLINES.items()]
     rows.append(("data age", "age", f'max="{AGE[run.firmware]}"'))

@@ -1,6 +1,6 @@
-"""Shipped cases run in full with a mutant as their firmware.
+"""Run the shipped cases in full with a mutant as their firmware.
 
-mutant --> each case of its firmware, as shipped --> "case: budget", or nothing
+mutant --> each case of its firmware, as shipped --> "case: budget", or ""
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from periph_sim.scene.scene import Scene
 from .changes import Mutant
 from .trials import ROOT, STALLED, STEP, broken, mutated
 
-# Cases of a firmware that it passes; of the robust one, those too that docs/flagship.md runs with it.
+# The cases that a firmware passes; for the robust one, also those that docs/flagship.md runs with it.
 SHIPPED = {
     "imu_hil": ("imu_hil", "imu_hil_400k", "imu_hil_by_frame", "imu_hil_published", "imu_hil_drift"),
     "imu_hil_robust": (
@@ -27,11 +27,13 @@ SHIPPED = {
 }
 
 
-PATIENCE = 150  # s of CPU for all cases of a mutant, which take 2 s: one whose waits make each pass is slow
+PATIENCE = (
+    150  # s of CPU time for all cases of a mutant, which take 2 s; a mutant whose waits execute each pass is slow
+)
 
 
 def detected(mutant: Mutant) -> str:
-    """Return the case and the budget that fails first with this mutant; empty if all cases pass."""
+    """Return the case and the budget that fails first with this mutant, or "" if all cases pass."""
     module = mutated(mutant.file, mutant)
     began = process_time()
     for name in SHIPPED[mutant.file]:
@@ -41,7 +43,10 @@ def detected(mutant: Mutant) -> str:
 
 
 def failing(name: str, module: Any, seconds: str = "") -> str:
-    """Return the case and the first budget that fails in it; empty if all pass. seconds: instead of its duration."""
+    """Return the case and the first budget that fails in it, or "" if all pass.
+
+    seconds: to run, instead of the duration of the case.
+    """
     case = load(ROOT / "timing" / f"{name}.toml", [STALLED])
     scene = Scene(case, programs={"dsp": Firmware("mutant", module.main, module.Settings)})
     end = scene.start + scene.timebase.ticks(Fraction(seconds) if seconds else case.duration, "nearest")

@@ -1,13 +1,13 @@
-"""Mutants that are known to survive, though this chip or another scene could tell: text of each -> what would.
+"""Mutants that are known to survive although they have an effect, each with a situation that would reveal it.
 
-They are no arguments: they count as survivors. One that survives and does not stand here fails the run.
+These are not arguments: the mutants count as survivors. A survivor that is not listed here fails the run.
 """
 
 from __future__ import annotations
 
 KNOWN = {
     "slave_config: exchanged: i2c.I2CMDR.MST = 0 --> i2c.I2CMDR.MST = 1": (
-        "a write of STT, which no firmware here makes: without it a module with MST = 1 answers its address as before"
+        "a write of STT, which no firmware here makes: without it a module with MST = 1 still answers its address"
     ),
     **dict.fromkeys(
         (
@@ -20,7 +20,7 @@ KNOWN = {
             "model: 300 cycles late: self.data[int(chip, 0)] = fixed",
             "model: exchanged: self.data[int(chip, 0)] = fixed --> self.data[int(chip, 1)] = fixed",
         ),
-        "a case with fixed data, as `imu_hil_no_sdir`, which breaks a budget with the unchanged firmware, too",
+        "a case with fixed data, as `imu_hil_no_sdir`, which also breaks a budget with the unchanged firmware",
     ),
     **dict.fromkeys(
         (
@@ -34,14 +34,14 @@ KNOWN = {
     ),
     **dict.fromkeys(
         ("serve_frame_by_frame: 20 cycles late: self.model()", "serve_frame_by_frame: 300 cycles late: self.model()"),
-        "another round than the first before which no frame came",
+        "a round other than the first before which no frame came",
     ),
     "wait_for_round: moved past self.look_at_round(): self.look_at_line()": (
-        "a timer that runs out, or a frame that ends, within the few cycles by which the timer is looked at sooner"
+        "a timer that expires, or a frame that ends, in the few cycles by which the timer is read earlier"
     ),
     "run: moved past self.start_timer(self.round_timer, settings.period - settings.guard): "
     "start_pie(dsp, {'SCIRXINTA': self.sci_received})": (
-        "a frame that ends within the few cycles by which the round's timer starts sooner, 19.5 ms later"
+        "a frame that ends within the few cycles by which the round's timer starts earlier, 19.5 ms later"
     ),
     "run: moved past self.start_timer(self.wait_timer, settings.patience): "
     "self.start_timer(self.round_timer, settings.period - settings.guard)": (

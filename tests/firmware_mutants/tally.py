@@ -1,4 +1,4 @@
-"""Trials counted: how many mutants broke a budget, ended the run, moved a figure, are argued, survived."""
+"""Count trials: mutants that break a budget, end the run, change a figure, are argued to have no effect, or survive."""
 
 from __future__ import annotations
 
@@ -15,7 +15,11 @@ WAYS = (BROKEN, ENDED, MOVED, MOVED_IN_TIME, ARGUED, SURVIVED)
 
 
 class Tally:
-    """refuted: argued to have no effect, and caught all the same. unknown: survived, and not known to do so."""
+    """The counts of some trials.
+
+    refuted: mutants that are argued to have no effect, but caught.
+    unknown: survivors that are not listed in survivors.py.
+    """
 
     def __init__(self, trials: Sequence[Trial]) -> None:
         self.ways = Counter(way(trial) for trial in trials)
@@ -26,12 +30,12 @@ class Tally:
 
     @property
     def holds(self) -> bool:
-        """Enough are caught, no argument is refuted, and who survives is known to."""
+        """True if enough mutants are caught, no argument is refuted, and all survivors are known."""
         return self.share >= ENOUGH and not self.refuted and not self.unknown
 
     @property
     def share(self) -> float:
-        """Percent of those that are not argued."""
+        """Percentage of caught mutants among those that are not argued to have no effect."""
         counted = self.total - self.ways[ARGUED]
         return 100 * (counted - self.ways[SURVIVED]) / counted if counted else 100.0
 
@@ -41,5 +45,5 @@ class Tally:
 
 
 def way(trial: Trial) -> str:
-    """One of WAYS."""
+    """Return one of WAYS."""
     return trial.how or (ARGUED if argument_of(trial.mutant) else SURVIVED)

@@ -1,4 +1,4 @@
-"""The changes that are made of a firmware's statements."""
+"""Mutants of a small firmware."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_only_the_statement_itself_is_changed(text: str, body: list[str]):
     assert len(changed) <= 2
 
 
-def test_every_mutant_is_another_program_that_compiles():
+def test_every_mutant_is_a_different_program_that_compiles():
     found = list(mutants("small", SOURCE, ("serve",)))
     texts = [ast.unparse(one.tree()) for one in found]
     assert len(set(texts)) == len(texts) and ast.unparse(ast.parse(SOURCE)) not in texts

@@ -1,4 +1,4 @@
-"""The page says of each statement what caught which change of it, and counts the ways."""
+"""The page lists for each statement what caught its mutants, and counts them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from tests.firmware_mutants.trials import BROKEN, ENDED, MOVED, MOVED_IN_TIME, T
 LINE = "pie.PIECTRL.ENPIE = 1"
 
 
-def test_a_row_is_a_statement_and_a_cell_names_what_caught_the_change():
+def test_a_row_is_a_statement_and_a_cell_names_what_caught_the_mutant():
     mutants = [one for one in all_mutants("startup") if one.before == LINE][:5]
     kinds = [one.kind.split()[0] for one in mutants]
     assert kinds == ["deleted", "20", "300", "moved", "exchanged"]
@@ -31,7 +31,7 @@ def test_a_row_is_a_statement_and_a_cell_names_what_caught_the_change():
     assert f"\n{number}. {argument.why}" in text
 
 
-def test_what_survives_is_told_in_its_cell():
+def test_a_surviving_mutant_is_marked_in_its_cell():
     mutant = next(one for one in all_mutants("startup") if one.before == LINE)
     text = page({"startup": [Trial(mutant)]})
     assert f"`{LINE}` | SURVIVED |" in text and "| deleted | 1 | 0 | 0 | 0 | 0 | 0 | 1 | 0.0 % |" in text

@@ -1,4 +1,4 @@
-"""Real mutants, the parts of the shipped cases that detect them, and their section of the page."""
+"""Real mutants, their detection by shipped cases, and their section of the page."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_a_mutant_is_real_if_bytes_or_deadlines_change(text: str, kind: str | No
     assert (found.kind if found else None) == kind
 
 
-def test_bytes_order_and_deadlines_are_compared_in_this_turn():
+def test_deadlines_are_compared_before_bytes_and_bytes_before_order():
     usual = Behaviour(["0x68 R 01"], [(3, "STOP"), (1, "START")], frozenset({"age"}))
     assert Behaviour(["0x68 R 01"], [(1, "START"), (9, "STOP")], frozenset()).difference(usual) == ("", "")
     assert Behaviour(["0x68 R 02"], usual.order, frozenset({"age"})).difference(usual)[0] == BYTES
@@ -98,7 +98,7 @@ def test_a_case_with_a_mutant_names_the_first_budget_that_is_broken(case: str, t
     assert failing(case, module, "0.1") == by
 
 
-def test_figures_of_other_phases_tell_a_mutant_that_no_budget_does(monkeypatch: pytest.MonkeyPatch):
+def test_figures_of_other_phases_detect_a_mutant_that_no_budget_detects(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(real, "BASELINES", 2)
     late = the_mutant("imu_hil batch_read: 20 cycles late: i2c.I2CDXR.all = next(buffer)")
     assert real.figure_moved(late, 1).startswith("imu_hil: ")
@@ -113,7 +113,7 @@ def test_figures_of_other_phases_tell_a_mutant_that_no_budget_does(monkeypatch: 
 
 @pytest.fixture
 def sample(monkeypatch: pytest.MonkeyPatch) -> Sample:
-    """Four mutants, of which one is not real, and each of the others is detected in another way."""
+    """A sample of four mutants, one of them not real, and the others detected in different ways."""
     came = iter([(BUDGET, "imu_hil: stretch"), (FIGURE, "imu_hil: CPU load"), (NEITHER, ""), None])
 
     def judged(mutant: real.Mutant, seed: int) -> Judged | None:

@@ -1,4 +1,4 @@
-"""What catches mutants can fail, names the right budget, and lets pass what nothing can tell."""
+"""Trials of mutants: the right budget catches each, and mutants without effect pass."""
 
 from __future__ import annotations
 
@@ -54,14 +54,14 @@ def test_the_unchanged_firmware_breaks_nothing(run: Run):
         ("imu_hil_robust look_at_line: 20 cycles late: sci.SCICTL1.SWRESET = 0", "CPU load", MOVED),
     ],
 )
-def test_a_mutant_is_caught_by_the_budget_that_it_is_about(text: str, by: str, how: str, monkeypatch):
+def test_a_mutant_is_caught_by_the_budget_of_its_effect(text: str, by: str, how: str, monkeypatch):
     mutant = the_mutant(text)
     monkeypatch.setitem(RUNS, mutant.file, SHORT[mutant.file])
     trial = tried(mutant)
     assert (trial.by, trial.how) == (by, how)
 
 
-def test_what_ends_the_run_is_told_with_its_error():
+def test_a_mutant_that_ends_the_run_is_reported_with_its_error():
     trial = tried(the_mutant("imu_hil sci_received: deleted: sci, pie = (self.sci, self.pie)"))
     assert trial.how == ENDED and "NameError" in trial.by
 
@@ -69,7 +69,7 @@ def test_what_ends_the_run_is_told_with_its_error():
 # Arguments ----------------------------------------------------------------------------
 
 
-def test_every_argument_names_mutants_that_exist_and_each_mutant_has_one_at_most():
+def test_every_argument_names_existing_mutants_and_each_mutant_has_at_most_one():
     found = [one for file in RUNS for one in all_mutants(file)]
     for one in ARGUMENTS:
         for text in one.mutants:
@@ -78,7 +78,7 @@ def test_every_argument_names_mutants_that_exist_and_each_mutant_has_one_at_most
         assert sum(means(text, mutant) for one in ARGUMENTS for text in one.mutants) <= 1, mutant
 
 
-def test_lint_says_the_same_of_writes_that_are_argued_to_be_without_effect():
+def test_lint_reports_the_writes_that_are_argued_to_be_without_effect():
     findings = lint(recorded(load(TIMING / "imu_hil.toml", []), "0.012"))
     argued = {
         f"{mutant.function}:{mutant.line}"
@@ -88,7 +88,7 @@ def test_lint_says_the_same_of_writes_that_are_argued_to_be_without_effect():
     assert argued == {finding.place for finding in findings if finding.lint == WITHOUT_EFFECT}
 
 
-def test_an_argued_mutant_that_is_caught_is_told():
+def test_an_argued_mutant_that_is_caught_is_refuted():
     argued = the_mutant("startup start_i2c: exchanged: i2c.I2CCLKH.all = 5 --> i2c.I2CCLKH.all = 4")
     other = the_mutant("startup start_pie: deleted: dsp.eint()")
     tally = Tally([Trial(argued, "case", "stretch", BROKEN), Trial(other)])
@@ -101,23 +101,23 @@ def test_an_argued_mutant_that_is_caught_is_told():
 # Exit status -----------------------------------------------------------------------------
 
 
-def test_survivors_that_are_known_exist_and_none_of_them_is_argued():
+def test_known_survivors_exist_and_none_is_argued():
     found = {one.text: one for file in RUNS for one in all_mutants(file)}
     assert not [text for text in KNOWN if text not in found or argument_of(found[text])]
 
 
 @pytest.mark.parametrize(
-    ("survives", "argued_is_caught", "status", "told"),
+    ("survives", "argued_is_caught", "status", "message"),
     [
         ("", False, 0, ""),
         ("run: moved past self.start_timer(self.round_timer", False, 0, "\nsurvived: imu_hil_robust.py"),
-        ("serve: deleted: ", False, 1, "\nsurvived, and is not known to: imu_hil_robust.py"),
-        ("", True, 1, "\nargued, but caught by data age: imu_hil_robust.py"),
+        ("serve: deleted: ", False, 1, "\nsurvived, not listed in survivors.py: imu_hil_robust.py"),
+        ("", True, 1, "\nargued to have no effect, but caught by data age: imu_hil_robust.py"),
     ],
     ids=["all caught", "one survives that is known to", "another one survives", "an argued one is caught"],
 )
-def test_the_status_tells_of_a_survivor_that_nobody_knows(
-    survives: str, argued_is_caught: bool, status: int, told: str, monkeypatch, capsys
+def test_the_status_is_1_for_an_unknown_survivor_or_a_refuted_argument(
+    survives: str, argued_is_caught: bool, status: int, message: str, monkeypatch, capsys
 ):
     spared = next((one for one in all_mutants("imu_hil_robust") if survives and one.text.startswith(survives)), None)
 
@@ -128,4 +128,4 @@ def test_the_status_tells_of_a_survivor_that_nobody_knows(
     monkeypatch.setattr("tests.firmware_mutants.__main__.tried", trial)
     assert main(["imu_hil_robust"]) == status
     said = capsys.readouterr().out
-    assert (told in said) if told else ("survived:" not in said and "caught by" not in said)
+    assert (message in said) if message else ("survived:" not in said and "caught by" not in said)

@@ -1,10 +1,10 @@
-"""A mutant tried: it goes in; the case and the budget that catch it come out, or nothing.
+"""Try a mutant: find the case and the budget that catch it.
 
     mutant --compiled--> module --> Scene of each case in turn, a step at a time --> first budget that is broken
                                     '-- none --> figures that differ from the unchanged firmware's
 
-A budget that is broken stops it. What breaks none may still move a figure of a budget: `periph-sim check` fails then.
-Cases are shortened so that a trial is affordable: their faults come sooner, their budgets are those that they have.
+A broken budget ends the trial. A mutant that breaks none may still change a figure of a budget, so that `periph-sim
+check` fails. Cases are shortened so that a trial is affordable: faults come earlier, budgets are unchanged.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from .changes import Mutant, mutants
 ROOT = Path(__file__).parents[2]
 SOURCES = ROOT / "firmware" / "python"
 STARTUP = "startup"
-PACKAGE = "periph_sim.firmware"  # where firmware imports the start-up from
+PACKAGE = "periph_sim.firmware"  # the package from which firmware imports the start-up
 FUNCTIONS = {
     "imu_hil": ("sci_received", "model", "slave_config", "batch_read", "run", "serve_frame_by_frame"),
     "imu_hil_robust": (
@@ -47,14 +47,19 @@ FIRMWARES = {
     "setting on.",
     "imu_hil_robust": "The firmware that a careful engineer would ship, in these two and the fault cases; with noise "
     "before a frame, with SCL held within a request, and with a head that leaves rounds out.",
-    "startup": "What both do first, in `imu_hil` and `imu_hil_400k`; `imu_hil_reset` with the robust firmware.",
+    "startup": "The start-up of both, in `imu_hil` and `imu_hil_400k`; `imu_hil_reset` with the robust firmware.",
 }
-STEP = Fraction(1, 200)  # s: how often it is asked whether a budget is broken
+STEP = Fraction(1, 200)  # s: the interval at which budgets are checked
 STALLED = "stall_limit=2 s"  # of CPU time
 
 
 class Run(NamedTuple):
-    """A case with a firmware, for how long, with which changes. functions: that it exercises as no run before it."""
+    """A case with a firmware.
+
+    seconds: how long it runs.
+    changes: changes of the case.
+    functions: those whose mutants are run in it; empty for all.
+    """
 
     firmware: str
     case: str
@@ -67,18 +72,20 @@ class Run(NamedTuple):
 
 
 COLLIDING = ("host.first=3 ms",)  # so that frames end while a round is served
-SETTINGS = (  # what the shipped cases leave off
+SETTINGS = (  # settings that the shipped cases do not use
     *("unit.dsp.settings.frame_cost=0.5 us", "unit.dsp.settings.models_run=frame"),
     *("unit.dsp.settings.mask_during_i2c=true", "budget.service latency.max=4 ms"),
 )
 BY_FRAME = ("model", "serve_frame_by_frame")
-RUNS_SO_FAR = "budget.runs of the models.exactly=6"  # in 90 ms: at the start, behind the first round, of four frames
+RUNS_SO_FAR = (
+    "budget.runs of the models.exactly=6"  # in 90 ms: at the start, after the first round, and for four frames
+)
 ON_BUS = ("own_address", "wait_for", "serve", "send", "wait_for_round", "look_at_round", "serve_round", "start_timer")
 ON_LINE = ("sci_received", "look_at_line", "wait_for_round", "look_at_round", "start_timer")
 BREAK = (*COLLIDING, "host.jitter=0 s", "fault.0.at=24.034 ms", "fault.0.spread=0 s", "fault.0.times=1")
 NO_FAULT = ("fault=[]", "host.jitter=0 s")
 NOISE = (*COLLIDING, "host.jitter=0 s", "fault.0.at=21.7 ms", "fault.0.spread=0 s", "fault.0.times=1")
-SCL_HELD = '{kind="hold", wire="SCL", length="1 ms", at="%s ms"}'  # longer than a wait's patience
+SCL_HELD = '{kind="hold", wire="SCL", length="1 ms", at="%s ms"}'  # longer than the patience of a wait
 FRAME_TO_MODELS = '{name="frame to models", measure="from last frame RX end of burst to edge MODEL rise", max="5 ms"}'
 RESET = Run("imu_hil_robust", "imu_hil_reset", "0.22", ("fault.0.at=45.4 ms", "fault.0.times=1"))
 RUNS = {
@@ -116,7 +123,7 @@ RUNS = {
             (*NOISE, "fault.0.width=60 us", "budget.data age.max=66 ms"),
             ("look_at_line",),
         ),
-        Run(  # another device holds SCL behind a register pointer and in the middle of a read
+        Run(  # another device holds SCL after a register pointer and within a read
             *("imu_hil_robust", "imu_hil_broken_line", "0.13"),
             (
                 *(*COLLIDING, f"fault=[{SCL_HELD % 45.14}, {SCL_HELD % 85.4}]"),
@@ -124,7 +131,7 @@ RUNS = {
             ),
             ("serve", "send"),
         ),
-        Run(  # a head that comes late and leaves out five rounds of six; frames that end where one would be near
+        Run(  # a head that starts late and omits five of six rounds; frames end where such a round would be near
             *("imu_hil_robust", "imu_hil_broken_line", "0.2"),
             (
                 *(*NO_FAULT, "host.first=19.4 ms", "controller.first=60 ms", "controller.period=120 ms"),
@@ -142,12 +149,16 @@ RUNS = {
 
 
 BROKEN, ENDED = "budget broken", "run ended"
-MOVED, MOVED_IN_TIME = "figure moved", "instant moved"  # MOVED_IN_TIME: when a value was reached, and no value
+MOVED, MOVED_IN_TIME = "figure moved", "instant moved"  # MOVED_IN_TIME: only the instant of a value differs
 
 
 @dataclass(frozen=True)
 class Trial:
-    """by: the budget that caught it, or the error that ended the run; empty if nothing did. how: see above."""
+    """The result of a mutant.
+
+    by: the budget that caught it, or the error that ended the run; empty if nothing did.
+    how: BROKEN, ENDED, MOVED, MOVED_IN_TIME or "".
+    """
 
     mutant: Mutant
     case: str = ""
@@ -156,7 +167,7 @@ class Trial:
 
 
 def all_mutants(file: str) -> list[Mutant]:
-    """Those of the code of a firmware, or of the start-up that both have."""
+    """Return the mutants of a firmware, or of the start-up that both firmwares share."""
     return list(mutants(file, _source(file), FUNCTIONS[file]))
 
 
@@ -167,7 +178,7 @@ def tried(mutant: Mutant) -> Trial:
             continue
         try:
             by, figures = _ran(run, mutated(run.firmware, mutant))
-        except Exception as error:  # firmware that cannot go on: a run says so, with its line
+        except Exception as error:  # firmware that cannot continue; a run reports its line
             return Trial(mutant, str(run), f"{type(error).__name__}: {error}".splitlines()[0], ENDED)
         if by or figures is None:
             return Trial(mutant, str(run), by, BROKEN)
@@ -178,7 +189,7 @@ def tried(mutant: Mutant) -> Trial:
 
 
 def _moved(mutant: Mutant, case: str, usual: Baseline, figures: Baseline) -> Trial | None:
-    """What `check` tells of these figures; a value before an instant."""
+    """Return a trial with the first difference that `check` reports; a value precedes an instant."""
     changes = [change for change in compare(usual, figures) if not change.note]
     values = [change for change in changes if change.figure not in INSTANTS]
     for how, found in ((MOVED, values), (MOVED_IN_TIME, changes)):
@@ -189,14 +200,14 @@ def _moved(mutant: Mutant, case: str, usual: Baseline, figures: Baseline) -> Tri
 
 @cache
 def usual_figures(run: Run) -> Baseline:
-    """Those of the unchanged firmware, which no budget may catch."""
+    """Return the figures of the unchanged firmware, which must pass all budgets."""
     by, figures = _ran(run, unchanged(run.firmware))
     assert figures is not None and not by, f"{run} fails with the unchanged firmware: {by}"
     return figures
 
 
 def _ran(run: Run, module: Any) -> tuple[str, Baseline | None]:
-    """(the first budget that is broken or not judged, or that the run hangs; the figures of all)."""
+    """Return the first budget that is broken or not judged (or that firmware hangs), and the figures of all budgets."""
     case = load(ROOT / "timing" / f"{run.case}.toml", [*run.changes, STALLED])
     scene = Scene(case, programs={"dsp": Firmware("mutant", module.main, module.Settings)})
     end = scene.start + scene.timebase.ticks(run.seconds + " s", "nearest")
@@ -214,12 +225,12 @@ def _ran(run: Run, module: Any) -> tuple[str, Baseline | None]:
 
 
 def unchanged(firmware: str) -> Any:
-    """The module of the firmware as it is."""
+    """Return the module of the unchanged firmware."""
     return compiled(_source(firmware), firmware)
 
 
 def broken(limit: BudgetJudge) -> bool:
-    """True if what was measured so far is beyond a limit that no later value can make good."""
+    """True if the measured value exceeds a limit, which no later value can correct."""
     measure = limit.measure
     most, least = limit.plan.limits.get("max"), limit.plan.limits.get("min")
     if measure.silent or not measure.count:
@@ -247,9 +258,9 @@ _number = count()
 
 
 def compiled(source: str | ast.Module, name: str, stand_in: dict[str, ModuleType] | None = None) -> Any:
-    """The module of a firmware's source. stand_in: modules that it imports instead of those of these names."""
+    """Return the module of a firmware's source; `stand_in` has modules to import instead of those of these names."""
     module = ModuleType(f"firmware_under_trial_{name}_{next(_number)}")
-    module.__package__ = PACKAGE if name == STARTUP else "firmware.python"  # of its relative imports
+    module.__package__ = PACKAGE if name == STARTUP else "firmware.python"  # for its relative imports
     kept = {other: sys.modules.get(other) for other in stand_in or {}}
     sys.modules[module.__name__] = module  # dataclasses look their module up by name
     sys.modules.update(stand_in or {})

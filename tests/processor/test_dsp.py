@@ -182,7 +182,7 @@ def test_start_pie_refuses_an_interrupt_without_a_bit_in_ier():
         kernel.run_until(1000)
 
 
-def test_pieack_after_pieier_requests_a_second_time_and_the_error_says_so():
+def test_pieack_after_pieier_causes_a_second_request_and_the_error_explains_it():
     dsp, kernel, _ = unit("SCI-B")
 
     def main() -> None:

@@ -62,7 +62,7 @@ def test_a_hook_that_never_returns_is_stopped_with_its_line(tmp_path: Path, hook
     [("class Device:", "while True: pass\nclass Device:", 1), ("self.bus = bus", LOOP, 3)],
     ids=["the file", "__init__"],
 )
-def test_a_file_or_a_device_that_is_never_made_ends_the_run_as_it_begins(
+def test_a_file_or_constructor_that_never_returns_ends_the_run_at_its_start(
     periph_sim: Run, tmp_path: Path, old: str, new: str, line: int
 ):
     case = case_of(tmp_path)

@@ -154,7 +154,7 @@ def test_two_runs_are_equal_because_each_initializes_its_variables(folder: Path)
     assert (first.events, first.budgets) == (second.events, second.budgets)
 
 
-def test_the_verdict_says_that_times_are_estimated(periph_sim: Run, folder: Path):  # noqa: F811
+def test_the_verdict_states_that_times_are_estimated(periph_sim: Run, folder: Path):  # noqa: F811
     came = periph_sim("run", str(folder / "echo.toml"))
     assert came.status == 0
     assert came.out.startswith("echo: PASS, as seen in this run; cycles between accesses of dsp are estimated\n")

@@ -14,7 +14,7 @@ from tests.processor.image.rig import ENPIE, HEAD, Rig, timer
 CYCLE = 400  # ticks of 1/3 ns; after the reset the CPU runs at 30 MHz / 4
 COUNT = 0x9100
 
-# Timer 0 interrupts every 500 cycles; its routine counts the interrupts and changes registers without saving them.
+# Timer 0 interrupts every 500 cycles; its routine counts the interrupts and does not save DP.
 TIMER = (
     HEAD
     + timer(500)

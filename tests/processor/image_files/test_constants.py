@@ -83,7 +83,7 @@ def test_known_and_unknown_addresses(code: str, expected: Found):
     assert found(code) == expected
 
 
-def test_the_value_that_is_stored_is_known_where_an_address_register_has_a_constant():
+def test_the_stored_value_is_known_if_an_address_register_has_a_constant():
     code = "MOVL XAR4,#0x7000\n MOVL XAR5,#0x8123\n MOVL *XAR4,XAR5\n MOVL *XAR4,XAR6\n MOV *XAR4,AR5\n MOVL *XAR4,ACC"
     (section,) = assemble(f' .sect ".text", 0x8000\n_c_int00: {code}\n').sections
     stored = [(one.width, one.value) for one in accesses(sweep(section.run, section.words), frozenset())]

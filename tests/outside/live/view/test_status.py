@@ -171,7 +171,7 @@ def test_the_wave_of_the_last_round() -> None:
     lines = {one["name"]: one for one in wave["lines"]}
     assert list(lines) == ["SCL", "SDA", "RX"]
     assert lines["RX"] == {"name": "RX", "first": 1, "edges": []}
-    clocks = 27 * 9 * 2 + 3 * 4  # two edges per bit, and two more at each START, repeated START and STOP
+    clocks = 27 * 9 * 2 + 3 * 4  # two edges per bit and per repeated START, two for START and STOP
     assert lines["SCL"]["first"] == 1 and len(lines["SCL"]["edges"]) == clocks
     for line in wave["lines"]:
         assert line["edges"] == sorted(line["edges"]) and all(0 <= at <= wave["length"] for at in line["edges"])

@@ -143,7 +143,7 @@ def test_repeat_runs_once_more_than_its_count_and_costs_a_cycle_a_pass():
 
 
 @pytest.mark.parametrize("mnemonic", ["SETC", "CLRC"])
-def test_status_bits_take_a_second_cycle_where_intm_or_dbgm_is_among_them(mnemonic: str):
+def test_setc_and_clrc_take_a_second_cycle_if_intm_or_dbgm_is_among_the_bits(mnemonic: str):
     """SPRU430F, SETC and CLRC mode: 1, 2. DINT is SETC INTM and EINT CLRC INTM."""
     names = ("SXM", "OVM", "TC", "C", "INTM", "DBGM", "VMAP")
     chosen = [mask for size in range(1, 8) for mask in itertools.combinations(names, size)]

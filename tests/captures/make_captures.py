@@ -1,10 +1,10 @@
-"""Recordings of runs as an analyser saves them: `python -m tests.captures.make_captures` writes traces/i2c_*.
+"""Write recordings of runs as an analyser saves them to traces/i2c_*: `python -m tests.captures.make_captures`.
 
     case --run--> edges of SCL and SDA --sampled at another rate, a stretch cut out--> traces/i2c_*
 
-They have what drawn waves lack: edges of both lines in one sample, a beginning and an end within a transfer, a slave
-that refuses while it stores, one that stretches, time stamps instead of samples. Beside each capture of traces/ stands
-what sigrok-cli decodes from it, made here, too.
+They have features that drawn waves lack: edges of both lines in one sample, a beginning and an end within a transfer, a
+slave that does not acknowledge while it writes, one that stretches SCL, time stamps instead of samples. The decode by
+sigrok-cli is written to a file beside each capture.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from tests.traces.formats.writers import sr_bytes
 
 FOLDER = Path(__file__).resolve().parents[2] / "traces"
 LINES = ("SCL", "SDA")
-STAMPS = {"i2c_slow_slave": 125_000_000}  # the sampling rate behind files that only have times
+STAMPS = {"i2c_slow_slave": 125_000_000}  # the sampling rate of files that only have times
 
-# What the decoder was told of each capture. Its versions and commands stand at the head of what it said.
-TOLD = {
+# The decoders of each capture with their options. The head of a decode has the versions and the command.
+DECODERS = {
     "imu_round": ["i2c:scl=SCL:sda=SDA"],
     "nack": ["i2c:scl=SCL:sda=SDA"],
     "host_frames": ["uart:rx=RX:baudrate=115200"],
@@ -85,7 +85,7 @@ expect = "a7"
 
 
 def recorded(case: Path, *changes: str) -> Capture:
-    """SCL and SDA of a whole run."""
+    """Return SCL and SDA of a whole run."""
     edges = Edges()
     scene = Scene(load(case, list(changes)), edges.subscribe)
     scene.run(scene.case.duration)
@@ -93,7 +93,10 @@ def recorded(case: Path, *changes: str) -> Capture:
 
 
 def eeprom_busy() -> None:
-    """400 kHz at 2 MHz: written, asked five times while it stores, read; from within the write to within a read."""
+    """Write a capture of 400 kHz at 2 MHz that begins and ends within a transfer.
+
+    A memory is written, polled five times while it is busy, and read.
+    """
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "eeprom.toml").write_text(EEPROM)
         capture = resampled(recorded(Path(folder) / "eeprom.toml"), Fraction(2_000_000))
@@ -103,22 +106,22 @@ def eeprom_busy() -> None:
 
 
 def slow_slave() -> None:
-    """100 kHz, a slave that holds SCL while it thinks, as an analyser of 125 MHz exports it: times without a rate."""
+    """Write a capture with times only: 100 kHz, recorded at 125 MHz, with a slave that holds SCL while it computes."""
     with tempfile.TemporaryDirectory() as folder:
         case = slow_case(Path(folder), more=CONTROLLER)
         capture = recorded(case, "duration='3.9 ms'", "unit.dsp.settings.wait=83")
     formats.write(capture, FOLDER / "i2c_slow_slave.csv", rate=Fraction(STAMPS["i2c_slow_slave"]))
 
 
-def listened(name: str) -> None:
-    """What sigrok-cli says of a capture, into the files beside it."""
+def decode(name: str) -> None:
+    """Write the decodes of a capture by sigrok-cli to the files beside it."""
     source = next(path for path in FOLDER.iterdir() if path.stem == name and path.suffix in (".sr", ".csv"))
     tool = " ".join(_output("--version").splitlines()[0].split())
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / f"{name}.sr"
         rate = STAMPS.get(name)
         formats.write(formats.read(source, None if rate is None else Fraction(rate)), file)
-        for decoder in TOLD[name]:
+        for decoder in DECODERS[name]:
             kind = decoder.partition(":")[0]
             options = ["-P", decoder, "-A", OF_I2C if kind == "i2c" else OF_UART, "--protocol-decoder-samplenum"]
             command = f"sigrok-cli -i {name}.sr {' '.join(options)}"
@@ -134,5 +137,5 @@ if __name__ == "__main__":
     if "--decodes" not in sys.argv:
         eeprom_busy()
         slow_slave()
-    for name in TOLD:
-        listened(name)
+    for name in DECODERS:
+        decode(name)

@@ -1,7 +1,7 @@
-"""The real captures, decoded: every event of the independent decoder beside them, one for one.
+"""Real captures are decoded to the same events as by an independent decoder (the oracle), whose output is beside them.
 
-Compared are kind, value and first sample; the oracle's last samples are guesses. It does not report bytes that
-were cut off, so ours are counted apart, in CUT_BYTES.
+Kind, value and first sample are compared; the oracle's last samples are guesses. The oracle does not report incomplete
+bytes, so these are counted separately, in CUT_BYTES.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from periph_sim.traces.formats import Capture
 from tests.captures.where import FOLDER, capture_of, decoded, needs_captures, oracle, remarks
 from tests.traces.decode.drawing import Plain, plain
 
-# The sampling rate behind files that only have times.
+# The sampling rate of files that only have times.
 RATES = {
     "i2c_ds3231_ex2_vcd": 4_000_000,
     "i2c_mdfu_stretch_csv": 125_000_000,
@@ -35,22 +35,22 @@ RATES = {
     "uart_mdfu_client_info": 125_000_000,
 }
 
-# Files whose channels have other names than those in the oracle's command, which it was given the source for.
+# Files whose channels have other names than those in the oracle's command, which was run on the source file.
 NAMES = {
     "i2c_nunchuk_init_simvcd": {"SCL": "scl", "SDA": "sda"},
     "uart_async115200_csv": {"RX": "Channel 0"},
     "uart_mdfu_client_info": {"RX": "digital_0", "TX": "digital_1"},
 }
 
-# Bytes cut off, which we report and the oracle does not: every difference there is in the events of I2C.
+# Incomplete bytes, which only this decoder reports: the only difference in the events of I2C.
 CUT_BYTES = {
-    "i2c_24aa025uid_busy_2ms": 64,  # after the NACK the master clocks once with SDA low, then repeats the START
-    "i2c_mcp23017_counter_a": 1,  # the capture ends inside a byte
+    "i2c_24aa025uid_busy_2ms": 64,  # after the NACK the master makes one clock with SDA low, then a repeated START
+    "i2c_mcp23017_counter_a": 1,  # the capture ends within a byte
     "i2c_eeprom_busy": 1,  # so does this one
 }
 
-# Files where the oracle's start bits stand a sample after our start edges: it subtracts half a bit, cut to
-# whole samples, from the middle of the bit, rounded up.
+# Files in which the oracle's start bits are one sample after the start edges of this decoder: it subtracts half a bit,
+# truncated to whole samples, from the middle of the bit, which is rounded up.
 ONE_SAMPLE_LATE = {
     "uart_es51978_2400_7o1",
     "uart_glitch_0x20",
@@ -62,18 +62,18 @@ ONE_SAMPLE_LATE = {
     "uart_glitch_4f",
 }
 
-TOO_LARGE = "i2c_cat24c256_flash_1M_edges"  # the oracle's file has its first 200 lines and the counts
+TOO_LARGE = "i2c_cat24c256_flash_1M_edges"  # the oracle's file has only the first 200 lines, and counts
 
 
 @cache
 def load(name: str) -> Capture:
-    """The capture, read once for all tests: none of them changes it."""
+    """Return the capture, which is read once for all tests; none of them changes it."""
     rate = RATES.get(name)
     return formats.read(capture_of(name), None if rate is None else Fraction(rate))
 
 
 def options(name: str, kind: str) -> dict[str, str]:
-    """The decoder's options in the oracle's command: scl=SCL:sda=SDA and the like."""
+    """Return the decoder's options in the oracle's command, such as scl=SCL:sda=SDA."""
     match = re.search(rf"-P '?{kind}:(.*?)'? -A", remarks(name, kind))
     assert match, f"{name}: no command at the head of the decode"
     return dict(option.split("=") for option in match[1].split(":"))
@@ -84,7 +84,7 @@ def channel(name: str, called: str) -> str:
 
 
 def i2c_lines(events: list[Plain]) -> list[tuple[int, str]]:
-    """Our events in the oracle's words; nothing for a byte cut off."""
+    """Return events as the oracle writes them; incomplete bytes are omitted."""
     lines: list[tuple[int, str]] = []
     for event in events:
         match event:
@@ -105,7 +105,7 @@ def i2c_lines(events: list[Plain]) -> list[tuple[int, str]]:
 
 
 @pytest.mark.parametrize("name", [name for name in decoded("i2c") if name != TOO_LARGE])
-def test_i2c_events_are_the_oracles(name: str):
+def test_i2c_events_equal_those_of_the_oracle(name: str):
     given = options(name, "i2c")
     events = i2c.events(load(name), channel(name, given["scl"]), channel(name, given["sda"]))
     assert i2c_lines(plain(events)) == [(said.at, said.text) for said in oracle(name, "i2c")]
@@ -113,7 +113,7 @@ def test_i2c_events_are_the_oracles(name: str):
 
 
 @needs_captures
-def test_i2c_events_of_a_million_edges_are_the_oracles():
+def test_i2c_events_of_a_million_edges_equal_those_of_the_oracle():
     events = i2c.events(load(TOO_LARGE))
     lines = i2c_lines(plain(events))
     first = [(said.at, said.text) for said in oracle(TOO_LARGE, "i2c")]
@@ -123,7 +123,7 @@ def test_i2c_events_of_a_million_edges_are_the_oracles():
 
 
 def uart_lines(events: list[uart.Event], line: uart.Line, late: int) -> list[tuple[str, int | None]]:
-    """What the oracle says of one channel, each with the sample of its start edge where the oracle gives that."""
+    """Return the oracle's annotations of one channel, with the sample of the start edge for those that have it."""
     lines: list[tuple[str, int | None]] = []
     for event in events:
         match event.kind.name:
@@ -141,8 +141,8 @@ def uart_lines(events: list[uart.Event], line: uart.Line, late: int) -> list[tup
 
 
 @pytest.mark.parametrize("name", decoded("uart"))
-def test_the_rate_of_a_line_is_not_doubted_and_a_wrong_one_only_for_the_right_one(name: str):
-    """Captures of one or two bytes have too few frames for a doubt."""
+def test_only_a_wrong_rate_gives_a_warning_which_names_the_right_one(name: str):
+    """Captures of one or two bytes have too few frames for a warning."""
     given = options(name, "uart")
     capture, baud = load(name), int(given["baudrate"])
     line = uart.Line(baud, int(given.get("data_bits", "8")), given.get("parity", "none"))
@@ -155,7 +155,7 @@ def test_the_rate_of_a_line_is_not_doubted_and_a_wrong_one_only_for_the_right_on
 
 
 @pytest.mark.parametrize("name", decoded("uart"))
-def test_uart_frames_are_the_oracles(name: str):
+def test_uart_frames_equal_those_of_the_oracle(name: str):
     given = options(name, "uart")
     line = uart.Line(int(given["baudrate"]), int(given.get("data_bits", "8")), given.get("parity", "none"))
     late = int(name in ONE_SAMPLE_LATE)
@@ -169,7 +169,7 @@ def test_uart_frames_are_the_oracles(name: str):
     assert is_merge(said, ours)
 
 
-# Where the guess from edges alone is not what the oracle was told.
+# Files in which the guess from edges alone differs from the oracle's options.
 GUESSED_OTHERWISE = {
     "uart_glitch_0x20": "one byte, and its shortest pulses are glitches",
     "uart_glitch_0x45": "one byte, and its shortest pulses are glitches",
@@ -181,26 +181,26 @@ GUESSED_OTHERWISE = {
 
 
 @pytest.mark.parametrize("name", decoded("uart"))
-def test_rate_and_frame_are_guessed_as_the_oracle_was_told(name: str):
+def test_guessed_rate_and_frame_equal_the_options_of_the_oracle(name: str):
     given = options(name, "uart")
-    told = uart.Line(int(given["baudrate"]), int(given.get("data_bits", "8")), given.get("parity", "none"))
+    given_line = uart.Line(int(given["baudrate"]), int(given.get("data_bits", "8")), given.get("parity", "none"))
     capture = load(name)
     for side in ("rx", "tx"):
         if side in given:
             found = guess(capture, channel(name, given[side]))
-            assert (found.line == told) == (name not in GUESSED_OTHERWISE), found
+            assert (found.line == given_line) == (name not in GUESSED_OTHERWISE), found
             if name.startswith("uart_glitch"):
                 assert found.sure < 0.5
             else:
-                assert found.line.baud == told.baud and {told.shape} <= {found.line.shape, *found.also}
+                assert found.line.baud == given_line.baud and {given_line.shape} <= {found.line.shape, *found.also}
 
 
 def is_merge(whole: list[tuple[str, int | None]], parts: list[list[tuple[str, int | None]]]) -> bool:
-    """Whether `whole` is `parts` shuffled together, each in its own order: the oracle does not name the channel."""
+    """True if `whole` interleaves `parts`, each in its own order; the oracle does not name the channel."""
     if len(parts) == 1:
         return whole == parts[0]
     left, right = parts
-    reachable = {0}  # how many of `left` may be used up after each item
+    reachable = {0}  # how many items of `left` may have been used after each item
     for done, item in enumerate(whole):
         reachable = {n + 1 for n in reachable if n < len(left) and left[n] == item} | {
             n for n in reachable if done - n < len(right) and right[done - n] == item
@@ -209,7 +209,7 @@ def is_merge(whole: list[tuple[str, int | None]], parts: list[list[tuple[str, in
 
 
 @needs_captures
-def test_the_vendors_own_decoder_finds_the_same_bytes_at_the_same_instants():
+def test_the_decoder_of_the_vendor_finds_the_same_bytes_at_the_same_instants():
     capture = load("uart_async115200_csv")
     frames = uart.events(capture, 0, uart.Line(115200))
     with (FOLDER / "uart_async115200_csv.saleae.csv").open() as file:
@@ -222,17 +222,17 @@ SENT = {"uart_glitch_0x20": 0x20, "uart_glitch_0x45": 0x45, "uart_glitch_0x4f_2"
 
 
 @pytest.mark.parametrize("name", [name for name in decoded("uart") if name in SENT])
-def test_a_vote_of_three_looks_reads_a_glitched_byte_as_it_was_sent(name: str):
+def test_a_vote_of_three_samples_reads_a_byte_with_a_glitch_as_it_was_sent(name: str):
     (event,) = uart.events(load(name), "RX", uart.Line(115200), vote=True)
     if event.kind.name == "FRAME":
         assert (event.value, event.glitched) == (SENT[name], True)
-    else:  # the capture ends before the last look at the stop bit
+    else:  # the capture ends before the last sample of the stop bit
         assert event.kind.name == "CUT"
         assert event.value == SENT[name]
 
 
 @pytest.mark.parametrize("name", [name for name in decoded("uart") if "glitch" not in name])
-def test_no_frame_of_a_clean_line_is_called_glitched(name: str):
+def test_no_frame_of_a_clean_line_is_marked_as_glitched(name: str):
     given = options(name, "uart")
     line = uart.Line(int(given["baudrate"]), int(given.get("data_bits", "8")), given.get("parity", "none"))
     for side in ("rx", "tx"):
@@ -242,7 +242,7 @@ def test_no_frame_of_a_clean_line_is_called_glitched(name: str):
 
 
 @needs_captures
-def test_what_the_replay_needs_is_in_the_transfers_of_a_sensor_poll():
+def test_transfers_of_a_sensor_poll_have_the_times_that_a_replay_needs():
     capture = load("i2c_trekstor_accel_pmic_rtc")
     found = i2c.transfers(capture)
     assert len(found) == 66 and all(transfer.complete for transfer in found)
@@ -254,7 +254,7 @@ def test_what_the_replay_needs_is_in_the_transfers_of_a_sensor_poll():
 
 
 @needs_captures
-def test_transfers_cut_by_the_ends_of_the_capture_are_marked():
+def test_transfers_that_exceed_the_capture_are_marked():
     begun_before = i2c.transfers(load("i2c_24aa025uid_trigger_sda_low"))
     assert not begun_before[0].complete and len(begun_before[0].lead) == 28
     assert [transfer.complete for transfer in begun_before[1:]] == [True] * 7

@@ -1,4 +1,4 @@
-"""Every real capture is read, and keeps its edges and events when it is written in each format and read again."""
+"""Every real capture can be read, and is unchanged after it is written and read again in each format."""
 
 from __future__ import annotations
 
@@ -80,14 +80,14 @@ def test_a_table_of_decoded_bytes_is_refused():
 
 
 MOST_EDGES = 150_000
-MOST_SAMPLES = 20_000_000  # of .sr, which holds each sample
+MOST_SAMPLES = 20_000_000  # of .sr, which contains each sample
 BAUD = re.compile(r"baudrate=(\d+)")
 
 Decode = Callable[[Capture], list[object]]
 
 
 def decoders(path: Path) -> list[Decode]:
-    """Return the lines to decode: those that the oracle names, if the file has channels of these names."""
+    """Return decoders for the lines that the oracle names; the file may have other channel names."""
     found: list[Decode] = []
     name = path.stem.removesuffix("_bin")
     if name in decoded("i2c"):
@@ -103,7 +103,7 @@ def decoders(path: Path) -> list[Decode]:
 
 @pytest.mark.parametrize("suffix", [".vcd", ".csv", ".psr", ".sr"])
 @pytest.mark.parametrize("path", captures(), ids=lambda path: path.name)
-def test_written_and_read_again_it_is_the_same(tmp_path: Path, path: Path, suffix: str):
+def test_a_capture_is_unchanged_after_writing_and_reading(tmp_path: Path, path: Path, suffix: str):
     out = tmp_path / f"x{suffix}"
     given = formats.ready_for(out, formats.read(path))
     if sum(len(channel.edges) for channel in given.channels) > MOST_EDGES:
@@ -118,7 +118,7 @@ def test_written_and_read_again_it_is_the_same(tmp_path: Path, path: Path, suffi
     for decode in decoders(path):
         try:
             events = decode(given)
-        except LookupError:  # its channels have other names than in the oracle's source
+        except LookupError:  # its channels have other names than in the oracle's source file
             continue
         try:
             assert decode(again) == events
@@ -127,6 +127,6 @@ def test_written_and_read_again_it_is_the_same(tmp_path: Path, path: Path, suffi
 
 
 def _in_order(given: Capture, again: Capture) -> tuple[formats.Channel, ...]:
-    """The channels of a VCD, which orders them by scope and has no blanks in names."""
+    """Return the channels of a VCD, which sorts them by scope and has no blanks in names."""
     by_name = {channel.name: channel for channel in again.channels}
     return tuple(by_name[channel.name.replace(" ", "_")] for channel in given.channels)

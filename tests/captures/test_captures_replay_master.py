@@ -1,8 +1,8 @@
-"""The real I2C captures with the F28335 as their controller: the captured targets answer, the same events come.
+"""Real I2C captures are replayed to a controller of firmware: the captured targets answer, and events must be equal.
 
-every capture but NONE           the same addresses, bytes and ACKs in the same order
-LEFT_OUT                         but for so many transfers
-LAST_BYTE                        only with the other answer to an open question
+every capture except NONE        the same addresses, bytes and ACKs in the same order
+LEFT_OUT                         without some of the transfers
+LAST_BYTE                        only with another setting of an open question
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from tests.captures.where import needs_captures
 from tests.refusals import refusal
 
 MASTER = CASE.with_name("captured_master.toml")
-FEW = 20  # of the million edges
+FEW = 20  # transfers of the million edges
 
-# Its controller sends every byte behind a NACK of the address; this module ends a transfer with the first NACK.
+# Its controller sends all bytes after a NACK of the address; this module ends a transfer with the first NACK.
 NONE = {"i2c_mlx90614_5s": f"25 ({AGAINST})"}
 
-# Transfers without a STOP, or with a byte cut off, of captures whose others can be done.
+# Transfers without a STOP or with an incomplete byte, in captures whose other transfers can be replayed.
 LEFT_OUT = {
-    "i2c_24aa025uid_busy_2ms": f"64 ({AGAINST})",  # it clocks once, with SDA low, then repeats the START
-    "i2c_mcp23017_counter_a": f"1 ({CUT})",  # the capture ends within
+    "i2c_24aa025uid_busy_2ms": f"64 ({AGAINST})",  # it makes one clock with SDA low, then a repeated START
+    "i2c_mcp23017_counter_a": f"1 ({CUT})",  # the capture ends within it
     "i2c_eeprom_busy": f"1 ({CUT})",
 }
 
-# Their controllers acknowledge the last byte of a read. Whether this module does, where STP = 0, TI does not say.
+# Their controllers acknowledge the last byte of a read. TI does not document whether this module does if STP = 0.
 LAST_BYTE = {"i2c_rding_temper_snippet": (6, 256), "i2c_sla24c02_powerup": (103, 129)}
 ACKNOWLEDGED = "unit.dsp.options.i2c.mr_nack_at_count0=only_with_stp"
 
@@ -43,7 +43,7 @@ def replayed(name: str, *changes: str) -> Report:
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if name not in NONE])
-def test_the_master_does_as_the_captured_controller_did(name: str):
+def test_the_master_of_firmware_acts_as_the_captured_controller(name: str):
     report = replayed(name, *([ACKNOWLEDGED] if name in LAST_BYTE else []))
     assert report.divergences == [] and report.verdict == "pass"
     assert report.agreed == report.events > 0
@@ -52,7 +52,7 @@ def test_the_master_does_as_the_captured_controller_did(name: str):
 
 
 @needs_captures
-def test_a_capture_of_which_two_transfers_of_66_can_be_done_says_so():
+def test_the_headline_states_that_2_of_66_transfers_were_replayed():
     report = replayed("i2c_24aa025uid_busy_2ms")
     assert headline(report) == (
         "PASS for 273 of 1298 events, 2 of 66 transfers: timing and protocol only; the requests came from the capture"
@@ -61,7 +61,7 @@ def test_a_capture_of_which_two_transfers_of_66_can_be_done_says_so():
 
 @needs_captures
 @pytest.mark.parametrize("name", LAST_BYTE)
-def test_by_default_the_last_byte_of_a_read_is_refused(name: str):
+def test_by_default_the_last_byte_of_a_read_is_not_acknowledged(name: str):
     report = replayed(name)
     first = report.first_divergence
     assert report.verdict == "fail" and first is not None
@@ -71,5 +71,5 @@ def test_by_default_the_last_byte_of_a_read_is_refused(name: str):
 
 @needs_captures
 @pytest.mark.parametrize("name", NONE)
-def test_what_a_master_of_this_module_cannot_do_is_refused_with_the_reason(name: str):
+def test_a_capture_that_this_module_cannot_replay_is_refused_with_the_reason(name: str):
     assert refusal(BadReplay, replayed, name).endswith(NONE[name])

@@ -1,7 +1,7 @@
-"""The real I2C captures in open loop: what the F28335's slave would have driven is what the captures show.
+"""The real I2C captures in open loop: the F28335's slave would have driven the levels of the captures.
 
-Its answers are ready for every SCL edge of every capture, also of those at 400 kHz; where a capture has SCL low for
-longer than usual, the module had let go long before.
+Its answers are ready for every SCL edge of every capture, including those at 400 kHz. Where SCL is low for longer than
+usual in a capture, the module had released it long before.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from tests.captures.test_captures_decode import load
 from tests.captures.test_captures_replay_i2c import CANNOT, CASE, FIRST, NAMES, NOBODY, STYLES, lines
 from tests.captures.where import needs_captures
 
-FEW = 20  # of the million edges
+FEW = 20  # transfers of the million edges
 
 
 @cache
@@ -35,7 +35,7 @@ def run(name: str, style: str) -> Report:
         if name not in CANNOT and (name not in FIRST or style == "polled")
     ],
 )
-def test_the_slave_would_have_driven_what_the_capture_shows(name: str, style: str):
+def test_the_slave_would_have_driven_the_captured_levels(name: str, style: str):
     report = run(name, style)
     assert report.divergences == [] and report.verdict == ("not judged" if name == NOBODY else "pass")
     assert report.agreed == report.events > 0
@@ -44,6 +44,6 @@ def test_the_slave_would_have_driven_what_the_capture_shows(name: str, style: st
 
 @needs_captures
 @pytest.mark.parametrize("name", CANNOT)
-def test_what_the_slave_cannot_do_is_the_same_as_in_closed_loop(name: str):
+def test_the_first_divergence_is_the_same_as_in_closed_loop(name: str):
     first = run(name, "polled").first_divergence
     assert first is not None and (first.index, first.expected, first.found) == CANNOT[name]

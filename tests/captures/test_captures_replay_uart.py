@@ -1,6 +1,6 @@
-"""The real UART captures into the SCI: the words it receives are the oracle's, error bits included.
+"""The real UART captures are replayed to the SCI: it receives the words of the oracle, with their error bits.
 
-Where they are not, the byte that was sent is known, and it is the SCI's.
+Where the oracle is wrong, the sent byte is known, and the SCI receives that byte.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from tests.captures.where import decoded, needs_captures, oracle
 
 CASE = Path(__file__).resolve().parents[2] / "timing" / "uart_logger.toml"
 
-# One-sample glitches of 500 ns where receivers look at a bit, and what a receiver that looks once reads: one in the
-# middle of a data bit (4F is what was sent, as the capture's name says), one in the start bit.
+# One-sample glitches of 500 ns at the sampling instant, with the value that a receiver reads which samples once: two in
+# the middle of a data bit (4F was sent, as the names of the captures say), one in the start bit.
 AMBIGUOUS = {"uart_glitch_0x4f_2": "5F", "uart_glitch_0x45": "45", "uart_glitch_4f": "5F"}
 
-# The captures with errors, and what the SCI flags. A LIN break of 13 or 14 bits is a byte 00 with FE and no BRKDT,
-# which takes ten bits beyond the missing stop bit. The two lines of uart_mdfu_client_info go low for good at the end.
+# The captures with errors, and the flags of the SCI. A LIN break of 13 or 14 bits is a byte 00 with FE without BRKDT,
+# which needs ten bits after the missing stop bit. Both lines of uart_mdfu_client_info are low at the end.
 FLAGGED = {
     ("uart_7e1_break", "rx"): {"FE": 2},
     ("uart_lin_burst", "rx"): {"FE": 10},
@@ -34,7 +34,7 @@ FLAGGED = {
     ("uart_mdfu_client_info", "tx"): {"FE": 1, "BRKDT": 1},
 }
 
-# Lines low at the first sample: what came before is not known, and not played.
+# Lines that are low at the first sample: the part before is unknown, and is not replayed.
 BEGINS_LOW = {
     ("uart_gps_9600", "tx"),
     ("uart_mdfu_client_info", "tx"),
@@ -70,7 +70,7 @@ def test_the_sci_receives_what_was_sent(name: str, side: str):
 
 @pytest.mark.parametrize("name", decoded("uart"))
 def test_no_byte_of_the_oracle_is_missing(name: str):
-    """Counted in the oracle's own file: every start bit it saw is a word the SCI received."""
+    """Every start bit in the oracle's file is a word that the SCI received."""
     sides = [side for side in ("rx", "tx") if side in options(name, "uart")]
     counts = Counter(said.text for said in oracle(name, "uart"))
     reports = [replayed(name, side) for side in sides]
@@ -84,9 +84,11 @@ def test_no_byte_of_the_oracle_is_missing(name: str):
     ("name", "sent", "right"),
     [("uart_glitch_0x20", "20", 40), ("uart_glitch_0x4f_2", "4F", 40), ("uart_glitch_0x45", "45", 22)],
 )
-def test_a_glitch_is_outvoted_whatever_the_phase_of_the_sampling_clock(name: str, sent: str, right: int):
-    """In forty phases of SCICLK (41 LSPCLK at BRR = 40). uart_glitch_0x45 has a glitch in its start bit, where four
-    low samples in a row are asked for: there the phase decides."""
+def test_a_glitch_is_outvoted_in_each_phase_of_the_sampling_clock(name: str, sent: str, right: int):
+    """Forty phases of SCICLK are tried (41 LSPCLK at BRR = 40).
+
+    uart_glitch_0x45 has a glitch in its start bit, which needs four consecutive low samples: there the phase decides.
+    """
     case, capture = load_case(CASE), load(name)
     channel_of = options(name, "uart")["rx"]
     step = Fraction(41, 37_500_000) / 40
@@ -99,8 +101,8 @@ def test_a_glitch_is_outvoted_whatever_the_phase_of_the_sampling_clock(name: str
 
 
 @needs_captures
-def test_odd_parity_read_as_even_is_an_error_in_every_word_and_proves_nothing():
-    """The multimeter sends 7o1; its notes say 7e1."""
+def test_odd_parity_read_as_even_is_an_error_in_every_word_and_not_judged():
+    """The multimeter sends 7o1; its documentation says 7e1."""
     report = UartReplay(load_case(CASE), load("uart_es51978_2400_7o1"), "RX", line_format(2400, "7e1")).run()
     assert report.first_divergence is None and report.errors["PE"] == report.bytes == 66
     assert report.verdict == "not judged" and "fit 2400 baud, 7o1" in report.unjudged

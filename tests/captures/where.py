@@ -1,8 +1,8 @@
-"""Where captures lie: ours in traces/, and the real ones beside the repository or where PERIPH_SIM_CAPTURES says.
+"""Folders of captures: traces/ of the repository, and real captures beside the repository or at PERIPH_SIM_CAPTURES.
 
-Ours are recordings of our runs and drawn waves, so that every test of captures has something to run on; the real ones
-are no part of the repository. Beside each capture stands what an independent decoder said of it, a line an
-annotation: `first-last decoder-1: text`, with sample numbers.
+Those of the repository are recordings of runs and drawn waves, so that every test of captures has some; the real ones
+are not part of the repository. Beside each capture is the output of an independent decoder (the oracle), one
+annotation per line: `first-last decoder-1: text`, with sample numbers.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Said(NamedTuple):
 
 
 def captures() -> list[Path]:
-    """Every capture: files, folders of one-channel files, and the three exports of saleae_cap1."""
+    """Return every capture: files, folders of one-channel files, and the three exports of saleae_cap1."""
     found = [p for folder in _folders() for p in folder.iterdir() if p.is_file() and p.suffix not in NO_CAPTURE]
     found += [p for folder in _folders() for p in folder.iterdir() if p.is_dir() and any(p.glob("digital_*.bin"))]
     found += (FOLDER / "saleae_cap1").glob("*.csv")
@@ -43,12 +43,12 @@ def captures() -> list[Path]:
 
 
 def decoded(kind: str) -> list[str]:
-    """Names, without ends, of the captures with an oracle's decode of the kind, i2c or uart."""
+    """Return the names, without suffixes, of the captures with an oracle's decode of the kind, i2c or uart."""
     return sorted(p.name.removesuffix(f".{kind}.txt") for folder in _folders() for p in folder.glob(f"*.{kind}.txt"))
 
 
 def capture_of(name: str) -> Path:
-    """The capture beside a decode; the decode of a folder NAME_bin is called NAME."""
+    """Return the capture beside a decode; the decode of a folder NAME_bin is called NAME."""
     return next(p for p in _all_captures() if p.stem in (name, f"{name}_bin"))
 
 
@@ -58,7 +58,7 @@ def _all_captures() -> list[Path]:
 
 
 def oracle(name: str, kind: str) -> list[Said]:
-    """The annotations, in the order of the file."""
+    """Return the annotations in the order of the file."""
     found = []
     for line in _decode(name, kind):
         if match := re.match(r"(\d+)-(\d+) \w+-1: (.*)", line):
@@ -67,7 +67,7 @@ def oracle(name: str, kind: str) -> list[Said]:
 
 
 def remarks(name: str, kind: str) -> str:
-    """The comment lines at the head: command, options, counts."""
+    """Return the comment lines at the head: command, options, counts."""
     return "\n".join(line for line in _decode(name, kind) if line.startswith("#"))
 
 

@@ -1,4 +1,4 @@
-"""The models' period is the scene's, or the case is refused with the place."""
+"""The models' period must be that of the scene; otherwise the case is refused with the place."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ def models_with(period: str, folder: Path, *changes: str) -> None:
 def test_another_period_than_the_rounds_is_refused_with_its_place(period: str, tmp_path: Path) -> None:
     with pytest.raises(BadCase) as refused:
         models_with(period, tmp_path)
-    told = str(refused.value)
-    assert "imu_models.toml" in told and "unit.dsp.settings.parameters: the models' period is " in told
-    assert "but they run once a round (controller.period), every 20.000 ms; make them the same" in told
+    message = str(refused.value)
+    assert "imu_models.toml" in message and "unit.dsp.settings.parameters: the models' period is " in message
+    assert "but they run once a round (controller.period), every 20.000 ms; make them the same" in message
 
 
 @pytest.mark.parametrize("period", ["20 ms", "20.01 ms", "19.99 ms"])
@@ -35,14 +35,14 @@ def test_clocks_may_differ_by_a_thousandth(period: str, tmp_path: Path) -> None:
     models_with(period, tmp_path)
 
 
-def test_it_follows_the_controller_and_not_the_host(tmp_path: Path) -> None:
+def test_the_period_must_be_that_of_the_controller_and_not_of_the_host(tmp_path: Path) -> None:
     models_with("25 ms", tmp_path, "controller.period=25 ms")
     models_with("20 ms", tmp_path, "host.period=40 ms")
     with pytest.raises(BadCase, match=r"\(controller\.period\), every 25\.000 ms"):
         models_with("20 ms", tmp_path, "controller.period=25 ms")
 
 
-def test_models_that_run_with_each_frame_have_the_hosts_period() -> None:
+def test_the_period_of_models_that_run_per_frame_must_be_that_of_the_host() -> None:
     case = load(Path("timing/imu_models.toml"), ["host.period=10 ms"])
     per_frame, per_round = SimpleNamespace(models_run="frame"), SimpleNamespace(models_run="round")
     ImuFirmware(ImuParameters(period=0.01), per_frame).check(case, "dsp")
@@ -51,12 +51,12 @@ def test_models_that_run_with_each_frame_have_the_hosts_period() -> None:
         ImuFirmware(ImuParameters(), per_frame).check(case, "dsp")
 
 
-def test_where_nobody_asks_in_rounds_it_is_the_hosts_and_alone_it_is_any() -> None:
+def test_without_a_controller_the_period_must_be_that_of_the_host_and_without_a_host_any() -> None:
     case = load(Path("timing/imu_models.toml"), ["host.period=10 ms"])
-    asked_by_nobody = case.model_copy(update={"controller": None})
+    without_controller = case.model_copy(update={"controller": None})
     with pytest.raises(BadCase, match=r"\(host\.period\)"):
-        ImuFirmware(ImuParameters(), None).check(asked_by_nobody, "dsp")
-    ImuFirmware(ImuParameters(), None).check(asked_by_nobody.model_copy(update={"host": None}), "dsp")
+        ImuFirmware(ImuParameters(), None).check(without_controller, "dsp")
+    ImuFirmware(ImuParameters(), None).check(without_controller.model_copy(update={"host": None}), "dsp")
 
 
 @pytest.mark.parametrize("roll", [0.0, 25.0, -80.0, 150.0])

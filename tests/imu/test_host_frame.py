@@ -1,4 +1,4 @@
-"""From motion to the 16-bit counts of a host frame: scales, rounding, and what lies beyond."""
+"""From motion to the 16-bit counts of a host frame: scales, rounding, and values out of range."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ def frames(motion, encoding: Encoding) -> MotionFrames:
     return MotionFrames(motion, encoding, Fraction(2, 1000), Fraction(20, 1000))
 
 
-def test_the_scales_of_the_default_are_a_tenth_of_a_milliradian_and_a_milli_g():
+def test_default_scales_are_a_tenth_of_a_milliradian_and_a_milli_g():
     counts, beyond = Encoding().counts([0.1, -0.2, pi, 1.0, -1.0, 0.0005])
-    assert counts == (1000, -2000, 31416, 1000, -1000, 0)  # half a count goes to the even one
+    assert counts == (1000, -2000, 31416, 1000, -1000, 0)  # half a count is rounded to even
     assert not beyond
 
 
 @given(SIX)
-def test_a_count_is_the_nearest_and_saturating_or_wrapping_changes_only_what_is_beyond(values: list[float]):
+def test_counts_are_rounded_and_only_values_out_of_range_saturate_or_wrap(values: list[float]):
     saturated, beyond = Encoding(beyond="saturate").counts(values)
     wrapped, also = Encoding(beyond="wrap").counts(values)
     assert beyond == also
@@ -40,7 +40,7 @@ def test_a_count_is_the_nearest_and_saturating_or_wrapping_changes_only_what_is_
         assert LEAST <= other <= MOST
 
 
-def test_a_value_beyond_is_refused_with_its_name_range_and_the_way_out():
+def test_a_value_out_of_range_is_refused_with_its_name_range_and_advice():
     with pytest.raises(BadMotion) as caught:
         frames(static.motion(static.Settings(theta=-3.3)), Encoding())(3)
     assert str(caught.value) == (
@@ -50,7 +50,7 @@ def test_a_value_beyond_is_refused_with_its_name_range_and_the_way_out():
 
 
 @pytest.mark.parametrize(("value", "saturated"), [(1e308, MOST), (-1e308, LEAST)])
-def test_a_value_whose_count_is_beyond_every_float(value: float, saturated: int):
+def test_a_value_whose_count_exceeds_any_float(value: float, saturated: int):
     values = [value, 0.0, 0.0, 0.0, 0.0, 0.0]
     with pytest.raises(BadMotion, match=r"^phi is -?1e\+308, which is -?inf counts of 0.0001; expected "):
         Encoding().counts(values)
@@ -58,7 +58,7 @@ def test_a_value_whose_count_is_beyond_every_float(value: float, saturated: int)
     assert Encoding(beyond="wrap").counts(values) == ((0, 0, 0, 0, 0, 0), ("phi",))
 
 
-def test_values_beyond_are_counted_once_a_frame_by_name():
+def test_values_out_of_range_are_counted_once_per_frame_by_name():
     motion = static.motion(static.Settings(theta=4.0, psi=-4.0))
     saturating, wrapping = (frames(motion, Encoding(beyond=beyond)) for beyond in ("saturate", "wrap"))
     assert saturating(0)[:3] == (0, MOST, LEAST)
@@ -68,7 +68,7 @@ def test_values_beyond_are_counted_once_a_frame_by_name():
     assert saturating.beyond == {"theta": 2, "psi": 2}
 
 
-def test_frame_n_is_the_motion_at_first_plus_n_periods():
+def test_frame_n_has_the_motion_at_first_plus_n_periods():
     wave = sines.AngleWave("phi", 1.0, 0.7)
     sent = frames(sines.motion(sines.Settings((wave,))), Encoding())
     month = 30 * 86400 * 50
@@ -77,8 +77,8 @@ def test_frame_n_is_the_motion_at_first_plus_n_periods():
 
 
 @given(st.lists(st.integers(0, 700), min_size=1, max_size=40))
-def test_a_frame_is_the_same_whichever_were_asked_for_before(numbers: list[int]):
-    """Not all of them are kept."""
+def test_a_frame_does_not_depend_on_earlier_calls(numbers: list[int]):
+    """The frames are not all kept."""
     waves = tuple(sines.AngleWave(of, 0.3, frequency) for of, frequency in (("phi", 0.31), ("psi", 0.17)))
     motion = sines.motion(sines.Settings(waves, (sines.AccelerationWave("ax", 0.1, 0.7),)))
     sent = frames(motion, Encoding())
@@ -86,7 +86,7 @@ def test_a_frame_is_the_same_whichever_were_asked_for_before(numbers: list[int])
         assert sent(number) == frames(motion, Encoding())(number)
 
 
-def test_of_many_frames_only_the_last_are_held():
+def test_only_the_last_frames_are_kept():
     sent = frames(static.motion(static.Settings()), Encoding())
     for number in range(500):
         sent(number)
@@ -96,8 +96,8 @@ def test_of_many_frames_only_the_last_are_held():
     assert abs(held(sent) - before) < 1000
 
 
-def test_a_frame_is_refused_when_it_is_asked_for_and_counts_only_then():
-    """theta grows without end: beyond 16 bits from frame 33 on, at its range of motion behind frame 62."""
+def test_a_frame_is_refused_or_counted_only_when_it_is_requested():
+    """theta increases without limit: it exceeds 16 bits from frame 33 on, and its range of motion after frame 62."""
     rising = pieces.Straight([0.0, 10.0], [[0.0] * 6, [0, 50.0, 0, 0, 0, 0]])
     refusing = frames(rising, Encoding())
     assert [refusing(number)[1] for number in range(33)] == [100 + 1000 * number for number in range(33)]

@@ -1,4 +1,4 @@
-"""A motion in a case: what the host sends, over the wire and through the firmware; what is refused, on which line."""
+"""A motion in a case: the host's frames on the wire and through the firmware, and refused motions with their line."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def counts(number: int) -> int:
     return round(1e4 * 50 * pi / 180 * sin(2 * pi * 3 * (0.002 + number * 0.02)))
 
 
-def test_the_emulator_shows_the_motion_that_the_host_sends():
+def test_the_emulator_shows_the_motion_of_the_host():
     ran = run_file("imu_hil_published", "0.3", SINE)
     assert ran.broken() == []
     assert ran.result.counts["beyond_16_bits"] == 0
@@ -32,7 +32,7 @@ def test_the_emulator_shows_the_motion_that_the_host_sends():
     assert pitches[2:] == [counts(number) for number in range(1, len(pitches) - 1)]
 
 
-def test_without_a_motion_there_is_no_count_of_it():
+def test_without_a_motion_values_out_of_range_are_not_counted():
     assert "beyond_16_bits" not in run_file("imu_hil_published", "0.05").result.counts
 
 
@@ -45,12 +45,12 @@ def sent(**host: object) -> bytes:
     return encode(frames[0])
 
 
-def test_scales_are_those_of_the_encoding():
+def test_frames_have_the_scales_of_the_encoding():
     motion = {"kind": "static", "theta": "1 deg", "az": "-1 g"}
     assert sent(motion=motion, encoding={"theta": "1/100 deg", "az": "1/256 g"}) == encode((0, 100, 0, 0, 0, -256))
 
 
-def test_the_high_byte_goes_first_where_the_encoding_says_so():
+def test_the_encoding_may_send_the_high_byte_first():
     came: list[Record] = []
     host = {"motion": {"kind": "static", "phi": "0.1 rad"}, "encoding": {"byte_order": "big"}}
     Scene(case("5 ms", host=host), lambda recorder, _: recorder.subscribe([Kind.FRAME], came.append)).run()
@@ -58,7 +58,7 @@ def test_the_high_byte_goes_first_where_the_encoding_says_so():
     assert characters[:2] == [*(1000).to_bytes(2, "big")]
 
 
-def test_a_value_beyond_16_bits_ends_the_run_unless_it_is_to_saturate_or_wrap_and_is_counted():
+def test_a_value_beyond_16_bits_ends_the_run_or_is_saturated_or_wrapped_and_counted():
     motion = {"kind": "static", "psi": "200 deg"}
     with pytest.raises(BadMotion, match=r"^frame 0, due at 0.002 s: psi is 3.49066, which is 34907 counts of 0.0001; "):
         sent(motion=motion)
@@ -126,7 +126,7 @@ phi = "1 deg"
         ),
     ],
 )
-def test_a_motion_that_cannot_be_is_refused_with_its_line(
+def test_an_impossible_motion_is_refused_with_its_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str, by: str, sentence: str
 ):
     monkeypatch.chdir(tmp_path)

@@ -1,5 +1,4 @@
-"""The host unit as a program: its frames are those of a case's [host]; datagrams, good and bad; a port whose time is
-simulated."""
+"""The host unit: its frames equal those of a case's [host]; datagrams, valid and invalid; ports with simulated time."""
 
 from __future__ import annotations
 
@@ -36,7 +35,7 @@ def flight(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_flight_gives_the_frames_of_a_case_s_host(flight: Path) -> None:
+def test_a_flight_gives_the_frames_of_a_host_in_a_case(flight: Path) -> None:
     source = FlightFrames(flight, Encoding(), PERIOD)
     same = frames_of({"kind": "flight", "file": str(flight)}, Encoding(), Fraction(0), PERIOD)
     frames = [source.frame(number) for number in range(11)]
@@ -60,12 +59,12 @@ class Datagrams(AbstractContextManager):
 
 
 @pytest.mark.parametrize(("order", "mark"), [("little", "<"), ("big", ">")])
-def test_datagrams_are_values_as_simulink_sends_them(order: str, mark: str) -> None:
+def test_datagrams_of_simulink_are_converted_to_frames(order: str, mark: str) -> None:
     counts = (100, -200, 300, 1000, 0, -1)
     values = (0.01, -0.02, 0.03, 1.0, 0.0, -0.001)
     with Datagrams(order) as udp:
         assert udp.source.frame(0) is None and udp.source.held == 0
-        assert not udp.source.over(10**6), "datagrams may come for ever"
+        assert not udp.source.over(10**6), "datagrams may come forever"
         for data in (struct.pack(f"{mark}6d", *values), struct.pack(f"{mark}6f", *values), struct.pack("<6h", *counts)):
             udp.send(b"older")
             udp.send(data)
@@ -86,7 +85,7 @@ def test_datagrams_are_values_as_simulink_sends_them(order: str, mark: str) -> N
         (struct.pack("<6d", 0, 0, 1e308, 0, 0, 0), "psi is 1e+308, which is inf counts"),
     ],
 )
-def test_a_bad_datagram_changes_nothing(data: bytes, sentence: str) -> None:
+def test_an_invalid_datagram_is_ignored(data: bytes, sentence: str) -> None:
     with Datagrams() as udp:
         udp.send(bytes(48))
         udp.send(data)
@@ -106,16 +105,16 @@ def test_a_closed_source_leaves_its_udp_port_free() -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="open files are listed in /proc")
-def test_a_port_that_is_refused_leaves_no_file_open() -> None:
+def test_a_refused_port_leaves_no_file_open() -> None:
     with Datagrams() as udp:
         before = len(os.listdir("/proc/self/fd"))
         with pytest.raises(OutsideError) as refused:
             UdpFrames("127.0.0.1", udp.source.port, Encoding(), "little", print)
         assert len(os.listdir("/proc/self/fd")) == before
-        assert refused.value is not None  # it holds the frames in which the socket was made
+        assert refused.value is not None  # the exception keeps the frames alive in which the socket was made
 
 
-def test_frames_go_out_at_their_rate_in_simulated_time(flight: Path, tmp_path: Path) -> None:
+def test_frames_are_sent_at_their_rate_in_simulated_time(flight: Path, tmp_path: Path) -> None:
     serial = pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
     import periph_sim.live
 
@@ -123,13 +122,13 @@ def test_frames_go_out_at_their_rate_in_simulated_time(flight: Path, tmp_path: P
     with serial.serial_for_url(f"f28335://{written(tmp_path)}?pace=0", 115_200) as port:
         pacer = pacer_for(port)
         sent = send_frames(port, FlightFrames(flight, Encoding(), PERIOD), PERIOD, pacer)
-        assert (sent.frames, sent.came) == (11, 120)  # what the last frame is answered comes later
+        assert (sent.frames, sent.came) == (11, 120)  # the answer to the last frame comes later
         assert 0.2 < port.clock() < 0.203
         assert pacer.worst < 1e-6
 
 
 class Port:
-    """A port whose clock goes on by the time for which it is read; 3 bytes come in each time."""
+    """A port whose clock advances by the timeout of each read, which returns 3 bytes."""
 
     def __init__(self) -> None:
         self.now = self.timeout = 0.0
@@ -149,7 +148,7 @@ class Port:
 
 
 class Numbers:
-    """Frames of one byte, none of number 1, six of them."""
+    """Six frames of one byte, of which number 1 is missing."""
 
     def frame(self, number: int) -> bytes | None:
         return None if number == 1 else bytes([number])
@@ -163,10 +162,10 @@ class Numbers:
     [
         (None, 99.0, ["00", "02", "03", "04", "05"], [0, 40, 60, 80, 100]),
         (2, 99.0, ["00", "02"], [0, 40]),
-        (None, 0.03, ["00", "02"], [0, 40]),  # stopped as it waits: what is due is sent
+        (None, 0.03, ["00", "02"], [0, 40]),  # stopped while waiting: the frame that is due is still sent
     ],
 )
-def test_frames_go_out_when_they_are_due_and_waiting_is_reading(
+def test_frames_are_sent_when_due_and_the_port_is_read_meanwhile(
     frames: int | None, stops_at: float, written: list[str], due: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     port, reached = Port(), []

@@ -1,4 +1,4 @@
-"""The bytes that chips show where firmware computes the sensors, beside `Imu.step` with the same numbers."""
+"""The bytes of chips whose firmware computes the sensors equal those of `Imu.step` with the same numbers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FRAMES = [(0, 0, 0, 0, 0, 0), (3000, -2000, 900, 120, -340, 560), (3100, -1700, 
 
 
 def bytes_of(codes: Codes) -> dict[int, bytes]:
-    """x, y, z as the data sheets keep them: the magnetometer as x, z, y, the accelerometer low byte first."""
+    """Return x, y, z as in the data sheets: the magnetometer as x, z, y, the accelerometer low byte first."""
     order = {"gyroscope": (0, 1, 2), "accelerometer": (0, 1, 2), "magnetometer": (0, 2, 1)}
     ends = {"gyroscope": "big", "accelerometer": "little", "magnetometer": "big"}
     return {
@@ -34,8 +34,8 @@ def bytes_of(codes: Codes) -> dict[int, bytes]:
 
 @pytest.mark.parametrize("noise_seed", [None, 5])
 @pytest.mark.parametrize("arithmetic", ["float64", "float32", "q12"])
-def test_each_run_shows_what_a_step_of_the_models_gives(arithmetic: str, noise_seed: int | None):
-    """Angles come in 1e-4 rad, accelerations in 1e-3 g; the first frame has no rates."""
+def test_each_run_gives_the_bytes_of_a_step_of_the_models(arithmetic: str, noise_seed: int | None):
+    """Angles are in 1e-4 rad and accelerations in 1e-3 g; the first frame has no rates."""
     codes, imu = ModelCodes(IMU, arithmetic, noise_seed), Imu(named.scalar(arithmetic), IMU)
     assert {address: codes.at_rest.data(address) for address in (0x68, 0x53, 0x1E)} == dict.fromkeys(
         (0x68, 0x53, 0x1E), bytes(6)
@@ -51,14 +51,14 @@ def test_each_run_shows_what_a_step_of_the_models_gives(arithmetic: str, noise_s
     assert set(bytes_of(expected).values()) != {bytes(6)}
 
 
-def test_the_bytes_of_a_chip_are_worked_out_once():
+def test_the_bytes_of_a_chip_are_computed_once():
     codes = ModelCodes(IMU, "float64")
     shown = codes.run(0, FRAMES[1], codes.at_rest)
     assert shown.data(0x53) is shown.data(0x53) != bytes(6)
 
 
 def test_float32_computes_without_warnings():
-    """A field that points straight down has no azimuth: its model divides 0 by 0, and takes NaN for an infinity."""
+    """A field straight down has no azimuth: its model divides 0 by 0, and treats NaN as an infinity."""
     down = ImuParameters(magnetometer=MagnetometerParameters(earth_field=(0, 0, 0.5), hard_iron=(0, 0, 0)))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -77,7 +77,7 @@ def test_codes_that_do_not_fit_are_refused():
     st.sampled_from(["q16", "q12 saturating", "q16 rounded", "float64"]),
     st.lists(st.tuples(*[st.integers(-32768, 32767)] * 6), max_size=8),
 )
-def test_a_remembered_sample_is_the_one_that_is_computed_anew(arithmetic: str, frames: list[tuple[int, ...]]):
+def test_a_cached_sample_equals_a_computed_one(arithmetic: str, frames: list[tuple[int, ...]]):
     shared, alone = model_codes(IMU, arithmetic, None), ModelCodes(IMU, arithmetic)
     for _ in range(2):
         shown, expected = shared.at_rest, alone.at_rest
@@ -87,7 +87,7 @@ def test_a_remembered_sample_is_the_one_that_is_computed_anew(arithmetic: str, f
             assert (shown.state, shown.overflows) == (expected.state, expected.overflows)
 
 
-def test_who_comes_second_is_given_what_the_first_has_worked_out():
+def test_a_second_user_gets_the_cached_results_of_the_first():
     codes, values = model_codes(IMU, "q16", None), (100, 200, 300, 0, 0, 0)
     first = codes.run(0, values, codes.at_rest)
     assert model_codes(IMU, "q16", None) is codes
@@ -98,7 +98,7 @@ def test_who_comes_second_is_given_what_the_first_has_worked_out():
 
 @given(st.integers(0, 10_000), st.lists(st.integers(0, 3 * REMEMBERED), min_size=1, max_size=20), st.data())
 @settings(max_examples=examples(20), deadline=None)
-def test_noise_is_that_of_its_number_in_whatever_order_it_is_asked(seed: int, asked: list[int], data: st.DataObject):
+def test_noise_depends_only_on_its_number(seed: int, asked: list[int], data: st.DataObject):
     arithmetic = data.draw(st.sampled_from(["q16", "float64"]))
     holders = [ModelCodes(IMU, arithmetic, seed), model_codes(IMU, arithmetic, seed)]
     constant = named.scalar(arithmetic).constant

@@ -1,4 +1,4 @@
-"""Noise by number: splits, streams, distribution, and the densities that come back from the Allan deviation."""
+"""Noise by sample number: splitting, streams, distribution, and densities recovered from the Allan deviation."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ def axis(terms: NoiseTerms = ALL, seed: int = 1, stream: str = "gyroscope/x") ->
 
 @given(st.lists(st.integers(0, 900), min_size=1, max_size=8), st.integers(0, 3))
 @settings(deadline=None, max_examples=40)
-def test_all_terms_together_may_be_split_resumed_and_read_one_by_one(counts: list[int], skipped: int):
+def test_noise_of_all_terms_may_be_split_resumed_and_read_singly(counts: list[int], skipped: int):
     whole = axis().values(0, sum(counts))
     split, at = axis(), 0
     for number, count in enumerate(counts):
-        if number != skipped:  # whoever resumes a run has not seen what came before
+        if number != skipped:  # a resumed run has not drawn the earlier samples
             if number % 2:
                 assert np.array_equal(split.values(at, count), whole[at : at + count])
             else:
@@ -38,20 +38,20 @@ def test_all_terms_together_may_be_split_resumed_and_read_one_by_one(counts: lis
 
 @given(st.lists(st.integers(0, 5000), min_size=1, max_size=20))
 @settings(deadline=None, max_examples=30)
-def test_samples_may_be_asked_in_any_order(numbers: list[int]):
+def test_samples_may_be_read_in_any_order(numbers: list[int]):
     whole = axis().values(0, 5001)
     asked = axis()
     assert [asked.at(n) for n in numbers] == [whole[n] for n in numbers]
 
 
-def test_a_stream_far_out_is_found_without_what_comes_before():
+def test_late_samples_do_not_need_the_earlier_ones():
     month = 30 * 86400 * 50
     terms = NoiseTerms(1.6e-5, bias_instability=2e-3)
     assert axis(terms).at(month) == axis(terms).values(month - 3, 7)[3]
 
 
-def test_the_first_values_are_those_they_always_were():
-    """A numpy that draws otherwise would change every recorded run: it must be noticed."""
+def test_the_first_values_are_the_recorded_ones():
+    """A numpy that draws other values would change every recorded run, which must be noticed."""
     assert Gaussian(1, "gyroscope/x/white").values(0, 3).tolist() == FIRST
     assert Gaussian(1, "gyroscope/x/white").values(10**12, 1).tolist() == [FAR]
 
@@ -92,7 +92,7 @@ def test_white_noise_has_the_variance_density_over_period():
 
 
 def allan_variances(terms: NoiseTerms, count: int, octaves: range) -> tuple[np.ndarray, np.ndarray]:
-    """Averaging times, and the means of twelve seeds' overlapping Allan variances."""
+    """Return averaging times, and the means of the overlapping Allan variances of twelve seeds."""
     import allantools  # here, because the import takes seconds
 
     taus = PERIOD * 2.0 ** np.array(octaves)
@@ -101,14 +101,14 @@ def allan_variances(terms: NoiseTerms, count: int, octaves: range) -> tuple[np.n
     return found[0][0], np.mean([deviation**2 for _, deviation in found], axis=0)
 
 
-def test_bias_instability_is_flat_at_the_height_of_ieee_952():
+def test_bias_instability_has_the_floor_of_ieee_952():
     """The floor of the Allan deviation is B sqrt(2 ln 2 / pi) = 0.664 B."""
     _, variances = allan_variances(NoiseTerms(0.0, bias_instability=1.0), 1 << 17, range(3, 12))
     floor = np.sqrt(variances) / np.sqrt(2 * log(2) / pi)
     assert floor == pytest.approx(np.ones(9), abs=0.06)
 
 
-def test_random_walk_rises_as_k_squared_tau_over_three():
+def test_the_allan_variance_of_random_walk_is_k_squared_tau_over_three():
     taus, variances = allan_variances(NoiseTerms(0.0, random_walk=0.5), 1 << 15, range(4, 9))
     assert variances / (0.25 * taus / 3) == pytest.approx(np.ones(5), abs=0.1)
 

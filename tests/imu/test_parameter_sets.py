@@ -1,4 +1,4 @@
-"""Sensor parameters in TOML: what is taken, and how what is not is refused: file, line, name, value, range."""
+"""Sensor parameters in TOML; errors are refused with file, line, name, value and range."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def write(folder: Path, text: str) -> Path:
     return path
 
 
-def test_a_file_changes_what_it_says_and_leaves_the_rest(tmp_path: Path) -> None:
+def test_a_file_changes_only_the_parameters_that_it_has(tmp_path: Path) -> None:
     imu = load(write(tmp_path, GOOD))
     assert (imu.period, imu.wrap) == (0.01, "unwrapped")
     assert imu.gyroscope.bias == (-1.0, 2.5, 0.0)
@@ -52,7 +52,7 @@ def test_a_file_changes_what_it_says_and_leaves_the_rest(tmp_path: Path) -> None
     assert imu.gyroscope.scale == ImuParameters().gyroscope.scale
 
 
-def test_a_shipped_set_is_known_by_its_name_and_a_file_by_its_path(tmp_path: Path) -> None:
+def test_a_shipped_set_is_given_by_name_and_a_file_by_path(tmp_path: Path) -> None:
     assert named("table_5_1").gyroscope.bias == (-3.1041, 3.5997, 0.0438)
     assert named(str(write(tmp_path, GOOD))) == load(tmp_path / "sensors.toml")
     with pytest.raises(
@@ -92,14 +92,14 @@ def test_an_empty_file_is_table_4_1(tmp_path: Path) -> None:
         ("[gyroscope]\nmounting = [1, 1, 3]", 2, "gyroscope.mounting: expected 1, 2 and 3 once each"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_line(tmp_path: Path, text: str, line: int, message: str) -> None:
+def test_errors_in_a_file_are_refused_with_their_line(tmp_path: Path, text: str, line: int, message: str) -> None:
     path = write(tmp_path, text)
     with pytest.raises(BadCase) as refused:
         load(path)
     assert str(refused.value).startswith(f"{path}, line {line}: {message}")
 
 
-def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+def test_files_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
     with pytest.raises(BadCase, match=r"cannot be read .* give the path of a parameter file"):
         load(tmp_path / "none.toml")
     with pytest.raises(BadCase, match="it is not TOML"):
@@ -107,7 +107,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
 
 
 @given(name=st.sampled_from(["bias", "scale", "bits", "rates", "mounting"]), value=st.text(max_size=12))
-def test_any_text_is_taken_or_refused_in_one_sentence(tmp_path_factory, name: str, value: str) -> None:
+def test_any_text_is_accepted_or_refused_in_one_sentence(tmp_path_factory, name: str, value: str) -> None:
     import json
 
     path = write(tmp_path_factory.getbasetemp(), f"[gyroscope]\n{name} = {json.dumps(value)}\n")
@@ -122,7 +122,7 @@ THREE = st.tuples(*[st.floats(-16, 16)] * 3)
 
 @settings(deadline=None, max_examples=40)
 @given(THREE, st.floats(1e-6, 3600), st.sampled_from(["nearest", "floor"]), st.integers(2, 16), st.floats(-0.5, 0.5))
-def test_a_set_reads_back_to_the_last_bit(tmp_path_factory, bias, period, rounding, bits, cross_axis):
+def test_a_written_set_is_read_back_exactly(tmp_path_factory, bias, period, rounding, bits, cross_axis):
     path = tmp_path_factory.mktemp("set") / "set.toml"
     imu = ImuParameters(period=period)
     accelerometer = replace(imu.accelerometer, bias=bias, rounding=rounding, bits=bits, cross_axis=cross_axis)

@@ -1,4 +1,4 @@
-"""Quaternions and aerospace angles against rotation matrices written out by hand."""
+"""Quaternions and aerospace angles agree with rotation matrices written by hand."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ attitudes = st.tuples(roll_or_yaw, pitch, roll_or_yaw)
 
 
 @given(attitudes)
-def test_a_quaternion_turns_as_the_three_matrices_do(attitude: tuple[float, float, float]):
+def test_a_quaternion_rotates_as_the_three_matrices(attitude: tuple[float, float, float]):
     (q,) = quaternions([attitude])
     assert np.linalg.norm(q) == pytest.approx(1)
     assert np.allclose(matrices([q])[0].T, to_body(*attitude), atol=1e-12)
 
 
 @given(attitudes)
-def test_angles_come_back_or_at_least_the_rotation(attitude: tuple[float, float, float]):
+def test_angles_of_a_quaternion_give_the_same_rotation(attitude: tuple[float, float, float]):
     (back,) = angles(quaternions([attitude]))
     assert np.allclose(to_body(*back), to_body(*attitude), atol=1e-8)
     if abs(attitude[1]) < 1.5:
@@ -31,13 +31,13 @@ def test_angles_come_back_or_at_least_the_rotation(attitude: tuple[float, float,
 
 
 @pytest.mark.parametrize("up", [1, -1])
-def test_with_the_nose_straight_up_or_down_roll_is_taken_as_0(up: int):
+def test_with_the_nose_straight_up_or_down_roll_is_0(up: int):
     (found,) = angles(quaternions([(0.4, up * np.pi / 2, 0.1)]))
     assert found == pytest.approx((0, up * np.pi / 2, 0.1 - up * 0.4), abs=1e-7)
 
 
 @given(attitudes, st.floats(0, np.pi))
-def test_the_angle_between_is_the_angle_of_the_turn(attitude: tuple[float, float, float], turn: float):
+def test_angle_between_is_the_angle_of_the_rotation(attitude: tuple[float, float, float], turn: float):
     (q,) = quaternions([attitude])
     w, x, y, z = q
     c, s = np.cos(turn / 2), np.sin(turn / 2)
@@ -50,5 +50,5 @@ def test_small_angles_keep_their_digits():
     assert angle_between(quaternions([(0, 0, 0)]), quaternions([(1e-9, 0, 0)]))[0] == pytest.approx(1e-9, rel=1e-6)
 
 
-def test_angles_are_wrapped_to_half_a_turn_either_way():
+def test_angles_are_wrapped_to_plus_or_minus_half_a_turn():
     assert wrapped([3 * np.pi / 2, -3 * np.pi / 2, 0.1]) == pytest.approx([-np.pi / 2, np.pi / 2, 0.1])

@@ -1,4 +1,4 @@
-"""Samples in units, from the wires: real chips in a known attitude, a head that sets them up, and its estimate."""
+"""Samples in units, read over the wires: real chips in a known attitude, a head that configures them, an estimate."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MODELS = {"gyroscope": "itg3200", "accelerometer": "adxl345", "magnetometer": "h
 
 
 def sampled(length: str, names: Iterable[str] = MODELS, **sources: Callable[[int], object]) -> Samples:
-    """Return what a head reads after it has set up the chips as their drivers do. names: the chips on the bus."""
+    """Return what a head reads after it has configured the chips as drivers do; `names` are the chips on the bus."""
     chips = {name: {"model": MODELS[name], "values": {"fixed": [0, 0, 0]}} for name in names}
     head = {"order": list(MODELS), "first": "105 ms", "initialise": "100 ms"}
     scene = Scene(case(length, chip=chips, controller=head), sources=sources)
@@ -39,7 +39,7 @@ def resting(attitude: tuple[float, float, float]) -> Samples:
     return sampled("200 ms", **{name: lambda tick, v=values: v for name, values in fixed.items()})
 
 
-def test_rounds_come_out_in_units_with_their_times():
+def test_samples_of_rounds_have_units_and_times():
     samples = resting((0.1, 0.2, 0.3))
     accel, mag = at_rest(0.1, 0.2, 0.3)
     assert samples.seconds == pytest.approx([0.105, 0.125, 0.145, 0.165, 0.185], abs=1e-12)
@@ -49,21 +49,21 @@ def test_rounds_come_out_in_units_with_their_times():
 
 
 @pytest.mark.parametrize("attitude", [(0, 0, 0), (0.5, -0.8, 2.5), (-2.0, 1.2, -3.1), (3.1, 0.1, 1.0)])
-def test_an_attitude_comes_back_through_chips_wires_and_filter(attitude: tuple[float, float, float]):
-    """LSB of 4 mg and 1.5 mG leave some tenths of a degree."""
+def test_an_attitude_is_estimated_through_chips_wires_and_filter(attitude: tuple[float, float, float]):
+    """LSB of 4 mg and 1.5 mG cause errors of some tenths of a degree."""
     s = resting(attitude)
     found = errors(estimate(s.seconds, s.gyro * 0, s.accel, s.mag, FIELD), np.tile(quaternions([attitude]), (5, 1)))
     assert found.total.max() < 0.5
 
 
-def test_an_overflow_of_the_magnetometer_is_no_number():
+def test_an_overflow_of_the_magnetometer_is_nan():
     samples = sampled(
         "200 ms", magnetometer=lambda tick: (4.0, Fraction(1, 2), 0), accelerometer=lambda tick: (0, 0, 0)
     )
     assert np.isnan(samples.mag[:, 0]).all() and samples.mag[:, 1] == pytest.approx(0.5)
 
 
-def test_a_round_in_which_a_chip_is_silent_is_left_out():
+def test_a_round_in_which_a_chip_is_silent_is_omitted():
     samples = sampled("200 ms", ["gyroscope"])
     assert samples.seconds.shape == (0,) and samples.mag.shape == (0, 3)
 
@@ -79,19 +79,19 @@ cross_axis = 0.03
 """
 
 
-def test_the_body_s_own_rates_gravity_and_field_come_back(tmp_path: Path):
+def test_rates_gravity_and_field_of_the_body_are_recovered(tmp_path: Path):
     one = without_noise(subject("3", TWO_ANGLES, parameters(tmp_path, SET)))
     read = direct.computed_sensors(one).samples(one.sensors)
     attitude = at_times.attitudes(one.motion, read.seconds)
     rates = np.degrees(body_rates(attitude, at_times.rates(one.motion, read.seconds)))
-    assert np.abs(rates).max(axis=0).min() > 10, "every axis turns"
+    assert np.abs(rates).max(axis=0).min() > 10, "every axis rotates"
     assert read.gyro == pytest.approx(rates, abs=0.05)
     to = np.array([to_body(*row) for row in attitude])
     assert read.accel == pytest.approx(-to[:, :, 2], abs=0.003)
     assert read.mag == pytest.approx(to @ np.array(one.sensors.magnetometer.earth_field), abs=0.0012)
 
 
-def test_an_overflow_of_any_axis_is_no_field():
+def test_an_overflow_of_any_axis_makes_the_field_nan():
     still = np.zeros((2, 3), np.int64)
     codes = {"gyroscope": still, "accelerometer": still, "magnetometer": np.array([[0, -4096, 5], [1, 2, 3]])}
     scales = {"gyroscope": 14.375, "accelerometer": 256.0, "magnetometer": 660.0}
@@ -109,4 +109,4 @@ def test_real_sensors_have_another_noise_than_the_emulator():
     )
     assert abs(np.corrcoef(emulated, real)[0, 1]) < 0.2
     again = direct.computed_sensors(one).codes["gyroscope"][10:, 0]
-    assert np.array_equal(real, again), "but each time the same"
+    assert np.array_equal(real, again), "the noise is reproducible"

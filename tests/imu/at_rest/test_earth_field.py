@@ -1,4 +1,4 @@
-"""The earth field against what section 5.2 says of the turn in Figure 5.1."""
+"""The earth field of the models agrees with section 5.2 about the turn in Figure 5.1."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ def test_the_models_have_the_field_of_the_fit():
     assert ImuParameters().magnetometer.earth_field == fit().field == MEAN
 
 
-def test_both_statements_of_section_5_2_say_that_the_mean_is_undisturbed():
+def test_both_statements_of_section_5_2_imply_that_the_mean_is_without_hard_iron():
     found = fit(MEAN, HARD_IRON)
     assert found.along_y == pytest.approx(-0.263, abs=0.001) and found.along_z == pytest.approx(-0.3)
     assert not found.disturbed and off_north(found.field) == pytest.approx(-7.86, abs=0.01)
     assert off_north(found.fields[1]) == pytest.approx(-23.93, abs=0.01)
 
 
-def test_a_mean_with_the_hard_iron_in_it_is_told_as_such():
+def test_a_mean_that_includes_the_hard_iron_is_recognized():
     north = (0.3, 0.001, 0.0005)
     disturbed = tuple(h + v for h, v in zip(north, HARD_IRON, strict=True))
     found = fit(disturbed, HARD_IRON)
     assert found.disturbed and found.field == pytest.approx(north)
 
 
-def test_at_0_and_180_degrees_y_is_about_the_bias_and_x_at_its_ends():
+def test_at_0_and_180_degrees_y_is_near_the_bias_and_x_at_its_extremes():
     shown = dict(zip(YAWS, turn(ImuParameters()), strict=True))
     for yaw in (0, 180):
         assert shown[yaw][1] == pytest.approx(0.17, abs=0.05)
@@ -46,6 +46,6 @@ def test_the_field_is_nearly_horizontal():
 
 
 def test_the_turn_of_a_set_without_hard_iron_is_about_zero():
-    told = text(named("table_5_1"), fit())
-    assert "with hard iron 0.0000, 0.0000, 0.0000 gauss" in told
-    assert "\n 180  -0.3238   0.0441 " in told
+    shown = text(named("table_5_1"), fit())
+    assert "with hard iron 0.0000, 0.0000, 0.0000 gauss" in shown
+    assert "\n 180  -0.3238   0.0441 " in shown

@@ -1,4 +1,4 @@
-"""Parameters through the whole chain: into the models, out as codes, identified, and into a set again."""
+"""Parameters are recovered from simulated codes by identification, and give the same set again."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def identified(imu: ImuParameters, seed: int, samples: int = 10_000) -> dict[str
     }
 
 
-def test_the_set_gives_the_same_means_again():
+def test_the_identified_set_gives_the_same_means_and_variances():
     axes = identified(ImuParameters(), 1)
     expected = expected_at_rest(parameters_of_axes(axes, hard_iron=False))
     for name, axis in axes.items():
@@ -36,7 +36,7 @@ def test_the_set_gives_the_same_means_again():
         assert again.variance == pytest.approx(found.var(), rel=0.02)
 
 
-def test_hard_iron_against_a_recording_without_it():
+def test_hard_iron_is_identified_with_a_recording_without_it():
     imu = ImuParameters()
     plain = structs.replace(imu, magnetometer=structs.replace(imu.magnetometer, hard_iron=(0.0, 0.0, 0.0)))
     with_iron, without = (at_rest(one, 5000, seed)["magnetometer"] for one, seed in ((imu, 1), (plain, 2)))
@@ -46,23 +46,23 @@ def test_hard_iron_against_a_recording_without_it():
         )
         for k, axis in enumerate(AXES)
     }
-    told = parameters_of_axes(axes, hard_iron=True).magnetometer
-    assert told.hard_iron == pytest.approx(imu.magnetometer.hard_iron, abs=5e-4)
-    assert told.earth_field == pytest.approx(imu.magnetometer.earth_field, abs=5e-4)
+    found = parameters_of_axes(axes, hard_iron=True).magnetometer
+    assert found.hard_iron == pytest.approx(imu.magnetometer.hard_iron, abs=5e-4)
+    assert found.earth_field == pytest.approx(imu.magnetometer.earth_field, abs=5e-4)
     assert parameters_of_axes(axes, hard_iron=True).gyroscope == imu.gyroscope
 
 
-def test_slow_terms_go_into_the_set_where_they_were_found():
+def test_slow_terms_are_set_for_the_axes_that_have_them():
     noise = np.random.default_rng(1).normal(size=(4000, 3))
     walk = 0.05 * np.cumsum(np.random.default_rng(2).normal(size=4000))
     values = {"x": noise[:, 0], "y": noise[:, 1] + walk, "z": noise[:, 2]}
     axes = {f"gyroscope_{a}": identify(a, v, 0.02, unit="deg/s", slow=True) for a, v in values.items()}
-    told = parameters_of_axes(axes, hard_iron=False).gyroscope
-    assert told.random_walk[0] == told.random_walk[2] == 0
-    assert told.random_walk[1] == pytest.approx(0.05 / 0.02**0.5, rel=0.5)
+    found = parameters_of_axes(axes, hard_iron=False).gyroscope
+    assert found.random_walk[0] == found.random_walk[2] == 0
+    assert found.random_walk[1] == pytest.approx(0.05 / 0.02**0.5, rel=0.5)
 
 
-def test_columns_that_are_no_sensor_lack_an_axis_or_have_another_unit_are_refused():
+def test_unknown_columns_missing_axes_and_other_units_are_refused():
     axes = identified(ImuParameters(), 1, 1000)
     with pytest.raises(
         BadParameter, match=r"^height: it is not a column of a sensor model; expected accelerometer_x, acc"

@@ -1,4 +1,4 @@
-"""The sensors at rest: samples against what the models expect, exactly, over several seeds and all axes together."""
+"""The sensors at rest: samples agree with the exact expectation of the models over several seeds and all axes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from periph_sim.imu.numeric.float64 import Float64
 SAMPLES = 10_000
 
 
-def test_all_seeds_axes_means_and_variances_together_are_as_far_off_as_chance_has_it():
+def test_deviations_of_all_means_and_variances_have_the_expected_distribution():
     rows = [row for seed in range(20) for row in static_table(ImuParameters(), at_rest(ImuParameters(), SAMPLES, seed))]
     assert len(rows) == 180
     for row in rows:
@@ -43,7 +43,7 @@ def test_the_table_has_the_axes_of_the_published_one_in_their_order():
     bias=st.floats(-2100, 2100),
     sigma=st.sampled_from([0.0, 0.02, 0.2, 3.0]),
 )
-def test_expected_moments_are_those_of_many_samples_whatever_the_rounding_and_however_saturated(rounding, bias, sigma):
+def test_expected_moments_agree_with_many_samples_for_any_rounding_and_saturation(rounding, bias, sigma):
     gyroscope = GyroscopeParameters(
         bias=(bias if abs(bias) <= 2000 else 1999.9, 0.0, 0.0),
         cross_axis=0.0,
@@ -75,11 +75,11 @@ def test_rounding_adds_a_twelfth_of_an_lsb_squared():
 
 
 def sensed_at_rest(imu: ImuParameters, name: str) -> np.ndarray:
-    """The values to which the matrix S is applied, in the sensor's unit."""
+    """Return the values before the matrix S is applied, in the sensor's unit."""
     return np.linalg.solve(getattr(imu, name).matrix, lsb_at_rest(imu)[name])
 
 
-def test_at_rest_the_magnetometer_feels_field_and_hard_iron_and_gravity_points_up():
+def test_at_rest_the_magnetometer_senses_field_and_hard_iron_and_gravity_points_up():
     assert sensed_at_rest(ImuParameters(), "magnetometer") == pytest.approx((0.1639, 0.1253, -0.0140))
     assert sensed_at_rest(ImuParameters(), "accelerometer") == pytest.approx((-0.02, 0.02, -1.0))
     inclined = replace(ImuParameters(), magnetometer=replace(ImuParameters().magnetometer, board_azimuth=90.0))
@@ -87,7 +87,7 @@ def test_at_rest_the_magnetometer_feels_field_and_hard_iron_and_gravity_points_u
 
 
 @pytest.mark.parametrize("rounding", ["nearest", "floor", "toward zero"])
-def test_samples_are_those_of_the_models_with_the_same_noise(rounding: str):
+def test_samples_equal_those_of_the_models_with_the_same_noise(rounding: str):
     sensors = {name: replace(getattr(ImuParameters(), name), rounding=rounding) for name in SENSORS}
     imu = replace(ImuParameters(), **sensors)
     model, noise, found = Imu(Float64(), imu), ImuNoise(imu, 7), at_rest(imu, 50, 7)

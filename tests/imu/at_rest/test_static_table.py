@@ -1,4 +1,4 @@
-"""Why the published means are what they are: each reading of the model against Table 5.1."""
+"""Explanation of the published means: each interpretation of the model is compared with Table 5.1."""
 
 from __future__ import annotations
 
@@ -40,20 +40,20 @@ def test_bias_alone_explains_no_mean_of_accelerometer_or_gyroscope():
 
 
 def test_cross_axis_and_bias_to_four_decimals_explain_the_gyroscope():
-    told = by_name()["decimals"]
-    assert told.rms("gyroscope") < 1
+    found = by_name()["decimals"]
+    assert found.rms("gyroscope") < 1
     by_hand = -3.1041 + 0.02 * (3.5997 + 0.0438)  # S of Table 4.1 on the real means of Table 5.1
     assert by_hand == pytest.approx(EMULATOR["gyroscope"].mean[0], abs=1e-4)
 
 
 def test_codes_rounded_down_explain_most_of_accelerometer_and_magnetometer_but_not_the_gyroscope():
-    told = by_name()
+    found = by_name()
     for sensor in ("accelerometer", "magnetometer"):
-        assert told["two floors"].rms(sensor) < 3 < told["decimals"].rms(sensor) / 2
-    assert told["two floors"].rms("gyroscope") < 1 and told["floors"].rms("gyroscope") > 50
+        assert found["two floors"].rms(sensor) < 3 < found["decimals"].rms(sensor) / 2
+    assert found["two floors"].rms("gyroscope") < 1 and found["floors"].rms("gyroscope") > 50
 
 
-def test_the_shipped_set_has_the_printed_means_and_floors_for_two():
+def test_the_shipped_set_has_the_published_means_and_rounds_two_sensors_down():
     x, y, z = REAL["accelerometer"].mean
     imu = ImuParameters()
     assert (
@@ -67,7 +67,7 @@ def test_the_shipped_set_has_the_printed_means_and_floors_for_two():
     )
 
 
-def test_gyroscope_variances_are_shown_with_what_rounding_adds():
+def test_gyroscope_variances_are_shown_with_the_part_of_rounding():
     assert "gyroscope variances: published 0.00234, 0.00624, 0.00204 (by 3 sigma)" in shown()
     assert "\n  expected with whole LSB    0.00291, 0.00641, 0.00241: +24 %, +3 %, +18 %\n" in shown()
     assert "\n  expected before rounding   0.00250, 0.00600, 0.00200: +7 %, -4 %, -2 %\n" in shown()
@@ -80,21 +80,21 @@ def shown(imu: ImuParameters = PUBLISHED) -> str:
 def test_without_noise_or_at_the_end_of_its_range_an_axis_has_no_standard_errors():
     silent = GyroscopeParameters(noise_density=(0.0, 0.0, 0.0))
     saturated = AccelerometerParameters(bias=(16.0, 16.0, 16.0))
-    told = shown(ImuParameters(gyroscope=silent, accelerometer=saturated))
-    assert len(re.findall(r"^ (?:accelerometer|gyroscope) .* - +[-+]\d", told, re.MULTILINE)) == 18
-    assert "  expected before rounding   0.00000, 0.00000, 0.00000: -100 %, -100 %, -100 %" in told
-    assert re.search(r"^ accelerometer x, g .* 1.9961 +1.9961 ", told, re.MULTILINE)  # 511 / 256
+    table = shown(ImuParameters(gyroscope=silent, accelerometer=saturated))
+    assert len(re.findall(r"^ (?:accelerometer|gyroscope) .* - +[-+]\d", table, re.MULTILINE)) == 18
+    assert "  expected before rounding   0.00000, 0.00000, 0.00000: -100 %, -100 %, -100 %" in table
+    assert re.search(r"^ accelerometer x, g .* 1.9961 +1.9961 ", table, re.MULTILINE)  # 511 / 256
 
 
-def test_a_field_of_which_the_plain_arctangent_makes_nan_is_expected_to_show_zeros():
-    cancelled = MagnetometerParameters(earth_field=(0.16, -0.17, 0.02), spherical="plain")  # all that is left is 0/0
+def test_a_field_for_which_the_plain_arctangent_gives_nan_is_expected_to_read_as_0():
+    cancelled = MagnetometerParameters(earth_field=(0.16, -0.17, 0.02), spherical="plain")  # 0/0
     imu = ImuParameters(magnetometer=cancelled)
     assert not at_rest(imu, 10, 1)["magnetometer"].any()
     assert all(axis.mean == axis.variance == 0 for axis in expected_at_rest(imu)["magnetometer"])
     assert re.search(r"^ magnetometer x, gauss .* 0.0000 +0.0000 +- ", shown(imu), re.MULTILINE)
 
 
-def test_the_text_shows_every_axis_three_times_and_how_the_set_follows_from_table_4_1():
+def test_the_text_shows_every_axis_three_times_and_the_derivation_of_the_set_from_table_4_1():
     for axis in "xyz":
         assert len(re.findall(rf"^ gyroscope {axis}, \(?deg/s", shown(), re.MULTILINE)) == 3
     assert re.search(
@@ -103,7 +103,7 @@ def test_the_text_shows_every_axis_three_times_and_how_the_set_follows_from_tabl
     assert max(map(len, shown().splitlines())) <= 80
 
 
-def test_how_the_set_follows_from_table_4_1_is_told_of_that_set_only():
+def test_the_derivation_from_table_4_1_is_shown_only_for_that_set():
     assert "the model with" not in shown(ImuParameters())
 
 
@@ -114,21 +114,22 @@ TABLE_5_1 = {
     "magnetometer": ((0.3231, -0.0447, 0.0056), (0.0164, 0.0187, 0.0097), (0.0000, 0.0000, 0.0000)),
 }
 AXES = [(sensor, axis) for sensor in SENSORS for axis in range(3)]
-GYROSCOPE_HIGH = {("gyroscope", 0): (1.23, 1.27), ("gyroscope", 2): (1.17, 1.21)}  # variance over the published one
+# Variance divided by the published one.
+GYROSCOPE_HIGH = {("gyroscope", 0): (1.23, 1.27), ("gyroscope", 2): (1.17, 1.21)}
 EXPECTED = expected_at_rest(PUBLISHED)
 
 
-def test_the_figures_that_the_command_prints_are_the_published_ones():
+def test_figures_printed_by_the_command_equal_the_published_ones():
     assert {sensor: tuple(row) for sensor, row in EMULATOR.items()} == TABLE_5_1
 
 
 @pytest.mark.parametrize(("sensor", "axis"), AXES)
-def test_every_mean_is_the_published_one(sensor: str, axis: int):
+def test_every_mean_agrees_with_the_published_one(sensor: str, axis: int):
     assert EXPECTED[sensor][axis].mean == pytest.approx(TABLE_5_1[sensor][0][axis], abs=0.0009)
 
 
 @pytest.mark.parametrize(("sensor", "axis"), [place for place in AXES if place not in GYROSCOPE_HIGH])
-def test_every_three_sigma_but_two_of_the_gyroscope_is_the_published_one(sensor: str, axis: int):
+def test_every_three_sigma_except_two_of_the_gyroscope_agrees_with_the_published_one(sensor: str, axis: int):
     expected = EXPECTED[sensor][axis]
     assert 3 * sqrt(expected.variance) == pytest.approx(TABLE_5_1[sensor][1][axis], rel=0.03)
     assert expected.variance == pytest.approx(TABLE_5_1[sensor][2][axis], abs=0.00021)
@@ -165,12 +166,12 @@ RAM, FLASH = 34 * 1024, 256 * 1024  # words: SPRS439M, SARAM M0, M1 and L0 to L7
 
 
 @pytest.mark.parametrize("row", MEMORY.values())
-def test_the_printed_shares_are_of_34_000_and_256_000_words(row):
+def test_published_shares_are_relative_to_34_000_and_256_000_words(row):
     assert 100 * row[0] / 34_000 == pytest.approx(row[1], abs=0.0051)
     assert 100 * row[0] / 256_000 == pytest.approx(row[2], abs=0.0051)
 
 
 def test_the_page_shows_the_total_and_its_shares_of_the_chip():
     words = MEMORY["total"][0]
-    told = f"{100 * words / RAM:.2f} % of RAM and {100 * words / FLASH:.2f} % of flash"
-    assert told in PAGE and f"{words:,} words".replace(",", " ") in PAGE
+    shares = f"{100 * words / RAM:.2f} % of RAM and {100 * words / FLASH:.2f} % of flash"
+    assert shares in PAGE and f"{words:,} words".replace(",", " ") in PAGE

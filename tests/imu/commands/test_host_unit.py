@@ -1,4 +1,4 @@
-"""`periph-sim host-unit`: frames sent to a case, and what is refused."""
+"""`periph-sim host-unit` sends frames to a case, and refuses wrong arguments."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.outside.live.echo import written
 pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
 
 
-def test_the_command(periph_sim: Run, flight: Path, tmp_path: Path) -> None:  # noqa: F811
+def test_frames_of_a_flight_are_sent_and_wrong_arguments_refused(periph_sim: Run, flight: Path, tmp_path: Path) -> None:  # noqa: F811
     url = f"f28335://{written(tmp_path)}?pace=0"
     came = periph_sim("host-unit", url, "--flight", str(flight), "--frames", "3", "--host-encoding", "byte_order=big")
     assert came.status == 0 and came.out.startswith(f"3 frames, 36 bytes sent to {url}, ")
@@ -36,7 +36,7 @@ def test_the_command(periph_sim: Run, flight: Path, tmp_path: Path) -> None:  # 
         assert refused.status == 2 and any(part in said for part in sentence.split("|")), said
 
 
-def test_it_sends_to_a_port_that_cannot_limit_how_long_it_blocks(periph_sim: Run, flight: Path, tmp_path: Path) -> None:  # noqa: F811
+def test_frames_are_sent_to_a_port_without_a_write_timeout(periph_sim: Run, flight: Path, tmp_path: Path) -> None:  # noqa: F811
     served = serve(str(written(tmp_path)), "--rfc2217", "0")
     assert served.stdout is not None
     url = served.stdout.readline().strip()
@@ -46,7 +46,7 @@ def test_it_sends_to_a_port_that_cannot_limit_how_long_it_blocks(periph_sim: Run
     assert came.status == 0 and came.out.startswith(f"2 frames, 24 bytes sent to {url}, "), came.err
 
 
-def test_without_pyserial_the_way_out_is_told(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_pyserial_the_error_names_the_package(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "serial", None)
     came = periph_sim("host-unit", "/dev/none", "--udp", "0")
     assert (came.status, came.err) == (2, "Error: the host unit needs pyserial: pip install 'periph-sim[live]'\n")

@@ -1,4 +1,4 @@
-"""`periph-sim imu-table` and `periph-sim identify` as a user meets them."""
+"""Output and errors of the commands `periph-sim imu-table` and `periph-sim identify`."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from tests.interfaces.commands.conftest import Run
 
 @pytest.fixture
 def rest(desk: Path, periph_sim: Run) -> Path:
-    """2000 samples of the models at rest."""
+    """Write 2000 samples of the models at rest; return the path."""
     came = periph_sim("imu-table", "--samples", "2000", "--write", "rest.csv")
     assert (came.status, came.err) == (0, "")
     return Path("rest.csv")
 
 
-def test_the_table_shows_ours_beside_the_published_ones(periph_sim: Run):
+def test_the_table_shows_simulated_beside_published_values(periph_sim: Run):
     came = periph_sim("imu-table")
     assert came.status == 0
     assert " gyroscope y, deg/s      3.5997    3.5380   3.5375    3.5385      -1.2      -0.6\n" in came.out
@@ -44,26 +44,26 @@ def test_the_turn_is_text_only(desk: Path, periph_sim: Run, more: tuple[str, ...
 
 
 def test_the_table_as_json(periph_sim: Run):
-    told = json.loads(periph_sim("imu-table", "--samples", "500", "--json").out)
-    assert (told["samples"], told["seed"], len(told["rows"])) == (500, 1, 9)
-    assert told["rows"][0]["mean"]["emulator"] == -0.0301
-    assert [len(reading["emulator_mean_off_se"]["gyroscope"]) for reading in told["readings"]] == [3] * 5
+    found = json.loads(periph_sim("imu-table", "--samples", "500", "--json").out)
+    assert (found["samples"], found["seed"], len(found["rows"])) == (500, 1, 9)
+    assert found["rows"][0]["mean"]["emulator"] == -0.0301
+    assert [len(reading["emulator_mean_off_se"]["gyroscope"]) for reading in found["readings"]] == [3] * 5
 
 
-def test_samples_written_are_read_back_by_identify_and_its_set_by_the_models(rest: Path, periph_sim: Run):
+def test_identify_reads_written_samples_and_the_models_read_the_identified_set(rest: Path, periph_sim: Run):
     came = periph_sim("identify", "rest.csv", "--expect", "accelerometer_z=-1", "--write-parameters", "set.toml")
     assert (came.status, came.err) == (0, "")
     assert came.out.startswith("rest.csv: 2000 samples, one every 0.02 s\n")
-    told = load(Path("set.toml"))
-    assert told.gyroscope.bias == pytest.approx(ImuParameters().gyroscope.bias, abs=0.01)
-    assert told.accelerometer.noise_density == pytest.approx(ImuParameters().accelerometer.noise_density, rel=0.15)
+    imu = load(Path("set.toml"))
+    assert imu.gyroscope.bias == pytest.approx(ImuParameters().gyroscope.bias, abs=0.01)
+    assert imu.accelerometer.noise_density == pytest.approx(ImuParameters().accelerometer.noise_density, rel=0.15)
     again = periph_sim("imu-table", "--samples", "500", "--parameters", "set.toml")
     assert again.status == 0
 
 
 def test_identified_parameters_as_json(rest: Path, periph_sim: Run):
-    told = json.loads(periph_sim("identify", "rest.csv", "--json", "--slow-terms").out)
-    y = told["columns"][4]
+    found = json.loads(periph_sim("identify", "rest.csv", "--json", "--slow-terms").out)
+    y = found["columns"][4]
     assert (y["column"], y["unit"], y["samples"], y["period_s"]) == ("gyroscope_y", "deg/s", 2000, pytest.approx(0.02))
     assert y["lsb"] == pytest.approx(1 / 14.375)
     low, high = y["noise_density"]["interval_95 %"]
@@ -81,10 +81,10 @@ def test_slow_terms_are_shown_with_their_intervals(rest: Path, periph_sim: Run):
     ("samples", "density"),
     [
         (np.cumsum(np.random.default_rng(3).normal(size=5000)), "4.731e-04 to 3.068e-02"),
-        (np.arange(5000.0), "0.000e+00 to 1.877e-02"),  # a ramp: the fitted density of white noise is 0
+        (np.arange(5000.0), "0.000e+00 to 1.877e-02"),  # a ramp, for which the fitted density of white noise is 0
     ],
 )
-def test_slow_terms_of_a_recording_whose_noise_is_nowhere_mostly_white(
+def test_slow_terms_of_a_recording_without_a_region_of_white_noise(
     desk: Path, periph_sim: Run, samples: np.ndarray, density: str
 ):
     rows = "".join(f"{value!r}\n" for value in samples.tolist())
@@ -92,10 +92,10 @@ def test_slow_terms_of_a_recording_whose_noise_is_nowhere_mostly_white(
     came = periph_sim("identify", "walk.csv", "--rate", "50 Hz", "--slow-terms", "--plot", "walk.svg")
     assert (came.status, came.err) == (0, "")
     (known,) = [line for line in came.out.splitlines() if density in line]
-    assert known.split()[-2:] == ["-", "-"], "neither rounding nor a fitted part"
+    assert known.split()[-2:] == ["-", "-"], "no rounding and no fitted part is shown"
     assert Path("walk.svg").read_bytes().startswith(b"<?xml")
-    told = json.loads(periph_sim("identify", "walk.csv", "--rate", "50 Hz", "--slow-terms", "--json").out)
-    assert told["columns"][0]["noise_density"]["fitted_taus_s"] == []
+    found = json.loads(periph_sim("identify", "walk.csv", "--rate", "50 Hz", "--slow-terms", "--json").out)
+    assert found["columns"][0]["noise_density"]["fitted_taus_s"] == []
 
 
 @pytest.mark.parametrize("more", [(), ("--slow-terms",)])
@@ -107,7 +107,7 @@ def test_samples_that_alternate_have_no_noise(desk: Path, periph_sim: Run, more:
 
 
 @pytest.mark.parametrize(("name", "begins"), [("allan.svg", b"<?xml"), ("allan.png", b"\x89PNG")])
-def test_the_plot_is_written_whole_and_the_same_each_time(rest: Path, periph_sim: Run, name: str, begins: bytes):
+def test_the_plot_is_complete_and_reproducible(rest: Path, periph_sim: Run, name: str, begins: bytes):
     lines = rest.read_text(encoding="utf-8").splitlines()
     Path("one.csv").write_text("\n".join(",".join(line.split(",")[:2]) for line in lines), encoding="utf-8")
     assert periph_sim("identify", "one.csv", "--plot", name).status == 0
@@ -118,7 +118,7 @@ def test_the_plot_is_written_whole_and_the_same_each_time(rest: Path, periph_sim
     assert sorted(path.name for path in Path().iterdir() if path.suffix == Path(name).suffix) == [name]
 
 
-def test_hard_iron_between_two_recordings(desk: Path, periph_sim: Run):
+def test_hard_iron_is_the_difference_of_two_recordings(desk: Path, periph_sim: Run):
     chance = np.random.default_rng(1)
     for name, mean in (("with.csv", 0.5), ("without.csv", 0.2)):
         rows = "".join(f"{value!r}\n" for value in (mean + 0.01 * chance.normal(size=1000)).tolist())
@@ -171,7 +171,7 @@ EVEN = [n * 0.02 for n in range(100)]
         (rows(EVEN), ("--undisturbed", "g.csv"), "g.csv: a sample every 0.04 s; expected every 0.02 s, as in f.csv"),
     ],
 )
-def test_what_cannot_be_identified_is_refused_and_writes_nothing(
+def test_unusable_recordings_and_arguments_are_refused_and_write_nothing(
     desk: Path, periph_sim: Run, text: str, arguments: tuple[str, ...], sentence: str
 ):
     Path("f.csv").write_text(text, encoding="utf-8")
@@ -183,7 +183,7 @@ def test_what_cannot_be_identified_is_refused_and_writes_nothing(
     assert sorted(desk.iterdir()) == before
 
 
-def test_without_scipy_the_way_out_is_said(rest: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch):
+def test_without_scipy_the_error_names_the_package(rest: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch):
     import sys
 
     for name in [name for name in sys.modules if name.startswith(("scipy", "periph_sim.imu.identification"))]:

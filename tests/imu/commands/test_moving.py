@@ -1,4 +1,4 @@
-"""`periph-sim moving` as a user meets it."""
+"""Output and errors of the command `periph-sim moving`."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ QUICK = (CASE, "--direct", "--seconds", "1")
 
 
 def test_one_json_object(desk: Path, periph_sim: Run):
-    told = json.loads(periph_sim("moving", *QUICK, "--json").out)
-    assert (told["rounds"], told["wires"], told["bytes"]) == (50, False, None)
+    found = json.loads(periph_sim("moving", *QUICK, "--json").out)
+    assert (found["rounds"], found["wires"], found["bytes"]) == (50, False, None)
 
 
-def test_bytes_that_differ_are_status_1(desk: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch):
+def test_different_bytes_give_status_1(desk: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch):
     right = direct.computed_emulator
 
     def wrong(*given: object) -> object:
@@ -37,7 +37,7 @@ def test_bytes_that_differ_are_status_1(desk: Path, periph_sim: Run, monkeypatch
     assert came.out.endswith("\n356 of 360 bytes read from the emulator equal those computed without wires\n")
 
 
-def test_pictures_appear_both_in_a_folder_that_is_made_and_are_the_same_each_time(desk: Path, periph_sim: Run):
+def test_both_pictures_are_written_to_a_new_folder_and_reproducible(desk: Path, periph_sim: Run):
     names = ["attitudes.svg", "rates.svg"]
     for folder in ("one", "two"):
         assert periph_sim("moving", *QUICK, "--plots", folder).status == 0
@@ -49,7 +49,7 @@ def test_pictures_appear_both_in_a_folder_that_is_made_and_are_the_same_each_tim
         assert "time, s" in text and ("emulator, degrees" if name == names[0] else "as built, deg/s") in text
 
 
-def test_pictures_appear_both_or_not_at_all(desk: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch):
+def test_both_pictures_are_written_or_none(desk: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch):
     Path("there").mkdir()
     Path("there/attitudes.svg").write_text("before")
 
@@ -80,7 +80,7 @@ def test_pictures_appear_both_or_not_at_all(desk: Path, periph_sim: Run, monkeyp
         ((*QUICK, "--set", "unit.dsp.settings.arithmetic=q12 saturating x"), "there is no arithmetic"),
     ],
 )
-def test_what_cannot_be_is_one_sentence_and_status_2(
+def test_impossible_arguments_give_one_sentence_and_status_2(
     desk: Path, periph_sim: Run, arguments: tuple[str, ...], sentence: str
 ):
     came = periph_sim("moving", *arguments, *(("--seconds", "6") if "host.motion.roll=200 deg" in arguments else ()))
@@ -88,7 +88,7 @@ def test_what_cannot_be_is_one_sentence_and_status_2(
     assert sentence in came.err and came.err.count("\n") == 1 and "Traceback" not in came.err
 
 
-def test_no_rounds_at_all(desk: Path, periph_sim: Run):
+def test_a_run_without_rounds_is_refused(desk: Path, periph_sim: Run):
     came = periph_sim("moving", CASE, "--direct", "--seconds", "0")
     assert came.status == 2 and "no round is due before the end" in came.err
     came = periph_sim("moving", CASE, "--seconds", "7 ms")
@@ -98,7 +98,7 @@ def test_no_rounds_at_all(desk: Path, periph_sim: Run):
     )
 
 
-def test_without_matplotlib_the_way_out_is_told(desk: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch):
+def test_without_matplotlib_the_error_names_the_package(desk: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     came = periph_sim("moving", *QUICK, "--plots", "new")
     assert (came.status, came.err) == (2, "Error: --plots needs matplotlib: pip install 'periph-sim[sensors]'\n")

@@ -1,4 +1,4 @@
-"""Time, clocks, lines, sums of noise and inputs at their extremes: each row is what was tried, not what is believed."""
+"""Extremes of time, clocks, lines, noise and inputs: each row of the report is measured."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def rows() -> dict[str, ExtremeFinding]:
     return {one.extreme: one for row in OUTSIDE.values() for one in row()}
 
 
-def test_what_happens_at_each() -> None:
+def test_effect_of_each_extreme() -> None:
     assert {name: one.happens for name, one in rows().items()} == {
         "length of a run, 150 MHz": "refused",
         "length of a run, 28.636363 MHz x 5": "refused",
@@ -60,7 +60,7 @@ def test_what_happens_at_each() -> None:
     assert all(one.arithmetic == EVERY for one in rows().values())
 
 
-def test_the_longest_run_ends_where_ticks_end_and_a_sender_s_rate_at_its_limit() -> None:
+def test_limits_of_the_length_of_a_run_and_of_the_rate_of_a_sender() -> None:
     found = rows()
     assert found["length of a run, 150 MHz"].begins == pytest.approx((LAST_TICK + 1) / 3e9, rel=1e-9)
     assert found["length of a run, 28.636363 MHz x 5"].begins == pytest.approx(161.0434, rel=1e-6)
@@ -70,7 +70,7 @@ def test_the_longest_run_ends_where_ticks_end_and_a_sender_s_rate_at_its_limit()
     assert note.startswith("90 bytes as in the frames, 5 rounds")
 
 
-def test_a_clock_that_drifts_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_drifting_clock_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     def whole_ticks(base: Timebase, hz: Fraction) -> Clock:
         return Clock(base, Fraction(base.per_second, int(base.per_second / hz)))
 
@@ -78,7 +78,7 @@ def test_a_clock_that_drifts_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> N
     assert {one.happens for one in outside_models.clocks()} == {"off"}
 
 
-def test_lines_that_depend_on_the_hour_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_lines_that_depend_on_the_start_time_are_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     same = outside_models.i2c_edges
 
     def late(start: int) -> outside_models.Edges:
@@ -95,13 +95,13 @@ def test_the_transfer_at_the_last_tick_is_a_transfer() -> None:
     assert len(outside_models.uart_edges(0)) == 56
 
 
-def test_samples_far_away_are_as_random_as_near_ones() -> None:
+def test_late_samples_are_as_random_as_early_ones() -> None:
     far = Gaussian(1, "x").values(10**9, 4096)
     assert abs(far.mean()) < 4 / 64 and abs(far.var() - 1) < 0.1
     assert len(np.unique(far)) == 4096 and not np.isin(far, Gaussian(1, "x").values(0, 4096)).any()
 
 
-def test_the_text_has_a_table_of_its_own_for_them() -> None:
+def test_the_text_has_a_separate_table() -> None:
     shown = text(report(("float64",), samples=100, only=("clocks", "inputs")))
     assert "\ntime, clocks, lines and inputs, for any arithmetic\n" in shown
     assert "extremes: effect, and the first input with it" not in shown
@@ -110,17 +110,17 @@ def test_the_text_has_a_table_of_its_own_for_them() -> None:
 
 
 @pytest.mark.parametrize(("bit", "all_received"), [("7.705", True), ("7.69", False), ("8.44", True), ("8.45", False)])
-def test_within_the_limit_every_phase_is_received_and_beyond_it_not(bit: str, all_received: bool):
+def test_every_phase_is_received_within_the_limit_of_the_rate_only(bit: str, all_received: bool):
     assert all(received(Fraction(bit), phase) for phase in range(PHASES)) == all_received
 
 
-def test_a_receiver_that_votes_one_sample_earlier_would_be_seen(monkeypatch: pytest.MonkeyPatch):
-    """As the erratum draws it: samples 3 to 5 of the stop bit."""
+def test_a_receiver_that_votes_one_sample_earlier_is_detected(monkeypatch: pytest.MonkeyPatch):
+    """The erratum shows samples 3 to 5 of the stop bit."""
     monkeypatch.setattr(outside_models, "Sci", partial(Sci, options=SciOptions(stop_vote_samples="3_4_5")))
     assert "off" in [one.happens for one in baud_rates()]
 
 
-def test_a_sender_whose_rate_is_off_would_be_seen(monkeypatch: pytest.MonkeyPatch):
+def test_a_sender_with_a_wrong_rate_is_detected(monkeypatch: pytest.MonkeyPatch):
     sent = outside_models.UartSender
     monkeypatch.setattr(
         outside_models,
@@ -130,14 +130,14 @@ def test_a_sender_whose_rate_is_off_would_be_seen(monkeypatch: pytest.MonkeyPatc
     assert [one.happens for one in baud_rates()] == ["off", "off"]
 
 
-def test_the_exact_variance_of_a_ramp_is_half_the_square_of_what_it_climbs():
-    """Averages over m samples of a ramp of 3 are 3 m apart; alternating samples change by 2 from one to the next."""
+def test_the_exact_variance_of_a_ramp_is_half_the_square_of_its_rise():
+    """Averages of m samples of a ramp of 3 differ by 3 m; alternating samples change by 2."""
     assert exact_variance([3 * n for n in range(20)], 4) == Fraction((3 * 4) ** 2, 2)
     assert exact_variance([0, 2] * 8, 1) == 2 and exact_variance([0, 2] * 8, 2) == 0
 
 
 class WithoutMean(np.ndarray):
-    """Samples from which no mean is taken."""
+    """Samples from which `mean` subtracts nothing."""
 
     def mean(self, *_: object) -> float:  # type: ignore[override]
         return 0.0
@@ -151,7 +151,7 @@ class WithoutMean(np.ndarray):
     ],
     ids=["an offset in the running sum", "samples of 24 bits"],
 )
-def test_lost_digits_would_be_seen(monkeypatch: pytest.MonkeyPatch, spoiled: Any, happens: list[str]):
+def test_lost_digits_are_detected(monkeypatch: pytest.MonkeyPatch, spoiled: Any, happens: list[str]):
     monkeypatch.setattr(outside_models, "allan", lambda samples, period: allan(spoiled(samples), period))
     assert [one.happens for one in allan_variances()] == happens
 
@@ -160,14 +160,14 @@ def happens_to_crystals() -> list[str]:
     return [one.happens for one in imu_hil_clocks()]
 
 
-def test_rounds_of_another_clock_would_be_seen(monkeypatch: pytest.MonkeyPatch):
+def test_rounds_of_another_clock_are_detected(monkeypatch: pytest.MonkeyPatch):
     plain = CaseTicks.exact_ticks
     monkeypatch.setattr(CaseTicks, "exact_ticks", lambda self, length, ppm: plain(self, length, ppm + 1))
     assert happens_to_crystals() == ["off", "off"]
 
 
-def test_bytes_of_another_rate_would_be_seen(monkeypatch: pytest.MonkeyPatch):
-    """A host that keeps its own rate is not understood by an SCI that is ten percent off."""
+def test_bytes_of_another_rate_are_detected(monkeypatch: pytest.MonkeyPatch):
+    """An SCI that is ten percent off cannot receive from a host with the original rate."""
     plain = outside_models.load
     monkeypatch.setattr(outside_models, "load", lambda path, changes: plain(path, changes[:2]))
     assert happens_to_crystals() == ["off", "off"]

@@ -1,4 +1,4 @@
-"""The picture of the trade, place by place: a decade of cycles is 385 wide, one of errors 70 high."""
+"""Coordinates in the picture of costs and errors: a decade of cycles is 385 wide, one of errors 70 high."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from periph_sim.imu.extremes import SWEEPS, ExtremesReport
 from periph_sim.imu.extremes.plot import FOUNDED, GUESSED, picture
 
-COSTS = {  # cycles from, to; guessed; error in LSB
+COSTS = {  # cycles from and to; guessed; error in LSB
     "right": (1000, 1000, False, None),
     "beside": (1010, 1010, False, 0.0),
     "coarse": (10_000, 100_000, True, 10.0),
@@ -20,7 +20,7 @@ COSTS = {  # cycles from, to; guessed; error in LSB
 
 
 def drawn(*names: str) -> list[tuple[str, dict[str, str], str]]:
-    """(what, attributes, text) of each part. names: those of COSTS that are drawn; all by default."""
+    """Return tag, attributes and text of each element of the picture; all of COSTS are drawn if no names are given."""
     given = {name: COSTS[name] for name in names or COSTS}
     costs = {name: SimpleNamespace(low=low, high=high, guessed=guess) for name, (low, high, guess, _) in given.items()}
     errors = {name: SimpleNamespace(largest=error) for name, (*_, error) in given.items() if error is not None}
@@ -55,26 +55,26 @@ def test_points_and_bars():
     ]
 
 
-def test_words_stand_beside_their_points_and_not_on_each_other():
-    told = words(drawn())
-    assert {name: told[name] for name in COSTS} == {
+def test_labels_are_beside_their_points_and_do_not_overlap():
+    found = words(drawn())
+    assert {name: found[name] for name in COSTS} == {
         "right": (96.0, 474.0, "start"),
-        "beside": (97.66, 488.0, "start"),  # a line lower
+        "beside": (97.66, 488.0, "start"),  # one line lower
         "coarse": (673.5, 54.0, "start"),
         "middle": (481.0, 194.0, "start"),
     }
 
 
-def test_axes_and_their_words():
-    told = words(drawn())
-    assert [told[text] for text in ("1000", "10000", "100000")] == [(x, 498.0, "middle") for x in (90, 475, 860)]
+def test_axes_and_their_labels():
+    found = words(drawn())
+    assert [found[text] for text in ("1000", "10000", "100000")] == [(x, 498.0, "middle") for x in (90, 475, 860)]
     errors = ("exact", "0.0001", "0.001", "0.01", "0.1", "1", "10")
-    labels = {text: place for text, place in told.items() if place[2] == "end" and place[0] == 82}
+    labels = {text: place for text, place in found.items() if place[2] == "end" and place[0] == 82}
     assert labels == {text: (82.0, 484.0 - 70 * n, "end") for n, text in enumerate(errors)}
-    assert told["SYSCLKOUT cycles (estimated; orange: by a guess)"] == (450.0, 530.0, "middle")
-    assert told["LSB, worst axis"] == (82.0, 46.0, "start")
-    assert told["Error against cycles of one sample of nine axes"] == (450.0, 28.0, "middle")
-    x, y, anchor = told["measured: 250 us"]
+    assert found["SYSCLKOUT cycles (estimated; orange: by a guess)"] == (450.0, 530.0, "middle")
+    assert found["LSB, worst axis"] == (82.0, 46.0, "start")
+    assert found["Error against cycles of one sample of nine axes"] == (450.0, 28.0, "middle")
+    x, y, anchor = found["measured: 250 us"]
     assert (x, y, anchor) == (pytest.approx(90 + 385 * 1.574031 - 6, abs=0.01), 74.0, "end")  # log10(37 500) - 3
 
 
@@ -100,6 +100,6 @@ def test_the_axis_of_errors_has_two_labels_if_nothing_has_an_error():
         ("Ts jitter", 0, 50),
     ],
 )
-def test_from_where_to_where_a_motion_goes(name: str, ordinary: float, extreme: float):
+def test_range_of_a_motion(name: str, ordinary: float, extreme: float):
     (sweep,) = [sweep for sweep in SWEEPS if sweep.name == name]
     assert (sweep.ordinary, sweep.extreme) == (ordinary, extreme)

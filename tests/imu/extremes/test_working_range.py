@@ -1,4 +1,4 @@
-"""How far each arithmetic may be off where the sensors are meant to work; found by search, asserted here."""
+"""Limits of the error of each arithmetic in the working range of the sensors; found by search, asserted here."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from periph_sim.imu.models.parameters import (
     MagnetometerParameters,
 )
 
-# LSB before rounding: gyroscope, accelerometer, magnetometer. What four searches of 20 000 samples found, and a tenth.
+# LSB before rounding: gyroscope, accelerometer, magnetometer. The largest of four searches of 20 000 samples plus 10 %.
 STATED = {
     "float32": (0.017, 0.00025, 0.0004),
     "q16": (0.73, 0.016, 2.9),
@@ -32,17 +32,17 @@ MOVING = ImuParameters(
 
 
 @pytest.mark.parametrize("name", STATED)
-def test_no_search_finds_more_than_is_stated(name: str) -> None:
+def test_a_search_finds_no_error_above_the_limit(name: str) -> None:
     found = worst(name, ImuParameters(), samples=1500, seed=11)
     for sensor, most in zip(SENSORS, STATED[name], strict=True):
         assert most / 3 < found.error[sensor] <= most, (
             sensor
-        )  # not far above what is found: a bound that says something
+        )  # so that the stated limit is not much larger than the errors found
 
 
 @pytest.mark.parametrize("name", STATED)
 @given(st.integers(0, 2**32 - 1))
-def test_no_sample_is_further_off(name: str, seed: int) -> None:
+def test_no_random_sample_exceeds_the_limit(name: str, seed: int) -> None:
     counts = drawn(64, seed)
     reference, own = (codes_of(one, ImuParameters(), counts) for one in ("float64", name))
     most = np.repeat(STATED[name], 3)[:, None]
@@ -52,7 +52,7 @@ def test_no_sample_is_further_off(name: str, seed: int) -> None:
 
 
 @pytest.mark.parametrize(("imu", "most"), [(IQMAG, 0.12), (ROTATION, 0.09)])
-def test_the_squares_of_the_field_are_what_q16_loses(imu: ImuParameters, most: float) -> None:
+def test_without_squares_of_the_field_q16_has_small_errors(imu: ImuParameters, most: float) -> None:
     assert worst("q16", imu, samples=800).error["magnetometer"] < most < STATED["q16"][2] / 20
 
 
@@ -62,7 +62,7 @@ def test_corrected_rates_and_a_lever_arm_of_10_cm_to_500_degrees_a_second() -> N
     assert worst("float32", MOVING, samples=800, rate=500.0).largest < 0.02
 
 
-def test_the_search_stays_in_the_working_range_finds_the_same_again_and_tells_where() -> None:
+def test_a_search_is_reproducible_and_returns_inputs_in_the_working_range() -> None:
     first, again = (worst("q16", ImuParameters(), samples=500, seed=3) for _ in range(2))
     assert first.error == again.error
     at = first.at["magnetometer"][:, None]
@@ -74,6 +74,6 @@ def test_the_search_stays_in_the_working_range_finds_the_same_again_and_tells_wh
         assert (np.abs(at[9:12]) <= 2000).all()
 
 
-def test_how_many_codes_an_error_can_make() -> None:
+def test_codes_allowed_for_an_error() -> None:
     found = Worst({"gyroscope": 0.7, "accelerometer": 0.01, "magnetometer": 2.6}, {})
     assert found.allowed().tolist() == [1, 1, 1, 1, 1, 1, 3, 3, 3] and found.largest == 2.6

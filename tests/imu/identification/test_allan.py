@@ -1,4 +1,4 @@
-"""Overlapping Allan variance against allantools, against its definition, and at its extremes."""
+"""Overlapping Allan variance agrees with allantools and with its definition, also at extremes."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ PERIOD = 0.02
 
 
 def noise(count: int, seed: int = 1) -> np.ndarray:
-    """White noise with a little random walk, so that no slope is special."""
+    """Return white noise with some random walk, so that no slope is special."""
     chance = np.random.default_rng(seed)
     return chance.normal(size=count) + 0.05 * np.cumsum(chance.normal(size=count))
 
 
 def by_definition(samples: np.ndarray, m: int) -> float:
-    """Equation 4.15 with overlapping clusters, word for word."""
+    """Return equation 4.15 with overlapping clusters, computed directly."""
     averages = [samples[k : k + m].mean() for k in range(len(samples) - m + 1)]
     changes = [averages[k + m] - averages[k] for k in range(len(averages) - m)]
     return float(np.mean(np.square(changes)) / 2)
@@ -34,7 +34,7 @@ def test_all_taus_agree_with_allantools(count: int, seed: int, period: float):
 
     samples = noise(count, seed)
     found = allan(samples, period, range(1, count // 2 + 1))
-    # allantools asks for one phase more than it needs, so it leaves out the longest tau
+    # allantools needs one phase more than necessary, so it omits the longest tau
     taus, deviation, _, _ = allantools.oadev(samples, rate=1 / period, data_type="freq", taus="all")
     assert len(taus) >= len(found.taus) - 1
     assert found.taus[: len(taus)] == pytest.approx(taus)
@@ -57,8 +57,8 @@ def test_octaves_go_up_to_half_the_samples():
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e3, -1e9])
-def test_a_constant_beside_the_noise_changes_nothing(offset: float):
-    samples = np.round(noise(4096) * 2**20) / 2**20  # so that adding the offset is exact, or nearly
+def test_a_constant_offset_has_no_effect(offset: float):
+    samples = np.round(noise(4096) * 2**20) / 2**20  # so that adding the offset is exact, or nearly so
     digits = 1e-9 if abs(offset) < 1e6 else 1e-3
     assert allan(samples + offset, PERIOD).variance == pytest.approx(allan(samples, PERIOD).variance, rel=digits)
 
@@ -67,7 +67,7 @@ def test_a_constant_has_no_allan_variance():
     assert not allan(np.full(1000, 3.7), PERIOD).variance.any()
 
 
-def test_a_series_of_two_million_needs_memory_for_its_running_sum_and_little_else():
+def test_a_series_of_two_million_samples_needs_little_more_memory_than_its_running_sum():
     samples = np.random.default_rng(1).normal(size=2_000_000)
     tracemalloc.start()
     allan(samples, PERIOD, [1, 4096, 1_000_000])

@@ -1,4 +1,4 @@
-"""Degrees of freedom against allantools, intervals against scipy.stats, covariance against its definition."""
+"""Degrees of freedom agree with allantools, intervals with scipy.stats, covariance with its definition."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from periph_sim.imu.identification.confidence import LEVELS, edf, interval, slop
 
 
 def curve(length: int, power: float) -> Allan:
-    """Allan variances that go as tau**power."""
+    """Return Allan variances that are proportional to tau**power."""
     counts = 2 ** np.arange(int(np.log2(length)) - 1)
     taus = counts * 0.02
     return Allan(counts, taus, taus**power, length)
@@ -21,27 +21,27 @@ def curve(length: int, power: float) -> Allan:
 
 @pytest.mark.parametrize(("power", "alpha"), [(-1, 0), (0, -1), (1, -2)])  # white, flicker, random walk
 @pytest.mark.parametrize("length", [100, 10_000])
-def test_degrees_of_freedom_are_those_of_nist_sp_1065(power: float, alpha: int, length: int):
+def test_degrees_of_freedom_agree_with_nist_sp_1065(power: float, alpha: int, length: int):
     import allantools  # here, because the import takes seconds
 
     found = curve(length, power)
-    first = 1 if alpha == -1 else 0  # at m = 1 theirs lacks the square of table 5 in flicker noise
+    first = 1 if alpha == -1 else 0  # at m = 1 allantools omits the square of table 5 in flicker noise
     theirs = [allantools.edf_simple(length + 1, int(m), alpha) for m in found.counts[first:]]
     assert edf(found)[first:] == pytest.approx(np.maximum(theirs, 1.0))
 
 
-def test_degrees_of_freedom_of_flicker_noise_at_one_sample_are_those_of_table_5():
+def test_degrees_of_freedom_of_flicker_noise_at_one_sample_agree_with_table_5():
     assert edf(curve(100, 0))[0] == pytest.approx(2 * 99**2 / (2.3 * 101 - 4.9))
 
 
-def test_the_nearest_slope_is_taken_and_a_constant_counts_as_white():
+def test_the_nearest_slope_is_used_and_a_constant_counts_as_white():
     assert slopes(curve(100, -2)).tolist() == slopes(curve(100, -1)).tolist() == [-1] * 5
     assert slopes(curve(100, 0.3)).tolist() == [0] * 5
     assert slopes(allan(np.ones(100), 1.0)).tolist() == [-1] * 6
 
 
 @given(st.floats(1, 1e5), st.sampled_from(list(LEVELS.values())))
-def test_intervals_are_those_of_chi_square(freedom: float, level: float):
+def test_intervals_agree_with_chi_square(freedom: float, level: float):
     low, high = interval(np.array([freedom]), level)
     tail = (1 - level) / 2
     assert low[0] == pytest.approx(freedom / scipy.stats.chi2.isf(tail, freedom), rel=1e-6)
@@ -50,7 +50,7 @@ def test_intervals_are_those_of_chi_square(freedom: float, level: float):
 
 
 def differences(m: int, length: int) -> np.ndarray:
-    """Weights of the samples in each difference of neighbouring averages."""
+    """Return the weights of the samples in each difference of adjacent averages."""
     rows = np.zeros((length - 2 * m + 1, length))
     for k, row in enumerate(rows):
         row[k : k + m], row[k + m : k + 2 * m] = -1 / m, 1 / m
@@ -59,7 +59,7 @@ def differences(m: int, length: int) -> np.ndarray:
 
 @settings(deadline=None, max_examples=60)
 @given(st.integers(4, 60), st.data())
-def test_the_covariance_of_white_noise_is_that_of_its_definition(length: int, data: st.DataObject):
+def test_the_covariance_of_white_noise_agrees_with_its_definition(length: int, data: st.DataObject):
     m, n = (data.draw(st.integers(1, length // 2)) for _ in range(2))
     of_m, of_n = differences(m, length), differences(n, length)
     exact = 2 * np.square(of_m @ of_n.T).sum() / (4 * len(of_m) * len(of_n)) * m * n

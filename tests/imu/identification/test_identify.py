@@ -1,4 +1,4 @@
-"""Identified parameters against those that were put in, over many seeds; and recordings that tell nothing."""
+"""Identified parameters agree with those injected, over many seeds; useless recordings are refused."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ def recording(
 
 
 def likely(hits: int, of: int, part: float) -> bool:
-    """Whether so many hits are what chance gives: within all but one in a thousand."""
+    """True if the number of hits is expected by chance, with an error of one in a thousand."""
     low, high = scipy.stats.binom.interval(0.999, of, part)
     return bool(low <= hits <= high)
 
 
 @pytest.mark.parametrize("lsb", [None, LSB])
-def test_intervals_hold_the_injected_values_as_often_as_they_say(lsb: float | None):
+def test_intervals_contain_the_injected_values_with_their_probability(lsb: float | None):
     found = [identify("y", recording(seed, lsb=lsb), PERIOD) for seed in range(SEEDS)]
     for part in LEVELS.values():
         z = scipy.stats.norm.isf((1 - part) / 2)
@@ -46,7 +46,7 @@ def test_the_errors_are_as_small_as_ten_thousand_samples_allow():
     one = identify("y", recording(1), PERIOD)
     assert one.density.error / one.density.value == pytest.approx((2.1 / COUNT) ** 0.5, rel=0.05)
     assert one.bias.error == pytest.approx((DENSITY / PERIOD / COUNT) ** 0.5, rel=0.05)
-    assert one.density.region == slice(0, 11)  # 0.02 to 20.48 s, as far as the variances are of use
+    assert one.density.region == slice(0, 11)  # 0.02 to 20.48 s, the range of useful variances
     assert one.notes == () and one.slow is None
 
 
@@ -63,7 +63,7 @@ def test_the_region_of_white_noise_ends_where_a_random_walk_begins():
     terms = NoiseTerms(DENSITY, random_walk=3e-3)
     one = identify("y", recording(1, terms, 100_000), PERIOD)
     left = one.allan.taus[one.density.region.stop]
-    assert left * 3e-3**2 / 3 > 0.1 * DENSITY / left  # not before the walk is a tenth of the white part
+    assert left * 3e-3**2 / 3 > 0.1 * DENSITY / left  # it does not end before the walk is a tenth of the white part
     assert one.density.value == pytest.approx(DENSITY, rel=0.05)
     assert one.bias.drift > 0
     assert one.notes == (
@@ -72,8 +72,8 @@ def test_the_region_of_white_noise_ends_where_a_random_walk_begins():
     )
 
 
-def test_a_mean_that_drifts_is_not_said_to_be_better_known_than_it_is():
-    """1/f noise has no mean: the error has to say how far the means of one recording and the next lie apart."""
+def test_the_error_of_a_drifting_mean_is_not_underestimated():
+    """1/f noise has no mean: the error must describe how much the means of consecutive recordings differ."""
     terms = NoiseTerms(DENSITY, bias_instability=0.01)
     off, naive = [], []
     for seed in range(60):
@@ -85,7 +85,7 @@ def test_a_mean_that_drifts_is_not_said_to_be_better_known_than_it_is():
     assert np.std(off) < 1.5
 
 
-def test_slow_terms_come_back_and_their_errors_are_right_but_for_a_fifth():
+def test_slow_terms_are_recovered_with_realistic_errors():
     terms = NoiseTerms(5e-5, bias_instability=5e-3, random_walk=1e-3)
     found = [identify("y", recording(seed, terms, 18_000, period=0.2), 0.2, slow=True) for seed in range(40)]
     instability = np.array([one.slow.bias_instability.value for one in found])
@@ -98,7 +98,7 @@ def test_slow_terms_come_back_and_their_errors_are_right_but_for_a_fifth():
     assert all(one.slow.bias_instability.found and one.slow.random_walk.found for one in found)
 
 
-def test_slow_terms_that_are_not_there_are_not_told_from_0():
+def test_slow_terms_that_are_absent_are_not_significant():
     found = [identify("y", recording(seed), PERIOD, slow=True).slow for seed in range(40)]
     assert sum(one.bias_instability.found for one in found) <= 4
     assert sum(one.random_walk.found for one in found) <= 4
@@ -106,7 +106,7 @@ def test_slow_terms_that_are_not_there_are_not_told_from_0():
     assert low == 0 < high
 
 
-def test_without_a_slope_of_minus_a_half_it_is_refused_with_the_way_out():
+def test_a_recording_without_a_slope_of_minus_a_half_is_refused_with_advice():
     with pytest.raises(BadSeries) as caught:
         identify("y", np.cumsum(recording(1) - BIAS), PERIOD)
     assert str(caught.value).startswith("y: the Allan deviation has slope 0.")
@@ -117,7 +117,7 @@ def test_without_a_slope_of_minus_a_half_it_is_refused_with_the_way_out():
 
 
 @pytest.mark.parametrize("noise", [0.15, 0.25, 0.35, 0.5, 1.0])  # in LSB
-def test_the_error_of_a_mean_of_few_lsb_covers_what_rounding_does(noise: float):
+def test_the_error_of_a_mean_of_few_lsb_includes_rounding(noise: float):
     chance = np.random.default_rng(3)
     off, errors = [], []
     for _ in range(60):
@@ -129,7 +129,7 @@ def test_the_error_of_a_mean_of_few_lsb_covers_what_rounding_does(noise: float):
     assert 0.5 < rms / np.sqrt(np.mean(np.square(errors))) < 1.35
 
 
-def test_little_noise_beside_an_lsb_is_said_to_tell_little():
+def test_noise_much_smaller_than_an_lsb_gets_a_note():
     one = identify("y", np.rint(0.3 + 0.2 * np.random.default_rng(1).normal(size=3000)), PERIOD)
     assert one.series.lsb == 1
     assert len(one.notes) == 1 and one.notes[0].endswith("rounding hides it, and the density is unreliable")
@@ -141,12 +141,12 @@ def test_the_lsb_is_found_in_printed_values(decimals: int):
     assert identify("y", values, PERIOD).series.lsb == pytest.approx(LSB, rel=1e-3)
 
 
-def test_values_beside_any_grid_have_no_lsb():
+def test_values_without_a_common_step_have_no_lsb():
     values = np.random.default_rng(1).choice([0.0, 1.0, 2.5, 3.1], 3000)
     assert identify("y", values, PERIOD).series.lsb is None
 
 
-# What tells nothing ---------------------------------------------------------------
+# Recordings that are refused ----------------------------------------------------
 
 
 def refusal(samples: object, period: float = PERIOD) -> str:
@@ -155,7 +155,7 @@ def refusal(samples: object, period: float = PERIOD) -> str:
     return str(caught.value)
 
 
-def test_what_tells_nothing_is_refused_in_a_sentence():
+def test_useless_recordings_are_refused_in_one_sentence():
     assert refusal([1.0, 2.0]) == "gyroscope_y: 2 samples; expected 32 or more"
     assert refusal([]) == "gyroscope_y: 0 samples; expected 32 or more"
     assert refusal(np.full(10_000, 2.5)) == (
@@ -172,7 +172,7 @@ def test_what_tells_nothing_is_refused_in_a_sentence():
     assert refusal(recording(1), nan).startswith("gyroscope_y: the sampling period is nan s; ")
 
 
-def test_the_shortest_series_that_is_taken_gives_wide_intervals():
+def test_the_shortest_accepted_series_gives_wide_intervals():
     found = [identify("y", recording(seed, count=32), PERIOD) for seed in range(SEEDS)]
     bounds = [one.density.bounds(0.95) for one in found]
     assert min(high / low for low, high in bounds) > 2

@@ -1,8 +1,8 @@
 """Equations 4.1 to 4.8 and appendix B of the dissertation in fractions: each sensor in LSB before the converter.
 
-Written from the dissertation's pages; nothing of the models is imported. An angle is a point of the unit circle with
-rational coordinates, its cosine and sine, since the equations contain angles in no other way. Rates are differences of
-two attitudes in rad over the period.
+This module is written from the dissertation and imports nothing of the models. An angle is a point of the unit circle
+with rational coordinates, its cosine and sine, because the equations contain angles in no other way. Rates are
+differences of two attitudes in rad, divided by the period.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ PERIOD = F("0.02")  # s
 
 
 class Turn(NamedTuple):
-    """An angle by its cosine and sine."""
+    """An angle, given by its cosine and sine."""
 
     c: F
     s: F
@@ -32,7 +32,7 @@ def vector(x: F | float, y: F | float, z: F | float) -> Vector:
 
 
 def turn(half_tangent: F) -> Turn:
-    """The angle of which half has this tangent."""
+    """Return the angle whose half has this tangent."""
     squared = half_tangent**2
     return Turn((1 - squared) / (1 + squared), 2 * half_tangent / (1 + squared))
 
@@ -76,7 +76,7 @@ def cross(u: Vector, v: Vector) -> Vector:
 
 
 def root(square: F) -> F:
-    """The exact root of a fraction that has one."""
+    """Return the exact square root of a fraction that has one."""
     found = F(isqrt(square.numerator), isqrt(square.denominator))
     assert found**2 == square
     return found
@@ -88,7 +88,7 @@ def s_matrix(scale: F, cross_axis: F) -> Matrix:
 
 
 def derivative(now: Vector, before: Vector, *, wrap: str) -> Vector:
-    """Section 4.3.2: y(k) = (u(k) - u(k-1)) / Ts; unwrapped, roll and yaw take the short way round."""
+    """Return y(k) = (u(k) - u(k-1)) / Ts of section 4.3.2; unwrapped, roll and yaw take the shorter direction."""
     steps = list(minus(now, before))
     for axis in (0, 2) if wrap == "unwrapped" else ():
         while abs(steps[axis]) > PI:
@@ -97,7 +97,7 @@ def derivative(now: Vector, before: Vector, *, wrap: str) -> Vector:
 
 
 def body_rates(rates: Vector, phi: Turn, theta: Turn) -> Vector:
-    """The sum of appendix B, from phi', theta', psi'."""
+    """Return the sum of appendix B from phi', theta', psi'."""
     roll, pitch, yaw = rates
     return total(
         (roll, ZERO, ZERO),
@@ -119,7 +119,12 @@ def accelerometer(
     scale: F,
     cross_axis: F,
 ) -> Vector:
-    """a_cg in g, omega in rad/s, change in rad/s^2; the lever arm's terms are in m/s^2 and become g."""
+    """Return the accelerometer in LSB.
+
+    a_cg: in g.
+    omega: in rad/s.
+    change: in rad/s^2. The terms of the lever arm are in m/s^2 and are converted to g.
+    """
     a_pig = (-theta.s, theta.c * phi.s, theta.c * phi.c)  # 4.2
     a_sys = minus(a_cg, a_pig)  # 4.1
     lever = total(cross(omega, cross(omega, lever_arm)), cross(change, lever_arm))
@@ -130,7 +135,11 @@ def accelerometer(
 def gyroscope(
     body: Vector, g_lin: Vector, noise: Vector, *, mounting: Vector, bias: Vector, g_sens: F, scale: F, cross_axis: F
 ) -> Vector:
-    """body: p, q, r in rad/s; mounting: the body's axis, 1 to 3 and signed, along which each axis of the chip is."""
+    """Return the gyroscope in LSB.
+
+    body: p, q, r in rad/s.
+    mounting: for each axis of the chip the parallel axis of the body, 1 to 3, with a sign.
+    """
     x, y, z = (body[abs(int(axis)) - 1] * (-1 if axis < 0 else 1) for axis in mounting)
     omega = times(180 / PI, (x, y, z))
     return product(s_matrix(scale, cross_axis), total(omega, bias, noise, times(g_sens, g_lin)))  # 4.5
@@ -154,7 +163,10 @@ def magnetometer(
     scale: F,
     cross_axis: F,
 ) -> Vector:
-    """spherical "plain": the azimuth is atan(Hy / Hx), as printed, whose cosine is never negative."""
+    """Return the magnetometer in LSB.
+
+    spherical: with "plain" the azimuth is atan(Hy / Hx), as published, whose cosine is never negative.
+    """
     turned = product(rx(phi), product(ry(theta), product(rz(psi), earth_field)))
     x, y, z = total(turned, hard_iron)  # 4.6
     level, rho = root(x * x + y * y), root(x * x + y * y + z * z)
@@ -167,7 +179,7 @@ def magnetometer(
 
 
 def earth_field_of(seen: Vector, hard_iron: Vector, phi: Turn, theta: Turn, psi: Turn) -> Vector:
-    """The field of the earth that equation 4.6 turns into `seen`: its three rotations are taken back one by one."""
+    """Return the earth's field that equation 4.6 transforms to `seen`; its three rotations are inverted one by one."""
     left = minus(seen, hard_iron)
     for back in (rx(Turn(phi.c, -phi.s)), ry(Turn(theta.c, -theta.s)), rz(Turn(psi.c, -psi.s))):
         left = product(back, left)
@@ -175,6 +187,6 @@ def earth_field_of(seen: Vector, hard_iron: Vector, phi: Turn, theta: Turn, psi:
 
 
 def code(lsb: F, bits: int, rounding: str) -> int:
-    """What a converter of so many bits makes of LSB."""
+    """Return the code of a converter with this number of bits."""
     held = max(F(-(2 ** (bits - 1))), min(F(2 ** (bits - 1) - 1), lsb))
     return {"nearest": floor(held + F(1, 2)), "floor": floor(held), "toward zero": trunc(held)}[rounding]

@@ -1,4 +1,4 @@
-"""The models in float64 over a recording, one sample after the other."""
+"""Run the models in float64 over a recording."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Rows = Iterable[tuple[float, ...]]
 
 
 def codes_of(imu: ImuParameters, attitudes: Rows, accelerations: Rows) -> Iterator[Codes[float]]:
-    """The codes of each sample of roll, pitch, yaw and x, y, z; the first one has no attitude before it."""
+    """Yield the codes of each sample of roll, pitch, yaw and x, y, z; the first has no attitude before it."""
     model, state = Imu(Float64(), imu), None
     for attitude, acceleration in zip(attitudes, accelerations, strict=True):
         before = model.at_rest._replace(attitude=attitude) if state is None else state

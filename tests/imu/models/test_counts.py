@@ -1,4 +1,4 @@
-"""The operations that the equations need, their values beyond the range of a format, and a step of the input."""
+"""Numbers of operations in the equations, and constants that do not fit a format."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ RICH = ImuParameters(
         *(ImuParameters(magnetometer=MagnetometerParameters(spherical=way)) for way in ("plain", "rotation")),
     ],
 )
-def test_counts_of_the_parts_are_those_of_a_whole_sample(imu: ImuParameters) -> None:
+def test_counts_of_the_parts_add_up_to_those_of_a_whole_sample(imu: ImuParameters) -> None:
     a = Counting(Float64())
     model = Imu(a, imu)
     model.step((0.1, 0.2, 0.3), (0.0, 0.0, 0.0), model.silence, model.at_rest)
@@ -42,8 +42,8 @@ def test_counts_of_the_parts_are_those_of_a_whole_sample(imu: ImuParameters) -> 
     assert sum((parts[part] for part in parts), start=type(whole)()) == whole
 
 
-def test_what_one_sample_costs_in_operations() -> None:
-    """A guard on the equations: a change of these numbers is a change of the model, or of its price."""
+def test_operations_of_one_sample() -> None:
+    """A change of these numbers is a change of the model or of its costs."""
     counts = counts_of(ImuParameters())
     assert {part: sum(kinds.values()) for part, kinds in counts.items()} == {
         "frame": 6,
@@ -70,7 +70,7 @@ def test_what_one_sample_costs_in_operations() -> None:
         (ImuParameters(accelerometer=AccelerometerParameters(scale=1e5)), 16, "accelerometer: 100000 does not fit Q16"),
     ],
 )
-def test_a_constant_that_a_format_cannot_hold_is_told_with_its_part(
+def test_a_constant_that_does_not_fit_a_format_is_refused_with_its_part(
     imu: ImuParameters, bits: int, sentence: str
 ) -> None:
     with pytest.raises(DoesNotFit) as caught:

@@ -1,6 +1,6 @@
-"""The models compute equations 4.1 to 4.8, as exact arithmetic does, and the figures at rest.
+"""The models compute equations 4.1 to 4.8 as exact arithmetic does, and have the expected values at rest.
 
-A NaN or an infinity in the input is refused, by axis, in every arithmetic.
+A NaN or an infinity in the input is refused with its axis in every arithmetic.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ WRONG = (nan, inf, -inf)
 @pytest.mark.parametrize("name", FLOATS)
 @pytest.mark.parametrize("value", WRONG)
 @pytest.mark.parametrize("axis", range(15))
-def test_a_sample_names_the_first_axis_that_is_wrong(name: str, value: float, axis: int) -> None:
+def test_a_refused_sample_is_reported_with_its_first_wrong_axis(name: str, value: float, axis: int) -> None:
     a = named.scalar(name)
     model = Imu(a, ImuParameters())
     values = [a.constant(0.0)] * 15
@@ -60,7 +60,7 @@ MOUNTINGS = ((1, 2, 3), (2, -1, 3), (-3, 1, 2), (3, -2, -1))
 
 
 def floats(value: Any) -> Any:
-    """Fractions, alone or in tuples and tables, as the nearest floats."""
+    """Convert fractions, alone or in tuples and dicts, to the nearest floats."""
     if isinstance(value, dict):
         return {name: floats(one) for name, one in value.items()}
     if isinstance(value, tuple):
@@ -73,9 +73,10 @@ def angle(of: Turn) -> float:
 
 
 class Sample:
-    """One sample and its parameters, drawn as fractions: no two terms of an equation are equal, and none is 0.
+    """One sample and its parameters, drawn as fractions; no term of an equation is 0, and no two are equal.
 
-    wide: beyond the ranges of the converters, too. choices: of the models, instead of the first of each.
+    wide: exceed the ranges of the converters too.
+    choices: choices of the models other than FIRST.
     """
 
     def __init__(self, seed: int, *, wide: bool = True, **choices: str) -> None:
@@ -110,7 +111,7 @@ class Sample:
 
     @property
     def imu(self) -> ImuParameters:
-        """The parameters and choices as the models take them."""
+        """Return the parameters and choices for the models."""
         converter = {"rounding": self.choices["rounding"]}
         field = {name: self.choices[name] for name in ("spherical", "norm", "rounding")}
         azimuth, elevation = (degrees(angle(one)) for one in self.board.values())
@@ -125,7 +126,7 @@ class Sample:
         )
 
     def by_models(self, a: Any, exact_lsb: bool = False) -> tuple[list[Any], tuple[Vector, Vector]]:
-        """Nine codes or exact LSB in this arithmetic, and the attitudes, now and before, that it was given."""
+        """Return nine codes or exact LSB in this arithmetic, and the attitudes, now and before, given to the models."""
         now = tuple(a.constant(angle(one)) for one in self.turns)
         before = tuple(a.constant(angle(one) - float(step)) for one, step in zip(self.turns, self.steps, strict=True))
         given = [
@@ -142,7 +143,7 @@ class Sample:
         return [axis for chip in codes for axis in chip], (held[0], held[1])
 
     def by_equations(self, attitudes: tuple[Vector, Vector]) -> list[F]:
-        """The same nine in LSB before the converter, without the models."""
+        """Return the same nine values in LSB before the converter, computed without the models."""
         phi, theta, _ = self.turns
         rates = exact.derivative(*attitudes, wrap=self.choices["wrap"])
         body = exact.body_rates(rates, phi, theta) if self.choices["rates"] == "corrected" else rates
@@ -167,7 +168,7 @@ ALL_CHOICES = [
 
 
 @pytest.mark.parametrize("choices", ALL_CHOICES, ids=lambda choices: ", ".join(choices.values()))
-def test_float64_is_exact_to_a_billionth_of_an_lsb(choices: dict[str, str]) -> None:
+def test_float64_agrees_with_exact_arithmetic_to_a_billionth_of_an_lsb(choices: dict[str, str]) -> None:
     full_scale = 0
     for seed in range(25):
         sample = Sample(seed, **choices)
@@ -178,7 +179,7 @@ def test_float64_is_exact_to_a_billionth_of_an_lsb(choices: dict[str, str]) -> N
         codes = [exact.code(*one, sample.choices["rounding"]) for one in zip(wanted, bits, strict=True)]
         assert sample.by_models(Float64())[0] == codes, seed
         full_scale += sum(abs(one) >= 2 ** (of - 1) for one, of in zip(wanted, bits, strict=True))
-    assert full_scale > 10  # at the end of a converter's range, too
+    assert full_scale > 10  # so that the limits of the converters are tested too
 
 
 AS_BUILT = {"rates": "as built"}
@@ -191,8 +192,8 @@ BOUNDS = [
 
 
 @pytest.mark.parametrize(("name", "choices", "bounds"), BOUNDS)
-def test_other_numbers_are_off_by_no_more_than_is_stated(name: str, choices: dict, bounds: tuple) -> None:
-    """The bounds of test_working_range: as the dissertation has it, and with corrected rates and a lever arm."""
+def test_errors_of_other_arithmetics_are_within_the_stated_bounds(name: str, choices: dict, bounds: tuple) -> None:
+    """The bounds are those of test_working_range, as in the dissertation, and with corrected rates and a lever arm."""
     for seed in range(25):
         sample = Sample(seed, wide=False, **choices)
         if choices is AS_BUILT:
@@ -205,15 +206,15 @@ def test_other_numbers_are_off_by_no_more_than_is_stated(name: str, choices: dic
 
 
 @pytest.mark.parametrize("spherical", ["four-quadrant", "rotation"])
-def test_a_field_along_z_stays_there(spherical: str) -> None:
+def test_a_field_along_z_keeps_its_direction(spherical: str) -> None:
     """Its azimuth is atan2(0, 0), which is 0."""
     sensor = MagnetometerParameters(spherical=spherical)
     for z in (-0.3, 0.0):
         assert Magnetometer(Float64(), sensor).on_board((0.0, 0.0, z)) == pytest.approx((0, 0, z))
 
 
-def test_at_rest_and_level() -> None:
-    """Biases of Table 4.1 through S: what Table 5.1's emulated means are, within half a code."""
+def test_codes_at_rest_and_level() -> None:
+    """Biases of Table 4.1 transformed by S are the emulated means of Table 5.1, within half a code."""
     model = Imu(Float64(), ImuParameters())
     codes, left = model.step(ZERO, ZERO, model.silence, model.at_rest)
     assert codes.gyroscope == (round(14.375 * (-3.10 + 0.02 * 3.64)), round(14.375 * (3.60 - 0.02 * 3.06)), 1)
@@ -224,8 +225,8 @@ def test_at_rest_and_level() -> None:
     assert left == State(ZERO, ZERO)
 
 
-def test_corrected_rates_are_those_of_the_turned_body_and_as_built_are_not() -> None:
-    """The rotation from sample to sample gives the true rate; a backward difference of 20 ms is slightly off."""
+def test_corrected_rates_agree_with_the_rotation_and_rates_as_built_do_not() -> None:
+    """The rotation between samples gives the true rate; a backward difference over 20 ms is slightly off."""
     t = np.arange(2000) * 0.02
     phi, theta, psi = 1.2 * np.sin(1.1 * t + 0.3), 0.9 * np.sin(0.7 * t + 1), 2.5 * np.sin(0.31 * t)
     to_earth = Rotation.from_euler("ZYX", np.column_stack([psi, theta, phi]))  # yaw, pitch, roll; z down

@@ -1,4 +1,4 @@
-"""Parameters say what they are, and refuse what no sensor has."""
+"""Parameters have units, sources and ranges, and impossible values are refused."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from periph_sim.imu.numeric.q import DoesNotFit, Q
 SETS = [AccelerometerParameters, GyroscopeParameters, MagnetometerParameters, ImuParameters]
 
 
-# Table 4.1, typed in a second time from the dissertation's page: scale, cross-axis, converter, full scale, density.
+# Table 4.1, typed again from the dissertation: scale, cross-axis sensitivity, converter, full scale, noise density.
 TABLE_4_1 = [
     (256, 0.01, (-512, 511), 2, (0.16e-4, 0.16e-4, 0.15e-4)),
     (14.375, 0.02, (-32768, 32767), 2000, (0.05e-3, 0.12e-3, 0.04e-3)),
@@ -50,7 +50,7 @@ def test_every_parameter_has_a_source_and_every_number_a_range() -> None:
 
 @pytest.mark.parametrize("kind", SETS, ids=lambda kind: kind.__name__)
 @given(data=st.data())
-def test_no_number_gets_by_that_is_none_or_out_of_range(kind, data) -> None:
+def test_values_that_are_no_numbers_or_out_of_range_are_refused(kind, data) -> None:
     numbers = [one for one in parameters_of(kind) if isinstance(one.says, Quantity)]
     one = data.draw(st.sampled_from(numbers))
     bad = data.draw(st.sampled_from([nan, inf, -inf, one.says.high * 2 + 1, one.says.low - 1, "1", None, True]))
@@ -86,14 +86,14 @@ def test_no_number_gets_by_that_is_none_or_out_of_range(kind, data) -> None:
         (lambda: ImuParameters(gyroscope=AccelerometerParameters()), "imu.gyroscope: expected a set of parameters"),
     ],
 )
-def test_what_is_wrong_is_said_with_name_value_and_range(make, message: str) -> None:
+def test_a_wrong_parameter_is_reported_with_name_value_and_range(make, message: str) -> None:
     with pytest.raises(BadParameter) as refused:
         make()
     assert str(refused.value).startswith(message)
 
 
 @pytest.mark.parametrize(("period", "shown"), [(10.0, "10.000000 s"), (0.01, "10.000 ms"), (0.0200201, "20.020 ms")])
-def test_another_period_is_told_with_both_values(period: float, shown: str) -> None:
+def test_another_period_is_reported_with_both_values(period: float, shown: str) -> None:
     with pytest.raises(BadParameter) as refused:
         ImuParameters(period=period).check_period(Fraction(1, 50), "once a round")
     assert str(refused.value) == (
@@ -103,7 +103,7 @@ def test_another_period_is_told_with_both_values(period: float, shown: str) -> N
 
 
 def test_a_period_whose_inverse_shrinks_in_q16_is_refused() -> None:
-    """1/3600 is 18.2 / 2**16: Q16 takes 18, and every rate would be 1.1 % low."""
+    """1/3600 is 18.2 / 2**16: Q16 has 18, so every rate would be 1.1 % low."""
     for a, period in ((Q(16), 0.02), (Q(16), 100.0), (Q(16), 640.0), (Float64(), 3600.0)):
         assert Imu(a, ImuParameters(period=period)).a is a
     with pytest.raises(DoesNotFit, match=r"^derivative: 1 / period: 0.000277778 is 1.12% off in q16; take more"):

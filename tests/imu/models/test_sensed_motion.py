@@ -1,4 +1,4 @@
-"""What ideal sensors show of a motion: against the dissertation's matrices, worked out without our code."""
+"""Readings of ideal sensors in motion agree with the dissertation's matrices, which are computed without the models."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ TIMES = np.linspace(0.0, 9.0, 50)
 
 
 def lsb(imu: ImuParameters, motion: Motion, name: str) -> np.ndarray:
-    """The readings of a chip at each of TIMES."""
-    felt = SensedMotion(imu, motion)
-    return np.array([felt.at(seconds)[name] for seconds in TIMES.tolist()])
+    """Return the readings of a chip at each of TIMES."""
+    sensed = SensedMotion(imu, motion)
+    return np.array([sensed.at(seconds)[name] for seconds in TIMES.tolist()])
 
 
 def test_rates_gravity_and_field_at_any_instant():
@@ -48,14 +48,14 @@ def test_rates_gravity_and_field_at_any_instant():
     assert lsb(IDEAL, MOTION, "magnetometer") / 660 == pytest.approx(field, abs=1e-9)
 
 
-def test_rates_are_body_rates_however_the_emulator_computes_them():
+def test_rates_are_body_rates_for_any_choice_of_the_emulator():
     for rates in ("as built", "corrected"):
         imu = replace(IDEAL, gyroscope=replace(IDEAL.gyroscope, rates=rates))
         assert np.array_equal(lsb(imu, MOTION, "gyroscope"), lsb(IDEAL, MOTION, "gyroscope"))
 
 
-def test_a_lever_arm_feels_the_turning():
-    """A roll at rate w and an arm d along y: w x (w x d) is -w^2 d along y, w' x d is w' d along z."""
+def test_a_lever_arm_adds_accelerations_of_the_rotation():
+    """For a roll with rate w and an arm d along y, w x (w x d) is -w^2 d along y, and w' x d is w' d along z."""
     imu = replace(IDEAL, accelerometer=replace(IDEAL.accelerometer, lever_arm=(0.0, 2.0, 0.0)))
     roll = sines.motion(sines.Settings(angles=(sines.AngleWave("phi", 0.5, 0.4),)))
     with_arm, without = (lsb(one, roll, "accelerometer") / 256 for one in (imu, IDEAL))
@@ -63,10 +63,10 @@ def test_a_lever_arm_feels_the_turning():
     rate, change = 0.5 * omega * np.cos(omega * TIMES), -0.5 * omega**2 * np.sin(omega * TIMES)
     by_hand = np.stack([0 * rate, -2 * rate**2, 2 * change], axis=1) / 9.81
     assert np.abs(by_hand).max() > 0.2
-    assert with_arm - without == pytest.approx(by_hand, abs=2e-3)  # the change is taken over 0.1 ms
+    assert with_arm - without == pytest.approx(by_hand, abs=2e-3)  # the derivative is a difference over 0.1 ms
 
 
-def test_it_saturates_as_the_converter_does_and_keeps_fractions():
+def test_readings_saturate_as_the_converter_and_keep_fractions():
     pushed = kinds()["static"].motion(Pose(ax=0.1, az=-9.0))
     x, _, z = SensedMotion(IDEAL, pushed).at(0.0)["accelerometer"]
     assert x == pytest.approx(25.6) and z == -512
@@ -80,7 +80,7 @@ def test_noise_is_added_before_the_converter():
     assert added == [pytest.approx(row, abs=1e-9) for row in ([14.375, 0, 0], [0, 64, 0], [0, 0, 66])]
 
 
-def test_of_servos_it_is_the_servos_that_count_not_what_is_read_of_them():
+def test_readings_follow_the_true_position_of_servos_and_not_the_position_read_back():
     coarse = servo.motion(servo.Settings(resolution=np.radians(5.0), read_every=1.0))
     exact = servo.motion(servo.Settings(resolution=0.0, read_every=0.0))
     for name in ("gyroscope", "accelerometer", "magnetometer"):

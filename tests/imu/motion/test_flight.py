@@ -1,4 +1,4 @@
-"""Recorded flights: what a file may hold, what comes out between its rows, and what is refused on which line."""
+"""Recorded flights: contents of a file, values between its rows, and refused files with the line."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def written(file: Path, text: str) -> Settings:
     return Settings(file)
 
 
-def test_values_go_straight_between_rows_and_yaw_the_short_way_through_180(file: Path):
+def test_values_are_interpolated_linearly_and_yaw_in_the_shorter_direction(file: Path):
     flight = motion(written(file, GOOD))
     times = np.array([0, 0.25, 0.75, 1, 2.5, 100])
     assert np.degrees(at_times.attitudes(flight, times)[:, 2]) == pytest.approx([170, 175, -175, -170, -170, -170])
@@ -41,7 +41,7 @@ def test_values_go_straight_between_rows_and_yaw_the_short_way_through_180(file:
     assert flight.ends == 2.5
 
 
-def test_columns_in_any_order_others_beside_them_and_yaw_from_0_to_360(file: Path):
+def test_columns_may_have_any_order_further_columns_are_ignored_and_yaw_may_be_0_to_360(file: Path):
     text = "az [g],height [m],time [ms],psi [deg],theta [rad],phi [mrad],ax [g],ay [g]\r\n"
     text += "1,99,0,350,0.5,100,0,0\r\n2,98,500,10,0.5,100,0,0\r\n"
     flight = motion(written(file, "\ufeff" + text))
@@ -53,7 +53,7 @@ def test_columns_in_any_order_others_beside_them_and_yaw_from_0_to_360(file: Pat
 
 @settings(deadline=None, max_examples=30)
 @given(st.lists(st.floats(-180, 180), min_size=1, max_size=12))
-def test_at_its_rows_a_flight_has_their_angles_but_for_whole_turns(tmp_path_factory, yaws: list[float]):
+def test_a_flight_has_the_angles_of_its_rows_up_to_whole_turns(tmp_path_factory, yaws: list[float]):
     path = tmp_path_factory.mktemp("flight") / "f.csv"
     rows = "".join(f"{n},0,0,{yaw!r},0,0,0\n" for n, yaw in enumerate(yaws))
     flight = motion(written(path, HEAD + rows))
@@ -90,14 +90,14 @@ def test_at_its_rows_a_flight_has_their_angles_but_for_whole_turns(tmp_path_fact
         (GOOD.replace("-170,1,", "-361,1,"), "flight.csv, line 3: psi is -361 deg; expected -360 to 360 deg"),
     ],
 )
-def test_a_file_that_holds_no_flight_is_refused_with_its_line(file: Path, text: str, sentence: str):
+def test_a_malformed_flight_is_refused_with_its_line(file: Path, text: str, sentence: str):
     with pytest.raises((BadMotion, BadCapture)) as caught:
         motion(written(file, text))
     assert str(caught.value).startswith(sentence)
     assert "\n" not in str(caught.value)
 
 
-def test_a_missing_file_and_one_that_is_no_text_are_refused(file: Path):
+def test_a_missing_file_and_one_that_is_not_text_are_refused(file: Path):
     with pytest.raises(BadCapture, match=r"^flight.csv, the file: found no such file or directory, expected a file"):
         motion(Settings(file))
     file.write_bytes(HEAD.encode() + b"\xff\xfe,1,2,3,4,5,6\n")

@@ -1,4 +1,4 @@
-"""Every kind of motion: defaults, range, rates that are the derivative, units in settings, and one test each."""
+"""Every kind of motion: defaults, ranges, rates that equal the derivative, units in settings, and a test of its own."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def make(name: str, **given: object):
     return kind.motion(filled(kind.Settings, given, name))
 
 
-def test_kinds_are_found_by_being_there_and_each_has_an_example_here():
+def test_all_kinds_are_found_and_each_has_an_example():
     assert sorted(kinds()) == sorted(EXAMPLES)
 
 
@@ -48,7 +48,7 @@ def test_static_stays():
     assert motion.ends == 0 and not at_times.rates(motion, np.array([0.0])).any()
 
 
-def test_steps_change_what_they_name_and_hold():
+def test_steps_change_the_named_values_and_keep_them():
     motion = make(
         "steps",
         start={"psi": "90 deg"},
@@ -61,13 +61,13 @@ def test_steps_change_what_they_name_and_hold():
     assert motion.ends == 2.5
 
 
-def test_steps_whose_times_do_not_rise_are_refused():
+def test_steps_with_times_that_do_not_increase_are_refused():
     step = steps.Step
     with pytest.raises(BadMotion, match=r"^steps.1: it is at 1 s; expected later than 1 s, the one before$"):
         steps.motion(steps.Settings((step(at=1.0), step(at=1.0))))
 
 
-def test_sines_add_up_and_their_rates_are_the_derivative():
+def test_sines_are_added_and_their_rates_equal_the_derivative():
     motion = make(
         "sines",
         mean={"theta": "5 deg"},
@@ -142,7 +142,7 @@ def test_motion_out_of_range_is_refused_with_name_value_time_and_range(motion: M
         ),
     ],
 )
-def test_settings_that_cannot_be_are_refused_in_a_sentence(name: str, given: dict[str, object], sentence: str):
+def test_impossible_settings_are_refused_in_one_sentence(name: str, given: dict[str, object], sentence: str):
     with pytest.raises(BadSetting) as caught:
         make(name, **given)
     assert str(caught.value) == sentence

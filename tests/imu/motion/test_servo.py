@@ -1,4 +1,4 @@
-"""The servo sequence of the moving experiment: where it is when, how coarsely it is read."""
+"""The servo sequence of the moving experiment: its positions, and the resolution with which they are read."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.imu.motion import at_times
 
 
 def corners(servo: Settings) -> list[tuple[float, str, float]]:
-    """(seconds, angle, degrees) at each end of a movement, as they should be."""
+    """Return the expected time, angle and degrees at each end of a movement."""
     at, found = 0.0, []
     for angle, swing in (("theta", servo.pitch), ("psi", servo.yaw), ("phi", servo.roll)):
         place = 0.0
@@ -27,8 +27,8 @@ def corners(servo: Settings) -> list[tuple[float, str, float]]:
     return found
 
 
-def test_the_path_turns_where_section_5_3_says():
-    """52.2 rpm is 313.2 degrees a second, 2.9 rpm is 17.4."""
+def test_the_path_has_the_turns_of_section_5_3():
+    """52.2 rpm is 313.2 degrees per second, and 2.9 rpm is 17.4."""
     way = path(Settings())
     found = corners(Settings())
     assert [round(at, 3) for at, _, _ in found[:3]] == [0.16, 7.907, 10.226]
@@ -42,13 +42,13 @@ def test_the_path_turns_where_section_5_3_says():
     assert way.ends == pytest.approx(found[-1][0] + 2)
 
 
-def test_rates_are_those_of_the_servo_in_truth():
+def test_rates_are_the_true_rates_of_the_servo():
     rates = at_times.rates(motion(Settings()), np.array([0.0, 0.1, 1.0, 3.0, 1e6]))
     assert np.degrees(rates[:, 1]) == pytest.approx([313.2, 313.2, 0, -17.4, 0])
     assert not rates[:, [0, 2]].any()
 
 
-def test_read_without_pause_and_finely_it_is_the_path():
+def test_continuous_and_exact_reading_gives_the_path():
     exact = Settings(resolution=0.0, read_every=0.0)
     times = np.linspace(0, path(exact).ends, 5000)
     assert np.array_equal(at_times.attitudes(motion(exact), times), at_times.attitudes(path(exact), times))
@@ -56,7 +56,7 @@ def test_read_without_pause_and_finely_it_is_the_path():
 
 @settings(deadline=None, max_examples=20)
 @given(st.floats(0.02, 0.5), st.floats(0.05, 2), st.sampled_from(["straight", "hold"]))
-def test_at_the_instants_of_reading_it_is_the_nearest_position_the_servo_can_tell(every, resolution, interpolate):
+def test_a_reading_is_the_nearest_multiple_of_the_resolution(every, resolution, interpolate):
     servo = Settings(swings=1, read_every=every, resolution=radians(resolution), interpolate=interpolate)
     read = np.arange(20) * every
     true, told = at_times.attitudes(path(servo), read), at_times.attitudes(motion(servo), read)
@@ -65,7 +65,7 @@ def test_at_the_instants_of_reading_it_is_the_nearest_position_the_servo_can_tel
     assert steps == pytest.approx(np.rint(steps), abs=1e-6)
 
 
-def test_between_two_readings_it_goes_straight_or_holds():
+def test_between_two_readings_the_position_is_interpolated_or_held():
     every = Settings().read_every
     read, between = np.array([30, 31]) * every, np.array([30.25]) * every
     for shape, weight in (("straight", 0.25), ("hold", 0.0)):
@@ -74,7 +74,7 @@ def test_between_two_readings_it_goes_straight_or_holds():
         assert at_times.attitudes(servo, between)[0] == pytest.approx(before + weight * (after - before))
 
 
-def test_it_ends_at_zero_and_stays_there():
+def test_the_sequence_ends_at_zero():
     servo = motion(Settings())
     assert isinstance(servo, Servo)
     assert not at_times.attitudes(servo, np.array([servo.ends, servo.ends + 1e6])).any()

@@ -1,4 +1,4 @@
-"""Moving experiments for tests: the case timing/imu_moving.toml with changes, cut short."""
+"""Moving experiments for tests: the case timing/imu_moving.toml with changes and a short duration."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ def subject(seconds: str, *changes: str) -> EmulatorUnderTest:
 
 
 def flight(folder: Path, rows: str) -> str:
-    """The change to a recorded flight of which these are the rows."""
+    """Return the change to a recorded flight with these rows."""
     path = folder / "flight.csv"
     path.write_text(f"time [s],phi [deg],theta [deg],psi [deg],ax [g],ay [g],az [g]\n{rows}", encoding="utf-8")
     return f'host.motion={{kind = "flight", file = "{path}"}}'
 
 
 def parameters(folder: Path, text: str) -> str:
-    """The change to a set of parameters in TOML."""
+    """Return the change to a set of parameters in TOML."""
     path = folder / "set.toml"
     path.write_text(text, encoding="utf-8")
     return f"unit.dsp.settings.parameters={path}"
 
 
 def without_noise(one: EmulatorUnderTest) -> EmulatorUnderTest:
-    """The same, whose firmware has no noise either."""
+    """Return the same subject without noise, also in its firmware."""
     unit = one.case.unit[one.unit]
     settings = {name: value for name, value in unit.settings.items() if name != "noise_seed"}
     case = one.case.model_copy(update={"unit": {one.unit: unit.model_copy(update={"settings": settings})}})

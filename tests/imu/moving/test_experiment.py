@@ -1,4 +1,4 @@
-"""The whole experiment: emulator, real sensors and truth; what it refuses."""
+"""The whole experiment with emulator, real sensors and truth, and refused cases."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from periph_sim.scene.case.model import BadCase
 from tests.imu.moving.subjects import STILL, TWO_ANGLES, parameters, subject
 
 
-def test_over_wires_every_byte_is_the_computed_one_and_attitudes_are_those_without_wires():
+def test_over_wires_bytes_equal_the_computed_ones_and_attitudes_those_without_wires():
     one = subject("0.8", TWO_ANGLES)
     over, without = run(one, wires=True), run(one, wires=False)
     assert over.bytes is not None and (over.bytes.compared, over.bytes.different) == (40 * 18 * 2, 0)
@@ -27,8 +27,8 @@ def test_over_wires_every_byte_is_the_computed_one_and_attitudes_are_those_witho
     assert 0 < chips < 1.5 and 0 < ideal < 1.5
 
 
-def test_at_rest_the_emulator_tells_what_real_sensors_tell():
-    """The published point, where no age and no motion disturb: all are within noise of each other."""
+def test_at_rest_the_emulator_agrees_with_real_sensors():
+    """At this published point no age and no motion disturb: all differences are within the noise."""
     outcome = run(subject("4", STILL), wires=False)
     apart = {name: rms(one.total[50:]) for name, one in outcome.apart().items()}
     assert apart["real sensors less truth"] < 0.6
@@ -36,12 +36,12 @@ def test_at_rest_the_emulator_tells_what_real_sensors_tell():
     assert apart["emulator corrected less real sensors"] < 0.9
 
 
-def test_with_two_angles_only_the_corrected_emulator_follows_and_its_lateness_is_most_of_its_error():
+def test_with_two_angles_only_the_corrected_emulator_follows_and_most_of_its_error_is_lag():
     outcome = run(subject("8", TWO_ANGLES), wires=False)
     apart = {name: rms(one.total) for name, one in outcome.apart().items()}
     assert apart["emulator as built less real sensors"] > 8 > 3 > apart["emulator corrected less real sensors"]
     late = outcome.behind("corrected")
-    assert 0.021 < late.seconds < 0.041, "data age, and half a period of the derivative"
+    assert 0.021 < late.seconds < 0.041, "the lag is the data age and half a period of the derivative"
     assert rms(late.apart.total) < 0.5 * apart["emulator corrected less real sensors"]
 
 
@@ -52,10 +52,10 @@ def test_with_two_angles_only_the_corrected_emulator_follows_and_its_lateness_is
         (
             "unit.dsp.firmware=imu_hil_robust",
             'unit.dsp.modules=["I2C-A", "SCI-A", "GPIO", "TIMER0", "TIMER1"]',
-        ),  # its default is "frame"
+        ),  # with imu_hil_robust the default is "frame"
     ],
 )
-def test_models_that_run_once_a_frame_are_compared_over_wires_only(changes: tuple[str, ...]):
+def test_models_that_run_once_per_frame_are_only_compared_over_wires(changes: tuple[str, ...]):
     one = subject("0.3", TWO_ANGLES, *changes)
     over = run(one, wires=True)
     assert over.bytes is not None and over.bytes.different == 0 < over.bytes.compared
@@ -64,15 +64,15 @@ def test_models_that_run_once_a_frame_are_compared_over_wires_only(changes: tupl
     assert "unit.dsp.settings.models_run: without wires, the models run once a round" in str(refused.value)
 
 
-def test_what_is_told():
+def test_results_as_text_and_json():
     outcome = run(subject("0.3", TWO_ANGLES), wires=True)
     shown = list(lines(outcome))
     assert shown[:2] == ["imu_moving: 15 rounds; emulator in q16, noise of seed 1, over SCI, firmware and", "  I2C"]
     assert shown[-1] == "540 of 540 bytes read from the emulator equal those computed without wires"
     assert max(map(len, shown)) <= 80
-    told = json.loads(json.dumps(as_json(outcome)))
-    assert told["bytes"] == {"compared": 540, "different": 0}
-    total = told["apart"]["emulator corrected less truth"]["total"]
+    found = json.loads(json.dumps(as_json(outcome)))
+    assert found["bytes"] == {"compared": 540, "different": 0}
+    total = found["apart"]["emulator corrected less truth"]["total"]
     rows = [line.split()[-1] for line in shown if line.startswith(" emulator corrected less truth")]
     assert rows == [f"{total['rms']:.3f}", f"{total['worst']:.2f}"]
 
@@ -90,7 +90,7 @@ def test_what_is_told():
         ("unit.dsp.settings={}", 'needs one unit with sensor models; give it arithmetic = "q16"'),
     ],
 )
-def test_a_case_that_is_no_moving_experiment_is_refused_with_its_line(change: str, sentence: str):
+def test_a_case_without_a_moving_experiment_is_refused_with_its_line(change: str, sentence: str):
     with pytest.raises(BadCase) as refused:
         subject("1", change)
     assert sentence in str(refused.value) and "imu_moving.toml" in str(refused.value)
@@ -112,7 +112,7 @@ def attitude(times: np.ndarray) -> np.ndarray:
 
 @settings(max_examples=15)
 @given(st.integers(0, 100))
-def test_the_lateness_that_was_put_in_is_found(milliseconds: int):
+def test_an_injected_lag_is_found(milliseconds: int):
     late = lag_between(TIMES, attitude(TIMES - milliseconds / 1000), attitude(TIMES))
     assert late.seconds == pytest.approx(milliseconds / 1000, abs=0.0011)
     assert late.apart.total.max() < 0.15 and len(late.apart.total) == 395
@@ -125,6 +125,6 @@ def test_signs_of_quaternions_do_not_matter():
 
 
 @pytest.mark.parametrize("rounds", [0, 1, 5])
-def test_too_short_a_series_tells_no_lateness(rounds: int):
+def test_too_short_a_series_has_no_lag(rounds: int):
     late = lag_between(TIMES[:rounds], attitude(TIMES[:rounds]), attitude(TIMES[:rounds]))
     assert (late.seconds, len(late.apart.total)) == (0.0, 0)

@@ -1,4 +1,4 @@
-"""As built against corrected (appendix B): where they agree; and yaw through half a turn, as built and unwrapped."""
+"""Rates as built and corrected (appendix B): where they agree, and yaw through half a turn, as built and unwrapped."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ WAVE = 'host.motion={kind = "sines", angles = [{of = "%s", amplitude = "40 deg",
 @pytest.mark.parametrize(
     ("seconds", "changes"), [("6", []), *(("2", [WAVE % angle]) for angle in ("phi", "theta", "psi"))]
 )
-def test_they_agree_while_one_angle_moves_from_zero(seconds: str, changes: list[str]):
-    """As in the servo sequence of the published experiment, of which appendix B says so."""
+def test_both_rates_agree_while_one_angle_moves_from_zero(seconds: str, changes: list[str]):
+    """The servo sequence of the published experiment is such a motion, as appendix B states."""
     one = subject(seconds, *changes)
     built, corrected = (direct.computed_emulator(one.with_rates(rates)).codes for rates in ("as built", "corrected"))
     assert all(np.array_equal(built[name], corrected[name]) for name in built)
 
 
 def through_half_a_turn(tmp_path: Path, wrap: str, *changes: str) -> tuple[EmulatorUnderTest, Readings]:
-    """Yaw from 150 on to 210 degrees in 3 s, which the host sends as -150."""
+    """Return a subject whose yaw goes from 150 to 210 degrees (sent as -150) in 3 s, and its readings."""
     through = flight(tmp_path, "0,0,0,150,0,0,0\n3,0,0,210,0,0,0\n")
     one = subject("3", through, parameters(tmp_path, f'wrap = "{wrap}"\n'), *changes)
     return one, direct.computed_emulator(one)
@@ -38,19 +38,19 @@ def through_half_a_turn(tmp_path: Path, wrap: str, *changes: str) -> tuple[Emula
 @pytest.mark.parametrize(
     ("arithmetic", "code"),
     [
-        ("float64", -0x8000),  # saturated, as the converter would
-        # -18 000 deg/s * 14.375 do not fit Q16: an odd number of turns of 2**16 LSB later it is a rate that may be
+        ("float64", -0x8000),  # saturated, as by the converter
+        # -18 000 deg/s * 14.375 do not fit Q16; wrapped by an odd multiple of 2**16 LSB they are a plausible rate
         ("q16", 3700),
     ],
 )
-def test_yaw_through_half_a_turn_is_one_wild_rate_as_built(tmp_path: Path, arithmetic: str, code: int):
+def test_yaw_through_half_a_turn_gives_one_wrong_rate_as_built(tmp_path: Path, arithmetic: str, code: int):
     _, readings = through_half_a_turn(tmp_path, "as built", f"unit.dsp.settings.arithmetic={arithmetic}")
     about_z = readings.codes["gyroscope"][3:, 2]
     wild = about_z[np.abs(about_z - 20 * 14.375) > 1000]
     assert len(wild) == 1 and wild[0] == pytest.approx(code, abs=400)
 
 
-def test_yaw_through_half_a_turn_goes_on_unwrapped_and_no_error_jumps(tmp_path: Path):
+def test_unwrapped_yaw_through_half_a_turn_gives_no_jump(tmp_path: Path):
     one, readings = through_half_a_turn(tmp_path, "unwrapped")
     about_z = readings.samples(one.sensors).gyro[3:, 2]
     assert about_z == pytest.approx(np.full(len(about_z), 20.0), abs=1.0)

@@ -1,4 +1,4 @@
-"""float32 as the FPU: one rounding an operation, zeros for denormals, NaN compared as infinity, fastRTS's errors."""
+"""float32 as in the FPU: one rounding per operation, denormals are 0, NaN compares as infinity, errors of fastRTS."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def single(x: float) -> np.ndarray:
 
 
 def nearest(exact: Fraction) -> float:
-    """The float32 nearest to an exact value, ties to even, 0 for what would be denormal: by bisection on the bits."""
+    """Return the float32 nearest to an exact value, ties to even, with 0 instead of a denormal."""
     if abs(exact) < Fraction(TINY) * (1 - Fraction(1, 2**25)):
         return 0.0
     low = unpack(">I", pack(">f", abs(float(exact))))[0]
@@ -42,7 +42,7 @@ def test_sums_and_products_are_rounded_once(x: float, y: float) -> None:
 
 def test_no_fused_product_and_sum() -> None:
     x = single(1 + 2.0**-12)
-    assert float(F.sub(F.mul(x, x), single(1 + 2.0**-11))) == 0.0  # a fused one would leave 2**-24
+    assert float(F.sub(F.mul(x, x), single(1 + 2.0**-11))) == 0.0  # a fused operation would give 2**-24
 
 
 def test_denormals_are_zero() -> None:
@@ -58,7 +58,7 @@ def test_nan_is_compared_as_infinity_of_its_sign() -> None:
     assert float(F.select_greater(np.copysign(nan, single(1)), high, single(1), single(2))) == 1
 
 
-def test_library_functions_keep_to_what_is_stated() -> None:
+def test_library_functions_are_within_the_stated_errors() -> None:
     random = np.random.default_rng(0)
     x = random.uniform(-2 * np.pi, 2 * np.pi, 100_000).astype(np.float32)
     y = np.roll(x, 1)
@@ -74,7 +74,7 @@ def test_library_functions_keep_to_what_is_stated() -> None:
     assert np.abs(F.sincos(far)[0] - np.sin(far.astype(np.float64))).max() < 1e-4
 
 
-def test_the_origin_has_no_angle_and_no_root_of_less_than_nothing() -> None:
+def test_the_angle_of_the_origin_and_the_root_of_a_negative_number_are_nan() -> None:
     with np.errstate(all="ignore"):
         assert np.isnan(F.atan2(single(0), single(0)))
         assert float(F.sqrt(single(0))) == 0
@@ -83,5 +83,5 @@ def test_the_origin_has_no_angle_and_no_root_of_less_than_nothing() -> None:
 
 
 @pytest.mark.parametrize(("value", "whole"), [(2.5, (3, 2, 2)), (-2.5, (-2, -3, -2))])
-def test_whole_numbers(value: float, whole: tuple[int, int, int]) -> None:
+def test_rounding_to_integers(value: float, whole: tuple[int, int, int]) -> None:
     assert tuple(float(F.to_integer(single(value), r)) for r in ("nearest", "floor", "toward zero")) == whole

@@ -1,4 +1,4 @@
-"""float64 of single numbers is numpy's, also where IEEE 754 has infinities and NaN."""
+"""float64 of single numbers agrees with numpy, including infinities and NaN of IEEE 754."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def same(x: float, y: float, off: float = 0.0) -> bool:
 
 
 @pytest.mark.parametrize("name", NUMPYS)
-def test_one_and_two_numbers(name: str) -> None:
+def test_operations_on_one_and_two_numbers(name: str) -> None:
     for numbers in product(ODD, repeat=NUMPYS[name].nin):
         with np.errstate(all="ignore"):
             assert same(getattr(ONE, name)(*numbers), NUMPYS[name](*numbers)), numbers
@@ -38,13 +38,13 @@ def test_sine_and_cosine_of_any_angle() -> None:
         assert same(s, np.sin(angle), off=3.4e-16) and same(c, np.cos(angle), off=3.4e-16), angle
 
 
-def test_sine_and_cosine_of_what_is_no_angle() -> None:
+def test_sine_and_cosine_of_infinities_and_nan_are_nan() -> None:
     assert all(np.isnan(part) for x in (np.inf, -np.inf, np.nan) for part in ONE.sincos(x))
 
 
 @pytest.mark.parametrize(
     ("rounding", "whole"), [("nearest", (3, -2, 0)), ("floor", (2, -3, 0)), ("toward zero", (2, -2, 0))]
 )
-def test_whole_numbers(rounding: str, whole: tuple[int, ...]) -> None:
+def test_rounding_to_integers(rounding: str, whole: tuple[int, ...]) -> None:
     assert tuple(ONE.to_integer(x, rounding) for x in (2.5, -2.5, 0.4999)) == whole
     assert [ONE.to_integer(x, rounding) for x in (np.inf, -np.inf, np.nan)] == [np.inf, -np.inf, 0]

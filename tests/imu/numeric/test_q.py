@@ -1,4 +1,4 @@
-"""Q formats: what fits, what wraps, what saturates, and how products are rounded."""
+"""Q formats: range, wrapping, saturation, and rounding of products."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ RAW = st.integers(LOW, HIGH)
 
 
 def as_int32(x: int) -> int:
-    """What a 32-bit register keeps."""
+    """Return a number as a 32-bit register keeps it."""
     return int.from_bytes((x & 0xFFFFFFFF).to_bytes(4, "big"), "big", signed=True)
 
 
@@ -38,11 +38,11 @@ def test_saturating_keeps_the_nearest_number(x: int, y: int) -> None:
     assert a.mul(x, y) == min(max(floor(Fraction(x * y, 1 << 16)), LOW), HIGH)
 
 
-def test_products_are_cut_or_rounded() -> None:
+def test_products_are_truncated_or_rounded() -> None:
     third = Q(16).constant(1 / 3)
     cut, rounded = Q(16).mul(third, third), RoundedQ(16).mul(third, third)
     assert (cut, rounded) == (7281, 7282)  # 21845**2 / 65536 = 7281.55
-    assert Q(16).mul(-third, third) == -7282  # cut is toward minus infinity
+    assert Q(16).mul(-third, third) == -7282  # truncation is toward minus infinity
 
 
 def test_every_overflow_is_counted() -> None:
@@ -68,7 +68,7 @@ def test_a_constant_that_does_not_fit_is_refused(bits: int, value: float, senten
         Q(bits).constant(value)
 
 
-def test_the_ends_of_a_format_are_constants() -> None:
+def test_the_limits_of_a_format_are_valid_constants() -> None:
     assert Q(16).constant(32767.99998) == HIGH
     assert Q(16).constant(-32768.0) == LOW
 
@@ -83,19 +83,19 @@ def test_formats_that_iqmath_lacks_are_refused(bits: int) -> None:
 def test_counts_of_a_frame_are_scaled_to_one_unit(count: int, bits: int) -> None:
     a = Q(bits)
     off = a.scaled(count, 1e-4) - count * Fraction(1, 10_000) * (1 << bits)
-    assert -1 - Fraction(1, 1000) <= off <= Fraction(1, 1000)  # cut, not rounded
+    assert -1 - Fraction(1, 1000) <= off <= Fraction(1, 1000)  # truncated, not rounded
 
 
-def test_a_small_step_keeps_30_bits_though_the_format_has_three_for_it() -> None:
+def test_a_small_scale_keeps_30_bits_although_the_format_has_three_for_it() -> None:
     factor, shift = factor_of(1e-4, 16)
     assert factor / 2 ** (shift + 16) == pytest.approx(1e-4, rel=2**-30)
-    assert Q(16).constant(1e-4) / 2**16 == pytest.approx(1e-4, rel=0.07)  # 7 / 65536: 6.8 % off
+    assert Q(16).constant(1e-4) / 2**16 == pytest.approx(1e-4, rel=0.07)  # 7 / 65536, which is 6.8 % off
 
 
 @pytest.mark.parametrize(
     ("value", "nearest", "down", "to_zero"), [(2.5, 3, 2, 2), (-2.5, -2, -3, -2), (-0.2, 0, -1, 0)]
 )
-def test_whole_numbers(value: float, nearest: int, down: int, to_zero: int) -> None:
+def test_rounding_to_integers(value: float, nearest: int, down: int, to_zero: int) -> None:
     a = Q(16)
     x = a.constant(value)
     whole = [a.to_integer(x, rounding) for rounding in ("nearest", "floor", "toward zero")]
@@ -103,7 +103,7 @@ def test_whole_numbers(value: float, nearest: int, down: int, to_zero: int) -> N
 
 
 @pytest.mark.parametrize("edge", [LOW, HIGH])
-def test_the_ends_of_a_format_are_no_overflow(edge: int) -> None:
+def test_the_limits_of_a_format_are_no_overflow(edge: int) -> None:
     a = Q(16, "saturate")
     one = a.constant(1.0)
     assert (a.div(edge, one), a.add(edge, 0), a.sub(edge, 0)) == (edge, edge, edge)
@@ -116,28 +116,28 @@ FORMATS = (1, 4, 7, 8, 12, 16, 20, 24, 28, 29)
 
 
 def spread(bits: int, most: float, count: int = 4000) -> np.ndarray:
-    """Raw numbers from -most to most, or to the format's end."""
+    """Return raw numbers from -most to most, limited by the format."""
     most = min(most, 2.0 ** (31 - bits) - 1)
     return np.random.default_rng(bits).integers(-int(most * 2**bits), int(most * 2**bits), count)
 
 
 def each(operation: Callable[..., Any], *columns: np.ndarray) -> np.ndarray:
-    """The results of an operation on each row of columns."""
+    """Return the results of an operation for each row of the columns."""
     return np.array([operation(*row) for row in zip(*(column.tolist() for column in columns), strict=True)])
 
 
 @pytest.mark.parametrize("bits", FORMATS)
 def test_sine_and_cosine_are_within_one_unit_or_29_bits(bits: int) -> None:
-    """IQNcos.asm: about 29 bits; what is cut to the format is less than one of its units."""
+    """IQNcos.asm has about 29 bits; truncation to the format adds less than one of its units."""
     angles = spread(bits, 20.0)
     sine, cosine = each(Q(bits).sincos, angles).T
-    allowed = 2.0**-bits + 2.0**-29 + 20 * 2.0**-25 / 81.5  # the unit, the table, the constant 512 / 2 pi
+    allowed = 2.0**-bits + 2.0**-29 + 20 * 2.0**-25 / 81.5  # the unit, the table, and the constant 512 / 2 pi
     assert np.abs(sine / 2**bits - np.sin(angles / 2**bits)).max() <= allowed
     assert np.abs(cosine / 2**bits - np.cos(angles / 2**bits)).max() <= allowed
 
 
 @pytest.mark.parametrize("bits", FORMATS)
-def test_atan2_is_within_the_cut_quotient_and_its_parabola(bits: int) -> None:
+def test_the_error_of_atan2_is_that_of_the_truncated_quotient_and_its_parabola(bits: int) -> None:
     y, x = spread(bits, 3.0), np.roll(spread(bits, 3.0), 1)
     angle = each(Q(bits).atan2, y, x)
     off = np.abs(angle / 2**bits - np.arctan2(y, x))
@@ -172,7 +172,7 @@ def test_atan2_at_the_axes_and_diagonals(y: int, x: int, angle: float) -> None:
     assert a.value(a.atan2(y << 16, x << 16)) == pytest.approx(angle, abs=4 / 2**16)
 
 
-def test_division_by_nothing_is_the_largest_number_as_in_iqndiv() -> None:
+def test_division_by_0_gives_the_largest_number_as_in_iqndiv() -> None:
     a = Q(16)
     assert [a.div(x, 0) for x in (5, 0, -5)] == [HIGH] * 3
 
@@ -184,8 +184,8 @@ def test_root_of_a_negative_number_is_0_and_magnitude_saturates() -> None:
 
 
 @given(st.integers(2, 1 << 31), st.integers(-1, 1))
-def test_roots_are_rounded_to_nearest_where_float64_cannot_tell(root: int, beside: int) -> None:
-    """Between n - 1 and n lies n * n - n + 1/4: one whole number less is rounded down, one more up."""
+def test_large_roots_beyond_the_precision_of_float64_are_rounded_to_nearest(root: int, beside: int) -> None:
+    """The root n - 1/2 squared is n * n - n + 1/4: one integer below is rounded down, one above is rounded up."""
     square = root * root - root + beside
     assert root_of(square) == (root - 1 if beside < 1 else root)
 
@@ -193,7 +193,7 @@ def test_roots_are_rounded_to_nearest_where_float64_cannot_tell(root: int, besid
 @pytest.mark.parametrize("bits", FORMATS)
 @pytest.mark.parametrize("angle", [LOW, LOW + 1, HIGH, HIGH - 1, 1, -1])
 def test_sine_of_a_number_of_any_width(bits: int, angle: int) -> None:
-    """In small formats the angle in steps of the table needs more than 64 bits: its upper ones are whole turns."""
+    """In small formats the angle in steps of the table needs more than 64 bits; the upper ones are whole turns."""
     steps = abs(angle) * STEPS_PER_RADIAN
     q32 = steps >> bits - 8 if bits >= 8 else steps << 8 - bits
     turn = q32 % (512 << 32) / (512 << 32)

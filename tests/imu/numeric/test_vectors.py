@@ -1,4 +1,4 @@
-"""Vectors: Q's own operations give what those number by number give, to the last bit and the last overflow."""
+"""Vector operations of Q equal those on single numbers, to the last bit and with the same overflows."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TRIPLE = st.tuples(NUMBER, NUMBER, NUMBER)
 @pytest.mark.parametrize("kind", [Q, RoundedQ])
 @pytest.mark.parametrize("overflow", ["wrap", "saturate"])
 @given(TRIPLE, TRIPLE, NUMBER)
-def test_q_has_the_operations_number_by_number(kind: type[Q], overflow: str, u: tuple, v: tuple, k: int) -> None:
+def test_vector_operations_equal_those_on_numbers(kind: type[Q], overflow: str, u: tuple, v: tuple, k: int) -> None:
     own, plain = kind(16, overflow), kind(16, overflow)
     vectors = vectors_of(own)
     assert vectors is own

@@ -1,7 +1,8 @@
-"""Causes worked out a second time, from the meaning of each kind of record, over plain records: shares no code with
-`periph_sim.records`. Slow and simple: each question is a walk over the list of records.
+"""A second, independent search for causes, used to check `periph_sim.records`, with which it shares no code.
 
-records, place of one --> chain: [(number, beside)], main causes and what stands beside them
+It follows the meaning of each kind of record. It is slow and simple: each question is a loop over the list of records.
+
+records, one of them --> chain: [(number, beside)], the causes and, with beside = True, the records shown aside
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ CLEARED_BY_ONE = {"I2CSTR": ("SDIR", "NACKSNT", "SCD", "RRDY", "ARDY", "NACK", "
 I2C_SOURCES = [
     f"{register}.{f}" for register in ("I2CSTR", "I2CIER") for f in ["AAS", "SCD", "XRDY", "RRDY", "ARDY", "NACK", "AL"]
 ]
-ASKS = {  # vector -> its flag in the PIE, module, fields whose rise asks for it
+ASKS = {  # vector -> its flag in the PIE, module, fields that request the interrupt when they are set
     "I2CINT1A": ("PIEIFR8.INTx1", "I2C-A", I2C_SOURCES),
     "SCIRXINTA": (
         "PIEIFR9.INTx1",
@@ -31,7 +32,11 @@ GATE, MODIFY, LANDS_BEHIND = 16, 4, 3
 
 
 class Oracle:
-    """cycle: ticks of one. Records are numbered in the order in which they were made: causes first."""
+    """Search for causes in a list of records.
+
+    records: numbered in the order in which they were made, so that causes come first
+    cycle: length of a cycle in ticks
+    """
 
     def __init__(self, records: list[Record], cycle: Fraction) -> None:
         self.records = records
@@ -45,7 +50,7 @@ class Oracle:
         self.read_of = dict(self._read_modify_writes())
 
     def chain(self, start: Record, depth: int = 8) -> list[tuple[int, bool]]:
-        """The record, its causes, at most `depth`, and beside them (True) what the chain goes on without."""
+        """The record, then at most `depth` causes, and records shown aside (True), which the chain does not follow."""
         chain = [(start.number, False)]
         now, flag = start, None
         for _ in range(depth):
@@ -82,7 +87,7 @@ class Oracle:
     # Firmware ----------------------------------------------------------------------
 
     def _of_read(self, read: Record) -> tuple[list[Record], Record | None]:
-        """The last change of what it looked at; beside it the routines since then, and the begin of its own."""
+        """The last change of what was read; aside, the service routines since then and the entry of its own routine."""
         entry, change = self.by_number.get(read.cause), self._seen(read)
         if change is None:
             return [], entry
@@ -112,7 +117,7 @@ class Oracle:
         return [*beside, *self._served(write, newest, write)], newest
 
     def _looks(self, write: Record) -> list[Record]:
-        """Of each place and field the last look, newest first; of up to eight."""
+        """The last read of each place and field before a write, newest first, at most eight."""
         found: dict[tuple[str, str, str], Record] = {}
         made_for_writes = {read.number for read in self.read_of.values()}
         for access in reversed(self.accesses[write.where, write.cause]):
@@ -125,7 +130,7 @@ class Oracle:
         return [*found.values()]
 
     def _seen(self, read: Record) -> Record | None:
-        """The last change before a read of the field that it named, or of any of its register's."""
+        """The last change before a read: of the field that it names, or of any field of the register."""
         module, _, register = read.what[2:].partition(".")
         for record in self._before(read):
             if record.kind is Kind.FLAG and record.where == f"{read.where}.{module}":
@@ -149,7 +154,7 @@ class Oracle:
                         break
 
     def _handed_back(self, write: Record, read: Record, flag: Record | None) -> Record | None:
-        """The change that the read saw of the field from which the walk comes, if the write gave it back as it was."""
+        """The change, as the read saw it, of the field that the walk comes from, if the write wrote the value back."""
         module, _, name = write.what[2:].partition(".")
         if flag is None or flag.where != f"{write.where}.{module}" or flag.what.partition(".")[0] != name:
             return None
@@ -163,7 +168,7 @@ class Oracle:
         return self._last(read, Kind.FLAG, flag.where, flag.what)
 
     def _served(self, at: Record, after: Record, before: Record) -> list[Record]:
-        """The ends of the three longest service routines that interrupted the same routine, the last one first."""
+        """Ends of the three longest service routines that interrupted the same routine, the last one first."""
         longest = sorted(self._routines(at, after, before), key=lambda one: -one[1])[:3]
         return sorted((end for end, _ in longest), key=lambda end: -end.number)
 
@@ -179,7 +184,7 @@ class Oracle:
     # Wires ---------------------------------------------------------------------------
 
     def _party(self, edge: Record) -> Record | None:
-        """What the party behind an edge did last."""
+        """The last BUS or FRAME record of the party that made an edge."""
         party = edge.text
         if edge.value:
             for record in self._before(edge):
@@ -192,7 +197,7 @@ class Oracle:
                 return record
         return None
 
-    # Looks ---------------------------------------------------------------------------
+    # Lists of records ---------------------------------------------------------------------------
 
     def _last(self, of: Record, kind: Kind, where: str, what: str, rising: bool = False) -> Record | None:
         for record in self._before(of):

@@ -1,4 +1,4 @@
-"""Small scenes whose runs are recorded as `run --record x.psr` would, and tables of records given by hand."""
+"""Small scenes, recorded as `run --record x.psr` records them, and hand-made tables of records."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Main = Callable[[Dsp], None]
 def ran(
     monkeypatch: pytest.MonkeyPatch, firmware: Main, duration: str = "10 ms", skip_polls: bool = True, **more: Any
 ) -> Run:
-    """What a unit "dsp" with an I2C-A did under `firmware`."""
+    """Run `firmware` on a unit "dsp" with an I2C-A, and return the recorded run."""
     program = Firmware("under test", lambda dsp, settings: firmware(dsp), None)
     monkeypatch.setattr(unit_module, "load_firmware", lambda name: program)
     unit = {"firmware": "under test", "modules": ["I2C-A"], "skip_polls": skip_polls}
@@ -47,13 +47,15 @@ def recorded(of: Case, seconds: str | None = None) -> Run:
 
 
 def asks(address: int = ADDRESS, **request: Any) -> dict[str, Any]:
-    """A controller that makes one request at 1 ms."""
+    """Tables of a case with a controller that makes one request at 1 ms."""
     return {"controller": {"first": "1 ms", "rounds": 1, "request": [{"address": address, **request}]}}
 
 
 def by_hand(*rows: tuple[Any, ...], end: int = 10_000, modules: tuple[str, ...] = ("I2C-A",)) -> Run:
-    """A run of given records: cycle, kind, where, what, value, text, cause, and of an access the field that was named;
-    numbered from 1."""
+    """A run with these records, numbered from 1.
+
+    A row is cycle, kind, where, what, value, text, cause and, for an access, the name of the field.
+    """
     columns = Columns()
     for number, (cycle, *of) in enumerate(rows, 1):
         columns.add(Record(number, cycle * CYCLE, *of))
@@ -73,7 +75,7 @@ def flag(cycle: int, name: str, value: int, cause: int = 0) -> tuple[Any, ...]:
 
 
 def written(path: Path, *rows: tuple[Any, ...], end: int, modules: Any = MODULES, sysclk: int = 150_000_000) -> Path:
-    """A recording of rows of tick, kind, where, what, and what more a record has."""
+    """Write a recording. A row is tick, kind, where, what and the further fields of a record."""
     recorder = Recorder()
     with recording(path, modules) as (subscribe, ended_at):
         subscribe(recorder, Timebase(sysclk))
@@ -84,7 +86,7 @@ def written(path: Path, *rows: tuple[Any, ...], end: int, modules: Any = MODULES
 
 
 def recorded_to(path: Path, of: Case) -> Path:
-    """A recording of a whole run, as `run --record` makes it."""
+    """Run the case and record it as `run --record` does. Return the path."""
     with recording(path, of.recorded_modules) as (subscribe, ended_at):
         scene = Scene(of, subscribe)
         scene.run()
@@ -93,5 +95,5 @@ def recorded_to(path: Path, of: Case) -> Path:
 
 
 def line_of(function: Callable[..., object], below: int = 1) -> str:
-    """The place of the line so many below the head of a function, as records name it."""
+    """The place, as records name it, of the line that is `below` lines below the first line of a function."""
     return f"{function.__code__.co_name}:{function.__code__.co_firstlineno + below}"

@@ -1,4 +1,4 @@
-"""SYSCLKOUT as a recording contains it, of a program that begins at the clock after reset."""
+"""The history of SYSCLKOUT in a recording of a program that begins with the clock after reset."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from periph_sim.records.run import Run
 from tests.records.test_run import access, by_hand
 
 
-def test_a_recording_that_tells_its_clocks_is_believed():
+def test_the_clocks_of_a_recording_are_used():
     clocks = {"dsp": [(0, Fraction(7_500_000)), (50_400, Fraction(150_004_500))]}
     run = Run(replace(by_hand(access(20), access(2524)).table, clocks=clocks))
     assert run.cycles.how == "SYSCLKOUT 7.5 MHz, from 0.017 ms on 150.0045 MHz"
@@ -26,7 +26,7 @@ def test_a_recording_that_tells_its_clocks_is_believed():
     assert given.length(4000, 400) == "1.333 us (100 cycles)"
 
 
-def test_why_counts_in_the_clock_of_the_unit_that_is_asked_about():
+def test_why_counts_cycles_in_the_clock_of_the_unit_in_the_question():
     run = by_hand(
         (30, Kind.FLAG, "left.I2C-A", "I2CSTR.RRDY", 1, "", 0),
         (30, Kind.FLAG, "right.I2C-A", "I2CSTR.RRDY", 1, "", 0),
@@ -35,16 +35,16 @@ def test_why_counts_in_the_clock_of_the_unit_that_is_asked_about():
     clocks = {unit: [(0, Fraction(hz))] for unit, hz in (("left", 100_000_000), ("right", 150_000_000))}
     modules = dict.fromkeys(clocks, ("I2C-A",))
     both = Run(replace(run.table, modules=modules, clocks=clocks))
-    told = [text(why(both, f"{name}@2.2us")) for name in ("left.I2CA.I2CSTR.RRDY", "right.I2CA.I2CSTR.RRDY", "SCL")]
-    assert ["2 us (200 cycles) before" in told[0], "2 us (300 cycles) before" in told[1]] == [True, True]
-    assert "2 us before" in told[2] and "cycle" not in told[2]
+    answers = [text(why(both, f"{name}@2.2us")) for name in ("left.I2CA.I2CSTR.RRDY", "right.I2CA.I2CSTR.RRDY", "SCL")]
+    assert ["2 us (200 cycles) before" in answers[0], "2 us (300 cycles) before" in answers[1]] == [True, True]
+    assert "2 us before" in answers[2] and "cycle" not in answers[2]
 
 
 THREE = ClockHistory((0, 100, 400), (Fraction(10), Fraction(20), Fraction(5)))
 
 
-def test_cycles_are_numbered_through_the_changes_of_a_clock():
-    """Ten of 10 ticks, fifteen of 20, then of 5."""
+def test_cycles_are_numbered_continuously_over_changes_of_the_clock():
+    """Ten cycles have 10 ticks, the next fifteen 20 ticks, and the rest 5 ticks."""
     begins = [*range(0, 100, 10), *range(100, 400, 20), *range(400, 450, 5)]
     assert [THREE.tick(number) for number in range(len(begins))] == begins
     assert THREE.numbers(np.array(begins)).tolist() == [*range(len(begins))]
@@ -73,7 +73,7 @@ def test_cycles_are_numbered_through_the_changes_of_a_clock():
         (4, "40 MHz at last, changed 3 times"),
     ],
 )
-def test_up_to_three_clocks_are_told(clocks: int, said: str):
+def test_up_to_three_clocks_are_listed(clocks: int, said: str):
     periods = (*THREE.periods, Fraction(25))[:clocks]
     found = ClockHistory((0, 100, 400, 500)[:clocks], periods)
     assert found.in_words(Fraction(1_000_000_000)) == said

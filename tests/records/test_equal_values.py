@@ -1,4 +1,4 @@
-"""A data register that takes the value that it already had: an event like any other, recorded and counted."""
+"""A data register that receives the value that it already has makes a record like any other change."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ REQUEST = {"address": 0x68, "write": "55 55 55", "count": 3}
 def changes(
     monkeypatch: pytest.MonkeyPatch, main: Callable[[Dsp], None], module: str, field: str, **more: Any
 ) -> list[Record]:
-    """All records of a field of a unit's module while `main` runs."""
+    """All records of a field of the module while `main` runs."""
     found: list[Record] = []
     program = Firmware("under test", lambda dsp, settings: main(dsp), None)
     monkeypatch.setattr(unit_module, "load_firmware", lambda name: program)
@@ -49,7 +49,7 @@ def receives(dsp: Dsp, fifo: bool) -> None:
 @pytest.mark.parametrize("fifo", [False, True])
 @pytest.mark.parametrize("field", ["SCIRXBUF.RXDT", "SCIRXEMU.ERXDT"])
 def test_each_equal_character_is_a_record(monkeypatch: pytest.MonkeyPatch, fifo: bool, field: str):
-    """In FIFO mode SCIRXBUF shows the next word as the one before it is read."""
+    """In FIFO mode, SCIRXBUF has the next word after each read."""
     serial = {"baud": 114_329, "send": [{"to": "dsp.SCI-A", "text": "U" * 8, "at": "1 ms"}]}
     found = changes(monkeypatch, lambda dsp: receives(dsp, fifo), "SCI-A", field, serial=serial)
     assert [record.value for record in found] == [0x55] * 8
@@ -67,7 +67,7 @@ def test_each_equal_write_of_scitxbuf_is_a_record(monkeypatch: pytest.MonkeyPatc
 
 
 def answers(dsp: Dsp) -> None:
-    """Takes three bytes as a slave, and gives three."""
+    """Receive three bytes as a slave, and send three."""
     start_i2c(dsp, own_address=0x68)
     i2c = dsp.module("I2C-A")
     i2c.I2CMDR.IRS = 1
@@ -87,8 +87,8 @@ def test_each_equal_byte_of_i2c_is_a_record(monkeypatch: pytest.MonkeyPatch, fie
     assert [record.value for record in found] == [value] * 3
 
 
-def test_each_read_of_a_fifo_comes_of_the_word_that_it_takes():
-    """Words of the frames repeat; the change that a read saw is not above the read before it."""
+def test_the_cause_of_each_read_of_a_fifo_is_the_word_that_it_reads():
+    """Words of the frames are repeated. The change that a read saw is always after the read before it."""
     run = recorded(load(TIMING / "imu_hil_published.toml", []), "0.07")
     reads = run.rows(Kind.ACCESS, "dsp", "R SCI-A.SCIRXBUF").tolist()
     assert len(reads) == 4 * 12

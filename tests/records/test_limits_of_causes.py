@@ -1,4 +1,4 @@
-"""How near, how many and how long: the limits within which something is taken for the cause of something else."""
+"""Limits of the search for causes: distances, numbers and times within which a record counts as a cause."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from tests.records.scenes import by_hand, flag, read, write
 
 
 @pytest.mark.parametrize("written_at", [1010, 37_600, 10**9])
-def test_a_look_is_the_cause_of_a_write_however_much_code_is_between_them(written_at: int):
-    """37 500 cycles are a model's 250 us."""
+def test_a_read_is_the_cause_of_a_write_however_much_code_is_between_them(written_at: int):
+    """37 600 cycles are a little more than the 250 us of the model."""
     steps = walk(flag(5, "SCD", 1), read(10, SCD, "SCD"), count(written_at), counted(written_at, 3))
     assert numbers(steps) == ["4", "3", "2", "1"]
 
 
-def test_a_walk_says_why_it_goes_no_further(monkeypatch: pytest.MonkeyPatch):
+def test_a_walk_has_the_reason_why_it_ended(monkeypatch: pytest.MonkeyPatch):
     def ends(*rows: tuple[Any, ...], depth: int = 8) -> str:
         return why(by_hand(*rows, end=10_000), "ICDC@60us", depth).ends
 
@@ -45,7 +45,7 @@ def test_a_walk_says_why_it_goes_no_further(monkeypatch: pytest.MonkeyPatch):
 
 
 @pytest.mark.parametrize(("others", "found"), [(9_999, True), (10_000, False)])
-def test_ten_thousand_accesses_before_a_write_are_searched_for_a_look(others: int, found: bool):
+def test_ten_thousand_accesses_before_a_write_are_searched_for_a_read(others: int, found: bool):
     writes = [count(20 + n) for n in range(others + 1)]
     run = by_hand(flag(5, "SCD", 1), read(10, SCD, "SCD"), *writes, counted(20 + others, 3 + others), end=20_000)
     answer = why(run, "ICDC@120us", 2)
@@ -55,8 +55,8 @@ def test_ten_thousand_accesses_before_a_write_are_searched_for_a_look(others: in
 
 
 @pytest.mark.parametrize(("others", "found"), [(7, True), (8, False)])
-def test_the_last_eight_looks_are_looked_through(others: int, found: bool):
-    """The first one saw SCD rise; the others saw nothing."""
+def test_the_last_eight_reads_are_considered(others: int, found: bool):
+    """Only the first of the reads saw a change, that of SCD."""
     looks = [read(20 + n, 0, "BB", f"g:{n}") for n in range(others)]
     rows = [flag(4, "ARDY", 1), flag(5, "SCD", 1), read(10, SCD, "SCD"), *looks, count(50)]
     steps = walk(*rows, counted(50, len(rows)))
@@ -64,8 +64,8 @@ def test_the_last_eight_looks_are_looked_through(others: int, found: bool):
     assert main[2:] == ([3, 2] if found else [2 + 1 + others])
 
 
-def test_the_first_record_of_a_run_is_a_change_like_any_other():
-    """SCD rises in it, the first look saw that, the second one nothing."""
+def test_the_first_record_of_a_run_can_be_a_cause():
+    """SCD is set in the first record. The first read saw that, the second one nothing."""
     steps = walk(flag(5, "SCD", 1), read(10, SCD, "SCD"), read(12, 0, "BB", "g:2"), count(20), counted(20, 4))
     assert numbers(steps) == ["5", "4", "(3)", "2", "1"]
 
@@ -93,7 +93,7 @@ def test_fields_that_request_an_interrupt(line: str, module: str, fields: int):
 
 
 def pairs(*rows: tuple[Any, ...]) -> list[tuple[int, int]]:
-    """Numbers of reads and writes."""
+    """Numbers of the read and the write of each read-modify-write in these records."""
     found = read_modify_writes(by_hand(*rows), "dsp")
     return [(r + 1, w + 1) for r, w in zip(found.reads.tolist(), found.writes.tolist(), strict=True)]
 
@@ -121,11 +121,11 @@ def other(cycle: int) -> tuple[Any, ...]:
         ),
     ],
 )
-def test_a_read_belongs_to_the_write_of_its_place_within_four_cycles_and_three_accesses(rows, found):
+def test_a_read_belongs_to_a_write_of_its_place_within_four_cycles_and_three_accesses(rows, found):
     assert pairs(*rows) == found
 
 
-def test_what_has_a_read_and_what_is_one():
+def test_the_read_of_a_write_and_the_rows_of_such_reads():
     of = by_hand(read(10, 0, "SCD"), other(11), write(12, SCD, "SCD"), read(20, 0, "BB"))
     made = read_modify_writes(of, "dsp")
     assert [made.read_of(row) for row in range(5)] == [None, None, 0, None, None]
@@ -144,12 +144,12 @@ MOVES = (
 )
 
 
-def test_who_holds_and_who_moved_a_wire():
+def test_the_parties_that_hold_and_that_moved_a_wire():
     run = by_hand(*MOVES)
     rows = causes.wire_rows(run, "SCL").tolist()
     assert rows == [0, 1, 2, 3, 4, 5]
-    told = [(causes.holders(run, row, run.record(row)), causes.mover(run, row, run.record(row))) for row in rows]
-    assert told == [
+    parties = [(causes.holders(run, row, run.record(row)), causes.mover(run, row, run.record(row))) for row in rows]
+    assert parties == [
         (("a",), "a"),
         (("a", "b"), "b"),
         (("b",), "a"),
@@ -161,11 +161,15 @@ def test_who_holds_and_who_moved_a_wire():
     assert (causes.holders(first, 0, first.record(0)), causes.mover(first, 0, first.record(0))) == ((), "")
 
 
-def test_who_joined_in_is_followed_to_what_it_did_and_who_was_left_to_since_when_it_held():
+def test_the_cause_of_a_held_wire_is_the_last_act_or_the_begin_of_the_hold():
     acts = [(5 * n + 2, Kind.BUS, who, "byte", n, "", 0) for n, who in ((1, "b"), (2, "b"))]
     run = by_hand(acts[0], edge(10, 0, "a"), acts[1], hold(20, "a, b"), hold(30, "b"))
-    assert numbers([*why(run, "SCL@167ns").back]) == ["4", "3"]  # b joined: what b did last
-    assert numbers([*why(run, "SCL@250ns").back]) == ["5", "4", "3"]  # b was left: since it joined
+    assert numbers([*why(run, "SCL@167ns").back]) == ["4", "3"]  # b also pulls: the cause is the last act of b
+    assert numbers([*why(run, "SCL@250ns").back]) == [
+        "5",
+        "4",
+        "3",
+    ]  # only b still pulls: the cause is the begin of its pull
 
 
 # The run ----------------------------------------------------------------------------------------------------------
@@ -174,7 +178,7 @@ ROWS = st.lists(st.integers(0, 9), max_size=12)
 
 
 @given(ROWS, st.integers(-1, 10), st.none() | st.integers(0, 12))
-def test_the_last_row_up_to_a_tick_is_that_of_a_walk(cycles: list[int], tick: int, before: int | None):
+def test_the_last_row_up_to_a_tick_is_that_of_a_linear_search(cycles: list[int], tick: int, before: int | None):
     run = by_hand(*(edge(cycle, n % 2, "") for n, cycle in enumerate(sorted(cycles))))
     rows = run.rows(Kind.EDGE, "SCL")
     fits = [row for row in rows.tolist() if run.table.tick[row] <= 20 * tick and (before is None or row < before)]
@@ -190,7 +194,7 @@ def test_the_row_of_a_number():
     assert by_hand().row_of(1) is None
 
 
-def test_a_cause_at_one_tick_made_it():
+def test_a_record_is_made_by_its_cause_only_at_the_same_tick():
     run = by_hand(write(5, SCD, "SCD"), flag(5, "SCD", 0, 1), flag(6, "RRDY", 0, 1), flag(7, "BB", 1, 0))
     assert run.made_by(np.arange(4)).tolist() == [-1, 0, -1, -1]
     assert by_hand().made_by(np.arange(0)).tolist() == []
@@ -201,15 +205,15 @@ def test_rows_are_in_the_order_of_their_ticks():
     assert run.rows(Kind.FLAG, "dsp.I2C-A", "I2CSTR.SCD").tolist() == [1, 3, 0, 2]
 
 
-def test_the_value_above_a_row():
+def test_the_value_before_a_row():
     from periph_sim.f28335.i2c.register_map import I2CSTR
 
     run = by_hand(flag(5, "XRDY", 0), read(6, 0), flag(7, "XRDY", 1), read(8, 0x10))
     assert run.values("dsp", "I2C-A", I2CSTR, I2CSTR["XRDY"], np.arange(5)).tolist() == [1, 0, 0, 1, 1]
 
 
-def test_accesses_routine_by_routine():
-    """The main program's, then each run of a service routine; beside each row the next one of its own."""
+def test_accesses_are_grouped_by_runs_of_routines():
+    """First the accesses of the main program, then those of each run of a service routine, each with its successor."""
     reads = [read(cycle, 0, routine=routine) for cycle, routine in ((1, 0), (3, 2), (4, 0), (6, 5), (7, 2))]
     run = by_hand(reads[0], irq(2, 1), reads[1], reads[2], irq(5, 1, 3), reads[3], reads[4])
     in_order, following = run.in_order("dsp")
@@ -219,7 +223,7 @@ def test_accesses_routine_by_routine():
     assert nothing.tolist() == []
 
 
-def test_who_looks_at_a_field():
+def test_reads_that_include_a_field():
     from periph_sim.f28335.i2c.register_map import I2CSTR
 
     run = by_hand(read(1, 0, "SCD"), read(2, RRDY, "RRDY"), read(3, 0))

@@ -1,4 +1,4 @@
-"""Each lint finds the one fault that a small scene or image plants, at its place, and nothing in a sound one."""
+"""Each lint finds a planted fault once and at its place, and nothing in correct firmware."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def firmware(fault: Fault) -> Callable[[Dsp], None]:
 
 
 def serve(i2c: Any, dsp: Dsp) -> None:
-    """Receives a byte and sends one, as it should be done; then sets the module up anew."""
+    """Receive a byte and send one correctly, then set up the module again."""
     dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
     assert i2c.I2CDRR.all == 1
     dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
@@ -151,7 +151,7 @@ def serve(i2c: Any, dsp: Dsp) -> None:
     i2c.I2CMDR.IRS = 1
 
 
-BESIDE = {  # what a planted fault cannot be without
+ALSO_FOUND = {  # other lints that a planted fault necessarily causes
     "receive-register-early": ("spin-without-bound",),
     "flag-wiped": ("receive-register-unread", "read-only"),
     "reset-in-transfer": ("receive-register-unread",),
@@ -165,25 +165,25 @@ def test_a_planted_fault_is_found_once_at_its_place(
     monkeypatch: pytest.MonkeyPatch, name: str, fault: Fault, below: int, scene: dict[str, Any]
 ):
     run = ran(monkeypatch, firmware(fault), **scene)
-    found = [f for f in lint(run) if f.lint == name or f.lint not in BESIDE.get(name, ())]
-    inner = name in ("group-not-acknowledged", "stale-flag")  # whose place is a function inside of the fault's
+    found = [f for f in lint(run) if f.lint == name or f.lint not in ALSO_FOUND.get(name, ())]
+    inner = name in ("group-not-acknowledged", "stale-flag")  # their place is a function inside that of the fault
     place = found[0].place if inner else line_of(fault, below)
     times = 2 if name == "transmit-register-overwritten" else 1
     assert [(f.lint, f.unit, f.place) for f in found] == [(name, "dsp", place)] and found[0].count <= times
     assert found[0].source.startswith(("SPRUG03B", "SPRUFB0D")) and 0 < found[0].first < run.table.end
 
 
-def test_a_finding_without_a_place_names_the_unit(monkeypatch: pytest.MonkeyPatch):
+def test_a_finding_without_a_place_is_shown_with_its_unit(monkeypatch: pytest.MonkeyPatch):
     run = ran(monkeypatch, firmware(serve), **asks(pointer=1, count=1))
     shown = text(run, [Finding("stale-flag", "dsp", "", 1, 0, "it is stale", "SPRUG03B")])
     assert shown.startswith("dsp: it is stale [SPRUG03B]\n")
 
 
-def test_every_lint_has_a_fault_here():
+def test_every_lint_has_a_planted_fault():
     assert list(all_lints()) == sorted({name for name, *_ in PLANTED})
 
 
-def test_sound_firmware_has_none(monkeypatch: pytest.MonkeyPatch):
+def test_correct_firmware_has_no_findings(monkeypatch: pytest.MonkeyPatch):
     assert lint(ran(monkeypatch, firmware(serve), **asks(pointer=1, count=1))) == []
 
 
@@ -192,44 +192,44 @@ def take(i2c: Any, dsp: Dsp) -> None:
     assert i2c.I2CDRR.all == 1
 
 
-def test_the_bound_of_a_wait_is_the_users(monkeypatch: pytest.MonkeyPatch):
+def test_the_bound_of_a_wait_can_be_set(monkeypatch: pytest.MonkeyPatch):
     run = ran(monkeypatch, firmware(take), **asks(write="01", count=0))
     assert lint(run) == []
     (found,) = lint(run, Options(bound=Fraction(1, 1000)))
     assert found.lint == "spin-without-bound" and "end of the run" not in found.text
 
 
-def test_a_wait_that_never_got_past_is_found_however_short_the_run(monkeypatch: pytest.MonkeyPatch):
+def test_a_wait_that_never_ends_is_found_in_any_short_run(monkeypatch: pytest.MonkeyPatch):
     (found,) = lint(ran(monkeypatch, firmware(take), "1 ms"))
     assert found.lint == "spin-without-bound" and "until the end of the run, and never got past it" in found.text
 
 
 @pytest.mark.parametrize("style", ["polled", "interrupt"])
 @pytest.mark.parametrize("fifo", [False, True])
-def test_the_responder_has_none(style: str, fifo: bool):
+def test_the_responder_has_no_findings(style: str, fifo: bool):
     changes = [f"unit.dsp.settings.style={style}", f"unit.dsp.settings.fifo={str(fifo).lower()}"]
     assert lint(recorded(load(TIMING / "responder.toml", changes), "0.02")) == []
 
 
-PUBLISHED = {"receive-register-unread", "without-effect"}  # true of the published routine: TRX and I2CCNT as slave
+PUBLISHED = {"receive-register-unread", "without-effect"}  # the published routine writes TRX and I2CCNT as slave
 
 
-BESIDE_IT = {"imu_hil_no_sdir": {"xrdy-alone"}, "late_model": {"reset-in-transfer"}}  # which these are shipped to show
+SHOWN_BY = {"imu_hil_no_sdir": {"xrdy-alone"}, "late_model": {"reset-in-transfer"}}  # the purpose of these cases
 
 
 @pytest.mark.parametrize("case", sorted(path.stem for path in TIMING.glob("*.toml")))
-def test_shipped_cases_have_only_what_is_true_of_them(case: str):
-    """late_model comes back from its model in the middle of a request to it."""
+def test_shipped_cases_have_only_the_known_findings(case: str):
+    """In late_model, the computation of the model ends in the middle of a request to the unit."""
     shipped = load(TIMING / f"{case}.toml", [])
     programs = {
         Path(file).stem for unit in shipped.unit.values() for file in (unit.firmware, unit.image, *unit.sources)
     }
-    expected = (PUBLISHED if "imu_hil" in programs else set()) | BESIDE_IT.get(case, set())
+    expected = (PUBLISHED if "imu_hil" in programs else set()) | SHOWN_BY.get(case, set())
     seconds = {"late_model": "0.06", "imu_hil_c": "0.0077"}.get(case, "0.03")
     assert {found.lint for found in lint(recorded(shipped, seconds))} == expected
 
 
-def test_nothing_is_found_in_nothing():
+def test_a_run_without_records_has_no_findings():
     assert lint(by_hand()) == []
 
 
@@ -252,7 +252,7 @@ _c_int00: MOV @SP,#0x400
 
 
 def found(tmp_path: Path, code: str) -> dict[str, str]:
-    """Lint by name with its place, of 1 ms at 7.5 MHz."""
+    """Map each lint that is found in 1 ms of this code, at 7.5 MHz, to its place."""
     (tmp_path / "own.asm").write_text(BEGIN + code)
     unit = 'image = "own.asm"\nmodules = ["I2C-A", "TIMER0"]'
     (tmp_path / "own.toml").write_text(f'name = "own"\nduration = "1 ms"\n[unit.dsp]\n{unit}\n')

@@ -1,4 +1,4 @@
-"""`why` against chains that are worked out independently (`tests/records/oracle.py`), in runs of every sort."""
+"""`why` finds the same chains as an independent search (`tests/records/oracle.py`), in runs of all kinds."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from tests.records.oracle import Oracle
 from tests.scene.runs import TIMING
 
 POLLED = ("R I2C-A.I2CSTR", "R SCI-A.SCIFFRX")
-OF_EACH = 26  # chains through a read of one of these, and as many without, of each run
+OF_EACH = 26  # chains per run through a read of one of these, and the same number of others
 DEPTH = 8
 Subscribe = Callable[[Recorder, Timebase], None]
 
@@ -51,8 +51,10 @@ def replay(subscribe: Subscribe) -> tuple[Case, int]:
 
 
 def echo(subscribe: Subscribe) -> tuple[Case, int]:
-    """Each byte is sent back, polled, with looks at a field and at a whole register; every fourth one only after a
-    while, so that several wait."""
+    """Firmware that polls and sends each byte back, with reads of a field and of a whole register.
+
+    Every fourth byte is delayed, so that several bytes wait.
+    """
 
     def main(dsp: Dsp, settings: object) -> None:
         sci_fifo_receiver(dsp, 40, 16)
@@ -75,7 +77,7 @@ def echo(subscribe: Subscribe) -> tuple[Case, int]:
 
 
 RUNS: dict[str, Callable[[Subscribe], tuple[Case, int]]] = {
-    # Frames fall into reads, at other phases each time, and their routine takes its time.
+    # Frames end during reads, at varying phases, and their routine takes long.
     "imu_hil": scene(
         "imu_hil_published",
         "0.09",
@@ -106,7 +108,7 @@ def recorded(request: pytest.FixtureRequest) -> tuple[list[Record], Run]:
     return records, Run(columns.table(Fraction(bases[0].per_second), end, case.recorded_modules, {}))
 
 
-def test_the_chains_of_why_are_those_of_an_independent_walk(recorded: tuple[list[Record], Run]):
+def test_the_chains_of_why_are_those_of_the_oracle(recorded: tuple[list[Record], Run]):
     records, run = recorded
     oracle = Oracle(records, run.cycles.ticks)
     changes = [r for r in records if r.kind in (Kind.FLAG, Kind.EDGE, Kind.IRQ) and _alone(records, r)]
@@ -119,12 +121,12 @@ def test_the_chains_of_why_are_those_of_an_independent_walk(recorded: tuple[list
             continue
         left[through] -= 1
         answer = why(run, f"{change.where}{_name(change)}@{Fraction(change.tick, int(run.per_second))} s", DEPTH)
-        assert [(step.record.number, step.aside) for step in answer.back] == expected, _told(oracle, expected)
+        assert [(step.record.number, step.aside) for step in answer.back] == expected, _listed(oracle, expected)
     assert left == {True: 0, False: 0}
 
 
-def test_what_a_read_saw_is_what_the_last_change_left(recorded: tuple[list[Record], Run]):
-    """Of each named look the change that is said to be its cause has the value that was read."""
+def test_the_value_of_a_read_is_that_of_the_last_change(recorded: tuple[list[Record], Run]):
+    """For each read that names a field, the change that is its cause has the value that was read."""
     records, run = recorded
     oracle = Oracle(records, run.cycles.ticks)
     looks = [r for r in records if r.kind is Kind.ACCESS and r.field and r.what in POLLED]
@@ -135,7 +137,7 @@ def test_what_a_read_saw_is_what_the_last_change_left(recorded: tuple[list[Recor
 
 
 def _alone(records: list[Record], of: Record) -> bool:
-    """Whether it is the only change of its subject at its tick, so that a question about the time is about it."""
+    """True if no other record of the same subject has its tick, so that a question with this time is about it."""
     place = bisect_left(records, of.number, key=lambda record: record.number)
     near = [r for r in records[max(place - 40, 0) : place + 40] if r.tick == of.tick and r[2:5] == of[2:5]]
     holds = [
@@ -148,5 +150,5 @@ def _name(change: Record) -> str:
     return "" if change.kind is Kind.EDGE else f".{change.what}"
 
 
-def _told(oracle: Oracle, chain: list[tuple[int, bool]]) -> str:
+def _listed(oracle: Oracle, chain: list[tuple[int, bool]]) -> str:
     return "\n".join(f"{'  ' * beside}{oracle.by_number[number]}" for number, beside in chain)

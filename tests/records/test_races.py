@@ -1,4 +1,4 @@
-"""Distances between reads and changes, polls put back, and flags that read-modify-writes lose."""
+"""Races: distances between reads and changes, reconstructed polls, and flags lost by read-modify-writes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ STR = "I2C-A.I2CSTR"
 RRDY, SCD = 0x0008, 0x0020
 
 
-def test_closest_before_and_after_and_the_decades():
+def test_the_closest_reads_before_and_after_a_change_and_the_decades():
     found = races(by_hand(read(100), flag(107, "RRDY", 1), read(150, place="g:2"), read(5000, place="g:2")))
     f, g = found.places
     assert (f.place, f.reads, f.before and f.before.cycles, f.after) == ("f:1", 1, 7, None)
@@ -34,31 +34,31 @@ def test_closest_before_and_after_and_the_decades():
     assert found.closest == 7 and f.before.field == g.after.field == "RRDY"
 
 
-def test_a_distance_is_counted_in_the_clock_between_read_and_change():
-    """SYSCLKOUT doubles as the register is read: ten of its cycles from there are the time of five before."""
+def test_a_distance_is_counted_in_cycles_of_the_clock_at_that_time():
+    """SYSCLKOUT doubles when the register is read. Ten cycles after that take the time of five before."""
     run = by_hand(flag(90, "RRDY", 1), read(100), flag(110, "RRDY", 0))
     clocks = {"dsp": [(0, Fraction(75_000_000)), (100 * CYCLE, Fraction(150_000_000))]}
     (place,) = races(Run(replace(run.table, clocks=clocks))).places
     assert (place.after and place.after.cycles, place.before and place.before.cycles) == (5, 10)
 
 
-def test_a_run_of_one_read_has_nothing_to_compare_it_with():
+def test_a_read_without_any_change_has_no_distance():
     (place,) = races(by_hand(read(100))).places
     assert (place.reads, place.closest, place.alone) == (1, None, 1)
 
 
-def test_a_read_in_the_cycle_of_a_change_is_on_the_side_that_its_record_is():
+def test_a_read_in_the_cycle_of_a_change_is_before_or_after_it_by_record_order():
     found = races(by_hand(read(100), flag(100, "RRDY", 1), read(300, place="g:2")))
     (f, _) = found.places
     assert (f.before and f.before.cycles, f.histogram[0]) == (0, 1)
 
 
-def test_what_the_firmware_changes_itself_is_no_race():
+def test_changes_by_the_firmware_itself_are_not_races():
     found = races(by_hand(read(100), write(102, SCD), flag(102, "SCD", 0, cause=2), read(105)))
     assert found.closest is None and found.places[0].alone == 2
 
 
-def test_one_field_of_a_register():
+def test_races_of_one_field_of_a_register():
     run = by_hand(read(100), flag(103, "BB", 1), flag(150, "RRDY", 1))
     closest = {name: races(run, name).closest for name in (STR, f"{STR}.RRDY", "dsp.I2CA.I2CSTR.bb")}
     assert closest == {STR: 3, f"{STR}.RRDY": 50, "dsp.I2CA.I2CSTR.bb": 3}
@@ -67,32 +67,32 @@ def test_one_field_of_a_register():
 
 
 def test_a_read_that_names_a_field_is_compared_with_that_field_only():
-    """BB changes a cycle behind the look at RRDY: it might have been seen only by a look at the whole register."""
+    """BB changes one cycle after RRDY is read. Only a read of the whole register could have seen that."""
     changes = flag(101, "BB", 1), flag(140, "RRDY", 1)
     for field, closest in (("RRDY", 40), ("BB", 1), ("", 1), ("SCD", None)):
         (place,) = races(by_hand(read(100, field=field), *changes)).places
         assert ((place.before and place.before.cycles), place.alone) == (closest, int(closest is None)), field
 
 
-def test_looks_at_several_fields_at_one_place_are_each_compared_with_their_own():
+def test_reads_of_several_fields_at_one_place_are_each_compared_with_their_field():
     looks = read(100, field="RRDY"), read(105, field="SCD")
     (place,) = races(by_hand(*looks, flag(107, "RRDY", 1), flag(165, "SCD", 1))).places
     assert (place.before, place.reads) == (NearMiss(7, 100 * CYCLE, "RRDY"), 2)
     assert (place.histogram, place.alone) == ((0, 1, 1, 0, 0, 0), 0)
 
 
-def test_a_read_modify_write_hands_all_fields_back_and_is_compared_with_all():
+def test_a_read_modify_write_writes_all_fields_back_and_is_compared_with_all():
     modify = read(100, field="SCD"), write(102, SCD, field="SCD")
     (place,) = races(by_hand(flag(97, "RRDY", 1), *modify)).places
     assert place.after and (place.after.cycles, place.after.field) == (3, "RRDY")
-    (place,) = races(by_hand(flag(97, "RRDY", 1), modify[0])).places  # a look at SCD
+    (place,) = races(by_hand(flag(97, "RRDY", 1), modify[0])).places  # a read of SCD
     assert place.after is None
     (place,) = races(by_hand(*modify)).places  # nothing changes
     assert (place.reads, place.alone) == (1, 1)
 
 
-def test_a_read_modify_write_of_an_image_may_be_several_instructions_of_a_line():
-    """MOV AL,@I2CSTR; OR AL,#0x20; MOV @I2CSTR,AL of one line of C."""
+def test_a_read_modify_write_of_an_image_can_be_several_instructions_of_a_line():
+    """MOV AL,@I2CSTR; OR AL,#0x20; MOV @I2CSTR,AL are the instructions of one line of C."""
     rises = flag(97, "RRDY", 1), flag(101, "RRDY", 0), flag(101, "RRDY", 1)
     one = races(by_hand(*rises, read(100, place="_f (m.c:7, 0x009001)"), write(102, SCD, place="_f (m.c:7, 0x009004)")))
     assert [(modify.place, modify.count) for modify in one.modifies] == [("_f (m.c:7, 0x009004)", 1)]
@@ -100,7 +100,7 @@ def test_a_read_modify_write_of_an_image_may_be_several_instructions_of_a_line()
     assert two.modifies == ()
 
 
-def test_one_field_takes_the_reads_that_looked_at_it():
+def test_races_of_one_field_include_only_reads_of_it():
     run = by_hand(read(100, field="RRDY"), flag(103, "BB", 1), read(110, place="g:2"))
     assert [(p.place, p.reads, p.closest) for p in races(run, f"{STR}.BB").places] == [("g:2", 1, 7)]
     assert [(p.place, p.reads, p.closest) for p in races(run, f"{STR}.RRDY").places] == [
@@ -109,7 +109,7 @@ def test_one_field_takes_the_reads_that_looked_at_it():
     ]
 
 
-def test_polls_of_a_skipped_wait_are_put_back():
+def test_polls_of_a_skipped_wait_are_reconstructed():
     run = by_hand(read(100), read(110), flag(507, "RRDY", 1), read(510, RRDY))
     (place,) = races(run).places
     assert (place.before and place.before.cycles, place.after and place.after.cycles) == (7, 3)
@@ -117,9 +117,9 @@ def test_polls_of_a_skipped_wait_are_put_back():
 
 
 @given(period=st.integers(10, 60), passes=st.integers(3, 200), into=st.floats(0, 1), second=st.sampled_from([0, 4, 7]))
-def test_polls_put_back_are_those_that_were_made(period: int, passes: int, into: float, second: int):
-    """A wait of passes with one read, or with two if `second` is not 0, that ends in the first read after a change."""
-    assume(not second or (period - second) % second)  # else a pass may as well be one read of a shorter loop
+def test_reconstructed_polls_are_those_that_were_made(period: int, passes: int, into: float, second: int):
+    """A pass of the wait has one read, or two if `second` is not 0. The first read after a change ends the wait."""
+    assume(not second or (period - second) % second)  # otherwise it could also be a shorter loop with one read
     in_pass = [0, second] if second else [0]
     grid = [100 + n * period + offset for n in range(passes) for offset in in_pass]
     shown = 2 * len(in_pass)
@@ -141,15 +141,15 @@ def test_polls_put_back_are_those_that_were_made(period: int, passes: int, into:
     offset=st.sampled_from([4, 7]),
     waited_for=st.sampled_from([0, 1]),
 )
-def test_polls_put_back_are_those_of_the_field_that_changed(
+def test_reconstructed_polls_are_those_of_the_field_that_changed(
     period: int, passes: int, into: float, offset: int, waited_for: int
 ):
-    """`XRDY or SCD`: a pass looks at XRDY and, `offset` cycles later, at SCD; either may end the wait."""
+    """`XRDY or SCD`: a pass reads XRDY and, `offset` cycles later, SCD. Either can end the wait."""
     assume((period - offset) % offset)
     names = "XRDY", "SCD"
     grid = [(100 + n * period + offset * second, second) for n in range(passes) for second in (0, 1)]
     own = [at for at, second in grid if second == waited_for]
-    first = 2 * 5  # reads before the wait is skipped: enough to prove how long a pass is
+    first = 2 * 5  # reads before polls are skipped: enough to determine the length of a pass
     changed = grid[first][0] + 1 + int(into * (own[-1] - grid[first][0] - 1))
     saw = next(at for at in own if at >= changed)
     missed = max(at for at in own if at < changed)
@@ -157,7 +157,7 @@ def test_polls_put_back_are_those_of_the_field_that_changed(
     recorded = [
         *looks[: first + 1],
         *(look for look in looks[first + 1 :] if changed <= look[0] <= saw),
-    ]  # the others were skipped
+    ]  # the others were skipped by the simulator
     rows = [*recorded, flag(changed, names[waited_for], 1)]
     (place,) = races(by_hand(*sorted(rows, key=lambda row: (row[0], row[1] is Kind.ACCESS)), end=20_000)).places
     assert (place.before and place.before.cycles, place.after and place.after.cycles) == (
@@ -173,15 +173,16 @@ def test_a_gap_that_is_off_the_grid_is_not_filled():
     assert "1 skipped waits" in text(races(run))
 
 
-def test_reads_with_another_access_between_are_no_wait():
+def test_reads_with_another_access_between_them_are_not_a_wait():
     run = by_hand(read(100), read(110), write(200, place="g:3"), flag(507, "BB", 1), read(510))
     (place,) = [place for place in races(run).places if place.place == "f:1"]
     assert (place.before and place.before.cycles, place.polls) == (397, 0)
 
 
 @pytest.mark.parametrize(("between", "closest", "polls"), [(read, 7, 1), (write, 397, 0)])
-def test_a_loop_of_an_image_that_only_reads_is_a_wait_and_one_that_writes_is_none(between, closest: int, polls: int):
-    """
+def test_a_loop_of_an_image_is_a_wait_only_if_it_does_not_write(between, closest: int, polls: int):
+    """The records of the two loops:
+
     cycle          100  104  110  114          507          510
     wait           R    R    R    R    polls   RRDY rises   R
     other loop     R    W    R    W            RRDY rises   R
@@ -206,7 +207,7 @@ def poll_main(dsp: Dsp) -> None:
             return
 
 
-def test_skipped_or_not_the_closest_are_the_same(monkeypatch: pytest.MonkeyPatch):
+def test_the_closest_reads_are_the_same_with_and_without_skipped_polls(monkeypatch: pytest.MonkeyPatch):
     found = [
         races(ran(monkeypatch, poll_main, skip_polls=skip, **asks(write="010203", count=0)), STR)
         for skip in (True, False)
@@ -221,13 +222,13 @@ def drop(i2c: Any) -> None:
     i2c.I2CSTR.SCD = 1
 
 
-def test_a_flag_cleared_along_with_another_and_never_seen_is_lost(monkeypatch: pytest.MonkeyPatch):
+def test_a_flag_cleared_along_with_another_and_never_read_is_lost(monkeypatch: pytest.MonkeyPatch):
     def main(dsp: Dsp) -> None:
         start_i2c(dsp)
         i2c = dsp.module("I2C-A")
         i2c.I2COAR.all = ADDRESS
         i2c.I2CMDR.IRS = 1
-        dsp.compute(180_000)  # 1.2 ms: the byte is in, the STOP is not
+        dsp.compute(180_000)  # 1.2 ms: after the byte, before the STOP
         drop(i2c)
 
     found = races(ran(monkeypatch, main, **asks(write="0102", count=0)))
@@ -238,7 +239,7 @@ def test_a_flag_cleared_along_with_another_and_never_seen_is_lost(monkeypatch: p
 
 
 @pytest.mark.parametrize(("cleared", "lost"), [(True, 1), (False, 0)])
-def test_a_flag_that_rises_between_read_and_write(cleared: bool, lost: int):
+def test_a_flag_set_between_read_and_write_is_lost_if_the_write_clears_it(cleared: bool, lost: int):
     rows = [flag(50, "RRDY", 1), flag(60, "RRDY", 0), read(100, RRDY), flag(101, "RRDY", 1), write(102, RRDY | SCD)]
     run = by_hand(*rows, *([flag(102, "RRDY", 0, cause=5)] if cleared else []))
     (modify,) = races(run).modifies
@@ -258,7 +259,7 @@ def test_a_field_of_several_bits_counts_as_one_flag():
     assert (modify.meant, modify.flags, found.lost) == (("PIEACK",), (), 0)
 
 
-def test_a_write_that_clears_what_was_seen_is_not_a_loss():
+def test_a_write_that_clears_a_flag_that_was_read_loses_nothing():
     run = by_hand(flag(50, "RRDY", 1), read(80, RRDY, place="look:9"), read(100, RRDY), write(102, RRDY | SCD))
     assert races(run).lost == 0
     later = by_hand(*_seen(), flag(102, "RRDY", 0, cause=4))
@@ -269,29 +270,29 @@ def _seen() -> list[tuple[Any, ...]]:
     return [flag(50, "RRDY", 1), read(80, RRDY, place="look:9"), read(100, RRDY), write(102, RRDY | SCD)]
 
 
-def test_a_flag_that_rose_before_the_recording_began_is_not_said_to_be_unseen():
+def test_a_flag_set_before_the_recording_began_is_not_reported_as_unread():
     run = by_hand(read(100, RRDY), write(102, RRDY | SCD), flag(102, "RRDY", 0, cause=2))
     ((rrdy,),) = [modify.flags for modify in races(run).modifies]
     assert (rrdy.flag, rrdy.along, rrdy.unseen, races(run).lost) == ("RRDY", 1, 0, 0)
 
 
-def test_as_json_counts_the_same():
+def test_the_json_has_the_same_counts():
     run = by_hand(*_seen(), flag(102, "RRDY", 0, cause=4))
     found = as_json(races(run))
     assert (found["lost"], found["cleared_along"], found["closest"]) == (0, 1, races(run).closest)
     assert sum(sum(place["histogram"]) + place["alone"] for place in found["places"]) == 2
 
 
-def test_without_status_reads_it_says_so():
+def test_a_run_without_status_reads_is_reported_as_such():
     assert "no read of a status register" in text(races(by_hand()))
 
 
 @pytest.mark.parametrize("lands", [2, 4])
 @pytest.mark.parametrize("phase", range(16))
-def test_a_service_routine_between_read_and_write_hides_no_read_modify_write(
+def test_a_read_modify_write_is_found_with_a_service_routine_between_read_and_write(
     monkeypatch: pytest.MonkeyPatch, lands: int, phase: int
 ):
-    """A timer's interrupt falls before, into and behind `SCD = 1`; its routine begins with a read of the PIE."""
+    """A timer interrupts before, during or after `SCD = 1`; its routine begins with a read of the PIE."""
 
     def ticked() -> None:
         assert pie.PIEIFR1.INTx7 == 0
@@ -317,7 +318,7 @@ def test_a_service_routine_between_read_and_write_hides_no_read_modify_write(
     assert (modify.place, modify.count, modify.meant) == (line_of(drop), 1, ("SCD",))
 
 
-def test_the_accesses_of_a_service_routine_do_not_part_a_read_from_its_write():
+def test_accesses_of_a_service_routine_do_not_separate_a_read_from_its_write():
     entered = 101, Kind.IRQ, "dsp", "TINT0", 1, "ticked:1", 0
     of_routine = [(101, Kind.ACCESS, "dsp", f"R PIE.PIEIFR{n}", 0, "ticked:2", 2) for n in range(1, 6)]
     run = by_hand(read(100, RRDY, field="SCD"), entered, *of_routine, write(102, RRDY | SCD, field="SCD"))

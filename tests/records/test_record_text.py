@@ -1,4 +1,4 @@
-"""What is said of a record."""
+"""Texts that describe a record."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def record(kind: Kind, where: str, what: str, value: int, text: str = "", field:
         ("dsp.NEW", "REG.FLAG", 1, "NEW.REG.FLAG = 1"),
     ],
 )
-def test_a_flag_is_set_or_cleared_and_a_number_is_told(where: str, what: str, value: int, said: str):
+def test_a_flag_is_set_or_cleared_and_a_number_has_its_value(where: str, what: str, value: int, said: str):
     assert happened(record(Kind.FLAG, where, what, value)) == said
 
 
@@ -39,7 +39,7 @@ def test_a_flag_is_set_or_cleared_and_a_number_is_told(where: str, what: str, va
         ("byte", 0x05 << 1 | 1, "0x05 NACK"),
     ],
 )
-def test_addresses_and_bytes_are_said_as_people_write_them(what: str, value: int, said: str):
+def test_addresses_and_bytes_are_written_in_the_usual_notation(what: str, value: int, said: str):
     made = record(Kind.BUS, "controller", what, value, "gyroscope")
     assert on_the_bus(made) == said
     assert happened_where(made) == f"controller: {said} (gyroscope)"
@@ -82,7 +82,7 @@ def test_a_record_with_its_unit_and_place(made: Record, said: str):
     assert happened_where(made) == said
 
 
-def test_a_wait_that_timed_out_is_said_to_have_given_up():
+def test_a_wait_that_timed_out_is_described_as_given_up():
     ends = [Record(1, 0, Kind.WAIT, "dsp", "SCI-A.SCIFFRX.RXFFST", 0, text, 0) for text in (TIMED_OUT, "")]
     assert [happened_where(end) for end in ends] == [
         "dsp: wait for SCI-A.SCIFFRX.RXFFST gave up (timeout)",

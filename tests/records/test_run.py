@@ -1,4 +1,4 @@
-"""A recorded run: lengths in units and in cycles, and where the length of a cycle is known from."""
+"""A recorded run: durations in units of time and in cycles, and the source of the length of a cycle."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from tests.traces.decode.drawing import drawn
         (45_000, "300 us (45000 cycles)"),
     ],
 )
-def test_a_distance_is_said_in_the_unit_that_suits_it(cycles: int, said: str):
+def test_a_duration_is_written_in_a_suitable_unit(cycles: int, said: str):
     assert by_hand().length(cycles * 20) == said
 
 
@@ -52,7 +52,7 @@ def access(cycle: int) -> tuple[Any, ...]:
     return cycle, Kind.ACCESS, "dsp", "R I2C-A.I2CSTR", 0, "f:1", 0
 
 
-def test_the_cycle_is_said_with_where_it_is_known_from():
+def test_the_length_of_a_cycle_has_its_source():
     assert by_hand(access(1), access(4)).cycles.how == "SYSCLKOUT 150 MHz, which all accesses fall on"
     one = "SYSCLKOUT taken as 150 MHz; the accesses fall on no one grid (an error of the crystal, or several)"
     assert by_hand(access(1)).cycles.how == by_hand().cycles.how == one
@@ -60,19 +60,19 @@ def test_the_cycle_is_said_with_where_it_is_known_from():
     slower.table.columns["tick"] = slower.table.tick * 3 // 2
     assert slower.cycles == CycleLength(Fraction(30), "SYSCLKOUT 100 MHz, the grid that all accesses fall on")
     finer = by_hand(access(0), access(3), access(4))
-    finer.table.columns["tick"] = finer.table.tick - 1 * (finer.table.tick > 70)  # 0, 60, 79: no grid of cycles
+    finer.table.columns["tick"] = finer.table.tick - 1 * (finer.table.tick > 70)  # 0, 60, 79: not on a grid of cycles
     assert finer.cycles.how == one and finer.cycles.ticks == 20
 
 
-# What a run is asked for, against lists of its records. ---------------------------------------------------------------
+# Queries of a run, compared with loops over its records ---------------------------------------------------------------
 
 STATUS = register_of("I2C-A", "I2CSTR")
 assert STATUS is not None
-FIELDS = [STATUS["SCD"], STATUS["XSMT"]]  # of which reset leaves 0 and 1
+FIELDS = [STATUS["SCD"], STATUS["XSMT"]]  # 0 and 1 after reset
 
 
 def random_records(draw: Random) -> list[Record]:
-    """Of two units, in the order of their numbers, some of which are missing; several in a tick, one late."""
+    """Records of two units in order of their numbers; numbers can be missing, and a tick can have several records."""
     found: list[Record] = []
     number = tick = 0
     for _ in range(draw.randrange(14)):
@@ -96,7 +96,7 @@ def random_records(draw: Random) -> list[Record]:
 
 
 @pytest.mark.parametrize("seed", range(60))
-def test_answers_are_those_of_lists(seed: int):
+def test_queries_agree_with_loops_over_the_records(seed: int):
     draw = Random(seed)
     records = random_records(draw)
     columns = Columns()
@@ -162,7 +162,7 @@ def test_answers_are_those_of_lists(seed: int):
     }
 
 
-def test_rows_are_in_the_order_of_their_ticks_and_units_have_what_every_unit_has():
+def test_rows_are_in_order_of_their_ticks_and_units_have_the_common_modules():
     columns = Columns()
     for number, tick in enumerate((60, 20, 40, 20), 1):
         columns.add(Record(number, tick, Kind.NOTE, "dsp", "x", 0, "", 0))
@@ -173,7 +173,7 @@ def test_rows_are_in_the_order_of_their_ticks_and_units_have_what_every_unit_has
 
 
 def test_clocks_of_several_units():
-    """Told by the file, each with its changes; with one frequency given, of that."""
+    """The clocks are those in the file, each with its changes, unless a frequency is given for all."""
     table = by_hand(access(1), access(4)).table
     slow, fast = Fraction(75_000_000), Fraction(150_000_000)
     alike = Run(replace(table, clocks={"dsp": [(0, fast)], "two": [(0, fast)]}))
@@ -213,7 +213,7 @@ def test_a_run_is_read_from_its_file_with_its_name(tmp_path: Path):
         ("capture.psr", "a capture of wires, with no accesses or flags"),
     ],
 )
-def test_a_file_that_is_no_run_is_refused_with_the_way_out(tmp_path: Path, name: str, sentence: str):
+def test_a_file_that_is_not_a_run_is_rejected_with_advice(tmp_path: Path, name: str, sentence: str):
     for ending in ("jsonl", "vcd"):
         (tmp_path / f"run.{ending}").write_text("{}", encoding="utf-8")
     formats.write(drawn("SCL --_-"), tmp_path / "capture.psr")

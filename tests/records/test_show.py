@@ -1,4 +1,4 @@
-"""Reports of races and lints, whole, of runs small enough to be worked out by hand."""
+"""Complete reports of races, causes and lints, for runs that are small enough to be computed by hand."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ note: A read that names a field is compared with the changes of that field. A
   compared with the changes of all fields. Changes that an access of the
   firmware makes at once do not count."""
 
-# A look, a read-modify-write of SCD between whose accesses NACK rises, two later reads. RRDY falls by the write: what
-# firmware does itself is no race.
+# A read, a read-modify-write of SCD, during which NACK is set, and two later reads. The write clears RRDY; changes by
+# the firmware itself are not races.
 ROWS = [
     flag(50, "RRDY", 1),
     read(80, RRDY, place="look:9"),
@@ -96,16 +96,16 @@ closest: no change to be near to; flags lost to read-modify-writes: 0 (cleared a
     )
 
 
-def test_races_with_waits_that_cannot_be_filled_and_without_read_modify_writes():
+def test_races_with_an_unfilled_wait_and_without_read_modify_writes():
     run = by_hand(read(100), read(110), flag(507, "RRDY", 1), read(513, RRDY))
     assert distances(run)[2] == 1
-    told = show_races.text(races(run))
-    assert [line.split() for line in told.splitlines()[5:7]] == [
+    report = show_races.text(races(run))
+    assert [line.split() for line in report.splitlines()[5:7]] == [
         [STR, "f:1", "before", "397", "RRDY", "0.000733", "ms"],
         ["after", "6", "RRDY", "0.003420", "ms"],
     ]
-    assert told.splitlines()[10].split() == [STR, "f:1", *["3", "0", "0", "1", "0", "2", "0", "0"]]
-    assert told.splitlines()[11:] == [
+    assert report.splitlines()[10].split() == [STR, "f:1", *["3", "0", "0", "1", "0", "2", "0", "0"]]
+    assert report.splitlines()[11:] == [
         "",
         *NOTES.splitlines(),
         "note: 1 skipped waits with a change in them do not show how long a pass is;",
@@ -161,20 +161,20 @@ def test_races_as_json():
     }
 
 
-def test_a_flag_meant_is_said_with_its_doubt():
-    """RRDY and SCD were 1 and are written as 1 each time: either may have been meant."""
+def test_the_intended_flag_is_reported_as_uncertain_if_there_are_two():
+    """RRDY and SCD are 1 and are written as 1, so either can be the intended one."""
     both = flag(10, "RRDY", 1), flag(20, "SCD", 1), read(100, RRDY | SCD), write(102, RRDY | SCD)
-    told = show_races.text(races(by_hand(*both)))
+    report = show_races.text(races(by_hand(*both)))
     assert " I2C-A.I2CSTR at f:1: 1 time, to clear one of SCD, RRDY, all set each time; no other flag" in unwrapped(
-        told
+        report
     )
 
 
-def test_with_two_units_registers_are_told_with_theirs():
+def test_with_two_units_registers_are_shown_with_their_unit():
     of = by_hand(*ROWS)
     of.table.modules["other"] = ("I2C-A",)
-    told = show_races.text(races(of))
-    assert " dsp.I2C-A.I2CSTR  f:1 " in told and "  dsp.I2C-A.I2CSTR at f:1: 1 time, to clear SCD" in told
+    report = show_races.text(races(of))
+    assert " dsp.I2C-A.I2CSTR  f:1 " in report and "  dsp.I2C-A.I2CSTR at f:1: 1 time, to clear SCD" in report
 
 
 # Why ------------------------------------------------------------------------------------------------------------
@@ -194,7 +194,7 @@ def test_why_before_the_first_change():
     assert "  no recorded reads that looked at it before that change" in text
 
 
-def test_why_counts_the_reads_up_to_the_next_change():
+def test_why_counts_the_reads_until_the_next_change():
     text = show_why.text(why(by_hand(*ROWS), "I2CSTR.RRDY@500ns")).splitlines()
     assert text[0] == "dsp.I2C-A.I2CSTR.RRDY at 0.000500 ms: 1 since 0.000333 ms, 166.667 ns (25 cycles) before"
     assert text[text.index("forward:") + 1 :][:5] == [
@@ -208,7 +208,7 @@ def test_why_counts_the_reads_up_to_the_next_change():
     assert "  1 recorded read that looked at it before the end of the run\n  it did not change again\n" in once
 
 
-def test_why_as_json_tells_each_step_with_its_distance():
+def test_why_as_json_has_the_distance_of_each_step():
     found = show_why.as_json(why(by_hand(*ROWS), "I2CSTR.RRDY@50us"))
     back = [(step["record"], step["cycles_from_value"], step["cause_of"], step["aside"]) for step in found["back"]]
     first, cause, *_ = found["back"]
@@ -217,7 +217,7 @@ def test_why_as_json_tells_each_step_with_its_distance():
     assert back == [
         (6, 0, None, False),
         (5, 0, 6, False),
-        (3, -2, 5, True),  # the read of the read-modify-write, and RRDY as it saw it
+        (3, -2, 5, True),  # the read of the read-modify-write, and the change of RRDY that it saw
         (1, -52, 3, True),
         (2, -22, 5, False),
         (1, -52, 2, False),

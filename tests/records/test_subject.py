@@ -1,4 +1,4 @@
-"""Names and times of questions: the register maps of a recording, what a name means, and what is said of bad names."""
+"""Names and times in questions: register maps of a recording, the meaning of a name, and messages about bad names."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def refused(run: Run, question: str) -> str:
     return refusal(NotInRun, asked, run, question)
 
 
-def test_the_nearest_way_to_write_a_name_goes_first():
-    """As it stands; its last part; then both without hyphens and case."""
+def test_the_closest_spelling_of_a_name_is_preferred():
+    """A name is compared exactly, then by its last part, then both without regard to hyphens and case."""
     run = by_hand(span(1, "model"), span(2, "MODEL"), span(3, "Deep.model"), edge(4, 0, "c"), span(5, "scl"))
     for name, meant in (
         ("dsp.model", "dsp.model"),
@@ -47,7 +47,7 @@ def test_the_nearest_way_to_write_a_name_goes_first():
 
 
 @pytest.mark.parametrize(("count", "more"), [(2, ""), (8, ""), (9, ", ...")])
-def test_of_many_that_are_meant_eight_are_told(count: int, more: str):
+def test_at_most_eight_of_many_candidates_are_listed(count: int, more: str):
     run = by_hand(*(span(n + 1, f"s{n}.x") for n in range(count)))
     names = ", ".join(f"dsp.s{n}.x" for n in range(min(count, 8)))
     assert refused(run, "x@1us") == f"the run: 'x' may mean {names}{more}; give one of them"
@@ -83,13 +83,13 @@ def test_what_is_not_there_is_told_with_the_nearest(question: str, said: str):
     assert refused(by_hand(edge(10, 0, "c")), question) == said
 
 
-def test_without_wires_it_says_so():
+def test_the_message_of_a_run_without_wires_says_none():
     assert refused(by_hand(flag(1, "SCD", 1)), "qqqqqqq@1us").endswith(
         "fields of dsp.I2C-A, dsp.SYS, dsp.PIE; wires none"
     )
 
 
-def test_the_first_and_the_last_tick_belong_to_the_run():
+def test_the_first_and_the_last_tick_are_part_of_the_run():
     run = by_hand(edge(10, 0, "c"), end=15)  # 100 ns
     assert [asked(run, f"SCL@{time}")[1] for time in ("0 ns", "100 ns")] == [0, 15 * CYCLE]
     assert "outside the run" in refused(run, "SCL@100.334 ns") and "outside the run" in refused(run, "SCL@-0.1 ns")
@@ -98,7 +98,7 @@ def test_the_first_and_the_last_tick_belong_to_the_run():
 @pytest.mark.parametrize(
     ("time", "tick"),
     [
-        ("80 ns", 240),  # no change is near enough to be shown as this
+        ("80 ns", 240),  # no change would be written as this time
         ("66 ns", 198),
         ("66.7 ns", 200),  # 66 2/3 ns
         ("66.6 ns", 199),
@@ -106,38 +106,38 @@ def test_the_first_and_the_last_tick_belong_to_the_run():
         ("0.067us", 200),
         ("0.0000667 ms", 200),
         ("0.07us", 200),
-        ("0.1us", 200),  # both are shown so: the earlier one
+        ("0.1us", 200),  # both changes would be written so: the earlier one is chosen
         ("133.3 ns", 400),
-        ("100 ns", 300),  # between two changes, near none
+        ("100 ns", 300),  # between the two changes
         ("6_7 ns", 200),
         (" 67 ns ", 200),
     ],
 )
-def test_a_time_is_that_of_the_change_that_is_shown_so(time: str, tick: int):
-    """Changes at 66 2/3 and 133 1/3 ns."""
+def test_a_rounded_time_means_the_change_that_is_written_so(time: str, tick: int):
+    """The changes are at 66 2/3 and 133 1/3 ns."""
     assert asked(by_hand(edge(10, 0, "c"), edge(20, 1, "")), f"SCL@{time}")[1] == tick
 
 
-def test_of_two_changes_around_a_time_the_nearer_one_is_meant():
+def test_a_rounded_time_means_the_nearer_of_two_changes():
     run = by_hand(flag(1499, "SCD", 1), flag(1501, "SCD", 0))  # 9.99333 and 10.00667 us
     assert asked(run, "I2CSTR.SCD@9.99 us")[1] == 1499 * CYCLE
     assert asked(run, "I2CSTR.SCD@10.01 us")[1] == 1501 * CYCLE
 
 
 @pytest.mark.parametrize(("cycle", "meant"), [(36, True), (38, False)])
-def test_a_change_is_meant_up_to_half_of_the_last_digit(cycle: int, meant: bool):
-    """At 240 and 253 1/3 ns; 0.2 us is written for 150 to 250 ns."""
+def test_a_rounded_time_means_a_change_within_half_of_the_last_digit(cycle: int, meant: bool):
+    """The change is at 240 or 253 1/3 ns. 0.2 us is the rounded value of 150 to 250 ns."""
     assert asked(by_hand(flag(cycle, "SCD", 1)), "I2CSTR.SCD@0.2us")[1] == (cycle * CYCLE if meant else 600)
 
 
-def test_a_microsecond_is_the_coarsest_digit_that_may_mean_a_change():
+def test_times_are_rounded_to_a_microsecond_at_most():
     run = by_hand(flag(1499, "SCD", 1))
     assert asked(run, "I2CSTR.SCD@10 us")[1] == 1499 * CYCLE
     late = by_hand(flag(1520, "SCD", 1))
-    assert asked(late, "I2CSTR.SCD@0.01 ms")[1] == 30_000  # its last digit counts 10 us
+    assert asked(late, "I2CSTR.SCD@0.01 ms")[1] == 30_000  # the last digit is 10 us
 
 
-def test_every_thing_of_a_run_can_be_asked_for_once():
+def test_the_subjects_of_a_run_are_listed_once():
     run = by_hand(edge(1, 0, "c"), span(2, "model"), edge(3, 1, ""), span(4, "model", 0), edge(5, 0, "c"))
     found = [one for one in subjects(run) if one.kind is not Kind.FLAG]
     assert [(one.kind, one.name, one.unit, one.where, one.what) for one in found] == [
@@ -173,7 +173,7 @@ def test_registers_with_flags_of_hardware_and_fields_that_writing_1_clears(
     assert {name: names for name, names in fields.items() if names} == cleared
 
 
-def test_other_modules_and_registers_are_not_known():
+def test_other_modules_and_registers_are_unknown():
     assert [registers_of(module) for module in ("EPWM1", "", "SYSX", "I2")] == [None] * 4
     assert [register_of(*name) for name in (("EPWM1", "TBPRD"), ("I2C-A", "SCICCR"))] == [None] * 2
 
@@ -185,7 +185,7 @@ def access(unit: str, what: str) -> tuple[Any, ...]:
 @pytest.mark.parametrize(
     ("name", "found"),
     [
-        (None, ["one W I2CSTR", "one R I2CSTR", "two R I2CSTR"]),  # of status registers
+        (None, ["one W I2CSTR", "one R I2CSTR", "two R I2CSTR"]),  # all status registers
         ("I2C-A.I2CSTR", ["one W I2CSTR", "one R I2CSTR", "two R I2CSTR"]),
         ("two.i2ca.i2cstr", ["two R I2CSTR"]),
         ("one.I2C-A.I2CSTR.scd", ["one W I2CSTR SCD", "one R I2CSTR SCD"]),
@@ -197,8 +197,10 @@ def test_a_name_means_a_register_of_all_units_or_of_one_or_a_field(name: str | N
     run = by_hand(
         *(access("one", what) for what in accesses), access("two", accesses[1]), access("two", "W I2C-A.I2CCNT")
     )
-    told = [(group.unit, group.way, group.register.name, *([f.name] if f else [])) for group, f in groups_of(run, name)]
-    assert [" ".join(one) for one in told] == found
+    found_groups = [
+        (group.unit, group.way, group.register.name, *([f.name] if f else [])) for group, f in groups_of(run, name)
+    ]
+    assert [" ".join(one) for one in found_groups] == found
 
 
 @pytest.mark.parametrize(
@@ -210,7 +212,7 @@ def test_a_name_means_a_register_of_all_units_or_of_one_or_a_field(name: str | N
         ("dsp.I2C-A.I2CSTR.SCDD", "dsp.I2C-A.I2CSTR"),
     ],
 )
-def test_what_was_never_accessed_is_told_with_the_nearest_written_as_long(name: str, nearest: str):
+def test_a_register_that_was_never_accessed_is_rejected_with_the_closest_name_in_the_same_form(name: str, nearest: str):
     said = refusal(NotInRun, groups_of, by_hand(access("dsp", "R I2C-A.I2CSTR")), name)
     assert said.startswith(f"the run: the firmware never accessed {name!r}; ")
     assert nearest in said

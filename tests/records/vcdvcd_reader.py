@@ -1,4 +1,4 @@
-"""vcdvcd's reader, without what importing it does to the process: every closed pipe would end it, without a word."""
+"""vcdvcd's reader. Its import sets SIGPIPE to end the process silently; this module restores the handler."""
 
 from __future__ import annotations
 

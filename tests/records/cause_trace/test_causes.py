@@ -1,5 +1,6 @@
-"""What a record came of: the last change of what was looked at, read-modify-writes, service routines that held the
-firmware up, and who holds a line."""
+"""Causes of a record: the last change of the field that was read, read-modify-writes, service routines that delayed the
+firmware, and the parties that hold a line low.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +23,12 @@ SDIR, XRDY, RRDY, SCD, NACK = 0x4000, 0x0010, 0x0008, 0x0020, 0x0002
 
 
 def count(cycle: int, place: str = "f:9", routine: int = 0) -> tuple[Any, ...]:
-    """I2CCNT written."""
+    """A write of I2CCNT."""
     return cycle, Kind.ACCESS, "dsp", f"W {CNT}", 6, place, routine
 
 
 def counted(cycle: int, cause: int) -> tuple[Any, ...]:
-    """The change that a write of I2CCNT made."""
+    """The change of I2CCNT that the write with the number `cause` made."""
     return cycle, Kind.FLAG, "dsp.I2C-A", "I2CCNT.ICDC", 6, "", cause
 
 
@@ -36,40 +37,40 @@ def irq(cycle: int, value: int, cause: int = 0) -> tuple[Any, ...]:
 
 
 def walk(*rows: tuple[Any, ...]) -> list[Link]:
-    """Back from the last row."""
+    """Walk back from the last of these records to its causes."""
     run = by_hand(*rows)
     return list(walk_back(run, len(rows) - 1, 8))
 
 
 def numbers(steps: list[Link]) -> list[str]:
-    """The records of a walk, those beside it in brackets."""
+    """Numbers of the records of a walk; records shown aside are in parentheses."""
     return [f"({step.record.number})" if step.aside else str(step.record.number) for step in steps]
 
 
-# By hand -------------------------------------------------------------------------
+# Hand-made records -------------------------------------------------------------------------
 
 
-def test_a_read_comes_of_the_last_change_of_the_field_that_it_looked_at():
-    """1 SCD rises long ago, 2 XRDY rises, 3 BB rises; a look at each field, and one at the whole register."""
+def test_the_cause_of_a_read_is_the_last_change_of_the_field_that_it_names():
+    """Record 1 sets SCD long before, 2 sets XRDY, 3 sets BB. Then each field is read, and the whole register."""
     changes = flag(10, "SCD", 1), flag(500, "XRDY", 1), flag(600, "BB", 1)
     for field, cause in (("SCD", 1), ("XRDY", 2), ("BB", 3), ("", 3)):
         steps = walk(*changes, read(610, 0x1030, field), count(620), counted(620, 5))
         assert numbers(steps) == ["6", "5", "4", str(cause)], field
 
 
-def test_a_flag_that_the_first_read_modify_write_gave_back_came_of_what_its_read_saw():
-    """Meant for NACK; SCD, which the read saw set, is written back as 1 and cleared."""
+def test_the_cause_of_a_flag_cleared_by_a_read_modify_write_is_the_change_that_its_read_saw():
+    """The firmware clears NACK. SCD was read as 1, so it is written back as 1 and cleared."""
     steps = walk(flag(5, "SCD", 1), read(10, SCD, "NACK"), write(12, SCD | NACK, "NACK"), flag(12, "SCD", 0, 3))
     assert numbers(steps) == ["4", "3", "(2)", "1"]
 
 
-def test_a_change_after_the_read_or_before_the_reset_value_is_no_cause():
+def test_a_change_after_the_read_is_not_a_cause():
     steps = walk(read(100, 0, "SCD"), flag(101, "SCD", 1), count(110), counted(110, 3))
     assert numbers(steps) == ["4", "3", "1"]
 
 
-def test_a_write_comes_of_the_look_that_saw_the_newest_change_and_a_later_look_is_told_beside_it():
-    """The wait ends by SCD; NACK, which rose before, is looked at on the way to the write."""
+def test_the_cause_of_a_write_is_the_read_that_saw_the_newest_change_and_a_later_read_is_aside():
+    """The wait ends because SCD is set. NACK, which was set before, is read between the wait and the write."""
     steps = walk(
         flag(100, "NACK", 1),
         flag(200, "SCD", 1),
@@ -82,14 +83,14 @@ def test_a_write_comes_of_the_look_that_saw_the_newest_change_and_a_later_look_i
     assert steps[3].of == steps[2].row
 
 
-def test_a_look_in_another_routine_is_no_cause_and_one_of_its_own_is_however_long_ago():
+def test_only_a_read_in_the_same_routine_is_a_cause_however_old_it_is():
     before = flag(100, "SCD", 1), read(110, SCD, "SCD"), irq(120, 1), read(125, SCD, "SCD", "sci:8", 3), irq(130, 0, 3)
     assert numbers(walk(*before, count(140), counted(140, 6)))[:4] == ["7", "6", "(5)", "2"]
     assert numbers(walk(*before, count(2000), counted(2000, 6))) == ["7", "6", "(5)", "2", "1"]
 
 
-def test_a_read_modify_writes_own_read_and_the_flag_that_it_handed_back_stand_beside():
-    """SDIR rises, SCD = 1 is a read-modify-write: SDIR was read as 1, so 1 is written, which clears it."""
+def test_the_read_of_a_read_modify_write_and_the_flag_that_it_wrote_back_are_aside():
+    """SDIR is set before the read-modify-write `SCD = 1`. SDIR is read as 1, so 1 is written back, which clears it."""
     rows = (
         flag(100, "RRDY", 1),
         read(110, RRDY, "RRDY", "wait:3"),
@@ -108,8 +109,8 @@ def test_a_read_modify_writes_own_read_and_the_flag_that_it_handed_back_stand_be
     assert (lost.lost, [flag.flag for flag in lost.modifies[0].flags if flag.unseen]) == (1, ["SDIR"])
 
 
-def test_the_read_of_a_read_modify_write_is_no_look():
-    """What IRS was when TRX was written 5 ms later says nothing about the write."""
+def test_the_read_of_a_read_modify_write_is_not_a_cause_of_its_write():
+    """IRS, set long before, is also read when TRX is written, but that does not explain the write."""
     mode = (90, Kind.FLAG, "dsp.I2C-A", "I2CMDR.IRS", 1, "", 0)
     modify = [
         (120 + n, Kind.ACCESS, "dsp", f"{way} I2C-A.I2CMDR", 0x20, "f:5", 0, "TRX") for n, way in ((0, "R"), (2, "W"))
@@ -119,14 +120,14 @@ def test_the_read_of_a_read_modify_write_is_no_look():
     assert numbers(walk(mode, *modify, (122, Kind.FLAG, "dsp.I2C-A", "I2CMDR.TRX", 1, "", 3))) == ["4", "3", "(2)"]
 
 
-def test_a_write_that_lands_behind_another_access_still_finds_its_read():
-    """The CPU goes on while a posted write is under way."""
+def test_the_read_of_a_posted_write_is_found_when_another_access_is_between_them():
+    """The CPU continues while a posted write is in progress."""
     other = 121, Kind.ACCESS, "dsp", "R SYS.PCLKCR0", 0, "f:2", 0
     steps = walk(read(120, 0, "SCD"), other, write(122, SCD, "SCD"), flag(122, "SCD", 0, 3))
     assert numbers(steps)[:3] == ["4", "3", "(1)"]
 
 
-def test_a_service_routine_that_ended_between_the_flag_and_the_look_held_it_up():
+def test_a_service_routine_that_ended_between_flag_and_read_delayed_the_read():
     steps = walk(
         flag(100, "RRDY", 1),
         irq(90, 1),
@@ -139,14 +140,14 @@ def test_a_service_routine_that_ended_between_the_flag_and_the_look_held_it_up()
     assert steps[3].because == "held the firmware up for 200 us (30000 cycles)" and steps[3].of == steps[2].row
 
 
-def test_the_time_of_a_service_routine_is_not_that_of_the_routine_that_it_interrupted():
-    """Between look and write lie 2000 cycles, of which a service routine took 1900."""
+def test_a_service_routine_between_read_and_write_is_aside():
+    """The service routine takes 1900 of the 2000 cycles between read and write."""
     flags = flag(90, "SCD", 1), read(100, SCD, "SCD")
     steps = walk(*flags, irq(150, 1), irq(2050, 0, 3), count(2100), counted(2100, 5))
     assert numbers(steps) == ["6", "5", "(4)", "2", "1"]
 
 
-def test_a_nested_service_routine_holds_up_the_one_that_it_interrupted_and_nobody_else():
+def test_a_nested_service_routine_delays_only_the_routine_that_it_interrupted():
     outer = 100, Kind.IRQ, "dsp", "TINT0", 1, "timer:1", 0
     ended = 900, Kind.IRQ, "dsp", "TINT0", 0, "", 2
     inner = flag(90, "SCD", 1), outer, irq(110, 1, 2), irq(600, 0, 3), read(700, SCD, "SCD", "timer:5", 2)
@@ -155,7 +156,7 @@ def test_a_nested_service_routine_holds_up_the_one_that_it_interrupted_and_nobod
     assert numbers(steps) == ["9", "8", "7", "(6)", "1"]
 
 
-def test_of_many_service_routines_the_longest_are_told():
+def test_of_many_service_routines_the_three_longest_are_aside():
     lengths = 30, 50, 10, 40, 20
     rows, at = [flag(10, "SCD", 1)], 20
     for length in lengths:
@@ -165,36 +166,36 @@ def test_of_many_service_routines_the_longest_are_told():
     assert numbers(steps) == ["14", "13", "12", "(9)", "(5)", "(3)", "1"]
 
 
-def test_a_flag_that_was_read_as_0_was_not_handed_back():
-    """RRDY falls with the write of SCD by what it does to the module, though it was read, and written, as 0."""
+def test_a_flag_that_was_read_as_0_was_not_written_back():
+    """RRDY was read and written as 0. The write of SCD clears it only by its effect on the module."""
     steps = walk(flag(50, "RRDY", 1), read(120, 0, "SCD"), write(122, SCD, "SCD"), flag(122, "RRDY", 0, 3))
     assert numbers(steps) == ["4", "3", "(2)"]
 
 
-def test_looks_at_two_fields_at_one_place_are_two():
-    """`NACK or SCD`: the pass that ended the wait looked at NACK and then at SCD; NACK's change is the newer one."""
+def test_reads_of_two_fields_at_one_place_are_distinguished():
+    """`NACK or SCD`: the last pass of the wait reads NACK and then SCD. The change of NACK is the newer one."""
     changes = flag(50, "SCD", 1), flag(60, "NACK", 1)
     steps = walk(*changes, read(70, NACK, "NACK"), read(75, SCD, "SCD"), count(80), counted(80, 5))
     assert numbers(steps) == ["6", "5", "(4)", "(1)", "3", "2"]
 
 
-def test_a_look_at_a_register_that_is_not_known_came_of_nothing():
+def test_a_read_of_an_unknown_register_has_no_cause():
     look = 70, Kind.ACCESS, "dsp", "R I2C-A.I2CNEW", 0, "f:1", 0
     assert numbers(walk(flag(50, "SCD", 1), look, count(80), counted(80, 3))) == ["4", "3", "2"]
 
 
-def test_a_read_modify_write_of_a_register_that_is_not_known_hands_nothing_back():
+def test_a_read_modify_write_of_an_unknown_register_writes_no_flag_back():
     modify = [(70 + n, Kind.ACCESS, "dsp", f"{way} I2C-A.I2CNEW", 0, "f:1", 0) for n, way in ((0, "R"), (2, "W"))]
     assert numbers(walk(flag(50, "SCD", 1), *modify, flag(72, "SCD", 0, 3))) == ["4", "3", "(2)"]
 
 
-def test_a_service_routine_that_ended_before_the_flag_held_nothing_up():
+def test_a_service_routine_that_ended_before_the_flag_delayed_nothing():
     steps = walk(irq(10, 1), irq(90, 0, 1), flag(100, "RRDY", 1), read(110, RRDY, "RRDY"), count(120), counted(120, 5))
     assert numbers(steps) == ["6", "5", "4", "3"]
 
 
-def test_a_service_routine_is_not_held_up_by_itself_and_its_entry_is_a_step():
-    """The flag rises, the interrupt is entered, the routine looks at the flag and writes."""
+def test_a_service_routine_does_not_delay_itself_and_its_entry_is_aside():
+    """The flag is set, the interrupt is entered, the routine reads the flag and writes."""
     steps = walk(
         flag(100, "RRDY", 1),
         irq(110, 1),
@@ -205,8 +206,8 @@ def test_a_service_routine_is_not_held_up_by_itself_and_its_entry_is_a_step():
     assert numbers(steps) == ["5", "4", "3", "(2)", "1"]
 
 
-def test_an_access_that_follows_no_look_comes_of_the_entry_of_its_service_routine():
-    """A write; and one of a read-modify-write, whose own read is told beside; a read of a field that never changed."""
+def test_the_cause_of_an_access_without_an_earlier_read_is_the_entry_of_its_service_routine():
+    """The access is a write, a read-modify-write, whose read is aside, or a read of a field that never changed."""
     assert numbers(walk(irq(110, 1), count(130, "sci:9", 1), counted(130, 2))) == ["3", "2", "1"]
     modify = read(120, 0, "SCD", "sci:8", 1), write(122, SCD, "SCD", "sci:8", 1)
     assert numbers(walk(irq(110, 1), *modify, flag(122, "SCD", 0, 3))) == ["4", "3", "(2)", "1"]
@@ -214,27 +215,30 @@ def test_an_access_that_follows_no_look_comes_of_the_entry_of_its_service_routin
     assert numbers(walk(irq(110, 1), look, count(130, "sci:9", 1), counted(130, 3))) == ["4", "3", "2", "1"]
 
 
-def test_a_nested_interrupt_comes_of_its_own_request():
+def test_the_cause_of_a_nested_interrupt_is_its_own_request():
     asked = 105, Kind.FLAG, "dsp.PIE", "PIEIFR9.INTx1", 1, "", 0
     outer = 100, Kind.IRQ, "dsp", "TINT0", 1, "timer:1", 0
     steps = walk(outer, asked, irq(120, 1, 1))
     assert numbers(steps) == ["3", "2"]
 
 
-def test_a_cause_at_the_first_row_is_found_and_the_walk_ends_there():
+def test_a_cause_in_the_first_row_is_found_and_the_walk_ends_there():
     run = by_hand(flag(1, "SCD", 1), read(2, SCD, "SCD"), count(3), counted(3, 3))
     for depth in (3, 8, 1000):
         assert numbers(list(walk_back(run, 3, depth))) == ["4", "3", "2", "1"]
     assert why(run, "I2CCNT.ICDC@1us").back[-1].row == 0
 
 
-def test_the_end_of_an_interrupt_comes_of_its_begin():
+def test_the_cause_of_the_end_of_an_interrupt_is_its_entry():
     steps = walk(irq(10, 1), irq(20, 0, 1))
     assert [(step.record.number, step.known, step.because) for step in steps] == [
         (2, "", ""),
         (1, "recorded", "caused it"),
     ]
-    assert numbers(walk(irq(10, 1), (20, Kind.IRQ, "dsp", "USER1", 1, "", 1))) == ["2", "1"]  # no line of the PIE
+    assert numbers(walk(irq(10, 1), (20, Kind.IRQ, "dsp", "USER1", 1, "", 1))) == [
+        "2",
+        "1",
+    ]  # not an interrupt of the PIE
 
 
 def asked(cycle: int, line: str, value: int = 1, cause: int = 0) -> tuple[Any, ...]:
@@ -250,7 +254,11 @@ def module(cycle: int, where: str, what: str, value: int = 1) -> tuple[Any, ...]
     [
         ("9.INTx1", [module(100, "SCI-A", "SCIFFRX.RXFFINT")], 1),
         ("9.INTx1", [module(100, "SCI-A", "SCIRXST.RXRDY"), module(99, "SCI-A", "SCICTL2.TXRDY")], 1),
-        ("9.INTx1", [module(90, "SCI-A", "SCIFFRX.RXFFINT"), module(100, "SCI-A", "SCIFFRX.RXFFIENA")], 2),  # the last
+        (
+            "9.INTx1",
+            [module(90, "SCI-A", "SCIFFRX.RXFFINT"), module(100, "SCI-A", "SCIFFRX.RXFFIENA")],
+            2,
+        ),  # the latest one
         ("9.INTx1", [module(100, "SCI-A", "SCIFFRX.RXFFINT", 0)], None),
         ("9.INTx1", [module(100, "SCI-B", "SCIFFRX.RXFFINT")], None),
         ("9.INTx3", [module(100, "SCI-B", "SCIFFRX.RXFFINT")], 1),
@@ -261,11 +269,11 @@ def module(cycle: int, where: str, what: str, value: int = 1) -> tuple[Any, ...]
         ("12.INTx8", [module(100, "SCI-A", "SCIFFRX.RXFFINT")], None),
     ],
 )
-def test_a_flag_of_the_pie_comes_of_the_field_that_asked_last(line: str, before: list[Any], cause: int | None):
+def test_the_cause_of_a_pie_flag_is_the_latest_field_that_requested_it(line: str, before: list[Any], cause: int | None):
     assert numbers(walk(*before, asked(102, line))) == [str(len(before) + 1), *([str(cause)] if cause else [])]
 
 
-def test_a_flag_of_the_pie_that_falls_or_a_register_of_another_name_comes_of_what_it_names():
+def test_the_cause_of_a_cleared_pie_flag_or_of_another_register_is_the_recorded_one():
     rose = module(100, "SCI-A", "SCIFFRX.RXFFINT")
     assert numbers(walk(irq(1, 1), rose, asked(102, "9.INTx1", 0, 1))) == ["3", "1"]
     assert numbers(walk(irq(1, 1), rose, module(102, "PIE", "PIECTRL.ENPIE"))) == ["3"]
@@ -279,7 +287,7 @@ def test_a_flag_of_the_pie_that_falls_or_a_register_of_another_name_comes_of_wha
         (4, ["5", "4", "3", "1"], "no record of a cause of it"),
     ],
 )
-def test_a_walk_ends_after_as_many_causes_as_were_asked_for(depth: int, records: list[str], end: str):
+def test_a_walk_ends_after_the_requested_number_of_causes(depth: int, records: list[str], end: str):
     run = by_hand(flag(1, "SCD", 1), flag(2, "BB", 1), read(3, SCD, "SCD"), count(4), counted(4, 4))
     steps = list(walk_back(run, 4, depth))
     assert (numbers(steps), end_of_walk(run, steps, depth)) == (records, end)
@@ -291,7 +299,7 @@ def test_a_record_that_names_itself_or_a_later_one_has_no_cause():
     assert numbers(list(walk_back(by_hand(flag(1, "SCD", 1, 2), flag(2, "SCD", 0, 1)), 0, 8))) == ["1"]
 
 
-# Lines -----------------------------------------------------------------------------
+# Wires -----------------------------------------------------------------------------
 
 
 def edge(cycle: int, level: int, who: str, cause: int = 0) -> tuple[Any, ...]:
@@ -319,7 +327,9 @@ LOW = (
         (50, "dsp.SCLA", ["4", "3", "2", "1"]),
     ],
 )
-def test_who_holds_a_line_now_beside_who_pulled_it_first(cycle: int, held: str, records: list[str]):
+def test_an_answer_has_the_parties_that_hold_a_line_and_the_one_that_pulled_it_first(
+    cycle: int, held: str, records: list[str]
+):
     answer = why(by_hand(*LOW), f"SCL@{cycle * CYCLE // 3} ns")
     assert (answer.since, " and ".join(answer.held_by), answer.pulled_by) == (10 * CYCLE, held, ("controller",))
     assert numbers(list(answer.back)) == records
@@ -328,29 +338,29 @@ def test_who_holds_a_line_now_beside_who_pulled_it_first(cycle: int, held: str, 
     assert as_json(answer)["held_by"] == held.split(" and ")
 
 
-def test_a_line_is_held_by_who_pulled_it_first_though_another_came_and_went():
+def test_the_first_party_holds_a_line_after_a_second_one_released_it():
     both = hold(20, "dsp.SCLA, controller", 2)
     answer = why(by_hand(*LOW[:2], both, hold(30, "controller"), edge(90, 1, "")), f"SCL@{50 * CYCLE // 3} ns")
     assert numbers(list(answer.back)) == ["4", "2", "1"]
 
 
-def test_a_line_is_released_by_who_held_it_last():
+def test_a_line_is_released_by_the_party_that_held_it_last():
     answer = why(by_hand(*LOW), "SCL@900ns")
     assert "SCL rises, released by dsp.SCLA" in text(answer) and answer.held_by == ()
 
 
-# Whole cases -----------------------------------------------------------------------
+# Recorded cases -----------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
 def hang() -> Run:
-    """A frame of the host ends in a read and its routine takes 200 us: SCD = 1 clears SDIR, which nobody had seen."""
+    """A frame of the host ends during a read, and its routine takes 200 us. Then `SCD = 1` clears the unread SDIR."""
     changes = ["unit.dsp.settings.frame_cost=200 us", "host.first=4 ms", "controller.first=5 ms"]
     return recorded(load(TIMING / "imu_hil_published.toml", changes), "0.012")
 
 
-def test_the_chain_of_a_stop_goes_to_the_transfer_that_it_ended():
-    """SCD falls with IRS = 0, for which the firmware had waited till SCD rose: not the SCD of an earlier transfer."""
+def test_the_chain_of_a_cleared_scd_leads_to_the_stop_of_the_same_transfer():
+    """The firmware waits for SCD and clears it by IRS = 0. The chain does not lead to the SCD of another transfer."""
     run = recorded(load(TIMING / "imu_hil_no_sdir.toml", []), "0.03")
     falls = run.rows(Kind.FLAG, "dsp.I2C-A", "I2CSTR.SCD")
     falls = falls[run.table.value[falls] == 0]
@@ -366,7 +376,7 @@ def test_the_chain_of_a_stop_goes_to_the_transfer_that_it_ended():
     assert len(near) == 4 and all(models < cycles < models + 100 for cycles in behind if cycles not in near)
 
 
-def test_a_flag_wiped_unseen_is_explained_by_its_read_modify_write_and_the_routine_that_made_it_late(hang: Run):
+def test_a_flag_cleared_unread_is_explained_by_the_read_modify_write_and_the_service_routine_before_it(hang: Run):
     answer = why(hang, "I2C-A.I2CSTR.SDIR@6ms")
     words = [happened(step.record) for step in answer.back]
     assert words[0] == "I2C-A.I2CSTR.SDIR cleared"
@@ -378,13 +388,13 @@ def test_a_flag_wiped_unseen_is_explained_by_its_read_modify_write_and_the_routi
     assert "I2CMDR.IRS" not in " ".join(words)
 
 
-def test_races_tells_a_flag_wiped_unseen(hang: Run):
+def test_races_reports_a_flag_cleared_unread(hang: Run):
     (modify,) = races(hang, "I2C-A.I2CSTR").modifies
     assert (modify.meant, modify.lost) == (("SCD",), 1)
     assert [(flag.flag, flag.along, flag.unseen) for flag in modify.flags] == [("SDIR", 1, 1), ("RRDY", 1, 0)]
 
 
-def test_who_hangs_the_bus(hang: Run):
+def test_why_names_the_party_that_blocks_the_bus(hang: Run):
     answer = why(hang, "SCL@11ms")
     assert (answer.pulled_by, answer.held_by) == (("controller",), ("dsp.GPIO33",))
     assert answer.back[0].record.tick > answer.since

@@ -1,4 +1,4 @@
-"""An answer whole: as lines for a person, each record with its distance and how it is known, and as JSON."""
+"""Complete answers to `why`: as text, each record with its distance and how it is known, and as JSON."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from periph_sim.records.run import Run
 from tests.records.cause_trace.test_causes import count, counted, edge, flag, read
 from tests.records.scenes import CYCLE, by_hand
 
-SET, READ, WRITTEN, CHANGED, READ_NEXT, CHANGED_NEXT = range(1, 7)  # records by their numbers
-NOTE = paragraph(SKIPPED)  # the last lines
+SET, READ, WRITTEN, CHANGED, READ_NEXT, CHANGED_NEXT = range(1, 7)  # numbers of the records
+NOTE = paragraph(SKIPPED)  # the last lines of an answer
 TABLE_10, TABLE_18 = "[SPRUG03B table 10]", "[SPRUG03B table 18]"
 
 
 @pytest.fixture
 def run() -> Run:
-    """SCD rises, is read, I2CCNT is written; the firmware reads it back, and a byte later it counts down."""
+    """SCD is set and read, and I2CCNT is written. The firmware reads it back, and after a byte it counts down."""
     return by_hand(
         flag(1000, "SCD", 1),
         read(1015, 0x20, "SCD"),
@@ -30,7 +30,7 @@ def run() -> Run:
     )
 
 
-def test_an_answer_as_lines(run: Run):
+def test_an_answer_as_text(run: Run):
     assert text(why(run, "ICDC@7.22us")).splitlines() == [
         "dsp.I2C-A.I2CCNT.ICDC at 0.007220 ms: 6 since 0.006887 ms, 333.333 ns (50 cycles) before",
         f"  ICDC, R/W: Bytes to move; 0 is 65536. {TABLE_18}",
@@ -67,14 +67,14 @@ def test_an_answer_as_lines(run: Run):
         ("I2CMDR.IRS@7us", "no recorded reads"),
     ],
 )
-def test_the_end_of_an_answer_counts_the_reads(question: str, reads: str):
+def test_the_end_of_an_answer_has_the_number_of_reads(question: str, reads: str):
     run = by_hand(flag(1000, "BB", 1), flag(1000, "SCD", 1), read(1010, 0x1020, "SCD"), read(1020, 0x1020, ""))
     said = text(why(run, question)).splitlines()
     last = f"  {reads} that looked at it before the end of the run"
     assert said[-4:] == [last, "  it did not change again", *NOTE]
 
 
-def test_an_answer_about_a_wire_knows_no_reads_and_tells_who_let_go():
+def test_an_answer_about_a_wire_has_no_reads_and_names_the_party_that_released_it():
     run = by_hand(edge(10, 0, "controller"), edge(20, 1, ""))
     low, high = (text(why(run, f"SCL@{time}")).splitlines() for time in ("0.1us", "0.2us"))
     assert low[3:] == [
@@ -91,7 +91,7 @@ def test_an_answer_about_a_wire_knows_no_reads_and_tells_who_let_go():
     assert high[-1] == "  it did not change again"
 
 
-def test_a_field_without_a_description_has_its_access_and_source():
+def test_a_field_without_a_description_is_shown_with_access_and_source():
     run = by_hand((1000, Kind.FLAG, "dsp.GPIO", "GPADAT.GPIO3", 1, "", 0), modules=("GPIO",))
     assert text(why(run, "GPADAT.GPIO3@7us")).splitlines()[1] == "  GPIO3, R/W [SPRUFB0D Figures 65 to 67]"
 
@@ -118,7 +118,7 @@ def test_the_steps_of_an_answer_as_json(run: Run):
     assert (found["reads_before_change"], found["set_off"]) == (1, [found["next_change"]])
 
 
-def test_nothing_of_a_wire_comes_from_a_register():
+def test_the_json_of_a_wire_has_no_register_entries():
     found = as_json(why(by_hand(edge(10, 0, "controller")), "SCL@0.1us"))
     assert (found["doc"], found["source"], found["next_read"], found["next_change"]) == (None, None, None, None)
     assert (found["pulled_by"], found["held_by"]) == (["controller"], ["controller"])

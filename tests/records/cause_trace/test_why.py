@@ -1,4 +1,4 @@
-"""Answers to `why`: values against a count by hand, causes, effects, names, and bad questions."""
+"""Answers to `why`: values compared with a simple computation, causes, effects, names, and bad questions."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def emulator() -> Run:
     return recorded(load(TIMING / "imu_hil_published.toml", []), "0.004")
 
 
-def test_a_write_is_the_recorded_cause_with_its_place(run: Run):
+def test_the_recorded_cause_of_a_change_is_the_write_with_its_place(run: Run):
     answer = why(run, "I2C-A.I2CMDR.IRS@0.5ms")
     gave, wrote = answer.back[:2]
     assert (answer.value, gave.record.kind, gave.known) == (1, Kind.FLAG, "")
@@ -52,7 +52,7 @@ def test_a_write_is_the_recorded_cause_with_its_place(run: Run):
     assert "0: the module is held in reset. [SPRUG03B table 5]" in text(answer)
 
 
-def test_an_edge_that_a_filter_delays_is_the_recorded_cause_and_the_party_behind_it_is_inferred(run: Run):
+def test_the_recorded_cause_is_the_edge_before_the_filter_and_its_party_is_inferred(run: Run):
     answer = why(run, "BB@1.001ms")
     gave, edge, party = answer.back
     assert (edge.record.where, edge.record.value, edge.known) == ("SDA", 0, "recorded")
@@ -61,7 +61,7 @@ def test_an_edge_that_a_filter_delays_is_the_recorded_cause_and_the_party_behind
     assert "SDA falls, pulled low by controller" in text(answer)
 
 
-def test_behind_a_write_stands_what_the_firmware_read_before_it(run: Run):
+def test_the_cause_of_a_write_is_what_the_firmware_read_before_it(run: Run):
     answer = why(run, "ICDC@2.9ms")
     steps = [(step.record.kind, step.record.what, step.known) for step in answer.back]
     assert steps[:4] == [
@@ -74,7 +74,7 @@ def test_behind_a_write_stands_what_the_firmware_read_before_it(run: Run):
     assert "0x15 since" in text(answer)
 
 
-def test_who_read_it_next_and_when_it_changed_again(run: Run):
+def test_an_answer_has_the_next_read_and_the_next_change(run: Run):
     answer = why(run, "I2CSTR.BB@1.001ms")
     assert answer.reader is not None and answer.changed is not None
     assert 0 <= answer.reader.record.tick - answer.since < 30 * CYCLE
@@ -84,7 +84,7 @@ def test_who_read_it_next_and_when_it_changed_again(run: Run):
     assert free.changed is None and "it did not change again" in text(free)
 
 
-def test_an_interrupt_goes_back_to_the_flag_of_its_module_and_the_edge(emulator: Run):
+def test_the_chain_of_an_interrupt_leads_to_the_flag_of_its_module_and_the_edge(emulator: Run):
     (entered, *_) = [r for r in emulator.table.records(emulator.rows(Kind.IRQ)) if r.value]
     answer = why(emulator, f"{entered.what}@{entered.tick * 10**9 // int(emulator.per_second) + 1}ns")
     kinds = [(step.record.kind, step.record.where) for step in answer.back]
@@ -99,7 +99,7 @@ def test_an_interrupt_goes_back_to_the_flag_of_its_module_and_the_edge(emulator:
     assert read.kind is Kind.ACCESS and "in it" in text(answer)
 
 
-def test_steps_of_registers_name_their_section_of_the_manual_and_no_others_do(run: Run):
+def test_only_steps_of_registers_cite_a_section_of_the_manual(run: Run):
     answer = why(run, "I2C-A.I2CSTR.SCD@2ms")
     told = {step.record.kind: said(run, step) for step in answer.back}
     assert set(told) >= {Kind.FLAG, Kind.EDGE}
@@ -108,7 +108,7 @@ def test_steps_of_registers_name_their_section_of_the_manual_and_no_others_do(ru
 
 
 @given(cycle=st.integers(0, 60), changes=st.lists(st.integers(1, 30), min_size=1, max_size=6))
-def test_the_value_is_that_of_the_last_change(cycle: int, changes: list[int]):
+def test_the_value_is_the_one_of_the_last_change(cycle: int, changes: list[int]):
     at = [sum(changes[: n + 1]) for n in range(len(changes))]
     run = by_hand(*((c, Kind.FLAG, "dsp.I2C-A", "I2CSTR.BB", (n + 1) % 2, "", 0) for n, c in enumerate(at)), end=300)
     answer = why(run, f"BB@{cycle * CYCLE / 3} ns")
@@ -119,13 +119,13 @@ def test_the_value_is_that_of_the_last_change(cycle: int, changes: list[int]):
         assert answer.since == (at[passed[-1]] * CYCLE if passed else 0)
 
 
-def test_as_json_has_the_same_steps(run: Run):
+def test_the_json_has_the_same_steps(run: Run):
     found = as_json(why(run, "I2C-A.I2CMDR.IRS@0.5ms"))
     assert found["value"] == 1 and found["source"] == "SPRUG03B table 5"
     assert [step["kind"] for step in found["back"]][:2] == ["flag", "access"]
 
 
-def test_with_two_units_the_unit_has_to_be_named():
+def test_with_two_units_a_name_without_its_unit_is_ambiguous():
     run = recorded(load(TIMING / "two_dsps.toml", []), "0.001")
     with pytest.raises(NotInRun, match=r"may mean head\.I2C-A\.I2CMDR\.IRS, imu\.I2C-A\.I2CMDR\.IRS; give one"):
         why(run, "I2CA.I2CMDR.IRS@0.9ms")
@@ -140,13 +140,13 @@ def values(run: Run, name: str, *cycles: int) -> list[int | None]:
     return [why(run, f"{name}@{cycle * 20 / 3:.4f} ns").value for cycle in cycles]
 
 
-def test_values_before_at_and_after_changes():
+def test_values_before_at_and_after_a_change():
     run = by_hand(
         edge(10, 0, "c"), flag(20, "SCD", 1), span(30, 1), irq(40, 1), span(50, 0), edge(60, 1, ""), irq(70, 0, 4)
     )
     assert values(run, "SCL", 0, 9, 10, 59, 60, 99) == [1, 1, 0, 0, 1, 1]
     assert values(run, "I2CSTR.SCD", 19, 20, 99) == [0, 1, 1]
-    assert values(run, "I2CSTR.XRDY", 5) == [1]  # as reset leaves it
+    assert values(run, "I2CSTR.XRDY", 5) == [1]  # the value after reset
     assert values(run, "model", 29, 30, 49, 50) == [0, 1, 1, 0]
     assert values(run, "SCIRXINTA", 39, 40, 69, 70) == [0, 1, 1, 0]
     rises = by_hand(edge(10, 1, ""))
@@ -171,7 +171,7 @@ def test_the_first_line_of_an_answer(name: str, at: int, said: str):
     assert text(why(run, f"{name}@{at * 20 / 3:.4f} ns")).splitlines()[0] == said
 
 
-def test_a_span_and_a_wire_have_no_reads_and_end_with_no_note():
+def test_answers_about_spans_and_wires_have_no_note_about_reads():
     run = by_hand(span(30, 1), edge(40, 0, "c"))
     for name in ("model", "SCL"):
         told = text(why(run, f"{name}@1us"))
@@ -182,13 +182,13 @@ def test_a_span_and_a_wire_have_no_reads_and_end_with_no_note():
 
 
 @pytest.mark.parametrize("effects", [0, 1, EFFECTS, EFFECTS + 2])
-def test_what_a_record_set_off_up_to_five(effects: int):
+def test_at_most_five_effects_of_a_record_are_listed(effects: int):
     rows = [flag(11 + n, "SCD", n % 2, 1) for n in range(effects)]
     answer = why(by_hand(edge(10, 0, "c"), *rows, flag(50, "BB", 1, 2)), "SCL@100ns")
     assert [step.record.number for step in answer.effects] == [2 + n for n in range(min(effects, 5))]
 
 
-def test_reads_between_two_changes_that_looked_at_the_field():
+def test_reads_of_the_field_between_two_changes_are_counted():
     rows = [
         read(5, 0, "SCD"),
         flag(10, "SCD", 1),
@@ -207,7 +207,7 @@ def test_reads_between_two_changes_that_looked_at_the_field():
     assert (nobody.reader, nobody.reads, nobody.since, nobody.tick) == (None, 0, 10 * CYCLE, 3000)
 
 
-def test_a_walk_goes_eight_causes_back_unless_said():
+def test_a_walk_has_eight_causes_by_default():
     rows = [flag(n, "SCD", n % 2, n - 1) for n in range(1, 15)]
     assert DEPTH == 8
     assert [len(why(by_hand(*rows), "I2CSTR.SCD@1us", *depth).back) for depth in ((), (0,), (3,), (99,))] == [

@@ -1,4 +1,4 @@
-"""Perfetto's JSON by the rules of the Trace Event Format, and what a short run looks like in it."""
+"""Perfetto's JSON: the rules of the Trace Event Format, and the complete contents for a short run."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def names(events: list[Event], what: str) -> dict[tuple[int, int], str]:
 
 
 def by_track(events: list[Event]) -> dict[tuple[str, str], list[Event]]:
-    """(process, thread) -> its slices and instants, in order of the file."""
+    """Map (process, thread) to its slices and instants, in the order of the file."""
     processes = {pid: name for (pid, _), name in names(events, "process_name").items()}
     threads = names(events, "thread_name")
     found = defaultdict(list)
@@ -38,7 +38,7 @@ def by_track(events: list[Event]) -> dict[tuple[str, str], list[Event]]:
 
 
 @pytest.mark.parametrize("case", ["imu_hil_published", "two_dsps", "responder"])
-def test_a_run_keeps_the_rules_of_the_format(tmp_path: Path, case: str):
+def test_a_run_is_written_by_the_rules_of_the_format(tmp_path: Path, case: str):
     events = events_of(record_case(case, tmp_path / "run.perfetto.json"))
     assert {event["ph"] for event in events} <= set("MBEiC")
     for event in events:
@@ -73,7 +73,7 @@ def test_transfers_have_the_bytes_of_the_bus(tmp_path: Path):
     assert len(begun) - begun.count("0x68 W 0x68 R") > 20
 
 
-def test_what_a_short_run_looks_like(tmp_path: Path):
+def test_the_contents_of_a_short_run(tmp_path: Path):
     rows = [
         (100 * NS, Kind.SPAN, "dsp", "round", 1),
         (100 * NS + 1, Kind.FLAG, "dsp.I2C-A", "I2CSTR.BB", 1),
@@ -107,18 +107,18 @@ def test_what_a_short_run_looks_like(tmp_path: Path):
     }
 
 
-def test_a_stop_without_a_start_is_no_transfer(tmp_path: Path):
+def test_a_stop_without_a_start_makes_no_transfer(tmp_path: Path):
     edges = [("SCL", 0), ("SDA", 0), ("SCL", 1), ("SDA", 1)]
     rows = [(tick * NS, Kind.EDGE, wire, "level", level) for tick, (wire, level) in enumerate(edges, 1)]
     assert not by_track(events_of(written(tmp_path / "run.perfetto.json", *rows, end=10 * NS)))
 
 
-Wires = tuple[str, str]  # SCL and SDA, a character 100 ns
+Wires = tuple[str, str]  # levels of SCL and SDA; a character is 100 ns
 START, AGAIN, STOP = ("---", "--_"), ("_--", "--_"), ("_--", "__-")
 
 
 def bits(value: int, acked: int, count: int = 9) -> Wires:
-    """So many bits of a byte with its acknowledge, each a low and a high phase of SCL."""
+    """The first `count` bits of a byte with its ACK bit, each a low and a high phase of SCL."""
     levels = f"{value:08b}{1 - acked}"[:count]
     return "_-" * count, "".join("_-"[int(level)] * 2 for level in levels)
 
@@ -138,7 +138,7 @@ def bits(value: int, acked: int, count: int = 9) -> Wires:
     ],
 )
 def test_transfers_are_slices_around_their_bytes(tmp_path: Path, parts: list[Wires], shown: str):
-    """The letter and the character of each event, with the name of each slice that begins."""
+    """`shown` has the letter and the position of each event, and the name of each slice that begins."""
     scl, sda = ("".join(column) for column in zip(*parts, strict=True))
     rows = [
         (at * 100 * NS, Kind.EDGE, wire, "level", int(levels[at] == "-"))
@@ -156,7 +156,7 @@ def test_transfers_are_slices_around_their_bytes(tmp_path: Path, parts: list[Wir
     assert (", ".join(map("".join, zip(at, names_of, strict=True))), begun) == (shown, [])
 
 
-def test_a_capture_is_no_run(tmp_path: Path):
+def test_a_capture_cannot_be_written_as_a_run(tmp_path: Path):
     capture = formats.read(Path(__file__).resolve().parents[3] / "traces" / "nack.sr")
     with pytest.raises(formats.BadCapture, match=r"its name: found '\.json', expected one of "):
         formats.write(capture, tmp_path / "x.perfetto.json")

@@ -1,4 +1,4 @@
-"""Recordings: a file appears whole or not at all; records come back from it, and any format can be made from .psr."""
+"""Recordings: files appear complete or not at all, records can be read back, and .psr converts to each other format."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from tests.refusals import refusal
 NS = 3  # ticks
 
 
-ROWS = (  # one of everything
+ROWS = (  # one record of each kind
     (100 * NS, Kind.EDGE, "SDA", "level", 0, "controller"),
     (120 * NS, Kind.BUS, "controller", "START", 0, "gyroscope"),
     (125 * NS, Kind.BUS, "controller", "address", 0x68 << 2 | 2, "gyroscope"),
@@ -44,7 +44,7 @@ def record(path: Path) -> None:
     written(path, *ROWS, end=300 * NS)
 
 
-def test_a_record_names_its_cause(tmp_path: Path):
+def test_a_record_has_the_number_of_its_cause(tmp_path: Path):
     recorder, path = Recorder(), tmp_path / "run.jsonl"
     with recording(path, MODULES) as (subscribe, ended_at):
         subscribe(recorder, Timebase())
@@ -54,7 +54,7 @@ def test_a_record_names_its_cause(tmp_path: Path):
     assert [json.loads(line)[7] for line in path.read_text(encoding="utf-8").splitlines()[1:]] == [0, 1]
 
 
-def test_jsonl_is_one_record_a_line(tmp_path: Path):
+def test_a_jsonl_file_has_one_record_per_line(tmp_path: Path):
     path = tmp_path / "run.jsonl"
     record(path)
     head, *rows = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
@@ -65,8 +65,8 @@ def test_jsonl_is_one_record_a_line(tmp_path: Path):
     assert [row[0] for row in rows] == list(range(1, 13))
 
 
-def test_addresses_and_bytes_are_written_as_people_write_them(tmp_path: Path):
-    """No 0x86 for a read of 0x21, no 0x0 behind a START."""
+def test_addresses_and_bytes_are_written_in_the_usual_notation(tmp_path: Path):
+    """An address is written without its R/W bit, and a START without a value."""
     record(tmp_path / "run.jsonl")
     _, *rows = [json.loads(line) for line in (tmp_path / "run.jsonl").read_text(encoding="utf-8").splitlines()]
     said = [(row[4], row[5]) for row in rows if row[2] in ("bus", "frame")]
@@ -86,7 +86,7 @@ def test_two_equal_runs_give_equal_files(tmp_path: Path, suffix: str):
 
 
 @pytest.mark.parametrize("suffix", sorted(recording_formats()))
-def test_nothing_is_left_behind_when_a_run_fails_midway(tmp_path: Path, suffix: str):
+def test_a_run_that_fails_leaves_no_file(tmp_path: Path, suffix: str):
     recorder = Recorder()
     with (
         pytest.raises(ZeroDivisionError),
@@ -98,7 +98,7 @@ def test_nothing_is_left_behind_when_a_run_fails_midway(tmp_path: Path, suffix: 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_older_recording_survives_a_run_that_fails(tmp_path: Path):
+def test_a_run_that_fails_keeps_an_older_recording(tmp_path: Path):
     path = tmp_path / "run.jsonl"
     path.write_text("older", encoding="utf-8")
     with pytest.raises(KeyboardInterrupt), recording(path, MODULES):
@@ -107,7 +107,7 @@ def test_an_older_recording_survives_a_run_that_fails(tmp_path: Path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_recording_may_be_read_by_whom_the_umask_allows(tmp_path: Path):
+def test_the_permissions_of_a_recording_follow_the_umask(tmp_path: Path):
     path = tmp_path / "run.jsonl"
     outer = os.umask(0o027)
     try:
@@ -129,7 +129,7 @@ def test_a_recording_may_be_read_by_whom_the_umask_allows(tmp_path: Path):
         ("run", "run: no recording is written as ''; it has .fst, .jsonl, .perfetto.json, .psr, .sr, .vcd"),
     ],
 )
-def test_a_place_that_cannot_be_written_is_refused(tmp_path: Path, monkeypatch, name: str, sentence: str):
+def test_a_path_that_cannot_be_written_is_rejected(tmp_path: Path, monkeypatch, name: str, sentence: str):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(BadRecording) as caught, recording(Path(name), MODULES):
         raise AssertionError("nothing may run")
@@ -158,7 +158,7 @@ def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
     yield request.param, record_case(request.param, tmp_path_factory.mktemp("runs") / "run.psr")
 
 
-def test_the_records_are_those_of_the_jsonl_one_by_one(recorded: tuple[str, Path], tmp_path: Path):
+def test_the_records_of_a_psr_file_are_those_of_the_jsonl_file(recorded: tuple[str, Path], tmp_path: Path):
     case, path = recorded
     lines = record_case(case, tmp_path / "run.jsonl").read_text(encoding="utf-8").splitlines()
     table = psr.read_table(path)
@@ -173,7 +173,7 @@ def test_the_records_are_those_of_the_jsonl_one_by_one(recorded: tuple[str, Path
 
 
 @pytest.mark.parametrize("suffix", [".jsonl", ".vcd", ".sr", ".perfetto.json", ".psr"])
-def test_rewritten_it_is_the_recording_in_that_format_byte_for_byte(
+def test_a_converted_psr_file_equals_a_recording_in_that_format(
     recorded: tuple[str, Path], tmp_path: Path, suffix: str
 ):
     case, path = recorded
@@ -183,7 +183,7 @@ def test_rewritten_it_is_the_recording_in_that_format_byte_for_byte(
 
 
 @pytest.mark.parametrize("suffix, rate", [(".vcd", 10**9), (".sr", 10**8)])
-def test_its_wires_are_those_of_other_recordings_at_their_rate(
+def test_the_wires_of_a_psr_file_are_those_of_other_formats_at_their_rate(
     recorded: tuple[str, Path], tmp_path: Path, suffix: str, rate: int
 ):
     case, path = recorded
@@ -195,7 +195,7 @@ def test_its_wires_are_those_of_other_recordings_at_their_rate(
         assert (found.initial, found.edges.tolist()) == (wire.initial, wire.edges.tolist())
 
 
-def test_a_capture_is_not_rewritten_as_a_run(tmp_path: Path):
+def test_a_capture_cannot_be_converted_to_a_run(tmp_path: Path):
     table = psr.read_table(_capture(tmp_path / "x.psr"))
     assert refusal(BadRecording, rewrite, table, tmp_path / "x.jsonl") == (
         f"{tmp_path}/x.jsonl: cannot be written (4000000 ticks a second; a run has whole ones a nanosecond)"
@@ -222,14 +222,14 @@ loop: SB loop,UNC
 """
 
 
-def test_it_tells_the_clocks_that_the_program_set_up(tmp_path: Path):
+def test_a_recording_has_the_clocks_that_the_program_set_up(tmp_path: Path):
     (tmp_path / "own.asm").write_text(BEGINS_SLOWLY)
     unit = 'image = "own.asm"\nmodules = ["GPIO"]\noscclk = "20 MHz"\nppm = 50'
     (tmp_path / "own.toml").write_text(f'name = "own"\nduration = "10 ms"\n[unit.dsp]\n{unit}\n')
     table = psr.read_table(recorded_to(tmp_path / "own.psr", load(tmp_path / "own.toml")))
     crystal = 20 * (1 + Fraction(50, 10**6))
     megahertz = [hz / 10**6 for _, hz in table.clocks["dsp"]]
-    assert megahertz == [crystal / 4, crystal / 2, crystal * 5]  # the reset's, DIVSEL, and once the PLL has locked
+    assert megahertz == [crystal / 4, crystal / 2, crystal * 5]  # after reset, after DIVSEL, and after the PLL locked
     assert table.clocks["dsp"][0][0] == 0
     locks = Fraction(table.clocks["dsp"][2][0], table.per_second)
     assert locks == pytest.approx(131_072 / (crystal * 10**6), rel=1e-3)

@@ -1,4 +1,4 @@
-"""The signals of a run, drawn a character 100 ns, and the files made of them as their readers see them."""
+"""Waveforms of a run: their signals as drawings with 100 ns per character, and files as other programs read them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,12 @@ Others = list[tuple[int, Kind, str, str, int]]  # character, kind, where, what, 
 
 
 def check(lines: str, others: Others, shown: str) -> None:
-    """What the signals show, where wires move as drawn and others happen at a character."""
+    """Check the signals of a run.
+
+    lines: drawing of the wires
+    others: records of other kinds, each at a character of the drawing
+    shown: drawing of the expected signals
+    """
     recorder = Recorder()
     run = WaveformWriter(StringIO(), Timebase(150_000_000), MODULES)
     recorder.subscribe(KINDS, run.write)
@@ -55,7 +60,7 @@ def drawing(levels: np.ndarray) -> str:
     return "".join("_-"[level] for level in levels.tolist())
 
 
-def test_bus_state_is_what_scl_and_sda_say():
+def test_bus_state_follows_scl_and_sda():
     check(
         """
         SCL --- _-_-_-_-_-_-_-_- _- _--
@@ -78,7 +83,7 @@ def test_bus_state_is_what_scl_and_sda_say():
 
 
 def test_bus_state_of_a_write_a_repeated_start_and_a_read_that_is_not_acknowledged():
-    """0x53 W ACK, 0x05 ACK, START, 0x53 R ACK, 0x81 NACK, STOP; the address is known, and so its byte, at its end."""
+    """0x53 W ACK, 0x05 ACK, START, 0x53 R ACK, 0x81 NACK, STOP. Address and byte are known at their end."""
     byte = "_-_-_-_-_-_-_-_-_-"
     check(
         f"""
@@ -99,7 +104,7 @@ def test_bus_state_of_a_write_a_repeated_start_and_a_read_that_is_not_acknowledg
     )
 
 
-def test_a_register_is_shown_whole_and_by_field():
+def test_a_register_is_shown_as_a_whole_and_by_field():
     at = "dsp.I2C-A"
     check(
         "SCL ----------",
@@ -126,7 +131,7 @@ def test_a_register_is_shown_whole_and_by_field():
     )
 
 
-def test_interrupts_and_spans_are_bits_also_where_they_nest():
+def test_interrupts_and_spans_are_bits_even_when_they_are_nested():
     check(
         """
         RX     -----____-
@@ -154,7 +159,7 @@ def test_interrupts_and_spans_are_bits_also_where_they_nest():
     )
 
 
-def test_the_last_of_several_changes_in_one_tick_counts():
+def test_the_last_of_several_changes_in_one_tick_is_shown():
     run = WaveformWriter(StringIO(), Timebase(150_000_000), MODULES)
     recorder = Recorder()
     recorder.subscribe(KINDS, run.write)
@@ -164,7 +169,7 @@ def test_the_last_of_several_changes_in_one_tick_counts():
     assert (sda.initial, sda.edges.tolist()) == (0, [60])
 
 
-def test_a_run_is_as_long_as_its_last_change_and_a_tick_at_least():
+def test_a_run_ends_at_its_last_change_and_is_at_least_one_tick_long():
     run = WaveformWriter(StringIO(), Timebase(150_000_000), {})
     recorder = Recorder()
     recorder.subscribe(KINDS, run.write)
@@ -177,12 +182,12 @@ def test_a_run_is_as_long_as_its_last_change_and_a_tick_at_least():
     assert [name for name in names if ".byte" in name] == [f"bus.I2C.byte[{bit}]" for bit in range(7, -1, -1)]
 
 
-# Files, as their readers see them -------------------------------------------------------
+# Files, read by other programs -------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with run.vcd, run.sr and run.fst: 15 ms of a sensor round and a frame of its host."""
+    """A folder with run.psr, run.vcd, run.sr and run.fst: 15 ms with a round of the sensor head and a host frame."""
     folder = tmp_path_factory.mktemp("runs")
     for suffix in ("psr", "vcd", "sr", "fst"):
         recorded_to(folder / f"run.{suffix}", load(TIMING / "imu_hil_published.toml", ["duration=15 ms"]))
@@ -192,12 +197,12 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("seconds", "mhz"), [("0.02", 100), ("2.68", 100), ("2.69", 50), ("26.8", 10), ("130", 2), ("135", 1), ("9000", 1)]
 )
-def test_a_session_of_a_long_run_has_fewer_samples_a_second(seconds: str, mhz: int):
+def test_a_session_of_a_long_run_has_a_lower_sample_rate(seconds: str, mhz: int):
     assert rate_for(Fraction(seconds)) == mhz * 10**6
 
 
 @pytest.mark.parametrize(("sysclkout", "expected"), [(100_000_000, [7, 13]), (150_000_000, [3, 5])])
-def test_a_vcd_is_exact_where_a_tick_is_whole_nanoseconds_and_rounded_up_elsewhere(
+def test_a_vcd_is_exact_if_a_tick_is_whole_nanoseconds_and_otherwise_rounded_up(
     tmp_path: Path, sysclkout: int, expected: list[int]
 ):
     rows = [(tick, Kind.EDGE, "SDA", "level", level) for tick, level in ((7, 0), (13, 1))]
@@ -235,7 +240,7 @@ def test_vcdvcd_finds_the_transitions_of_wires_registers_spans_and_bus_state(run
     assert all(set(value) <= set("01x") for signal in dump.signals for _, value in dump[signal].tv)
 
 
-def test_fst_has_registers_as_vectors_and_what_is_said_as_text(runs: Path):
+def test_fst_has_registers_as_vectors_and_texts_as_strings(runs: Path):
     found = {one.full_name: one.signal for one in pywellen.Waveform(str(runs / "run.fst")).all_vars()}
     said = [text for _, text in found["bus.I2C.text"]]
     assert said[:7] == ["-", "START", "0x68 W ACK", "0x1D ACK", "repeated START", "0x68 R ACK", "0x00 ACK"]
@@ -250,7 +255,7 @@ def test_fst_has_registers_as_vectors_and_what_is_said_as_text(runs: Path):
     ]
 
 
-def test_fst_without_its_library_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_without_its_library_fst_names_the_package_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "pylibfst", None)
     with pytest.raises(BadRecording) as caught, recording(tmp_path / "run.fst", MODULES) as (subscribe, _):
         subscribe(Recorder(), Timebase(150_000_000))

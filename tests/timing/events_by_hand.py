@@ -1,4 +1,4 @@
-"""Records made by hand, and a scene of one or two units for them to be from."""
+"""Hand-made records, scopes of scenes with one or two units, and measures that receive the records."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ KINDS |= {"wait": Kind.WAIT, "bus": Kind.BUS, "frame": Kind.FRAME, "note": Kind.
 
 
 def records(drawn: str) -> list[Record]:
-    """One a line: tick, kind, where, what (a _ is a blank), value."""
+    """Parse records, one per line: tick, kind, where, what (with _ for a space), value."""
     made = []
     for number, line in enumerate((line for line in drawn.splitlines() if line.strip()), 1):
         tick, kind, where, what, value = line.split()
@@ -32,7 +32,7 @@ def records(drawn: str) -> list[Record]:
 
 
 def make(name: str) -> Measure:
-    """The measure of a fixed name, which needs nothing of a scene."""
+    """Return a measure by its fixed name, which needs no scene."""
     return measure_named(name, Scope())
 
 
@@ -43,8 +43,8 @@ def table(of: list[Record]) -> RecordTable:
     return columns.table(Fraction(10**9), 1000, {"dsp": (*MODULES, "pin:MODEL")}, {})
 
 
-def tell(measure: Measure, of: list[Record]) -> Measure:
-    """The records that a scene would hand to the measure."""
+def feed(measure: Measure, of: list[Record]) -> Measure:
+    """Pass the records to the measure as a scene would."""
     recorder = Recorder()
     measure.subscribe(recorder)
     for record in of:
@@ -53,7 +53,7 @@ def tell(measure: Measure, of: list[Record]) -> Measure:
 
 
 def scene_of(transfers: int = 1, level: int = 1, value: int = 0, **there: object) -> MeasuredScene:
-    """What a scene offers to measures: rounds of so many transfers; wires of this level; fields of this value."""
+    """A scene for measures: rounds of `transfers` transfers; wires have this level, and fields this value."""
     starts = count()
     offered: dict[str, object] = dict.fromkeys(MeasuredScene.__struct_fields__) | {
         "began": 0,
@@ -74,23 +74,23 @@ def played(
     keep: bool = False,
     **there: object,
 ) -> Measure:
-    """The measure of a text after these records in such a scene (`scene_of`); its run ends at `now`, if it does."""
+    """The measure of a text after these records, in the scene `scene_of(**there)`. now: the end of the run, if any."""
     measure = measure_named(text, scope)
     measure.listen(scene_of(**there))  # type: ignore[arg-type]
     if keep:
         measure.keep()
-    tell(measure, records(of) if isinstance(of, str) else of)
+    feed(measure, records(of) if isinstance(of, str) else of)
     if now is not None:
         measure.finish(now)
     return measure
 
 
 def pairs(measure: Measure) -> list[tuple[int, int]]:
-    """(value, when) of each that was kept, in the order of their instants."""
+    """The kept (value, tick), in order of their ticks."""
     values, at = measure.all_kept()
     return sorted(zip(values.tolist(), at.tolist(), strict=True), key=lambda pair: pair[1])
 
 
-def came(measure: Measure) -> tuple[int, int, int, int]:
-    """worst, when, least, count"""
+def summary(measure: Measure) -> tuple[int, int, int, int]:
+    """Return worst, tick of the worst, least, count."""
     return measure.worst, measure.worst_at, measure.least, measure.count

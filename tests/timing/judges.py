@@ -1,4 +1,4 @@
-"""Judges of budgets without a scene."""
+"""Judges of budgets, made without a scene."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ US = 3000  # ticks, with SYSCLKOUT at 150 MHz
 
 
 def judge(budget: Budget, scope: Scope | None = None, start: int = 0) -> BudgetJudge:
-    """BadBudget where it cannot be judged."""
+    """Return the judge of a budget. Raise BadBudget if the budget cannot be judged."""
     return BudgetJudge(plan_of(budget, TIMEBASE, scope, start), TIMEBASE)
 
 
 def limit(measure: str, scope: Scope = ONE, start: int = 0, **limits: str | int) -> BudgetJudge:
-    """BadBudget where these limits do not fit the measure."""
+    """Return the judge of a budget with these limits. Raise BadBudget if they do not fit the measure."""
     return judge(Budget(name="b", measure=measure, **limits), scope, start)
 
 
 def judges(budgets: Sequence[Budget], scope: Scope) -> list[BudgetJudge]:
-    """Those of one scene."""
+    """Return the judges of these budgets, which belong to one scene."""
     plans, found = [], []
     for budget in budgets:
         plans.append(plan_of(budget, TIMEBASE, scope, 0, plans))

@@ -1,4 +1,4 @@
-"""Measures of transfers, rounds and values where they begin, end and count, by hand."""
+"""Measures of transfers, rounds and values on hand-made runs: where they begin, end and count."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from periph_sim.timing.derived.error_records import RECENT, ErrorRecords
 from periph_sim.timing.derived.transfer_records import begin_of
 from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.measure import MILLIONTHS
-from tests.timing.events_by_hand import ONE, make, played, records, scene_of, tell
+from tests.timing.events_by_hand import ONE, feed, make, played, records, scene_of
 from tests.timing.measures.hand_made_run import GYRO, OTHER, HandMadeRun, read, wrote
 
 # Transfers ------------------------------------------------------------------------------------------------------------
 
 
-def test_a_phase_that_never_began_stands_where_its_transfer_did():
+def test_a_phase_that_never_began_has_the_begin_of_its_transfer():
     refused, asked = wrote(GYRO, at=40, acked=False), Phase(GYRO, read=True)
     transfer = Transfer("chip", [refused, asked])
     assert (begin_of(transfer, refused), begin_of(transfer, asked)) == (40, 40)
@@ -31,60 +31,60 @@ def test_a_phase_that_never_began_stands_where_its_transfer_did():
     ("since", "said", "worst"),
     [(NO_TIME, "", (7, 10)), (50, "SCL was still held low when the run ended", (30, 50)), (73, "", (7, 10))],
 )
-def test_scl_that_is_held_at_the_end_counts_with_what_it_has_been(since: int, said: str, worst: tuple[int, int]):
+def test_scl_held_at_the_end_of_the_run_counts_with_its_time_so_far(since: int, said: str, worst: tuple[int, int]):
     run = HandMadeRun("stretch")
     run.transfer(read(GYRO, at=10, stretch=7))
     run.finish(80, held_since=since)
     assert run.measure.close(80) == said and (run.measure.worst, run.measure.worst_at) == worst
 
 
-def test_a_refused_request_counts_even_if_its_master_gives_no_stop():
+def test_a_refused_request_counts_even_without_a_stop():
     run = HandMadeRun("nacked")
     run.transfer(wrote(GYRO, at=10, acked=False))
     run.finish(80, Transfer("chip", [wrote(GYRO, at=40, acked=False)]))
-    assert run.came() == (2, 10, 2, 2)
+    assert run.summary() == (2, 10, 2, 2)
     answered = HandMadeRun("nacked")
     answered.finish(80, Transfer("chip", [wrote(GYRO, at=40)]))
     assert answered.measure.count == 0
 
 
-def test_the_first_wrong_read_is_told_and_places_are_counted():
-    told = HandMadeRun("wrong bytes")
+def test_the_first_wrong_read_is_reported_and_wrong_bytes_are_counted():
+    run = HandMadeRun("wrong bytes")
     for got, expected in ((b"\x01\x02", b"\x01\x02"), (b"\x01\x09\x05", b"\x01\x02\x07"), (b"\x08\x09", b"\x01\x09")):
         phase = read(OTHER, got, at=100 + got[0])
         phase.expect = expected
-        told.transfer(phase)
-    assert told.bytes.first_wrong == "chip read 01 09 05 where 01 02 07 was expected"
-    assert told.bytes.wrong_places == {"chip byte 1": 1, "chip byte 2": 1, "chip byte 0": 1}
-    assert told.came() == (3, 101, 3, 7)
+        run.transfer(phase)
+    assert run.bytes.first_wrong == "chip read 01 09 05 where 01 02 07 was expected"
+    assert run.bytes.wrong_places == {"chip byte 1": 1, "chip byte 2": 1, "chip byte 0": 1}
+    assert run.summary() == (3, 101, 3, 7)
 
 
 @pytest.mark.parametrize(
     ("got", "expected", "asked", "wrong", "compared", "occasions"),
     [
-        (b"\x01", b"\x01\x02", 2, 0, 1, 2),  # cut short: one of two compared
+        (b"\x01", b"\x01\x02", 2, 0, 1, 2),  # incomplete: one of two bytes is compared
         (b"\x01\x02\x03", b"\x01\x02", 2, 0, 2, 3),
         (b"", b"\x01", 1, 0, 0, 1),
         (b"\x02", b"", 1, 0, 0, 1),
     ],
 )
-def test_bytes_are_compared_as_far_as_both_go(
+def test_bytes_are_compared_up_to_the_shorter_length(
     got: bytes, expected: bytes, asked: int, wrong: int, compared: int, occasions: int
 ):
-    told = HandMadeRun("wrong bytes")
+    run = HandMadeRun("wrong bytes")
     phase = Phase(OTHER, read=True, count=asked, acked=True, got=bytearray(got), start_at=5)
     phase.expect = expected
-    told.transfer(phase)
-    assert (told.measure.worst, told.measure.count, told.measure.occasions) == (wrong, compared, occasions)
+    run.transfer(phase)
+    assert (run.measure.worst, run.measure.count, run.measure.occasions) == (wrong, compared, occasions)
 
 
 # Rounds ---------------------------------------------------------------------------------------------------------------
 
 
 def test_a_round_is_measured_from_its_begin_and_slack_from_its_end():
-    told = HandMadeRun("round")
-    told.round(1000, 1500, start=1100)
-    assert told.came() == (400, 1100, 400, 1)
+    run = HandMadeRun("round")
+    run.round(1000, 1500, start=1100)
+    assert run.summary() == (400, 1100, 400, 1)
     run = HandMadeRun(measure_named("slack", ONE), period=2000)
     run.round(1000, 1500)
     run.round(3000, 5001)
@@ -93,21 +93,21 @@ def test_a_round_is_measured_from_its_begin_and_slack_from_its_end():
 
 
 @pytest.mark.parametrize(("not_before", "measured", "occasions"), [(0, 3, 3), (10, 3, 3), (11, 2, 2), (51, 0, 0)])
-def test_rounds_are_counted_from_the_time_asked_for(not_before: int, measured: int, occasions: int):
-    told = HandMadeRun("nacked rounds")
-    told.measure.not_before = not_before
+def test_rounds_are_counted_from_not_before(not_before: int, measured: int, occasions: int):
+    run = HandMadeRun("nacked rounds")
+    run.measure.not_before = not_before
     for due in (10, 30, 50):
-        told.round(due, due + 5)
-    told.finish(60)
-    assert (told.measure.measured, told.measure.occasions) == (measured, occasions)
+        run.round(due, due + 5)
+    run.finish(60)
+    assert (run.measure.measured, run.measure.occasions) == (measured, occasions)
 
 
 # Spans and states -----------------------------------------------------------------------------------------------------
 
 
-def test_a_span_that_is_not_over_counts_with_what_it_has_lasted_unit_by_unit():
+def test_an_unfinished_span_counts_with_its_time_so_far_in_each_unit():
     measure = make("span:model")
-    tell(measure, records("10 span dsp model 1\n15 span dsp model 0\n20 span imu model 1\n30 span dsp model 1"))
+    feed(measure, records("10 span dsp model 1\n15 span dsp model 0\n20 span imu model 1\n30 span dsp model 1"))
     assert sorted(measure.unfinished(100)) == [(70, 30), (80, 20)]
     assert measure.close(100) == "span 'model' still lasted when the run ended"
     assert (measure.worst, measure.worst_at, measure.least, measure.count) == (80, 20, 5, 3)
@@ -127,47 +127,48 @@ def test_a_span_that_is_not_over_counts_with_what_it_has_lasted_unit_by_unit():
         ("model", {}, False),
     ],
 )
-def test_which_states_hold_before_anything_has_happened(text: str, there: dict[str, object], holds: bool):
+def test_states_at_the_begin_of_the_run(text: str, there: dict[str, object], holds: bool):
     assert measure_named(f"time in {text}", ONE).state.holds(scene_of(**there)) == holds
 
 
-def test_a_sum_is_one_number_and_begins_where_the_state_did_first():
-    told = played("time in wire SCL low", "10 edge SCL level 0\n16 edge SCL level 1\n20 edge SCL level 0", 25)
-    told.finish(90)  # it is over once
-    assert not told.series and (told.worst, told.worst_at, told.least, told.least_at, told.count) == (11, 10, 11, 10, 2)
+def test_a_sum_is_one_number_with_the_time_of_the_first_begin():
+    measure = played("time in wire SCL low", "10 edge SCL level 0\n16 edge SCL level 1\n20 edge SCL level 0", 25)
+    measure.finish(90)  # a second finish has no effect
+    assert not measure.series
+    assert (measure.worst, measure.worst_at, measure.least, measure.least_at, measure.count) == (11, 10, 11, 10, 2)
 
 
 # Pairs ----------------------------------------------------------------------------------------------------------------
 
 
-def test_what_may_not_be_guessed_is_told_with_times_from_the_begin_of_the_run():
+def test_ambiguous_pairs_are_reported_with_times_from_the_begin_of_the_run():
     of = "100 edge SCL level 1\n350 edge SCL level 1\n360 edge SCL level 1\n400 edge SDA level 1"
-    told = played("from edge SCL rise to edge SDA rise", of, began=50, ticks_per_second=1000)
-    assert told.missing() == (
+    measure = played("from edge SCL rise to edge SDA rise", of, began=50, ticks_per_second=1000)
+    assert measure.missing() == (
         "'edge SCL rise' came at 0.050000 s and again at 0.300000 s before 'edge SDA rise'; "
         "add after a comma which belong together: in order, next or last"
     )
 
 
 @pytest.mark.parametrize(("not_before", "measured", "occasions"), [(0, 2, 3), (11, 2, 3), (12, 1, 2), (52, 0, 0)])
-def test_transfers_are_counted_from_the_time_asked_for(not_before: int, measured: int, occasions: int):
-    told = measure_named("from edge SCL rise to edge SDA rise, same transfer", ONE)
-    told.listen(scene_of())
-    told.not_before = not_before
+def test_transfers_are_counted_from_not_before(not_before: int, measured: int, occasions: int):
+    measure = measure_named("from edge SCL rise to edge SDA rise, same transfer", ONE)
+    measure.listen(scene_of())
+    measure.not_before = not_before
     of = "10 bus c START 0\n11 edge SCL level 1\n12 edge SDA level 1\n15 bus c STOP 0\n"
     of += "30 bus c START 0\n31 edge SCL level 1\n35 bus c STOP 0\n"
     of += "50 bus c START 0\n51 edge SCL level 1\n52 edge SDA level 1\n55 bus c STOP 0\n"
-    tell(told, records(of))
-    told.finish(60)
-    assert (told.measured, told.occasions) == (measured, occasions)
-    assert told.asked == "transfers with 'edge SCL rise'"
+    feed(measure, records(of))
+    measure.finish(60)
+    assert (measure.measured, measure.occasions) == (measured, occasions)
+    assert measure.asked == "transfers with 'edge SCL rise'"
 
 
 # Values ---------------------------------------------------------------------------------------------------------------
 
 
 class Samples:
-    """Reads after so many host frames, and the measure of their errors.
+    """Reads after `frames` host frames, and the measure of their errors.
 
     The truth of the gyroscope at tick t is (t, -t, 0) hundredths of an LSB; frame n was due at 100 n.
     """
@@ -196,7 +197,7 @@ def sample(*values: int) -> bytes:
     return b"".join(value.to_bytes(2, "big", signed=True) for value in values)
 
 
-def test_a_value_is_off_by_its_worst_axis_at_its_first_data_bit():
+def test_the_error_of_a_value_is_that_of_its_worst_axis_at_the_first_data_bit():
     samples = Samples("value error")
     for answer_at, values in ((200, (2, -2, 0)), (350, (3, -3, 0)), (400, (4, -1, 0)), (500, (5, -5, -7))):
         samples.read(read(GYRO, sample(*values), at=answer_at - 20, answer_at=answer_at))
@@ -206,9 +207,11 @@ def test_a_value_is_off_by_its_worst_axis_at_its_first_data_bit():
 
 
 @given(st.integers(1, 12), st.integers(0, 14))
-def test_at_the_frame_the_best_of_the_last_eight_and_of_those_since_the_last_read_counts(frames: int, carried: int):
+def test_the_error_at_the_frame_is_the_smallest_over_recent_frames_and_those_since_the_last_read(
+    frames: int, carried: int
+):
     samples = Samples("value error at frame", frames)
-    for at in (2000, 2100):  # before the second read, the frame that fitted the first one is known
+    for at in (2000, 2100):  # at the second read, the best frame of the first one is known
         samples.read(read(GYRO, sample(carried, -carried, 0), at=at, answer_at=at + 20))
         assert samples.measure.worst == min(abs(carried - number) for number in range(1, frames + 1)) * MILLIONTHS
     samples.read(read(GYRO, sample(1, -1, 0), at=2200, answer_at=2220))
@@ -217,13 +220,13 @@ def test_at_the_frame_the_best_of_the_last_eight_and_of_those_since_the_last_rea
     assert samples.values()[-1] == (oldest - 1) * MILLIONTHS
 
 
-def test_which_reads_have_a_value():
+def test_reads_that_have_a_value():
     samples = Samples("value error of gyroscope")
     bytes_ = sample(2, -2, 0)
     transfers = (
         [read(GYRO, bytes_, at=180, answer_at=200)],
         [read(0x53, bytes_, at=280, answer_at=300)],  # another chip
-        [read(GYRO, bytes_[:4], at=380, answer_at=400)],  # cut short: asked, and without a value
+        [read(GYRO, bytes_[:4], at=380, answer_at=400)],  # incomplete: an occasion without a value
         [wrote(GYRO, at=480)],
         [wrote(GYRO, at=580, acked=False), Phase(GYRO, read=True, count=6)],
     )
@@ -242,7 +245,7 @@ def test_which_reads_have_a_value():
     assert measure.missing() == "no sample of gyroscope was read after a host frame had come"
 
 
-def test_a_record_of_another_unit_is_no_wait_of_this_cpu():
+def test_records_of_another_unit_do_not_affect_the_load_of_a_cpu():
     came = [(10, "imu", Kind.WAIT, 1), (20, "dsp", Kind.WAIT, 1), (30, "imu", Kind.IRQ, 1), (40, "dsp", Kind.WAIT, 0)]
     of = [Record(0, tick, kind, where, "x", value, "", 0) for tick, where, kind, value in came]
     assert played("cpu load of dsp", of, 100).worst == 80 * MILLIONTHS // 100

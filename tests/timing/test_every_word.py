@@ -1,4 +1,4 @@
-"""Each word that makes a measure: an example on a page that is run, a test by another way, and its nearest misuse."""
+"""Each form of a measure has an example on a tested page, a test by a second computation, and a test of its misuse."""
 
 from __future__ import annotations
 
@@ -36,33 +36,33 @@ from tests.timing.measures import (
 )
 from tests.timing.measures.test_event import EXAMPLES, IMAGE
 
-ANOTHER_WAY: dict[str, Callable[..., None]] = {
+SECOND_COMPUTATION: dict[str, Callable[..., None]] = {
     "from": test_pairs.test_in_order_is_a_queue,
     "period": test_event_budgets.test_each_budget_equals_the_measure_of_the_recorded_run,
-    "jitter": test_groups.test_jitter_of_a_measure_is_from_value_to_value,
-    "count": test_pairs.test_a_count_between_is_what_a_walk_over_the_records_gives,
-    "sum": test_derived_values.test_bytes_are_compared_as_far_as_both_go,
-    "level": test_groups.test_the_fifo_at_service_routine_entry,
+    "jitter": test_groups.test_the_jitter_of_a_measure_is_the_difference_of_consecutive_values,
+    "count": test_pairs.test_a_count_between_agrees_with_a_loop_over_the_records,
+    "sum": test_derived_values.test_bytes_are_compared_up_to_the_shorter_length,
+    "level": test_groups.test_the_level_of_the_fifo_at_the_entry_of_its_service_routine,
     "calls": test_image_budgets.test_functions_are_spans,
     "stack": test_image_budgets.test_the_deepest_stack_in_words,
     "interrupt": test_event_budgets.test_each_budget_equals_the_measure_of_the_recorded_run,
     "reaction": test_rounds.test_reaction_is_from_the_last_flag_before_each_write,
     "busy": test_master_with_eeprom.test_the_busy_time_equals_that_of_the_acknowledges_of_a_recorded_run,
-    "gap": test_rounds.test_round_slack_and_gap_are_those_of_the_recorded_bytes,
-    "margin": test_margins.test_it_is_the_time_to_the_controllers_release_less_what_the_module_takes,
-    "SCL": test_rounds.test_what_scl_is_held_for_is_the_sum_of_a_transfers_lows,
-    "time": test_states.test_a_sum_is_what_a_count_tick_by_tick_gives,
-    "each": test_states.test_in_a_run_states_and_their_opposites_fill_the_time,
-    "share": test_loads.test_the_busiest_window_is_what_a_count_tick_by_tick_gives,
-    "cpu": test_loads.test_the_busiest_window_is_what_a_count_tick_by_tick_gives,
-    "bus": test_loads.test_the_busiest_window_is_what_a_count_tick_by_tick_gives,
-    "slack": test_rounds.test_round_slack_and_gap_are_those_of_the_recorded_bytes,
-    "race": test_race_measures.test_a_budget_finds_what_the_recording_shows,
+    "gap": test_rounds.test_round_slack_and_gap_agree_with_the_recorded_bytes,
+    "margin": test_margins.test_the_margin_is_the_time_to_the_release_by_the_controller_minus_that_of_the_module,
+    "SCL": test_rounds.test_the_time_scl_is_held_is_the_sum_over_the_low_phases_of_a_transfer,
+    "time": test_states.test_a_sum_agrees_with_a_count_of_ticks,
+    "each": test_states.test_times_in_a_state_and_in_its_opposite_add_up_to_the_run,
+    "share": test_loads.test_the_busiest_window_agrees_with_a_count_of_ticks,
+    "cpu": test_loads.test_the_busiest_window_agrees_with_a_count_of_ticks,
+    "bus": test_loads.test_the_busiest_window_agrees_with_a_count_of_ticks,
+    "slack": test_rounds.test_round_slack_and_gap_agree_with_the_recorded_bytes,
+    "race": test_race_measures.test_a_budget_on_races_agrees_with_the_recording,
     "lost": test_race_measures.test_a_flag_lost_to_a_read_modify_write_breaks_its_budget,
-    "cleared": test_race_measures.test_a_flag_that_was_read_but_not_looked_at_is_lost_and_cleared_along,
-    "age": test_age.test_an_age_never_falls_but_by_a_younger_frame,
-    "model": test_model_age.test_where_chips_show_the_frames_values_it_is_their_age,
-    "value": test_value_measures.test_it_is_the_age_times_how_fast_the_truth_moves,
+    "cleared": test_race_measures.test_a_flag_read_only_along_with_another_is_lost_and_cleared_along,
+    "age": test_age.test_an_age_decreases_only_with_a_newer_frame,
+    "model": test_model_age.test_the_model_age_is_the_data_age_if_chips_show_values_of_frames,
+    "value": test_value_measures.test_the_value_error_is_the_age_times_the_rate_of_change,
 }
 MISUSE = {
     "from": ("from frame RX to frame TX in turn", "'turn' where order is expected"),
@@ -96,7 +96,7 @@ PARTS = ("last frame RX end of burst", "2nd bus byte of transfer", "bus NACK", "
 
 
 def examples() -> Iterator[str]:
-    """Every measure in the files that a page writes, and in the cases that one runs."""
+    """Yield every measure in the files and in the cases that are shown and run on a page of the documentation."""
     measure = re.compile(r'measure ?= ?"([^"]+)"')
     for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]:
         text = page.read_text(encoding="utf-8")
@@ -106,42 +106,42 @@ def examples() -> Iterator[str]:
             yield from measure.findall((ROOT / path).read_text(encoding="utf-8"))
 
 
-SHOWN = list(examples())
+ON_PAGES = list(examples())
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_each_form_is_run_on_a_page(form: str):
-    assert any(text.split()[0] == form for text in SHOWN)
+def test_each_form_is_used_on_a_page(form: str):
+    assert any(text.split()[0] == form for text in ON_PAGES)
 
 
 @pytest.mark.parametrize("name", MEASURES)
-def test_each_name_is_run_on_a_page(name: str):
-    assert name in SHOWN
+def test_each_name_is_used_on_a_page(name: str):
+    assert name in ON_PAGES
 
 
 @pytest.mark.parametrize("part", PARTS)
-def test_each_way_to_say_which_is_run_on_a_page(part: str):
-    assert any(part in text for text in SHOWN)
+def test_each_way_to_select_events_is_used_on_a_page(part: str):
+    assert any(part in text for text in ON_PAGES)
 
 
-def test_each_form_is_worked_out_another_way():
-    assert list(ANOTHER_WAY) == list(FORMS)
+def test_each_form_has_a_test_by_a_second_computation():
+    assert list(SECOND_COMPUTATION) == list(FORMS)
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_each_form_tells_its_nearest_misuse(form: str):
+def test_a_mistake_in_each_form_is_reported(form: str):
     text, said = MISUSE[form]
     assert text.split()[0] == form
     assert said in sentence_of(BadEvent, lambda: measure_named(text, ONE))
 
 
-def test_six_classes_measure_what_no_sentence_can_say():
+def test_only_six_classes_of_measures_are_not_made_of_events():
     texts = [*EXAMPLES, *MEASURES, "span:x", "reply:x", "silence:x", "watch:x"]
     made = {type(measure_named(text, IMAGE)).__name__ for text in texts}
-    of_sentences = {"EventMeasure", "Between", "TimeIn"}
-    assert made - of_sentences == {"Margin", "Race", "LostFlags", "Reply", "Unsolicited", "WatchedWire"}
+    of_events = {"EventMeasure", "Between", "TimeIn"}
+    assert made - of_events == {"Margin", "Race", "LostFlags", "Reply", "Unsolicited", "WatchedWire"}
 
 
-def test_rounds_need_to_be_known():
+def test_gap_between_rounds_needs_rounds():
     with pytest.raises(BadEvent, match=r"needs \[controller\] or \[rounds\] in the scene"):
         measure_named("gap between rounds", BARE)

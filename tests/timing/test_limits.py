@@ -1,4 +1,4 @@
-"""Limits on measures: what passes and what fails, which go together, what is refused, and what still waits."""
+"""Limits of budgets: values that pass and fail, combinations, rejected limits, and occurrences that are not over."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BudgetJudge
 from periph_sim.timing.language.scope import Scope
 from periph_sim.timing.measures.registry import MEASURES
-from tests.timing.events_by_hand import make, records, tell
+from tests.timing.events_by_hand import feed, make, records
 from tests.timing.judges import US, judged, judges, limit
 
 
@@ -28,7 +28,7 @@ from tests.timing.judges import US, judged, judges, limit
         ({"exactly": "250 us"}, (250.0, 250.0), "pass", 250.0, 0.0, 0.0, "exactly"),
         ({"exactly": "250 us"}, (250.0, 251.0, 249.5), "fail", 251.0, -1.0, 1.0, "exactly"),
         ({"exactly": "250 us"}, (250.0, 251.0, 248.0), "fail", 248.0, -2.0, 2.0, "exactly"),
-        ({"exactly": "250 us"}, (249.0, 251.0), "fail", 251.0, -1.0, 1.0, "exactly"),  # of two as far off, the longer
+        ({"exactly": "250 us"}, (249.0, 251.0), "fail", 251.0, -1.0, 1.0, "exactly"),  # the longer one
         ({"p50": "20 us"}, (10.0, 20.0, 30.0, 40.0), "pass", 20.0, 0.0, 1.0, "p50"),
         ({"p50": "20 us"}, (40.0, 30.0, 20.0, 10.0, 50.0), "fail", 30.0, -10.0, 1.0, "p50"),
         ({"p95": "9 us"}, (*([1.0] * 19), 99.0), "pass", 1.0, 8.0, 0.0, "p95"),
@@ -47,13 +47,13 @@ def test_the_nearest_limit_counts(limits, values, verdict, worst, margin, at_s, 
     assert (v.unit, v.count) == ("us", len(values))
 
 
-def test_values_are_counted_only_where_a_percentile_is_asked_for():
+def test_values_are_tallied_only_for_percentiles():
     plain, counted = limit("response", max="1 us"), limit("response", p99="1 us")
     assert (plain.measure.tally is None, counted.measure.tally is None) == (True, False)
     assert plain.measure.kept is counted.measure.kept is None
 
 
-def test_memory_of_a_percentile_grows_with_different_values_only():
+def test_the_memory_of_a_percentile_grows_only_with_different_values():
     of = limit("response", p50="10 us").measure
     for at in range(10_000):
         of.take(at % 7, at)
@@ -61,22 +61,22 @@ def test_memory_of_a_percentile_grows_with_different_values_only():
     assert of.tally.percentile(500) == (3, 3)
 
 
-def test_two_percentiles_may_have_the_same_limit():
-    """Half of the values say less then, and are counted all the same."""
+def test_two_percentiles_can_have_the_same_limit():
+    """The lower percentile adds no restriction then, but is allowed."""
     of = limit("response", p50="11 us", p99="11 us")
     assert judged(of, 10.0, 11.0).passed
 
 
 @pytest.mark.parametrize("name", [n for n in MEASURES if not make(n).series])
-def test_one_number_a_run_has_no_percentiles(name: str):
+def test_one_number_per_run_has_no_percentiles(name: str):
     with pytest.raises(BadBudget, match="is one number a run and has no percentiles; write max") as caught:
         limit(name, p99=1)
     assert caught.value.place[-1] == "p99"
 
 
-def test_a_part_of_the_time_is_judged_and_shown_in_percent():
+def test_a_share_of_the_time_is_judged_and_shown_in_percent():
     of = limit("bus load", max="40 %", min="12.5%")
-    tell(of.measure, records("0 bus c START 0\n13 bus c STOP 0"))
+    feed(of.measure, records("0 bus c START 0\n13 bus c STOP 0"))
     of.measure.finish(100)
     v = of.verdict()
     assert (v.unit, v.worst, v.limit, v.margin, v.verdict, v.which) == ("%", 13.0, 12.5, 0.5, "pass", "min")
@@ -190,20 +190,20 @@ def test_a_part_of_the_time_is_judged_and_shown_in_percent():
         ),
     ],
 )
-def test_limits_that_contradict_each_other_or_their_measure_are_refused(measure, limits, key, sentence):
+def test_limits_that_contradict_each_other_or_their_measure_are_rejected(measure, limits, key, sentence):
     with pytest.raises(BadBudget) as caught:
         limit(measure, **limits)
     assert caught.value.place[-1] == key
     assert str(caught.value).startswith(sentence)
 
 
-def test_an_event_that_never_matched_is_not_judged_and_says_so():
+def test_an_event_that_never_matched_is_not_judged():
     v = limit("from edge SCL rise to edge SCL fall", max="1 us").verdict()
     assert (v.verdict, v.worst, v.margin, v.count) == ("not judged", None, None, 0)
     assert v.found == "no event matched 'edge SCL rise' and 'edge SCL fall'"
 
 
-def test_a_count_of_nothing_is_a_value_but_of_a_name_that_is_free_text():
+def test_a_count_of_zero_is_a_value_unless_the_name_is_free_text():
     assert limit("count of note duty", max=0).verdict().verdict == "pass"
     v = limit("count of span modle begin", max=5).verdict()
     assert (v.verdict, v.found) == ("not judged", "no event matched 'span modle begin'; the run had no span")
@@ -215,16 +215,16 @@ ASKED = "1000 edge SCL level 1\n2000 edge SCL level 0\n3000 edge SCL level 1"
 @pytest.mark.parametrize(
     ("limits", "end", "verdict", "worst", "count"),
     [
-        ({"max": "1 us"}, 6001, "fail", 1.0003, 2),  # 3001 ticks, and the edge may never come
-        ({"max": "1 us"}, 6000, "pass", 1.0, 2),  # it could come now
-        ({"max": "1 us"}, 3999, "pass", 0.3333, 1),  # less than the one that came: it says nothing
+        ({"max": "1 us"}, 6001, "fail", 1.0003, 2),  # 3001 ticks, and the edge has not occurred
+        ({"max": "1 us"}, 6000, "pass", 1.0, 2),  # the edge could occur at this tick
+        ({"max": "1 us"}, 3999, "pass", 0.3333, 1),  # shorter than the finished one: no effect
         ({"exactly": "1/3 us"}, 4001, "fail", 0.3337, 2),
         ({"min": "0.1 us"}, 900_000, "pass", 0.3333, 2),
     ],
 )
-def test_what_still_waits_at_the_end_and_has_waited_too_long_is_broken(limits, end, verdict, worst, count):
+def test_an_unfinished_wait_that_is_too_long_breaks_the_budget(limits, end, verdict, worst, count):
     of = limit("from edge SCL rise to edge SCL fall", **limits)
-    tell(of.measure, records(ASKED))
+    feed(of.measure, records(ASKED))
     of.finish(end)
     v = of.verdict()
     assert (v.verdict, v.worst, v.count) == (verdict, worst, count)
@@ -232,19 +232,19 @@ def test_what_still_waits_at_the_end_and_has_waited_too_long_is_broken(limits, e
     assert v.found == (said if count == 2 else "")
 
 
-# Of one scene, and of nothing measured --------------------------------------------------------------------------------
+# Budgets of one scene, and budgets without a value --------------------------------------------------------------------
 
 TEXT = "from edge SCL fall to edge SCL rise"
 
 
 def alike(one: dict[str, str | int], other: dict[str, str | int]) -> tuple[BudgetJudge, BudgetJudge]:
-    """Two budgets of one scene, on time of the same."""
+    """Judges of two budgets of one scene on the same measure."""
     budgets = [Budget(name=name, measure=TEXT, **limits) for name, limits in (("a", one), ("b", other))]
     first, second = judges(budgets, Scope(wires=("SCL",)))
     return first, second
 
 
-def test_budgets_on_the_same_have_one_measure_and_each_its_verdict():
+def test_budgets_on_the_same_events_share_a_measure_and_have_separate_verdicts():
     first, second = alike({"max": "3 us"}, {"p50": "1 us"})
     assert second.measure is first.measure and first.own_measures and not second.own_measures
     for n, value in enumerate((1, 2, 2)):
@@ -257,7 +257,7 @@ def test_budgets_on_the_same_have_one_measure_and_each_its_verdict():
     ]
 
 
-def test_what_the_end_cut_off_counts_once_for_budgets_on_the_same():
+def test_an_occurrence_cut_off_by_the_end_counts_once_for_budgets_on_the_same_events():
     first, second = alike({"max": "3 us"}, {"max": "9 us"})
     first.measure.happened(0, US, 0)
     for of in (first, second):
@@ -272,7 +272,7 @@ def test_what_the_end_cut_off_counts_once_for_budgets_on_the_same():
 @pytest.mark.parametrize(
     "other", [{"max": "9 us", "after": "1 ms"}, {"max": "9 us", "measure": "period of edge SCL fall"}]
 )
-def test_budgets_on_other_things_have_their_own_measures(other):
+def test_budgets_with_another_measure_or_time_have_separate_measures(other):
     budget = Budget(**{"name": "b", "measure": TEXT, **other})
     first, second = judges([Budget(name="a", measure=TEXT, max="3 us"), budget], Scope(wires=("SCL",)))
     assert second.measure is not first.measure and second.own_measures == [second.measure]
@@ -283,16 +283,16 @@ def test_a_duration_that_was_never_measured_is_not_judged():
     assert (v.verdict, v.worst, v.margin, v.count, v.at_s) == ("not judged", None, None, 0, None)
 
 
-def test_a_fifo_that_nothing_ever_entered_is_not_judged_either():
+def test_a_fifo_that_never_received_a_word_is_not_judged():
     assert limit("fifo high-water", max=16).verdict().verdict == "not judged"
 
 
-def test_zero_of_something_counted_is_a_value():
+def test_a_count_of_zero_is_judged():
     v = limit("nacked", max=0).verdict()
     assert (v.verdict, v.worst, v.limit, v.margin, v.count, v.at_s) == ("pass", 0, 0, 0, 0, None)
 
 
-def test_counts_are_judged_whole():
+def test_counts_are_judged_as_whole_numbers():
     of = limit("nacked", max=1)
     of.measure.happened(0, 3 * US, 0)
     assert of.verdict().verdict == "pass"
@@ -308,6 +308,6 @@ def test_a_minimum_of_a_count():
     assert of.verdict().verdict == "pass"
 
 
-def test_limits_between_two_ticks_are_rounded_to_the_nearest():
+def test_limits_between_two_ticks_are_rounded_to_the_nearest_tick():
     assert judged(limit("response", max="100.1 ns"), 0.1).verdict == "pass"
     assert limit("response", max="1/6 ns").verdict().limit == 0.0003  # one tick of 1/3 ns, shown in us

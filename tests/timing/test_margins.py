@@ -1,4 +1,4 @@
-"""The margin of each write of I2CDXR, and what a unit holds SCL for, worked out from the wires a second way."""
+"""The margin of each write of I2CDXR, and the time a unit holds SCL, compared with a second computation."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LATE = ("unit.dsp.settings.frame_cost=110 us",)  # longer than the byte that I2C
 
 
 class Ran(test_rounds.Ran):
-    """A run with all its records; margins by the tick of the write."""
+    """A run with all its records. margins: the margin of each write by its tick."""
 
     def __init__(self, name: str, seconds: str, *changes: str) -> None:
         super().__init__(name, seconds, BUDGETS, *changes)
@@ -32,14 +32,14 @@ class Ran(test_rounds.Ran):
 
 
 def by_hand(ran: Ran) -> dict[int, int]:
-    """Write of each byte sent, and how long before the controller's release of SCL it was: byte n has the n-th write.
+    """Map the write of each byte that was sent to its time before the controller's release of SCL.
 
-    Of a read in which a byte was waited for: every write between the read address and the STOP, but for the last one,
-    which no byte takes.
+    Byte n has the n-th write. If the controller had to wait for a byte of a read, every write between the read address
+    and the STOP is included, except for the last one, which no byte uses.
     """
     found: dict[int, int] = {}
     writes: list[int] = []
-    reading, let_go = False, NO_TIME
+    reading, released = False, NO_TIME
     bits = needed = 0
     for r in ran.records:
         if r.kind is Kind.BUS and r.what in ("START", "repeated START"):
@@ -53,12 +53,12 @@ def by_hand(ran: Ran) -> dict[int, int]:
         elif r.kind is Kind.ACCESS and r.what == "W I2C-A.I2CDXR":
             writes.append(r.tick)
         elif r.where == "SCL" and r.kind is Kind.EDGE and not r.value:
-            let_go = NO_TIME
+            released = NO_TIME
         elif r.where == "SCL" and r.kind is Kind.HOLD and r.text == "dsp.GPIO33":
-            let_go = r.tick
+            released = r.tick
         elif r.where == "SCL" and r.kind is Kind.EDGE and r.value:
             if reading and bits == 0:
-                found[writes[needed]] = (r.tick if let_go == NO_TIME else let_go) - writes[needed]
+                found[writes[needed]] = (r.tick if released == NO_TIME else released) - writes[needed]
                 needed += 1
             bits += 1
     return found
@@ -67,7 +67,7 @@ def by_hand(ran: Ran) -> dict[int, int]:
 @pytest.mark.parametrize(
     ("name", "seconds", "changes"), [("imu_hil_published", "0.06", ()), ("imu_hil_drift", "0.47", LATE)]
 )
-def test_it_is_the_time_to_the_controllers_release_less_what_the_module_takes(
+def test_the_margin_is_the_time_to_the_release_by_the_controller_minus_that_of_the_module(
     name: str, seconds: str, changes: tuple[str, ...]
 ):
     ran = Ran(name, seconds, *changes)
@@ -76,29 +76,29 @@ def test_it_is_the_time_to_the_controllers_release_less_what_the_module_takes(
     assert len(wanted) >= 54 and ran.margins == {at: value - delay(at) for at, value in wanted.items()}
 
 
-def test_it_is_the_same_however_late_the_measure_is_notified():
-    """A clock that is off has cycles of two lengths: those from the write on count, not those of the notification."""
+def test_the_margin_does_not_depend_on_when_the_measure_is_notified():
+    """A clock that is off has cycles of two lengths. Cycles after the write count, not those at the notification."""
     budget = "budget=[{name='margin',measure='margin of I2CDXR',min='3448.2 ns'}]"
     runs = [run_file("imu_hil_400k", "0.17", "seed=28", budget, *change) for change in ((), ("disable=bits",))]
     skipping, by_edges = (ran.result.budgets[0] for ran in runs)
     assert by_edges == skipping and (by_edges.worst, by_edges.verdict) == (3.448, "fail")
 
 
-def test_where_scl_is_held_it_is_negative_and_just_as_long():
+def test_if_scl_is_held_the_margin_is_the_negative_of_that_time():
     ran = Ran("imu_hil_drift", "0.47", *LATE)
     margin, held = ran.result.budgets
     assert margin.broken and held.worst == -margin.worst > 50
     assert sum(value < 0 for value in ran.margins.values()) == sum(held > 0 for held in ran.held.all_kept()[0].tolist())
 
 
-def test_nothing_is_held_where_each_write_is_in_time():
+def test_scl_is_not_held_if_each_write_is_in_time():
     ran = Ran("imu_hil_published", "0.06")
     assert ran.result.verdict == "pass" and ran.held.worst == 0 and ran.held.count == 9
     assert min(ran.margins.values()) > 0 and len(ran.margins) == 54
 
 
-def test_a_bus_that_is_held_to_the_end_counts():
-    """SDIR is cleared with SCD, and the firmware waits for it for ever."""
+def test_a_bus_held_until_the_end_counts():
+    """SDIR is cleared along with SCD, and the firmware waits for it until the end of the run."""
     ran = Ran("imu_hil_drift", "0.47", "unit.dsp.settings.frame_cost=200 us")
     assert ran.scene.stuck.hangs() or ran.scene.held_since() != NO_TIME
     margin, held = ran.result.budgets
@@ -115,13 +115,13 @@ def test_a_bus_that_is_held_to_the_end_counts():
         ("SCL held per transfer by imu", "there is no unit 'imu'"),
     ],
 )
-def test_what_has_no_margin_is_refused(text: str, sentence: str):
+def test_a_measure_without_a_margin_is_rejected(text: str, sentence: str):
     assert sentence_of(BadEvent, lambda: measure_named(text, ONE)).startswith(sentence)
     assert measure_named("margin of dsp:I2CDXR", BARE).series
 
 
 def answers(delay: int) -> Callable[[Dsp], None]:
-    """Serves one read of four bytes; `delay` cycles before each write."""
+    """Firmware that serves one read of four bytes, with `delay` cycles before each write."""
 
     def main(dsp: Dsp) -> None:
         i2c = started_i2c(dsp, 0x50)
@@ -136,8 +136,8 @@ def answers(delay: int) -> Callable[[Dsp], None]:
     return main
 
 
-def test_twenty_cycles_before_each_write_are_twenty_cycles_less_of_margin():
-    """The second byte may be written as soon as the first has moved on: it waits for both delays."""
+def test_twenty_cycles_before_each_write_reduce_the_margin_by_twenty_cycles():
+    """The second byte can be written when the first has moved to the shift register, so both delays affect it."""
 
     def margins(delay: int) -> list[int]:
         request = {"address": 0x50, "count": 4, "expect": "00 01 02 03"}

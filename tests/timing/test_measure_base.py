@@ -1,4 +1,4 @@
-"""What every measure does with values: worst, least, what is left out, what is not over, percentiles."""
+"""The base class of measures: worst, least, values that are left out, unfinished values, percentiles."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import pytest
 from periph_sim.core.time import NO_TIME
 from periph_sim.timing.measures.measure import Measure, Tally
 from periph_sim.timing.verdict import Verdict
-from tests.timing.events_by_hand import make, records, tell
+from tests.timing.events_by_hand import feed, make, records
 
 
 class Waits(Measure):
-    """Some of its values are not over."""
+    """A measure with values that are not over."""
 
     def __init__(self, *waiting: tuple[int, int]) -> None:
         super().__init__()
@@ -41,14 +41,14 @@ def test_of_equal_values_the_first_is_the_worst_and_the_least():
     assert state(took(Measure(), (0, 10), (-1, 20))) == (0, 10, -1, 20, 2)
 
 
-def test_what_comes_before_the_time_asked_for_is_left_out():
+def test_values_before_not_before_are_left_out():
     of = Measure()
     of.not_before = 20
     assert state(took(of, (9, 19), (1, 20), (2, 21))) == (2, 21, 1, 20, 2)
     assert of.occasions is None and of.measured == 2
 
 
-def test_occasions_are_counted_from_the_time_asked_for():
+def test_occasions_are_counted_from_not_before():
     class Asked(Measure):
         asked = "reads"
 
@@ -69,11 +69,11 @@ def test_occasions_are_counted_from_the_time_asked_for():
         ([], [(-3, 90)], "it waits", (-3, 90), (-3, 90), 1, 1),
         ([(-9, 1)], [(-3, 90)], "it waits", (-3, 90), (-9, 1), 2, 1),
         ([(5, 10)], [(8, 80), (7, 90)], "it waits", (8, 80), (5, 10), 3, 2),
-        ([(5, 10)], [(8, 19)], "", (5, 10), (5, 10), 1, 0),  # begun too early
+        ([(5, 10)], [(8, 19)], "", (5, 10), (5, 10), 1, 0),  # began before not_before
         ([(5, 10)], [], "", (5, 10), (5, 10), 1, 0),
     ],
 )
-def test_what_is_not_over_counts_where_it_has_come_to_more_than_all_that_is(
+def test_an_unfinished_value_counts_if_it_exceeds_all_finished_ones(
     values, waiting, said: str, worst, least, count: int, cut_off: int
 ):
     of = took(Waits(*waiting), *values)
@@ -83,7 +83,7 @@ def test_what_is_not_over_counts_where_it_has_come_to_more_than_all_that_is(
     assert (of.count, of.cut_off) == (count, cut_off)
 
 
-def test_only_some_of_the_kept_values():
+def test_restriction_to_some_of_the_kept_values():
     of = took(Measure(), (1, 1))
     assert of.kept is None
     of = Measure()
@@ -100,7 +100,7 @@ def test_only_some_of_the_kept_values():
     assert of.tally.percentile(1000) == (2, 30)
 
 
-def test_each_value_that_counts_is_kept():
+def test_all_values_that_count_are_kept():
     of = Waits((7, 40))
     of.not_before = 10
     of.keep()
@@ -109,10 +109,10 @@ def test_each_value_that_counts_is_kept():
     assert [column.tolist() for column in of.all_kept()] == [[2, 2, 7], [10, 11, 40]]
 
 
-def test_a_count_is_one_number_and_its_time_that_of_the_first():
+def test_a_count_is_one_number_with_the_time_of_the_first_event():
     of = make("nacked")
     assert not of.silent and not of.series and state(of) == (0, NO_TIME, 0, NO_TIME, 0)
-    tell(of, records("\n".join(f"{at} transfer I2C refused 1" for at in (7, 9, 9, 9))))
+    feed(of, records("\n".join(f"{at} transfer I2C refused 1" for at in (7, 9, 9, 9))))
     assert state(of) == (4, 7, 4, 7, 4)
 
 
@@ -140,5 +140,5 @@ def test_the_word_of_a_verdict(of: str, word: str, passed: bool, broken: bool):
     ("measured", "occasions", "counted"),
     [(0, None, "5"), (3, 3, "5"), (4, 3, "5"), (2, 3, "2 of 3"), (0, 1, "0 of 1"), (0, 0, "5")],
 )
-def test_what_was_counted_of_what_there_was(measured: int, occasions: int | None, counted: str):
+def test_a_verdict_shows_the_measured_part_of_the_occasions(measured: int, occasions: int | None, counted: str):
     assert verdict("pass", measured=measured, occasions=occasions).counted == counted

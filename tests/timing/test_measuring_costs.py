@@ -1,4 +1,4 @@
-"""What measuring adds to a run, in records and events: a budget has just the records made that it looks at."""
+"""Costs of measuring, in records and events: a budget causes only the records that it needs."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SECONDS = "0.1"
 
 
 def made(measure: str, **limit: object) -> tuple[Counter[str], int]:
-    """The records that a run makes for one budget, by kind and place; and its events."""
+    """Return the records that a run with one budget makes, counted by kind and place, and its number of events."""
     budget = CASE.budget[0].model_copy(update={"name": "one", "measure": measure, **limit})
     case = CASE.model_copy(update={"budget": [budget]})
     seen: Counter[str] = Counter()
@@ -37,7 +37,7 @@ def made(measure: str, **limit: object) -> tuple[Counter[str], int]:
 
 
 @pytest.mark.parametrize("name", [*MEASURES, "slack", "gap between rounds", "reaction", "interrupt latency SCIRXINTA"])
-def test_a_row_says_how_many_records_its_sentence_takes(name: str):
+def test_the_cost_of_a_measure_is_its_number_of_records(name: str):
     measure = measure_named(name, ONE)
     limit = {"max": None, "min": None, "exactly": "0 us" if measure.unit == "time" else 0}
     seen, _ = made(name, **limit)
@@ -64,13 +64,13 @@ def plain_events(*disable: str) -> int:
         ("period of access W I2C-A.I2CDXR", {"access dsp W I2C-A.I2CDXR"}),
     ],
 )
-def test_only_what_is_looked_at_is_recorded_and_no_event_is_added(measure: str, places: set[str]):
+def test_only_needed_records_are_made_and_no_event_is_added(measure: str, places: set[str]):
     seen, events = made(measure)
     assert seen and {key for key in seen if not any(key.startswith(place) for place in places)} == set()
-    assert events == (plain_events("bits") if " edge S" in measure else plain_events())  # recorded edges are all made
+    assert events == (plain_events("bits") if " edge S" in measure else plain_events())  # no edge is skipped
 
 
-def test_of_flags_one_register_is_looked_at():
+def test_only_flags_of_one_register_are_recorded():
     seen, events = made("from flag I2C-A.I2CSTR.AAS rise to flag I2C-A.I2CSTR.SDIR rise")
     assert all(key.startswith("flag dsp.I2C-A I2CSTR.") for key in seen)
     assert events == plain_events()

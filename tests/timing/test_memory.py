@@ -1,4 +1,4 @@
-"""The memory of each measure consists of plain values, which are no older than the measure states."""
+"""The state of each measure consists of plain values, which are not older than `looks_back` states."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.timing.events_by_hand import ONE
 from tests.timing.measures.hand_made_run import GYRO, HandMadeRun, gyro_bytes, read, wrote
 from tests.timing.measures.test_event import EXAMPLES, IMAGE
 
-NOT_PLAIN = ("margin", "race")  # they read the wires by an object of their own, or keep records
+NOT_PLAIN = ("margin", "race")  # they have an object that reads the wires, or keep records
 
 
 def memory(measure: Measure, now: int) -> dict[str, object]:
@@ -24,21 +24,21 @@ def memory(measure: Measure, now: int) -> dict[str, object]:
 
 
 @pytest.mark.parametrize("text", [*MEASURES, *EXAMPLES, "from frame to frame TX, in order, same round", "reply:x"])
-def test_each_measure_states_how_far_it_looks_back_and_remembers_plain_values(text: str):
+def test_each_measure_states_how_far_it_looks_back_and_has_plain_values(text: str):
     made = measure_named(text, ONE if "RX" in text else IMAGE)
     assert made.looks_back in LOOKS_BACK
     foreign = [name for name, value in memory(made, 0).items() if isinstance(value, Foreign)]
     assert not foreign or text.startswith(NOT_PLAIN), foreign
 
 
-def test_each_row_states_it():
+def test_each_row_of_the_tables_states_how_far_it_looks_back():
     rows = {**MEASURES, **PHRASES}
     assert {row.looks_back for row in rows.values()} <= set(LOOKS_BACK)
     assert {measure_named(name, ONE).looks_back == row.looks_back for name, row in MEASURES.items()} == {True}
 
 
 def some_round(run: HandMadeRun, at: int, random: Random) -> None:
-    """A round at this tick, drawn at random: frames, reads that are answered, late or refused, characters."""
+    """Add a random round at this tick: frames, reads that are answered, late or refused, and characters."""
     run.frame(random.randrange(1, 9), at)
     for begin in range(at + 10, at + 10 + 100 * random.randrange(1, 4), 100):
         answered = begin + random.randrange(1, 9) if random.random() < 0.8 else NO_TIME
@@ -58,8 +58,8 @@ def some_round(run: HandMadeRun, at: int, random: Random) -> None:
 
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("name", [*MEASURES, "slack", "age of gyroscope", "value error at frame", "span:model"])
-def test_after_whole_rounds_only_what_is_stated_is_remembered(name: str, seed: int):
-    """One run has a past that the other has not; both end with the same round. In most cases nothing is left of it."""
+def test_after_complete_rounds_the_state_depends_only_on_what_is_stated(name: str, seed: int):
+    """Both runs end with the same round, but only one has rounds before it. These must not affect the state."""
     memories, counts = [], []
     for past in (0, 7):
         run, random = HandMadeRun(measure_named(name, ONE)), Random(seed)
@@ -72,6 +72,6 @@ def test_after_whole_rounds_only_what_is_stated_is_remembered(name: str, seed: i
     assert memories[0] == memories[1]
     if run.measure.looks_back in ("this occurrence", "this transfer", "this round"):
         fresh = HandMadeRun(measure_named(name, ONE))
-        fresh.recorder.topic(Kind.SPAN, "dsp", "model")  # the units that have spans are known from their topics
+        fresh.recorder.topic(Kind.SPAN, "dsp", "model")  # the topics give the units that have spans
         assert memories[0] == memory(fresh.measure, 1999)
     assert counts[0] < counts[1] or name in ("stuck", "value error at frame")

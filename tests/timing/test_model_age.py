@@ -1,4 +1,4 @@
-"""How old what sensor models made is when it is read, and values of models against the true motion."""
+"""The age of values of sensor models when they are read, and their errors compared with the true motion."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ def judged(name: str, seconds: str, *changes: str) -> dict[str, Verdict]:
     return {verdict.name: verdict for verdict in run_file(name, seconds, *changes).result.budgets}
 
 
-def test_where_chips_show_the_frames_values_it_is_their_age():
-    """A round begins 1.957 ms behind a frame; the magnetometer's read of the round before that frame 3.737 ms."""
+def test_the_model_age_is_the_data_age_if_chips_show_values_of_frames():
+    """A round begins 1.957 ms after a frame, and the magnetometer's read is 3.737 ms after that frame."""
     found = judged("imu_hil_published", "0.2", AGES)
     assert found["model age"].worst == found["age"].worst == pytest.approx(23_933, abs=1)
     assert found["model age"].count == found["age"].count == 30
 
 
-def test_a_frame_that_is_worked_on_again_is_older_then():
+def test_a_frame_that_the_models_use_again_is_older():
     found = judged("imu_hil_published", "0.3", AGES, "host.period=40 ms")
     assert found["model age"].worst == found["age"].worst == pytest.approx(43_933, abs=1)
     stopped = judged("imu_hil_published", "0.3", AGES, "host.frames=2")
     assert stopped["model age"].worst == stopped["age"].worst == pytest.approx(263_933, abs=1)
 
 
-def test_a_frame_that_comes_while_the_models_run_is_not_what_they_made():
-    """They begin after the round, 7.62 ms, and run to 23.62 ms; the next frame ends at 23.04 ms."""
+def test_a_frame_sent_while_the_models_run_does_not_reduce_the_age():
+    """The models run from 7.62 ms, after the round, to 23.62 ms. The next frame ends at 23.04 ms."""
     found = judged("imu_hil_published", "0.2", AGES, "unit.dsp.settings.model_cost=16 ms")
     assert found["model age"].worst == found["age"].worst == pytest.approx(23_933, abs=1)
 
@@ -43,14 +43,14 @@ def test_without_a_frame_there_is_no_age():
     assert (found["age"].verdict, found["age"].count, found["age"].occasions) == ("not judged", 0, 0)
 
 
-def test_its_worst_is_explained_from_the_frame_to_the_read():
+def test_the_worst_model_age_is_explained_from_the_frame_to_the_read():
     case = load(TIMING / "imu_moving.toml", [AGES, "duration=0.1 s"])
     scene = Scene(case)
     (worst,) = [verdict for verdict in scene.run().budgets if verdict.name == "model age"]
     explained = explain(case, [worst])["model age"]
     request, entered, frame, *steps, read = explained.chain.steps
     assert request.what == "SCI-A.SCIFFRX.RXFFINT set (the request that set it)"
-    assert entered.what.startswith("SCIRXINTA entered"), "the module takes a character before its stop bit is over"
+    assert entered.what.startswith("SCIRXINTA entered"), "the module receives a character before its stop bit is over"
     assert frame.what.startswith("RX: ") and frame.what.endswith(" is over")
     assert read.at == 0 and read.what.startswith("repeated START, magnetometer")
     assert -frame.at - explained.chain.length in (0, 1)  # the age is measured to the nanosecond, three ticks
@@ -61,7 +61,7 @@ def test_its_worst_is_explained_from_the_frame_to_the_read():
 # The case of the moving experiment -------------------------------------------------------------------------------
 
 
-def test_the_case_holds_fresh_and_right_at_once():
+def test_the_case_passes_on_age_and_error_at_the_same_time():
     found = judged("imu_moving", "1")
     assert {verdict.verdict for verdict in found.values()} == {"pass"}
     assert found["fresh and right"].count == 47
@@ -71,18 +71,18 @@ def test_the_case_holds_fresh_and_right_at_once():
 @pytest.mark.parametrize(
     ("change", "measure"),
     [
-        ("host.first=2 ms", "model age"),  # ready before the models as well, but longer
-        ("host.first=7 ms", "model age"),  # its end comes too late for the models of its round
-        ("host.motion.read_every=400 ms", "value error of accelerometer"),  # straight lines where the servos turn
+        ("host.first=2 ms", "model age"),  # also ready before the models, but for a longer time
+        ("host.first=7 ms", "model age"),  # ends too late for the models of its round
+        ("host.motion.read_every=400 ms", "value error of accelerometer"),  # straight lines while the servos turn
         ("unit.dsp.settings.arithmetic=q3", "value error of accelerometer"),
     ],
 )
-def test_one_line_breaks_it(change: str, measure: str):
+def test_one_changed_line_breaks_the_case(change: str, measure: str):
     found = judged("imu_moving", "1", change)["fresh and right"]
     assert (found.verdict, found.measure) == ("fail", measure)
 
 
-def test_a_gyroscope_as_built_is_wrong_where_two_angles_move_and_a_corrected_one_is_not(tmp_path):
+def test_only_the_corrected_gyroscope_is_correct_when_two_angles_change(tmp_path):
     (tmp_path / "corrected.toml").write_text('[gyroscope]\nrates = "corrected"\n')
     corrected = f"unit.dsp.settings.parameters={tmp_path / 'corrected.toml'}"
     budget = (

@@ -1,4 +1,4 @@
-"""Budgets whose measure has missed occasions: too few measured is not judged, which is not a pass anywhere."""
+"""Budgets whose measure missed occasions. With too few measured ones they are not judged, which is never a pass."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from tests.timing.measures.hand_made_run import GYRO, HandMadeRun, read, wrote
 
 
 def never(address: int) -> Phase:
-    """A read that was asked for and never begun, since the phase before was refused."""
+    """A read that was requested but never begun, because the phase before it was refused."""
     return Phase(address, read=True, count=6)
 
 
 def limit(run: HandMadeRun, name: str, **more: str | int) -> BudgetJudge:
-    """A budget on the measure that hears the run."""
+    """A budget on the measure of this run."""
     budget = Budget.model_validate({"name": "b", "measure": name, **more})
     made = judge(budget)
     made.measure = run.measure
@@ -41,14 +41,14 @@ def test_nine_tenths_of_the_occasions_are_enough(answered: int, asked: int, verd
     assert v.found == ("" if v.passed else f"measured {answered} of {asked} reads asked, less than 90 %")
 
 
-def test_a_broken_limit_is_broken_however_little_was_measured():
+def test_a_broken_limit_fails_even_if_little_was_measured():
     run = HandMadeRun("response")
     run.transfer(read(GYRO, answer_from=0, answer_at=4000))
     run.transfer(wrote(GYRO, acked=False), never(GYRO))
     assert limit(run, "response", max="1 us").verdict().verdict == "fail"
 
 
-def test_coverage_says_how_much_of_the_occasions_is_enough():
+def test_coverage_sets_the_required_part_of_the_occasions():
     run = HandMadeRun("response")
     run.transfer(read(GYRO, answer_from=0, answer_at=1))
     run.transfer(wrote(GYRO, acked=False), never(GYRO))
@@ -58,7 +58,7 @@ def test_coverage_says_how_much_of_the_occasions_is_enough():
         limit(run, "response", max="1 us", coverage="half")
 
 
-def test_what_was_asked_counts_as_an_occasion_though_it_never_came_to_the_wire():
+def test_a_request_is_an_occasion_even_if_it_was_never_sent():
     response, stretch, wrong = HandMadeRun("response"), HandMadeRun("stretch"), HandMadeRun("wrong bytes")
     for run in (response, stretch, wrong):
         run.transfer(wrote(GYRO, acked=False, at=5), never(GYRO))
@@ -67,7 +67,7 @@ def test_what_was_asked_counts_as_an_occasion_though_it_never_came_to_the_wire()
 
 
 @pytest.mark.parametrize("name", ["round", "nacked rounds"])
-def test_rounds_that_were_due_and_missed_are_occasions(name: str):
+def test_missed_rounds_are_occasions(name: str):
     run = HandMadeRun(name)
     run.round(due=10, end=20)
     run.misses(due=30)
@@ -75,7 +75,7 @@ def test_rounds_that_were_due_and_missed_are_occasions(name: str):
     assert (run.measure.measured, run.measure.occasions) == (2, 3)
 
 
-def test_missed_rounds_shows_how_many_were_due():
+def test_missed_rounds_shows_the_number_of_due_rounds():
     run = HandMadeRun("missed rounds")
     for due in (10, 20, 30):
         run.round(due, due + 5)
@@ -86,7 +86,7 @@ def test_missed_rounds_shows_how_many_were_due():
 
 @pytest.mark.parametrize("name", ["fifo high-water", "overruns"])
 @pytest.mark.parametrize(("received", "verdict"), [(10, "pass"), (9, "pass"), (8, "not judged")])
-def test_characters_on_rx_that_the_sci_does_not_receive_are_not_measured(name: str, received: int, verdict: str):
+def test_characters_that_the_sci_does_not_receive_are_not_measured(name: str, received: int, verdict: str):
     run = HandMadeRun(name)
     for n in range(10):
         run.character(n, n < received)
@@ -96,8 +96,8 @@ def test_characters_on_rx_that_the_sci_does_not_receive_are_not_measured(name: s
 
 
 @pytest.mark.parametrize("name", ["response", "stretch", "wrong bytes"])
-def test_a_head_that_finds_nobody_most_of_the_time_proves_nothing(name: str):
-    """The models keep the firmware from four rounds of five."""
+def test_a_head_without_acknowledge_most_of_the_time_is_not_judged(name: str):
+    """The models prevent the firmware from serving four of five rounds."""
     limit = 999 if name == "wrong bytes" else '"9 s"'
     budget = f'budget=[{{name="b", measure="{name}", max={limit}}}]'
     ran = run_file("imu_hil_published", "0.3", budget, "unit.dsp.settings.model_cost=95 ms")

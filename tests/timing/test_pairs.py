@@ -1,4 +1,4 @@
-"""Pairs of events: which belong together, what happens in between, and what the end of the run cuts off."""
+"""Pairs of events: pairing rules, counts between two events, and pairs that the end of the run cuts off."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from periph_sim.firmware import sci_fifo_receiver
 from periph_sim.timing.budget_schema import Budget
 from tests.scene.runs import run_file
 from tests.scene.small import scene_with
-from tests.timing.events_by_hand import ONE, came, pairs, played, records, scene_of, tell
+from tests.timing.events_by_hand import ONE, feed, pairs, played, records, scene_of, summary
 from tests.timing.judges import judge
 
 RISES = "from edge SCL rise to edge SDA rise"
 
 
 def drawn(scl: str, sda: str) -> list[Record]:
-    """Rises of two wires, a column a tick: `|` is one."""
+    """Records of the rises of two wires. A column is a tick, and `|` is a rise."""
     rises = [(tick, "SCL") for tick, c in enumerate(scl) if c == "|"]
     rises += [(tick, "SDA") for tick, c in enumerate(sda) if c == "|"]
     return records("\n".join(f"{tick} edge {wire} level 1" for tick, wire in sorted(rises)))
@@ -35,7 +35,7 @@ def drawn(scl: str, sda: str) -> list[Record]:
         (", last", [(3, 2), (2, 8)]),
     ],
 )
-def test_where_two_wait_the_rule_says_which_belongs_to_which(rule: str, found: list[tuple[int, int]]):
+def test_the_rule_determines_the_pairs_if_two_events_wait(rule: str, found: list[tuple[int, int]]):
     of = drawn(
         "| |     |    ",
         "     |    |  |",
@@ -43,9 +43,9 @@ def test_where_two_wait_the_rule_says_which_belongs_to_which(rule: str, found: l
     assert pairs(played(f"{RISES}{rule}", of, keep=True)) == found
 
 
-def test_without_a_rule_it_is_refused_to_guess():
-    told = played(RISES, drawn("|   |  |  ", "  |      |"))
-    assert told.silent and told.missing() == (
+def test_ambiguous_pairs_without_a_rule_are_not_judged():
+    measure = played(RISES, drawn("|   |  |  ", "  |      |"))
+    assert measure.silent and measure.missing() == (
         "'edge SCL rise' came at 0.000000 s and again at 0.000000 s before 'edge SDA rise'; "
         "add after a comma which belong together: in order, next or last"
     )
@@ -53,12 +53,12 @@ def test_without_a_rule_it_is_refused_to_guess():
     assert not clear.silent and pairs(clear) == [(2, 0), (2, 4)]
 
 
-def test_what_waits_counts_with_what_it_has_waited_if_that_is_most():
-    told = played(f"{RISES}, in order", drawn("| | |  ", " |     "), 20)
-    assert told.close(20) == "'edge SCL rise' still waited for 'edge SDA rise' when the run ended"
-    assert came(told) == (18, 2, 1, 3) and told.cut_off == 2
+def test_an_unfinished_wait_counts_if_it_is_the_longest():
+    measure = played(f"{RISES}, in order", drawn("| | |  ", " |     "), 20)
+    assert measure.close(20) == "'edge SCL rise' still waited for 'edge SDA rise' when the run ended"
+    assert summary(measure) == (18, 2, 1, 3) and measure.cut_off == 2
     short = played(RISES, drawn("|     |", "    |  "), 9)
-    assert (short.close(9), came(short)) == ("", (4, 0, 4, 1))
+    assert (short.close(9), summary(short)) == ("", (4, 0, 4, 1))
 
 
 @given(st.lists(st.tuples(st.integers(0, 3), st.sampled_from("AB")), max_size=30))
@@ -87,28 +87,33 @@ HUNG = """
 """
 
 
-def test_in_a_transfer_that_goes_on_a_first_one_still_waits_and_behind_its_stop_it_does_not():
-    told = played(f"{RISES}, same transfer", HUNG, 90)
-    assert told.close(90) != "" and (told.worst, told.count, told.measured, told.occasions) == (58, 2, 1, 1)
+def test_with_same_transfer_the_first_event_waits_only_until_the_stop():
+    measure = played(f"{RISES}, same transfer", HUNG, 90)
+    assert measure.close(90) != "" and (measure.worst, measure.count, measure.measured, measure.occasions) == (
+        58,
+        2,
+        1,
+        1,
+    )
     over = played(f"{RISES}, same transfer", HUNG + "40 bus controller STOP 0", 90)
     assert over.close(90) == "" and (over.worst, over.count, over.measured, over.occasions) == (3, 1, 1, 2)
 
 
-def test_transfers_whose_first_one_had_no_second_are_occasions():
+def test_transfers_in_which_only_the_first_event_occurred_are_occasions():
     of = "".join(
         f"{t}0 bus controller START 0\n{t}1 edge SCL level 1\n{t}5 bus controller STOP 0\n" for t in range(1, 9)
     )
     budget = Budget(name="b", measure=f"{RISES}, same transfer", max="1 s")
     limit = judge(budget, ONE)
     limit.measure.listen(scene_of())
-    tell(limit.measure, records(of.replace("12 ", "12 ") + "84 edge SDA level 1"))
+    feed(limit.measure, records(of.replace("12 ", "12 ") + "84 edge SDA level 1"))
     limit.finish(999)
     verdict = limit.verdict()
     assert (verdict.verdict, verdict.counted) == ("not judged", "1 of 8")
     assert verdict.found == "measured 1 of 8 transfers with 'edge SCL rise', less than 90 %"
 
 
-# How often something happens in between ---------------------------------------------------------------------------
+# Counts between two events ---------------------------------------------------------------------------
 
 
 def test_a_count_between_two_events():
@@ -117,12 +122,12 @@ def test_a_count_between_two_events():
         "   |     |",
     ) + records("1 irq dsp SCIRXINTA 1\n2 irq dsp SCIRXINTA 1\n4 irq dsp SCIRXINTA 1\n8 irq dsp SCIRXINTA 1")
     of.sort(key=lambda record: record.tick)
-    told = played("count of interrupt SCIRXINTA enter from edge SCL rise to edge SDA rise", of)
-    assert (came(told), told.unit) == ((2, 0, 1, 2), "count")
+    measure = played("count of interrupt SCIRXINTA enter from edge SCL rise to edge SDA rise", of)
+    assert (summary(measure), measure.unit) == ((2, 0, 1, 2), "count")
 
 
 @given(st.lists(st.sampled_from("ABX"), max_size=30))
-def test_a_count_between_is_what_a_walk_over_the_records_gives(events: list[str]):
+def test_a_count_between_agrees_with_a_loop_over_the_records(events: list[str]):
     wires = {"A": (Kind.EDGE, "SCL", "level"), "B": (Kind.EDGE, "SDA", "level"), "X": (Kind.FRAME, "TX", "begin")}
     of = [Record(i, i, *wires[e], int(e != "X"), "", 0) for i, e in enumerate(events)]
     wanted = []
@@ -137,7 +142,7 @@ def test_a_count_between_is_what_a_walk_over_the_records_gives(events: list[str]
 
 
 def echo(dsp: Dsp) -> None:
-    """Takes 500 us over each byte, and sends it back."""
+    """Firmware that processes each byte for 500 us and sends it back."""
     sci_fifo_receiver(dsp, brr=40, level=1)
     sci = dsp.module("SCI-A")
     sci.SCIFFTX.TXFIFOXRESET = 1
@@ -154,21 +159,24 @@ def echoed(*measures: str) -> list[Verdict]:
     return scene.run().budgets
 
 
-def test_an_echo_of_500_us_a_byte_with_twelve_waiting_gives_the_true_worst():
-    """The n-th byte begins n * 86.8 us behind the first one and is back 500 us behind the one before."""
-    in_order, unsaid, next_one = echoed(
+def test_in_order_gives_the_true_worst_echo_of_twelve_waiting_bytes():
+    """The n-th byte begins n * 86.8 us after the first one, and is sent back 500 us after the one before."""
+    in_order, without_rule, next_one = echoed(
         "from frame RX to frame TX, in order",
         "from frame RX to frame TX",
         "from frame RX to frame TX, next",
     )
     assert in_order.broken and in_order.count == 12
     assert in_order.worst == pytest.approx(12 * 500 + 85 - 11 * 86.8, abs=12)
-    assert (unsaid.verdict, unsaid.worst) == ("not judged", None) and "add after a comma" in unsaid.found
+    assert (without_rule.verdict, without_rule.worst) == (
+        "not judged",
+        None,
+    ) and "add after a comma" in without_rule.found
     assert next_one.worst < 600
 
 
-def test_a_bus_that_is_held_to_the_end_breaks_stretch():
-    """SDIR is cleared with SCD; the firmware waits for it, and SCL is held, for the rest of the run."""
+def test_a_bus_held_until_the_end_breaks_the_budget_on_stretch():
+    """SDIR is cleared along with SCD. The firmware waits for it, and SCL is held, until the end of the run."""
     budget = 'budget=[{name="s", measure="stretch", max="50 us"}, {name="r", measure="response", max="1 s"}]'
     late = ("unit.dsp.settings.frame_cost=200 us", "controller.stuck_after=9 s")
     ran = run_file("imu_hil_drift", "0.47", budget, *late)

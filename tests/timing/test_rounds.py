@@ -1,4 +1,4 @@
-"""Rounds and stretches read off the bus: by hand, against what the controller itself did, and against the records."""
+"""Rounds and stretches determined from the bus: on hand-made transfers, and compared with controller and records."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ A, B, C = 0x10, 0x20, 0x30
 ONE = tuple(t for address in (A, B) for t in Request(f"{address:#x}", address, 0x05, 2).transfers(by_stop=False))
 
 
-class Heard:
-    """Rounds of A and B, a pointer and two bytes each; the first is due at 100, then every 1000."""
+class RoundsRig:
+    """Rounds with requests to A and B, a pointer and two bytes each. The first is due at 100, then one every 1000."""
 
     def __init__(self, **asked: object) -> None:
         self.begun_at = NO_TIME
@@ -54,106 +54,106 @@ class Heard:
         return [(r.due, r.start, r.end) for r in self.over]
 
 
-def test_a_round_is_from_its_first_start_to_the_stop_of_its_last_request():
-    heard = Heard()
-    heard.round(100)
-    heard.round(1100)
-    heard.rounds.finish(1500)
-    assert heard.times() == [(100, 100, 190), (1100, 1100, 1190)]
-    assert (heard.due, heard.missed) == ([100, 1100], [])
-    assert [t.name for t in heard.transfers] == ["0x10", "0x20"] * 2
+def test_a_round_lasts_from_its_first_start_to_the_stop_of_its_last_request():
+    rig = RoundsRig()
+    rig.round(100)
+    rig.round(1100)
+    rig.rounds.finish(1500)
+    assert rig.times() == [(100, 100, 190), (1100, 1100, 1190)]
+    assert (rig.due, rig.missed) == ([100, 1100], [])
+    assert [t.name for t in rig.transfers] == ["0x10", "0x20"] * 2
 
 
-def test_a_start_that_was_held_up_longer_than_the_schedule_allows_is_part_of_the_round():
-    heard = Heard(late=20)
-    heard.round(110)
-    heard.round(1300)
-    assert heard.times() == [(100, 110, 200), (1100, 1120, 1390)]
+def test_a_start_delayed_for_longer_than_the_schedule_allows_is_part_of_the_round():
+    rig = RoundsRig(late=20)
+    rig.round(110)
+    rig.round(1300)
+    assert rig.times() == [(100, 110, 200), (1100, 1120, 1390)]
 
 
-def test_a_round_that_does_not_begin_before_the_next_is_due_was_missed():
-    heard = Heard()
-    heard.round(100, length=1900)  # until 2050
-    heard.round(2100)
-    heard.rounds.finish(2900)
-    assert (heard.due, heard.missed) == ([100, 1100, 2100], [1100])
+def test_a_round_that_does_not_begin_before_the_next_one_is_due_is_missed():
+    rig = RoundsRig()
+    rig.round(100, length=1900)  # until 2050
+    rig.round(2100)
+    rig.rounds.finish(2900)
+    assert (rig.due, rig.missed) == ([100, 1100, 2100], [1100])
 
 
-def test_a_round_that_the_end_cuts_off_is_none_and_those_due_meanwhile_were_missed():
-    heard = Heard()
-    heard.ask(A, 100)
-    heard.rounds.finish(2200)
-    assert (heard.over, heard.due, heard.missed) == ([], [1100, 2100], [1100, 2100])
-    held = Heard()
-    held.begun_at = 100  # START, and no STOP
+def test_a_round_cut_off_by_the_end_does_not_count_and_those_due_meanwhile_are_missed():
+    rig = RoundsRig()
+    rig.ask(A, 100)
+    rig.rounds.finish(2200)
+    assert (rig.over, rig.due, rig.missed) == ([], [1100, 2100], [1100, 2100])
+    held = RoundsRig()
+    held.begun_at = 100  # a START without a STOP
     held.rounds.finish(1200)
     assert (held.due, held.missed) == ([1100], [1100])
 
 
-def test_refused_requests_are_the_rounds():
-    heard = Heard()
-    heard.ask(A, 100, acked=False)
-    heard.ask(B, 150)
-    heard.ask(B, 1100)  # A was not asked, and nobody refused it
-    assert [(r.nacked, r.end) for r in heard.over] == [(1, 190), (0, 1140)]
-    assert [p.start_at for p in heard.transfers[0].phases] == [100, NO_TIME], "the read that was never begun"
-    assert [p.count for p in heard.transfers[0].phases] == [0, 2]
+def test_refused_requests_are_counted_in_their_round():
+    rig = RoundsRig()
+    rig.ask(A, 100, acked=False)
+    rig.ask(B, 150)
+    rig.ask(B, 1100)  # there is no request to A, so none was refused
+    assert [(r.nacked, r.end) for r in rig.over] == [(1, 190), (0, 1140)]
+    assert [p.start_at for p in rig.transfers[0].phases] == [100, NO_TIME], "the read was never begun"
+    assert [p.count for p in rig.transfers[0].phases] == [0, 2]
 
 
-def test_a_round_that_lacks_requests_is_missed_once_as_the_start_in_their_place_shows():
+def test_a_round_that_lacks_requests_is_missed_once():
     three = (*ONE, *Request("0x30", C, 0x05, 2).transfers(by_stop=False))
-    heard = Heard(requests=three)
+    rig = RoundsRig(requests=three)
     for at in (100, 1100, 2100, 3100):
-        heard.ask(A, at)
+        rig.ask(A, at)
         if at != 1100:
-            heard.ask(B, at + 50, pointer=0x77 if at == 2100 else 0x05)  # another register
+            rig.ask(B, at + 50, pointer=0x77 if at == 2100 else 0x05)  # another register
         if at > 100:
-            heard.ask(C, at + 100)
-    assert heard.missed == [1100, 1200, 2200], "the first one lacks C, as the next round shows"
-    heard.ask(C, 4100)  # A and B are not asked
-    heard.rounds.finish(4200)
-    assert heard.missed == [1100, 1200, 2200, 4100] and len(heard.over) == 4
+            rig.ask(C, at + 100)
+    assert rig.missed == [1100, 1200, 2200], "the next round shows that the first one lacks C"
+    rig.ask(C, 4100)  # without requests to A and B
+    rig.rounds.finish(4200)
+    assert rig.missed == [1100, 1200, 2200, 4100] and len(rig.over) == 4
 
 
-def test_a_round_that_begins_again_was_broken_off():
-    heard = Heard()
-    heard.ask(A, 100)
-    heard.round(1100)
-    assert heard.times() == [(1100, 1100, 1190)] and heard.due == [100, 1100]
-    assert heard.missed == [1100]
+def test_a_round_that_begins_again_was_aborted():
+    rig = RoundsRig()
+    rig.ask(A, 100)
+    rig.round(1100)
+    assert rig.times() == [(1100, 1100, 1190)] and rig.due == [100, 1100]
+    assert rig.missed == [1100]
 
 
-def test_transfers_that_nobody_asked_for_belong_to_no_round():
-    heard = Heard()
-    heard.ask(A, 100)
-    heard.ask(C, 150)
-    heard.ask(A, 160, pointer=0x77)
-    heard.ask(B, 210)
-    assert heard.times() == [(100, 100, 250)] and len(heard.transfers) == 4
+def test_transfers_that_are_not_requests_belong_to_no_round():
+    rig = RoundsRig()
+    rig.ask(A, 100)
+    rig.ask(C, 150)
+    rig.ask(A, 160, pointer=0x77)
+    rig.ask(B, 210)
+    assert rig.times() == [(100, 100, 250)] and len(rig.transfers) == 4
 
 
-def test_the_start_up_comes_before_the_first_round():
-    heard = Heard(startup=ONE)
-    heard.round(20)
-    assert heard.over == [] and heard.rounds.at_start()
-    heard.round(100)
-    assert heard.times() == [(100, 100, 190)]
+def test_the_start_up_is_before_the_first_round():
+    rig = RoundsRig(startup=ONE)
+    rig.round(20)
+    assert rig.over == [] and rig.rounds.at_start()
+    rig.round(100)
+    assert rig.times() == [(100, 100, 190)]
 
 
-def test_where_nobody_knows_the_schedule_a_round_is_due_a_period_after_the_one_before():
-    heard = Heard(first=None)
-    heard.round(777)
-    heard.round(1780)  # its own clock
-    heard.round(4200)  # nearer to 3780 than to 4780
-    heard.rounds.finish(4300)
-    assert heard.missed == [2780] and heard.due == [777, 1780, 2780, 4200]
+def test_without_a_known_schedule_a_round_is_due_a_period_after_the_one_before():
+    rig = RoundsRig(first=None)
+    rig.round(777)
+    rig.round(1780)  # the clock of the master is slow
+    rig.round(4200)  # nearer to 3780 than to 4780
+    rig.rounds.finish(4300)
+    assert rig.missed == [2780] and rig.due == [777, 1780, 2780, 4200]
 
 
-# Against what the controller did, and against the records -----------------------------------------------------------
+# Compared with the controller and with the records -----------------------------------------------------------
 
 
 class Ran:
-    """A run with all its records, and what the controller says itself."""
+    """A run with all its records, the reports of the controller, and those determined from the bus."""
 
     def __init__(self, name: str, seconds: str, *changes: str) -> None:
         case = load(TIMING / f"{name}.toml", list(changes))
@@ -174,7 +174,7 @@ class Ran:
         self.result = scene.run(Fraction(seconds))
 
     def values(self, name: str) -> list[tuple[int, int]]:
-        """(value, when) of each that a budget took."""
+        """(value, tick) of each value of a budget."""
         return pairs(next(limit.measure for limit in self.scene.limits if limit.budget.name == name))
 
 
@@ -197,23 +197,23 @@ def ran(place: int) -> Ran:
     return Ran(name, seconds, BUDGETS, *changes)
 
 
-def told(transfer: Transfer) -> tuple[object, ...]:
+def summary(transfer: Transfer) -> tuple[object, ...]:
     phases = [(p.address, p.read, p.count, p.acked, bytes(p.got), p.start_at, p.stretch) for p in transfer.phases]
     answers = [(p.answer_from, p.answer_at) for p in transfer.phases if p.read]
     return transfer.name, transfer.stop_at, transfer.acked, phases, answers
 
 
 @pytest.mark.parametrize("place", range(len(SCENES)))
-def test_the_bus_says_what_the_controller_did(place: int):
-    """Of a controller that is held up, loses count of nobody's clocks and clears the bus."""
+def test_rounds_from_the_bus_are_those_of_the_controller(place: int):
+    """In these scenes, the controller is delayed, clears the bus, and has to ignore clocks of other parties."""
     run = ran(place)
-    assert len(run.rounds) >= 9 and [told(t) for t in run.seen] == [told(t) for t in run.transfers]
+    assert len(run.rounds) >= 9 and [summary(t) for t in run.seen] == [summary(t) for t in run.transfers]
     assert run.heard == [Round(n, r.due, r.start, r.end, r.nacked, r.transfers) for n, r in enumerate(run.rounds, 1)]
     assert run.not_begun == run.missed
 
 
 def lows(records: list[Record], held_by: Callable[[str], bool]) -> list[tuple[int, int]]:
-    """(rise, how long before it the last holder of that kind let go) of each low of SCL that one of them held."""
+    """(rise, time from the release by the last matching holder to the rise), for each low of SCL with such a holder."""
     found, holds, let_go = [], False, NO_TIME
     for r in records:
         if r.where != "SCL" or r.kind not in (Kind.EDGE, Kind.HOLD):
@@ -230,7 +230,7 @@ def lows(records: list[Record], held_by: Callable[[str], bool]) -> list[tuple[in
     return found
 
 
-def test_stretch_is_what_scl_stays_low_behind_its_release_by_the_controller():
+def test_stretch_is_the_time_scl_stays_low_after_its_release_by_the_controller():
     run = ran(0)
     let_go = lows(run.records, lambda who: who == "controller")
     starts = [r.tick for r in run.records if r.kind is Kind.BUS and r.what in ("START", "repeated START")]
@@ -256,8 +256,8 @@ def on_bus(records: list[Record]) -> list[tuple[int, int, int]]:
 
 
 @pytest.mark.parametrize("place", [0, 1])
-def test_round_slack_and_gap_are_those_of_the_recorded_bytes(place: int):
-    """Three transfers a round: gyroscope, accelerometer, magnetometer; rounds are due each 20 ms from 5 ms on."""
+def test_round_slack_and_gap_agree_with_the_recorded_bytes(place: int):
+    """A round has three transfers: gyroscope, accelerometer, magnetometer. Rounds are due every 20 ms from 5 ms."""
     run = ran(place)
     transfers = on_bus(run.records)
     rounds = [
@@ -274,7 +274,7 @@ def test_round_slack_and_gap_are_those_of_the_recorded_bytes(place: int):
     assert run.values("gap") == gaps and gaps
 
 
-def test_what_scl_is_held_for_is_the_sum_of_a_transfers_lows():
+def test_the_time_scl_is_held_is_the_sum_over_the_low_phases_of_a_transfer():
     run = ran(0)
     by_others = lows(run.records, lambda who: not who.startswith("dsp."))
     wanted = [
@@ -307,7 +307,7 @@ WORDS = """budget=[
     {name="response", measure="response", max="1 ms"}]"""
 
 
-def test_the_same_words_judge_a_firmware_that_is_the_master():
+def test_the_same_measures_judge_firmware_that_is_the_master():
     run = Ran("two_dsps", "0.2", ROUNDS, WORDS)
     transfers = on_bus(run.records)
     rounds = list(zip(transfers[::3], transfers[2::3], strict=True))
@@ -322,8 +322,8 @@ def test_the_same_words_judge_a_firmware_that_is_the_master():
     assert max(value for value, _ in run.values("stretch")) == max(wanted) == 0
 
 
-def test_a_slave_that_holds_scl_is_measured_against_a_firmware_too():
-    """The head asks while the other unit's models run."""
+def test_a_slave_that_stretches_is_measured_with_firmware_as_the_master():
+    """The head makes requests while the models of the other unit run."""
     run = Ran("two_dsps", "0.1", ROUNDS, WORDS, "unit.head.settings.period=4 ms", "unit.imu.settings.model_cost=3 ms")
     wanted = [held for _, held in lows(run.records, lambda who: who.startswith("head."))]
     assert max(value for value, _ in run.values("stretch")) == max(wanted) > 0
@@ -353,6 +353,6 @@ def test_a_slave_that_holds_scl_is_measured_against_a_firmware_too():
         ),
     ],
 )
-def test_rounds_that_cannot_be_are_refused(changes: tuple[str, ...], said: str):
+def test_invalid_rounds_are_rejected(changes: tuple[str, ...], said: str):
     name, *given = changes
     assert said in sentence_of(BadCase, lambda: Scene(load(TIMING / f"{name}.toml", list(given))))

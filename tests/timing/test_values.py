@@ -1,4 +1,4 @@
-"""All values of a run: as many as were counted, the worst and the least among them, when they were."""
+"""All values of a run: their number, the worst and the least of them, and their times."""
 
 from __future__ import annotations
 
@@ -15,7 +15,14 @@ def test_values_are_kept_on_request_and_agree_with_the_verdicts(tmp_path: Path) 
     scene = Scene(case, keep_values=True)
     result = scene.run()
     kept = [limit.values(scene.start) for limit in scene.limits]
-    assert [one is None for one in kept] == [False, False, False, False, True, True]  # a count, and what never was
+    assert [one is None for one in kept] == [
+        False,
+        False,
+        False,
+        False,
+        True,
+        True,
+    ]  # a count, and a measure without a value
     for limit, verdict, one in zip(scene.limits, result.budgets, kept, strict=True):
         if one is not None:
             assert len(one.values) == len(one.at) == verdict.count
@@ -26,7 +33,7 @@ def test_values_are_kept_on_request_and_agree_with_the_verdicts(tmp_path: Path) 
     assert kept[3].unit == "words" and kept[3].limits == {"max": 13}
 
 
-def test_without_the_request_nothing_keeps_values(tmp_path: Path) -> None:
+def test_values_are_not_kept_by_default(tmp_path: Path) -> None:
     path = tmp_path / "small.toml"
     path.write_text(CASE, encoding="utf-8")
     scene = Scene(load(path, []))

@@ -1,4 +1,4 @@
-"""Figures as people read them: in tables, and within sentences."""
+"""Formatting of figures in tables and in sentences."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_a_figure(value: float, unit: str, column: str, sentence: str):
         ("p99_9", "p99.9 4 us"),
     ],
 )
-def test_a_limit_says_which_it_is(which: str, text: str):
+def test_a_limit_is_shown_with_its_kind(which: str, text: str):
     assert limit(4.0, "us", which) == text
 
 
@@ -54,7 +54,7 @@ def test_a_limit_says_which_it_is(which: str, text: str):
         (0.25, "LSB", "0.25 LSB"),
     ],
 )
-def test_a_limit_has_no_zeros_that_nobody_wrote(value: float, unit: str, text: str):
+def test_a_limit_has_no_trailing_zeros(value: float, unit: str, text: str):
     assert limit(value, unit, "max") == text
 
 
@@ -66,5 +66,5 @@ def test_the_length_of_a_run(seconds: float, text: str):
     assert simulated(seconds) == text
 
 
-def test_what_there_is_none_of():
+def test_a_missing_value_is_shown_as_a_dash():
     assert (figure(None, "us"), instant(None), instant(1.25)) == ("-", "-", "1.250000 s")

@@ -1,6 +1,7 @@
-"""Which frame a read's bytes come from: against models run on frames chosen at random, and against bytes of no frame.
+"""The frame that the bytes of a read come from, for models run on random frames and for bytes of no frame.
 
-frames  0   1   2   3        pin  _|~|___|~|__     a run may pass frames over, or take the last one once more
+
+frames  0   1   2   3        pin  _|~|___|~|__     a run of the models can skip frames, or use the last one again
 runs      0   2   2 3
 """
 
@@ -33,7 +34,7 @@ def computed() -> ModelCodes:
 
 
 class Bus:
-    """Frames and reads that go into origins."""
+    """Passes frames and reads to `origins`."""
 
     def __init__(self, origins: Origins) -> None:
         self.origins = origins
@@ -48,16 +49,16 @@ class Bus:
 
 
 class Models:
-    """Firmware that runs its models: on which frame, the test says."""
+    """Firmware that runs its models on frames chosen by the test."""
 
     def __init__(self, origins: ModelOrigins) -> None:
         self._codes, self._pin = computed(), origins.model_pin
         self._shown, self._runs = self._codes.at_rest, 0
-        self._pin(0, 0)  # pulled up until it becomes an output
+        self._pin(0, 0)  # high until the pin becomes an output
         self.data = dict.fromkeys(CHIPS, bytes(6))
 
     def run(self, values: tuple[int, ...] | None) -> None:
-        """values: of a frame; None if none has come, which leaves the models at rest."""
+        """Run the models on the values of a frame; None if there was no frame, which leaves the models at rest."""
         self._pin(0, 1)
         shown = self._codes.run(self._runs, values or (0,) * 6, self._shown)
         self.data = {address: shown.data(address) for address in CHIPS}
@@ -68,18 +69,18 @@ class Models:
 
 
 def computing_unit() -> tuple[Bus, Models]:
-    """The bus and the firmware of a unit that computes models, observed by the same origins."""
+    """The bus and the firmware of a unit that computes models, both observed by the same `ModelOrigins`."""
     origins = ModelOrigins(computed())
     return Bus(origins), Models(origins)
 
 
 def moved(number: int) -> tuple[int, ...]:
-    """Frames so far apart that no two of them, and no two steps between them, give a chip the same codes."""
+    """Values of a frame, so different that no two frames and no two steps between frames give a chip the same codes."""
     n = number + 1
     return tuple(n * step + 3 * n * n for step in (60, 40, -150, 20, -90, 15))
 
 
-def test_a_frame_is_known_by_its_numbers_in_each_chips_byte_order():
+def test_a_frame_is_recognized_by_its_values_in_the_byte_order_of_each_chip():
     bus = Bus(FrameOrigins(host_frames()))
     assert bus.read(GYROSCOPE, bytes(6)) == Origin(BEFORE_ANY, NO_TIME, bytes(6))
     bus.frame(4, (1, 2, 3, 4, 5, 6))
@@ -90,7 +91,7 @@ def test_a_frame_is_known_by_its_numbers_in_each_chips_byte_order():
     assert bus.read(0x50, bytes(6)) is None
 
 
-def test_equal_numbers_are_those_of_the_youngest_frame():
+def test_equal_values_belong_to_the_newest_frame():
     bus = Bus(FrameOrigins(host_frames()))
     for number in (1, 2, 3):
         bus.frame(number, (7,) * 6)
@@ -98,8 +99,8 @@ def test_equal_numbers_are_those_of_the_youngest_frame():
     assert (found.frame, found.ended) == (3, 300)
 
 
-def test_the_bytes_of_a_frame_are_worked_out_once_for_each_chip():
-    """They were remembered in as many places as a read walks through, so that each look-up missed."""
+def test_the_bytes_of_a_frame_are_computed_once_for_each_chip():
+    """Each read is compared with all recent frames, but the bytes of a frame are computed only once."""
     made, kind = [], host_frames()
     counting = SimpleNamespace(ADDRESSES=kind.ADDRESSES, data=lambda *of: made.append(of) or kind.data(*of))
     bus = Bus(FrameOrigins(counting))
@@ -111,20 +112,18 @@ def test_the_bytes_of_a_frame_are_worked_out_once_for_each_chip():
 
 
 @given(st.lists(st.tuples(st.integers(1, 3), st.integers(0, 3)), min_size=1, max_size=12), st.integers(0, 6))
-def test_every_read_of_computed_sensors_leads_to_the_frame_that_the_models_took(
-    turns: list[tuple[int, int]], choice: int
-):
-    """turns: how many frames come, and how many the run that follows passes over. After each some chips are read."""
+def test_every_read_of_computed_sensors_has_the_frame_that_the_models_used(turns: list[tuple[int, int]], choice: int):
+    """turns: number of frames, and number of frames that the next run skips. After each run, some chips are read."""
     origins = ModelOrigins(computed())
     bus = Bus(origins)
     models, random = Models(origins), Random(choice)
     sent, taken = BEFORE_ANY, BEFORE_ANY
-    for come, passed_over in turns:
+    for come, skipped in turns:
         for _ in range(come):
             sent += 1
             bus.frame(sent, moved(sent))
-        is_first = taken == BEFORE_ANY  # all rates are 0, whichever frame it takes: only the attitude tells it
-        taken = max(taken, sent - passed_over)
+        is_first = taken == BEFORE_ANY  # all rates are 0 for any frame: only the attitude identifies it
+        taken = max(taken, sent - skipped)
         models.run(moved(taken) if taken != BEFORE_ANY else None)
         for address in [MAGNETOMETER] if is_first else random.sample(CHIPS, random.randrange(1, 4)):
             found = bus.read(address, models.data[address])
@@ -132,7 +131,7 @@ def test_every_read_of_computed_sensors_leads_to_the_frame_that_the_models_took(
 
 
 @pytest.mark.parametrize("address", CHIPS)
-def test_models_that_took_what_no_host_sent_are_found_out_and_found_again(address: int):
+def test_models_run_on_values_of_no_frame_are_detected_and_later_frames_are_found_again(address: int):
     bus, models = computing_unit()
     for number in range(20):
         bus.frame(number, moved(number))
@@ -140,11 +139,11 @@ def test_models_that_took_what_no_host_sent_are_found_out_and_found_again(addres
         found = bus.read(address, models.data[address])
         if 5 <= number < 9:
             assert found.frame is None and found.wanted != models.data[address]
-        elif number >= 9 + 2:  # rates are of two attitudes, accelerations of three
+        elif number >= 9 + 2:  # rates depend on two attitudes, accelerations on three
             assert (found.frame, found.ended) == (number, 100 * number)
 
 
-def test_a_read_that_began_before_the_models_were_over_carries_what_they_made_before():
+def test_a_read_that_began_before_the_models_ended_can_have_the_values_of_the_run_before():
     bus, models = computing_unit()
     for number in range(3):
         bus.frame(number, moved(number))
@@ -158,7 +157,7 @@ def test_a_read_that_began_before_the_models_were_over_carries_what_they_made_be
         assert found.frame == frame
 
 
-def test_after_a_reset_the_models_begin_at_rest_with_the_first_sample_of_noise():
+def test_after_a_reset_the_models_are_at_rest_and_noise_begins_with_its_first_sample():
     origins = ModelOrigins(computed())
     bus = Bus(origins)
     for _ in range(2):
@@ -172,7 +171,7 @@ def test_after_a_reset_the_models_begin_at_rest_with_the_first_sample_of_noise()
 
 
 @pytest.mark.parametrize(("frames", "taken"), [(4, 0), (5, 0), (40, 0), (40, 39), (KEPT, 0)])
-def test_a_run_may_pass_over_any_number_of_frames_that_are_kept(frames: int, taken: int):
+def test_a_run_can_skip_any_number_of_frames_that_are_kept(frames: int, taken: int):
     bus, models = computing_unit()
     for number in range(frames):
         bus.frame(number, moved(number))
@@ -181,8 +180,8 @@ def test_a_run_may_pass_over_any_number_of_frames_that_are_kept(frames: int, tak
     assert (found.frame, found.known, found.judged) == (taken, True, True)
 
 
-def test_bytes_of_no_frame_are_not_judged_once_frames_or_chains_were_left_out():
-    """Without that they are wrong."""
+def test_bytes_of_no_frame_are_not_judged_after_frames_or_chains_were_left_out():
+    """They are wrong if nothing was left out."""
     for frames, runs, judged in ((KEPT - 1, 1, True), (2 * KEPT, 1, False), (20, 3, False)):
         bus, models = computing_unit()
         for number in range(frames):
@@ -194,10 +193,10 @@ def test_bytes_of_no_frame_are_not_judged_once_frames_or_chains_were_left_out():
         found = bus.read(MAGNETOMETER, models.data[MAGNETOMETER])
         assert (found.frame, found.judged) == (frames - 1, True)
         found = bus.read(MAGNETOMETER, b"no one")
-        assert found.judged  # the read before has told which chain is the true one
+        assert found.judged  # the read before has determined the chain
 
 
-def test_a_model_that_goes_on_with_a_frame_that_is_no_longer_kept_is_followed():
+def test_a_model_that_uses_a_frame_again_that_is_no_longer_kept_is_followed():
     bus, models = computing_unit()
     for number in range(3 * KEPT):
         bus.frame(number, moved(number))
@@ -207,8 +206,8 @@ def test_a_model_that_goes_on_with_a_frame_that_is_no_longer_kept_is_followed():
             assert found.frame == 0
 
 
-def test_two_runs_without_a_read_between_them_may_each_have_taken_any_frame():
-    """What the second shows depends on the frames of three runs, not of two."""
+def test_two_runs_without_a_read_between_them_can_each_use_any_frame():
+    """The values of the second run depend on the frames of three runs, not of two."""
     for second in range(4):
         for third in range(second, 4):
             bus, models = computing_unit()
@@ -221,7 +220,7 @@ def test_two_runs_without_a_read_between_them_may_each_have_taken_any_frame():
 
 
 @pytest.mark.parametrize("passed", [RECENT, 40, 700])
-def test_a_chip_may_show_a_frame_after_any_number_of_others_but_never_go_back(passed: int):
+def test_a_chip_can_show_a_frame_after_any_number_of_others_but_not_an_older_one_afterwards(passed: int):
     bus = Bus(FrameOrigins(host_frames()))
     for number in range(passed + 2):
         bus.frame(number, ramp(number))
@@ -232,7 +231,7 @@ def test_a_chip_may_show_a_frame_after_any_number_of_others_but_never_go_back(pa
     assert (gone_back.frame, gone_back.judged) == (None, True)
 
 
-def test_zeros_of_a_chip_that_has_shown_no_frame_are_right_at_first_and_later_not_judged():
+def test_zeros_of_a_chip_that_has_shown_no_frame_are_correct_at_first_and_later_not_judged():
     bus = Bus(FrameOrigins(host_frames()))
     for number in range(RECENT - 1):
         bus.frame(number, moved(number))
@@ -255,7 +254,7 @@ def test_a_chain_never_goes_back_to_an_older_frame():
     assert found.frame is None
 
 
-def test_of_bytes_that_are_no_frames_the_wanted_ones_agree_in_the_most():
+def test_the_expected_bytes_are_those_of_the_frame_with_most_equal_bytes():
     bus = Bus(FrameOrigins(host_frames()))
     bus.frame(1, (1, 2, 3, 4, 5, 6))
     bus.frame(2, (0x101, 0x202, 0x303, 4, 5, 6))
@@ -263,10 +262,10 @@ def test_of_bytes_that_are_no_frames_the_wanted_ones_agree_in_the_most():
         ("0101 0202 0309", "0101 0202 0303"),
         ("0001 0002 0309", "0001 0002 0003"),
         ("0101 0002 0009", "0001 0002 0003"),
-        ("0101 0002 0909", "0101 0202 0303"),  # three of each: the younger frame, which comes first
+        ("0101 0002 0909", "0101 0202 0303"),  # three of each: the newer frame, which is compared first
         ("0909 0909 0909", "0101 0202 0303"),
     ):
         found = bus.read(GYROSCOPE, bytes.fromhex(got))
         assert found == Origin(None, NO_TIME, bytes.fromhex(wanted)), got
-    part = bus.read(GYROSCOPE, bytes.fromhex("0001 0002"))  # a read cut short
+    part = bus.read(GYROSCOPE, bytes.fromhex("0001 0002"))  # an incomplete read
     assert (part.frame, part.wanted) == (1, bytes.fromhex("000100020003"))

@@ -1,4 +1,4 @@
-"""Events compiled to tests of records: what fits, what does not, and names that nothing in the scene bears."""
+"""Events compiled to matchers of records: records that match, records that do not, and names unknown in the scene."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ RUN = """
         ("note dsp:lost", [190]),
     ],
 )
-def test_it_fits_the_same_records_one_by_one_and_all_at_once(event: str, ticks: list[int]):
+def test_a_matcher_finds_the_same_records_one_by_one_and_all_at_once(event: str, ticks: list[int]):
     of = records(RUN)
     test = matcher(event, ONE)
     assert [record.tick for record in of if test.fits(record)] == ticks
@@ -146,18 +146,18 @@ def test_it_fits_the_same_records_one_by_one_and_all_at_once(event: str, ticks: 
         ("note dps:duty", ONE, "there is no unit 'dps'; did you mean dsp?"),
     ],
 )
-def test_what_cannot_happen_in_the_scene_is_refused_with_near_names(event, scope, sentence: str):
+def test_an_event_that_is_impossible_in_the_scene_is_rejected_with_similar_names(event, scope, sentence: str):
     assert sentence_of(BadEvent, lambda: matcher(event, scope)).startswith(sentence)
 
 
-def test_of_two_units_each_can_be_named_and_the_only_one_with_a_module_need_not():
+def test_with_two_units_the_unit_must_be_named_unless_only_one_has_the_module():
     assert matcher("flag imu:I2C-A.I2CSTR.XRDY rise", TWO).where == {"imu.I2C-A"}
     assert matcher("access W SCI-A.SCITXBUF", TWO).where == {"imu"}
     assert matcher("interrupt TINT0 enter", TWO).where == {"head"}
     assert matcher("flag imu:PIE.PIEIFR9.INTx1 rise", TWO).where == {"imu.PIE"}
 
 
-def test_a_recorded_run_knows_its_units_wires_and_parties():
+def test_the_scope_of_a_recorded_run_has_its_units_wires_and_parties():
     scope = scope_of_table(table(records(RUN)))
     assert scope.units == {"dsp": MODULES}
     assert {"SDA", "SCL", "RX", "TX", "MODEL"} == set(scope.wires)

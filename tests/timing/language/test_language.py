@@ -1,4 +1,4 @@
-"""Measures as text: what each form says, and what is said about a text that is none."""
+"""Measures as text: the meaning of each form, and the messages about texts that are not measures."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ def test_a_measure(text: str, form: str, events: list[str], rules: str, unit: st
         ("interrupt latency imu:XINT1", ParsedMeasure("interrupt", unit="imu", name="XINT1")),
     ],
 )
-def test_what_else_a_measure_says(text: str, said: ParsedMeasure):
+def test_further_parts_of_a_measure(text: str, said: ParsedMeasure):
     assert replace(measure_of(text), text="") == said
 
 
@@ -154,12 +154,12 @@ def test_what_else_a_measure_says(text: str, said: ParsedMeasure):
         ("22nd edge SCL rise of round", 22, "round"),
     ],
 )
-def test_which_one_of_a_transfer_round_or_burst(text: str, nth: int, group: str):
+def test_the_nth_event_of_a_transfer_round_or_burst(text: str, nth: int, group: str):
     event = event_of(text)
     assert (event.nth, event.group, event.text) == (nth, group, text)
 
 
-def test_one_event_or_another():
+def test_alternative_events():
     event = event_of("bus STOP or frame TX end or span a begin")
     assert (event.kind, [other.text for other in event.others]) == ("bus", ["frame TX end", "span a begin"])
 
@@ -178,14 +178,14 @@ def test_one_event_or_another():
         ("interrupt SCIRXINTA", ["interrupt SCIRXINTA enter"], ["interrupt SCIRXINTA leave"]),
     ],
 )
-def test_a_state_is_what_begins_and_what_ends_it(text: str, enters: list[str], leaves: list[str]):
+def test_a_state_has_events_that_enter_and_leave_it(text: str, enters: list[str], leaves: list[str]):
     for form in ("time", "each time"):
         state = measure_of(f"{form} in {text}").state
         assert state.text == text
         assert [event.text for event in state.enters] == enters
         assert [event.text for event in state.leaves] == leaves
         for event in (*state.enters, *state.leaves):
-            assert "'" in event.text or event == event_of(event.text)  # the same as if it had been written out
+            assert "'" in event.text or event == event_of(event.text)  # the same as the event written out
 
 
 @pytest.mark.parametrize("name", ["wait to send", "read or write", "end of frame", "load, run"])
@@ -198,7 +198,7 @@ def test_all_words_after_in_are_the_name_of_a_span(name: str):
 
 
 @pytest.mark.parametrize("form", FORMS.values())
-def test_every_form_that_messages_name_can_be_said(form: str):
+def test_every_form_named_in_messages_can_be_parsed(form: str):
     text = (
         form.replace("MODULE.REGISTER.FIELD", "I2C-A.I2CSTR.XRDY")
         .replace("NAME", "SCIRXINTA")
@@ -325,16 +325,16 @@ def test_every_form_that_messages_name_can_be_said(form: str):
         ("", "'' ends where edge, flag, access, interrupt, span, bus, frame, variable, note or record is expected"),
     ],
 )
-def test_what_is_no_event_or_measure_is_told_with_what_was_expected(text: str, sentence: str):
+def test_an_invalid_event_or_measure_is_rejected_with_what_was_expected(text: str, sentence: str):
     assert sentence_of(BadEvent, lambda: measure_of(text) if is_form(text) else event_of(text)) == sentence
 
 
-def test_a_slip_in_the_first_word_is_told():
+def test_a_mistyped_first_word_has_a_near_form():
     assert near_form("perod of frame") == "period of EVENT"
     assert near_form("respons") == ""
 
 
-def test_an_event_knows_its_own_text():
+def test_an_event_has_its_text_without_extra_spaces():
     assert measure_of("from  bus   START to frame").events[0] == Event("bus", "bus START", "", "START")
 
 
@@ -361,7 +361,7 @@ def test_the_largest_number_of_a_state():
         measure_of("time in flag A.B.C = 0x100000000")
 
 
-def test_words_ahead_and_behind():
+def test_the_next_and_the_following_word():
     words = Words("a 'b c', d=7")
     assert (words.next, words.following) == ("a", "'b c'")
     assert words.take("a word") == "a" and words.name("a name") == ("", "b c")
@@ -371,13 +371,13 @@ def test_words_ahead_and_behind():
     assert Words("a").following == ""
 
 
-def test_a_unit_may_stand_apart_from_a_quoted_name():
+def test_a_space_is_allowed_between_unit_and_name():
     assert Words("imu: 'a b'").name("a name") == Words("imu:'a b'").name("a name") == ("imu", "a b")
     assert Words("imu: a").name("a name") == ("imu", "a")
 
 
 @pytest.mark.parametrize(("word", "number"), [("7", 7), ("0x1F", 31), ("0b11", 3), ("x7", None), ("", None)])
-def test_a_number_is_taken_where_one_comes(word: str, number: int | None):
+def test_a_number_is_read_only_if_the_next_word_is_one(word: str, number: int | None):
     words = Words(word)
     assert words.number(31) == number
     assert words.next == ("" if number is not None else word)
@@ -396,9 +396,9 @@ def test_a_number_is_taken_where_one_comes(word: str, number: int | None):
         ("responses", ""),
     ],
 )
-def test_the_form_whose_first_word_is_nearly_that_of_a_text(text: str, form: str):
+def test_the_form_whose_first_word_is_similar_to_that_of_a_text(text: str, form: str):
     assert near_form(text) == form and not is_form(text)
 
 
-def test_a_comma_may_follow_the_first_word():
+def test_a_comma_is_allowed_after_the_first_word():
     assert is_form("slack, x") and not is_form("slack:x")

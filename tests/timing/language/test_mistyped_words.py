@@ -1,4 +1,4 @@
-"""Mistyped words of measures that the rest of the text still fits."""
+"""Mistyped words in measures whose remaining text is correct."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from tests.scene.small import sentence_of
         ("time in cpu bussy", "'bussy' where busy or idle is expected; did you mean busy?"),
     ],
 )
-def test_a_mistyped_state_is_not_taken_for_a_span(text: str, sentence: str) -> None:
+def test_a_mistyped_state_is_not_read_as_a_span(text: str, sentence: str) -> None:
     assert sentence_of(BadEvent, lambda: measure_of(text)) == f"{text!r}: {sentence}"
 
 
 @pytest.mark.parametrize(
     "span", ["write page", "flash", "'write high'", "wait low", "span flah A = 1", "interrupts on"]
 )
-def test_a_span_may_resemble_a_state(span: str) -> None:
+def test_the_name_of_a_span_can_resemble_a_state(span: str) -> None:
     state = measure_of(f"each time in {span}").state
     assert [event.kind for event in (*state.enters, *state.leaves)] == ["span", "span"]
 
@@ -44,10 +44,10 @@ def test_a_span_may_resemble_a_state(span: str) -> None:
         ("stack high-water of dsp it", "'it' is more than a measure or event says; leave it out"),
     ],
 )
-def test_a_mistyped_word_that_may_follow_is_named(text: str, sentence: str) -> None:
+def test_a_mistyped_optional_word_is_named(text: str, sentence: str) -> None:
     assert sentence_of(BadEvent, lambda: measure_of(text)) == f"{text!r}: {sentence}"
 
 
 @pytest.mark.parametrize(("text", "form"), [("COUNT of bus STOP", "count of EVENT"), ("Slack", "slack")])
-def test_a_form_in_wrong_case_is_near(text: str, form: str) -> None:
+def test_a_form_in_the_wrong_case_is_suggested(text: str, form: str) -> None:
     assert near_form(text) == form

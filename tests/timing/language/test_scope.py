@@ -1,4 +1,4 @@
-"""What events can be about: scopes of cases and recorded runs, and what is said about names that are not there."""
+"""Scopes of cases and of recorded runs, which define the names that events can use, and messages about other names."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def sentence(call, *arguments: object) -> str:
     return sentence_of(BadEvent, lambda: call(*arguments))
 
 
-def test_units_that_are_named_and_the_only_one():
+def test_a_unit_by_its_name_or_as_the_only_one():
     assert (ONE.unit(""), ONE.unit("dsp"), TWO.unit("imu")) == ("dsp", "dsp", "imu")
     assert sentence(TWO.unit, "") == "head and imu have it; say whose is meant: head: before the name"
     assert sentence(TWO.unit, "imi") == "there is no unit 'imi'; did you mean imu?"
@@ -26,7 +26,7 @@ def test_units_that_are_named_and_the_only_one():
     assert sentence(Scope().unit, "x").startswith("there is no unit 'x'")
 
 
-def test_who_has_a_module():
+def test_the_unit_that_has_a_module():
     assert (TWO.owner("", "SCI-A"), TWO.owner("", "TIMER0"), TWO.owner("imu", "PIE")) == ("imu", "head", "imu")
     assert ONE.owner("", "SYS") == "dsp"
     assert sentence(TWO.owner, "", "PIE").startswith("head and imu have PIE; say whose")
@@ -44,11 +44,11 @@ def test_who_has_a_module():
         (TWO, "", "TINT0", "head"),
     ],
 )
-def test_whose_cpu_takes_an_interrupt(scope: Scope, unit: str, vector: str, of: str):
+def test_the_unit_that_has_an_interrupt(scope: Scope, unit: str, vector: str, of: str):
     assert scope.vector(unit, vector) == of
 
 
-def test_an_interrupt_that_nobody_asks_for():
+def test_an_interrupt_that_no_module_requests_is_rejected():
     assert sentence(TWO.vector, "", "I2CINT1A").startswith("head and imu have I2CINT1A; say whose is meant")
     assert sentence(NO_BUS.vector, "", "QQ") == (
         "nothing in the scene asks for the interrupt 'QQ'; it has SCIRXINTA, SCITXINTA, WAKEINT"
@@ -56,14 +56,14 @@ def test_an_interrupt_that_nobody_asks_for():
     assert sentence(TWO.vector, "imx", "TINT0") == "there is no unit 'imx'; did you mean imu?"
 
 
-def test_places_of_a_unit_and_of_all():
+def test_the_places_of_one_unit_and_of_all_units():
     imu = {"imu", "imu.I2C-A", "imu.SCI-A", "imu.PIE", "imu.SYS"}
     assert TWO.places("imu") == imu
     assert TWO.places("") == imu | {"head", "head.I2C-A", "head.TIMER0", "head.PIE", "head.SYS"}
     assert Scope().places("") == frozenset()
 
 
-def test_a_bus_is_there_with_a_controller_or_a_wire():
+def test_a_scope_has_a_bus_if_it_has_a_controller_or_the_wires():
     assert [scope.bus for scope in (ONE, BARE, NO_BUS, Scope(controller=True), Scope())] == [
         *(True, True, False),
         *(True, False),
@@ -95,19 +95,19 @@ UNIT = {"firmware": "responder", "modules": ["I2C-A"]}
         ({"unit": {"dsp": {**UNIT, "modules": ["SCI-A", "I2C-A"]}}}, ("SDA", "SCL", "RX", "TX"), False, False),
     ],
 )
-def test_what_a_case_consists_of(more, wires: tuple[str, ...], controller: bool, host: bool):
+def test_the_scope_of_a_case(more, wires: tuple[str, ...], controller: bool, host: bool):
     scope = scope_of_case(case(**more))
     assert (scope.wires, scope.controller, scope.host) == (wires, controller, host)
     assert scope.units == {"dsp": tuple(more["unit"]["dsp"]["modules"])}
 
 
-def test_a_case_with_a_controller_and_a_host():
+def test_the_scope_of_a_case_with_a_controller_and_a_host():
     asks = {"controller": {"first": "1 ms", "rounds": 1, "request": [{"address": 0x50, "count": 1}]}}
     scope = scope_of_case(case(unit={"dsp": UNIT}, **asks))
     assert scope.controller and not scope.host and scope.wires == ("SDA", "SCL")
 
 
-def test_what_a_recorded_run_consisted_of():
+def test_the_scope_of_a_recorded_run():
     nothing = scope_of_table(table([]))
     assert replace(nothing, pairs=(), images={}) == Scope({"dsp": MODULES}, ("SDA", "SCL", "RX", "TX", "MODEL"))
     edges = scope_of_table(table(records("5 edge LED level 1\n6 edge SCL level 0\n7 frame RX begin 0")))
@@ -116,7 +116,7 @@ def test_what_a_recorded_run_consisted_of():
     assert (bus.controller, bus.host) == (True, False)
 
 
-# Measures of names --------------------------------------------------------------------------------------------------
+# Measures with unknown names ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -144,11 +144,11 @@ def test_what_a_recorded_run_consisted_of():
         ("cpu load", TWO, "head and imu have it; say whose"),
     ],
 )
-def test_a_measure_that_is_none_is_told(text: str, scope: Scope, said: str):
+def test_an_invalid_measure_is_rejected_with_a_reason(text: str, scope: Scope, said: str):
     assert sentence(measure_named, text, scope).startswith(said)
 
 
-def test_a_bus_that_nobody_of_the_case_controls_is_never_busy_by_lost_arbitration():
+def test_without_a_controller_lost_arbitration_does_not_end_the_busy_state():
     with_, without = (measure_named("time in bus busy", scope) for scope in (ONE, BARE))
     assert [len(measure.matchers) for measure in (with_, without)] == [3, 2]
 
@@ -166,11 +166,11 @@ def test_a_bus_that_nobody_of_the_case_controls_is_never_busy_by_lost_arbitratio
         (clearing, "I2C-A.I2CSTR.SDIR", Watched("I2C-A.I2CSTR.SDIR", "dsp", "I2C-A", "I2CSTR", "SDIR")),
     ],
 )
-def test_what_is_watched(make, text: str, watched: Watched):
+def test_the_fields_that_a_race_measure_watches(make, text: str, watched: Watched):
     assert make("", text, ONE) == watched
 
 
-def test_the_name_of_what_is_watched():
+def test_the_name_of_a_watched_register():
     assert Watched("").name is None
     assert raced("", "I2C-A.I2CSTR.BB", ONE).name == "dsp.I2C-A.I2CSTR.BB"
     assert raced("dsp", "I2C-A.I2CSTR", ONE).name == "dsp.I2C-A.I2CSTR"
@@ -184,7 +184,7 @@ def test_the_name_of_what_is_watched():
         (clearing, "I2C-A.I2CSTR.BB", "writing 1 does not clear I2C-A.I2CSTR.BB; it has SDIR, NACKSNT, SCD, RRDY, "),
     ],
 )
-def test_what_cannot_be_watched(make, text: str, said: str):
+def test_registers_that_cannot_be_watched_are_rejected(make, text: str, said: str):
     assert sentence(make, "", text, ONE).startswith(said)
     assert sentence(losing, "", "", Scope()) == "the scene has no unit"
 
@@ -217,7 +217,7 @@ RECORDS = {
         (Watched(""), [name for name in RECORDS if name != "edge"], [name for name in RECORDS if name != "edge"]),
     ],
 )
-def test_which_records_show_what_is_watched_and_which_must_be_kept(watched: Watched, shows: list[str], kept: list[str]):
-    """All accesses of the unit are kept: what stands between two of them tells a wait from two reads."""
+def test_records_that_show_a_watched_register_or_must_be_kept(watched: Watched, shows: list[str], kept: list[str]):
+    """All accesses of the unit are kept, because an access between two reads shows that they are not a wait."""
     assert [name for name, record in RECORDS.items() if watched.is_about(*record[2:5])] == shows
     assert [name for name, record in RECORDS.items() if name != "edge" and watched.concerns(*record[2:5])] == kept

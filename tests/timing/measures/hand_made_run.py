@@ -1,4 +1,4 @@
-"""A run made by hand: transfers, rounds, frames and characters go in; a measure gets the records made of them."""
+"""A hand-made run: tests add transfers, rounds, frames and characters, and a measure receives their records."""
 
 from __future__ import annotations
 
@@ -19,7 +19,11 @@ GYRO, ACCEL, MAGNET, OTHER = 0x68, 0x53, 0x1E, 0x10
 
 
 class HandMadeRun:
-    """measure: one, or its fixed name. checks_host: known chips have to show values of host frames."""
+    """A run without a scene.
+
+    measure: a measure, or its fixed name
+    checks_host: True if known chips must show values of host frames
+    """
 
     def __init__(
         self,
@@ -79,8 +83,8 @@ class HandMadeRun:
         self.bytes.finish(now)
         self.measure.finish(now)
 
-    def came(self) -> tuple[int, int, int, int]:
-        """worst, when, least, count"""
+    def summary(self) -> tuple[int, int, int, int]:
+        """Return worst, tick of the worst, least, count."""
         m = self.measure
         return m.worst, m.worst_at, m.least, m.count
 

@@ -1,4 +1,4 @@
-"""What is heard on a bus, and margins, of lines drawn bit by bit: who acknowledged, when each byte was needed."""
+"""Analysis of bus lines that are drawn bit by bit: the acknowledging party, times held, and margins of I2CDXR."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.timing.events_by_hand import ONE, pairs, scene_of
 
 HEAD, DSP = "controller", "dsp.GPIO33"
 LOW, HIGH = 10, 10  # ticks of SCL
-RELEASE = 3  # ticks from a write of I2CDXR to the release
+RELEASE = 3  # ticks from a write of I2CDXR to the release of SCL
 
 
 class Drawn:
@@ -44,7 +44,7 @@ class Drawn:
         self.line("SCL", 0, who)
 
     def start(self) -> None:
-        """SDA falls, ten ticks later SCL does. Of a repeated one both rise before."""
+        """SDA falls, and SCL ten ticks later. For a repeated START, both rise first."""
         self.line("SDA", 1)
         self.now += LOW
         self.line("SCL", 1)
@@ -54,7 +54,7 @@ class Drawn:
         self.line("SCL", 0, HEAD)
 
     def bit(self, value: int, who: str = HEAD, held: int = 0) -> None:
-        """held: so many ticks longer SCL is low, by the unit alone."""
+        """Add a bit. held: number of additional ticks for which only the unit holds SCL low."""
         self.line("SDA", value, who)
         self.now += LOW
         if held:
@@ -78,28 +78,30 @@ class Drawn:
         self.now += 50
 
 
-class Heard(BusFromWires):
+class CallRecorder(BusFromWires):
+    """Records the calls that BusFromWires makes."""
+
     def __init__(self) -> None:
         super().__init__("dsp")
-        self.told: list[tuple[object, ...]] = []
+        self.calls: list[tuple[object, ...]] = []
 
     def started(self, now: int) -> None:
-        self.told.append(("started", now))
+        self.calls.append(("started", now))
 
     def stopped(self, now: int) -> None:
-        self.told.append(("stopped", now, self.stream.index))
+        self.calls.append(("stopped", now, self.stream.index))
 
     def held(self, let_go: int, rose: int) -> None:
         if let_go != rose:
-            self.told.append(("held", let_go, rose))
+            self.calls.append(("held", let_go, rose))
 
     def first_bit(self, let_go: int, rose: int) -> None:
         stream = self.stream
-        self.told.append(("first bit", stream.address, stream.read, self.ours, stream.index, let_go, rose))
+        self.calls.append(("first bit", stream.address, stream.read, self.ours, stream.index, let_go, rose))
 
 
-class Played:
-    """Two wires that are pulled as the records of edges and holds say."""
+class ReplayedWires:
+    """Two wires that are driven according to records of edges and holds."""
 
     def __init__(self) -> None:
         self._kernel = Kernel()
@@ -121,19 +123,19 @@ class Played:
         self._kernel.settle()
 
 
-def heard(drawn: Drawn) -> list[tuple[object, ...]]:
-    monitor, wires = Heard(), Played()
+def calls_for(drawn: Drawn) -> list[tuple[object, ...]]:
+    monitor, wires = CallRecorder(), ReplayedWires()
     monitor.attach(wires.wire("SCL"), wires.wire("SDA"))
     for record in drawn.records:
         wires.play(record)
     monitor.settle()
-    return monitor.told
+    return monitor.calls
 
 
 def test_addresses_bytes_and_conditions():
-    """Written, then read after a repeated START; the last byte is not acknowledged."""
+    """A write and, after a repeated START, a read whose last byte is not acknowledged."""
     bus = Drawn()
-    bus.start()  # at 120; the address' first rise is at 140, then every 20 ticks
+    bus.start()  # at 120; the first rise of the address is at 140, the next ones every 20 ticks
     bus.byte(0x50 << 1)
     bus.byte(0x07)
     again = bus.now
@@ -144,10 +146,10 @@ def test_addresses_bytes_and_conditions():
     bus.byte(0x5A, "", DSP)
     last = bus.now
     bus.stop()
-    assert heard(bus) == [
+    assert calls_for(bus) == [
         ("started", 120),
         ("first bit", 0x50, False, True, 0, 320, 320),
-        ("first bit", 0x50, False, True, 1, again + 10, again + 10),  # for the repeated START
+        ("first bit", 0x50, False, True, 1, again + 10, again + 10),  # the rise before the repeated START
         ("first bit", 0x50, True, True, 0, first + 10, first + 10),
         ("first bit", 0x50, True, True, 1, first + 190, first + 190),
         ("stopped", last + 20, 2),
@@ -165,28 +167,30 @@ def test_addresses_bytes_and_conditions():
         (0x01, "dsp2.GPIO33", True, False, True),
     ],
 )
-def test_who_is_addressed(address: int, acked_by: str, read: bool, ours: bool, acked: bool):
+def test_the_unit_is_addressed_if_it_acknowledges_alone_or_with_others(
+    address: int, acked_by: str, read: bool, ours: bool, acked: bool
+):
     bus = Drawn()
     bus.start()
     bus.byte(address << 1 | read, acked_by)
     bus.byte(0x55)
-    told = [one for one in heard(bus) if one[0] == "first bit"]
-    assert told == ([("first bit", address, read, ours, 0, 320, 320)] if acked else [])
+    calls = [one for one in calls_for(bus) if one[0] == "first bit"]
+    assert calls == ([("first bit", address, read, ours, 0, 320, 320)] if acked else [])
 
 
-def test_scl_held_by_the_unit_alone_is_from_when_the_others_let_go():
+def test_the_unit_holds_scl_alone_from_the_release_by_the_others():
     bus = Drawn()
     bus.start()
     bus.byte(0x50 << 1 | 1)
     begin = bus.now
     bus.byte(0xFF, HEAD, DSP, held=33)
-    assert heard(bus)[1:] == [
+    assert calls_for(bus)[1:] == [
         ("held", begin + 10, begin + 43),
         ("first bit", 0x50, True, True, 0, begin + 10, begin + 43),
     ]
 
 
-def test_who_joins_in_again_ends_what_we_held_alone():
+def test_another_party_that_holds_scl_again_ends_the_time_held_alone():
     bus = Drawn()
     bus.start()
     bus.now += 5
@@ -197,11 +201,11 @@ def test_who_joins_in_again_ends_what_we_held_alone():
     bus.hold(DSP)
     bus.now += 4
     bus.line("SCL", 1)
-    assert heard(bus) == [("started", 120), ("held", 147, 151)]
+    assert calls_for(bus) == [("started", 120), ("held", 147, 151)]
 
 
-def test_all_of_a_tick_is_one_sample():
-    """SDA changes with SCL: neither START nor STOP, whichever is recorded first."""
+def test_edges_of_one_tick_are_one_sample():
+    """SDA and SCL change at the same tick. The result does not depend on the order of the records."""
     for first, second in (("SDA", "SCL"), ("SCL", "SDA")):
         for level in (0, 1):
             bus = Drawn()
@@ -212,11 +216,11 @@ def test_all_of_a_tick_is_one_sample():
                 bus.now += 10
             for wire in (first, second):
                 bus.line(wire, level, HEAD)
-            told = [one[0] for one in heard(bus)]
-            assert told == (["started"] if level else []), (first, level)
+            calls = [one[0] for one in calls_for(bus)]
+            assert calls == (["started"] if level else []), (first, level)
 
 
-def test_a_start_in_mid_byte_begins_anew_and_a_stop_ends():
+def test_a_start_during_a_byte_begins_a_new_transfer_and_a_stop_ends_it():
     bus = Drawn()
     bus.start()
     for bit in (1, 0, 1):
@@ -228,13 +232,13 @@ def test_a_start_in_mid_byte_begins_anew_and_a_stop_ends():
     bus.line("SCL", 0, HEAD)
     bus.now += 9
     bus.line("SCL", 1)
-    told = heard(bus)
-    assert [one[0] for one in told] == ["started", "first bit", "first bit", "stopped"]
-    assert told[1][1:4] == (0x21, False, True)
+    calls = calls_for(bus)
+    assert [one[0] for one in calls] == ["started", "first bit", "first bit", "stopped"]
+    assert calls[1][1:4] == (0x21, False, True)
 
 
-def test_who_holds_a_low_line():
-    monitor, wires = Heard(), Played()
+def test_a_low_scl_is_held_by_the_unit_alone_if_no_other_party_pulls():
+    monitor, wires = CallRecorder(), ReplayedWires()
     monitor.attach(wires.wire("SCL"), wires.wire("SDA"))
     assert not monitor.held_by_us_alone()
     for number, (level, who, alone) in enumerate(
@@ -258,7 +262,7 @@ def xrdy(bus: Drawn, value: int) -> None:
 
 
 def margins(bus: Drawn, end: int | None = None) -> tuple[Margin, list[tuple[int, int]]]:
-    measure, wires, recorder = Margin("dsp"), Played(), Recorder()
+    measure, wires, recorder = Margin("dsp"), ReplayedWires(), Recorder()
     measure.keep()
     measure.listen(scene_of(wire=wires.wire, value=1, i2c_release_delay=lambda unit: lambda written: RELEASE))
     measure.subscribe(recorder)
@@ -278,7 +282,7 @@ def addressed(read: bool = True, acked_by: str = DSP) -> Drawn:
     return bus
 
 
-def test_the_margin_is_from_the_write_to_the_release_by_the_controller_less_what_the_module_takes():
+def test_the_margin_is_from_the_write_to_the_release_by_the_controller_minus_the_time_of_the_module():
     bus = addressed()
     bus.now += 4
     writes(bus)
@@ -289,7 +293,7 @@ def test_the_margin_is_from_the_write_to_the_release_by_the_controller_less_what
     assert (measure.occasions, measure.count) == (1, 1)
 
 
-def test_where_it_came_too_late_scl_was_held_and_the_margin_is_negative():
+def test_after_a_late_write_the_margin_is_negative_and_scl_was_held():
     bus = addressed()
     bus.line("SDA", 1)
     bus.now += LOW
@@ -303,15 +307,15 @@ def test_where_it_came_too_late_scl_was_held_and_the_margin_is_negative():
     assert found == [(let_go - RELEASE - (let_go + 30), let_go + 30)]
 
 
-def test_a_byte_that_waits_behind_another_belongs_to_the_next_need():
-    """Two writes ahead: the first is shifted, the second waits in I2CDXR till XRDY says that it was taken."""
+def test_a_byte_written_in_advance_has_the_margin_of_the_next_byte():
+    """The first of two writes in advance is shifted out. The second waits in I2CDXR until XRDY is set."""
     bus = addressed()
     bus.now += 2
     writes(bus)
     first = bus.now
     xrdy(bus, 0)
     bus.now += 1
-    xrdy(bus, 1)  # it went to the shift register
+    xrdy(bus, 1)  # the byte was moved to the shift register
     bus.now += 1
     writes(bus)
     second = bus.now
@@ -335,7 +339,7 @@ def test_a_byte_that_waits_behind_another_belongs_to_the_next_need():
 
 
 @pytest.mark.parametrize(("read", "acked_by"), [(False, DSP), (True, "chip"), (True, "")])
-def test_what_others_send_or_we_receive_has_no_margin(read: bool, acked_by: str):
+def test_bytes_that_others_send_or_the_unit_receives_have_no_margin(read: bool, acked_by: str):
     bus = addressed(read, acked_by)
     writes(bus)
     bus.byte(0xA5, HEAD, DSP)
@@ -344,7 +348,7 @@ def test_what_others_send_or_we_receive_has_no_margin(read: bool, acked_by: str)
     assert measure.missing() == "dsp sent no byte as a slave whose write of I2CDXR is known"
 
 
-def test_writes_of_others_and_reads_are_not_taken():
+def test_writes_of_other_units_and_reads_are_ignored():
     bus = addressed()
     bus.add(Kind.ACCESS, "imu", "W I2C-A.I2CDXR", 7)
     bus.add(Kind.ACCESS, "dsp", "R I2C-A.I2CDXR", 7)
@@ -363,8 +367,8 @@ def test_writes_of_others_and_reads_are_not_taken():
         ("imu.I2C-A", "I2CSTR.XRDY", 0),
     ],
 )
-def test_only_its_own_xrdy_says_that_a_byte_went_to_the_shift_register(where: str, flag: str, taken: int):
-    """A byte is written while another one is sent: it waits in I2CDXR, and no other flag takes it from there."""
+def test_only_its_own_xrdy_shows_that_a_byte_moved_to_the_shift_register(where: str, flag: str, taken: int):
+    """A byte that is written while another one is sent waits in I2CDXR until XRDY, and no other flag, is set."""
     bus = addressed()
     xrdy(bus, 0)
     writes(bus)
@@ -374,7 +378,7 @@ def test_only_its_own_xrdy_says_that_a_byte_went_to_the_shift_register(where: st
     assert (len(found), measure.occasions) == (taken, 1)
 
 
-def test_scl_held_to_the_end_of_the_run_counts():
+def test_scl_held_until_the_end_of_the_run_is_counted():
     bus = addressed()
     bus.line("SDA", 1)
     bus.now += LOW
@@ -384,7 +388,7 @@ def test_scl_held_to_the_end_of_the_run_counts():
 
 
 def held(bus: Drawn, end: int) -> Measure:
-    measure, scene, recorder = measure_named("SCL held per transfer", ONE), Played(), Recorder()
+    measure, scene, recorder = measure_named("SCL held per transfer", ONE), ReplayedWires(), Recorder()
     measure.keep()
     measure.subscribe(recorder)
     found = HeldRecords(recorder, "dsp")
@@ -396,7 +400,7 @@ def held(bus: Drawn, end: int) -> Measure:
     return measure
 
 
-def test_what_is_held_is_summed_up_per_transfer():
+def test_times_held_are_summed_per_transfer():
     bus = Drawn()
     bus.start()
     bus.byte(0x50 << 1, held=5)
@@ -413,7 +417,7 @@ def test_what_is_held_is_summed_up_per_transfer():
     assert measure.unfinished(bus.now) == [] and measure.close(bus.now) == ""
 
 
-def test_a_transfer_that_is_not_over_counts_with_what_was_held_so_far():
+def test_an_unfinished_transfer_counts_with_the_time_held_so_far():
     bus = Drawn()
     bus.start()
     bus.byte(0x50 << 1, held=5)

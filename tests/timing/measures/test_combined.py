@@ -1,4 +1,4 @@
-"""Conditions that must hold together, the other end of what was measured, and what the end of a run proves."""
+"""Joined conditions of a budget, typical values, and occurrences that the end of the run cuts off."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from periph_sim.timing.budget_plan import BadBudget
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BudgetJudge, combine
 from periph_sim.timing.measures.measure import Measure
-from tests.timing.events_by_hand import ONE, records, tell
+from tests.timing.events_by_hand import ONE, feed, records
 from tests.timing.judges import US, judge, limit
 
 START = 7_000_000_000
 
 
 def kept(*values: tuple[int, int]) -> Measure:
-    """(value, when) of each."""
+    """A measure that has kept these (value, tick)."""
     of = Measure()
     of.keep()
     for value, at in values:
@@ -29,20 +29,20 @@ PAIRS = st.lists(st.tuples(st.integers(0, 9), st.integers(0, 6)), max_size=9, un
 
 
 @given(st.lists(PAIRS, min_size=1, max_size=3))
-def test_joined_measures_keep_the_values_of_what_the_first_one_has(drawn: list[list[tuple[int, int]]]):
+def test_joined_measures_keep_only_occurrences_that_the_first_one_has(drawn: list[list[tuple[int, int]]]):
     measures = [kept(*values) for values in drawn]
     wanted = [at for _, at in drawn[0]]
     assert combine(measures) == [sum(at not in [a for _, a in values] for at in wanted) for values in drawn]
     for measure, values in zip(measures, drawn, strict=True):
         there = [pair for pair in values if pair[1] in wanted]
         if {at for _, at in there} != {*wanted}:
-            there = []  # of one it knows nothing, so it proves nothing
+            there = []  # an occurrence without a value: nothing is proven
         assert [column.tolist() for column in measure.all_kept()] == [[v for v, _ in there], [at for _, at in there]]
         assert measure.count == len(there)
 
 
 def both(**limits: object) -> BudgetJudge:
-    """age up to 2 us; stretch as said."""
+    """A budget that limits age to 2 us and stretch as given."""
     of = Budget.model_validate(
         {"name": "fresh", "measure": "age", "max": "2 us", "why": "so", "and": [{"measure": "stretch", **limits}]}
     )
@@ -50,7 +50,7 @@ def both(**limits: object) -> BudgetJudge:
 
 
 def fed(of: BudgetJudge, ages: list[int], stretches: list[int]) -> BudgetJudge:
-    """A value of each a microsecond."""
+    """Add a value of each part every microsecond."""
     for part, values in zip(of.parts, (ages, stretches), strict=True):
         for place, value in enumerate(values):
             part.measure.take(value * US, START + place * US)
@@ -60,7 +60,7 @@ def fed(of: BudgetJudge, ages: list[int], stretches: list[int]) -> BudgetJudge:
     return of
 
 
-def test_of_joined_conditions_all_are_told_and_the_broken_one_is_shown():
+def test_a_verdict_on_joined_conditions_lists_all_and_shows_the_broken_one():
     held = fed(both(max="5 us"), [1, 2], [3, 4]).verdict(START)
     assert (held.name, held.why, held.verdict, held.measure, held.worst) == ("fresh", "so", "pass", "age", 2.0)
     assert held.found == "age 2.000 us at 0.000001 s (max 2 us); stretch 4.000 us at 0.000001 s (max 5 us)"
@@ -71,7 +71,7 @@ def test_of_joined_conditions_all_are_told_and_the_broken_one_is_shown():
     assert second.found == "age 2.000 us at 0.000001 s (max 2 us); stretch 6.000 us at 0.000001 s (max 5 us)"
 
 
-def test_a_condition_without_a_value_of_one_occurrence_proves_nothing():
+def test_a_condition_without_a_value_for_one_occurrence_is_not_judged():
     of = both(max="5 us")
     for part, count in zip(of.parts, (2, 1), strict=True):
         for place in range(count):
@@ -87,7 +87,7 @@ def test_a_condition_without_a_value_of_one_occurrence_proves_nothing():
     ("measure", "other", "place", "which"),
     [("round", "age", ("measure",), "round"), ("age", "round", ("and", 0, "measure"), "round")],
 )
-def test_what_is_not_measured_read_by_read_cannot_be_joined(measure: str, other: str, place: tuple[object, ...], which):
+def test_only_measures_of_reads_can_be_joined(measure: str, other: str, place: tuple[object, ...], which):
     table = {"name": "b", "measure": measure, "max": "1 us", "and": [{"measure": other, "max": "1 us"}]}
     with pytest.raises(BadBudget) as caught:
         judge(Budget.model_validate(table), ONE)
@@ -98,21 +98,21 @@ def test_what_is_not_measured_read_by_read_cannot_be_joined(measure: str, other:
     )
 
 
-def test_a_mistake_in_a_joined_condition_has_its_place():
+def test_a_mistake_in_a_joined_condition_is_reported_with_its_place():
     table = {"name": "b", "measure": "age", "max": "1 us", "and": [{"measure": "stretch", "max": "1 parsec"}]}
     with pytest.raises(BadBudget) as caught:
         judge(Budget.model_validate(table), ONE)
     assert caught.value.place == ("and", 0, "max")
 
 
-# The other end -------------------------------------------------------------------------------------------------------
+# Typical values -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("limits", "worst", "at_us"),
     [({"max": "9 us"}, 2.0, 1), ({"min": "1 us"}, 5.0, 2), ({"exactly": "5 us"}, 2.0, 1), ({"p50": "5 us"}, 2.0, 1)],
 )
-def test_the_typical_value_is_that_furthest_from_its_limit(limits: dict[str, str], worst: float, at_us: int):
+def test_the_typical_value_is_the_one_furthest_from_its_limit(limits: dict[str, str], worst: float, at_us: int):
     of = limit("stretch", start=START, **limits)
     for place, value in enumerate((3, 2, 5)):
         of.measure.take(value * US, START + place * US)
@@ -121,7 +121,7 @@ def test_the_typical_value_is_that_furthest_from_its_limit(limits: dict[str, str
     assert (found.worst, found.at_s, found.margin) == (worst, pytest.approx(at_us * 1e-6), None)
 
 
-def test_of_one_value_or_none_or_one_number_a_run_there_is_no_typical_one():
+def test_there_is_no_typical_value_of_fewer_than_two_values_or_of_one_number_per_run():
     of = limit("stretch", start=START, max="9 us")
     assert of.typical(START) is None
     of.measure.take(US, START)
@@ -134,7 +134,7 @@ def test_of_one_value_or_none_or_one_number_a_run_there_is_no_typical_one():
     assert count.typical(START) is None
 
 
-# What the end of a run cuts off ---------------------------------------------------------------------------------------
+# Occurrences that the end of the run cuts off -------------------------------------------------------------------------
 
 WAITS = f"{START} edge SCL level 1"
 
@@ -144,7 +144,7 @@ WAITS = f"{START} edge SCL level 1"
     [
         ({"max": "2 us"}, 2, "pass"),
         ({"max": "2 us"}, 3, "fail"),
-        ({"min": "2 us"}, 1, "not judged"),  # it may last longer yet
+        ({"min": "2 us"}, 1, "not judged"),  # it could still last longer
         ({"min": "2 us"}, 9, "not judged"),
         ({"exactly": "2 us"}, 1, "not judged"),
         ({"exactly": "2 us"}, 2, "not judged"),
@@ -154,11 +154,11 @@ WAITS = f"{START} edge SCL level 1"
         ({"min": "1 us", "max": "2 us"}, 3, "fail"),
     ],
 )
-def test_of_the_only_value_the_end_of_the_run_says_only_when_it_is_too_much(
+def test_an_unfinished_only_value_is_judged_only_if_it_is_already_too_long(
     limits: dict[str, str], waited_us: int, verdict: str
 ):
     of = limit("from edge SCL rise to edge SCL fall", start=START, **limits)
-    tell(of.measure, records(WAITS))
+    feed(of.measure, records(WAITS))
     of.finish(START + waited_us * US)
     found = of.verdict(START)
     assert (found.verdict, found.count) == (verdict, 1)
@@ -166,13 +166,13 @@ def test_of_the_only_value_the_end_of_the_run_says_only_when_it_is_too_much(
 
 
 @pytest.mark.parametrize(("at", "counts"), [(START + 3 * US - 1, 0), (START + 3 * US, 1), (START + 3 * US + 1, 1)])
-def test_after_leaves_out_what_came_before_it_from_the_begin_of_the_run(at: int, counts: int):
+def test_after_is_counted_from_the_begin_of_the_run(at: int, counts: int):
     of = limit("response", start=START, max="9 us", after="3 us")
     of.measure.take(US, at)
     assert of.measure.count == counts
 
 
-def test_one_number_a_run_has_nothing_to_leave_out():
+def test_after_is_rejected_for_one_number_per_run():
     with pytest.raises(BadBudget, match="'bus load' is one number a run, so none of it can be left out") as caught:
         limit("bus load", start=START, max="9 %", after="3 us")
     assert caught.value.place[-1] == "after"

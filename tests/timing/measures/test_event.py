@@ -1,4 +1,4 @@
-"""Measures of named events with records made by hand, and the same over a whole table at once."""
+"""Measures of named events on hand-made records, and the same functions applied to a whole table."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from periph_sim.timing.language.language import FORMS
 from periph_sim.timing.language.scope import BadEvent, Scope
 from periph_sim.timing.measures.factory import measure_named
 from tests.scene.small import sentence_of
-from tests.timing.events_by_hand import BARE, NO_BUS, ONE, TWO, came, pairs, played, records, table
+from tests.timing.events_by_hand import BARE, NO_BUS, ONE, TWO, pairs, played, records, summary, table
 
 WRITES = "from flag I2C-A.I2CSTR.XRDY rise to access W I2C-A.I2CDXR"
 
@@ -47,11 +47,11 @@ BUS = """
         ("in order, same round", [(30, 20), (50, 60), (20, 120)]),
     ],
 )
-def test_from_each_event_to_the_next_under_each_rule(rule: str, durations: list[tuple[int, int]]):
+def test_durations_under_each_pairing_rule(rule: str, durations: list[tuple[int, int]]):
     of = records(BUS)
-    told = played(f"{WRITES}, {rule}", of, keep=True, transfers=2)
+    measure = played(f"{WRITES}, {rule}", of, keep=True, transfers=2)
     worst = max(durations, key=lambda pair: pair[0])
-    assert came(told) == (worst[0], worst[1], min(durations)[0], len(durations)) and pairs(told) == durations
+    assert summary(measure) == (worst[0], worst[1], min(durations)[0], len(durations)) and pairs(measure) == durations
     found = timing.between(
         table(of), "flag I2C-A.I2CSTR.XRDY rise", "access W I2C-A.I2CDXR", rule=rule, transfers_in_round=2
     )
@@ -79,26 +79,26 @@ EVENTS = st.sampled_from(
     st.sampled_from(["", "same transfer", "same round"]),
     st.integers(1, 3),
 )
-def test_as_the_run_goes_on_and_over_the_table_it_is_the_same(
+def test_measures_during_a_run_agree_with_functions_on_its_table(
     drawn, begin: str, end: str, pairing: str, same: str, transfers: int
 ):
-    tick, of = 0, [Record(1, 0, Kind.BUS, "controller", "byte", 0, "", 0)]  # a controller is there
+    tick, of = 0, [Record(1, 0, Kind.BUS, "controller", "byte", 0, "", 0)]  # shows that there is a controller
     for step, (kind, where, what, value) in drawn:
         tick += step
         of.append(Record(len(of) + 1, tick, kind, where, what, value, "", 0))
     rules = ", ".join(filter(None, (pairing, same)))
-    told = played(f"from {begin} to {end}, {rules}".removesuffix(", "), of, keep=True, transfers=transfers)
-    if told.missing().endswith("in order, next or last"):
+    measure = played(f"from {begin} to {end}, {rules}".removesuffix(", "), of, keep=True, transfers=transfers)
+    if measure.missing().endswith("in order, next or last"):
         with pytest.raises(BadEvent, match="it is not known which belong together"):
             timing.between(table(of), begin, end, rule=rules, transfers_in_round=transfers)
     else:
         found = timing.between(table(of), begin, end, rule=rules, transfers_in_round=transfers)
-        assert pairs(told) == list(zip(found.duration.tolist(), found.start.tolist(), strict=True))
+        assert pairs(measure) == list(zip(found.duration.tolist(), found.start.tolist(), strict=True))
     period = played(f"period of {begin}", of, keep=True)
     assert [c.tolist() for c in period.all_kept()] == [c.tolist() for c in timing.periods(table(of), begin)]
 
 
-def test_over_a_table_a_rule_that_is_none_and_a_round_without_its_size_are_refused():
+def test_functions_on_a_table_reject_unknown_rules_and_rounds_of_unknown_size():
     of = table(records(BUS))
     with pytest.raises(BadEvent, match="'rond' where transfer, round or unit is expected; did you mean round"):
         timing.between(of, "bus START", "bus STOP", rule="same rond")
@@ -108,23 +108,23 @@ def test_over_a_table_a_rule_that_is_none_and_a_round_without_its_size_are_refus
         timing.periods(of, "edge SLC rise")
 
 
-def test_an_event_of_the_same_instant_counts_if_it_was_recorded_later():
+def test_an_event_at_the_same_tick_counts_if_it_was_recorded_later():
     of = "10 edge SCL level 1\n10 edge SCL level 0\n20 edge SCL level 0\n20 edge SCL level 1\n25 edge SCL level 0"
-    assert came(played("from edge SCL rise to edge SCL fall", of)) == (5, 20, 0, 2)
+    assert summary(played("from edge SCL rise to edge SCL fall", of)) == (5, 20, 0, 2)
 
 
 EDGES = "100 edge SCL level 1\n200 edge SCL level 1\n330 edge SCL level 1\n400 edge SCL level 1"
 
 
 def test_period_and_jitter():
-    assert came(played("period of edge SCL rise", EDGES)) == (130, 200, 70, 3)
-    assert came(played("jitter of edge SCL rise", EDGES)) == (60, 330, 30, 2)
+    assert summary(played("period of edge SCL rise", EDGES)) == (130, 200, 70, 3)
+    assert summary(played("jitter of edge SCL rise", EDGES)) == (60, 330, 30, 2)
 
 
 def test_counts():
-    assert came(played("count of edge SCL rise", EDGES)) == (4, 100, 4, 4)
+    assert summary(played("count of edge SCL rise", EDGES)) == (4, 100, 4, 4)
     none = played("count of edge SCL fall", EDGES)
-    assert (came(none), none.silent) == ((0, NO_TIME, 0, 0), False)
+    assert (summary(none), none.silent) == ((0, NO_TIME, 0, 0), False)
     assert played("count of span modle begin").silent
 
 
@@ -151,17 +151,19 @@ NACKED = """
     ],
 )
 @pytest.mark.parametrize("form", ["from bus START to bus STOP", "count of bus START"])
-def test_a_clause_that_leaves_a_budget_not_judged_is_the_reason(form: str, clauses: str, missing: str, not_judged: str):
+def test_a_clause_that_prevents_a_judgement_is_given_as_the_reason(
+    form: str, clauses: str, missing: str, not_judged: str
+):
     of = played(f"{form}, {clauses}", NACKED, 100, transfers=2)
     assert (of.silent, of.missing() if of.silent else "", of.not_judged) == (missing != "", missing, not_judged)
 
 
 def test_levels():
     of = "10 flag dsp.SCI-A SCIFFRX.RXFFST 3\n20 flag dsp.SCI-A SCIFFRX.RXFFST 9\n30 flag dsp.SCI-A SCIFFRX.RXFFIL 20"
-    assert came(played("level of SCI-A.SCIFFRX.RXFFST", of)) == (9, 20, 3, 2)
+    assert summary(played("level of SCI-A.SCIFFRX.RXFFST", of)) == (9, 20, 3, 2)
 
 
-def test_interrupt_latency_is_from_its_flag_in_the_pie_to_its_routine():
+def test_interrupt_latency_is_from_the_pie_flag_to_the_service_routine():
     of = """
         10 flag dsp.PIE PIEIFR9.INTx1 1
         20 flag dsp.PIE PIEIFR9.INTx1 0
@@ -171,7 +173,7 @@ def test_interrupt_latency_is_from_its_flag_in_the_pie_to_its_routine():
         60 flag dsp.PIE PIEIFR9.INTx1 1
         70 irq  dsp     SCIRXINTA     1
     """
-    assert came(played("interrupt latency SCIRXINTA", of)) == (16, 10, 10, 2)
+    assert summary(played("interrupt latency SCIRXINTA", of)) == (16, 10, 10, 2)
 
 
 @pytest.mark.parametrize(
@@ -202,7 +204,7 @@ def test_interrupt_latency_is_from_its_flag_in_the_pie_to_its_routine():
         ("sum of record data sample or frame", ONE, "'sum of record data sample or frame': sum of takes a record e"),
     ],
 )
-def test_what_the_scene_cannot_show_is_refused(text: str, scope, sentence: str):
+def test_measures_that_need_missing_parts_of_the_scene_are_rejected(text: str, scope, sentence: str):
     assert sentence_of(BadEvent, lambda: measure_named(text, scope)).startswith(sentence)
 
 
@@ -225,8 +227,8 @@ EXAMPLES += ["model age of magnetometer", "value error of gyroscope"]
 
 
 @pytest.mark.parametrize(("form", "text"), list(zip(FORMS, EXAMPLES, strict=True)))
-def test_every_form_makes_a_measure_that_says_what_it_is_and_begins_empty(form: str, text: str):
+def test_every_form_makes_a_documented_measure_that_begins_empty(form: str, text: str):
     made = measure_named(text, IMAGE)
     assert (made.__doc__ or "").strip()
-    assert came(made) == (0, NO_TIME, 0, 0)
+    assert summary(made) == (0, NO_TIME, 0, 0)
     assert made.unit in ("time", "count", "value", "%", "cycles", "flags", "LSB")

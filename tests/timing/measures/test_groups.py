@@ -1,4 +1,4 @@
-"""The n-th, the first and the last of a transfer, a round or a burst; levels at events; jitter of any measure."""
+"""The first, the n-th and the last event of a transfer, a round or a burst; levels at events; jitter of measures."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from periph_sim.timing.language.scope import BadEvent
 from periph_sim.timing.measures.factory import measure_named
 from tests.scene.runs import run_file
 from tests.scene.small import sentence_of
-from tests.timing.events_by_hand import ONE, came, played, records
+from tests.timing.events_by_hand import ONE, played, records, summary
 from tests.timing.measures.hand_made_run import GYRO, HandMadeRun, read
 
 TRANSFERS = """
@@ -32,9 +32,9 @@ TRANSFERS = """
 
 
 def counted(event: str, transfers: int = 1) -> list[int]:
-    """The ticks at which it happened, by a measure that keeps them."""
-    told = played(f"level of SCI-A.SCIFFRX.RXFFST at {event}", TRANSFERS, 99, keep=True, transfers=transfers)
-    return told.all_kept()[1].tolist()
+    """The ticks at which the event occurred."""
+    made = played(f"level of SCI-A.SCIFFRX.RXFFST at {event}", TRANSFERS, 99, keep=True, transfers=transfers)
+    return made.all_kept()[1].tolist()
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,7 @@ def counted(event: str, transfers: int = 1) -> list[int]:
         ("last bus STOP of round", 3, [36]),
     ],
 )
-def test_which_one_of_a_transfer_or_round_counts(event: str, transfers: int, ticks: list[int]):
+def test_the_nth_event_of_a_transfer_or_round(event: str, transfers: int, ticks: list[int]):
     assert counted(event, transfers) == ticks
 
 
@@ -61,9 +61,9 @@ def test_which_one_of_a_transfer_or_round_counts(event: str, transfers: int, tic
     st.sampled_from(["first", "last", "2nd"]),
     st.integers(1, 3),
 )
-def test_it_is_what_a_walk_over_the_records_gives(whats: list[str], which: str, transfers: int):
+def test_the_nth_event_agrees_with_a_loop_over_the_records(whats: list[str], which: str, transfers: int):
     of = [Record(i, i, Kind.BUS, "c", what, 0, "", 0) for i, what in enumerate(whats)]
-    told = played(f"count of {which} bus byte of round", of, 99, transfers=transfers)
+    made = played(f"count of {which} bus byte of round", of, 99, transfers=transfers)
     rounds: list[list[int]] = []
     starts = 0
     for at, what in enumerate(whats):
@@ -74,7 +74,7 @@ def test_it_is_what_a_walk_over_the_records_gives(whats: list[str], which: str, 
         elif what == "byte" and rounds:
             rounds[-1].append(at)
     wanted = sum(len(one) > 1 if which == "2nd" else bool(one) for one in rounds)
-    assert told.worst == wanted
+    assert made.worst == wanted
 
 
 FRAMES = "".join(
@@ -87,16 +87,16 @@ FRAMES = "".join(
     [("first", [100, 200, 230, 300]), ("last", [125, 200, 250, 300]), ("2nd", [110, 250])],
 )
 def test_a_pause_of_two_characters_ends_a_burst(which: str, ticks: list[int]):
-    """Characters of ten ticks; pauses of 0, 5, 65, 20 (no end, just as long: one more) and so on."""
+    """Characters have ten ticks. Pauses are 0, 5, 65, 20 ticks (here 21, since 20 do not end a burst) and so on."""
     of = sorted(
         records(FRAMES.replace("230 frame", "231 frame")), key=lambda record: (record.tick, record.what == "begin")
     )
-    told = played(f"level of SCI-A.SCIFFRX.RXFFST at {which} frame RX of burst", of, 999, keep=True)
-    assert [at - (at == 231) for at in told.all_kept()[1].tolist()] == ticks
+    made = played(f"level of SCI-A.SCIFFRX.RXFFST at {which} frame RX of burst", of, 999, keep=True)
+    assert [at - (at == 231) for at in made.all_kept()[1].tolist()] == ticks
 
 
-def test_from_the_last_byte_of_a_frame_to_the_models():
-    """The host's frames end 3.042 ms after each 20 ms, the models begin at 7.624 ms."""
+def test_the_time_from_the_last_byte_of_a_frame_to_the_models():
+    """In each period of 20 ms, the frame ends at 3.042 ms and the models begin at 7.624 ms."""
     text = "from last frame RX end of burst to edge MODEL rise"
     (verdict,) = run_file(
         "imu_hil_published", "0.1", f'budget=[{{name="b", measure="{text}", max="5 ms"}}]'
@@ -107,7 +107,7 @@ def test_from_the_last_byte_of_a_frame_to_the_models():
 # Levels at events -------------------------------------------------------------------------------------------------
 
 
-def test_the_level_at_an_event_is_that_of_the_last_change_before_it():
+def test_the_level_at_an_event_is_that_after_the_last_change_before_it():
     of = """
         10 flag dsp.SCI-A SCIFFRX.RXFFST 7
         20 irq  dsp SCIRXINTA 1
@@ -115,11 +115,11 @@ def test_the_level_at_an_event_is_that_of_the_last_change_before_it():
         30 irq  dsp SCIRXINTA 0
         40 irq  dsp SCIRXINTA 1
     """
-    assert came(played("level of SCI-A.SCIFFRX.RXFFST at interrupt SCIRXINTA enter", of)) == (8, 40, 7, 2)
-    assert came(played("level of SCI-A.SCIFFRX.RXFFST at bus START", "5 bus c START 0", value=3)) == (3, 5, 3, 1)
+    assert summary(played("level of SCI-A.SCIFFRX.RXFFST at interrupt SCIRXINTA enter", of)) == (8, 40, 7, 2)
+    assert summary(played("level of SCI-A.SCIFFRX.RXFFST at bus START", "5 bus c START 0", value=3)) == (3, 5, 3, 1)
 
 
-def test_the_fifo_at_service_routine_entry():
+def test_the_level_of_the_fifo_at_the_entry_of_its_service_routine():
     text = "level of SCI-A.SCIFFRX.RXFFST at interrupt SCIRXINTA enter"
     (verdict,) = run_file(
         "imu_hil_published", "0.1", f'budget=[{{name="b", measure="{text}", exactly=12}}]'
@@ -130,19 +130,19 @@ def test_the_fifo_at_service_routine_entry():
 # Jitter -----------------------------------------------------------------------------------------------------------
 
 
-def test_jitter_of_a_measure_is_from_value_to_value():
+def test_the_jitter_of_a_measure_is_the_difference_of_consecutive_values():
     jitter = measure_named("jitter of response", ONE)
-    told = HandMadeRun(jitter)
+    made = HandMadeRun(jitter)
     jitter.keep()
     for at, length in ((0, 5), (100, 9), (200, 8), (300, 8)):
-        told.transfer(read(GYRO, at=at, answer_from=at, answer_at=at + length))
+        made.transfer(read(GYRO, at=at, answer_from=at, answer_at=at + length))
     jitter.finish(999)
     assert jitter.all_kept()[0].tolist() == [4, 1, 0] and (jitter.measured, jitter.occasions) == (3, 3)
     assert (jitter.unit, jitter.needs) == ("time", "I2C-A")
 
 
 @pytest.mark.parametrize("text", ["response", "round", "age of gyroscope", "stretch", "slack", "fifo high-water"])
-def test_every_measure_that_takes_values_has_a_jitter(text: str):
+def test_every_measure_with_several_values_has_a_jitter(text: str):
     jitter, of = measure_named(f"jitter of {text}", ONE), measure_named(text, ONE)
     assert (jitter.unit, jitter.kinds, jitter.needs, jitter.series) == (of.unit, of.kinds, of.needs, True)
 
@@ -160,11 +160,11 @@ def test_every_measure_that_takes_values_has_a_jitter(text: str):
         ("jitter of", "'jitter of' ends where a measure or an event is expected"),
     ],
 )
-def test_what_has_no_jitter_is_refused(text: str, sentence: str):
+def test_a_jitter_of_measures_without_one_is_rejected(text: str, sentence: str):
     assert sentence_of(BadEvent, lambda: measure_named(text, ONE)) == sentence
 
 
-def test_an_access_counts_in_the_service_routine_only():
+def test_only_accesses_in_the_service_routine_are_counted():
     of = """
         10 access dsp W_I2C-A.I2CDXR 1
         20 irq    dsp SCIRXINTA 1
@@ -174,8 +174,8 @@ def test_an_access_counts_in_the_service_routine_only():
         44 access dsp W_I2C-A.I2CDXR 1
         45 access dsp W_I2C-A.I2CDXR 1
     """
-    assert came(played("count of first access W I2C-A.I2CDXR of interrupt dsp:SCIRXINTA", of)) == (1, 44, 1, 1)
-    assert came(played("count of last access by dsp of interrupt SCIRXINTA", of, 99)) == (1, 45, 1, 1)
+    assert summary(played("count of first access W I2C-A.I2CDXR of interrupt dsp:SCIRXINTA", of)) == (1, 44, 1, 1)
+    assert summary(played("count of last access by dsp of interrupt SCIRXINTA", of, 99)) == (1, 45, 1, 1)
 
 
 # Latency to the first access ---------------------------------------------------------------------------------------
@@ -193,6 +193,6 @@ def test_the_first_access_of_a_service_routine_ends_its_latency():
         70 flag   dsp.PIE PIEIFR9.INTx1 1
         75 irq    dsp     SCIRXINTA     1
     """
-    told = played("interrupt latency SCIRXINTA to first access", of)
-    assert came(told) == (21, 10, 21, 1)
-    assert told.close(99).startswith("'flag PIE.PIEIFR9.INTx1 rise' still waited for an access") and told.worst == 29
+    made = played("interrupt latency SCIRXINTA to first access", of)
+    assert summary(made) == (21, 10, 21, 1)
+    assert made.close(99).startswith("'flag PIE.PIEIFR9.INTx1 rise' still waited for an access") and made.worst == 29

@@ -1,4 +1,4 @@
-"""Read-modify-writes as they are made clear the same flags as a recording of the whole run tells of them."""
+"""Flags cleared by read-modify-writes, found during a run, agree with those found in the recording of the whole run."""
 
 from __future__ import annotations
 
@@ -38,14 +38,15 @@ FIELDS = ("", "SCD", "NACK")
 PLACES = ("f:1", "g:9", "h (m.c:7, 0x009001)", "h (m.c:7, 0x009003)", "h (m.c:8, 0x009005)")
 STATUS = st.sampled_from([0x00, 0x02, 0x20, 0x22])
 
-# Cycles behind the access before, what, its place, the field that it names, what is read or written.
+# Cycles after the access before, access, its place, the field that it names, the value that is read or written.
 access = st.tuples(
     st.integers(0, 30), st.sampled_from(ACCESSES), st.sampled_from(PLACES), st.sampled_from(FIELDS), STATUS
 )
 few = st.lists(access, max_size=3)
 flags = st.sets(st.sampled_from(["SCD", "NACK", "XRDY"]))
 gap = st.sampled_from([1, 40])
-# Rises, accesses, cycles; a read and a write that belong together, with what comes between them; what that clears.
+# Flags that are set, accesses, cycles; then a read-modify-write: place, field, flags set and accesses between its read
+# and its write, flags that the write clears.
 modify = st.tuples(flags, few, gap, st.sampled_from(PLACES), st.sampled_from(FIELDS), flags, few, flags)
 
 
@@ -54,7 +55,7 @@ def every(kind: Kind, where: str, what: str) -> bool:
 
 
 class Both:
-    """All records of a run, and what is made of them as they come."""
+    """All records of a run, and the read-modify-writes that are found during the run."""
 
     def __init__(self) -> None:
         self.all, self.made, self.recorder = Columns(), Modifies(every, every, True), Recorder()
@@ -67,7 +68,7 @@ class Both:
         return self.recorder.emit(self.now, Kind.ACCESS, "dsp", what, value, place, field)
 
     def modify(self, read: int, wrote: int, field: str = "", routine: int = 0) -> int:
-        """A read and, 100 cycles after what was before, its write at the same place; return the number of the write."""
+        """Add a read, 100 cycles after the last record, and its write at the same place. Return the write's number."""
         self.now += 100 * CYCLE
         self.access("R I2C-A.I2CSTR", read, "f:1", field)
         self.now += 2 * CYCLE
@@ -87,7 +88,7 @@ class Both:
         self.recorder.cause = 0
 
     def flags(self) -> list[LostFlag]:
-        """As the recording tells them."""
+        """The lost flags that are found in the recording."""
         table = self.all.table(Fraction(HZ * CYCLE), self.now, {"dsp": ("I2C-A",)}, {})
         try:
             run = Run(table, sysclk=HZ)
@@ -103,7 +104,7 @@ class Both:
         return sorted(tick for flag in self.flags() if flag.flag == name for tick in flag.cleared)
 
     def worked_out(self, name: str = "") -> list[int]:
-        """Ticks at which flags were lost, or one was cleared, by what the records mean."""
+        """Ticks at which flags were lost, or flag `name` was cleared, computed from the meaning of the records."""
         table = self.all.table(Fraction(HZ * CYCLE), self.now, {"dsp": ("I2C-A",)}, {})
         found = read_modify_writes(Run(table, sysclk=HZ), "dsp")
         of = {record.number: record for record in table.records()}
@@ -134,7 +135,7 @@ class Both:
 NONE = (0, NO_TIME)
 
 
-def told(cleared: Cleared) -> tuple[int, int]:
+def summary(cleared: Cleared) -> tuple[int, int]:
     return cleared.count, cleared.first
 
 
@@ -144,7 +145,7 @@ def counted(ticks: list[int]) -> tuple[int, int]:
 
 @settings(max_examples=200)
 @given(st.lists(modify, max_size=6))
-def test_of_every_write_the_same_is_told_as_by_a_recording(of: list[Any]):
+def test_flags_found_during_a_run_are_those_found_in_its_recording(of: list[Any]):
     both = Both()
     for rises, before, cycles, place, field, late, between, cleared in of:
         for name in rises:
@@ -160,40 +161,42 @@ def test_of_every_write_the_same_is_told_as_by_a_recording(of: list[Any]):
         for name in cleared:
             both.flag(name, 0, wrote)
     both.made.finish()
-    assert told(both.made.cleared()) == counted(both.lost()) and both.lost() == both.worked_out()
+    assert summary(both.made.cleared()) == counted(both.lost()) and both.lost() == both.worked_out()
     for name in ("SCD", "NACK"):
-        assert told(both.made.cleared(name)) == counted(both.cleared(name))
+        assert summary(both.made.cleared(name)) == counted(both.cleared(name))
         assert both.cleared(name) == both.worked_out(name)
 
 
 def along(routine: int = 0, field: str = "") -> Both:
-    """SCD is cleared by writing back all that was read; NACK rose before, and nobody has looked at it."""
+    """SCD is cleared by writing back all that was read. NACK was set before, and no read has looked at it."""
     both = Both()
     both.flag("NACK", 1)
     both.flag("NACK", 0, both.modify(0x22, 0x22, field, routine))
     return both
 
 
-def test_a_flag_that_goes_along_with_the_one_that_was_named_is_lost_and_the_one_named_is_not():
+def test_only_the_flag_cleared_along_with_the_named_one_is_lost():
     both = along(field="SCD")
     both.flag("SCD", 0, both.recorder.number - 1)
     both.made.finish()
-    assert told(both.made.cleared()) == counted(both.lost()) == (1, 102 * CYCLE) == told(both.made.cleared("NACK"))
-    assert told(both.made.cleared("SCD")) == counted(both.cleared("SCD")) == NONE
+    assert (
+        summary(both.made.cleared()) == counted(both.lost()) == (1, 102 * CYCLE) == summary(both.made.cleared("NACK"))
+    )
+    assert summary(both.made.cleared("SCD")) == counted(both.cleared("SCD")) == NONE
 
 
-def test_the_read_of_a_write_at_the_same_place_is_no_look_at_a_flag_and_that_of_another_is():
+def test_only_a_read_at_another_place_counts_as_having_read_the_flag():
     both = along()
     both.flag("NACK", 1)
-    both.modify(0x22, 0x20)  # it does not clear the flag, and has read it
+    both.modify(0x22, 0x20)  # reads the flag and does not clear it
     both.flag("NACK", 0, both.modify(0x22, 0x20))
-    both.modify(0x00, 0x20)  # SCD alone is what this place means
+    both.modify(0x00, 0x20)  # shows that this place intends to clear only SCD
     both.made.finish()
-    assert both.lost() == [102 * CYCLE, 306 * CYCLE] and told(both.made.cleared()) == (2, 102 * CYCLE)
+    assert both.lost() == [102 * CYCLE, 306 * CYCLE] and summary(both.made.cleared()) == (2, 102 * CYCLE)
 
 
 @pytest.mark.parametrize(("later", "by_the_write"), [(1, True), (0, False)])
-def test_a_flag_that_falls_later_or_by_something_else_is_not_cleared_by_the_write(later: int, by_the_write: bool):
+def test_a_flag_cleared_later_or_by_another_cause_is_not_cleared_by_the_write(later: int, by_the_write: bool):
     both = Both()
     both.flag("NACK", 1)
     both.access("R I2C-A.I2CSTR", 0x22, "f:1", "SCD")
@@ -201,16 +204,16 @@ def test_a_flag_that_falls_later_or_by_something_else_is_not_cleared_by_the_writ
     both.now += later
     both.flag("NACK", 0, wrote if by_the_write else 0)
     both.made.finish()
-    assert told(both.made.cleared()) == counted(both.lost()) == NONE
+    assert summary(both.made.cleared()) == counted(both.lost()) == NONE
 
 
-def test_a_write_of_another_routine_is_none_of_the_read():
+def test_a_write_in_another_routine_does_not_belong_to_the_read():
     both = along(routine=7, field="SCD")
     both.made.finish()
-    assert told(both.made.cleared()) == counted(both.lost()) == NONE
+    assert summary(both.made.cleared()) == counted(both.lost()) == NONE
 
 
-def test_nothing_is_kept_of_polls_that_no_write_follows():
+def test_polls_without_a_following_write_are_not_kept():
     both = Both()
     for _ in range(1000):
         both.now += 100 * CYCLE
@@ -219,7 +222,7 @@ def test_nothing_is_kept_of_polls_that_no_write_follows():
     assert recent.oldest is recent.newest is not None
 
 
-def test_writes_are_counted_with_a_read_or_without():
+def test_writes_are_counted_with_or_without_a_read():
     both = along()
     both.now += 50 * CYCLE
     both.access("W I2C-A.I2CSTR", 0x20, "f:2", "")

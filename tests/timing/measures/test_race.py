@@ -1,4 +1,4 @@
-"""Budgets on races and lost flags: the same as `races` finds in the recording, and never a pass for nothing."""
+"""Budgets on races and lost flags agree with `races` on the recording, and do not pass if nothing was measured."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def polls(dsp: Dsp) -> None:
 
 
 @pytest.mark.parametrize("name", [STR, f"{STR}.RRDY"])
-def test_a_budget_finds_what_the_recording_shows(monkeypatch: pytest.MonkeyPatch, name: str):
+def test_a_budget_on_races_agrees_with_the_recording(monkeypatch: pytest.MonkeyPatch, name: str):
     writes = asks(write="010203", count=0)
     run = ran(monkeypatch, polls, **writes)
     closest = races(run, name).closest
@@ -45,13 +45,13 @@ def test_a_budget_finds_what_the_recording_shows(monkeypatch: pytest.MonkeyPatch
     assert verdict.at_s == pytest.approx(found.tick[found.cycles.argmin()] / 3e9)
 
 
-def test_a_field_that_nobody_looked_at_is_not_judged():
-    """BB changes while RRDY is polled, and is never read."""
+def test_a_field_that_was_never_read_is_not_judged():
+    """BB changes while RRDY is polled, but BB is never read."""
     (verdict,) = judged(polls, {"measure": f"race {STR}.BB", "min": 1}, **asks(write="010203", count=0))
     assert (verdict.verdict, verdict.count) == ("not judged", 0) and f"no read of {STR}.BB had" in verdict.found
 
 
-def test_the_limit_is_in_cycles(monkeypatch: pytest.MonkeyPatch):
+def test_the_limit_of_a_race_is_in_cycles(monkeypatch: pytest.MonkeyPatch):
     writes = asks(write="010203", count=0)
     closest = races(ran(monkeypatch, polls, **writes), f"{STR}.RRDY").closest
     kept, broken = judged(
@@ -63,7 +63,7 @@ def test_the_limit_is_in_cycles(monkeypatch: pytest.MonkeyPatch):
 def drops(wait: bool):
     def main(dsp: Dsp) -> None:
         i2c = started_i2c(dsp, ADDRESS)
-        dsp.compute(180_000)  # 1.2 ms: the first byte is in, the STOP is not
+        dsp.compute(180_000)  # 1.2 ms: after the first byte, before the STOP
         if wait:
             dsp.spin(lambda: i2c.I2CSTR.RRDY == 1)
         i2c.I2CSTR.SCD = 1
@@ -97,8 +97,8 @@ def test_a_plain_write_loses_no_flag_and_is_judged():
 
 
 @pytest.mark.parametrize(("second_poll", "silent"), [(0, True), (1010, False)])
-def test_polls_that_cannot_be_told_prove_nothing(second_poll: int, silent: bool):
-    """A wait of which only the first and the last poll are there does not say how long its passes are."""
+def test_a_wait_whose_polls_cannot_be_reconstructed_is_not_judged(second_poll: int, silent: bool):
+    """If only the first and the last poll of a wait are recorded, the length of its passes is unknown."""
     of = "20000 access dsp R_I2C-A.I2CSTR 0"
     of += f"\n{20 * second_poll} access dsp R_I2C-A.I2CSTR 0" * bool(second_poll)
     of += "\n30140 flag dsp.I2C-A I2CSTR.RRDY 1\n30200 access dsp R_I2C-A.I2CSTR 8"
@@ -122,7 +122,7 @@ def idles(dsp: Dsp) -> None:
         ("lost flags", {"max": 9}, "the firmware never wrote a register with flags that writing 1"),
     ],
 )
-def test_nothing_seen_is_not_judged(measure: str, limit: dict[str, int], sentence: str):
+def test_a_measure_without_relevant_accesses_is_not_judged(measure: str, limit: dict[str, int], sentence: str):
     (verdict,) = judged(idles, {"measure": measure, **limit}, **asks(write="01", count=0))
     assert (verdict.verdict, verdict.worst) == ("not judged", None) and verdict.found.startswith(sentence)
 
@@ -139,19 +139,19 @@ def test_nothing_seen_is_not_judged(measure: str, limit: dict[str, int], sentenc
         ("lost flags", {"p99": 0}, "is one number a run and has no percentiles"),
     ],
 )
-def test_what_cannot_be_limited_is_refused(measure: str, limit: dict[str, Any], sentence: str):
+def test_invalid_budgets_on_races_are_rejected(measure: str, limit: dict[str, Any], sentence: str):
     assert sentence in sentence_of(BadCase, lambda: judged(idles, {"measure": measure, **limit}))
 
 
-def test_over_a_recording_without_such_accesses_it_says_so(monkeypatch: pytest.MonkeyPatch):
+def test_a_recording_without_relevant_accesses_is_rejected_with_a_reason(monkeypatch: pytest.MonkeyPatch):
     run = ran(monkeypatch, idles)
     with pytest.raises(NotInRun, match="never accessed"):
         timing.races(run.table, STR)
     assert len(timing.lost_flags(run.table)) == 0
 
 
-def test_a_flag_that_was_read_but_not_looked_at_is_lost_and_cleared_along():
-    """A service routine of 40 us: SDIR has risen when RRDY is read, is cleared with SCD, and then waited for."""
+def test_a_flag_read_only_along_with_another_is_lost_and_cleared_along():
+    """SDIR is set during a service routine of 40 us and cleared along with SCD. The firmware then waits for it."""
     changes = ["unit.dsp.settings.frame_cost=40 us", "controller.rate=400 kHz", "host.first=3990 us"]
     flawed = load(TIMING / "imu_hil_published.toml", changes)
     names = ("lost flags I2C-A.I2CSTR", "cleared along I2C-A.I2CSTR.SDIR", "cleared along I2C-A.I2CSTR.SCD")

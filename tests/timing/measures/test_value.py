@@ -1,4 +1,4 @@
-"""Values against the truth, and budgets on value and time together."""
+"""Errors of values compared with the truth, and budgets that join value and time."""
 
 from __future__ import annotations
 
@@ -38,8 +38,11 @@ def error(**more: Any) -> dict[str, Any]:
 
 @settings(max_examples=6)
 @given(st.integers(2_000, 18_000), st.sampled_from(["gyroscope", "accelerometer"]))
-def test_it_is_the_age_times_how_fast_the_truth_moves(first_us: int, chip: str):
-    """The ramp's fastest axis moves 5 or 13 LSB a period; a value is as old as its frame was due before the bit."""
+def test_the_value_error_is_the_age_times_the_rate_of_change(first_us: int, chip: str):
+    """The fastest axis of the ramp changes by 5 or 13 LSB per period.
+
+    The age of a value is the time from the due time of its frame to the first data bit.
+    """
     axes, fastest = (slice(0, 3), 5) if chip == "gyroscope" else (slice(3, 6), 13)
     ran = run(error(measure=f"value error of {chip}", after="50 ms"), changes=(f"host.first={first_us} us",))
     ages = []
@@ -54,7 +57,7 @@ def test_it_is_the_age_times_how_fast_the_truth_moves(first_us: int, chip: str):
     assert verdict.count == len(ages) == 2
 
 
-def test_at_the_frame_only_what_the_firmware_made_of_it_is_left():
+def test_the_value_error_at_the_frame_shows_only_errors_of_the_firmware():
     assert judged(error(measure="value error at frame", max=0, after="30 ms"))[0].verdict == "pass"
     fixed = ('unit.dsp.settings.table={"0x68"="00 64 00 64 00 64"}',)
     (wrong,) = judged(error(measure="value error of gyroscope at frame", max=0, after="30 ms"), changes=fixed)
@@ -62,14 +65,14 @@ def test_at_the_frame_only_what_the_firmware_made_of_it_is_left():
 
 
 @pytest.mark.parametrize("period", ["2.5 ms", "1.1 ms"])
-def test_a_read_is_compared_with_every_frame_since_the_one_that_fitted_the_read_before(period: str):
-    """Eight frames, and eighteen, come between the models and the read of what they made."""
+def test_a_read_is_compared_with_every_frame_since_the_one_of_the_read_before(period: str):
+    """Between the run of the models and the read of their values there are eight or eighteen frames."""
     budget = error(measure="value error at frame", max=0, after="30 ms")
     assert judged(budget, changes=(f"host.period={period}",))[0].verdict == "pass"
 
 
-def test_a_read_that_may_fit_a_frame_which_is_no_longer_kept_is_not_judged():
-    """What the firmware shows stays at the first frame, while 80 more come."""
+def test_a_read_whose_frame_may_no_longer_be_kept_is_not_judged():
+    """The chip shows the values of the first frame, while 80 more frames are sent."""
     stays = 'unit.dsp.settings.table={"0x68"="00 01 03 e8 f8 30"}'
     budget = error(measure="value error of gyroscope at frame", max="2000 LSB")
     (verdict,) = judged(budget, changes=(stays, "host.period=1.1 ms"))
@@ -77,39 +80,43 @@ def test_a_read_that_may_fit_a_frame_which_is_no_longer_kept_is_not_judged():
     assert verdict.found.endswith("may fit frames that were not compared with them")
 
 
-def test_what_was_read_before_anything_had_come_is_left_out_by_its_time():
+def test_reads_before_the_first_frame_are_left_out_by_after():
     early, late = judged(error(max=300), error(name="late", after="20 ms", max=300))
-    assert (early.verdict, late.verdict) == ("fail", "pass")  # zeros until the first frame was worked on
+    assert (early.verdict, late.verdict) == ("fail", "pass")  # zeros until the first frame was processed
     assert early.count == late.count + 3 and early.worst == pytest.approx(2000, abs=1)
 
 
 def joined(worst: int | str, age: str = "25 ms", chip: str = "gyroscope") -> dict[str, Any]:
     also = [{"measure": f"value error of {chip}", "max": worst}]
     budget = {"name": "fresh", "measure": "age of gyroscope", "max": age, "and": also, "why": "both"}
-    return budget | {"after": "20 ms"}  # zeros until then
+    return budget | {"after": "20 ms"}  # the values are zeros until then
 
 
-def test_value_and_time_hold_together():
+def test_joined_conditions_on_value_and_time():
     kept, stale, wrong = judged(
         joined("6 LSB"), {**joined("6 LSB", age="22 ms"), "name": "stale"}, {**joined(2), "name": "wrong"}
     )
-    told = "age of gyroscope 22.153 ms at 0.025195 s (max {}); "
-    told += "value error of gyroscope 5.82375 LSB at 0.025195 s (max {})"
+    expected = "age of gyroscope 22.153 ms at 0.025195 s (max {}); "
+    expected += "value error of gyroscope 5.82375 LSB at 0.025195 s (max {})"
     assert (kept.verdict, kept.measure, kept.margin) == ("pass", "age of gyroscope", 2846.6667)
-    assert kept.found == told.format("25 ms", "6 LSB")
-    assert (stale.verdict, stale.measure, stale.found) == ("fail", "age of gyroscope", told.format("22 ms", "6 LSB"))
+    assert kept.found == expected.format("25 ms", "6 LSB")
+    assert (stale.verdict, stale.measure, stale.found) == (
+        "fail",
+        "age of gyroscope",
+        expected.format("22 ms", "6 LSB"),
+    )
     assert (wrong.verdict, wrong.measure, wrong.unit) == ("fail", "value error of gyroscope", "LSB")
-    assert (wrong.worst, wrong.limit, wrong.found, wrong.why) == (5.82375, 2.0, told.format("25 ms", "2"), "both")
+    assert (wrong.worst, wrong.limit, wrong.found, wrong.why) == (5.82375, 2.0, expected.format("25 ms", "2"), "both")
     assert [v.name for v in (kept, stale, wrong)] == ["fresh", "stale", "wrong"]
 
 
-def test_only_the_occurrences_of_the_first_one_count():
-    """Values of all chips are compared, but only where the first measure has a value: at reads of the gyroscope."""
+def test_only_occurrences_of_the_first_condition_are_judged():
+    """The first condition is about the gyroscope, so only reads of the gyroscope are compared."""
     alone, together = judged(error(after="20 ms", max=99), joined(6))
     assert (alone.count, together.count) == (12, 4)
 
 
-def test_an_occurrence_without_a_second_value_proves_nothing():
+def test_an_occurrence_without_a_second_value_is_not_judged():
     (verdict,) = judged(joined(99, chip="magnetometer"))
     assert (verdict.verdict, verdict.worst) == ("not judged", None)
     assert verdict.found.endswith("'value error of magnetometer' has no value for 4 of 4 values of 'age of gyroscope'")
@@ -144,16 +151,16 @@ def test_an_occurrence_without_a_second_value_proves_nothing():
         (error(after="1"), "budget.error.after: '1' has no unit"),
     ],
 )
-def test_what_cannot_be_joined_or_limited_is_refused(budget: dict[str, Any], sentence: str):
+def test_invalid_joined_conditions_and_limits_are_rejected(budget: dict[str, Any], sentence: str):
     assert sentence in sentence_of(BadCase, lambda: judged(budget))
 
 
-def test_without_a_host_there_is_no_truth():
+def test_value_error_needs_a_host():
     with pytest.raises(BadCase, match="'value error' needs host in the scene, which has none"):
         run_file("responder", "0.01", "budget = [{name = 'a', measure = 'value error', max = 1}]")
 
 
-def test_what_the_worst_is_compared_with_and_all_values_are_of_the_condition_that_is_shown():
+def test_typical_value_and_all_values_belong_to_the_condition_that_is_shown():
     ran = run(joined(2))
     (verdict,), (usual,), (values,) = (
         ran.result.budgets,

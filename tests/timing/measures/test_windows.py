@@ -1,4 +1,4 @@
-"""Every place that keeps only the last so many of something, with what happens where an older one is needed."""
+"""Every place of the product that keeps only the last items of a sequence, and the effect if an older one is needed."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ ROOT = Path(periph_sim.__file__).parent
 PACKAGES = ("timing", "records", "interfaces/reports/explain", "scene", "devices", "processor")
 
 WINDOWS = {
-    ("timing/derived/origins.py", "deque"): "a frame history, or a verdict that is not judged, stands behind it",
-    ("timing/derived/origins.py", "slice"): "what is passed over is counted as left out; _anew only finds more",
-    ("timing/derived/error_records.py", "deque"): "a read that may fit a frame which was left out is not judged",
-    ("devices/chips/adxl345.py", "slice"): "the chip's own FIFO",
-    ("scene/serial/send_schedule.py", "slice"): "as many characters as the text has that they are compared with",
+    ("timing/derived/origins.py", "deque"): "older frames are in a frame history, or the verdict is not judged",
+    ("timing/derived/origins.py", "slice"): "omitted chains are counted as left out; _anew only finds more",
+    ("timing/derived/error_records.py", "deque"): "a read that may belong to an omitted frame is not judged",
+    ("devices/chips/adxl345.py", "slice"): "the FIFO of the chip",
+    ("scene/serial/send_schedule.py", "slice"): "as many characters as in the text that they are compared with",
     ("records/subject.py", "slice"): "the parts of a name",
     ("processor/image_files/assemble.py", "slice"): "the last two names of a path",
-    ("records/cause_trace/causes.py", "slice"): "`why` says that it searched no further",
+    ("records/cause_trace/causes.py", "slice"): "`why` reports that it searched no further",
 }
 
 
@@ -33,7 +33,7 @@ def windows(path: Path) -> Iterator[str]:
                 yield "slice"
 
 
-def test_every_window_that_forgets_is_known_with_what_happens_then():
+def test_every_limited_window_is_listed_with_its_effect():
     found = {
         (path.relative_to(ROOT).as_posix(), kind)
         for package in PACKAGES

@@ -1,4 +1,4 @@
-"""Measures of events, record by record: what they need recorded, what is not over, what they say of nothing."""
+"""Measures of events: the records that they need, unfinished occurrences, and reasons why nothing was measured."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from periph_sim.core.records import Kind
 from periph_sim.timing.language.events import matcher
 from periph_sim.timing.measures.event import subjects_of
 from periph_sim.timing.measures.factory import measure_named
-from tests.timing.events_by_hand import ONE, came, played, records, tell
+from tests.timing.events_by_hand import ONE, feed, played, records, summary
 
-CAME = "10 edge SCL level 1\n20 edge SCL level 0\n25 edge SCL level 1\n60 edge SCL level 1"
+RISES = "10 edge SCL level 1\n20 edge SCL level 0\n25 edge SCL level 1\n60 edge SCL level 1"
 
 
-def test_a_period_is_told_with_where_it_began_and_what_is_not_over_counts():
-    period = played("period of edge SCL rise", CAME)
-    assert came(period) == (35, 25, 15, 2)
+def test_a_period_has_the_time_of_its_begin_and_an_unfinished_one_counts():
+    period = played("period of edge SCL rise", RISES)
+    assert summary(period) == (35, 25, 15, 2)
     assert period.unfinished(70) == [(10, 60)] and period.close(70) == ""
     assert period.close(96) == "'edge SCL rise' did not come again before the run ended" and period.worst == 36
     assert measure_named("period of edge SCL rise", ONE).unfinished(70) == []
@@ -80,16 +80,16 @@ def test_why_nothing_was_measured(text: str, of: str, missing: str):
     assert played(text, of, 99, level=0).missing() == missing
 
 
-def test_a_jitter_of_one_value_has_none_and_of_none_says_why():
+def test_a_jitter_needs_two_values():
     jitter = measure_named("jitter of edge SCL rise", ONE)
     assert jitter.missing() == "no event matched 'edge SCL rise'"
-    tell(jitter, records("5 edge SCL level 1\n6 edge SCL level 1"))
+    feed(jitter, records("5 edge SCL level 1\n6 edge SCL level 1"))
     assert jitter.silent and jitter.missing() == "there was only one value, and a jitter needs two"
-    tell(jitter, records("9 edge SCL level 1\n10 edge SCL level 1"))
-    assert came(jitter) == (2, 6, 2, 2)  # periods of 1, 3 and 1
+    feed(jitter, records("9 edge SCL level 1\n10 edge SCL level 1"))
+    assert summary(jitter) == (2, 6, 2, 2)  # periods of 1, 3 and 1
 
 
-# What must be recorded ------------------------------------------------------------------------------------------------
+# Records that must be made --------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -108,11 +108,11 @@ def test_a_jitter_of_one_value_has_none_and_of_none_says_why():
         ([], {}),
     ],
 )
-def test_what_events_need_recorded(events: list[str], needed: dict[Kind, set[str]]):
+def test_the_records_that_events_need(events: list[str], needed: dict[Kind, set[str]]):
     assert subjects_of([matcher(event, ONE) for event in events]) == needed
 
 
-def test_an_event_of_a_group_needs_its_begin_and_end_as_well():
+def test_an_event_of_a_group_also_needs_the_begin_and_end_of_the_group():
     burst = measure_named("period of last frame TX error of burst", ONE)
     assert (burst.kinds, burst.subjects) == ({Kind.FRAME}, {Kind.FRAME: {"TX"}})
     transfer = measure_named("period of first edge SCL rise of transfer", ONE)
@@ -140,16 +140,16 @@ STARTS = "\n".join(
         ("first bus START of round", [30, 50, 70]),
     ],
 )
-def test_rounds_begin_behind_the_transfers_of_the_start_up(event: str, at: list[int]):
-    def rounds_of_two_behind_three_transfers() -> Callable[[], bool]:
+def test_rounds_begin_after_the_transfers_of_the_start_up(event: str, at: list[int]):
+    def rounds_of_two_after_three_transfers() -> Callable[[], bool]:
         return chain([False] * 3, cycle([True, False])).__next__
 
-    period = played(f"period of {event}", STARTS, 99, keep=True, rounds_at_start=rounds_of_two_behind_three_transfers)
+    period = played(f"period of {event}", STARTS, 99, keep=True, rounds_at_start=rounds_of_two_after_three_transfers)
     assert period.all_kept()[1].tolist() == at[:-1]
     assert period.first_seen == len(at) and period.seen(0) == period.seen(1) == bool(at)
 
 
-def test_the_latency_to_the_first_access_is_that_of_its_own_unit():
+def test_the_latency_to_the_first_access_ignores_accesses_of_other_units():
     of = """
         10 flag   dsp.PIE PIEIFR9.INTx1 1
         20 irq    dsp     SCIRXINTA     1
@@ -158,12 +158,12 @@ def test_the_latency_to_the_first_access_is_that_of_its_own_unit():
         40 irq    dsp     SCIRXINTA     1
         44 access dsp     R_SCI-A.SCIRXBUF 1
     """
-    told = played("interrupt latency SCIRXINTA to first access", of)
-    assert came(told) == (21, 10, 21, 1) and told.unfinished(99) == []  # the second entry had no request
+    measure = played("interrupt latency SCIRXINTA to first access", of)
+    assert summary(measure) == (21, 10, 21, 1) and measure.unfinished(99) == []  # the second entry had no request
 
 
-def test_an_access_before_the_routine_is_entered_is_not_its_first():
+def test_an_access_before_the_entry_of_the_routine_is_not_its_first():
     of = "10 flag dsp.PIE PIEIFR9.INTx1 1\n20 irq dsp SCIRXINTA 1\n31 access dsp R_SCI-A.SCIRXBUF 1\n"
     of += "70 flag dsp.PIE PIEIFR9.INTx1 1\n72 access dsp W_I2C-A.I2CDXR 1\n75 irq dsp SCIRXINTA 1\n"
-    told = played("interrupt latency SCIRXINTA to first access", f"{of}80 access dsp R_SCI-A.SCIRXBUF 1")
-    assert came(told) == (21, 10, 10, 2)
+    measure = played("interrupt latency SCIRXINTA to first access", f"{of}80 access dsp R_SCI-A.SCIRXBUF 1")
+    assert summary(measure) == (21, 10, 10, 2)
